@@ -1,0 +1,3 @@
+//! The `meniscus` program.
+
+fn main() {}

@@ -1,0 +1,1 @@
+//! First surfaces for holes.
