@@ -1,0 +1,52 @@
+//! Polygons as a file gives them, before any repair.
+
+use super::DVec3;
+
+/// Positions and polygons in file order, with the attributes that survive a fill.
+///
+/// Nothing is checked beyond index ranges and finite coordinates: faces may be degenerate,
+/// duplicated, inconsistently oriented or unconnected (STL).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Soup {
+    /// Vertex positions, in the units and the order of the file.
+    pub positions: Vec<DVec3>,
+    /// Corner vertex indices of all polygons, one polygon after the other.
+    pub corners: Vec<u32>,
+    /// Where each polygon starts in `corners`; one more entry than polygons (empty means none).
+    pub offsets: Vec<u32>,
+    /// Red, green, blue (and alpha, 1 where the file has none) per vertex, in the file's own scale
+    /// brought to 0..=1; empty if the file has no colours.
+    pub colors: Vec<[f32; 4]>,
+    /// For each polygon the index of its tag in `tags`; empty if the file has no groups.
+    pub face_tags: Vec<u32>,
+    /// Groups, objects and materials that occur, in order of first use.
+    pub tags: Vec<FaceTag>,
+    /// Whether positions are known to be repeated once per face (STL), so that welding equal
+    /// positions is what the format means.
+    pub exploded: bool,
+    /// Plain-word remarks of the reader, for the load report ("material library x.mtl not read").
+    pub notes: Vec<String>,
+}
+
+/// What an OBJ file says of a run of faces.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct FaceTag {
+    /// `o` name, empty if none.
+    pub object: String,
+    /// `g` name, empty if none.
+    pub group: String,
+    /// `usemtl` name, empty if none.
+    pub material: String,
+}
+
+impl Soup {
+    /// Number of polygons.
+    pub fn face_count(&self) -> usize {
+        self.offsets.len().saturating_sub(1)
+    }
+
+    /// The corners of polygon `f`.
+    pub fn face(&self, f: usize) -> &[u32] {
+        &self.corners[self.offsets[f] as usize..self.offsets[f + 1] as usize]
+    }
+}
