@@ -1,1 +1,28 @@
-//! The flows.
+//! The flows: `∂x/∂t = −δE` for `E(S) = ∫ f(H, K) dA` over a region of a Loop limit surface.
+//!
+//! Signs, once for all: the normal `n` points to the side from which faces are seen
+//! counter-clockwise; `H = (k1 + k2)/2` is negative on a sphere with outward normal, `K` positive.
+//! Flipping the orientation flips `n` and `H`, not `K`. `Δx = 2Hn`, `□x = 2Kn`.
+
+mod assembly;
+mod control;
+pub mod energy;
+mod error;
+mod flow;
+pub mod forms;
+mod kernel;
+mod mixed;
+mod normal;
+mod normals;
+mod problem;
+mod survey;
+
+pub use assembly::{Assembler, EnergySum, Unknowns};
+pub use control::{Attempt, Control, Mode, Progress, STOP, Tau};
+pub use error::SolverError;
+pub use flow::{End, Flow, FlowOptions, Outcome, Scheme, StepRecord};
+pub use mixed::{LinearSolver, MixedFlow};
+pub use normal::NormalFlow;
+pub use normals::LimitNormals;
+pub use problem::{COLLAR_RINGS, FlowProblem};
+pub use survey::{Survey, survey};

@@ -1,0 +1,143 @@
+//! Step size, acceptance and the stopping rule (formulation, section 6).
+
+use crate::linear::GmresReport;
+use crate::solver::assembly::EnergySum;
+
+/// What the flow is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Mode {
+    /// The stationary shape in as few steps as possible.
+    #[default]
+    Fast,
+    /// The flow in true time, for watching.
+    Flow,
+}
+
+/// How the time step is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum Tau {
+    /// Grown after accepted, shrunk after rejected steps.
+    #[default]
+    Auto,
+    /// Always this one (length² / unit of f), shrunk only where a step is rejected.
+    Fixed(f64),
+}
+
+/// How a step was computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// With a matrix of the current point.
+    Factorized,
+    /// With an earlier factor and quasi-Newton updates.
+    QuasiNewton,
+    /// Scheme A, by GMRES.
+    Krylov,
+}
+
+/// The outcome of one attempted step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attempt {
+    /// Whether the state moved.
+    pub accepted: bool,
+    /// Largest displacement of a vertex; 0 if rejected.
+    pub longest: f64,
+    /// How it was computed.
+    pub progress: Progress,
+    /// Whether a quasi-Newton phase ended with this step.
+    pub stale: bool,
+    /// Scheme A: how the linear solve went.
+    pub linear: Option<GmresReport>,
+    /// Why it was rejected, if there is more to say than "the energy rose".
+    pub note: Option<String>,
+}
+
+impl Attempt {
+    pub(crate) fn accepted(longest: f64, progress: Progress) -> Self {
+        Self {
+            accepted: true,
+            longest,
+            progress,
+            stale: false,
+            linear: None,
+            note: None,
+        }
+    }
+
+    pub(crate) fn rejected(note: Option<String>) -> Self {
+        Self {
+            accepted: false,
+            longest: 0.0,
+            progress: Progress::Factorized,
+            stale: false,
+            linear: None,
+            note,
+        }
+    }
+}
+
+impl EnergySum {
+    /// Whether a step to `new` may be taken: finite, and not above by more than rounding.
+    pub fn admits(&self, new: &Self) -> bool {
+        new.value.is_finite() && new.value <= self.value + 1e-12 * self.scale
+    }
+}
+
+/// Relative displacement (of the hole radius) under which a step counts as none.
+pub const STOP: f64 = 1e-6;
+/// τ below this fraction of `τ_ref` means that the flow is stuck.
+const COLLAPSE: f64 = 1e-14;
+const SHRINK: f64 = 8.0;
+/// Growth stops here (as a multiple of `τ_ref`): the step is Newton's by then.
+const CEILING: f64 = 1e12;
+
+/// The time step's law.
+#[derive(Clone, Copy, Debug)]
+pub struct Control {
+    /// The next step's τ.
+    pub tau: f64,
+    /// The natural time of the hole, `r² / f̂`.
+    pub tau_ref: f64,
+    growth: f64,
+    wanted: Option<f64>,
+}
+
+impl Control {
+    /// The law for a mode; `gentle` is a τ at which no vertex moves by more than an edge.
+    pub fn new(mode: Mode, tau: Tau, tau_ref: f64, gentle: f64) -> Self {
+        let (start, growth, wanted) = match (tau, mode) {
+            (Tau::Fixed(t), _) => (t, 1.0, Some(t)),
+            (Tau::Auto, Mode::Fast) => (2.0 * tau_ref, 10.0, None),
+            (Tau::Auto, Mode::Flow) => (gentle.clamp(1e-9 * tau_ref, tau_ref), 4.0, None),
+        };
+        Self {
+            tau: start,
+            tau_ref,
+            growth,
+            wanted,
+        }
+    }
+
+    /// The τ that follows an accepted step.
+    pub fn next(&self) -> f64 {
+        match self.wanted {
+            Some(t) => t.min(2.0 * self.tau),
+            None => (self.tau * self.growth).min(CEILING * self.tau_ref),
+        }
+    }
+
+    /// A factorized step was accepted.
+    pub fn accept(&mut self) {
+        self.tau = self.next();
+    }
+
+    /// A step was rejected. Returns whether τ has collapsed.
+    pub fn reject(&mut self) -> bool {
+        self.tau /= SHRINK;
+        self.tau < COLLAPSE * self.tau_ref.min(self.wanted.unwrap_or(f64::INFINITY))
+    }
+
+    /// Displacement of a step of time `tau`, brought to `τ_ref`, over the hole radius.
+    pub fn residual(&self, longest: f64, tau: f64, radius: f64) -> f64 {
+        longest / radius * (self.tau_ref / tau).max(1.0)
+    }
+}

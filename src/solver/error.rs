@@ -1,0 +1,67 @@
+//! What can keep a flow from starting or from going on.
+
+use crate::linear::LinearError;
+use crate::mesh::TopologyError;
+
+/// Why a flow cannot be set up or continued.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum SolverError {
+    /// The region is not an oriented manifold.
+    #[error("the region to solve on is not an oriented manifold: {0}")]
+    Topology(#[from] TopologyError),
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} of the region has a coordinate that is not a finite number")]
+    NotFinite {
+        /// The local vertex.
+        vertex: usize,
+    },
+    /// A vertex index is out of range.
+    #[error("interior vertex {vertex} does not exist")]
+    NoSuchVertex {
+        /// The local vertex.
+        vertex: usize,
+    },
+    /// An interior vertex has an incomplete ring of faces.
+    #[error("interior vertex {vertex} lies on a boundary; only vertices with a full ring of faces can flow")]
+    InteriorOnBoundary {
+        /// The local vertex.
+        vertex: usize,
+    },
+    /// The unit of length is unusable.
+    #[error("the hole radius is {radius}; it must be positive and finite")]
+    BadRadius {
+        /// The radius given.
+        radius: f64,
+    },
+    /// The energy or its derivatives are not finite on the starting surface.
+    #[error(
+        "the energy is not finite on the starting surface (H between {h_min:.3e} and {h_max:.3e}, \
+         K between {k_min:.3e} and {k_max:.3e}); choose an expression defined there"
+    )]
+    EnergyNotFinite {
+        /// Least mean curvature met.
+        h_min: f64,
+        /// Greatest mean curvature met.
+        h_max: f64,
+        /// Least Gaussian curvature met.
+        k_min: f64,
+        /// Greatest Gaussian curvature met.
+        k_max: f64,
+    },
+    /// A linear system could not be solved.
+    #[error("the linear system could not be solved: {0}")]
+    Linear(#[from] LinearError),
+    /// An option is out of range.
+    #[error("{option} is {value}; {expected}")]
+    BadOption {
+        /// Its name.
+        option: &'static str,
+        /// Its value, as text.
+        value: String,
+        /// What is accepted.
+        expected: &'static str,
+    },
+    /// The solver thread died.
+    #[error("the solver stopped unexpectedly: {0}")]
+    Panic(String),
+}

@@ -1,0 +1,315 @@
+//! Scheme B: the linearly implicit normal flow (formulation, section 6).
+//!
+//! Each step solves `(M/τ + S) w = −g` for one scalar per moving vertex and moves it by `w_j N_j`,
+//! `N_j` the limit normal. The assembly at the trial point gives its energy, its gradient and the
+//! next step's matrix at once.
+
+use std::sync::Arc;
+
+use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs};
+use crate::mesh::{DVec3, Topology, VertexId};
+use crate::solver::assembly::{Assembler, EnergySum, Unknowns};
+use crate::solver::control::{Attempt, Progress};
+use crate::solver::energy::Energy;
+use crate::solver::normals::LimitNormals;
+use crate::solver::survey::survey;
+use crate::solver::{FlowProblem, SolverError};
+use crate::subdivision::{Elements, Rule};
+
+/// A quasi-Newton step that is not this much shorter than the one before calls for a new matrix.
+const SHRINK: f64 = 0.4;
+
+/// State of scheme B.
+pub struct NormalFlow {
+    assembler: Assembler,
+    ring: LimitNormals,
+    cholesky: Cholesky,
+    values: Vec<f64>,
+    radius: f64,
+    energy: Energy,
+    positions: Vec<DVec3>,
+    current: EnergySum,
+    /// Normals at the current point, or those of the last factorization in a quasi-Newton phase.
+    normals: Vec<DVec3>,
+    gradient: Vec<DVec3>,
+    /// The τ for which `values` hold the matrix at the current point.
+    matrix_tau: Option<f64>,
+    trial: Vec<DVec3>,
+    trial_normals: Vec<DVec3>,
+    trial_gradient: Vec<DVec3>,
+    quasi_newton: Option<QuasiNewton>,
+    w: Vec<f64>,
+}
+
+/// Steps with the frozen factor.
+struct QuasiNewton {
+    memory: Lbfgs,
+    last_move: f64,
+}
+
+impl NormalFlow {
+    /// Sets the flow up: elements, order of the unknowns, symbolic factorization, first gradient.
+    ///
+    /// # Errors
+    /// [`SolverError::EnergyNotFinite`] if the energy is not finite at the start, or a failed
+    /// symbolic factorization.
+    pub fn new(
+        problem: &FlowProblem,
+        local: &Elements,
+        energy: &Energy,
+    ) -> Result<Self, SolverError> {
+        let rule = Rule::Three;
+        let unknowns = Unknowns::new(local, problem.positions(), problem.interior());
+        let ring = LimitNormals::new(problem.topology(), &unknowns.vertex);
+        let mut assembler = Assembler::new(local, rule, unknowns);
+        let symbolic = Arc::new(CholeskySymbolic::new(assembler.pattern())?);
+        let count = assembler.unknowns().len();
+        let mut flow = Self {
+            assembler,
+            ring,
+            cholesky: Cholesky::new(symbolic),
+            values: Vec::new(),
+            radius: problem.radius(),
+            energy: energy.clone(),
+            positions: problem.positions().to_vec(),
+            current: EnergySum::default(),
+            normals: Vec::new(),
+            gradient: Vec::new(),
+            matrix_tau: None,
+            trial: problem.positions().to_vec(),
+            trial_normals: Vec::new(),
+            trial_gradient: Vec::new(),
+            quasi_newton: None,
+            w: vec![0.0; count],
+        };
+        flow.set_energy(local, energy.clone())?;
+        Ok(flow)
+    }
+
+    /// Goes on from the current shape with another energy.
+    ///
+    /// # Errors
+    /// [`SolverError::EnergyNotFinite`] if it is not finite here; the old one stays.
+    pub fn set_energy(&mut self, local: &Elements, energy: Energy) -> Result<(), SolverError> {
+        self.ring.evaluate(&self.positions, &mut self.trial_normals);
+        let sum = self
+            .assembler
+            .gradient(&self.positions, &energy, &mut self.trial_gradient);
+        if !sum.value.is_finite() {
+            return Err(survey(local, &self.positions, &energy, self.radius).not_finite());
+        }
+        self.energy = energy;
+        self.current = sum;
+        std::mem::swap(&mut self.normals, &mut self.trial_normals);
+        std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
+        self.matrix_tau = None;
+        self.quasi_newton = None;
+        Ok(())
+    }
+
+    /// Positions of all vertices of the region, relative to the problem's centre.
+    pub fn positions(&self) -> &[DVec3] {
+        &self.positions
+    }
+
+    /// Energy at the current positions, by the rule of the steps.
+    pub fn energy(&self) -> EnergySum {
+        self.current
+    }
+
+    /// Exact gradient of the energy at the moving vertices, with the vertex of each.
+    pub fn gradient(&self) -> (&[u32], &[DVec3]) {
+        (&self.assembler.unknowns().vertex, &self.gradient)
+    }
+
+    /// A time step such that an explicit step would move no vertex by more than its shortest edge.
+    pub fn gentle_tau(&self, topology: &Topology) -> f64 {
+        let mut tau = f64::INFINITY;
+        for (i, &v) in self.assembler.unknowns().vertex.iter().enumerate() {
+            let p = self.positions[v as usize];
+            let (mut shortest, mut area) = (f64::INFINITY, 0.0);
+            for h in topology.outgoing(VertexId(v)) {
+                let a = self.positions[topology.target(h).index()] - p;
+                let next = topology.next(h);
+                let b = self.positions[topology.target(next).index()] - p;
+                shortest = shortest.min(a.length());
+                area += a.cross(b).length() / 6.0;
+            }
+            let speed = self.normals[i].dot(self.gradient[i]).abs() / area;
+            tau = tau.min(shortest / speed);
+        }
+        tau
+    }
+
+    /// One step. `tau` is the time step, `next_tau` the one to prepare for if it is accepted;
+    /// `freeze` asks for quasi-Newton steps from now on (fast mode), ended by this scheme itself
+    /// when they no longer shrink.
+    ///
+    /// # Errors
+    /// Only what cannot be mended by a smaller step.
+    pub fn attempt(
+        &mut self,
+        tau: f64,
+        next_tau: f64,
+        freeze: bool,
+    ) -> Result<Attempt, SolverError> {
+        if self.quasi_newton.is_some() {
+            return Ok(self.quasi_newton_step());
+        }
+        self.factorized_step(tau, next_tau, freeze)
+    }
+
+    fn factorized_step(
+        &mut self,
+        tau: f64,
+        next_tau: f64,
+        freeze: bool,
+    ) -> Result<Attempt, SolverError> {
+        if self.matrix_tau != Some(tau) {
+            self.assembler.matrix(
+                &self.positions,
+                &self.normals,
+                &self.energy,
+                self.radius,
+                tau,
+                &mut self.gradient,
+                &mut self.values,
+            );
+            self.matrix_tau = Some(tau);
+        }
+        if let Err(error) = self.cholesky.factorize(&self.values) {
+            // M/τ dominates for small τ: reject and let the control shrink it
+            return Ok(Attempt::rejected(Some(error.to_string())));
+        }
+        project(&self.gradient, &self.normals, -1.0, &mut self.w);
+        self.cholesky.solve_in_place(&mut self.w, 1);
+        let longest = self.displace();
+        if !longest.is_finite() {
+            return Ok(Attempt::rejected(None));
+        }
+        let sum;
+        if freeze {
+            // quasi-Newton steps keep the normals of this factor
+            sum = self
+                .assembler
+                .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
+        } else {
+            self.ring.evaluate(&self.trial, &mut self.trial_normals);
+            sum = self.assembler.matrix(
+                &self.trial,
+                &self.trial_normals,
+                &self.energy,
+                self.radius,
+                next_tau,
+                &mut self.trial_gradient,
+                &mut self.values,
+            );
+            self.matrix_tau = None;
+        }
+        if !self.current.admits(&sum) {
+            return Ok(Attempt::rejected(None));
+        }
+        if freeze {
+            let mut memory = Lbfgs::new();
+            self.remember(&mut memory);
+            self.quasi_newton = Some(QuasiNewton {
+                memory,
+                last_move: longest,
+            });
+            self.matrix_tau = None;
+        } else {
+            std::mem::swap(&mut self.normals, &mut self.trial_normals);
+            self.matrix_tau = Some(next_tau);
+        }
+        self.accept(sum);
+        Ok(Attempt::accepted(longest, Progress::Factorized))
+    }
+
+    fn quasi_newton_step(&mut self) -> Attempt {
+        let Some(mut state) = self.quasi_newton.take() else {
+            return Attempt::rejected(None);
+        };
+        project(&self.gradient, &self.normals, 1.0, &mut self.w);
+        let cholesky = &mut self.cholesky;
+        state
+            .memory
+            .direction(&mut self.w, |q| cholesky.solve_in_place(q, 1));
+        for w in &mut self.w {
+            *w = -*w;
+        }
+        let longest = self.displace();
+        let sum = self
+            .assembler
+            .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
+        if !longest.is_finite() || !self.current.admits(&sum) {
+            // back to a fresh matrix at the current point
+            self.leave_quasi_newton();
+            return Attempt {
+                stale: true,
+                ..Attempt::rejected(None)
+            };
+        }
+        self.remember(&mut state.memory);
+        let stale = longest > SHRINK * state.last_move;
+        state.last_move = longest;
+        self.accept(sum);
+        if stale {
+            self.leave_quasi_newton();
+        } else {
+            self.quasi_newton = Some(state);
+        }
+        Attempt {
+            stale,
+            ..Attempt::accepted(longest, Progress::QuasiNewton)
+        }
+    }
+
+    fn leave_quasi_newton(&mut self) {
+        self.quasi_newton = None;
+        self.matrix_tau = None;
+        self.ring.evaluate(&self.positions, &mut self.normals);
+    }
+
+    /// Gives the pair (step, change of gradient) to the quasi-Newton memory.
+    fn remember(&self, memory: &mut Lbfgs) {
+        let change: Vec<f64> = self
+            .trial_gradient
+            .iter()
+            .zip(&self.gradient)
+            .zip(&self.normals)
+            .map(|((new, old), n)| n.dot(*new) - n.dot(*old))
+            .collect();
+        memory.push(&self.w, &change);
+    }
+
+    /// `trial = positions + w N`; returns `max |w|`.
+    fn displace(&mut self) -> f64 {
+        let mut longest = 0.0f64;
+        for ((&v, &w), &n) in self
+            .assembler
+            .unknowns()
+            .vertex
+            .iter()
+            .zip(&self.w)
+            .zip(&self.normals)
+        {
+            self.trial[v as usize] = self.positions[v as usize] + n * w;
+            // f64::max would hide a NaN
+            longest = if w.abs() <= longest { longest } else { w.abs() };
+        }
+        longest
+    }
+
+    fn accept(&mut self, sum: EnergySum) {
+        self.current = sum;
+        std::mem::swap(&mut self.positions, &mut self.trial);
+        std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
+    }
+}
+
+/// `out_j = factor N_j · G_j`.
+fn project(gradient: &[DVec3], normals: &[DVec3], factor: f64, out: &mut [f64]) {
+    for ((out, g), n) in out.iter_mut().zip(gradient).zip(normals) {
+        *out = factor * n.dot(*g);
+    }
+}

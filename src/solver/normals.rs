@@ -1,0 +1,67 @@
+//! Limit normals of the moving vertices, the directions of scheme B.
+
+use crate::mesh::{DVec3, Topology, VertexId};
+use rayon::prelude::*;
+
+/// One-rings of the moving vertices with the weights of Loop's limit tangents.
+pub struct LimitNormals {
+    start: Vec<u32>,
+    ring: Vec<u32>,
+    // cos and sin of 2πi/n, for each place of each ring
+    weight: Vec<[f64; 2]>,
+}
+
+impl LimitNormals {
+    /// For the given interior (non-boundary) vertices.
+    pub fn new(topology: &Topology, vertices: &[u32]) -> Self {
+        let mut start = Vec::with_capacity(vertices.len() + 1);
+        let mut ring = Vec::with_capacity(6 * vertices.len());
+        let mut weight = Vec::with_capacity(6 * vertices.len());
+        let mut tables: Vec<Vec<[f64; 2]>> = Vec::new();
+        start.push(0);
+        for &v in vertices {
+            let first = ring.len();
+            ring.extend(topology.neighbours(VertexId(v)).map(|w| w.0));
+            let n = ring.len() - first;
+            if tables.len() <= n {
+                tables.resize(n + 1, Vec::new());
+            }
+            if tables[n].is_empty() {
+                tables[n] = (0..n)
+                    .map(|i| {
+                        let angle = std::f64::consts::TAU * i as f64 / n as f64;
+                        [angle.cos(), angle.sin()]
+                    })
+                    .collect();
+            }
+            weight.extend_from_slice(&tables[n]);
+            start.push(ring.len() as u32);
+        }
+        Self {
+            start,
+            ring,
+            weight,
+        }
+    }
+
+    /// Unit normals of the limit surface at the vertices.
+    pub fn evaluate(&self, positions: &[DVec3], normals: &mut Vec<DVec3>) {
+        let count = self.start.len() - 1;
+        normals.resize(count, DVec3::ZERO);
+        normals
+            .par_iter_mut()
+            .with_min_len(256)
+            .enumerate()
+            .for_each(|(i, normal)| {
+                let range = self.start[i] as usize..self.start[i + 1] as usize;
+                let (mut c, mut s) = (DVec3::ZERO, DVec3::ZERO);
+                for (&v, w) in self.ring[range.clone()].iter().zip(&self.weight[range]) {
+                    let p = positions[v as usize];
+                    c += p * w[0];
+                    s += p * w[1];
+                }
+                // the ring is walked clockwise
+                *normal = s.cross(c).normalize_or_zero();
+            });
+    }
+}

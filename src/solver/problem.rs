@@ -1,0 +1,157 @@
+//! The validated, immutable description of a flow on a region of a mesh.
+
+use crate::mesh::{DVec3, FaceId, Topology, VertexId};
+use crate::solver::SolverError;
+
+/// How far from the interior vertices positions can matter: active elements have corners up to
+/// ring 2 whose one-rings reach ring 3; the fixed curvatures of scheme A reach ring 4.
+pub const COLLAR_RINGS: u8 = 4;
+
+/// A local mesh whose interior vertices flow while all others stay.
+///
+/// Positions are kept relative to `centre`, so that a mesh far from the origin loses nothing.
+#[derive(Clone, Debug)]
+pub struct FlowProblem {
+    topology: Topology,
+    positions: Vec<DVec3>,
+    centre: DVec3,
+    ring: Vec<u8>,
+    interior: Vec<u32>,
+    active: Vec<FaceId>,
+    radius: f64,
+}
+
+impl FlowProblem {
+    /// A flow of the vertices `interior` of the mesh `positions`, `triangles`.
+    ///
+    /// The mesh must hold everything within [`COLLAR_RINGS`] rings of the interior; a boundary
+    /// nearer than that is taken for a boundary of the surface. `radius` is the hole radius (RMS
+    /// distance of the rim from its mean), the unit of length of all tolerances.
+    ///
+    /// # Errors
+    /// [`SolverError`] if the triangles are not an oriented manifold, a coordinate is not finite,
+    /// an interior vertex does not exist or lies on a boundary, or the radius is not positive.
+    pub fn new(
+        positions: &[DVec3],
+        triangles: &[[u32; 3]],
+        interior: &[u32],
+        radius: f64,
+    ) -> Result<Self, SolverError> {
+        let topology = Topology::from_triangles(positions.len(), triangles)?;
+        if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
+            return Err(SolverError::NotFinite { vertex });
+        }
+        if !(radius.is_finite() && radius > 0.0) {
+            return Err(SolverError::BadRadius { radius });
+        }
+        for &v in interior {
+            let vertex = v as usize;
+            if vertex >= positions.len() {
+                return Err(SolverError::NoSuchVertex { vertex });
+            }
+            let id = VertexId(v);
+            if !topology.halfedge_of_vertex(id).is_some() || topology.is_boundary_vertex(id) {
+                return Err(SolverError::InteriorOnBoundary { vertex });
+            }
+        }
+        let ring = rings(&topology, interior);
+        let active = (0..topology.face_count())
+            .map(FaceId::from)
+            .filter(|&f| {
+                topology
+                    .face_vertices(f)
+                    .iter()
+                    .any(|v| ring[v.index()] <= 1)
+            })
+            .collect();
+        let centre = interior
+            .iter()
+            .map(|&v| positions[v as usize])
+            .sum::<DVec3>()
+            / interior.len().max(1) as f64;
+        Ok(Self {
+            topology,
+            positions: positions.iter().map(|&p| p - centre).collect(),
+            centre,
+            ring,
+            interior: interior.to_vec(),
+            active,
+            radius,
+        })
+    }
+
+    /// Connectivity of the region.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// Starting positions relative to [`Self::centre`].
+    pub fn positions(&self) -> &[DVec3] {
+        &self.positions
+    }
+
+    /// What was subtracted from the given positions.
+    pub fn centre(&self) -> DVec3 {
+        self.centre
+    }
+
+    /// Graph distance from the interior vertices, 0 for these, at most [`COLLAR_RINGS`] + 1.
+    pub fn ring(&self) -> &[u8] {
+        &self.ring
+    }
+
+    /// The vertices that move.
+    pub fn interior(&self) -> &[u32] {
+        &self.interior
+    }
+
+    /// Faces with a vertex at graph distance at most 1 from an interior vertex: where the energy
+    /// is integrated.
+    pub fn active_faces(&self) -> &[FaceId] {
+        &self.active
+    }
+
+    /// Hole radius.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// The same problem from other starting positions (of all vertices, relative to
+    /// [`Self::centre`]); only those of the interior are taken.
+    #[must_use]
+    pub fn with_positions(mut self, positions: &[DVec3]) -> Self {
+        for &v in &self.interior {
+            self.positions[v as usize] = positions[v as usize];
+        }
+        self
+    }
+
+    /// Positions of the interior vertices in the given mesh's own coordinates.
+    pub fn to_world(&self, positions: &[DVec3]) -> Vec<DVec3> {
+        self.interior
+            .iter()
+            .map(|&v| positions[v as usize] + self.centre)
+            .collect()
+    }
+}
+
+fn rings(topology: &Topology, interior: &[u32]) -> Vec<u8> {
+    let mut ring = vec![COLLAR_RINGS + 1; topology.vertex_count()];
+    let mut front: Vec<u32> = interior.to_vec();
+    for &v in interior {
+        ring[v as usize] = 0;
+    }
+    for distance in 1..=COLLAR_RINGS {
+        let mut next = Vec::new();
+        for &v in &front {
+            for w in topology.neighbours(VertexId(v)) {
+                if ring[w.index()] > COLLAR_RINGS {
+                    ring[w.index()] = distance;
+                    next.push(w.0);
+                }
+            }
+        }
+        front = next;
+    }
+    ring
+}
