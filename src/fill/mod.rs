@@ -1,0 +1,325 @@
+//! Filling holes from end to end: rims, first patches, groups, flows, the filled mesh.
+//!
+//! [`prepare`] builds the first patch of every hole and one [`FlowProblem`] for each group of holes
+//! that share collar vertices; [`Plan::finish`] puts the flowed positions into the mesh.
+//! [`fill_holes`] does all of it, groups in parallel.
+
+mod group;
+mod rim;
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError};
+use crate::patch::{self, PatchError, PatchMesh, PatchOptions};
+use crate::solver::energy::{Energy, Preset};
+use crate::solver::{End, Flow, FlowOptions, FlowProblem, Outcome, SolverError, StepRecord};
+
+pub use group::Group;
+pub use rim::rim_of;
+
+/// What can be chosen about a fill.
+#[derive(Clone, Debug)]
+pub struct FillOptions {
+    /// The first patch.
+    pub patch: PatchOptions,
+    /// The flow.
+    pub flow: FlowOptions,
+}
+
+impl Default for FillOptions {
+    /// Rim density, `f = H²`, scheme B, fast mode.
+    fn default() -> Self {
+        Self {
+            patch: PatchOptions::default(),
+            flow: FlowOptions::new(Energy::preset(Preset::H2)),
+        }
+    }
+}
+
+/// Why a hole, or a whole fill, failed.
+#[derive(Debug, thiserror::Error)]
+pub enum FillError {
+    /// No first patch could be made.
+    #[error("hole {hole}: no first patch: {source}")]
+    Patch {
+        /// Number of the loop.
+        hole: usize,
+        /// Why.
+        source: PatchError,
+    },
+    /// The flow failed.
+    #[error("hole {hole}: {source}")]
+    Flow {
+        /// Number of the first loop of the group.
+        hole: usize,
+        /// Why.
+        source: SolverError,
+    },
+    /// The filled mesh is not a manifold: a defect of the program, kept from the file.
+    #[error("the filled mesh would not be manifold ({0}); nothing was changed")]
+    NotManifold(#[from] TopologyError),
+}
+
+/// Wall-clock times of the stages of one hole or group, in milliseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Timings {
+    /// First patch.
+    pub patch: f64,
+    /// Region, elements, symbolic factorization.
+    pub setup: f64,
+    /// Graph Laplacian and bi-Laplacian.
+    pub warm_start: f64,
+    /// Steps.
+    pub flow: f64,
+}
+
+impl Timings {
+    /// Sum of the stages.
+    pub fn total(&self) -> f64 {
+        self.patch + self.setup + self.warm_start + self.flow
+    }
+}
+
+/// One hole of a plan.
+#[derive(Clone, Debug)]
+pub struct PlannedHole {
+    /// Number of the loop (1-based).
+    pub number: usize,
+    /// Edges of the rim.
+    pub edges: usize,
+    /// Hole radius: RMS distance of the rim from its mean.
+    pub radius: f64,
+    /// New vertices: this range of [`Plan::new_positions`].
+    pub new_vertices: std::ops::Range<usize>,
+    /// New triangles: this range of [`Plan::triangles`].
+    pub new_faces: std::ops::Range<usize>,
+    /// The group it is solved with; `None` if it has no interior vertex.
+    pub group: Option<usize>,
+    /// Face tag its faces inherit (0 if the mesh has none).
+    pub tag: u32,
+    /// Milliseconds its first patch took.
+    pub patch_ms: f64,
+}
+
+/// First patches of all holes, and the flows to run on them.
+#[derive(Debug)]
+pub struct Plan {
+    /// Holes with a patch, in the order asked for.
+    pub holes: Vec<PlannedHole>,
+    /// Holes that could not be given one.
+    pub failed: Vec<FillError>,
+    /// Positions of the new vertices; vertex `i` becomes `mesh.vertex_count() + i`.
+    pub new_positions: Vec<DVec3>,
+    /// New triangles over the mesh's and the new vertices.
+    pub triangles: Vec<[u32; 3]>,
+    /// Holes to be solved together.
+    pub groups: Vec<Group>,
+}
+
+/// Builds first patches (in parallel) and groups the holes that share collar vertices.
+pub fn prepare(mesh: &Mesh, loops: &[&BoundaryLoop], options: &FillOptions) -> Plan {
+    let patches: Vec<(Result<PatchMesh, PatchError>, f64)> = loops
+        .par_iter()
+        .map(|hole| {
+            let start = Instant::now();
+            let patch = patch::fill(&rim_of(mesh, hole), &options.patch);
+            (patch, milliseconds(start))
+        })
+        .collect();
+    let mut plan = Plan {
+        holes: Vec::new(),
+        failed: Vec::new(),
+        new_positions: Vec::new(),
+        triangles: Vec::new(),
+        groups: Vec::new(),
+    };
+    let mut filled = Vec::new();
+    for (hole, (patch, patch_ms)) in loops.iter().zip(patches) {
+        match patch {
+            Ok(patch) => {
+                plan.add(mesh, hole, &patch, patch_ms);
+                filled.push(*hole);
+            }
+            Err(source) => plan.failed.push(FillError::Patch {
+                hole: hole.number,
+                source,
+            }),
+        }
+    }
+    plan.groups = group::groups(mesh, &filled, &plan);
+    for (g, group) in plan.groups.iter().enumerate() {
+        for &h in &group.holes {
+            plan.holes[h].group = Some(g);
+        }
+    }
+    plan
+}
+
+impl Plan {
+    fn add(&mut self, mesh: &Mesh, hole: &BoundaryLoop, patch: &PatchMesh, patch_ms: f64) {
+        let rim = hole.vertices.len();
+        let first = mesh.positions.len() + self.new_positions.len();
+        let global = |v: u32| {
+            let v = v as usize;
+            if v < rim {
+                hole.vertices[v].0
+            } else {
+                (first + v - rim) as u32
+            }
+        };
+        let (points, faces) = (self.new_positions.len(), self.triangles.len());
+        self.new_positions.extend_from_slice(&patch.points[rim..]);
+        self.triangles
+            .extend(patch.triangles.iter().map(|t| t.map(global)));
+        self.holes.push(PlannedHole {
+            number: hole.number,
+            edges: rim,
+            radius: hole.radius,
+            new_vertices: points..self.new_positions.len(),
+            new_faces: faces..self.triangles.len(),
+            group: None,
+            tag: rim::tag_of(mesh, hole),
+            patch_ms,
+        });
+    }
+
+    /// Takes a group's interior positions, in the order of its problem's interior vertices.
+    pub fn place(&mut self, group: usize, positions: &[DVec3]) {
+        for (&v, &p) in self.groups[group].new_vertices.iter().zip(positions) {
+            self.new_positions[v as usize] = p;
+        }
+    }
+
+    /// The mesh with the patches in it: the old vertices and faces first, untouched.
+    ///
+    /// # Errors
+    /// [`FillError::NotManifold`] if a patch does not fit, which is a defect.
+    pub fn finish(&self, mesh: &Mesh) -> Result<Mesh, FillError> {
+        let mut positions = mesh.positions.clone();
+        positions.extend_from_slice(&self.new_positions);
+        let mut triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+        triangles.extend_from_slice(&self.triangles);
+        let topology = Topology::from_triangles(positions.len(), &triangles)?;
+        let mut filled = mesh.clone();
+        rim::extend_attributes(&mut filled, self);
+        filled.positions = positions;
+        filled.topology = topology;
+        Ok(filled)
+    }
+}
+
+/// How the flow of one group went.
+#[derive(Clone, Debug)]
+pub struct GroupResult {
+    /// Outcome of the flow.
+    pub outcome: Outcome,
+    /// Every attempted step.
+    pub records: Vec<StepRecord>,
+    /// Stage times, patches excluded.
+    pub timings: Timings,
+    /// Positions of the group's interior vertices.
+    pub positions: Vec<DVec3>,
+}
+
+/// A filled mesh and how it came about.
+#[derive(Debug)]
+pub struct Filled {
+    /// Old vertices and faces first, bit-identical; then those of the patches.
+    pub mesh: Mesh,
+    /// First patches, holes and groups.
+    pub plan: Plan,
+    /// One result a group; an error leaves the group's holes with their warm start.
+    pub groups: Vec<Result<GroupResult, SolverError>>,
+    /// Wall-clock milliseconds of the whole, without reading and writing files.
+    pub milliseconds: f64,
+}
+
+impl Filled {
+    /// Whether every hole has a patch whose flow converged or needed none.
+    pub fn complete(&self) -> bool {
+        self.plan.failed.is_empty()
+            && self
+                .groups
+                .iter()
+                .all(|g| g.as_ref().is_ok_and(|g| g.outcome.end == End::Converged))
+    }
+}
+
+/// Fills the given holes. `observe(group, record)` sees every step and returns whether to go on.
+///
+/// # Errors
+/// Only if the result would not be a manifold; what fails for a single hole is in the result.
+pub fn fill_holes(
+    mesh: &Mesh,
+    loops: &[&BoundaryLoop],
+    options: &FillOptions,
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Filled, FillError> {
+    let start = Instant::now();
+    let mut plan = prepare(mesh, loops, options);
+    let groups: Vec<_> = (0..plan.groups.len())
+        .into_par_iter()
+        .map(|g| run_group(&plan.groups[g], mesh, &plan, options, &|record| observe(g, record)))
+        .collect();
+    for (g, result) in groups.iter().enumerate() {
+        if let Ok(result) = result {
+            plan.place(g, &result.positions);
+        }
+    }
+    let filled = plan.finish(mesh)?;
+    Ok(Filled {
+        mesh: filled,
+        plan,
+        groups,
+        milliseconds: milliseconds(start),
+    })
+}
+
+fn run_group(
+    group: &Group,
+    mesh: &Mesh,
+    plan: &Plan,
+    options: &FillOptions,
+    observe: &dyn Fn(&StepRecord) -> bool,
+) -> Result<GroupResult, SolverError> {
+    let mut timings = Timings::default();
+    let mut lap = Instant::now();
+    let mut split = |slot: &mut f64| {
+        *slot += milliseconds(lap);
+        lap = Instant::now();
+    };
+    let problem = group.problem(mesh, plan)?;
+    split(&mut timings.setup);
+    let problem = warm_start(problem)?;
+    split(&mut timings.warm_start);
+    let mut flow = Flow::new(problem, options.flow.clone())?;
+    split(&mut timings.setup);
+    let mut records = Vec::new();
+    let outcome = flow.run(|_, record| {
+        records.push(record.clone());
+        observe(record)
+    })?;
+    split(&mut timings.flow);
+    Ok(GroupResult {
+        outcome,
+        records,
+        timings,
+        positions: flow.problem().to_world(flow.positions()),
+    })
+}
+
+/// Moves the interior vertices to the graph bi-Laplacian's solution, the flow's start.
+///
+/// # Errors
+/// If the linear system cannot be solved, which needs a region without fixed vertices.
+pub fn warm_start(problem: FlowProblem) -> Result<FlowProblem, SolverError> {
+    let mut positions = problem.positions().to_vec();
+    patch::warm_start(problem.topology(), &mut positions, problem.interior())?;
+    Ok(problem.with_positions(&positions))
+}
+
+fn milliseconds(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
