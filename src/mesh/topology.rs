@@ -8,6 +8,10 @@ use super::{FaceId, HalfedgeId, VertexId};
 /// boundary loop, so that the loop's direction is the one in which a patch filling the hole runs
 /// through the rim. An isolated vertex has no half-edge. The outgoing half-edge stored for a
 /// boundary vertex is its boundary half-edge.
+///
+/// Boundary loops are simple. Where a hole touches itself (a figure of eight), the vertex is
+/// *pinched*: it keeps several fans of faces, each followed by the gap of one loop, and has a
+/// boundary half-edge for each gap. Filling the loops makes it an ordinary vertex.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topology {
     next: Vec<HalfedgeId>,
@@ -151,7 +155,9 @@ impl Topology {
             face_halfedge[f] = corner_halfedge[3 * f];
         }
 
-        // Boundary half-edges follow each other; a vertex with two of them is not manifold.
+        // Boundary half-edges follow each other; a vertex may have two only where a loop would
+        // otherwise touch itself.
+        let mut pinched = false;
         let mut vertex_halfedge = vec![HalfedgeId::NONE; vertex_count];
         for (h, &v) in origin.iter().enumerate() {
             let slot = &mut vertex_halfedge[v.index()];
@@ -161,9 +167,10 @@ impl Topology {
                 }
             } else {
                 if slot.is_some() && !face[slot.index()].is_some() {
-                    return Err(TopologyError::NonManifoldVertex { vertex: v.0 });
+                    pinched = true;
+                } else {
+                    *slot = HalfedgeId::from(h);
                 }
-                *slot = HalfedgeId::from(h);
             }
         }
         for h in 0..origin.len() {
@@ -171,6 +178,10 @@ impl Topology {
                 let end = origin[h ^ 1];
                 next[h] = vertex_halfedge[end.index()];
             }
+        }
+        if pinched {
+            link_fans(&mut next, &face);
+            make_loops_simple(&mut next, &origin, &face, vertex_count);
         }
         let topology = Self {
             next,
@@ -316,26 +327,100 @@ impl Topology {
     /// The boundary loops as half-edge sequences, each starting at its lowest vertex index, loops
     /// ordered by that vertex.
     pub fn boundary_loops(&self) -> Vec<Vec<HalfedgeId>> {
-        let mut seen = vec![false; self.vertex_count()];
+        let mut seen = vec![false; self.halfedge_count()];
         let mut loops = Vec::new();
-        for v in 0..self.vertex_count() {
-            let first = self.vertex_halfedge[v];
-            if seen[v] || !first.is_some() || !self.is_boundary(first) {
+        for v in (0..self.vertex_count()).map(VertexId::from) {
+            if !self.is_boundary_vertex(v) {
                 continue;
             }
-            let mut one = Vec::new();
-            let mut h = first;
-            loop {
-                seen[self.origin(h).index()] = true;
-                one.push(h);
-                h = self.next(h);
-                if h == first {
-                    break;
+            for first in self.outgoing(v).filter(|&h| self.is_boundary(h)) {
+                if seen[first.index()] {
+                    continue;
                 }
+                let mut one = Vec::new();
+                let mut h = first;
+                loop {
+                    seen[h.index()] = true;
+                    one.push(h);
+                    h = self.next(h);
+                    if h == first {
+                        break;
+                    }
+                }
+                loops.push(one);
             }
-            loops.push(one);
         }
         loops
+    }
+}
+
+/// Makes each boundary half-edge be followed by the one at the other end of the fan of faces it
+/// arrives at.
+fn link_fans(next: &mut [HalfedgeId], face: &[FaceId]) {
+    for h in 0..next.len() {
+        if face[h].is_some() {
+            continue;
+        }
+        let mut inner = h ^ 1;
+        next[h] = loop {
+            let prev = next[next[inner].index()];
+            let turned = prev.twin();
+            if !face[turned.index()].is_some() {
+                break turned;
+            }
+            inner = turned.index();
+        };
+    }
+}
+
+/// Cuts boundary loops that visit a vertex more than once into loops that do not.
+fn make_loops_simple(
+    next: &mut [HalfedgeId],
+    origin: &[VertexId],
+    face: &[FaceId],
+    vertex_count: usize,
+) {
+    const NONE: u32 = u32::MAX;
+    let mut done = vec![false; next.len()];
+    let mut place = vec![NONE; vertex_count];
+    let mut walk: Vec<HalfedgeId> = Vec::new();
+    for start in 0..next.len() {
+        if face[start].is_some() || done[start] {
+            continue;
+        }
+        let mut h = HalfedgeId::from(start);
+        while !done[h.index()] {
+            done[h.index()] = true;
+            let following = next[h.index()];
+            let v = origin[h.index()].index();
+            let before = place[v];
+            if before != NONE {
+                close_lobe(next, origin, &mut place, &mut walk, before as usize);
+                if let Some(last) = walk.last() {
+                    next[last.index()] = h;
+                }
+            }
+            place[v] = walk.len() as u32;
+            walk.push(h);
+            h = following;
+        }
+        close_lobe(next, origin, &mut place, &mut walk, 0);
+    }
+}
+
+/// Links the walk from `from` on into a loop and takes it off the walk.
+fn close_lobe(
+    next: &mut [HalfedgeId],
+    origin: &[VertexId],
+    place: &mut [u32],
+    walk: &mut Vec<HalfedgeId>,
+    from: usize,
+) {
+    if let Some(last) = walk.last() {
+        next[last.index()] = walk[from];
+    }
+    for h in walk.drain(from..) {
+        place[origin[h.index()].index()] = u32::MAX;
     }
 }
 
@@ -361,6 +446,45 @@ mod tests {
         let ring: Vec<_> = loops[0].iter().map(|&h| open.origin(h).0).collect();
         // the loop runs as the missing face (0, 1, 2) would
         assert_eq!(ring, [0, 1, 2]);
+    }
+
+    /// Two quads that touch at vertex 0 from both sides of the gap between them, closed on the
+    /// outside to an annulus: its hole touches itself at vertex 0.
+    #[test]
+    fn a_hole_touching_itself_has_two_lobes() {
+        // a ring of eight sectors around a figure of eight: lobe (0, 1, 2), lobe (0, 3, 4)
+        let triangles = [
+            [0, 2, 5],
+            [2, 6, 5],
+            [2, 1, 6],
+            [1, 7, 6],
+            [1, 0, 7],
+            [0, 8, 7],
+            [0, 4, 8],
+            [4, 9, 8],
+            [4, 3, 9],
+            [3, 10, 9],
+            [3, 0, 10],
+            [0, 5, 10],
+        ];
+        let t = Topology::from_triangles(11, &triangles).expect("pinched");
+        let mut loops: Vec<Vec<u32>> = t
+            .boundary_loops()
+            .iter()
+            .map(|l| l.iter().map(|&h| t.origin(h).0).collect())
+            .collect();
+        assert_eq!(loops.remove(0), [0, 1, 2]);
+        assert_eq!(loops.remove(0), [0, 3, 4]);
+        assert_eq!(loops.len(), 1);
+        assert_eq!(t.valence(VertexId(0)), 8);
+        let mut filled = triangles.to_vec();
+        filled.push([0, 1, 2]);
+        let one = Topology::from_triangles(11, &filled).expect("one lobe filled");
+        assert_eq!(one.boundary_loops().len(), 2);
+        filled.push([0, 3, 4]);
+        let both = Topology::from_triangles(11, &filled).expect("both filled");
+        assert_eq!(both.boundary_loops().len(), 1);
+        assert!(!both.is_boundary_vertex(VertexId(0)));
     }
 
     #[test]

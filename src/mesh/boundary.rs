@@ -1,0 +1,112 @@
+//! Boundary loops: their measures, and the guess which of them are outer rims.
+
+use super::{Components, DVec3, HalfedgeId, Mesh, VertexId, components};
+
+/// A closed chain of boundary edges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundaryLoop {
+    /// Number shown to people, from 1; loops are numbered by their lowest vertex.
+    pub number: usize,
+    /// The boundary half-edges, in the direction in which a patch runs through the rim.
+    pub halfedges: Vec<HalfedgeId>,
+    /// Where each half-edge starts; the lowest vertex first.
+    pub vertices: Vec<VertexId>,
+    /// Sum of the edge lengths.
+    pub perimeter: f64,
+    /// Largest distance between two vertices of the loop.
+    pub diameter: f64,
+    /// Mean of the vertices.
+    pub centroid: DVec3,
+    /// Root of the mean squared distance of the vertices from `centroid`.
+    pub radius: f64,
+    /// The component (see [`components`]) the loop belongs to.
+    pub component: u32,
+    /// Whether this looks like the border of an open surface and not like a hole in it.
+    pub outer_rim: bool,
+    /// Why `outer_rim` was guessed so, in plain words.
+    pub reason: String,
+}
+
+impl BoundaryLoop {
+    /// Number of edges, which is the number of vertices.
+    pub fn edges(&self) -> usize {
+        self.halfedges.len()
+    }
+}
+
+/// All boundary loops of a mesh, numbered by their lowest vertex.
+pub fn boundary_loops(mesh: &Mesh) -> Vec<BoundaryLoop> {
+    let parts = components(&mesh.topology);
+    mesh.topology
+        .boundary_loops()
+        .into_iter()
+        .enumerate()
+        .map(|(i, halfedges)| measure(mesh, &parts, i + 1, halfedges))
+        .collect()
+}
+
+fn measure(
+    mesh: &Mesh,
+    parts: &Components,
+    number: usize,
+    halfedges: Vec<HalfedgeId>,
+) -> BoundaryLoop {
+    let topology = &mesh.topology;
+    let vertices: Vec<_> = halfedges.iter().map(|&h| topology.origin(h)).collect();
+    let points: Vec<_> = vertices.iter().map(|&v| mesh.position(v)).collect();
+    let n = points.len();
+    let origin = points[0];
+    let centroid = origin + points.iter().map(|&p| p - origin).sum::<DVec3>() / n as f64;
+    let mean_square = points
+        .iter()
+        .map(|p| p.distance_squared(centroid))
+        .sum::<f64>()
+        / n as f64;
+    BoundaryLoop {
+        number,
+        perimeter: (0..n)
+            .map(|i| points[i].distance(points[(i + 1) % n]))
+            .sum(),
+        diameter: diameter(&points, centroid),
+        centroid,
+        radius: mean_square.sqrt(),
+        component: parts.of_face[topology.face(halfedges[0].twin()).index()],
+        outer_rim: false,
+        reason: String::new(),
+        halfedges,
+        vertices,
+    }
+}
+
+/// Largest distance between two of the points.
+///
+/// Points are taken from the outside inwards, so that most pairs are ruled out by their distances
+/// from the centre; beyond 20 000 points the search stops at the best pair of two sweeps.
+fn diameter(points: &[DVec3], centre: DVec3) -> f64 {
+    let farthest = |from: DVec3| {
+        points.iter().fold((0.0, from), |best, &p| {
+            let d = p.distance(from);
+            if d > best.0 { (d, p) } else { best }
+        })
+    };
+    let (_, a) = farthest(centre);
+    let (_, b) = farthest(a);
+    let (mut best, _) = farthest(b);
+    if points.len() > 20_000 {
+        return best;
+    }
+    let mut order: Vec<(f64, DVec3)> = points.iter().map(|&p| (p.distance(centre), p)).collect();
+    order.sort_by(|x, y| y.0.total_cmp(&x.0));
+    for (i, &(d, p)) in order.iter().enumerate() {
+        if 2.0 * d <= best {
+            break;
+        }
+        for &(e, q) in &order[i + 1..] {
+            if d + e <= best {
+                break;
+            }
+            best = best.max(p.distance(q));
+        }
+    }
+    best
+}

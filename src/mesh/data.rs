@@ -1,0 +1,114 @@
+//! The mesh everything works on: an oriented manifold with positions and the attributes of its file.
+
+use super::{DVec3, FaceId, FaceTag, Topology, VertexId};
+
+/// An oriented manifold triangle mesh, possibly with boundary, as [`build`](super::build()) makes it
+/// of a [`Soup`](super::Soup).
+///
+/// Vertices are those of the file in its order (less welded copies), then copies that were needed to
+/// cut non-manifold places apart. Clone it through an `Arc` where many clones are kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Vertex positions in the units of the file; one per vertex of `topology`.
+    pub positions: Vec<DVec3>,
+    /// Connectivity.
+    pub topology: Topology,
+    /// Red, green, blue, alpha per vertex (0..=1); empty if the file has no colours.
+    pub colors: Vec<[f32; 4]>,
+    /// For each face the index of its tag in `tags`; empty if the file has no groups.
+    pub face_tags: Vec<u32>,
+    /// Groups, objects and materials that occur.
+    pub tags: Vec<FaceTag>,
+    /// Triangles of one-sided components (Moebius strips), which have no orientation and so cannot
+    /// be part of `topology`. They are left alone and have to be written back after the others.
+    pub one_sided: Vec<[u32; 3]>,
+    /// Tags of `one_sided`, as `face_tags`.
+    pub one_sided_tags: Vec<u32>,
+}
+
+impl Mesh {
+    /// A mesh without attributes.
+    ///
+    /// # Panics
+    /// If there is not one position per vertex.
+    pub fn new(positions: Vec<DVec3>, topology: Topology) -> Self {
+        assert_eq!(positions.len(), topology.vertex_count());
+        Self {
+            positions,
+            topology,
+            colors: Vec::new(),
+            face_tags: Vec::new(),
+            tags: Vec::new(),
+            one_sided: Vec::new(),
+            one_sided_tags: Vec::new(),
+        }
+    }
+
+    /// Number of vertices, isolated ones included.
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Number of triangles of the topology.
+    pub fn face_count(&self) -> usize {
+        self.topology.face_count()
+    }
+
+    /// The position of a vertex.
+    #[inline]
+    pub fn position(&self, v: VertexId) -> DVec3 {
+        self.positions[v.index()]
+    }
+
+    /// The corner positions of a face.
+    #[inline]
+    pub fn corners(&self, f: FaceId) -> [DVec3; 3] {
+        self.topology.face_vertices(f).map(|v| self.position(v))
+    }
+
+    /// Every triangle a file has to hold: those of the topology, then the one-sided ones.
+    pub fn all_triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        self.topology
+            .triangles()
+            .chain(self.one_sided.iter().copied())
+    }
+}
+
+/// Connected components of the faces.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Components {
+    /// The component of each face; components are numbered from 0 by their lowest face.
+    pub of_face: Vec<u32>,
+    /// How many there are.
+    pub count: usize,
+}
+
+/// Groups faces that are joined across edges.
+pub fn components(topology: &Topology) -> Components {
+    let mut of_face = vec![u32::MAX; topology.face_count()];
+    let mut count = 0u32;
+    let mut stack = Vec::new();
+    for seed in 0..of_face.len() {
+        if of_face[seed] != u32::MAX {
+            continue;
+        }
+        of_face[seed] = count;
+        stack.push(FaceId::from(seed));
+        while let Some(f) = stack.pop() {
+            let mut h = topology.halfedge_of_face(f);
+            for _ in 0..3 {
+                let g = topology.face(h.twin());
+                if g.is_some() && of_face[g.index()] == u32::MAX {
+                    of_face[g.index()] = count;
+                    stack.push(g);
+                }
+                h = topology.next(h);
+            }
+        }
+        count += 1;
+    }
+    Components {
+        of_face,
+        count: count as usize,
+    }
+}
