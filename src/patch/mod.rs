@@ -1,5 +1,6 @@
 //! First surfaces for holes.
 
+mod fair;
 mod fill;
 mod remesh;
 mod surface;
@@ -7,4 +8,5 @@ mod surface;
 mod tests;
 mod triangulate;
 
+pub use fair::warm_start;
 pub use fill::{PatchError, PatchMesh, PatchOptions, Rim, fill};
