@@ -1,0 +1,285 @@
+//! Warm start of a flow: the graph bi-Laplacian of the patch.
+
+use std::sync::Arc;
+
+use crate::linear::{Cholesky, CholeskySymbolic, LinearError, SymmetricPattern, nested_dissection};
+use crate::mesh::{DVec3, Topology, VertexId};
+
+/// Moves the `interior` vertices to the minimum of Σ |(L x)_i|², all other vertices fixed. L is the
+/// graph Laplacian with uniform weights, (L x)_i = Σ_{j ∈ ring(i)} (x_i − x_j), and the sum runs
+/// over all its rows that contain an interior vertex: the interior ones and those of the rim, whose
+/// rings reach into the given mesh.
+///
+/// The minimum is the solution of L² x = 0 at the interior vertices (formulation, section 6). It
+/// spreads the vertices smoothly *across* the rim, in position and in spacing. It does not depend
+/// on the positions that the interior vertices had (these are used to order the elimination), so
+/// the graph Laplacian's solution is not needed first.
+///
+/// `positions` has one entry per vertex of `topology`. On open boundaries next to the interior the
+/// rows are those of the edges that exist.
+///
+/// # Errors
+/// [`LinearError::NotPositiveDefinite`] if no fixed vertex is near the interior; [`LinearError::TooLarge`], [`LinearError::OutOfMemory`] for
+/// patches beyond the factorization's reach. The positions are unchanged then.
+///
+/// # Panics
+/// If `positions` is shorter than the vertex list, or `interior` names a vertex twice.
+pub fn warm_start(
+    topology: &Topology,
+    positions: &mut [DVec3],
+    interior: &[VertexId],
+) -> Result<(), LinearError> {
+    assert!(
+        positions.len() >= topology.vertex_count(),
+        "one position per vertex"
+    );
+    let n = interior.len();
+    if n == 0 {
+        return Ok(());
+    }
+    let rows = squared_laplacian(topology, positions, interior);
+    if !rows.is_anchored {
+        return Err(LinearError::NotPositiveDefinite { index: 0 });
+    }
+    let points: Vec<DVec3> = interior.iter().map(|v| positions[v.index()]).collect();
+    let perm = nested_dissection(&points, &rows.offsets, &rows.columns);
+    let pattern = SymmetricPattern::of_permuted_graph(&rows.offsets, &rows.columns, &perm);
+    let values = permuted_values(&rows, &pattern, &perm);
+    let mut factor = Cholesky::new(Arc::new(CholeskySymbolic::new(&pattern)?));
+    factor.factorize(&values)?;
+
+    let mut solution = vec![0.0; 3 * n];
+    for (new, &old) in perm.iter().enumerate() {
+        let b = rows.rhs[old as usize];
+        (solution[new], solution[n + new], solution[2 * n + new]) = (b.x, b.y, b.z);
+    }
+    factor.solve_in_place(&mut solution, 3);
+    for (new, &old) in perm.iter().enumerate() {
+        positions[interior[old as usize].index()] =
+            rows.origin + DVec3::new(solution[new], solution[n + new], solution[2 * n + new]);
+    }
+    Ok(())
+}
+
+/// Rows of L² for the interior vertices over the interior vertices (the diagonal entry first), and
+/// what the fixed vertices contribute to the right-hand side.
+struct Rows {
+    offsets: Vec<u32>,
+    columns: Vec<u32>,
+    values: Vec<f64>,
+    rhs: Vec<DVec3>,
+    /// Subtracted from all positions, so that a mesh far from the origin loses no digits.
+    origin: DVec3,
+    /// Whether any fixed vertex takes part; otherwise L² is singular, which rounding may hide.
+    is_anchored: bool,
+}
+
+fn squared_laplacian(topology: &Topology, positions: &[DVec3], interior: &[VertexId]) -> Rows {
+    const FIXED: u32 = u32::MAX;
+    let n = interior.len();
+    let mut unknown = vec![FIXED; topology.vertex_count()];
+    for (i, v) in interior.iter().enumerate() {
+        assert_eq!(unknown[v.index()], FIXED, "interior vertices are distinct");
+        unknown[v.index()] = i as u32;
+    }
+    let rings = Rings::around(topology, interior);
+    let origin = positions[interior[0].index()];
+
+    let mut rows = Rows {
+        offsets: Vec::with_capacity(n + 1),
+        columns: Vec::with_capacity(19 * n),
+        values: Vec::with_capacity(19 * n),
+        rhs: Vec::with_capacity(n),
+        origin,
+        is_anchored: false,
+    };
+    // where unknown k stands in the row under way; valid if at or after the row's start
+    let mut place = vec![0u32; n];
+    rows.offsets.push(0);
+    for (i, &v) in interior.iter().enumerate() {
+        let start = rows.columns.len() as u32;
+        rows.columns.push(i as u32);
+        rows.values.push(0.0);
+        place[i] = start;
+        let mut rhs = DVec3::ZERO;
+        let ring = rings.of(v);
+        let mut add = |weight: f64, k: VertexId| {
+            let u = unknown[k.index()];
+            if u == FIXED {
+                rhs -= weight * (positions[k.index()] - origin);
+                rows.is_anchored = true;
+                return;
+            }
+            let at = place[u as usize];
+            if (at >= start) && (at as usize) < rows.columns.len() && rows.columns[at as usize] == u
+            {
+                rows.values[at as usize] += weight;
+            } else {
+                place[u as usize] = rows.columns.len() as u32;
+                rows.columns.push(u);
+                rows.values.push(weight);
+            }
+        };
+        // (L²)_ik = Σ_j L_ij L_jk, j over i and its ring
+        let degree = ring.len() as f64;
+        add(degree * degree, v);
+        for &k in ring {
+            add(-degree, k);
+        }
+        for &j in ring {
+            let ring_j = rings.of(j);
+            add(-(ring_j.len() as f64), j);
+            for &k in ring_j {
+                add(1.0, k);
+            }
+        }
+        rows.offsets.push(rows.columns.len() as u32);
+        rows.rhs.push(rhs);
+    }
+    rows
+}
+
+/// Neighbours of the interior vertices and of the vertices around them, in one array.
+struct Rings {
+    /// Start and end per vertex of the mesh, zero where not asked for.
+    range: Vec<[u32; 2]>,
+    neighbours: Vec<VertexId>,
+}
+
+impl Rings {
+    fn around(topology: &Topology, interior: &[VertexId]) -> Self {
+        let mut rings = Self {
+            range: vec![[0; 2]; topology.vertex_count()],
+            neighbours: Vec::with_capacity(7 * interior.len() + 64),
+        };
+        for &v in interior {
+            rings.append(topology, v);
+        }
+        for &v in interior {
+            let [begin, end] = rings.range[v.index()];
+            for k in begin..end {
+                rings.append(topology, rings.neighbours[k as usize]);
+            }
+        }
+        rings
+    }
+
+    fn append(&mut self, topology: &Topology, v: VertexId) {
+        if self.range[v.index()] != [0; 2] {
+            return;
+        }
+        let begin = self.neighbours.len() as u32;
+        self.neighbours.extend(topology.neighbours(v));
+        self.range[v.index()] = [begin, self.neighbours.len() as u32];
+    }
+
+    fn of(&self, v: VertexId) -> &[VertexId] {
+        let [begin, end] = self.range[v.index()];
+        &self.neighbours[begin as usize..end as usize]
+    }
+}
+
+/// The lower triangle of the permuted matrix in the order of `pattern`.
+fn permuted_values(rows: &Rows, pattern: &SymmetricPattern, perm: &[u32]) -> Vec<f64> {
+    let n = perm.len();
+    let mut new_of_old = vec![0u32; n];
+    for (new, &old) in perm.iter().enumerate() {
+        new_of_old[old as usize] = new as u32;
+    }
+    // One column at a time: scattered by new index, gathered in the pattern's order. Entries that
+    // the column does not have are never read.
+    let mut scattered = vec![0.0; n];
+    let mut values = Vec::with_capacity(pattern.nnz());
+    for (j, &old) in perm.iter().enumerate() {
+        let row = rows.offsets[old as usize] as usize..rows.offsets[old as usize + 1] as usize;
+        for p in row {
+            scattered[new_of_old[rows.columns[p] as usize] as usize] = rows.values[p];
+        }
+        let column = pattern.col_ptr[j]..pattern.col_ptr[j + 1];
+        values.extend(pattern.row_idx[column].iter().map(|&i| scattered[i]));
+    }
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A triangulated parallelogram of the regular lattice, `side` vertices along each side.
+    fn lattice(side: usize) -> (Topology, Vec<DVec3>) {
+        let at = |i: usize, j: usize| (i * side + j) as u32;
+        let mut triangles = Vec::new();
+        let mut points = Vec::new();
+        for i in 0..side {
+            for j in 0..side {
+                let (x, y) = (j as f64 + 0.5 * i as f64, 0.75f64.sqrt() * i as f64);
+                points.push(DVec3::new(x, y, 0.0));
+                if i + 1 < side && j + 1 < side {
+                    triangles.push([at(i, j), at(i, j + 1), at(i + 1, j)]);
+                    triangles.push([at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]);
+                }
+            }
+        }
+        let topology =
+            Topology::from_triangles(points.len(), &triangles).expect("the lattice is a manifold");
+        (topology, points)
+    }
+
+    /// Lattice vertices at least two rings from the boundary.
+    fn inner(side: usize) -> Vec<VertexId> {
+        (2..side - 2)
+            .flat_map(|i| (2..side - 2).map(move |j| VertexId((i * side + j) as u32)))
+            .collect()
+    }
+
+    #[test]
+    fn reproduces_cubics_on_the_regular_lattice() {
+        // L is exactly a multiple of the Laplacian on cubics there, and L of linears is 0.
+        let side = 14;
+        let (topology, mut points) = lattice(side);
+        for p in &mut points {
+            let (x, y) = (p.x - 9.0, p.y - 6.0);
+            p.z = 0.02 * x * x * x - 0.05 * x * y * y + 0.1 * x * y + 0.3 * y * y - x + 2.0;
+        }
+        let exact = points.clone();
+        let interior = inner(side);
+        for (k, v) in interior.iter().enumerate() {
+            points[v.index()] += DVec3::new(0.3, -0.2, 5.0 * (k as f64).sin());
+        }
+        warm_start(&topology, &mut points, &interior).expect("positive definite");
+        for (p, q) in points.iter().zip(&exact) {
+            assert!(p.distance(*q) < 1e-11, "{p} {q}");
+        }
+    }
+
+    #[test]
+    fn commutes_with_affine_maps() {
+        let side = 11;
+        let (topology, mut points) = lattice(side);
+        for (k, p) in points.iter_mut().enumerate() {
+            p.z = (1.7 * k as f64).sin();
+        }
+        let map =
+            |p: DVec3| DVec3::new(2.0 * p.x - p.y, p.z + 0.5 * p.x, p.y - p.z) + DVec3::splat(1e3);
+        let interior = inner(side);
+        let mut mapped: Vec<_> = points.iter().map(|&p| map(p)).collect();
+        warm_start(&topology, &mut points, &interior).expect("positive definite");
+        warm_start(&topology, &mut mapped, &interior).expect("positive definite");
+        for (p, q) in points.iter().zip(&mapped) {
+            assert!(map(*p).distance(*q) < 1e-10);
+        }
+    }
+
+    #[test]
+    fn loose_vertices_are_an_error() {
+        let (topology, mut points) = lattice(4);
+        let all: Vec<VertexId> = (0..16).map(VertexId).collect();
+        let before = points.clone();
+        assert!(matches!(
+            warm_start(&topology, &mut points, &all),
+            Err(LinearError::NotPositiveDefinite { .. })
+        ));
+        assert_eq!(points, before);
+        warm_start(&topology, &mut points, &[]).expect("nothing to do");
+    }
+}

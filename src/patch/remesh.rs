@@ -1,0 +1,226 @@
+//! Brings a patch to its wanted edge length: splits, collapses, flips and relaxation, all in the
+//! patch's own metric and with the rim untouched.
+
+use super::surface::{NONE, Surface, next, prev};
+use crate::mesh::DVec3;
+
+/// An edge longer than this multiple of the wanted length is split.
+const LONG: f64 = 4.0 / 3.0;
+/// An edge shorter than this multiple of the wanted length is collapsed.
+const SHORT: f64 = 0.7;
+/// Rounds of split, collapse, flip and relax after the first refinement.
+const ROUNDS: usize = 4;
+/// Relaxation sweeps in each round.
+const SWEEPS: usize = 3;
+
+/// Remeshes `s` to its `size`. `wanted` is the number of edges each rim vertex should have (rim
+/// edges included), see [`rim_valences`].
+pub(super) fn remesh(s: &mut Surface, wanted: &[i32]) {
+    refine(s);
+    for round in 0..ROUNDS {
+        if round > 0 {
+            collapse_short(s);
+            split_long(s);
+        }
+        flip_for_valence(s, wanted);
+        relax(s, SWEEPS);
+        flip_to_delaunay(s);
+    }
+    relax(s, 1);
+}
+
+/// The number of edges that divides the patch's angle at each rim vertex into angles near 60°.
+pub(super) fn rim_valences(s: &Surface) -> Vec<i32> {
+    let mut angle = vec![0.0; s.rim];
+    for h in 0..s.corner.len() as u32 {
+        let v = s.from(h);
+        if s.is_rim(v) {
+            let a = s.point(s.to(h)) - s.point(v);
+            let b = s.point(s.apex(h)) - s.point(v);
+            angle[v as usize] += a.cross(b).length().atan2(a.dot(b));
+        }
+    }
+    let sixty = std::f64::consts::FRAC_PI_3;
+    angle
+        .iter()
+        .map(|a| 1 + (a / sixty).round().max(1.0) as i32)
+        .collect()
+}
+
+/// Splits those of the chords (pairs of rim vertices) that are edges of the patch. Flips and
+/// collapses never join two rim vertices, so none of them comes back.
+pub(super) fn split_chords(s: &mut Surface, chords: &[[u32; 2]]) {
+    for &[i, j] in chords {
+        if let Some(h) = s.edge_between(i, j) {
+            let middle = s.point(i).midpoint(s.point(j));
+            s.split(h, middle);
+        }
+    }
+}
+
+/// First refinement of a coarse triangulation: halves long edges, restoring the Delaunay property
+/// after each round of splits.
+fn refine(s: &mut Surface) {
+    flip_to_delaunay(s);
+    // every round halves the long edges, so this bounds extents of 2^40 edge lengths
+    for _ in 0..40 {
+        if !split_long(s) {
+            return;
+        }
+        flip_to_delaunay(s);
+    }
+}
+
+/// Splits long edges at their midpoints, once over all of them; whether there were any.
+fn split_long(s: &mut Surface) -> bool {
+    let mut any = false;
+    for h in 0..s.corner.len() as u32 {
+        if s.is_dead(h) || s.twin(h) == NONE || s.twin(h) < h {
+            continue;
+        }
+        let (a, b) = (s.from(h), s.to(h));
+        let limit = LONG * f64::midpoint(s.size[a as usize], s.size[b as usize]);
+        if s.length2(h) > limit * limit {
+            let middle = s.point(a).midpoint(s.point(b));
+            s.split(h, middle);
+            any = true;
+        }
+    }
+    any
+}
+
+/// Merges the ends of short edges, once over all of them.
+fn collapse_short(s: &mut Surface) {
+    for h in 0..s.corner.len() as u32 {
+        if s.is_dead(h) || s.twin(h) == NONE {
+            continue;
+        }
+        let (v, u) = (s.from(h), s.to(h));
+        if s.is_rim(v) {
+            continue;
+        }
+        let limit = SHORT * f64::midpoint(s.size[v as usize], s.size[u as usize]);
+        if s.length2(h) >= limit * limit || !s.may_collapse(h) {
+            continue;
+        }
+        let point = if s.is_rim(u) {
+            s.point(u)
+        } else {
+            s.point(u).midpoint(s.point(v))
+        };
+        s.collapse(h, point);
+    }
+}
+
+/// Whether flipping `h` keeps the patch a manifold disc, joins no two rim vertices and folds
+/// nothing over.
+fn may_flip(s: &Surface, h: u32) -> bool {
+    let g = s.twin(h);
+    if g == NONE {
+        return false;
+    }
+    let (a, b, c, d) = (s.from(h), s.to(h), s.apex(h), s.apex(g));
+    if s.is_rim(c) && s.is_rim(d) {
+        return false;
+    }
+    let spare = |v: u32| s.valence[v as usize] > if s.is_rim(v) { 2 } else { 3 };
+    if !spare(a) || !spare(b) {
+        return false;
+    }
+    let (pa, pb, pc, pd) = (s.point(a), s.point(b), s.point(c), s.point(d));
+    let old = s.normal(h) + s.normal(g);
+    let first = (pc - pd).cross(pa - pd);
+    let second = (pb - pd).cross(pc - pd);
+    first.dot(old) > 0.0 && second.dot(old) > 0.0 && !s.joined(c, d)
+}
+
+/// Cotangent of the angle at `apex` times twice the triangle's area, and that area.
+fn corner_cotangent(apex: DVec3, a: DVec3, b: DVec3) -> (f64, f64) {
+    let (u, v) = (a - apex, b - apex);
+    (u.dot(v), u.cross(v).length())
+}
+
+/// Whether the angles opposite the edge sum up to more than 180°, rounding aside.
+fn is_not_delaunay(s: &Surface, h: u32) -> bool {
+    let (a, b) = (s.point(s.from(h)), s.point(s.to(h)));
+    let (dot_c, area_c) = corner_cotangent(s.point(s.apex(h)), a, b);
+    let (dot_d, area_d) = corner_cotangent(s.point(s.apex(s.twin(h))), a, b);
+    dot_c * area_d + dot_d * area_c < -1e-10 * (area_c * area_d).max(f64::MIN_POSITIVE)
+}
+
+/// Flips edges until the triangulation is Delaunay in its own metric (opposite angles of every
+/// interior edge sum up to at most 180°).
+fn flip_to_delaunay(s: &mut Surface) {
+    let mut stack: Vec<u32> = (0..s.corner.len() as u32)
+        .rev()
+        .filter(|&h| s.twin(h) != NONE && s.twin(h) > h)
+        .collect();
+    // Lawson's flips end in the plane; in space a bound guards against cycles.
+    let mut left = 8 * s.corner.len() + 64;
+    while let Some(h) = stack.pop() {
+        if s.is_dead(h) || s.twin(h) == NONE || !is_not_delaunay(s, h) || !may_flip(s, h) {
+            continue;
+        }
+        s.flip(h);
+        if left == 0 {
+            return;
+        }
+        left -= 1;
+        let g = s.twin(h);
+        stack.extend([next(h), prev(h), next(g), prev(g)]);
+    }
+}
+
+/// Flips edges where that brings the valences of their four vertices nearer to the wanted ones
+/// (6 in the interior) without making a thin triangle.
+fn flip_for_valence(s: &mut Surface, wanted: &[i32]) {
+    let excess = |s: &Surface, v: u32| -> i32 {
+        let want = wanted.get(v as usize).copied().unwrap_or(6);
+        s.valence[v as usize].cast_signed() - want
+    };
+    for h in 0..s.corner.len() as u32 {
+        let g = s.twin(h);
+        if s.is_dead(h) || g == NONE || g < h {
+            continue;
+        }
+        let (a, b, c, d) = (s.from(h), s.to(h), s.apex(h), s.apex(g));
+        let gain = excess(s, a) + excess(s, b) - excess(s, c) - excess(s, d);
+        // (x−1)² summed over the losing and (x+1)² over the gaining ends, minus before
+        if gain <= 2 || !may_flip(s, h) {
+            continue;
+        }
+        let (pa, pb, pc, pd) = (s.point(a), s.point(b), s.point(c), s.point(d));
+        if is_thin(pd, pc, pa) || is_thin(pc, pd, pb) {
+            continue;
+        }
+        s.flip(h);
+    }
+}
+
+/// Whether a triangle's shape is worse than (1, 1, 1.8): height over longest side below about 1/4.
+fn is_thin(a: DVec3, b: DVec3, c: DVec3) -> bool {
+    let longest2 = a
+        .distance_squared(b)
+        .max(b.distance_squared(c))
+        .max(c.distance_squared(a));
+    (b - a).cross(c - a).length() < 0.25 * longest2
+}
+
+/// Moves interior vertices to the mean of their neighbours, in place; wanted sizes likewise.
+fn relax(s: &mut Surface, sweeps: usize) {
+    for _ in 0..sweeps {
+        for v in s.rim..s.points.len() {
+            if s.out[v] == NONE {
+                continue;
+            }
+            let (mut sum, mut size) = (DVec3::ZERO, 0.0);
+            s.for_neighbours(v as u32, |w| {
+                sum += s.points[w as usize];
+                size += s.size[w as usize];
+            });
+            let k = f64::from(s.valence[v]);
+            s.points[v] = sum / k;
+            s.size[v] = size / k;
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! A triangulated disc that is being edited: the patch between its first triangulation and the
+//! finished mesh.
+
+use crate::mesh::DVec3;
+
+/// The mark for "no half-edge": the other side of a rim edge.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Triangles with twin links. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the next
+/// one. The first `rim` vertices are the rim in order and never move; rim edges have no twin.
+/// Removed triangles stay in the arrays with their corners set to [`NONE`].
+#[derive(Clone, Debug)]
+pub(super) struct Surface {
+    pub points: Vec<DVec3>,
+    /// Wanted edge length at each vertex.
+    pub size: Vec<f64>,
+    pub corner: Vec<u32>,
+    pub twin: Vec<u32>,
+    /// An outgoing half-edge of each vertex; of a rim vertex the rim edge itself, so that turning
+    /// counter-clockwise from it covers the fan. `NONE` for a removed vertex.
+    pub out: Vec<u32>,
+    pub valence: Vec<u32>,
+    pub rim: usize,
+}
+
+#[inline]
+pub(super) fn next(h: u32) -> u32 {
+    if h % 3 == 2 { h - 2 } else { h + 1 }
+}
+
+#[inline]
+pub(super) fn prev(h: u32) -> u32 {
+    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
+}
+
+impl Surface {
+    /// Links `triangles` (a disc whose boundary is `0 → 1 → … → rim−1 → 0`) over `points`.
+    pub fn new(points: Vec<DVec3>, size: Vec<f64>, rim: usize, triangles: &[[u32; 3]]) -> Self {
+        let n = points.len();
+        let corner: Vec<u32> = triangles.iter().flatten().copied().collect();
+        let mut s = Self {
+            size,
+            twin: vec![NONE; corner.len()],
+            out: vec![NONE; n],
+            valence: vec![0; n],
+            points,
+            corner,
+            rim,
+        };
+        s.link();
+        s
+    }
+
+    /// Matches opposite half-edges by a counting sort over the smaller end.
+    fn link(&mut self) {
+        let n = self.points.len();
+        let count = self.corner.len();
+        let mut start = vec![0u32; n + 1];
+        let low = |s: &Self, h: usize| s.corner[h].min(s.corner[next(h as u32) as usize]) as usize;
+        for h in 0..count {
+            start[low(self, h) + 1] += 1;
+        }
+        for v in 0..n {
+            start[v + 1] += start[v];
+        }
+        let mut bucket = vec![0u32; count];
+        let mut fill = start.clone();
+        for h in 0..count {
+            let slot = &mut fill[low(self, h)];
+            bucket[*slot as usize] = h as u32;
+            *slot += 1;
+        }
+        for v in 0..n {
+            let group = &bucket[start[v] as usize..start[v + 1] as usize];
+            for (i, &h) in group.iter().enumerate() {
+                if self.twin[h as usize] != NONE {
+                    continue;
+                }
+                let (a, b) = (self.from(h), self.to(h));
+                for &g in &group[i + 1..] {
+                    if self.from(g) == b && self.to(g) == a {
+                        self.twin[h as usize] = g;
+                        self.twin[g as usize] = h;
+                        break;
+                    }
+                }
+            }
+        }
+        for h in 0..count as u32 {
+            let v = self.from(h) as usize;
+            let is_rim = self.twin[h as usize] == NONE;
+            self.valence[v] += 1;
+            if is_rim {
+                // the rim edge that arrives at a vertex is an edge of it too
+                let end = self.to(h) as usize;
+                self.valence[end] += 1;
+            }
+            if is_rim || self.out[v] == NONE {
+                self.out[v] = h;
+            }
+        }
+    }
+
+    #[inline]
+    pub fn from(&self, h: u32) -> u32 {
+        self.corner[h as usize]
+    }
+
+    #[inline]
+    pub fn to(&self, h: u32) -> u32 {
+        self.corner[next(h) as usize]
+    }
+
+    /// The corner opposite the half-edge in its triangle.
+    #[inline]
+    pub fn apex(&self, h: u32) -> u32 {
+        self.corner[prev(h) as usize]
+    }
+
+    #[inline]
+    pub fn twin(&self, h: u32) -> u32 {
+        self.twin[h as usize]
+    }
+
+    #[inline]
+    pub fn is_rim(&self, v: u32) -> bool {
+        (v as usize) < self.rim
+    }
+
+    #[inline]
+    pub fn point(&self, v: u32) -> DVec3 {
+        self.points[v as usize]
+    }
+
+    /// Squared edge length.
+    #[inline]
+    pub fn length2(&self, h: u32) -> f64 {
+        self.point(self.from(h))
+            .distance_squared(self.point(self.to(h)))
+    }
+
+    /// Whether the half-edge's triangle was removed.
+    #[inline]
+    pub fn is_dead(&self, h: u32) -> bool {
+        self.corner[h as usize] == NONE
+    }
+
+    /// Calls `f` with the far end of every edge at `v`, counter-clockwise.
+    #[inline]
+    pub fn for_neighbours(&self, v: u32, mut f: impl FnMut(u32)) {
+        let first = self.out[v as usize];
+        let mut h = first;
+        loop {
+            f(self.to(h));
+            let back = prev(h);
+            let t = self.twin(back);
+            if t == NONE {
+                // the rim edge that arrives at v
+                f(self.from(back));
+                return;
+            }
+            h = t;
+            if h == first {
+                return;
+            }
+        }
+    }
+
+    /// Whether an edge joins `a` and `b`.
+    pub fn joined(&self, a: u32, b: u32) -> bool {
+        let mut found = false;
+        self.for_neighbours(a, |w| found |= w == b);
+        found
+    }
+
+    /// The interior half-edge from `a` to `b`, if an edge joins them.
+    pub fn edge_between(&self, a: u32, b: u32) -> Option<u32> {
+        let first = self.out[a as usize];
+        let mut h = first;
+        loop {
+            if self.to(h) == b {
+                return (self.twin(h) != NONE).then_some(h);
+            }
+            h = self.twin(prev(h));
+            if h == NONE || h == first {
+                return None;
+            }
+        }
+    }
+
+    /// Normal of the half-edge's triangle, twice its area long.
+    #[inline]
+    pub fn normal(&self, h: u32) -> DVec3 {
+        let (a, b, c) = (
+            self.point(self.from(h)),
+            self.point(self.to(h)),
+            self.point(self.apex(h)),
+        );
+        (b - a).cross(c - a)
+    }
+
+    fn pair(&mut self, a: u32, b: u32) {
+        self.twin[a as usize] = b;
+        if b != NONE {
+            self.twin[b as usize] = a;
+        }
+    }
+
+    /// Replaces the diagonal `h` of its quadrilateral by the other one. The caller has checked
+    /// that the new edge does not exist yet.
+    pub fn flip(&mut self, h: u32) {
+        let g = self.twin(h);
+        let (hn, hp, gn, gp) = (next(h), prev(h), next(g), prev(g));
+        let (a, b, c, d) = (self.from(h), self.from(g), self.from(hp), self.from(gp));
+        // h: a→b, apex c; g: b→a, apex d. Afterwards h: d→c with apex a... kept in place:
+        // triangle of h = (d, c, a) as (h, hn, hp), triangle of g = (c, d, b) as (g, gn, gp).
+        let (bc, ca, ad, db) = (self.twin(hn), self.twin(hp), self.twin(gn), self.twin(gp));
+        self.corner[h as usize] = d;
+        self.corner[hn as usize] = c;
+        self.corner[hp as usize] = a;
+        self.corner[g as usize] = c;
+        self.corner[gn as usize] = d;
+        self.corner[gp as usize] = b;
+        self.pair(hn, ca);
+        self.pair(hp, ad);
+        self.pair(gn, db);
+        self.pair(gp, bc);
+        self.out[a as usize] = self.keep_rim_first(a, hp);
+        self.out[b as usize] = self.keep_rim_first(b, gp);
+        self.out[c as usize] = self.keep_rim_first(c, hn);
+        self.out[d as usize] = self.keep_rim_first(d, gn);
+        self.valence[a as usize] -= 1;
+        self.valence[b as usize] -= 1;
+        self.valence[c as usize] += 1;
+        self.valence[d as usize] += 1;
+    }
+
+    /// The half-edge to store for `v`, given that `h` leaves it: the rim edge for rim vertices.
+    fn keep_rim_first(&self, v: u32, h: u32) -> u32 {
+        if !self.is_rim(v) || self.twin(h) == NONE {
+            return h;
+        }
+        // clockwise until the rim edge
+        let mut h = h;
+        loop {
+            let t = self.twin(h);
+            if t == NONE {
+                return h;
+            }
+            h = next(t);
+        }
+    }
+
+    /// Splits the interior edge `h` at `point`; returns the new vertex.
+    pub fn split(&mut self, h: u32, point: DVec3) -> u32 {
+        let g = self.twin(h);
+        let (hn, gp) = (next(h), prev(g));
+        let (a, b, c, d) = (self.from(h), self.from(g), self.apex(h), self.apex(g));
+        let m = self.points.len() as u32;
+        self.points.push(point);
+        self.size
+            .push(f64::midpoint(self.size[a as usize], self.size[b as usize]));
+        // h: a→m, apex c stays in its triangle; the halves at b are new triangles.
+        let t = self.corner.len() as u32;
+        self.corner.extend([m, b, c, b, m, d]);
+        self.twin.extend([NONE; 6]);
+        let (bc, db) = (self.twin(hn), self.twin(gp));
+        self.corner[hn as usize] = m;
+        self.corner[g as usize] = m;
+        // triangle of h is now (a, m, c); triangle of g is (m, a, d).
+        self.pair(t, t + 3);
+        self.pair(t + 1, bc);
+        self.pair(t + 2, hn);
+        self.pair(t + 4, gp);
+        self.pair(t + 5, db);
+        self.pair(h, g);
+        self.out.push(t);
+        self.valence.push(4);
+        self.valence[c as usize] += 1;
+        self.valence[d as usize] += 1;
+        self.out[b as usize] = self.keep_rim_first(b, t + 1);
+        // d's rim edge may have been the second half of g's triangle
+        self.out[d as usize] = self.keep_rim_first(d, t + 5);
+        m
+    }
+
+    /// Whether the interior vertex at the start of `h` may be merged into its end without making
+    /// the patch non-manifold or joining two rim vertices.
+    pub fn may_collapse(&self, h: u32) -> bool {
+        let (v, u) = (self.from(h), self.to(h));
+        let g = self.twin(h);
+        if self.is_rim(v) || g == NONE {
+            return false;
+        }
+        let (c, d) = (self.apex(h), self.apex(g));
+        if self.is_thin(c) || self.is_thin(d) {
+            return false;
+        }
+        let mut fine = true;
+        self.for_neighbours(v, |w| {
+            if w == u || w == c || w == d {
+                return;
+            }
+            fine &= !(self.is_rim(w) && self.is_rim(u) || self.joined(u, w));
+        });
+        fine
+    }
+
+    /// Whether losing one edge would leave the vertex without a proper fan.
+    fn is_thin(&self, v: u32) -> bool {
+        self.valence[v as usize] <= if self.is_rim(v) { 2 } else { 3 }
+    }
+
+    /// Merges the start of `h` into its end (see [`Self::may_collapse`]) and puts it at `point`.
+    pub fn collapse(&mut self, h: u32, point: DVec3) {
+        let g = self.twin(h);
+        let (v, u, c, d) = (self.from(h), self.to(h), self.apex(h), self.apex(g));
+        let (uc, cv) = (self.twin(next(h)), self.twin(prev(h)));
+        let (vd, du) = (self.twin(next(g)), self.twin(prev(g)));
+        // every corner v becomes u
+        let mut e = h;
+        loop {
+            self.corner[e as usize] = u;
+            e = self.twin(prev(e));
+            if e == h {
+                break;
+            }
+        }
+        // the outer sides of the two vanishing triangles become twins; a rim edge stays one
+        self.pair(cv, uc);
+        self.pair(vd, du);
+        for e in [h, next(h), prev(h), g, next(g), prev(g)] {
+            self.corner[e as usize] = NONE;
+            self.twin[e as usize] = NONE;
+        }
+        self.out[v as usize] = NONE;
+        self.valence[u as usize] = self.valence[u as usize] + self.valence[v as usize] - 4;
+        self.valence[c as usize] -= 1;
+        self.valence[d as usize] -= 1;
+        self.points[u as usize] = point;
+        self.out[u as usize] = self.keep_rim_first(u, cv);
+        self.out[d as usize] = self.keep_rim_first(d, vd);
+        let leaves_c = if uc == NONE { next(cv) } else { uc };
+        self.out[c as usize] = self.keep_rim_first(c, leaves_c);
+    }
+
+    /// The mesh without what was removed: points (rim first) and triangles.
+    pub fn compact(self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+        let mut index = vec![NONE; self.points.len()];
+        let mut points = Vec::with_capacity(self.points.len());
+        for (v, &p) in self.points.iter().enumerate() {
+            if self.out[v] != NONE {
+                index[v] = points.len() as u32;
+                points.push(p);
+            }
+        }
+        let triangles = self
+            .corner
+            .chunks_exact(3)
+            .filter(|t| t[0] != NONE)
+            .map(|t| [0, 1, 2].map(|k| index[t[k] as usize]))
+            .collect();
+        (points, triangles)
+    }
+}

@@ -1,0 +1,154 @@
+//! Minimum-weight triangulation of a spatial polygon.
+
+use super::Rim;
+use crate::mesh::DVec3;
+
+/// Weight of a triangulated stretch of the rim: the worst dihedral angle in it, as the cosine
+/// between neighbouring face normals (1 flat, −1 folded over) in whole steps, then its area.
+#[derive(Clone, Copy)]
+struct Weight {
+    /// Larger is flatter; [`FORBIDDEN`] marks a chord the mesh already has.
+    flatness: i32,
+    area: f64,
+}
+
+/// Cosines are compared in steps of 1/STEPS, so that rounding does not decide between
+/// triangulations of a flat loop; a step at 0° is an angle of 2.5°.
+const STEPS: f64 = 1024.0;
+const FORBIDDEN: i32 = -4096;
+/// Stands for the normal of a degenerate existing face.
+const NO_NORMAL: DVec3 = DVec3::splat(2.0);
+/// The flatness of what has no neighbour yet.
+const FLAT: i32 = 1024;
+
+fn quantised(cosine: f64) -> i32 {
+    (cosine * STEPS).floor() as i32
+}
+
+/// The triangulation of the rim without new vertices whose worst dihedral angle, the one with the
+/// existing faces included, is least, and whose area is least among those (P. Liepa, "Filling holes
+/// in meshes", SGP 2003; the recursion is that of G. Barequet and M. Sharir, 1995).
+///
+/// Cubic time, quadratic memory: 3 ms for 108 edges. Forbidden chords are used only if there is no
+/// triangulation without. Triangles contain the edges `i → i + 1`.
+pub(super) fn minimum_weight(rim: &Rim) -> Vec<[u32; 3]> {
+    let n = rim.points.len();
+    if n == 3 {
+        return vec![[0, 1, 2]];
+    }
+    let p = &rim.points;
+    // Entry [i n + j], i < j: the stretch i..j closed by the chord (i, j); `column` is the same
+    // transposed, so that both operands of the inner loop are contiguous.
+    let empty = Weight {
+        flatness: FLAT,
+        area: 0.0,
+    };
+    let mut row = vec![empty; n * n];
+    let mut column = vec![empty; n * n];
+    let mut row_normal = vec![DVec3::ZERO; n * n];
+    let mut column_normal = vec![DVec3::ZERO; n * n];
+    let mut split = vec![0u32; n * n];
+    for i in 0..n - 1 {
+        let normal = existing_normal(rim, i);
+        row_normal[i * n + i + 1] = normal;
+        column_normal[(i + 1) * n + i] = normal;
+    }
+    let closing = existing_normal(rim, n - 1);
+    let mut forbidden = vec![false; n * n];
+    for &[i, j] in &rim.forbidden {
+        forbidden[i as usize * n + j as usize] = true;
+    }
+
+    for j in 2..n {
+        for i in (0..j - 1).rev() {
+            let is_root = i == 0 && j == n - 1;
+            let base = p[j] - p[i];
+            let mut best = Weight {
+                flatness: i32::MIN,
+                area: f64::INFINITY,
+            };
+            let mut best_normal = DVec3::ZERO;
+            let mut best_k = i + 1;
+            let left = &row[i * n..(i + 1) * n];
+            let right = &column[j * n..(j + 1) * n];
+            let left_normal = &row_normal[i * n..(i + 1) * n];
+            let right_normal = &column_normal[j * n..(j + 1) * n];
+            for k in i + 1..j {
+                let mut flatness = left[k].flatness.min(right[k].flatness);
+                if flatness < best.flatness {
+                    continue;
+                }
+                let mut area = left[k].area + right[k].area;
+                if flatness == best.flatness && area >= best.area {
+                    continue;
+                }
+                let cross = (p[k] - p[i]).cross(base);
+                let double = cross.length();
+                area += 0.5 * double;
+                let normal = if double > 0.0 {
+                    cross / double
+                } else {
+                    DVec3::ZERO
+                };
+                flatness = flatness.min(quantised(bend(normal, left_normal[k])));
+                flatness = flatness.min(quantised(bend(normal, right_normal[k])));
+                if is_root {
+                    flatness = flatness.min(quantised(bend(normal, closing)));
+                }
+                if flatness > best.flatness || (flatness == best.flatness && area < best.area) {
+                    best = Weight { flatness, area };
+                    best_normal = normal;
+                    best_k = k;
+                }
+            }
+            if forbidden[i * n + j] {
+                best.flatness = FORBIDDEN;
+            }
+            row[i * n + j] = best;
+            column[j * n + i] = best;
+            row_normal[i * n + j] = best_normal;
+            column_normal[j * n + i] = best_normal;
+            split[i * n + j] = best_k as u32;
+        }
+    }
+    collect(&split, n)
+}
+
+/// Cosine between two unit normals. A degenerate triangle (normal zero) counts as folded, so that
+/// it is used only where nothing else is left; a degenerate existing face (no normal) as flat.
+fn bend(normal: DVec3, other: DVec3) -> f64 {
+    if other.x > 1.0 {
+        1.0
+    } else if normal == DVec3::ZERO || other == DVec3::ZERO {
+        -1.0
+    } else {
+        normal.dot(other)
+    }
+}
+
+/// Unit normal of the existing face at rim edge `i`, or [`NO_NORMAL`] if it is degenerate.
+fn existing_normal(rim: &Rim, i: usize) -> DVec3 {
+    let a = rim.points[i];
+    let b = rim.points[(i + 1) % rim.points.len()];
+    // the face contains the edge b → a
+    (a - b)
+        .cross(rim.opposite[i] - b)
+        .try_normalize()
+        .unwrap_or(NO_NORMAL)
+}
+
+/// Reads the triangles off the table of best splits, with an explicit stack.
+fn collect(split: &[u32], n: usize) -> Vec<[u32; 3]> {
+    let mut triangles = Vec::with_capacity(n - 2);
+    let mut stack = vec![(0usize, n - 1)];
+    while let Some((i, j)) = stack.pop() {
+        if j - i < 2 {
+            continue;
+        }
+        let k = split[i * n + j] as usize;
+        triangles.push([i as u32, k as u32, j as u32]);
+        stack.push((k, j));
+        stack.push((i, k));
+    }
+    triangles
+}
