@@ -1,0 +1,164 @@
+//! Basis functions of a triangle of the limit surface, by the valences of its corners.
+
+use std::collections::BTreeMap;
+
+use super::masks::limit_mask;
+use super::patch::{Patch, Row};
+use super::regular;
+use super::rule::Rule;
+
+/// Number of tabulated quantities: `N, N_v, N_w, N_vv, N_vw, N_ww`.
+pub const DERIVATIVES: usize = 6;
+
+/// Subdivision steps towards a corner after which the point counts as the corner.
+const MAX_STEPS: usize = 100;
+
+/// Values and derivatives of the basis functions of a triangle's control vertices at the points of
+/// a quadrature rule.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BasisTable {
+    /// Number of control vertices.
+    pub n: usize,
+    /// Number of points.
+    pub points: usize,
+    /// `[point][derivative 0..6][control vertex 0..n]`, row-major and contiguous.
+    pub data: Vec<f64>,
+}
+
+impl BasisTable {
+    /// Tabulates the triangle with the given corner valences (each at least 3), with
+    /// `a + b + c - 6` control vertices (4 for the tetrahedron) in standard order. None are
+    /// identified with each other, though in a small mesh some may coincide.
+    pub fn new(valences: [usize; 3], rule: Rule) -> Self {
+        let points = rule.points();
+        let n = Patch::new(valences).len();
+        let mut data = vec![0.0; points.len() * DERIVATIVES * n];
+        let mut scratch = Scratch::default();
+        for (&[v, w], block) in points.iter().zip(data.chunks_exact_mut(DERIVATIVES * n)) {
+            let rows = scratch.rows(valences, v, w);
+            for (i, row) in rows.iter().enumerate() {
+                for (d, &value) in row.iter().enumerate() {
+                    block[d * n + i] = value;
+                }
+            }
+        }
+        Self {
+            n,
+            points: points.len(),
+            data,
+        }
+    }
+
+    /// The `n` values of one derivative (order `N, N_v, N_w, N_vv, N_vw, N_ww`) at one point.
+    #[inline]
+    pub fn row(&self, point: usize, derivative: usize) -> &[f64] {
+        let start = (point * DERIVATIVES + derivative) * self.n;
+        &self.data[start..start + self.n]
+    }
+}
+
+/// Values and derivatives `[N, N_v, N_w, N_vv, N_vw, N_ww]` of each basis function of the triangle
+/// with the given corner valences (each at least 3), in standard order, at the point `(v, w)` of
+/// the closed parameter triangle.
+///
+/// At a corner of valence other than 6 the derivatives do not exist in this parametrization: they
+/// are NaN, the values are those of the limit position mask.
+pub fn basis_at(valences: [usize; 3], v: f64, w: f64) -> Vec<[f64; DERIVATIVES]> {
+    Scratch::default().rows(valences, v, w).to_vec()
+}
+
+/// Buffers of an evaluation.
+#[derive(Default)]
+struct Scratch {
+    /// Patches left behind on the way down to a regular one, and the child entered.
+    path: Vec<(Patch, Child)>,
+    rows: Vec<Row>,
+    lifted: Vec<Row>,
+}
+
+#[derive(Clone, Copy)]
+enum Child {
+    Corner(usize),
+    Middle,
+}
+
+impl Scratch {
+    /// Descends by subdivision to the regular child that holds the point, evaluates the box spline
+    /// there and applies the transposed subdivision matrices on the way back. The parameter
+    /// directions are carried along as barycentric differences: each step doubles them, the middle
+    /// child also turns them round.
+    fn rows(&mut self, mut valences: [usize; 3], v: f64, w: f64) -> &[Row] {
+        let mut at = [1.0 - v - w, v, w];
+        let mut along_v = [-1.0, 1.0, 0.0];
+        let mut along_w = [-1.0, 0.0, 1.0];
+        self.path.clear();
+        self.rows.clear();
+        while valences != [6, 6, 6] {
+            let patch = Patch::new(valences);
+            if let Some(corner) = (0..3).find(|&c| at[c] >= 0.5) {
+                let turned = |x: [f64; 3]| [0, 1, 2].map(|k| x[(corner + k) % 3]);
+                at = turned(at);
+                if self.path.len() == MAX_STEPS || (at[1] == 0.0 && at[2] == 0.0) {
+                    self.rows.resize(patch.len(), [0.0; DERIVATIVES]);
+                    let mut value = [f64::NAN; DERIVATIVES];
+                    value[0] = 1.0;
+                    let mask = limit_mask(valences[corner]);
+                    patch.add_star(corner, mask, &value, &mut self.rows);
+                    for row in &mut self.rows {
+                        row[1..].fill(f64::NAN);
+                    }
+                    break;
+                }
+                at = [at[0] - at[1] - at[2], 2.0 * at[1], 2.0 * at[2]];
+                along_v = turned(along_v).map(|x| 2.0 * x);
+                along_w = turned(along_w).map(|x| 2.0 * x);
+                self.path.push((patch, Child::Corner(corner)));
+                valences = [valences[corner], 6, 6];
+            } else {
+                at = at.map(|x| 1.0 - 2.0 * x);
+                along_v = along_v.map(|x| -2.0 * x);
+                along_w = along_w.map(|x| -2.0 * x);
+                self.path.push((patch, Child::Middle));
+                valences = [6, 6, 6];
+            }
+        }
+        if self.rows.is_empty() {
+            let regular = regular::evaluate(at, along_v, along_w);
+            self.rows.extend_from_slice(&regular);
+        }
+        for (patch, child) in self.path.drain(..).rev() {
+            self.lifted.clear();
+            self.lifted.resize(patch.len(), [0.0; DERIVATIVES]);
+            match child {
+                Child::Corner(c) => patch.lift_corner(c, &self.rows, &mut self.lifted),
+                Child::Middle => patch.lift_middle(&self.rows, &mut self.lifted),
+            }
+            std::mem::swap(&mut self.rows, &mut self.lifted);
+        }
+        &self.rows
+    }
+}
+
+/// Tables made so far, kept over calls so that several holes share them.
+#[derive(Clone, Debug, Default)]
+pub struct TableCache {
+    by_valences: BTreeMap<(Rule, [usize; 3]), BasisTable>,
+}
+
+impl TableCache {
+    /// An empty cache.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The table of a triangle by its corner valences (each at least 3).
+    pub fn table(&mut self, valences: [usize; 3], rule: Rule) -> &BasisTable {
+        self.by_valences
+            .entry((rule, valences))
+            .or_insert_with(|| BasisTable::new(valences, rule))
+    }
+}
+
+#[cfg(test)]
+#[path = "basis_tests.rs"]
+mod tests;

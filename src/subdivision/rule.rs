@@ -1,0 +1,68 @@
+//! Quadrature rules of the parameter triangle.
+
+/// Where the integrand is sampled in each triangle. All points of a rule have the same weight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Rule {
+    /// 3 points, barycentric (2/3, 1/6, 1/6) and permutations: exact for quadratics.
+    Three,
+    /// 12 points, the 3 points in each of the 4 sub-triangles (the paper's rule).
+    Twelve,
+}
+
+const A: f64 = 1.0 / 6.0;
+const B: f64 = 2.0 / 3.0;
+const THREE: [[f64; 2]; 3] = [[A, A], [B, A], [A, B]];
+
+/// The three points in the child at each corner, then in the middle one.
+const TWELVE: [[f64; 2]; 12] = {
+    let mut points = [[0.0; 2]; 12];
+    let mut k = 0;
+    while k < 3 {
+        let [v, w] = [0.5 * THREE[k][0], 0.5 * THREE[k][1]];
+        points[k] = [v, w];
+        points[3 + k] = [0.5 + v, w];
+        points[6 + k] = [v, 0.5 + w];
+        points[9 + k] = [0.5 - v, 0.5 - w];
+        k += 1;
+    }
+    points
+};
+
+impl Rule {
+    /// The points `(v, w)`.
+    pub const fn points(self) -> &'static [[f64; 2]] {
+        match self {
+            Self::Three => &THREE,
+            Self::Twelve => &TWELVE,
+        }
+    }
+
+    /// The weight of each point, such that the integral of `F` over a triangle of the surface is
+    /// the sum of `weight * 0.5 * sqrt(g) * F`.
+    pub const fn weight(self) -> f64 {
+        match self {
+            Self::Three => 1.0 / 3.0,
+            Self::Twelve => 1.0 / 12.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `int v^i w^j = i! j! / (i + j + 2)!` for total degree 2.
+    #[test]
+    fn quadratics_are_exact() {
+        for rule in [Rule::Three, Rule::Twelve] {
+            let integral = |f: fn(f64, f64) -> f64| -> f64 {
+                let sum: f64 = rule.points().iter().map(|p| f(p[0], p[1])).sum();
+                0.5 * rule.weight() * sum
+            };
+            assert!((integral(|_, _| 1.0) - 0.5).abs() < 1e-15);
+            assert!((integral(|v, _| v) - 1.0 / 6.0).abs() < 1e-15);
+            assert!((integral(|_, w| w * w) - 1.0 / 12.0).abs() < 1e-15);
+            assert!((integral(|v, w| v * w) - 1.0 / 24.0).abs() < 1e-15);
+        }
+    }
+}
