@@ -4,7 +4,10 @@ mod boundary;
 mod build;
 mod data;
 mod ids;
+mod intersect;
+pub mod shapes;
 mod soup;
+mod spatial;
 mod topology;
 
 pub use boundary::{BoundaryLoop, boundary_loops};
@@ -12,5 +15,7 @@ pub use build::{BuildError, ComponentReport, Defect, DefectKind, LoadReport, bui
 pub use data::{Components, Mesh, components};
 pub use glam::DVec3;
 pub use ids::{FaceId, HalfedgeId, VertexId};
+pub use intersect::{folded_edges, self_intersections, triangles_meet};
 pub use soup::{FaceTag, Soup};
+pub use spatial::{ClosestPoint, TriangleBvh, closest_point_on_segment, closest_point_on_triangle};
 pub use topology::{Topology, TopologyError};

@@ -1,0 +1,344 @@
+//! A bounding-volume hierarchy over triangles, and closest-point queries.
+
+use super::DVec3;
+
+/// Triangles at most in a leaf; smaller leaves cost memory, larger ones tests.
+const LEAF: usize = 4;
+
+/// A box of the hierarchy. Nodes lie depth-first: the left child of node `i` is `i + 1`.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    low: DVec3,
+    high: DVec3,
+    /// Leaf: start in `faces`. Inner node: index of the right child.
+    first: u32,
+    /// Leaf: number of triangles (at least one). Inner node: 0.
+    count: u32,
+}
+
+/// A bounding-volume hierarchy over the triangles of a mesh, for exact queries in `f64`.
+///
+/// Built by median splits in O(n log n), depth O(log n); it copies the corner positions, so the
+/// mesh may change afterwards (the hierarchy then still answers for the old one).
+#[derive(Clone, Debug)]
+pub struct TriangleBvh {
+    nodes: Vec<Node>,
+    /// Triangle indices in leaf order.
+    faces: Vec<u32>,
+    /// Corner positions in leaf order.
+    corners: Vec<[DVec3; 3]>,
+}
+
+/// Answer of [`TriangleBvh::closest_point`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosestPoint {
+    /// The triangle the point lies on (of several equally near ones, always the same).
+    pub face: u32,
+    /// The point of the surface.
+    pub point: DVec3,
+    /// Its distance from the query, in units of length.
+    pub distance: f64,
+}
+
+impl TriangleBvh {
+    /// Builds the hierarchy over `triangles`, whose corners index `positions`.
+    pub fn new(positions: &[DVec3], triangles: &[[u32; 3]]) -> Self {
+        let corner = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
+        let centroids: Vec<DVec3> = triangles.iter().map(|t| centre(&corner(t))).collect();
+        let mut faces: Vec<u32> = (0..triangles.len() as u32).collect();
+        let mut nodes = Vec::with_capacity(triangles.len().div_ceil(LEAF) * 2);
+        // (start, end, the inner node whose right child this range becomes)
+        let mut stack = vec![(0, faces.len(), usize::MAX)];
+        while let Some((start, end, parent)) = stack.pop() {
+            if start == end {
+                continue;
+            }
+            let node = nodes.len();
+            if parent != usize::MAX {
+                let parent: &mut Node = &mut nodes[parent];
+                parent.first = node as u32;
+            }
+            let range = &mut faces[start..end];
+            let (low, high) = bounds(range.iter().flat_map(|&f| corner(&triangles[f as usize])));
+            let is_leaf = end - start <= LEAF;
+            nodes.push(Node {
+                low,
+                high,
+                first: start as u32,
+                count: if is_leaf { (end - start) as u32 } else { 0 },
+            });
+            if is_leaf {
+                continue;
+            }
+            let (c_low, c_high) = bounds(range.iter().map(|&f| centroids[f as usize]));
+            let axis = longest_axis(c_high - c_low);
+            let middle = (end - start) / 2;
+            range.select_nth_unstable_by(middle, |&a, &b| {
+                let (p, q) = (centroids[a as usize], centroids[b as usize]);
+                p[axis].total_cmp(&q[axis]).then(a.cmp(&b))
+            });
+            // the left half is taken next, so that it follows its parent
+            stack.push((start + middle, end, node));
+            stack.push((start, start + middle, usize::MAX));
+        }
+        let corners = faces
+            .iter()
+            .map(|&f| corner(&triangles[f as usize]))
+            .collect();
+        Self {
+            nodes,
+            faces,
+            corners,
+        }
+    }
+
+    /// The point of the surface nearest to `query`; `None` without triangles.
+    pub fn closest_point(&self, query: DVec3) -> Option<ClosestPoint> {
+        let mut best: Option<ClosestPoint> = None;
+        let mut best_squared = f64::INFINITY;
+        let mut stack = DepthStack::default();
+        if !self.nodes.is_empty() {
+            stack.push((0, self.box_distance_squared(0, query)));
+        }
+        while let Some((index, bound)) = stack.pop() {
+            if bound > best_squared {
+                continue;
+            }
+            let node = self.nodes[index as usize];
+            if node.count == 0 {
+                let left = (index + 1, self.box_distance_squared(index + 1, query));
+                let right = (node.first, self.box_distance_squared(node.first, query));
+                let (near, far) = if right.1 < left.1 {
+                    (right, left)
+                } else {
+                    (left, right)
+                };
+                stack.push(far);
+                stack.push(near);
+                continue;
+            }
+            for slot in node.first..node.first + node.count {
+                let [a, b, c] = self.corners[slot as usize];
+                let point = closest_point_on_triangle(query, a, b, c);
+                let squared = point.distance_squared(query);
+                let face = self.faces[slot as usize];
+                let wins = squared < best_squared
+                    || (squared == best_squared && best.is_some_and(|b| face < b.face));
+                if wins {
+                    best_squared = squared;
+                    best = Some(ClosestPoint {
+                        face,
+                        point,
+                        distance: squared.sqrt(),
+                    });
+                }
+            }
+        }
+        best
+    }
+
+    /// Calls `visit` with every triangle whose bounding box meets the closed box `low..=high`,
+    /// in a fixed order.
+    pub fn for_each_overlapping(&self, low: DVec3, high: DVec3, mut visit: impl FnMut(u32)) {
+        let mut stack = DepthStack::default();
+        if !self.nodes.is_empty() {
+            stack.push((0, 0.0));
+        }
+        while let Some((index, _)) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            if !boxes_overlap(low, high, node.low, node.high) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.push((node.first, 0.0));
+                stack.push((index + 1, 0.0));
+                continue;
+            }
+            for slot in node.first as usize..(node.first + node.count) as usize {
+                let [a, b, c] = self.corners[slot];
+                if boxes_overlap(low, high, a.min(b).min(c), a.max(b).max(c)) {
+                    visit(self.faces[slot]);
+                }
+            }
+        }
+    }
+
+    fn box_distance_squared(&self, node: u32, p: DVec3) -> f64 {
+        let node = &self.nodes[node as usize];
+        (p - p.clamp(node.low, node.high)).length_squared()
+    }
+}
+
+/// A stack of tree nodes without allocation: one more entry than the depth of the tree suffices,
+/// and median splits of 2^32 triangles are 31 deep.
+struct DepthStack {
+    entries: [(u32, f64); 64],
+    len: usize,
+}
+
+impl Default for DepthStack {
+    fn default() -> Self {
+        Self {
+            entries: [(0, 0.0); 64],
+            len: 0,
+        }
+    }
+}
+
+impl DepthStack {
+    fn push(&mut self, entry: (u32, f64)) {
+        self.entries[self.len] = entry;
+        self.len += 1;
+    }
+
+    fn pop(&mut self) -> Option<(u32, f64)> {
+        self.len = self.len.checked_sub(1)?;
+        Some(self.entries[self.len])
+    }
+}
+
+fn centre([a, b, c]: &[DVec3; 3]) -> DVec3 {
+    (*a + *b + *c) / 3.0
+}
+
+fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+        (low.min(p), high.max(p))
+    })
+}
+
+fn longest_axis(extent: DVec3) -> usize {
+    if extent.x >= extent.y && extent.x >= extent.z {
+        0
+    } else if extent.y >= extent.z {
+        1
+    } else {
+        2
+    }
+}
+
+fn boxes_overlap(low: DVec3, high: DVec3, other_low: DVec3, other_high: DVec3) -> bool {
+    low.cmple(other_high).all() && other_low.cmple(high).all()
+}
+
+/// The point of triangle `abc` nearest to `p`; triangles of zero area (segments, points) are
+/// allowed.
+pub fn closest_point_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let normal = ab.cross(ac);
+    let area = normal.length_squared();
+    if area > 0.0 {
+        // barycentric coordinates of the projection; inside, it is the answer
+        let v = ap.cross(ac).dot(normal) / area;
+        let w = ab.cross(ap).dot(normal) / area;
+        if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
+            return a + ab * v + ac * w;
+        }
+    }
+    let mut best = closest_point_on_segment(p, a, b);
+    for q in [
+        closest_point_on_segment(p, b, c),
+        closest_point_on_segment(p, c, a),
+    ] {
+        if q.distance_squared(p) < best.distance_squared(p) {
+            best = q;
+        }
+    }
+    best
+}
+
+/// The point of segment `ab` nearest to `p`.
+pub fn closest_point_on_segment(p: DVec3, a: DVec3, b: DVec3) -> DVec3 {
+    let d = b - a;
+    let length = d.length_squared();
+    if length > 0.0 {
+        a + d * ((p - a).dot(d) / length).clamp(0.0, 1.0)
+    } else {
+        a
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::SplitMix;
+
+    fn random_point(rng: &mut SplitMix) -> DVec3 {
+        DVec3::new(rng.unit(), rng.unit(), rng.unit()) * 2.0 - 1.0
+    }
+
+    #[test]
+    fn closest_point_agrees_with_brute_force() {
+        let mut rng = SplitMix::new(1);
+        let positions: Vec<DVec3> = (0..300).map(|_| random_point(&mut rng)).collect();
+        let triangles: Vec<[u32; 3]> = (0..400)
+            .map(|_| [0; 3].map(|_| rng.below(300) as u32)) // some degenerate on purpose
+            .collect();
+        let bvh = TriangleBvh::new(&positions, &triangles);
+        for _ in 0..300 {
+            let q = random_point(&mut rng) * 1.5;
+            let brute = triangles
+                .iter()
+                .map(|t| {
+                    let [a, b, c] = t.map(|v| positions[v as usize]);
+                    closest_point_on_triangle(q, a, b, c).distance(q)
+                })
+                .fold(f64::INFINITY, f64::min);
+            let hit = bvh.closest_point(q).expect("not empty");
+            assert_eq!(hit.distance, brute);
+            assert_eq!(hit.point.distance(q), brute);
+        }
+    }
+
+    #[test]
+    fn closest_point_on_triangle_in_every_region() {
+        let (a, b, c) = (DVec3::ZERO, DVec3::X, DVec3::Y);
+        for (p, expected) in [
+            (DVec3::new(0.25, 0.25, 3.0), DVec3::new(0.25, 0.25, 0.0)),
+            (DVec3::new(-1.0, -1.0, 1.0), a),
+            (DVec3::new(3.0, 0.5, -1.0), b),
+            (DVec3::new(0.5, 3.0, -1.0), c),
+            (DVec3::new(0.5, -2.0, 1.0), DVec3::new(0.5, 0.0, 0.0)),
+            (DVec3::new(-2.0, 0.5, 1.0), DVec3::new(0.0, 0.5, 0.0)),
+            (DVec3::new(1.0, 1.0, 7.0), DVec3::new(0.5, 0.5, 0.0)),
+        ] {
+            assert!((closest_point_on_triangle(p, a, b, c) - expected).length() < 1e-15);
+        }
+        let p = DVec3::new(2.0, 2.0, 0.0);
+        assert_eq!(closest_point_on_triangle(p, a, a, b), b);
+        assert_eq!(closest_point_on_triangle(p, b, b, b), b);
+    }
+
+    #[test]
+    fn overlapping_boxes_agree_with_brute_force() {
+        let mut rng = SplitMix::new(2);
+        let positions: Vec<DVec3> = (0..600).map(|_| random_point(&mut rng)).collect();
+        let triangles: Vec<[u32; 3]> = (0..200).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        let bvh = TriangleBvh::new(&positions, &triangles);
+        for _ in 0..100 {
+            let p = random_point(&mut rng);
+            let (low, high) = (p - 0.1, p + 0.1);
+            let mut found = Vec::new();
+            bvh.for_each_overlapping(low, high, |f| found.push(f));
+            found.sort_unstable();
+            let expected: Vec<u32> = (0..200u32)
+                .filter(|&f| {
+                    let t = triangles[f as usize].map(|v| positions[v as usize]);
+                    let (l, h) = bounds(t.into_iter());
+                    boxes_overlap(low, high, l, h)
+                })
+                .collect();
+            assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn empty_and_many_equal_triangles() {
+        let none = TriangleBvh::new(&[], &[]);
+        assert_eq!(none.closest_point(DVec3::ZERO), None);
+        let positions = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let bvh = TriangleBvh::new(&positions, &[[0, 1, 2]; 1000]);
+        let hit = bvh.closest_point(DVec3::Z).expect("not empty");
+        assert_eq!((hit.face, hit.distance), (0, 1.0));
+    }
+}
