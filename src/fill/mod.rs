@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError, VertexId};
 use crate::patch::{self, PatchError, PatchMesh, PatchOptions};
 use crate::solver::energy::{Energy, Preset};
 use crate::solver::{End, Flow, FlowOptions, FlowProblem, Outcome, SolverError, StepRecord};
@@ -316,7 +316,8 @@ fn run_group(
 /// If the linear system cannot be solved, which needs a region without fixed vertices.
 pub fn warm_start(problem: FlowProblem) -> Result<FlowProblem, SolverError> {
     let mut positions = problem.positions().to_vec();
-    patch::warm_start(problem.topology(), &mut positions, problem.interior())?;
+    let interior: Vec<VertexId> = problem.interior().iter().map(|&v| VertexId(v)).collect();
+    patch::warm_start(problem.topology(), &mut positions, &interior)?;
     Ok(problem.with_positions(&positions))
 }
 

@@ -407,12 +407,12 @@ impl Assembler {
         let mut pending: Option<Batch> = None;
         for k in 0..=self.batches.len() {
             let batch = self.batches.get(k).copied();
-            let compute = || {
+            let mut compute = || {
                 if let Some(batch) = batch {
                     self.compute::<MATRIX>(batch, &input, positions, normals, next);
                 }
             };
-            let scatter = || {
+            let mut scatter = || {
                 if let Some(batch) = pending {
                     self.scatter::<MATRIX>(batch, ready, gradient, values, &mut sum);
                 }

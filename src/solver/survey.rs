@@ -2,7 +2,7 @@
 
 use crate::mesh::DVec3;
 use crate::solver::SolverError;
-use crate::solver::energy::{Energy, WellPosed, well_posedness};
+use crate::solver::energy::{Energy, WellPosedScan, scan_well_posedness};
 use crate::solver::forms::PointGeometry;
 use crate::subdivision::Elements;
 
@@ -15,12 +15,10 @@ pub struct Survey {
     pub mean: [f64; 2],
     /// Least and greatest Gaussian curvature.
     pub gauss: [f64; 2],
-    /// Share of the sampled area where the flow is ill-posed.
-    pub ill_posed: f64,
-    /// Share of the sampled area where it is degenerate.
-    pub degenerate: f64,
-    /// Where it is ill-posed (or, if nowhere, degenerate) worst: face, position, H, K.
-    pub worst: Option<(u32, DVec3, f64, f64)>,
+    /// How the flow is posed at the sampled points.
+    pub posed: WellPosedScan,
+    /// Where it is posed worst.
+    pub worst_place: DVec3,
 }
 
 /// Elements looked at; a larger region is sampled evenly.
@@ -31,10 +29,9 @@ pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius:
     let count = elements.faces.len();
     let stride = count.div_ceil(SAMPLES).max(1);
     let (mut area, mut weighted) = (0.0, 0.0);
-    let (mut ill, mut degenerate) = (0.0, 0.0);
     let mut mean = [f64::INFINITY, f64::NEG_INFINITY];
     let mut gauss = mean;
-    let mut worst: Option<(WellPosed, u32, DVec3, f64, f64)> = None;
+    let (mut samples, mut places) = (Vec::new(), Vec::new());
     let r = radius;
     for e in (0..count).step_by(stride) {
         let table = &elements.tables[elements.table_of[e] as usize];
@@ -60,17 +57,11 @@ pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius:
             weighted += p.sqrt_g * size;
             mean = [mean[0].min(p.mean), mean[1].max(p.mean)];
             gauss = [gauss[0].min(p.gauss), gauss[1].max(p.gauss)];
-            let posed = well_posedness(&jet, p.mean, p.gauss, r);
-            match posed {
-                WellPosed::IllPosed => ill += p.sqrt_g,
-                WellPosed::Degenerate => degenerate += p.sqrt_g,
-                WellPosed::Strict | WellPosed::Stationary => continue,
-            }
-            if worst.is_none_or(|w| w.0 == WellPosed::Degenerate && posed == WellPosed::IllPosed) {
-                worst = Some((posed, elements.faces[e], at(0), p.mean, p.gauss));
-            }
+            samples.push([p.mean, p.gauss]);
+            places.push(at(0));
         }
     }
+    let posed = scan_well_posedness(energy, &samples, r, 1e-9);
     // an energy without scale (f = K) leaves any τ as good as another
     let f_hat = weighted / area;
     let tau_ref = if f_hat.is_finite() && f_hat > 0.0 {
@@ -82,32 +73,26 @@ pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius:
         tau_ref,
         mean,
         gauss,
-        ill_posed: ill / area,
-        degenerate: degenerate / area,
-        worst: worst.map(|(_, face, x, h, k)| (face, x, h, k)),
+        worst_place: posed.worst.map_or(DVec3::ZERO, |w| places[w.index]),
+        posed,
     }
 }
 
 impl Survey {
-    /// A warning where the flow is not well posed. Degenerate points alone are common (flat
-    /// points under `k1^4 + k2^4`) and only named when they are more than isolated.
+    /// A warning where the flow is not well posed, with a place (`centre` is added to it).
+    ///
+    /// Isolated degenerate points are common and harmless (flat points under `k1^4 + k2^4`); they
+    /// are named only above one sample in a thousand.
     pub fn warning(&self, centre: DVec3) -> Option<String> {
-        let (share, what) = if self.ill_posed > 0.0 {
-            (self.ill_posed, "ill-posed (backward parabolic)")
-        } else if self.degenerate > 1e-3 {
-            (self.degenerate, "degenerate (not strictly parabolic)")
-        } else {
+        let bad = self.posed.ill_posed + self.posed.undefined;
+        if bad == 0 && 1000 * self.posed.degenerate <= self.posed.samples {
             return None;
-        };
-        let (_, x, h, k) = self.worst?;
-        let x = x + centre;
+        }
+        let at = self.worst_place + centre;
+        let text = self.posed.warning()?;
         Some(format!(
-            "the flow of this energy is {what} on {:.1} % of the starting surface, for example at \
-             ({:.4}, {:.4}, {:.4}) where H = {h:.4}, K = {k:.4}; expect wiggles or an early end there",
-            (100.0 * share).max(0.1),
-            x.x,
-            x.y,
-            x.z
+            "{text}, near ({:.6}, {:.6}, {:.6})",
+            at.x, at.y, at.z
         ))
     }
 

@@ -1,0 +1,21 @@
+//! Typed energies: text to a postfix program, and what it is evaluated over.
+
+mod error;
+mod lex;
+mod pair;
+mod parse;
+mod poly;
+mod program;
+mod scalar;
+mod symmetry;
+
+pub use error::{ExprError, SyntaxError};
+pub(super) use pair::PairAlgebra;
+pub(super) use parse::{is_name, is_reserved, parse};
+pub(super) use poly::{Polynomial, as_polynomial};
+pub(super) use program::Program;
+pub(super) use scalar::JetAlgebra;
+pub(super) use symmetry::{check_symmetry, sample_curvatures};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,195 @@
+//! Values with first and second derivatives in the two variables `(H, K)`.
+//!
+//! Second-order forward differentiation: every operation carries the six numbers of a quadratic
+//! Taylor polynomial, so derivatives are exact up to roundoff.
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// `f` and its derivatives up to second order at a point `(H, K)`.
+///
+/// With `f` in units of [f] and length L: `h` has [f]·L, `k` [f]·L², `hh` [f]·L², `hk` [f]·L³,
+/// `kk` [f]·L⁴. Non-finite members mean that `f` is not twice differentiable there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Jet2 {
+    /// `f`.
+    pub f: f64,
+    /// `∂f/∂H` at constant `K`.
+    pub h: f64,
+    /// `∂f/∂K` at constant `H`.
+    pub k: f64,
+    /// `∂²f/∂H²`.
+    pub hh: f64,
+    /// `∂²f/∂H∂K`.
+    pub hk: f64,
+    /// `∂²f/∂K²`.
+    pub kk: f64,
+}
+
+/// A function of one variable at a point: value, first and second derivative.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Outer1 {
+    pub f: f64,
+    pub d: f64,
+    pub dd: f64,
+}
+
+/// A function `Φ(a, u)` of two variables at a point, with its derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Outer2 {
+    pub f: f64,
+    pub a: f64,
+    pub u: f64,
+    pub aa: f64,
+    pub au: f64,
+    pub uu: f64,
+}
+
+impl Jet2 {
+    /// The constant `c`.
+    pub const fn constant(c: f64) -> Self {
+        Self { f: c, h: 0.0, k: 0.0, hh: 0.0, hk: 0.0, kk: 0.0 }
+    }
+
+    /// The variable `H`.
+    pub const fn mean(h: f64) -> Self {
+        Self { f: h, h: 1.0, k: 0.0, hh: 0.0, hk: 0.0, kk: 0.0 }
+    }
+
+    /// The variable `K`.
+    pub const fn gauss(k: f64) -> Self {
+        Self { f: k, h: 0.0, k: 1.0, hh: 0.0, hk: 0.0, kk: 0.0 }
+    }
+
+    /// Whether all six numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        // A sum of finite numbers can overflow; the members are tested one by one.
+        [self.f, self.h, self.k, self.hh, self.hk, self.kk].iter().all(|x| x.is_finite())
+    }
+
+    /// Whether all six numbers are exactly zero.
+    pub fn is_zero(&self) -> bool {
+        *self == Self::default()
+    }
+
+    pub(super) fn scaled(self, c: f64) -> Self {
+        Self {
+            f: c * self.f,
+            h: c * self.h,
+            k: c * self.k,
+            hh: c * self.hh,
+            hk: c * self.hk,
+            kk: c * self.kk,
+        }
+    }
+
+    pub(super) fn shifted(self, c: f64) -> Self {
+        Self { f: self.f + c, ..self }
+    }
+
+    /// Chain rule for `φ(self)`.
+    ///
+    /// A zero first derivative of the argument is kept out of the products, so that an infinite
+    /// `φ''` does not spoil directions in which the argument does not change.
+    pub(super) fn chain(self, p: Outer1) -> Self {
+        let second = |x: f64, y: f64, xy: f64| times(p.dd, x * y) + times(p.d, xy);
+        Self {
+            f: p.f,
+            h: times(p.d, self.h),
+            k: times(p.d, self.k),
+            hh: second(self.h, self.h, self.hh),
+            hk: second(self.h, self.k, self.hk),
+            kk: second(self.k, self.k, self.kk),
+        }
+    }
+
+    /// Chain rule for `Φ(a, u)`.
+    pub(super) fn chain2(p: &Outer2, a: Self, u: Self) -> Self {
+        let second = |ax: f64, ay: f64, axy: f64, ux: f64, uy: f64, uxy: f64| {
+            p.aa * ax * ay + p.au * (ax * uy + ay * ux) + p.uu * ux * uy + p.a * axy + p.u * uxy
+        };
+        Self {
+            f: p.f,
+            h: p.a * a.h + p.u * u.h,
+            k: p.a * a.k + p.u * u.k,
+            hh: second(a.h, a.h, a.hh, u.h, u.h, u.hh),
+            hk: second(a.h, a.k, a.hk, u.h, u.k, u.hk),
+            kk: second(a.k, a.k, a.kk, u.k, u.k, u.kk),
+        }
+    }
+
+    /// `1 / self`.
+    pub(super) fn recip(self) -> Self {
+        let r = 1.0 / self.f;
+        self.chain(Outer1 { f: r, d: -r * r, dd: 2.0 * r * r * r })
+    }
+
+    /// `self^n` with exact derivatives also at zero (`0^0 = 1`).
+    pub(super) fn powi(self, n: i32) -> Self {
+        let m = f64::from(n);
+        let power = |c: f64, e: i32| if c == 0.0 { 0.0 } else { c * self.f.powi(e) };
+        match n {
+            0 => Self::constant(1.0),
+            1 => self,
+            2 => self * self,
+            _ => self.chain(Outer1 {
+                f: self.f.powi(n),
+                d: power(m, n - 1),
+                dd: power(m * (m - 1.0), n - 2),
+            }),
+        }
+    }
+}
+
+/// `c · x`, zero where `x` is exactly zero, whatever `c`.
+fn times(c: f64, x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { c * x }
+}
+
+impl Add for Jet2 {
+    type Output = Self;
+    fn add(self, o: Self) -> Self {
+        Self {
+            f: self.f + o.f,
+            h: self.h + o.h,
+            k: self.k + o.k,
+            hh: self.hh + o.hh,
+            hk: self.hk + o.hk,
+            kk: self.kk + o.kk,
+        }
+    }
+}
+
+impl Sub for Jet2 {
+    type Output = Self;
+    fn sub(self, o: Self) -> Self {
+        Self {
+            f: self.f - o.f,
+            h: self.h - o.h,
+            k: self.k - o.k,
+            hh: self.hh - o.hh,
+            hk: self.hk - o.hk,
+            kk: self.kk - o.kk,
+        }
+    }
+}
+
+impl Neg for Jet2 {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self.scaled(-1.0)
+    }
+}
+
+impl Mul for Jet2 {
+    type Output = Self;
+    fn mul(self, o: Self) -> Self {
+        Self {
+            f: self.f * o.f,
+            h: self.h * o.f + self.f * o.h,
+            k: self.k * o.f + self.f * o.k,
+            hh: self.hh * o.f + 2.0 * self.h * o.h + self.f * o.hh,
+            hk: self.hk * o.f + self.h * o.k + self.k * o.h + self.f * o.hk,
+            kk: self.kk * o.f + 2.0 * self.k * o.k + self.f * o.kk,
+        }
+    }
+}

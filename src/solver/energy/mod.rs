@@ -1,0 +1,262 @@
+//! Energy densities `f(H, K)` of `E(S) = ∫ f(H, K) dA`, with exact first and second derivatives.
+//!
+//! An energy is one of the [`Preset`]s or a typed expression in `H`, `K`, `k1`, `k2` and named
+//! parameters ([`Energy::parse`]). Signs are those of formulation.md section 1: on a sphere of
+//! radius R with outward normal `κ1 = κ2 = H = −1/R`, `K = 1/R²`. `f` is in the units of the file.
+//!
+//! ```
+//! use meniscus::solver::energy::Energy;
+//! let willmore = Energy::parse("H^2", &Default::default())?;
+//! let jet = willmore.jet(-0.5, 0.25); // a sphere of radius 2
+//! assert_eq!((jet.f, jet.h, jet.hh), (0.25, -1.0, 2.0));
+//! # Ok::<(), meniscus::solver::energy::ExprError>(())
+//! ```
+
+mod expr;
+mod jet;
+mod preset;
+mod wellposed;
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+pub use expr::{ExprError, SyntaxError};
+pub use jet::Jet2;
+pub use preset::Preset;
+pub use wellposed::{WellPosed, WellPosedScan, WorstPoint, scan_well_posedness, well_posedness};
+
+/// The order of the flow `∂x/∂t = −δE` that an energy density drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Order {
+    /// `f` is a constant multiple of `K`: every surface is stationary.
+    Stationary,
+    /// `f_HH = f_HK = f_KK = 0` everywhere, as for `f = 1` or `f = H`.
+    Second,
+    /// All others.
+    Fourth,
+}
+
+/// An energy density `f(H, K)`; cheap to clone, immutable.
+#[derive(Clone)]
+pub struct Energy {
+    density: Density,
+    order: Order,
+    text: Arc<str>,
+    params: Arc<BTreeMap<String, f64>>,
+}
+
+#[derive(Clone)]
+enum Density {
+    /// A preset, with `H0`.
+    Preset(Preset, f64),
+    /// An expression in `H` and `K`.
+    Plain(Arc<expr::Program>),
+    /// An expression with κ1 or κ2; the flag says that it is even in `κ1 − κ2`.
+    Principal(Arc<expr::Program>, bool),
+}
+
+impl Energy {
+    /// A preset; the parameter `H0` of [`Preset::HMinusH0Squared`] is 0.
+    pub fn preset(preset: Preset) -> Self {
+        let mut params = BTreeMap::new();
+        if preset == Preset::HMinusH0Squared {
+            params.insert("H0".to_owned(), 0.0);
+        }
+        Self {
+            density: Density::Preset(preset, 0.0),
+            order: match preset {
+                Preset::K => Order::Stationary,
+                Preset::One => Order::Second,
+                _ => Order::Fourth,
+            },
+            text: preset.text().into(),
+            params: Arc::new(params),
+        }
+    }
+
+    /// Reads an expression in `H`, `K`, `k1`, `k2`, numbers, `pi`, the parameters in `params`,
+    /// `+ − * / ^`, parentheses and `abs sqrt exp log sin cos tanh min max`.
+    ///
+    /// `^` is right associative and binds tighter than the sign: `-H^2 = -(H^2)`, `2^-1 = 0.5`.
+    /// Integer powers are exact for every base, zero included (`0^0 = 1`); other powers need a
+    /// positive base. The derivatives of `abs`, `min` and `max` are those of the active branch; at
+    /// a tie that of the first argument, or of `+x` for `abs(x)` (between expressions that differ
+    /// in `κ1 − κ2`, that of the limit from `κ1 > κ2`). Where a derivative does not exist, as for
+    /// `sqrt(H)` at `H = 0` or `abs(k1-k2)` at an umbilic, [`Energy::jet`] is not finite.
+    ///
+    /// An expression that expands to a [`Preset`] is evaluated as that preset, however it is
+    /// written. Parameters that do not occur are ignored; see [`Energy::params`] for those that do.
+    ///
+    /// # Errors
+    /// [`ExprError`] for text outside this grammar (with the character), unknown names, parameters
+    /// that are not finite or have a reserved name, expressions not symmetric in κ1 and κ2, and
+    /// such that have no finite value at any curvature.
+    pub fn parse(text: &str, params: &BTreeMap<String, f64>) -> Result<Self, ExprError> {
+        for (name, &value) in params {
+            check_parameter(name, value)?;
+        }
+        let (program, used) = expr::parse(text, params)?;
+        expr::check_symmetry(text, &program)?;
+        let polynomial = expr::as_polynomial(&program);
+        let density = match polynomial.as_ref().and_then(as_preset) {
+            Some((preset, h0)) => Density::Preset(preset, h0),
+            None if program.uses_principal() => {
+                let even = program.is_smooth_in_principal();
+                Density::Principal(Arc::new(program), even)
+            }
+            None => Density::Plain(Arc::new(program)),
+        };
+        let mut energy = Self {
+            density,
+            order: Order::Fourth,
+            text: text.trim().into(),
+            params: Arc::new(used),
+        };
+        energy.order = match &polynomial {
+            Some(p) => polynomial_order(p),
+            None => energy.sampled_order(),
+        };
+        Ok(energy)
+    }
+
+    /// The same energy with another value of one of its parameters.
+    ///
+    /// # Errors
+    /// [`ExprError::Parameter`] when the energy has no parameter of that name; those of
+    /// [`Energy::parse`] for the new value.
+    pub fn with_param(&self, name: &str, value: f64) -> Result<Self, ExprError> {
+        if !self.params.contains_key(name) {
+            let names: Vec<&str> = self.params.keys().map(String::as_str).collect();
+            let reason = if names.is_empty() {
+                format!("'{}' has no parameters", self.text)
+            } else {
+                format!("'{}' has no such parameter, only {}", self.text, names.join(", "))
+            };
+            return Err(ExprError::Parameter { name: name.to_owned(), value, reason });
+        }
+        let mut params = (*self.params).clone();
+        params.insert(name.to_owned(), value);
+        Self::parse(&self.text, &params)
+    }
+
+    /// The parameters that occur in the expression, with their values.
+    pub fn params(&self) -> &BTreeMap<String, f64> {
+        &self.params
+    }
+
+    /// The expression as it was typed, or the preset's.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The preset it is evaluated as, if it is one.
+    pub fn as_preset(&self) -> Option<Preset> {
+        match self.density {
+            Density::Preset(preset, _) => Some(preset),
+            _ => None,
+        }
+    }
+
+    /// The order of the flow.
+    pub fn order(&self) -> Order {
+        self.order
+    }
+
+    /// Whether the second derivatives vanish identically.
+    pub fn is_second_order(&self) -> bool {
+        self.order != Order::Fourth
+    }
+
+    /// `f` and its derivatives at mean curvature `h` and Gauss curvature `k`.
+    ///
+    /// Members are not finite where `f` is not twice differentiable or not defined. Where
+    /// `h² < k`, which no surface has but roundoff may, rational expressions are continued as they
+    /// stand, other functions of κ1 and κ2 take their umbilic value.
+    #[inline]
+    pub fn jet(&self, h: f64, k: f64) -> Jet2 {
+        match &self.density {
+            Density::Preset(preset, h0) => preset.jet(*h0, h, k),
+            Density::Plain(program) => program.eval(&expr::JetAlgebra { h, k }),
+            Density::Principal(program, even) => {
+                let algebra = expr::PairAlgebra::new(h, k);
+                algebra.finish(program.eval(&algebra), *even)
+            }
+        }
+    }
+
+    /// [`Energy::jet`] at every `[H, K]` of `hk`.
+    ///
+    /// # Panics
+    /// When the lengths differ.
+    pub fn jets(&self, hk: &[[f64; 2]], out: &mut [Jet2]) {
+        assert_eq!(hk.len(), out.len(), "one jet for every [H, K]");
+        for (&[h, k], jet) in hk.iter().zip(out) {
+            *jet = self.jet(h, k);
+        }
+    }
+
+    /// The order of an expression that is no low polynomial: second where no sample has a second
+    /// derivative (abs(H), say).
+    fn sampled_order(&self) -> Order {
+        let linear = expr::sample_curvatures()
+            .map(|[h, k]| self.jet(h, k))
+            .filter(Jet2::is_finite)
+            .all(|jet| [jet.hh, jet.hk, jet.kk] == [0.0; 3]);
+        if linear { Order::Second } else { Order::Fourth }
+    }
+}
+
+impl fmt::Debug for Energy {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.debug_struct("Energy")
+            .field("text", &self.text)
+            .field("params", &self.params)
+            .field("preset", &self.as_preset())
+            .field("order", &self.order)
+            .finish()
+    }
+}
+
+/// The expression, followed by its parameters: `(H-H0)^2, H0 = 0.3`.
+impl fmt::Display for Energy {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(&self.text)?;
+        self.params.iter().try_for_each(|(name, value)| write!(out, ", {name} = {value}"))
+    }
+}
+
+fn check_parameter(name: &str, value: f64) -> Result<(), ExprError> {
+    let reason = if expr::is_reserved(name) {
+        "the name is taken by the grammar; rename the parameter"
+    } else if !expr::is_name(name) {
+        "a name starts with a letter and goes on with letters, digits and _"
+    } else if !value.is_finite() {
+        "the value must be a finite number"
+    } else {
+        return Ok(());
+    };
+    Err(ExprError::Parameter { name: name.to_owned(), value, reason: reason.to_owned() })
+}
+
+/// The preset with exactly these coefficients, and its `H0`.
+fn as_preset(p: &expr::Polynomial) -> Option<(Preset, f64)> {
+    let h0 = -0.5 * p[1][0];
+    Preset::ALL.into_iter().find(|preset| preset.coefficients(h0) == *p).map(|x| (x, h0))
+}
+
+fn polynomial_order(p: &expr::Polynomial) -> Order {
+    let mut higher = *p;
+    let [constant, linear] = [p[0][0], p[1][0]];
+    (higher[0][0], higher[1][0], higher[0][1]) = (0.0, 0.0, 0.0);
+    if higher != expr::Polynomial::default() {
+        Order::Fourth
+    } else if constant != 0.0 || linear != 0.0 {
+        Order::Second
+    } else {
+        Order::Stationary
+    }
+}
+
+#[cfg(test)]
+mod tests;
