@@ -154,7 +154,10 @@ impl Group {
         // patches without interior vertices close holes in this collar
         for hole in plan.holes.iter().filter(|h| h.new_vertices.is_empty()) {
             let faces = &plan.triangles[hole.new_faces.clone()];
-            let touches = |t: &[u32; 3]| t.iter().any(|v| collar.binary_search(&VertexId(*v)).is_ok());
+            let touches = |t: &[u32; 3]| {
+                t.iter()
+                    .any(|v| collar.binary_search(&VertexId(*v)).is_ok())
+            };
             if faces.iter().any(touches) {
                 triangles.extend(faces.iter().map(|t| t.map(&mut number)));
             }

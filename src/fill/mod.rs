@@ -261,7 +261,11 @@ pub fn fill_holes(
     let mut plan = prepare(mesh, loops, options);
     let groups: Vec<_> = (0..plan.groups.len())
         .into_par_iter()
-        .map(|g| run_group(&plan.groups[g], mesh, &plan, options, &|record| observe(g, record)))
+        .map(|g| {
+            run_group(&plan.groups[g], mesh, &plan, options, &|record| {
+                observe(g, record)
+            })
+        })
         .collect();
     for (g, result) in groups.iter().enumerate() {
         if let Ok(result) = result {

@@ -556,8 +556,7 @@ impl Assembler {
                     DVec3::new(g[i], g[4 * chunks + i], g[8 * chunks + i]);
             }
             if MATRIX && let Some(slots) = &self.slots {
-                let own =
-                    &slots.slot[slots.offset[e] as usize..slots.offset[e + 1] as usize];
+                let own = &slots.slot[slots.offset[e] as usize..slots.offset[e + 1] as usize];
                 let mut own = own.iter();
                 for i in 0..vertices.len() {
                     let row = &matrix[i * 4 * chunks..i * 4 * chunks + i + 1];

@@ -22,7 +22,9 @@ pub enum SolverError {
         vertex: usize,
     },
     /// An interior vertex has an incomplete ring of faces.
-    #[error("interior vertex {vertex} lies on a boundary; only vertices with a full ring of faces can flow")]
+    #[error(
+        "interior vertex {vertex} lies on a boundary; only vertices with a full ring of faces can flow"
+    )]
     InteriorOnBoundary {
         /// The local vertex.
         vertex: usize,

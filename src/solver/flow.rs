@@ -37,6 +37,9 @@ pub struct FlowOptions {
     pub max_steps: usize,
     /// Scheme A's linear solver.
     pub linear: LinearSolver,
+    /// Quadrature of scheme B's steps. Three interior points give the same errors as twelve on
+    /// scans (measured) at a third of the cost; scheme A and reported energies always use twelve.
+    pub quadrature: Rule,
 }
 
 impl FlowOptions {
@@ -49,6 +52,7 @@ impl FlowOptions {
             tau: Tau::default(),
             max_steps: 200,
             linear: LinearSolver::default(),
+            quadrature: Rule::Three,
         }
     }
 
@@ -152,7 +156,7 @@ impl Flow {
         options.validate()?;
         let mut tables = TableCache::default();
         let (topology, faces) = (problem.topology(), problem.active_faces());
-        let local = elements(topology, faces, Rule::Three, &mut tables);
+        let local = elements(topology, faces, options.quadrature, &mut tables);
         let fine = elements(topology, faces, Rule::Twelve, &mut tables);
         let nothing = Unknowns::none(problem.positions().len());
         let mut report = Assembler::new(&fine, Rule::Twelve, nothing);
@@ -195,9 +199,12 @@ impl Flow {
         local: &Elements,
     ) -> Result<Stepper, SolverError> {
         Ok(match options.scheme {
-            Scheme::Normal => {
-                Stepper::Normal(Box::new(NormalFlow::new(problem, local, &options.energy)?))
-            }
+            Scheme::Normal => Stepper::Normal(Box::new(NormalFlow::new(
+                problem,
+                local,
+                options.quadrature,
+                &options.energy,
+            )?)),
             Scheme::Mixed | Scheme::MixedCorrected => Stepper::Mixed(Box::new(MixedFlow::new(
                 problem,
                 &options.energy,
@@ -213,12 +220,7 @@ impl Flow {
             (Stepper::Mixed(_), _) => 1e-3 * survey.tau_ref,
             _ => survey.tau_ref,
         };
-        self.control = Control::new(
-            self.options.mode,
-            self.options.tau,
-            survey.tau_ref,
-            gentle,
-        );
+        self.control = Control::new(self.options.mode, self.options.tau, survey.tau_ref, gentle);
         self.factorized = 0;
         self.end = None;
     }
@@ -271,6 +273,14 @@ impl Flow {
     pub fn set_options(&mut self, options: FlowOptions) -> Result<(), SolverError> {
         options.validate()?;
         let problem = self.problem.clone().with_positions(self.positions());
+        if options.quadrature != self.options.quadrature {
+            self.local = elements(
+                problem.topology(),
+                problem.active_faces(),
+                options.quadrature,
+                &mut TableCache::default(),
+            );
+        }
         let now = survey(
             &self.local,
             problem.positions(),

@@ -269,8 +269,7 @@ mod tests {
             DVec3::new(0.2, 0.6, -0.4),
         ];
         let p = PointGeometry::new(d[0], d[1], d[2], d[3], d[4]);
-        let apply =
-            |c: Coefficients| (0..5).fold(DVec3::ZERO, |sum, i| sum + d[i] * c[i + 1]);
+        let apply = |c: Coefficients| (0..5).fold(DVec3::ZERO, |sum, i| sum + d[i] * c[i + 1]);
         assert!((apply(p.laplacian()) - 2.0 * p.mean * p.normal).length() < 1e-13);
         assert!((apply(p.box_operator()) - 2.0 * p.gauss * p.normal).length() < 1e-13);
     }

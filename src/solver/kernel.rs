@@ -146,7 +146,14 @@ fn element_impl<const MATRIX: bool>(
         if MATRIX {
             let mut push = |coefficients: Coefficients| {
                 let term = &mut out.terms[term_count * chunks..][..chunks];
-                project_term(chunks, &coefficients, table, element.normals, p.normal, term);
+                project_term(
+                    chunks,
+                    &coefficients,
+                    table,
+                    element.normals,
+                    p.normal,
+                    term,
+                );
                 term_count += 1;
             };
             push([(area * input.inv_tau).sqrt(), 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -192,11 +199,7 @@ fn project_term(
         for d in 0..6 {
             add_scaled(&mut value, coefficients[d], &table[d * chunks + c]);
         }
-        let (nx, ny, nz) = (
-            &normals[c],
-            &normals[chunks + c],
-            &normals[2 * chunks + c],
-        );
+        let (nx, ny, nz) = (&normals[c], &normals[chunks + c], &normals[2 * chunks + c]);
         for l in 0..4 {
             term[c][l] = value[l] * (n.x * nx[l] + n.y * ny[l] + n.z * nz[l]);
         }

@@ -56,9 +56,9 @@ impl NormalFlow {
     pub fn new(
         problem: &FlowProblem,
         local: &Elements,
+        rule: Rule,
         energy: &Energy,
     ) -> Result<Self, SolverError> {
-        let rule = Rule::Three;
         let unknowns = Unknowns::new(local, problem.positions(), problem.interior());
         let ring = LimitNormals::new(problem.topology(), &unknowns.vertex);
         let mut assembler = Assembler::new(local, rule, unknowns);

@@ -47,23 +47,46 @@ pub(super) struct Outer2 {
 impl Jet2 {
     /// The constant `c`.
     pub const fn constant(c: f64) -> Self {
-        Self { f: c, h: 0.0, k: 0.0, hh: 0.0, hk: 0.0, kk: 0.0 }
+        Self {
+            f: c,
+            h: 0.0,
+            k: 0.0,
+            hh: 0.0,
+            hk: 0.0,
+            kk: 0.0,
+        }
     }
 
     /// The variable `H`.
     pub const fn mean(h: f64) -> Self {
-        Self { f: h, h: 1.0, k: 0.0, hh: 0.0, hk: 0.0, kk: 0.0 }
+        Self {
+            f: h,
+            h: 1.0,
+            k: 0.0,
+            hh: 0.0,
+            hk: 0.0,
+            kk: 0.0,
+        }
     }
 
     /// The variable `K`.
     pub const fn gauss(k: f64) -> Self {
-        Self { f: k, h: 0.0, k: 1.0, hh: 0.0, hk: 0.0, kk: 0.0 }
+        Self {
+            f: k,
+            h: 0.0,
+            k: 1.0,
+            hh: 0.0,
+            hk: 0.0,
+            kk: 0.0,
+        }
     }
 
     /// Whether all six numbers are finite.
     pub fn is_finite(&self) -> bool {
         // A sum of finite numbers can overflow; the members are tested one by one.
-        [self.f, self.h, self.k, self.hh, self.hk, self.kk].iter().all(|x| x.is_finite())
+        [self.f, self.h, self.k, self.hh, self.hk, self.kk]
+            .iter()
+            .all(|x| x.is_finite())
     }
 
     /// Whether all six numbers are exactly zero.
@@ -83,7 +106,10 @@ impl Jet2 {
     }
 
     pub(super) fn shifted(self, c: f64) -> Self {
-        Self { f: self.f + c, ..self }
+        Self {
+            f: self.f + c,
+            ..self
+        }
     }
 
     /// Chain rule for `φ(self)`.
@@ -120,7 +146,11 @@ impl Jet2 {
     /// `1 / self`.
     pub(super) fn recip(self) -> Self {
         let r = 1.0 / self.f;
-        self.chain(Outer1 { f: r, d: -r * r, dd: 2.0 * r * r * r })
+        self.chain(Outer1 {
+            f: r,
+            d: -r * r,
+            dd: 2.0 * r * r * r,
+        })
     }
 
     /// `self^n` with exact derivatives also at zero (`0^0 = 1`).

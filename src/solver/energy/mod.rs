@@ -131,9 +131,17 @@ impl Energy {
             let reason = if names.is_empty() {
                 format!("'{}' has no parameters", self.text)
             } else {
-                format!("'{}' has no such parameter, only {}", self.text, names.join(", "))
+                format!(
+                    "'{}' has no such parameter, only {}",
+                    self.text,
+                    names.join(", ")
+                )
             };
-            return Err(ExprError::Parameter { name: name.to_owned(), value, reason });
+            return Err(ExprError::Parameter {
+                name: name.to_owned(),
+                value,
+                reason,
+            });
         }
         let mut params = (*self.params).clone();
         params.insert(name.to_owned(), value);
@@ -222,7 +230,9 @@ impl fmt::Debug for Energy {
 impl fmt::Display for Energy {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(&self.text)?;
-        self.params.iter().try_for_each(|(name, value)| write!(out, ", {name} = {value}"))
+        self.params
+            .iter()
+            .try_for_each(|(name, value)| write!(out, ", {name} = {value}"))
     }
 }
 
@@ -236,13 +246,20 @@ fn check_parameter(name: &str, value: f64) -> Result<(), ExprError> {
     } else {
         return Ok(());
     };
-    Err(ExprError::Parameter { name: name.to_owned(), value, reason: reason.to_owned() })
+    Err(ExprError::Parameter {
+        name: name.to_owned(),
+        value,
+        reason: reason.to_owned(),
+    })
 }
 
 /// The preset with exactly these coefficients, and its `H0`.
 fn as_preset(p: &expr::Polynomial) -> Option<(Preset, f64)> {
     let h0 = -0.5 * p[1][0];
-    Preset::ALL.into_iter().find(|preset| preset.coefficients(h0) == *p).map(|x| (x, h0))
+    Preset::ALL
+        .into_iter()
+        .find(|preset| preset.coefficients(h0) == *p)
+        .map(|x| (x, h0))
 }
 
 fn polynomial_order(p: &expr::Polynomial) -> Order {

@@ -113,11 +113,26 @@ impl Preset {
         let zero = Jet2::default();
         match self {
             Self::One => Jet2::constant(1.0),
-            Self::H2 => Jet2 { f: h * h, h: 2.0 * h, hh: 2.0, ..zero },
-            Self::K2 => Jet2 { f: k * k, k: 2.0 * k, kk: 2.0, ..zero },
-            Self::H2PlusK2 => {
-                Jet2 { f: h * h + k * k, h: 2.0 * h, k: 2.0 * k, hh: 2.0, hk: 0.0, kk: 2.0 }
-            }
+            Self::H2 => Jet2 {
+                f: h * h,
+                h: 2.0 * h,
+                hh: 2.0,
+                ..zero
+            },
+            Self::K2 => Jet2 {
+                f: k * k,
+                k: 2.0 * k,
+                kk: 2.0,
+                ..zero
+            },
+            Self::H2PlusK2 => Jet2 {
+                f: h * h + k * k,
+                h: 2.0 * h,
+                k: 2.0 * k,
+                hh: 2.0,
+                hk: 0.0,
+                kk: 2.0,
+            },
             Self::H2K2 => {
                 let hk = h * k;
                 Jet2 {
@@ -143,14 +158,27 @@ impl Preset {
             Self::K => Jet2::gauss(k),
             Self::HMinusH0Squared => {
                 let d = h - h0;
-                Jet2 { f: d * d, h: 2.0 * d, hh: 2.0, ..zero }
+                Jet2 {
+                    f: d * d,
+                    h: 2.0 * d,
+                    hh: 2.0,
+                    ..zero
+                }
             }
-            Self::K1SqPlusK2Sq => {
-                Jet2 { f: 4.0 * h * h - 2.0 * k, h: 8.0 * h, k: -2.0, hh: 8.0, ..zero }
-            }
-            Self::K1MinusK2Squared => {
-                Jet2 { f: 4.0 * (h * h - k), h: 8.0 * h, k: -4.0, hh: 8.0, ..zero }
-            }
+            Self::K1SqPlusK2Sq => Jet2 {
+                f: 4.0 * h * h - 2.0 * k,
+                h: 8.0 * h,
+                k: -2.0,
+                hh: 8.0,
+                ..zero
+            },
+            Self::K1MinusK2Squared => Jet2 {
+                f: 4.0 * (h * h - k),
+                h: 8.0 * h,
+                k: -4.0,
+                hh: 8.0,
+                ..zero
+            },
         }
     }
 }

@@ -109,9 +109,14 @@ impl WellPosedScan {
         let (count, what) = match worst.class {
             WellPosed::Undefined => (self.undefined, "has no finite second derivatives"),
             WellPosed::IllPosed => (self.ill_posed, "is ill-posed (short waves grow)"),
-            _ => (self.degenerate, "is degenerate (does not smooth in some direction)"),
+            _ => (
+                self.degenerate,
+                "is degenerate (does not smooth in some direction)",
+            ),
         };
-        let WorstPoint { h, k, symbol, b, .. } = worst;
+        let WorstPoint {
+            h, k, symbol, b, ..
+        } = worst;
         Some(format!(
             "the flow of this energy {what} at {count} of {} points; worst at H = {h:.6e}, \
              K = {k:.6e}: symbol {symbol:.3e} in the direction of normal curvature {b:.3e}",
@@ -132,7 +137,10 @@ pub fn scan_well_posedness(
     tol: f64,
 ) -> WellPosedScan {
     let floor = energy.symbol_scale(length);
-    let mut scan = WellPosedScan { samples: samples.len(), ..WellPosedScan::default() };
+    let mut scan = WellPosedScan {
+        samples: samples.len(),
+        ..WellPosedScan::default()
+    };
     for (index, &[h, k]) in samples.iter().enumerate() {
         let (class, symbol) = classify(energy.order(), &energy.jet(h, k), h, k, tol, floor);
         *match class {
@@ -146,7 +154,14 @@ pub fn scan_well_posedness(
             class > worst.class || (class == worst.class && symbol.min < worst.symbol)
         });
         if worse {
-            scan.worst = Some(WorstPoint { index, class, h, k, symbol: symbol.min, b: symbol.b });
+            scan.worst = Some(WorstPoint {
+                index,
+                class,
+                h,
+                k,
+                symbol: symbol.min,
+                b: symbol.b,
+            });
         }
     }
     scan
@@ -177,7 +192,12 @@ fn symbol(order: Order, jet: &Jet2, h: f64, k: f64) -> Symbol {
         (0.25 * jet.hh, jet.hk, jet.kk, 0.25 * jet.hh.abs())
     } else {
         let eta = jet.f - jet.h * h - jet.k * k;
-        (eta, jet.h, 0.0, jet.f.abs() + (jet.h * h).abs() + (jet.k * k).abs())
+        (
+            eta,
+            jet.h,
+            0.0,
+            jet.f.abs() + (jet.h * h).abs() + (jet.k * k).abs(),
+        )
     };
     let q = |b: f64| c0 + b * (c1 + b * c2);
     let (mut min, mut b) = (q(low), low);
@@ -188,7 +208,11 @@ fn symbol(order: Order, jet: &Jet2, h: f64, k: f64) -> Symbol {
     if c2 > 0.0 && low < vertex && vertex < high {
         (min, b) = (q(vertex), vertex);
     }
-    Symbol { min, b, scale: c0_scale + largest * (c1.abs() + largest * c2.abs()) }
+    Symbol {
+        min,
+        b,
+        scale: c0_scale + largest * (c1.abs() + largest * c2.abs()),
+    }
 }
 
 /// `[κ2, κ1]`, both `H` where `H² ≤ K`; the smaller in magnitude without cancellation.

@@ -89,9 +89,8 @@ pub struct SyntaxError {
 impl SyntaxError {
     /// An error at `text[start..end]` (byte offsets on character boundaries).
     pub(super) fn new(text: &str, start: usize, end: usize, message: impl Into<String>) -> Self {
-        let count = |range: std::ops::Range<usize>| {
-            text.get(range).map_or(0, |part| part.chars().count())
-        };
+        let count =
+            |range: std::ops::Range<usize>| text.get(range).map_or(0, |part| part.chars().count());
         Self {
             text: text.to_owned(),
             byte: start,
@@ -106,13 +105,18 @@ impl SyntaxError {
         const BEFORE: usize = 50;
         const AFTER: usize = 30;
         // One column a character: control characters would move the caret away.
-        let chars: Vec<char> =
-            self.text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let chars: Vec<char> = self
+            .text
+            .chars()
+            .map(|c| if c.is_control() { ' ' } else { c })
+            .collect();
         let from = self.character.saturating_sub(BEFORE);
         let to = (self.character + AFTER).min(chars.len());
         let shown: String = chars[from.min(to)..to].iter().collect();
-        let (head, tail) =
-            (if from > 0 { "..." } else { "" }, if to < chars.len() { "..." } else { "" });
+        let (head, tail) = (
+            if from > 0 { "..." } else { "" },
+            if to < chars.len() { "..." } else { "" },
+        );
         let indent = " ".repeat(head.len() + self.character - from);
         let carets = "^".repeat(self.length.min(AFTER));
         format!("  {head}{shown}{tail}\n  {indent}{carets}\n{self}")

@@ -64,10 +64,18 @@ pub fn tokens(text: &str) -> Result<Vec<Token<'_>>, SyntaxError> {
             '+' | '-' | '*' | '/' | '^' | '(' | ')' | ',' => (Kind::Symbol(c), end),
             _ => return Err(SyntaxError::new(text, at, end, unexpected(c))),
         };
-        out.push(Token { kind, start: at, end });
+        out.push(Token {
+            kind,
+            start: at,
+            end,
+        });
         at = end;
     }
-    out.push(Token { kind: Kind::End, start: at, end: at });
+    out.push(Token {
+        kind: Kind::End,
+        start: at,
+        end: at,
+    });
     Ok(out)
 }
 
@@ -103,7 +111,12 @@ fn number(text: &str, at: usize) -> Result<(Kind<'_>, usize), SyntaxError> {
     }
     match text[at..end].parse::<f64>() {
         Ok(x) if x.is_finite() => Ok((Kind::Number(x), end)),
-        _ => Err(SyntaxError::new(text, at, end, "expected a number below 1.8e308")),
+        _ => Err(SyntaxError::new(
+            text,
+            at,
+            end,
+            "expected a number below 1.8e308",
+        )),
     }
 }
 

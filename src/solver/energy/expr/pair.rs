@@ -57,8 +57,20 @@ const SWITCH: f64 = 0.125;
 impl PairAlgebra {
     /// Pairs at `(h, k)`.
     pub fn new(h: f64, k: f64) -> Self {
-        let t = Jet2 { f: h * h - k, h: 2.0 * h, k: -1.0, hh: 2.0, hk: 0.0, kk: 0.0 };
-        Self { h, k, t, s: t.f.max(0.0).sqrt() }
+        let t = Jet2 {
+            f: h * h - k,
+            h: 2.0 * h,
+            k: -1.0,
+            hh: 2.0,
+            hk: 0.0,
+            kk: 0.0,
+        };
+        Self {
+            h,
+            k,
+            t,
+            s: t.f.max(0.0).sqrt(),
+        }
     }
 
     /// `f` from the pair an expression ends in.
@@ -77,11 +89,18 @@ impl PairAlgebra {
     fn mul(&self, x: Pair, y: Pair) -> Pair {
         match (x.b.is_zero(), y.b.is_zero()) {
             (true, true) => even(x.a * y.a),
-            (true, false) => Pair { a: x.a * y.a, b: x.a * y.b },
-            (false, true) => Pair { a: x.a * y.a, b: x.b * y.a },
-            (false, false) => {
-                Pair { a: x.a * y.a + self.t * (x.b * y.b), b: x.a * y.b + x.b * y.a }
-            }
+            (true, false) => Pair {
+                a: x.a * y.a,
+                b: x.a * y.b,
+            },
+            (false, true) => Pair {
+                a: x.a * y.a,
+                b: x.b * y.a,
+            },
+            (false, false) => Pair {
+                a: x.a * y.a + self.t * (x.b * y.b),
+                b: x.a * y.b + x.b * y.a,
+            },
         }
     }
 
@@ -91,7 +110,10 @@ impl PairAlgebra {
             return even(x.a.recip());
         }
         let norm = (x.a * x.a - self.t * (x.b * x.b)).recip();
-        Pair { a: x.a * norm, b: -(x.b * norm) }
+        Pair {
+            a: x.a * norm,
+            b: -(x.b * norm),
+        }
     }
 
     fn div(&self, x: Pair, y: Pair) -> Pair {
@@ -106,8 +128,7 @@ impl PairAlgebra {
         if x.b.is_zero() {
             return even(jet_unary(Op::Integer(n), x.a));
         }
-        let (mut result, mut base, mut left) =
-            (even(Jet2::constant(1.0)), x, n.unsigned_abs());
+        let (mut result, mut base, mut left) = (even(Jet2::constant(1.0)), x, n.unsigned_abs());
         while left > 0 {
             if left & 1 == 1 {
                 result = self.mul(result, base);
@@ -132,7 +153,10 @@ impl PairAlgebra {
         } else {
             differences(function, a, u.f)
         };
-        Pair { a: Jet2::chain2(&e, x.a, u), b: x.b * Jet2::chain2(&o, x.a, u) }
+        Pair {
+            a: Jet2::chain2(&e, x.a, u),
+            b: x.b * Jet2::chain2(&o, x.a, u),
+        }
     }
 
     /// Whether `x` is below `y` for `s → s + 0`.
@@ -147,7 +171,10 @@ impl PairAlgebra {
 }
 
 fn even(a: Jet2) -> Pair {
-    Pair { a, b: Jet2::default() }
+    Pair {
+        a,
+        b: Jet2::default(),
+    }
 }
 
 impl Algebra for PairAlgebra {
@@ -158,7 +185,10 @@ impl Algebra for PairAlgebra {
     }
 
     fn variable(&self, v: Variable) -> Pair {
-        let kappa = |sign| Pair { a: Jet2::mean(self.h), b: Jet2::constant(sign) };
+        let kappa = |sign| Pair {
+            a: Jet2::mean(self.h),
+            b: Jet2::constant(sign),
+        };
         match v {
             Variable::Mean => even(Jet2::mean(self.h)),
             Variable::Gauss => even(Jet2::gauss(self.k)),
@@ -170,8 +200,14 @@ impl Algebra for PairAlgebra {
     fn unary(&self, op: Op, x: Pair) -> Pair {
         match op {
             Op::Neg => Pair { a: -x.a, b: -x.b },
-            Op::Shift(c) => Pair { a: x.a.shifted(c), b: x.b },
-            Op::Scale(c) => Pair { a: x.a.scaled(c), b: x.b.scaled(c) },
+            Op::Shift(c) => Pair {
+                a: x.a.shifted(c),
+                b: x.b,
+            },
+            Op::Scale(c) => Pair {
+                a: x.a.scaled(c),
+                b: x.b.scaled(c),
+            },
             Op::Integer(n) => self.powi(x, n),
             Op::Call(function) => self.call(function, x),
             Op::Abs if self.less(x, self.constant(0.0)) => Pair { a: -x.a, b: -x.b },
@@ -182,13 +218,31 @@ impl Algebra for PairAlgebra {
 
     fn binary(&self, op: Op, x: Pair, y: Pair) -> Pair {
         match op {
-            Op::Add => Pair { a: x.a + y.a, b: x.b + y.b },
-            Op::Sub => Pair { a: x.a - y.a, b: x.b - y.b },
+            Op::Add => Pair {
+                a: x.a + y.a,
+                b: x.b + y.b,
+            },
+            Op::Sub => Pair {
+                a: x.a - y.a,
+                b: x.b - y.b,
+            },
             Op::Mul => self.mul(x, y),
             Op::Div => self.div(x, y),
             Op::Min | Op::Max if self.is_nan(x) || self.is_nan(y) => self.constant(f64::NAN),
-            Op::Min => if self.less(y, x) { y } else { x },
-            Op::Max => if self.less(x, y) { y } else { x },
+            Op::Min => {
+                if self.less(y, x) {
+                    y
+                } else {
+                    x
+                }
+            }
+            Op::Max => {
+                if self.less(x, y) {
+                    y
+                } else {
+                    x
+                }
+            }
             Op::Power => self.call(Function::Exp, self.mul(y, self.call(Function::Log, x))),
             _ => self.constant(f64::NAN),
         }
@@ -205,16 +259,40 @@ fn differences(function: Function, a: f64, u: f64) -> (Outer2, Outer2) {
     let (o0, o1, o2) = (slope(p.f, m.f), slope(p.d, m.d), slope(p.dd, m.dd));
     let o_u = (e1 - o0) / (2.0 * u);
     let o_au = (e2 - o1) / (2.0 * u);
-    let e = Outer2 { f: e0, a: e1, u: 0.5 * o1, aa: e2, au: 0.5 * o2, uu: 0.5 * o_au };
+    let e = Outer2 {
+        f: e0,
+        a: e1,
+        u: 0.5 * o1,
+        aa: e2,
+        au: 0.5 * o2,
+        uu: 0.5 * o_au,
+    };
     let o_uu = (0.5 * o2 - 3.0 * o_u) / (2.0 * u);
-    (e, Outer2 { f: o0, a: o1, u: o_u, aa: o2, au: o_au, uu: o_uu })
+    (
+        e,
+        Outer2 {
+            f: o0,
+            a: o1,
+            u: o_u,
+            aa: o2,
+            au: o_au,
+            uu: o_uu,
+        },
+    )
 }
 
 /// The same from Taylor coefficients `c_m = φ^(m)(a)/m!`:
 /// `E = Σ c_{2n} uⁿ`, `O = Σ c_{2n+1} uⁿ`.
 fn series(c: &[f64; ORDER], u: f64) -> (Outer2, Outer2) {
     let part = |first: usize| {
-        let mut p = Outer2 { f: 0.0, a: 0.0, u: 0.0, aa: 0.0, au: 0.0, uu: 0.0 };
+        let mut p = Outer2 {
+            f: 0.0,
+            a: 0.0,
+            u: 0.0,
+            aa: 0.0,
+            au: 0.0,
+            uu: 0.0,
+        };
         for n in (0..TERMS).rev() {
             let m = 2 * n + first;
             let (x, y) = (m as f64, n as f64);

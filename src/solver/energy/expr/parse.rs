@@ -26,7 +26,9 @@ pub const MAX_DEPTH: usize = 40;
 /// Largest exponent evaluated by multiplication; beyond, `x^c` is that of a real exponent.
 const MAX_INTEGER_POWER: f64 = 1000.0;
 
-const FUNCTIONS: [&str; 9] = ["abs", "sqrt", "exp", "log", "sin", "cos", "tanh", "min", "max"];
+const FUNCTIONS: [&str; 9] = [
+    "abs", "sqrt", "exp", "log", "sin", "cos", "tanh", "min", "max",
+];
 const NAMES: [&str; 5] = ["H", "K", "k1", "k2", "pi"];
 
 /// Whether `name` is a variable, constant or function and so cannot be a parameter.
@@ -65,7 +67,12 @@ pub fn parse(
     parser.sum()?;
     parser.expect_end()?;
     let Some(program) = Program::new(parser.ops) else {
-        return Err(SyntaxError::new(text, 0, text.len(), "the expression is too complex"));
+        return Err(SyntaxError::new(
+            text,
+            0,
+            text.len(),
+            "the expression is too complex",
+        ));
     };
     Ok((program, parser.used))
 }
@@ -115,7 +122,10 @@ impl<'a> Parser<'a> {
     fn deeper(&mut self, at: Token<'_>) -> Parsed {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
-            return Err(self.error(at, format!("nested more than {MAX_DEPTH} deep here; simplify")));
+            return Err(self.error(
+                at,
+                format!("nested more than {MAX_DEPTH} deep here; simplify"),
+            ));
         }
         Ok(())
     }
@@ -250,7 +260,10 @@ impl<'a> Parser<'a> {
     fn call(&mut self, name: &str, token: Token<'_>) -> Parsed {
         let open = self.peek();
         if self.accept(&['(']).is_none() {
-            let message = format!("expected '(' after {name}, e.g. {name}(H), found {}", open.describe());
+            let message = format!(
+                "expected '(' after {name}, e.g. {name}(H), found {}",
+                open.describe()
+            );
             return Err(self.error(open, message));
         }
         self.deeper(token)?;
@@ -271,7 +284,10 @@ impl<'a> Parser<'a> {
             self.emit2(if name == "min" { Op::Min } else { Op::Max }, left, right);
         } else {
             if self.peek().kind == Kind::Symbol(',') {
-                return Err(self.error(self.peek(), format!("{name} takes one argument; expected ')'")));
+                return Err(self.error(
+                    self.peek(),
+                    format!("{name} takes one argument; expected ')'"),
+                ));
             }
             self.close(open, "an operator or ')'")?;
             self.emit1(
@@ -317,7 +333,9 @@ impl<'a> Parser<'a> {
                 "expected an operator or the end, found ','; decimals are written with a point"
                     .to_owned()
             }
-            _ => self.juxtaposed(token).unwrap_or_else(|| "expected an operator".to_owned()),
+            _ => self
+                .juxtaposed(token)
+                .unwrap_or_else(|| "expected an operator".to_owned()),
         };
         Err(self.error(token, message))
     }
@@ -330,7 +348,10 @@ impl<'a> Parser<'a> {
             _ => return None,
         };
         let before = match self.tokens[self.at.saturating_sub(1)] {
-            Token { kind: Kind::Symbol(_), .. } => "(...)",
+            Token {
+                kind: Kind::Symbol(_),
+                ..
+            } => "(...)",
             Token { start, end, .. } => &self.text[start..end],
         };
         Some(format!("expected an operator, e.g. {before}*{shown}"))

@@ -45,9 +45,9 @@ impl Algebra for Polynomials {
             Op::Neg => scaled(-1.0),
             Op::Scale(c) => scaled(c),
             Op::Shift(c) => Some((add(&even, &monomial(0, 0, c)), odd)),
-            Op::Integer(n @ 0..=4) => {
-                (0..n).try_fold((monomial(0, 0, 1.0), ZERO), |p, _| product(&p, &(even, odd)))
-            }
+            Op::Integer(n @ 0..=4) => (0..n).try_fold((monomial(0, 0, 1.0), ZERO), |p, _| {
+                product(&p, &(even, odd))
+            }),
             _ => None,
         }
     }
@@ -98,5 +98,8 @@ fn product(
     squared_s[0][1] = -1.0;
     let even = multiply(&x.0, &y.0)?;
     let from_odd = multiply(&squared_s, &multiply(&x.1, &y.1)?)?;
-    Some((add(&even, &from_odd), add(&multiply(&x.0, &y.1)?, &multiply(&x.1, &y.0)?)))
+    Some((
+        add(&even, &from_odd),
+        add(&multiply(&x.0, &y.1)?, &multiply(&x.1, &y.0)?),
+    ))
 }

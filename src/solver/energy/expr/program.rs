@@ -76,13 +76,9 @@ impl Op {
             | Self::Integer(_)
             | Self::Call(_)
             | Self::Abs => 1,
-            Self::Add
-            | Self::Sub
-            | Self::Mul
-            | Self::Div
-            | Self::Min
-            | Self::Max
-            | Self::Power => 2,
+            Self::Add | Self::Sub | Self::Mul | Self::Div | Self::Min | Self::Max | Self::Power => {
+                2
+            }
         }
     }
 }
@@ -141,10 +137,8 @@ impl Program {
             if principal && matches!(op, Op::Abs | Op::Min | Op::Max) {
                 return false;
             }
-            marks.push(
-                principal
-                    || matches!(op, Op::Variable(Variable::Kappa1 | Variable::Kappa2)),
-            );
+            marks
+                .push(principal || matches!(op, Op::Variable(Variable::Kappa1 | Variable::Kappa2)));
         }
         true
     }

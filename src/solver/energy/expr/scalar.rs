@@ -57,7 +57,10 @@ impl Algebra for ScalarAlgebra {
     type Value = Tracked;
 
     fn constant(&self, c: f64) -> Tracked {
-        Tracked { value: c, magnitude: c.abs() }
+        Tracked {
+            value: c,
+            magnitude: c.abs(),
+        }
     }
 
     fn variable(&self, v: Variable) -> Tracked {
@@ -78,7 +81,10 @@ impl Algebra for ScalarAlgebra {
             Op::Call(function) => function.at(x.value).d.abs() * x.magnitude,
             _ => x.magnitude,
         };
-        Tracked { value, magnitude: value.abs().max(kept) }
+        Tracked {
+            value,
+            magnitude: value.abs().max(kept),
+        }
     }
 
     fn binary(&self, op: Op, x: Tracked, y: Tracked) -> Tracked {
@@ -87,10 +93,15 @@ impl Algebra for ScalarAlgebra {
             Op::Add | Op::Sub | Op::Min | Op::Max => x.magnitude.max(y.magnitude),
             Op::Mul => x.magnitude * y.magnitude,
             Op::Div => (x.magnitude + value.abs() * y.magnitude) / y.value.abs(),
-            _ => (value / x.value * y.value).abs() * x.magnitude
-                + (value * x.value.ln()).abs() * y.magnitude,
+            _ => {
+                (value / x.value * y.value).abs() * x.magnitude
+                    + (value * x.value.ln()).abs() * y.magnitude
+            }
         };
-        Tracked { value, magnitude: value.abs().max(kept) }
+        Tracked {
+            value,
+            magnitude: value.abs().max(kept),
+        }
     }
 }
 
@@ -104,7 +115,11 @@ impl Function {
             }
             Self::Log => {
                 let r = 1.0 / x;
-                Outer1 { f: x.ln(), d: r, dd: -r * r }
+                Outer1 {
+                    f: x.ln(),
+                    d: r,
+                    dd: -r * r,
+                }
             }
             Self::Sin => {
                 let (s, c) = x.sin_cos();
@@ -112,19 +127,35 @@ impl Function {
             }
             Self::Cos => {
                 let (s, c) = x.sin_cos();
-                Outer1 { f: c, d: -s, dd: -c }
+                Outer1 {
+                    f: c,
+                    d: -s,
+                    dd: -c,
+                }
             }
             Self::Tanh => {
                 // 1 − tanh² cancels for large x.
                 let (t, c) = (x.tanh(), x.cosh().recip());
-                Outer1 { f: t, d: c * c, dd: -2.0 * t * c * c }
+                Outer1 {
+                    f: t,
+                    d: c * c,
+                    dd: -2.0 * t * c * c,
+                }
             }
             Self::Power(c) => {
                 let f = if c == 0.5 { x.sqrt() } else { x.powf(c) };
                 if x > 0.0 {
-                    Outer1 { f, d: c * f / x, dd: c * (c - 1.0) * f / (x * x) }
+                    Outer1 {
+                        f,
+                        d: c * f / x,
+                        dd: c * (c - 1.0) * f / (x * x),
+                    }
                 } else {
-                    Outer1 { f, d: c * x.powf(c - 1.0), dd: c * (c - 1.0) * x.powf(c - 2.0) }
+                    Outer1 {
+                        f,
+                        d: c * x.powf(c - 1.0),
+                        dd: c * (c - 1.0) * x.powf(c - 2.0),
+                    }
                 }
             }
         }
@@ -167,9 +198,24 @@ impl Algebra for JetAlgebra {
             Op::Mul => x * y,
             Op::Div => x * y.recip(),
             Op::Min | Op::Max if x.f.is_nan() || y.f.is_nan() => Jet2::constant(f64::NAN),
-            Op::Min => if x.f <= y.f { x } else { y },
-            Op::Max => if x.f >= y.f { x } else { y },
-            Op::Power => unary(Op::Call(Function::Exp), y * unary(Op::Call(Function::Log), x)),
+            Op::Min => {
+                if x.f <= y.f {
+                    x
+                } else {
+                    y
+                }
+            }
+            Op::Max => {
+                if x.f >= y.f {
+                    x
+                } else {
+                    y
+                }
+            }
+            Op::Power => unary(
+                Op::Call(Function::Exp),
+                y * unary(Op::Call(Function::Log), x),
+            ),
             _ => Jet2::constant(f64::NAN),
         }
     }
@@ -184,7 +230,13 @@ pub(super) fn unary(op: Op, x: Jet2) -> Jet2 {
         Op::Integer(-1) => x.recip(),
         Op::Integer(n) => x.powi(n),
         Op::Call(function) => x.chain(function.at(x.f)),
-        Op::Abs => if x.f < 0.0 { -x } else { x },
+        Op::Abs => {
+            if x.f < 0.0 {
+                -x
+            } else {
+                x
+            }
+        }
         _ => Jet2::constant(f64::NAN),
     }
 }

@@ -38,11 +38,23 @@ pub fn check_symmetry(text: &str, program: &Program) -> Result<(), ExprError> {
             };
             if !equal {
                 let text = text.to_owned();
-                return Err(ExprError::NotSymmetric { text, k1: x, k2: y, f, f_swapped });
+                return Err(ExprError::NotSymmetric {
+                    text,
+                    k1: x,
+                    k2: y,
+                    f,
+                    f_swapped,
+                });
             }
         }
     }
-    if finite { Ok(()) } else { Err(ExprError::NowhereFinite { text: text.to_owned() }) }
+    if finite {
+        Ok(())
+    } else {
+        Err(ExprError::NowhereFinite {
+            text: text.to_owned(),
+        })
+    }
 }
 
 /// The sample pairs as `(H, K)`.
