@@ -4,6 +4,7 @@
 //! of an energy `E(S) = ∫ f(H, K) dA` (G. Xu, GMP 2008) until it is stationary.
 
 pub mod fill;
+pub mod io;
 pub mod linear;
 pub mod mesh;
 pub mod patch;

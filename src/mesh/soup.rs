@@ -21,6 +21,8 @@ pub struct Soup {
     pub face_tags: Vec<u32>,
     /// Groups, objects and materials that occur, in order of first use.
     pub tags: Vec<FaceTag>,
+    /// `mtllib` names of an OBJ file, as written there (relative to the file), in order.
+    pub material_libraries: Vec<String>,
     /// Whether positions are known to be repeated once per face (STL), so that welding equal
     /// positions is what the format means.
     pub exploded: bool,

@@ -1,0 +1,128 @@
+//! Files that are replaced whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use super::error::SaveError;
+
+/// Lets `fill` write a temporary file beside `path`, then puts it in place of `path`.
+///
+/// The data is on the disk before the name changes, so whatever goes wrong the old file or the new
+/// one is there, and no temporary file stays behind. An existing file keeps its permissions; hard
+/// links to it keep the old contents. A symbolic link is followed. Devices and pipes are written
+/// directly.
+///
+/// # Errors
+/// [`SaveError`], the old file untouched.
+pub(super) fn replace(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), SaveError> {
+    let target = target(path)?;
+    let failed = |error: io::Error| from_io(path, error);
+    if let Some(kept) = &target.existing
+        && !kept.is_file()
+    {
+        let file = File::options()
+            .write(true)
+            .open(&target.path)
+            .map_err(failed)?;
+        return fill_file(file, fill).map(drop).map_err(failed);
+    }
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".meniscus-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        // What any new file gets, less the umask, instead of a temporary file's 0600.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let temporary = builder.tempfile_in(&target.directory).map_err(failed)?;
+    let (file, name) = temporary.into_parts();
+    let file = fill_file(file, fill).map_err(failed)?;
+    if let Some(kept) = &target.existing {
+        file.set_permissions(kept.permissions()).map_err(failed)?;
+    }
+    file.sync_all().map_err(failed)?;
+    drop(file);
+    name.persist(&target.path).map_err(|e| failed(e.error))?;
+    // The new name is on the disk too; a file system that cannot do this has nothing to sync.
+    if cfg!(unix)
+        && let Ok(directory) = File::open(&target.directory)
+    {
+        directory.sync_all().ok();
+    }
+    Ok(())
+}
+
+fn fill_file(file: File, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<File> {
+    let mut buffer = BufWriter::with_capacity(1 << 18, file);
+    fill(&mut buffer)?;
+    buffer.into_inner().map_err(io::IntoInnerError::into_error)
+}
+
+/// Where the data really goes.
+pub(super) struct Target {
+    path: PathBuf,
+    directory: PathBuf,
+    existing: Option<fs::Metadata>,
+}
+
+/// Follows links and checks what can be checked before anything is computed or written.
+pub(super) fn target(path: &Path) -> Result<Target, SaveError> {
+    let owned = path.to_owned();
+    let existing = match fs::metadata(path) {
+        Ok(metadata) if metadata.is_dir() => return Err(SaveError::IsDirectory { path: owned }),
+        Ok(metadata) if metadata.permissions().readonly() => {
+            return Err(SaveError::ReadOnly { path: owned });
+        }
+        Ok(metadata) => Some(metadata),
+        Err(error) if error.kind() == ErrorKind::NotFound => None,
+        Err(error) if error.kind() == ErrorKind::NotADirectory => {
+            let directory = parent(path);
+            return Err(SaveError::DirectoryMissing {
+                path: owned,
+                directory,
+            });
+        }
+        Err(error) => return Err(from_io(path, error)),
+    };
+    let real = if existing.is_some() {
+        fs::canonicalize(path).map_err(|e| from_io(path, e))?
+    } else {
+        owned.clone()
+    };
+    let directory = parent(&real);
+    if !directory.is_dir() {
+        return Err(SaveError::DirectoryMissing {
+            path: owned,
+            directory,
+        });
+    }
+    Ok(Target {
+        path: real,
+        directory,
+        existing,
+    })
+}
+
+fn parent(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+fn from_io(path: &Path, source: io::Error) -> SaveError {
+    let path = path.to_owned();
+    match source.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            SaveError::DiskFull { path }
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            SaveError::PermissionDenied { path }
+        }
+        _ => SaveError::Write { path, source },
+    }
+}

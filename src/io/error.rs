@@ -1,0 +1,390 @@
+//! What can go wrong with a file, with the place, what was found there and what to do about it.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// Why a mesh file could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// Nothing has that name.
+    #[error("{}: no such file; check the path", .path.display())]
+    NotFound {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The operating system refused to open the file.
+    #[error("{}: no permission to read the file; check its owner and mode", .path.display())]
+    PermissionDenied {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The path names a directory.
+    #[error("{}: is a directory; give the path of a mesh file in it", .path.display())]
+    IsDirectory {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The path names a device, a pipe or a socket, whose end may never come.
+    #[error("{}: is not a regular file; copy the data into one first", .path.display())]
+    NotAFile {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The extension names no supported format.
+    #[error("{}: {}; supported are {}", .path.display(), extension_words(.extension.as_deref()), super::supported_extensions())]
+    UnknownFormat {
+        /// The path asked for.
+        path: PathBuf,
+        /// Its extension, if it has one.
+        extension: Option<String>,
+    },
+    /// Reading failed half-way.
+    #[error("{}: reading failed: {source}", .path.display())]
+    Read {
+        /// The path asked for.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The file was read, but it is not a sound mesh file.
+    #[error("{}: {fault}", .path.display())]
+    Content {
+        /// Name of the file, for the message.
+        path: PathBuf,
+        /// Where and what.
+        fault: Fault,
+    },
+}
+
+/// Why a mesh could not be written. Whatever stood at the path before is untouched.
+#[derive(Debug, thiserror::Error)]
+pub enum SaveError {
+    /// The extension names no supported format.
+    #[error("{}: {}; supported are {}", .path.display(), extension_words(.extension.as_deref()), super::supported_extensions())]
+    UnknownFormat {
+        /// The path asked for.
+        path: PathBuf,
+        /// Its extension, if it has one.
+        extension: Option<String>,
+    },
+    /// The directory to write to does not exist.
+    #[error("{}: there is no directory {}; create it first", .path.display(), .directory.display())]
+    DirectoryMissing {
+        /// The path asked for.
+        path: PathBuf,
+        /// The directory that is missing.
+        directory: PathBuf,
+    },
+    /// The path names a directory.
+    #[error("{}: is a directory; give the name of a file in it", .path.display())]
+    IsDirectory {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The file exists and is write-protected.
+    #[error("{}: is read-only and was left as it is; choose another name or make it writable", .path.display())]
+    ReadOnly {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The operating system refused to write there.
+    #[error("{}: no permission to write there; nothing was changed", .path.display())]
+    PermissionDenied {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// No space, or the quota is used up.
+    #[error("{}: the disk is full; nothing was changed, free some space or choose another disk", .path.display())]
+    DiskFull {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// Any other failure of the operating system.
+    #[error("{}: writing failed: {source}; nothing was changed", .path.display())]
+    Write {
+        /// The path asked for.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The mesh cannot be represented in that file.
+    #[error("{}: not written: {reason}", .path.display())]
+    Mesh {
+        /// The path asked for.
+        path: PathBuf,
+        /// What is wrong with the mesh.
+        reason: MeshFault,
+    },
+}
+
+/// What keeps a mesh from being written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshFault {
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} (counted from 0) has the coordinate {value}, which is not finite")]
+    NotFinite {
+        /// The vertex, counted from 0.
+        vertex: usize,
+        /// The coordinate.
+        value: f64,
+    },
+    /// STL stores `f32`, whose range is exceeded.
+    #[error(
+        "vertex {vertex} (counted from 0) has the coordinate {value:e}, beyond the single-precision range of STL; write OBJ or PLY"
+    )]
+    BeyondSingle {
+        /// The vertex, counted from 0.
+        vertex: usize,
+        /// The coordinate.
+        value: f64,
+    },
+    /// A corner names a vertex that is not there.
+    #[error(
+        "triangle {triangle} (counted from 0) uses vertex {index}, but there are only {vertices}"
+    )]
+    IndexRange {
+        /// The triangle, counted from 0.
+        triangle: usize,
+        /// The index it uses.
+        index: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// An attribute array has the wrong length or an index out of range.
+    #[error("{what}: {found} entries where {wanted} belong")]
+    Attribute {
+        /// Which attribute.
+        what: &'static str,
+        /// Its length, or the tag index.
+        found: usize,
+        /// The length it must have, or the number of tags.
+        wanted: usize,
+    },
+    /// More elements than the format can count.
+    #[error("{count} {what} are more than the format can count")]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many.
+        count: usize,
+    },
+}
+
+/// A problem with the contents of a file, and where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
+    /// Where in the file.
+    pub place: Place,
+    /// What is wrong there.
+    pub problem: Problem,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.place {
+            Place::File => write!(f, "{}", self.problem),
+            Place::Line(line) => write!(f, "line {line}: {}", self.problem),
+            Place::Byte(byte) => write!(f, "byte {byte}: {}", self.problem),
+        }
+    }
+}
+
+/// A place in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A line of a text file, counted from 1.
+    Line(usize),
+    /// A byte of a binary file, counted from 0.
+    Byte(usize),
+}
+
+/// What is wrong with the contents of a file. Vertices and faces are counted from 1 here.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// Zero bytes.
+    #[error("the file is empty (0 bytes); export the mesh again")]
+    Empty,
+    /// Text without a single statement.
+    #[error("the file holds comments or blank lines only, no mesh; export the mesh again")]
+    NothingButComments,
+    /// Something else than the format.
+    #[error(
+        "this does not look like {format}: found {found}; check that the extension fits the contents"
+    )]
+    NotThisFormat {
+        /// The format that was expected.
+        format: &'static str,
+        /// What is there instead.
+        found: String,
+    },
+    /// Faces or nothing at all, but no vertices.
+    #[error("no vertices in the file; export the mesh again")]
+    NoVertices,
+    /// Vertices but no faces.
+    #[error("{vertices} vertices but no faces, so there is no surface{}; export the mesh with its faces", cut_words(*.cut))]
+    NoFaces {
+        /// How many vertices there are.
+        vertices: usize,
+        /// Whether the file ends in the middle of a line.
+        cut: bool,
+    },
+    /// Something that should be a number is none.
+    #[error("{what} is not a number: '{found}'{}", comma_words(.found))]
+    NotANumber {
+        /// What the number would have been.
+        what: String,
+        /// What is there instead.
+        found: String,
+    },
+    /// A coordinate is NaN or infinite (or too large for a double).
+    #[error(
+        "vertex {vertex} has the coordinate {axis} = '{found}', which is not a finite number; repair or remove this vertex"
+    )]
+    NotFinite {
+        /// The vertex, counted from 1.
+        vertex: usize,
+        /// `x`, `y` or `z`.
+        axis: char,
+        /// The text or value found.
+        found: String,
+    },
+    /// A vertex line with too few or too many numbers.
+    #[error("vertex {vertex} has {found} numbers; {wanted} are expected")]
+    VertexNumbers {
+        /// The vertex, counted from 1.
+        vertex: usize,
+        /// How many numbers there are.
+        found: usize,
+        /// How many there may be.
+        wanted: &'static str,
+    },
+    /// A face with fewer than three corners.
+    #[error(
+        "face {face} has only {found} of the at least 3 corners of a face{}; remove the line or export the mesh again",
+        cut_words(*.cut)
+    )]
+    FewCorners {
+        /// The face, counted from 1.
+        face: usize,
+        /// How many corners it has.
+        found: usize,
+        /// Whether the file ends in the middle of this line.
+        cut: bool,
+    },
+    /// An index 0 where counting starts at 1.
+    #[error("face {face} uses vertex 0, but OBJ counts from 1; a face of this file is broken")]
+    IndexZero {
+        /// The face, counted from 1.
+        face: usize,
+    },
+    /// An index beyond the vertices.
+    #[error("face {face} uses vertex {found}, but the file has vertices {first} to {last} only")]
+    IndexRange {
+        /// The face, counted from 1.
+        face: usize,
+        /// The index as the file writes it.
+        found: i64,
+        /// Smallest valid index.
+        first: i64,
+        /// Largest valid index.
+        last: i64,
+    },
+    /// A corner that cannot be read.
+    #[error(
+        "face {face} has the corner '{found}'; a corner is v, v/vt, v//vn or v/vt/vn in integers"
+    )]
+    BadCorner {
+        /// The face, counted from 1.
+        face: usize,
+        /// What is there instead.
+        found: String,
+    },
+    /// The file ends too early.
+    #[error("the file is cut off: {what}; copy or export it again")]
+    Truncated {
+        /// What was expected and what is there.
+        what: String,
+    },
+    /// A statement that cannot be understood.
+    #[error("{what}: '{found}'")]
+    Syntax {
+        /// What is wrong.
+        what: String,
+        /// What is there.
+        found: String,
+    },
+    /// A legal feature that is not read.
+    #[error("{what} cannot be read; {remedy}")]
+    Unsupported {
+        /// The feature.
+        what: String,
+        /// What to do instead.
+        remedy: &'static str,
+    },
+    /// More elements than 32-bit indices can name.
+    #[error("{what}: more than {limit}; split the mesh")]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// The most there can be.
+        limit: u64,
+    },
+}
+
+fn extension_words(extension: Option<&str>) -> String {
+    match extension {
+        Some(ext) => format!("unknown file type '.{ext}'"),
+        None => "no file extension that says the format".to_owned(),
+    }
+}
+
+fn cut_words(cut: bool) -> &'static str {
+    if cut {
+        " (the file ends in the middle of a line, it may be cut off)"
+    } else {
+        ""
+    }
+}
+
+fn comma_words(found: &str) -> &'static str {
+    let decimal = |c: char| c.is_ascii_digit() || matches!(c, ',' | '-' | '+' | 'e' | 'E');
+    if found.contains(',') && found.chars().all(decimal) {
+        " (numbers need a decimal point, not a comma)"
+    } else {
+        ""
+    }
+}
+
+pub(super) fn at_line(line: usize, problem: Problem) -> Fault {
+    Fault {
+        place: Place::Line(line),
+        problem,
+    }
+}
+
+pub(super) fn at_byte(byte: usize, problem: Problem) -> Fault {
+    Fault {
+        place: Place::Byte(byte),
+        problem,
+    }
+}
+
+pub(super) fn in_file(problem: Problem) -> Fault {
+    Fault {
+        place: Place::File,
+        problem,
+    }
+}
+
+/// A piece of the file for a message: short, and printable whatever the bytes are.
+pub(super) fn excerpt(bytes: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    let cut = &bytes[..bytes.len().min(LONGEST)];
+    let mut text: String = String::from_utf8_lossy(cut).escape_debug().collect();
+    if bytes.len() > LONGEST {
+        text.push_str("...");
+    }
+    text
+}

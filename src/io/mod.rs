@@ -1,0 +1,281 @@
+//! Mesh files: OBJ, PLY and STL in and out, the format chosen by the extension.
+//!
+//! Reading takes one pass over the bytes and gives the file's own vertices in the file's order, each
+//! coordinate the `f64` nearest to what is written. Writing is exact (OBJ: the shortest decimals that
+//! read back to the same bits; PLY: binary doubles) except for STL, whose coordinates are `f32`, and
+//! atomic. Errors say where in the file, what was found there and what to do.
+//!
+//! ```no_run
+//! use meniscus::io::{self, OutputMesh};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let soup = io::load("scan.obj".as_ref())?;
+//! let triangles: Vec<[u32; 3]> = (0..soup.face_count())
+//!     .map(|f| [soup.face(f)[0], soup.face(f)[1], soup.face(f)[2]])
+//!     .collect();
+//! let mesh = OutputMesh {
+//!     positions: &soup.positions,
+//!     triangles: &triangles,
+//!     colors: &soup.colors,
+//!     ..OutputMesh::default()
+//! };
+//! io::save("copy.ply".as_ref(), &mesh)?;
+//! # Ok(())
+//! # }
+//! ```
+
+mod atomic;
+mod error;
+mod number;
+mod obj;
+mod ply;
+mod scan;
+mod stl;
+#[cfg(test)]
+mod tests;
+
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::Path;
+
+pub use error::{Fault, LoadError, MeshFault, Place, Problem, SaveError};
+
+use crate::mesh::{DVec3, FaceTag, Soup};
+
+/// A mesh file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Wavefront OBJ, text.
+    Obj,
+    /// Stanford PLY; text and both byte orders are read, binary little endian is written.
+    Ply,
+    /// STL; text and binary are read, binary is written.
+    Stl,
+}
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Self; 3] = [Self::Obj, Self::Ply, Self::Stl];
+
+    /// The file extension, without the dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Obj => "obj",
+            Self::Ply => "ply",
+            Self::Stl => "stl",
+        }
+    }
+
+    /// The format the extension of `path` names, in upper or lower case; `None` for any other.
+    pub fn from_path(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?;
+        Self::ALL
+            .into_iter()
+            .find(|f| f.extension().eq_ignore_ascii_case(extension))
+    }
+}
+
+fn supported_extensions() -> String {
+    Format::ALL
+        .map(|f| format!(".{}", f.extension()))
+        .join(", ")
+}
+
+fn extension_of(path: &Path) -> Option<String> {
+    path.extension().map(|e| e.to_string_lossy().into_owned())
+}
+
+/// A triangle mesh to write; borrowed, in the order of the file.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OutputMesh<'a> {
+    /// Vertex positions.
+    pub positions: &'a [DVec3],
+    /// Vertex indices of each triangle.
+    pub triangles: &'a [[u32; 3]],
+    /// Red, green, blue, alpha in 0..=1 per vertex, or empty. OBJ has no alpha, STL no colours.
+    pub colors: &'a [[f32; 4]],
+    /// For each triangle its index in `tags`, or empty. Only OBJ keeps them.
+    pub face_tags: &'a [u32],
+    /// Groups, objects and materials.
+    pub tags: &'a [FaceTag],
+    /// `mtllib` names, written as they are. Only OBJ keeps them.
+    pub material_libraries: &'a [String],
+}
+
+/// Reads the mesh file at `path`.
+///
+/// # Errors
+/// [`LoadError`]: the file cannot be opened, its extension names no format, or its contents are
+/// not a sound mesh.
+pub fn load(path: &Path) -> Result<Soup, LoadError> {
+    let owned = || path.to_owned();
+    let failed = |source: std::io::Error| match source.kind() {
+        ErrorKind::NotFound | ErrorKind::NotADirectory => LoadError::NotFound { path: owned() },
+        ErrorKind::PermissionDenied => LoadError::PermissionDenied { path: owned() },
+        _ => LoadError::Read {
+            path: owned(),
+            source,
+        },
+    };
+    // Before opening: opening a pipe would wait for its writer.
+    let metadata = fs::metadata(path).map_err(failed)?;
+    if metadata.is_dir() {
+        return Err(LoadError::IsDirectory { path: owned() });
+    }
+    let Some(format) = Format::from_path(path) else {
+        return Err(LoadError::UnknownFormat {
+            path: owned(),
+            extension: extension_of(path),
+        });
+    };
+    if !metadata.is_file() {
+        return Err(LoadError::NotAFile { path: owned() });
+    }
+    let bytes = fs::read(path).map_err(failed)?;
+    read(format, &bytes, path)
+}
+
+/// Reads a mesh from the bytes of a file; `name` stands in the messages.
+///
+/// # Errors
+/// [`LoadError::Content`] with the place and what is wrong there.
+pub fn read(format: Format, bytes: &[u8], name: &Path) -> Result<Soup, LoadError> {
+    let soup = match format {
+        Format::Obj => obj::read(bytes),
+        Format::Ply => ply::read(bytes),
+        Format::Stl => stl::read(bytes),
+    };
+    soup.map_err(|fault| LoadError::Content {
+        path: name.to_owned(),
+        fault,
+    })
+}
+
+/// Writes `mesh` to `path` in the format of its extension: whole, or not at all.
+///
+/// A temporary file in the same directory is written, brought to the disk and renamed.
+///
+/// # Errors
+/// [`SaveError`]; a file that was there before is untouched.
+pub fn save(path: &Path, mesh: &OutputMesh<'_>) -> Result<(), SaveError> {
+    let format = check_target(path)?;
+    check(format, mesh).map_err(|reason| SaveError::Mesh {
+        path: path.to_owned(),
+        reason,
+    })?;
+    atomic::replace(path, |out| write(format, mesh, out))
+}
+
+/// Checks, before a long computation, that [`save`] could write to `path`: a known extension, an
+/// existing directory, no write-protected file in the way.
+///
+/// # Errors
+/// The [`SaveError`] that [`save`] would give.
+pub fn check_target(path: &Path) -> Result<Format, SaveError> {
+    let Some(format) = Format::from_path(path) else {
+        let extension = extension_of(path);
+        return Err(SaveError::UnknownFormat {
+            path: path.to_owned(),
+            extension,
+        });
+    };
+    atomic::target(path)?;
+    Ok(format)
+}
+
+/// Writes `mesh`, which [`check`] has found sound, to any writer.
+///
+/// # Errors
+/// What the writer says.
+///
+/// # Panics
+/// May panic on a mesh that [`check`] refuses.
+pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std::io::Result<()> {
+    match format {
+        Format::Obj => obj::write(mesh, out),
+        Format::Ply => ply::write(mesh, out),
+        Format::Stl => stl::write(mesh, out),
+    }
+}
+
+/// Checks that `mesh` can be written in `format`: finite coordinates, indices in range, attribute
+/// arrays of the right length.
+///
+/// # Errors
+/// The first [`MeshFault`].
+pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
+    let vertices = mesh.positions.len();
+    let triangles = mesh.triangles.len();
+    for (what, count) in [("vertices", vertices), ("triangles", triangles)] {
+        if u32::try_from(count).is_err() {
+            return Err(MeshFault::TooMany { what, count });
+        }
+    }
+    for (vertex, p) in mesh.positions.iter().enumerate() {
+        for value in p.to_array() {
+            if !value.is_finite() {
+                return Err(MeshFault::NotFinite { vertex, value });
+            }
+            if format == Format::Stl && !(value as f32).is_finite() {
+                return Err(MeshFault::BeyondSingle { vertex, value });
+            }
+        }
+    }
+    for (triangle, corners) in mesh.triangles.iter().enumerate() {
+        for &index in corners {
+            if index as usize >= vertices {
+                return Err(MeshFault::IndexRange {
+                    triangle,
+                    index,
+                    vertices,
+                });
+            }
+        }
+    }
+    let lengths = [
+        ("vertex colours", mesh.colors.len(), vertices),
+        ("face tags", mesh.face_tags.len(), triangles),
+    ];
+    for (what, found, wanted) in lengths {
+        if found != 0 && found != wanted {
+            return Err(MeshFault::Attribute {
+                what,
+                found,
+                wanted,
+            });
+        }
+    }
+    let wanted = mesh.tags.len();
+    if let Some(&tag) = mesh.face_tags.iter().find(|&&tag| tag as usize >= wanted) {
+        return Err(MeshFault::Attribute {
+            what: "face tag index",
+            found: tag as usize,
+            wanted,
+        });
+    }
+    Ok(())
+}
+
+/// Whether both paths name the same file, through links and different spellings too. Two paths of
+/// which one does not exist are the same if they lie in the same directory under the same name.
+pub fn same_file(a: &Path, b: &Path) -> bool {
+    #[cfg(unix)]
+    if let (Ok(a), Ok(b)) = (fs::metadata(a), fs::metadata(b)) {
+        use std::os::unix::fs::MetadataExt;
+        return a.dev() == b.dev() && a.ino() == b.ino();
+    }
+    match (resolve(a), resolve(b)) {
+        (Some(a), Some(b)) => a == b,
+        _ => a == b,
+    }
+}
+
+fn resolve(path: &Path) -> Option<std::path::PathBuf> {
+    if let Ok(real) = fs::canonicalize(path) {
+        return Some(real);
+    }
+    let parent = path
+        .parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    Some(fs::canonicalize(parent).ok()?.join(path.file_name()?))
+}

@@ -1,0 +1,223 @@
+//! The header of a PLY file: what elements follow, and how they are encoded.
+
+use super::super::error::{Fault, Problem, at_line, excerpt, in_file};
+
+/// How the elements after the header are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+/// The type of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    fn from_name(name: &[u8]) -> Option<Self> {
+        Some(match name {
+            b"char" | b"int8" => Self::I8,
+            b"uchar" | b"uint8" => Self::U8,
+            b"short" | b"int16" => Self::I16,
+            b"ushort" | b"uint16" => Self::U16,
+            b"int" | b"int32" => Self::I32,
+            b"uint" | b"uint32" => Self::U32,
+            b"float" | b"float32" => Self::F32,
+            b"double" | b"float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    /// Bytes in a binary file.
+    pub fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    pub fn is_integer(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Number(Scalar),
+    List { count: Scalar, item: Scalar },
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Property {
+    pub name: String,
+    pub kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Element {
+    pub name: String,
+    pub count: u64,
+    pub properties: Vec<Property>,
+}
+
+impl Element {
+    /// The fewest bytes one row can take.
+    pub fn least_bytes(&self, encoding: Encoding) -> u64 {
+        let binary = |p: &Property| match p.kind {
+            Kind::Number(scalar) | Kind::List { count: scalar, .. } => scalar.size() as u64,
+        };
+        match encoding {
+            // A digit and a blank; the blank may lack at the end of the file.
+            Encoding::Ascii => 2 * self.properties.len() as u64,
+            _ => self.properties.iter().map(binary).sum(),
+        }
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct Header {
+    pub encoding: Encoding,
+    pub elements: Vec<Element>,
+    /// First byte after the header.
+    pub end: usize,
+    /// Number of the line after the header.
+    pub next_line: usize,
+}
+
+/// Reads the header.
+pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
+    if bytes.is_empty() {
+        return Err(in_file(Problem::Empty));
+    }
+    let mut at = 0;
+    let mut number = 0;
+    let mut encoding = None;
+    let mut elements: Vec<Element> = Vec::new();
+    loop {
+        number += 1;
+        let Some(length) = bytes[at..].iter().position(|&b| b == b'\n') else {
+            if number == 1 {
+                return Err(not_ply(bytes));
+            }
+            let what = "the header has no 'end_header'".to_owned();
+            return Err(at_line(number, Problem::Truncated { what }));
+        };
+        let line = bytes[at..at + length].trim_ascii();
+        at += length + 1;
+        if number == 1 {
+            if line != b"ply" {
+                return Err(not_ply(bytes));
+            }
+            continue;
+        }
+        let mut words = line
+            .split(u8::is_ascii_whitespace)
+            .filter(|w| !w.is_empty());
+        let fault = |what: &str| {
+            let what = what.to_owned();
+            at_line(
+                number,
+                Problem::Syntax {
+                    what,
+                    found: excerpt(line),
+                },
+            )
+        };
+        match words.next() {
+            None | Some(b"comment" | b"obj_info") => {}
+            Some(b"format") => {
+                encoding = match words.next() {
+                    Some(b"ascii") => Some(Encoding::Ascii),
+                    Some(b"binary_little_endian") => Some(Encoding::LittleEndian),
+                    Some(b"binary_big_endian") => Some(Encoding::BigEndian),
+                    _ => return Err(fault("unknown PLY format")),
+                };
+            }
+            Some(b"element") => {
+                let element = element(&mut words).ok_or_else(|| fault("broken element line"))?;
+                elements.push(element);
+            }
+            Some(b"property") => {
+                let property = property(&mut words)
+                    .ok_or_else(|| fault("a property needs a type this format has, and a name"))?;
+                let element = elements
+                    .last_mut()
+                    .ok_or_else(|| fault("a property before any element"))?;
+                element.properties.push(property);
+            }
+            Some(b"end_header") => break,
+            Some(_) => return Err(fault("this line does not belong in a PLY header")),
+        }
+    }
+    let missing = "the header has no format line".to_owned();
+    let encoding = encoding.ok_or_else(|| {
+        at_line(
+            number,
+            Problem::Syntax {
+                what: missing,
+                found: "end_header".into(),
+            },
+        )
+    })?;
+    Ok(Header {
+        encoding,
+        elements,
+        end: at,
+        next_line: number + 1,
+    })
+}
+
+fn not_ply(bytes: &[u8]) -> Fault {
+    let first = bytes.split(|&b| b == b'\n').next().unwrap_or(bytes);
+    let found = format!("'{}' instead of 'ply'", excerpt(first));
+    at_line(
+        1,
+        Problem::NotThisFormat {
+            format: "PLY",
+            found,
+        },
+    )
+}
+
+fn element<'a>(words: &mut impl Iterator<Item = &'a [u8]>) -> Option<Element> {
+    let name = text(words.next()?);
+    let count = str::from_utf8(words.next()?).ok()?.parse().ok()?;
+    Some(Element {
+        name,
+        count,
+        properties: Vec::new(),
+    })
+}
+
+fn property<'a>(words: &mut impl Iterator<Item = &'a [u8]>) -> Option<Property> {
+    let kind = match words.next()? {
+        b"list" => {
+            let count = Scalar::from_name(words.next()?).filter(|c| c.is_integer())?;
+            Kind::List {
+                count,
+                item: Scalar::from_name(words.next()?)?,
+            }
+        }
+        name => Kind::Number(Scalar::from_name(name)?),
+    };
+    Some(Property {
+        name: text(words.next()?),
+        kind,
+    })
+}
+
+fn text(word: &[u8]) -> String {
+    String::from_utf8_lossy(word).into_owned()
+}

@@ -1,0 +1,9 @@
+//! Stanford PLY.
+
+mod header;
+mod read;
+mod source;
+mod write;
+
+pub(super) use read::read;
+pub(super) use write::write;

@@ -1,0 +1,69 @@
+//! PLY out: binary little endian, coordinates as doubles.
+
+use std::io::{self, Write};
+
+use super::super::OutputMesh;
+
+/// Writes binary PLY. The mesh has been checked.
+///
+/// Colours that are exact in 8 bits are written so, as most programs expect; others as `float`.
+pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let bytes = mesh.colors.iter().flatten().all(|&c| to_byte(c).is_some());
+    let channels = if mesh.colors.iter().all(|c| c[3] == 1.0) {
+        3
+    } else {
+        4
+    };
+    let index = if mesh.positions.len() <= i32::MAX as usize {
+        "int"
+    } else {
+        "uint"
+    };
+    writeln!(out, "ply\nformat binary_little_endian 1.0")?;
+    writeln!(out, "comment written by meniscus")?;
+    writeln!(out, "element vertex {}", mesh.positions.len())?;
+    for axis in ["x", "y", "z"] {
+        writeln!(out, "property double {axis}")?;
+    }
+    if !mesh.colors.is_empty() {
+        let kind = if bytes { "uchar" } else { "float" };
+        for channel in &["red", "green", "blue", "alpha"][..channels] {
+            writeln!(out, "property {kind} {channel}")?;
+        }
+    }
+    writeln!(out, "element face {}", mesh.triangles.len())?;
+    writeln!(
+        out,
+        "property list uchar {index} vertex_indices\nend_header"
+    )?;
+    for (vertex, p) in mesh.positions.iter().enumerate() {
+        for x in p.to_array() {
+            out.write_all(&x.to_le_bytes())?;
+        }
+        if let Some(color) = mesh.colors.get(vertex) {
+            for &c in &color[..channels] {
+                match to_byte(c) {
+                    Some(byte) if bytes => out.write_all(&[byte])?,
+                    _ => out.write_all(&c.to_le_bytes())?,
+                }
+            }
+        }
+    }
+    for triangle in mesh.triangles {
+        let mut row = [3_u8; 13];
+        for (k, corner) in triangle.iter().enumerate() {
+            row[1 + 4 * k..5 + 4 * k].copy_from_slice(&corner.to_le_bytes());
+        }
+        out.write_all(&row)?;
+    }
+    Ok(())
+}
+
+/// The byte that reads back as exactly this channel, if there is one.
+fn to_byte(channel: f32) -> Option<u8> {
+    let byte = (0.0..=1.0)
+        .contains(&channel)
+        .then(|| (channel * 255.0).round())?;
+    #[allow(clippy::cast_sign_loss)] // within 0..=255
+    (byte / 255.0 == channel).then_some(byte as u8)
+}

@@ -1,0 +1,291 @@
+//! One pass over the bytes of a text format: blanks, tokens, numbers, line numbers.
+
+/// A position in a text file. Nothing is copied and nothing is allocated.
+#[derive(Clone)]
+pub(super) struct Scanner<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: usize,
+}
+
+impl<'a> Scanner<'a> {
+    /// Starts at byte `at`, which lies on line `line` (counted from 1).
+    pub fn new(bytes: &'a [u8], at: usize, line: usize) -> Self {
+        Self { bytes, at, line }
+    }
+
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
+    pub fn at(&self) -> usize {
+        self.at
+    }
+
+    pub fn at_end(&self) -> bool {
+        self.at >= self.bytes.len()
+    }
+
+    /// Skips blanks within the line; a backslash before a line end joins the lines (OBJ).
+    #[inline]
+    pub fn skip_blanks(&mut self) {
+        while let Some(&byte) = self.bytes.get(self.at) {
+            match byte {
+                b' ' | b'\t' | b'\r' | 0x0b | 0x0c => self.at += 1,
+                b'\\' => match &self.bytes[self.at + 1..] {
+                    [b'\n', ..] => self.join(2),
+                    [b'\r', b'\n', ..] => self.join(3),
+                    _ => return,
+                },
+                _ => return,
+            }
+        }
+    }
+
+    fn join(&mut self, length: usize) {
+        self.at += length;
+        self.line += 1;
+    }
+
+    /// Whether the statement is over: line end, file end or a comment.
+    #[inline]
+    pub fn statement_over(&self) -> bool {
+        matches!(self.bytes.get(self.at), None | Some(b'\n' | b'#'))
+    }
+
+    /// Whether the line is over.
+    #[inline]
+    pub fn line_over(&self) -> bool {
+        matches!(self.bytes.get(self.at), None | Some(b'\n'))
+    }
+
+    /// Goes to the start of the next line.
+    #[inline]
+    pub fn next_line(&mut self) {
+        match self.bytes[self.at..].iter().position(|&b| b == b'\n') {
+            Some(length) => self.join(length + 1),
+            None => self.at = self.bytes.len(),
+        }
+    }
+
+    /// The bytes up to the next blank or line end.
+    #[inline]
+    pub fn token(&mut self) -> &'a [u8] {
+        let start = self.at;
+        self.at = token_end(self.bytes, start);
+        &self.bytes[start..self.at]
+    }
+
+    /// The token at the position, which stays where it is; for messages.
+    pub fn peek_token(&self) -> &'a [u8] {
+        self.clone().token()
+    }
+
+    /// The rest of the line without blanks at its ends; goes to the line end.
+    pub fn rest_of_line(&mut self) -> &'a [u8] {
+        let rest = &self.bytes[self.at..];
+        let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+        self.at += length;
+        rest[..length].trim_ascii()
+    }
+
+    /// Reads a number; `None` (position unchanged) if the token is none.
+    #[inline]
+    pub fn float(&mut self) -> Option<f64> {
+        let (value, end) = float_at(self.bytes, self.at)?;
+        self.at = end;
+        Some(value)
+    }
+
+    /// Reads a signed integer that may be followed by `/...`; `None` (position unchanged) if there
+    /// is none or it has more than 18 digits.
+    #[inline]
+    pub fn integer(&mut self) -> Option<i64> {
+        let mut at = self.at;
+        let negative = self.bytes.get(at) == Some(&b'-');
+        at += usize::from(negative);
+        let digits = at;
+        let mut value = 0_i64;
+        while let Some(digit) = digit_at(self.bytes, at) {
+            value = value.wrapping_mul(10).wrapping_add(i64::from(digit));
+            at += 1;
+        }
+        if at == digits || at - digits > 18 {
+            return None;
+        }
+        self.at = at;
+        Some(if negative { -value } else { value })
+    }
+
+    /// Skips the `/vt/vn` part of a corner; `false` if the corner does not end as it should.
+    #[inline]
+    pub fn skip_corner_rest(&mut self) -> bool {
+        let mut slashes = 0;
+        while let Some(&byte) = self.bytes.get(self.at) {
+            match byte {
+                b'0'..=b'9' | b'-' if slashes > 0 => {}
+                b'/' if slashes < 2 => slashes += 1,
+                b if ends_token(b) => return true,
+                _ => return false,
+            }
+            self.at += 1;
+        }
+        true
+    }
+}
+
+#[inline]
+fn ends_token(byte: u8) -> bool {
+    byte <= b' ' || byte == b'\\'
+}
+
+#[inline]
+fn token_end(bytes: &[u8], start: usize) -> usize {
+    let rest = &bytes[start..];
+    start
+        + rest
+            .iter()
+            .position(|&b| ends_token(b))
+            .unwrap_or(rest.len())
+}
+
+#[inline]
+fn digit_at(bytes: &[u8], at: usize) -> Option<u8> {
+    let digit = bytes.get(at)?.wrapping_sub(b'0');
+    (digit < 10).then_some(digit)
+}
+
+/// Powers of ten that a double holds exactly.
+const POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
+];
+
+/// Reads the number that starts at `start`, correctly rounded, and says where it ends.
+///
+/// An integer up to 2^53 times or over a power of ten up to 10^22 is one operation on exact
+/// doubles, hence rounded once (Clinger 1990); everything else goes through the standard library.
+#[inline]
+fn float_at(bytes: &[u8], start: usize) -> Option<(f64, usize)> {
+    let sign = bytes.get(start);
+    let negative = sign == Some(&b'-');
+    let mut at = start + usize::from(negative || sign == Some(&b'+'));
+    let mut mantissa = 0_u64;
+    let whole = at;
+    while let Some(digit) = digit_at(bytes, at) {
+        mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+        at += 1;
+    }
+    let mut digits = at - whole;
+    let mut exponent = 0_i32;
+    if bytes.get(at) == Some(&b'.') {
+        at += 1;
+        let fraction = at;
+        while let Some(digit) = digit_at(bytes, at) {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+            at += 1;
+        }
+        digits += at - fraction;
+        exponent = -((at - fraction).min(1000) as i32);
+    }
+    if matches!(bytes.get(at), Some(b'e' | b'E')) {
+        let (written, end) = exponent_at(bytes, at + 1)?;
+        exponent += written;
+        at = end;
+    }
+    let over = bytes.get(at).is_none_or(|&b| ends_token(b));
+    // 19 digits fit a u64, so the mantissa has not wrapped.
+    if over && (1..=19).contains(&digits) && mantissa <= 1 << 53 && exponent.abs() <= 22 {
+        let power = POWERS[exponent.unsigned_abs() as usize];
+        let value = if exponent < 0 {
+            mantissa as f64 / power
+        } else {
+            mantissa as f64 * power
+        };
+        return Some((if negative { -value } else { value }, at));
+    }
+    let end = token_end(bytes, start);
+    let value = str::from_utf8(&bytes[start..end]).ok()?.parse().ok()?;
+    Some((value, end))
+}
+
+fn exponent_at(bytes: &[u8], start: usize) -> Option<(i32, usize)> {
+    let sign = bytes.get(start);
+    let negative = sign == Some(&b'-');
+    let mut at = start + usize::from(negative || sign == Some(&b'+'));
+    let digits = at;
+    let mut value = 0_i32;
+    while let Some(digit) = digit_at(bytes, at) {
+        // Far beyond what the fast path takes; the slow path reads the text again.
+        value = (value * 10 + i32::from(digit)).min(100_000);
+        at += 1;
+    }
+    (at > digits).then_some((if negative { -value } else { value }, at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn read(text: &str) -> Option<f64> {
+        Scanner::new(text.as_bytes(), 0, 1).float()
+    }
+
+    #[test]
+    fn numbers_agree_with_the_standard_library() {
+        for text in [
+            "0",
+            "-0",
+            "+1",
+            "1.",
+            ".5",
+            "-.5e1",
+            "1e22",
+            "1e23",
+            "9007199254740993",
+            "1e-22",
+            "123456789012345678901234567890",
+            "0.1",
+            "5e-324",
+            "2.2250738585072011e-308",
+            "1e400",
+            "1.7976931348623157e308",
+            "0.000000000000000000000000000001",
+            "1E5",
+            "1e+5",
+            "nan",
+            "-inf",
+            "9007199254740992e22",
+            "00000000000000000000000000001.5",
+        ] {
+            let ours = read(text).map(f64::to_bits);
+            assert_eq!(ours, text.parse::<f64>().ok().map(f64::to_bits), "{text}");
+        }
+        for text in [
+            "", "-", ".", "e5", "1e", "1e+", "1.0x", "0x10", "1,5", "1.#QNAN", "--1", "1..2",
+        ] {
+            assert_eq!(read(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn integers_stop_at_the_slash() {
+        let mut scanner = Scanner::new(b"-12/3//4 7", 0, 1);
+        assert_eq!(scanner.integer(), Some(-12));
+        assert!(!scanner.skip_corner_rest());
+        assert_eq!(Scanner::new(b"9999999999999999999", 0, 1).integer(), None);
+        assert_eq!(Scanner::new(b"-", 0, 1).integer(), None);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #[test]
+        fn decimals_are_rounded_correctly(m in any::<u64>(), point in 0_usize..20, e in -30_i32..30) {
+            let digits = m.to_string();
+            let point = point.min(digits.len());
+            let text = format!("{}.{}e{e}", &digits[..point], &digits[point..]);
+            prop_assert_eq!(read(&text).map(f64::to_bits), text.parse::<f64>().ok().map(f64::to_bits));
+        }
+    }
+}

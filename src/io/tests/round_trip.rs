@@ -1,0 +1,227 @@
+//! What is written reads back to the same bits.
+
+use proptest::prelude::*;
+
+use super::super::{Format, MeshFault, OutputMesh, check, write};
+use super::good;
+use crate::mesh::{DVec3, FaceTag, Soup};
+
+fn written(format: Format, mesh: &OutputMesh<'_>) -> Vec<u8> {
+    assert_eq!(check(format, mesh), Ok(()));
+    let mut bytes = Vec::new();
+    write(format, mesh, &mut bytes).expect("a Vec takes everything");
+    bytes
+}
+
+fn bits(positions: &[DVec3]) -> Vec<[u64; 3]> {
+    positions
+        .iter()
+        .map(|p| p.to_array().map(f64::to_bits))
+        .collect()
+}
+
+fn triangles(soup: &Soup) -> Vec<[u32; 3]> {
+    soup.corners.chunks(3).map(|c| [c[0], c[1], c[2]]).collect()
+}
+
+/// Coordinates at every edge of the format.
+fn hard_positions() -> Vec<DVec3> {
+    let values = [
+        0.0,
+        -0.0,
+        5e-324,
+        -2.225_073_858_507_201e-308,
+        f64::MIN_POSITIVE,
+        1e-300,
+        1e300,
+        f64::MAX,
+        -f64::MAX,
+        0.1,
+        1.0 / 3.0,
+        1e16,
+        9_007_199_254_740_993.0,
+        1e-5,
+        9.999_999_999_999_999e-6,
+        1e22,
+        1e23,
+        123_456.789,
+        -1e6 - 0.1,
+        f64::EPSILON,
+        1.0,
+    ];
+    values.chunks(3).map(DVec3::from_slice).collect()
+}
+
+#[test]
+fn hard_coordinates_are_exact() {
+    let positions = hard_positions();
+    let mesh = OutputMesh {
+        positions: &positions,
+        triangles: &[[0, 1, 2], [6, 5, 3]],
+        ..OutputMesh::default()
+    };
+    for format in [Format::Obj, Format::Ply] {
+        let soup = good(format, written(format, &mesh));
+        assert_eq!(bits(&soup.positions), bits(&positions));
+        assert_eq!(triangles(&soup), mesh.triangles);
+        assert!(soup.notes.is_empty() && soup.colors.is_empty() && soup.tags.is_empty());
+    }
+}
+
+#[test]
+fn colors_survive() {
+    let positions = &hard_positions()[..3];
+    let in_bytes = [
+        [0.0, 1.0, 51.0 / 255.0, 1.0],
+        [1.0; 4],
+        [7.0 / 255.0, 0.0, 0.0, 1.0],
+    ];
+    let in_floats = [
+        [0.1, 1e-9, 1.0 / 3.0, 1.0],
+        [0.5, 0.25, 1e-20, 1.0],
+        [0.0, 0.0, 1e-38, 1.0],
+    ];
+    let with_alpha = [[0.0, 0.2, 1.0, 0.4], [1.0; 4], [0.0; 4]];
+    for (colors, alpha) in [(in_bytes, false), (in_floats, false), (with_alpha, true)] {
+        let mesh = OutputMesh {
+            positions,
+            triangles: &[[0, 1, 2]],
+            colors: &colors,
+            ..OutputMesh::default()
+        };
+        assert_eq!(
+            good(Format::Ply, written(Format::Ply, &mesh)).colors,
+            colors
+        );
+        let obj = good(Format::Obj, written(Format::Obj, &mesh));
+        if !alpha {
+            assert_eq!(obj.colors, colors);
+        }
+        assert_eq!(bits(&obj.positions), bits(positions));
+    }
+}
+
+#[test]
+fn groups_and_materials_survive() {
+    let tag = |object: &str, group: &str, material: &str| FaceTag {
+        object: object.into(),
+        group: group.into(),
+        material: material.into(),
+    };
+    let tags = [
+        tag("", "", ""),
+        tag("body", "left arm", "skin"),
+        tag("body", "hand", "skin"),
+    ];
+    let positions = &hard_positions()[..3];
+    let faces = [[0, 1, 2]; 5];
+    let libraries = ["a b.mtl".to_owned()];
+    let mesh = OutputMesh {
+        positions,
+        triangles: &faces,
+        face_tags: &[0, 1, 1, 2, 1],
+        tags: &tags,
+        material_libraries: &libraries,
+        ..OutputMesh::default()
+    };
+    let soup = good(Format::Obj, written(Format::Obj, &mesh));
+    assert_eq!(soup.tags, tags);
+    assert_eq!(soup.face_tags, mesh.face_tags);
+    assert_eq!(soup.material_libraries, libraries);
+    // OBJ has no way back to nothing.
+    let back = OutputMesh {
+        face_tags: &[1, 1, 1, 1, 0],
+        ..mesh
+    };
+    let soup = good(Format::Obj, written(Format::Obj, &back));
+    assert_eq!(soup.tags[1], tag("default", "default", "None"));
+    // A name cannot smuggle a statement in.
+    let evil = [tag("a\nv 1 2 3", "", "")];
+    let smuggled = OutputMesh {
+        face_tags: &[0; 5],
+        tags: &evil,
+        ..mesh
+    };
+    assert_eq!(
+        good(Format::Obj, written(Format::Obj, &smuggled))
+            .positions
+            .len(),
+        3
+    );
+}
+
+#[test]
+fn stl_is_exact_to_single_precision() {
+    let positions: Vec<DVec3> = [[0.1, -0.0, 1e-40], [1.0, 2.0, 3.0], [1e30, 0.3, 5.0]]
+        .map(DVec3::from_array)
+        .to_vec();
+    let mesh = OutputMesh {
+        positions: &positions,
+        triangles: &[[2, 0, 1]],
+        ..OutputMesh::default()
+    };
+    let bytes = written(Format::Stl, &mesh);
+    assert_eq!(bytes.len(), 134);
+    let soup = good(Format::Stl, &bytes);
+    let single = |v: usize| {
+        positions[v]
+            .to_array()
+            .map(|x| f64::from(x as f32).to_bits())
+    };
+    assert_eq!(bits(&soup.positions), [single(2), single(0), single(1)]);
+}
+
+#[test]
+fn unsound_meshes_are_not_written() {
+    let positions = [DVec3::ZERO, DVec3::X, DVec3::splat(1e200)];
+    let mesh = OutputMesh {
+        positions: &positions,
+        triangles: &[[0, 1, 2]],
+        ..OutputMesh::default()
+    };
+    assert_eq!(check(Format::Ply, &mesh), Ok(()));
+    assert!(matches!(
+        check(Format::Stl, &mesh),
+        Err(MeshFault::BeyondSingle { vertex: 2, .. })
+    ));
+    let nan = [DVec3::NAN];
+    let faults = [
+        OutputMesh {
+            positions: &nan,
+            triangles: &[],
+            ..mesh
+        },
+        OutputMesh {
+            triangles: &[[0, 1, 3]],
+            ..mesh
+        },
+        OutputMesh {
+            colors: &[[0.0; 4]],
+            ..mesh
+        },
+        OutputMesh {
+            face_tags: &[0],
+            ..mesh
+        },
+        OutputMesh {
+            face_tags: &[0, 0],
+            ..mesh
+        },
+    ];
+    for fault in faults {
+        assert!(check(Format::Obj, &fault).is_err());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    #[test]
+    fn random_bits_are_exact(raw in prop::collection::vec(any::<[u64; 3]>(), 3..40)) {
+        let finite = |b: u64| Some(f64::from_bits(b)).filter(|x| x.is_finite()).unwrap_or(0.5);
+        let positions: Vec<DVec3> = raw.iter().map(|p| DVec3::from_array(p.map(finite))).collect();
+        let mesh = OutputMesh { positions: &positions, triangles: &[[2, 1, 0]], ..OutputMesh::default() };
+        for format in [Format::Obj, Format::Ply] {
+            prop_assert_eq!(bits(&good(format, written(format, &mesh)).positions), bits(&positions));
+        }
+    }
+}

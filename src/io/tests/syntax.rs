@@ -1,0 +1,220 @@
+//! The legal variety of each format.
+
+use super::super::Format::{Obj, Ply, Stl};
+use super::good;
+use crate::mesh::DVec3;
+
+const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
+
+#[test]
+fn obj_variants_read_as_the_plain_file() {
+    let plain = good(Obj, TETRAHEDRON);
+    assert_eq!(plain.corners, [0, 2, 1, 0, 1, 3, 0, 3, 2]);
+    assert_eq!(plain.offsets, [0, 3, 6, 9]);
+    assert!(plain.notes.is_empty() && plain.tags.is_empty() && plain.colors.is_empty());
+    for text in [
+        TETRAHEDRON.replace('\n', "\r\n"),
+        TETRAHEDRON.replace('\n', "\r"),
+        TETRAHEDRON.replace('\n', " # remark\n"),
+        TETRAHEDRON.replace("0 0 ", "0 \\\n 0 "),
+        TETRAHEDRON.replace("1 2 4", "1\\\r\n2 4"),
+        TETRAHEDRON.replace(' ', " \t "),
+        format!("\u{feff}# C:\\dir\\\n{TETRAHEDRON}"),
+        TETRAHEDRON.replace("f 1 3 2", "f -4 -2 -3"),
+        TETRAHEDRON.replace("v 1 0 0", "v 1 0 0 1.0"),
+    ] {
+        let soup = good(Obj, &text);
+        assert_eq!(soup.positions, plain.positions, "{text}");
+        assert_eq!(soup.corners, plain.corners, "{text}");
+        assert_eq!(soup.notes, plain.notes, "{text}");
+    }
+}
+
+#[test]
+fn obj_faces_may_come_before_their_vertices() {
+    let soup = good(Obj, "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    assert_eq!(soup.corners, [0, 1, 2]);
+}
+
+#[test]
+fn obj_keeps_unused_and_repeated_vertices_in_file_order() {
+    let soup = good(
+        Obj,
+        "v 9 9 9\no a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 4 2 3\no b\nv 0 0 0\nf 5 3 4\n",
+    );
+    assert_eq!(soup.positions.len(), 5);
+    assert_eq!(soup.positions[0], DVec3::splat(9.0));
+    assert_eq!(soup.corners, [3, 1, 2, 4, 2, 3]);
+}
+
+#[test]
+fn obj_attributes_colors_and_groups() {
+    let text = "mtllib a b.mtl\nmtllib other.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\n\
+        v 0 1 0\nvt 0 0\nvn 0 0 1\ns off\nf 1/1/1 2//1 3/1 4\ng rim left\nusemtl red\nf 1 2 3\nf 2 3 4\n\
+        o thing\nf 3 4 1\ng rim left\nl 1 2\n";
+    let soup = good(Obj, text);
+    assert_eq!(soup.offsets, [0, 4, 7, 10, 13]);
+    assert_eq!(soup.colors[1], [0.0, 1.0, 0.0, 1.0]);
+    assert_eq!(soup.colors[3], [1.0; 4]);
+    assert_eq!(soup.face_tags, [0, 1, 1, 2]);
+    assert_eq!(soup.tags[0].material, "");
+    assert_eq!(
+        (soup.tags[1].group.as_str(), soup.tags[1].material.as_str()),
+        ("rim left", "red")
+    );
+    assert_eq!(
+        (soup.tags[2].object.as_str(), soup.tags[2].group.as_str()),
+        ("thing", "rim left")
+    );
+    assert_eq!(soup.material_libraries, ["a b.mtl", "other.mtl"]);
+    let notes = soup.notes.join("; ");
+    for part in [
+        "texture coordinates",
+        "normals",
+        "lines and points",
+        "1 vertices without a colour",
+    ] {
+        assert!(notes.contains(part), "{notes}");
+    }
+}
+
+#[test]
+fn obj_seven_numbers_are_weight_and_color_or_color_and_alpha() {
+    let file = |four: [&str; 3]| {
+        format!(
+            "v 0 0 0 {}\nv 1 0 0 {}\nv 0 1 0 {}\nf 1 2 3\n",
+            four[0], four[1], four[2]
+        )
+    };
+    let weighted = good(Obj, file(["1.0 .5 .25 0", "1 0 0 0", "1 0 0 0"]));
+    assert_eq!(weighted.colors[0], [0.5, 0.25, 0.0, 1.0]);
+    let alpha = good(Obj, file(["1.0 .5 .25 0", "0 0 0 1", "1 0 0 0"]));
+    assert_eq!(alpha.colors[0], [1.0, 0.5, 0.25, 0.0]);
+    let bytes = good(
+        Obj,
+        "v 0 0 0 255 51 0\nv 1 0 0 0 0 0\nv 0 1 0 0 0 0\nf 1 2 3\n",
+    );
+    assert_eq!(bytes.colors[0], [1.0, 0.2, 0.0, 1.0]);
+}
+
+#[test]
+fn obj_warns_of_a_last_line_without_end() {
+    let soup = good(Obj, TETRAHEDRON.trim_end());
+    assert!(
+        soup.notes.iter().any(|n| n.contains("line 7")),
+        "{:?}",
+        soup.notes
+    );
+}
+
+#[test]
+fn ply_ascii_with_everything_that_is_skipped() {
+    let text = "ply\r\nformat ascii 1.0\r\ncomment c\r\nobj_info o\r\nelement camera 2\r\n\
+        property list uchar float view\r\nproperty int id\r\nelement vertex 4\r\nproperty float nx\r\n\
+        property double x\r\nproperty double y\r\nproperty float32 z\r\nproperty uchar red\r\n\
+        property uchar green\r\nproperty uchar blue\r\nproperty list uchar int neighbours\r\n\
+        element nothing 9999999999999\r\nelement face 2\r\nproperty uchar flags\r\n\
+        property list uchar int vertex_index\r\nelement edge 1\r\nproperty int a\r\nend_header\r\n\
+        3 .1 .2 .3 7\r\n0 8\r\n1 0 0 0 255 0 0 2 1 2\r\n\r\n1 0.1 0 0 0 0 51 0\r\n1 1 1 0 0 0 0 0\r\n\
+        1 0 1e-3 0 0 0 0 0\r\n0 3 0 1 2\r\n1 4 0 1 2 3\r\n5\r\n";
+    let soup = good(Ply, text);
+    assert_eq!(soup.positions[1].x, 0.1);
+    assert_eq!(soup.colors[1], [0.0, 0.0, 0.2, 1.0]);
+    assert_eq!(soup.corners, [0, 1, 2, 0, 1, 2, 3]);
+    let notes = soup.notes.join("; ");
+    assert!(
+        notes.contains("nx, neighbours") && notes.contains("face properties"),
+        "{notes}"
+    );
+}
+
+/// A binary PLY with float coordinates, alpha, and a list to skip, in either byte order.
+fn binary_ply(big: bool) -> Vec<u8> {
+    let order = if big { "big" } else { "little" };
+    let mut bytes = format!(
+        "ply\nformat binary_{order}_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+         property double z\nproperty ushort red\nproperty ushort green\nproperty ushort blue\n\
+         property float alpha\nelement face 1\nproperty list ushort short skipped\n\
+         property list int uint vertex_indices\nend_header\n"
+    )
+    .into_bytes();
+    let mut put = |little: &[u8]| {
+        let mut raw = little.to_vec();
+        if big {
+            raw.reverse();
+        }
+        bytes.extend(raw);
+    };
+    for v in 0..3_u8 {
+        put(&f32::from(v).to_le_bytes());
+        put(&0.1_f32.to_le_bytes());
+        put(&(f64::from(v) / 3.0).to_le_bytes());
+        for channel in [65535_u16, 0, 13107] {
+            put(&channel.to_le_bytes());
+        }
+        put(&0.5_f32.to_le_bytes());
+    }
+    put(&2_u16.to_le_bytes());
+    put(&(-1_i16).to_le_bytes());
+    put(&7_i16.to_le_bytes());
+    put(&3_i32.to_le_bytes());
+    for index in [2_u32, 0, 1] {
+        put(&index.to_le_bytes());
+    }
+    bytes
+}
+
+#[test]
+fn ply_binary_in_both_byte_orders() {
+    for big in [false, true] {
+        let soup = good(Ply, binary_ply(big));
+        assert_eq!(
+            soup.positions[1],
+            DVec3::new(1.0, f64::from(0.1_f32), 1.0 / 3.0)
+        );
+        assert_eq!(soup.colors[2], [1.0, 0.0, 0.2, 0.5]);
+        assert_eq!(soup.corners, [2, 0, 1]);
+    }
+}
+
+#[test]
+fn stl_ascii_with_two_solids() {
+    let facet = "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  VERTEX 1.5e0 0 0\n\tvertex 0 0.1 0\n\
+        endloop\nendfacet\n";
+    let soup = good(
+        Stl,
+        format!("solid one\n{facet}{facet}endsolid one\nsolid two\n{facet}endsolid\n"),
+    );
+    assert!(soup.exploded);
+    assert_eq!(soup.positions.len(), 9);
+    assert_eq!(soup.positions[8].y, 0.1);
+    assert_eq!(soup.face_tags, [0, 0, 1]);
+    assert_eq!(soup.tags[1].object, "two");
+    let open = good(Stl, format!("solid\r\n{}", facet.replace('\n', "\r\n")));
+    assert!(open.tags.is_empty() && open.notes[0].contains("endsolid"));
+}
+
+/// A binary STL of one face, with any header.
+pub(super) fn binary_stl(header: &[u8], declared: u32, faces: &[[f32; 9]]) -> Vec<u8> {
+    let mut bytes = header.to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend(declared.to_le_bytes());
+    for face in faces {
+        bytes.extend([0; 12]);
+        bytes.extend(face.iter().flat_map(|x| x.to_le_bytes()));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+#[test]
+fn stl_binary_whatever_its_header_says() {
+    let face = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.0];
+    for header in [&b"exported"[..], b"solid exported"] {
+        let soup = good(Stl, binary_stl(header, 2, &[face; 2]));
+        assert_eq!((soup.face_count(), soup.exploded), (2, true));
+        assert_eq!(soup.positions[5].y, f64::from(0.1_f32));
+    }
+    let longer = good(Stl, binary_stl(b"x", 1, &[face; 2]));
+    assert!(longer.notes[0].contains("50 bytes"));
+}
