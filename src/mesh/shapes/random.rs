@@ -38,8 +38,8 @@ impl SplitMix {
 
     /// Uniform in `0..n`; 0 for `n = 0`.
     pub fn below(&mut self, n: usize) -> usize {
-        // the bias of the multiplication is below n / 2^53
-        (self.unit() * n as f64) as usize
+        // multiply and shift (Lemire 2019): the bias is below n / 2^64
+        ((u128::from(self.next_u64()) * n as u128) >> 64) as usize
     }
 
     /// Uniform on the unit sphere.
