@@ -27,7 +27,7 @@ use crate::mesh::{DVec3, Topology, VertexId};
 pub fn warm_start(
     topology: &Topology,
     positions: &mut [DVec3],
-    interior: &[u32],
+    interior: &[VertexId],
 ) -> Result<(), LinearError> {
     assert!(
         positions.len() >= topology.vertex_count(),
@@ -41,7 +41,7 @@ pub fn warm_start(
     if !rows.is_anchored {
         return Err(LinearError::NotPositiveDefinite { index: 0 });
     }
-    let points: Vec<DVec3> = interior.iter().map(|&v| positions[v as usize]).collect();
+    let points: Vec<DVec3> = interior.iter().map(|v| positions[v.index()]).collect();
     let perm = nested_dissection(&points, &rows.offsets, &rows.columns);
     let pattern = SymmetricPattern::of_permuted_graph(&rows.offsets, &rows.columns, &perm);
     let values = permuted_values(&rows, &pattern, &perm);
@@ -55,7 +55,7 @@ pub fn warm_start(
     }
     factor.solve_in_place(&mut solution, 3);
     for (new, &old) in perm.iter().enumerate() {
-        positions[interior[old as usize] as usize] =
+        positions[interior[old as usize].index()] =
             rows.origin + DVec3::new(solution[new], solution[n + new], solution[2 * n + new]);
     }
     Ok(())
@@ -74,16 +74,16 @@ struct Rows {
     is_anchored: bool,
 }
 
-fn squared_laplacian(topology: &Topology, positions: &[DVec3], interior: &[u32]) -> Rows {
+fn squared_laplacian(topology: &Topology, positions: &[DVec3], interior: &[VertexId]) -> Rows {
     const FIXED: u32 = u32::MAX;
     let n = interior.len();
     let mut unknown = vec![FIXED; topology.vertex_count()];
-    for (i, &v) in interior.iter().enumerate() {
-        assert_eq!(unknown[v as usize], FIXED, "interior vertices are distinct");
-        unknown[v as usize] = i as u32;
+    for (i, v) in interior.iter().enumerate() {
+        assert_eq!(unknown[v.index()], FIXED, "interior vertices are distinct");
+        unknown[v.index()] = i as u32;
     }
     let rings = Rings::around(topology, interior);
-    let origin = positions[interior[0] as usize];
+    let origin = positions[interior[0].index()];
 
     let mut rows = Rows {
         offsets: Vec::with_capacity(n + 1),
@@ -97,7 +97,6 @@ fn squared_laplacian(topology: &Topology, positions: &[DVec3], interior: &[u32])
     let mut place = vec![0u32; n];
     rows.offsets.push(0);
     for (i, &v) in interior.iter().enumerate() {
-        let v = VertexId(v);
         let start = rows.columns.len() as u32;
         rows.columns.push(i as u32);
         rows.values.push(0.0);
@@ -148,16 +147,16 @@ struct Rings {
 }
 
 impl Rings {
-    fn around(topology: &Topology, interior: &[u32]) -> Self {
+    fn around(topology: &Topology, interior: &[VertexId]) -> Self {
         let mut rings = Self {
             range: vec![[0; 2]; topology.vertex_count()],
             neighbours: Vec::with_capacity(7 * interior.len() + 64),
         };
         for &v in interior {
-            rings.append(topology, VertexId(v));
+            rings.append(topology, v);
         }
         for &v in interior {
-            let [begin, end] = rings.range[v as usize];
+            let [begin, end] = rings.range[v.index()];
             for k in begin..end {
                 rings.append(topology, rings.neighbours[k as usize]);
             }
@@ -227,9 +226,9 @@ mod tests {
     }
 
     /// Lattice vertices at least two rings from the boundary.
-    fn inner(side: usize) -> Vec<u32> {
+    fn inner(side: usize) -> Vec<VertexId> {
         (2..side - 2)
-            .flat_map(|i| (2..side - 2).map(move |j| (i * side + j) as u32))
+            .flat_map(|i| (2..side - 2).map(move |j| VertexId((i * side + j) as u32)))
             .collect()
     }
 
@@ -244,8 +243,8 @@ mod tests {
         }
         let exact = points.clone();
         let interior = inner(side);
-        for (k, &v) in interior.iter().enumerate() {
-            points[v as usize] += DVec3::new(0.3, -0.2, 5.0 * (k as f64).sin());
+        for (k, v) in interior.iter().enumerate() {
+            points[v.index()] += DVec3::new(0.3, -0.2, 5.0 * (k as f64).sin());
         }
         warm_start(&topology, &mut points, &interior).expect("positive definite");
         for (p, q) in points.iter().zip(&exact) {
@@ -274,7 +273,7 @@ mod tests {
     #[test]
     fn loose_vertices_are_an_error() {
         let (topology, mut points) = lattice(4);
-        let all: Vec<u32> = (0..16).collect();
+        let all: Vec<VertexId> = (0..16).map(VertexId).collect();
         let before = points.clone();
         assert!(matches!(
             warm_start(&topology, &mut points, &all),

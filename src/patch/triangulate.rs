@@ -1,7 +1,7 @@
 //! Triangulation of a rim without new vertices.
 
-use super::planar::constrained_delaunay;
 use super::Rim;
+use super::planar::constrained_delaunay;
 use crate::mesh::DVec3;
 
 /// Loops of up to this many edges get the minimum-weight triangulation at once: it takes less than
