@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::linear::{Cholesky, CholeskySymbolic, LinearError, SymmetricPattern, nested_dissection};
 use crate::mesh::{DVec3, Topology, VertexId};
 
-/// Moves the `interior` vertices to the minimum of Σ |(L x)_i|², all other vertices fixed. L is the
-/// graph Laplacian with uniform weights, (L x)_i = Σ_{j ∈ ring(i)} (x_i − x_j), and the sum runs
+/// Moves the `interior` vertices to the minimum of `Σ |(L x)_i|²`, all other vertices fixed. L is the
+/// graph Laplacian with uniform weights, `(L x)_i = Σ_{j ∈ ring(i)} (x_i − x_j)`, and the sum runs
 /// over all its rows that contain an interior vertex: the interior ones and those of the rim, whose
 /// rings reach into the given mesh.
 ///

@@ -2,7 +2,7 @@
 
 use super::remesh::{remesh, rim_valences, split_chords};
 use super::surface::Surface;
-use super::triangulate::minimum_weight;
+use super::triangulate::triangulate;
 use crate::mesh::DVec3;
 
 /// The rim of a hole, in the direction in which the patch runs through it: patch triangles contain
@@ -129,7 +129,7 @@ pub fn fill(rim: &Rim, options: &PatchOptions) -> Result<PatchMesh, PatchError> 
             .filter(|&[i, j]| j != i + 1 && (i != 0 || j as usize != n - 1))
             .collect(),
     };
-    let triangles = minimum_weight(&local);
+    let triangles = triangulate(&local);
     let size = rim_sizes(&local.points, options.density);
     let mut surface = Surface::new(local.points, size, n, &triangles);
     let wanted = rim_valences(&surface);

@@ -2,6 +2,7 @@
 
 mod fair;
 mod fill;
+mod planar;
 mod remesh;
 mod surface;
 #[cfg(test)]

@@ -1,7 +1,112 @@
-//! Minimum-weight triangulation of a spatial polygon.
+//! Triangulation of a rim without new vertices.
 
 use super::Rim;
+use super::planar::constrained_delaunay;
 use crate::mesh::DVec3;
+
+/// Loops of up to this many edges get the minimum-weight triangulation at once: it takes less than
+/// 0.2 ms and sees the existing faces, which narrow holes with few new vertices profit from.
+const SMALL: usize = 40;
+/// Loops of up to this many edges get the minimum-weight triangulation if they have no simple
+/// projection (8 ms).
+const AFFORDABLE: usize = 150;
+/// The least perimeter of a projection, relative to the loop's.
+const LEAST_LENGTH: f64 = 0.7;
+
+/// A triangulation of the rim without new vertices; triangles contain the edges `i → i + 1`.
+///
+/// By size and shape: [`minimum_weight`] for small loops; the constrained Delaunay triangulation
+/// of a simple projection, O(n log n); [`minimum_weight`] for other loops while it is affordable;
+/// beyond that the loop is cut in two by its best chord ([`best_chord`], O(n²) at the first cut,
+/// 30 ms for 5,000 edges) and the parts are treated the same way.
+pub(super) fn triangulate(rim: &Rim) -> Vec<[u32; 3]> {
+    let n = rim.points.len();
+    if n <= SMALL {
+        return minimum_weight(rim);
+    }
+    let mut triangles = Vec::with_capacity(n - 2);
+    let mut forbidden: Vec<[u32; 2]> = rim.forbidden.clone();
+    forbidden.sort_unstable();
+    let mut parts: Vec<Vec<u32>> = vec![(0..n as u32).collect()];
+    while let Some(part) = parts.pop() {
+        let points: Vec<DVec3> = part.iter().map(|&v| rim.points[v as usize]).collect();
+        let local = if part.len() > SMALL {
+            constrained_delaunay(&points, LEAST_LENGTH)
+        } else {
+            None
+        };
+        let local = match local {
+            Some(t) => t,
+            None if part.len() <= AFFORDABLE => minimum_weight(&sub_rim(rim, &part, points)),
+            None => {
+                let [i, j] = best_chord(&points, &part, &forbidden);
+                let mut rest = part[..=i].to_vec();
+                rest.extend(&part[j..]);
+                parts.push(rest);
+                parts.push(part[i..=j].to_vec());
+                continue;
+            }
+        };
+        triangles.extend(local.iter().map(|t| t.map(|k| part[k as usize])));
+    }
+    triangles
+}
+
+/// The part of a rim between chords. An edge that is a chord has no existing face yet.
+fn sub_rim(rim: &Rim, part: &[u32], points: Vec<DVec3>) -> Rim {
+    let n = rim.points.len();
+    let opposite = (0..part.len())
+        .map(|k| {
+            let (i, j) = (part[k] as usize, part[(k + 1) % part.len()] as usize);
+            if (i + 1) % n == j {
+                rim.opposite[i]
+            } else {
+                // on the edge: a degenerate face, which has no say
+                rim.points[i]
+            }
+        })
+        .collect();
+    let mut index = vec![u32::MAX; n];
+    for (k, &v) in part.iter().enumerate() {
+        index[v as usize] = k as u32;
+    }
+    let forbidden = rim
+        .forbidden
+        .iter()
+        .map(|pair| pair.map(|v| index[v as usize]))
+        .filter(|pair| pair[1] != u32::MAX && pair[0] != u32::MAX)
+        .collect();
+    Rim {
+        points,
+        opposite,
+        forbidden,
+    }
+}
+
+/// The chord (i < j) that cuts the loop best: shortest against the rim's length between its ends,
+/// among those that leave at least a sixth of the vertices on either side and are not forbidden.
+fn best_chord(points: &[DVec3], part: &[u32], forbidden: &[[u32; 2]]) -> [usize; 2] {
+    let n = points.len();
+    let mut along = vec![0.0; n + 1];
+    for i in 0..n {
+        along[i + 1] = along[i] + points[i].distance(points[(i + 1) % n]);
+    }
+    let least = n / 6;
+    let mut best = [0, n / 2];
+    let mut best_ratio = f64::INFINITY;
+    for i in 0..n - least {
+        for j in i + least..n.min(i + n - least + 1) {
+            let between = along[j] - along[i];
+            let shorter = between.min(along[n] - between);
+            let ratio = points[i].distance_squared(points[j]) / (shorter * shorter);
+            if ratio < best_ratio && forbidden.binary_search(&[part[i], part[j]]).is_err() {
+                best_ratio = ratio;
+                best = [i, j];
+            }
+        }
+    }
+    best
+}
 
 /// Weight of a triangulated stretch of the rim: the worst dihedral angle in it, as the cosine
 /// between neighbouring face normals (1 flat, −1 folded over) in whole steps, then its area.
@@ -31,7 +136,7 @@ fn quantised(cosine: f64) -> i32 {
 ///
 /// Cubic time, quadratic memory: 3 ms for 108 edges. Forbidden chords are used only if there is no
 /// triangulation without. Triangles contain the edges `i → i + 1`.
-pub(super) fn minimum_weight(rim: &Rim) -> Vec<[u32; 3]> {
+fn minimum_weight(rim: &Rim) -> Vec<[u32; 3]> {
     let n = rim.points.len();
     if n == 3 {
         return vec![[0, 1, 2]];
