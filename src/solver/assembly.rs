@@ -76,7 +76,8 @@ impl Unknowns {
         Self::numbered(vertex_count, Vec::new())
     }
 
-    fn numbered(vertex_count: usize, vertex: Vec<u32>) -> Self {
+    /// Numbers vertices in the order given.
+    pub fn numbered(vertex_count: usize, vertex: Vec<u32>) -> Self {
         let mut of_vertex = vec![vertex.len() as u32; vertex_count];
         for (i, &v) in vertex.iter().enumerate() {
             of_vertex[v as usize] = i as u32;

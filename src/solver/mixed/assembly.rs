@@ -1,0 +1,478 @@
+//! The linear system (23) of scheme A.
+
+use glam::DMat3;
+use nalgebra_sparse::{CooMatrix, CscMatrix, CsrMatrix};
+use rayon::prelude::*;
+
+use crate::linear::{SymmetricPattern, nested_dissection};
+use crate::mesh::DVec3;
+use crate::solver::energy::Energy;
+use crate::solver::mixed::kernel::{self, Gathered, Layout};
+use crate::solver::mixed::pattern::{Couplings, Lists};
+use crate::solver::{FlowProblem, Unknowns};
+use crate::subdivision::{BasisTable, Elements};
+
+/// Elements computed together before their results are added.
+const BATCH: usize = 256;
+/// Elements one task computes.
+const TASK: usize = 16;
+
+/// What one vertex `i` of the positions and one `j` of the curvature normals have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupling {
+    /// `l^m_ij`.
+    pub b: DMat3,
+    /// `l^g_ij`.
+    pub c: DMat3,
+    /// `l¹_ji`.
+    pub l1: f64,
+    /// `l²_ji`.
+    pub l2: f64,
+}
+
+impl Coupling {
+    const ZERO: Self = Self {
+        b: DMat3::ZERO,
+        c: DMat3::ZERO,
+        l1: 0.0,
+        l2: 0.0,
+    };
+}
+
+/// Makes the system independent of the units: `x / r`, `h r`, `k r²` are solved for, with rows
+/// divided by the unit of force, by `r` and by 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Units {
+    /// Hole radius.
+    pub length: f64,
+    /// `r³ / τ_ref`: the force of the reference flow.
+    pub force: f64,
+}
+
+/// Which vertices the three kinds of unknowns belong to.
+#[derive(Clone, Debug)]
+pub struct Numbering {
+    /// Positions: the interior.
+    pub x: Unknowns,
+    /// Curvature normals h and k: rings 0 and 1.
+    pub h: Unknowns,
+}
+
+/// The matrices of one state, in [`Units`].
+///
+/// ```text
+///   ⎡ M/τ + l^p   l^m   l^g ⎤ ⎡ δx ⎤
+///   ⎢    l¹        m     0  ⎥ ⎢ δh ⎥
+///   ⎣    l²        0     m  ⎦ ⎣ δk ⎦
+/// ```
+///
+/// Vectors hold all x components, then y, then z, of δx, then of δh, then of δk.
+pub struct System {
+    /// Numbering of the unknowns.
+    pub numbering: Numbering,
+    /// Pattern of `M` and `l^p`.
+    pub x_pattern: SymmetricPattern,
+    /// Pattern of `m`.
+    pub h_pattern: SymmetricPattern,
+    /// `M`, lower triangle.
+    pub mass: Vec<f64>,
+    /// `l^p`, lower triangle.
+    pub stiffness: Vec<f64>,
+    /// `m`, lower triangle.
+    pub m: Vec<f64>,
+    /// Row sums of `m`, fixed vertices included.
+    pub lumped: Vec<f64>,
+    /// `l^m`, `l^g` and the transposes of `l¹`, `l²`.
+    pub coupling: CsrMatrix<Coupling>,
+    /// `(½α, ½(½β + γ), δ)` averaged around each vertex of rings 0 and 1.
+    pub weights: Vec<[f64; 3]>,
+    /// `−l¹ x − m h` over the fixed h, by component (not in [`Units`]).
+    pub rhs_h: Vec<f64>,
+    /// `−l² x − m k` over the fixed k, by component (not in [`Units`]).
+    pub rhs_k: Vec<f64>,
+    pub(super) units: Units,
+    elements: Elements,
+    x_slots: Couplings,
+    h_slots: Couplings,
+    coupling_slots: Couplings,
+    buffer: Vec<f64>,
+}
+
+fn symmetric(couplings: &Couplings) -> SymmetricPattern {
+    SymmetricPattern::new(
+        couplings.offsets.len() - 1,
+        couplings.offsets.clone(),
+        couplings.columns.clone(),
+    )
+}
+
+/// Numbers the vertices of rings 0 and 1 by nested dissection of the mesh's edges.
+fn number_curvatures(elements: &Elements, problem: &FlowProblem) -> Unknowns {
+    let near: Vec<u32> = (0..problem.positions().len() as u32)
+        .filter(|&v| problem.ring()[v as usize] <= 1)
+        .collect();
+    let first = Unknowns::numbered(problem.positions().len(), near);
+    let lists = corner_lists(elements, &first);
+    let n = first.len();
+    let graph = Couplings::new(&lists, &lists, n, n, false);
+    let mut offsets = vec![0u32; n + 1];
+    let mut adjacency = Vec::with_capacity(graph.nnz() - n);
+    for i in 0..n {
+        let row = &graph.columns[graph.offsets[i]..graph.offsets[i + 1]];
+        adjacency.extend(row.iter().filter(|&&j| j != i).map(|&j| j as u32));
+        offsets[i + 1] = adjacency.len() as u32;
+    }
+    let points: Vec<DVec3> = first
+        .vertex
+        .iter()
+        .map(|&v| problem.positions()[v as usize])
+        .collect();
+    let order = nested_dissection(&points, &offsets, &adjacency);
+    let vertex = order.iter().map(|&i| first.vertex[i as usize]).collect();
+    Unknowns::numbered(problem.positions().len(), vertex)
+}
+
+fn corner_lists(elements: &Elements, unknowns: &Unknowns) -> Lists {
+    Lists {
+        start: (0..=elements.len() as u32).map(|e| 3 * e).collect(),
+        items: (0..elements.len())
+            .flat_map(|e| &elements.vertices_of(e)[..3])
+            .map(|&v| unknowns.of_vertex[v as usize])
+            .collect(),
+    }
+}
+
+impl System {
+    /// Patterns over the active elements; all values zero. The elements' tables must be for the
+    /// 12-point rule.
+    pub fn new(problem: &FlowProblem, elements: Elements, units: Units) -> Self {
+        let x = Unknowns::new(&elements, problem.positions(), problem.interior());
+        let h = number_curvatures(&elements, problem);
+        let (n, m) = (x.len(), h.len());
+        let controls = Lists {
+            start: elements.offset.clone(),
+            items: elements
+                .vertices
+                .iter()
+                .map(|&v| x.of_vertex[v as usize])
+                .collect(),
+        };
+        let corners = corner_lists(&elements, &h);
+        let x_slots = Couplings::new(&controls, &controls, n, n, true);
+        let h_slots = Couplings::new(&corners, &corners, m, m, true);
+        let coupling_slots = Couplings::new(&controls, &corners, n, m, false);
+        let coupling = CsrMatrix::try_from_csr_data(
+            n,
+            m,
+            coupling_slots.offsets.clone(),
+            coupling_slots.columns.clone(),
+            vec![Coupling::ZERO; coupling_slots.nnz()],
+        )
+        .expect("rows built in order with ascending columns");
+        Self {
+            x_pattern: symmetric(&x_slots),
+            h_pattern: symmetric(&h_slots),
+            mass: Vec::new(),
+            stiffness: Vec::new(),
+            m: Vec::new(),
+            lumped: Vec::new(),
+            coupling,
+            weights: Vec::new(),
+            rhs_h: Vec::new(),
+            rhs_k: Vec::new(),
+            units,
+            numbering: Numbering { x, h },
+            elements,
+            x_slots,
+            h_slots,
+            coupling_slots,
+            buffer: Vec::new(),
+        }
+    }
+
+    /// Number of scalar unknowns.
+    pub fn dimension(&self) -> usize {
+        3 * self.numbering.x.len() + 6 * self.numbering.h.len()
+    }
+
+    /// The units of the system.
+    pub fn units(&self) -> Units {
+        self.units
+    }
+
+    /// Fills all matrices at `positions`; `h` and `k` (per vertex of the region) are read where
+    /// they are fixed.
+    pub fn assemble(&mut self, positions: &[DVec3], h: &[DVec3], k: &[DVec3], energy: &Energy) {
+        let m = self.numbering.h.len();
+        for (values, couplings) in [
+            (&mut self.mass, &self.x_slots),
+            (&mut self.stiffness, &self.x_slots),
+            (&mut self.m, &self.h_slots),
+        ] {
+            values.clear();
+            values.resize(couplings.nnz() + 1, 0.0);
+        }
+        self.coupling.values_mut().fill(Coupling::ZERO);
+        self.lumped.clear();
+        self.lumped.resize(m + 1, 0.0);
+        self.weights.clear();
+        self.weights.resize(m + 1, [0.0; 3]);
+        for rhs in [&mut self.rhs_h, &mut self.rhs_k] {
+            rhs.clear();
+            rhs.resize(3 * m, 0.0);
+        }
+        let mut buffer = std::mem::take(&mut self.buffer);
+        for first in (0..self.elements.len()).step_by(BATCH) {
+            let last = (first + BATCH).min(self.elements.len());
+            let stride = self.compute(first, last, &mut buffer, |table| Layout::new(table.n).len(), {
+                |_, table, x, out| kernel::matrices(energy, table, x, out)
+            }, positions);
+            for e in first..last {
+                self.scatter(e, &buffer[(e - first) * stride..], h, k);
+            }
+        }
+        self.buffer = buffer;
+        self.mass.pop();
+        self.stiffness.pop();
+        self.m.pop();
+        self.lumped.pop();
+        self.weights.pop();
+        for (w, lumped) in self.weights.iter_mut().zip(&self.lumped) {
+            *w = w.map(|w| w / lumped);
+        }
+    }
+
+    /// Runs an element kernel over the elements `first..last`, in parallel; the results lie
+    /// `stride` (returned) apart in `buffer`.
+    fn compute(
+        &self,
+        first: usize,
+        last: usize,
+        buffer: &mut Vec<f64>,
+        len: impl Fn(&BasisTable) -> usize + Sync,
+        kernel: impl Fn(usize, &BasisTable, &Gathered, &mut [f64]) + Sync,
+        positions: &[DVec3],
+    ) -> usize {
+        let tables = (first..last).map(|e| self.elements.table(e));
+        let stride = tables.map(&len).max().unwrap_or(0);
+        if buffer.len() < stride * (last - first) {
+            buffer.resize(stride * (last - first), 0.0);
+        }
+        buffer[..stride * (last - first)]
+            .par_chunks_mut(TASK * stride)
+            .enumerate()
+            .for_each(|(task, out)| {
+                pulp::Arch::new().dispatch(
+                    #[inline(always)]
+                    || {
+                        let mut x = Gathered::default();
+                        for (at, out) in out.chunks_exact_mut(stride).enumerate() {
+                            let e = first + task * TASK + at;
+                            for (axis, x) in x.iter_mut().enumerate() {
+                                x.clear();
+                                let vertices = self.elements.vertices_of(e).iter();
+                                x.extend(vertices.map(|&v| positions[v as usize][axis]));
+                            }
+                            let table = self.elements.table(e);
+                            kernel(e, table, &x, &mut out[..len(table)]);
+                        }
+                    },
+                );
+            });
+        stride
+    }
+
+    fn scatter(&mut self, e: usize, local: &[f64], h: &[DVec3], k: &[DVec3]) {
+        let r = self.units.length;
+        let force = self.units.force;
+        let (bs, cs) = (1.0 / (r * force), 1.0 / (r * r * force));
+        let vertices = self.elements.vertices_of(e);
+        let n = vertices.len();
+        let at = Layout::new(n);
+        let slots = self.x_slots.slots(e);
+        for i in 0..n {
+            for j in 0..=i {
+                // the upper triangle has a place for one of the two, the other goes to waste
+                for s in [slots[i * n + j], slots[j * n + i]] {
+                    if (s as usize) < self.x_slots.nnz() {
+                        self.mass[s as usize] += local[at.mass(i, j)] * (r / force);
+                        self.stiffness[s as usize] += local[at.stiffness(i, j)] * (r / force);
+                        break;
+                    }
+                }
+            }
+        }
+        let slots = self.coupling_slots.slots(e);
+        let values = self.coupling.values_mut();
+        for i in 0..n {
+            for corner in 0..3 {
+                let Some(v) = values.get_mut(slots[3 * i + corner] as usize) else {
+                    continue;
+                };
+                v.b += DMat3::from_cols_array(&std::array::from_fn(|q| {
+                    local[at.b(corner, q % 3, q / 3) + i] * bs
+                }));
+                v.c += DMat3::from_cols_array(&std::array::from_fn(|q| {
+                    local[at.c(corner, q % 3, q / 3) + i] * cs
+                }));
+                v.l1 += local[at.l1(corner) + i];
+                v.l2 += local[at.l2(corner) + i] * r;
+            }
+        }
+        let slots = self.h_slots.slots(e);
+        let count = self.numbering.h.len();
+        for corner in 0..3 {
+            let own = self.numbering.h.of_vertex[vertices[corner] as usize] as usize;
+            let w = at.weight(corner);
+            let scale = [bs, cs, cs / r];
+            for q in 0..3 {
+                self.weights[own][q] += local[w + q] * scale[q] / (r * r);
+            }
+            for other in 0..3 {
+                let m = local[at.m(corner, other)];
+                self.m[slots[3 * corner + other] as usize] += m / (r * r);
+                self.lumped[own] += m / (r * r);
+            }
+            if own == count {
+                continue;
+            }
+            for axis in 0..3 {
+                self.rhs_h[axis * count + own] += local[at.rhs_h(corner) + axis];
+                self.rhs_k[axis * count + own] += local[at.rhs_k(corner) + axis];
+            }
+            for other in 0..3 {
+                let v = vertices[other] as usize;
+                if self.numbering.h.of_vertex[v] as usize == count {
+                    let m = local[at.m(corner, other)];
+                    for axis in 0..3 {
+                        self.rhs_h[axis * count + own] -= m * h[v][axis];
+                        self.rhs_k[axis * count + own] -= m * k[v][axis];
+                    }
+                }
+            }
+        }
+    }
+
+    /// `Σ_j l^p_ij x_j + l^m_ij h_j + l^g_ij k_j + b_i` for the interior vertices, with h and k at
+    /// all vertices (not in [`Units`]).
+    pub fn residual(
+        &mut self,
+        positions: &[DVec3],
+        h: &[DVec3],
+        k: &[DVec3],
+        energy: &Energy,
+        out: &mut Vec<DVec3>,
+    ) {
+        let count = self.numbering.x.len();
+        out.clear();
+        out.resize(count + 1, DVec3::ZERO);
+        let mut buffer = std::mem::take(&mut self.buffer);
+        for first in (0..self.elements.len()).step_by(BATCH) {
+            let last = (first + BATCH).min(self.elements.len());
+            let stride = self.compute(first, last, &mut buffer, |table| 3 * table.n, {
+                |e, table, x, out| {
+                    let vertices = self.elements.vertices_of(e);
+                    let corner = |f: &[DVec3]| [0, 1, 2].map(|c| f[vertices[c] as usize]);
+                    kernel::residual(energy, table, x, &corner(h), &corner(k), out);
+                }
+            }, positions);
+            for e in first..last {
+                let local = &buffer[(e - first) * stride..];
+                let vertices = self.elements.vertices_of(e);
+                let n = vertices.len();
+                for (i, &v) in vertices.iter().enumerate() {
+                    out[self.numbering.x.of_vertex[v as usize] as usize] +=
+                        DVec3::new(local[i], local[n + i], local[2 * n + i]);
+                }
+            }
+        }
+        out.truncate(count);
+        self.buffer = buffer;
+    }
+
+    /// Whether all values are finite.
+    pub fn is_finite(&self) -> bool {
+        let finite = |v: &[f64]| v.iter().all(|x| x.is_finite());
+        finite(&self.mass)
+            && finite(&self.stiffness)
+            && finite(&self.m)
+            && self.coupling.values().iter().all(|c| {
+                c.b.is_finite() && c.c.is_finite() && c.l1.is_finite() && c.l2.is_finite()
+            })
+    }
+
+    /// `M/τ + l^p`.
+    pub fn position_block(&self, tau: f64, out: &mut Vec<f64>) {
+        out.clear();
+        out.extend(self.mass.iter().zip(&self.stiffness).map(|(m, s)| m / tau + s));
+    }
+
+    /// `y = A v`, with `position` from [`Self::position_block`].
+    pub fn multiply(&self, position: &[f64], v: &[f64], y: &mut [f64]) {
+        let (n, m) = (self.numbering.x.len(), self.numbering.h.len());
+        let (x, rest) = v.split_at(3 * n);
+        let (h, k) = rest.split_at(3 * m);
+        let (yx, rest) = y.split_at_mut(3 * n);
+        let (yh, yk) = rest.split_at_mut(3 * m);
+        for axis in 0..3 {
+            let own = |n: usize| axis * n..(axis + 1) * n;
+            self.x_pattern.multiply(position, &x[own(n)], &mut yx[own(n)]);
+            self.h_pattern.multiply(&self.m, &h[own(m)], &mut yh[own(m)]);
+            self.h_pattern.multiply(&self.m, &k[own(m)], &mut yk[own(m)]);
+        }
+        let get = |f: &[f64], n: usize, i: usize| DVec3::new(f[i], f[n + i], f[2 * n + i]);
+        let (offsets, columns, values) = self.coupling.csr_data();
+        for i in 0..n {
+            let xi = get(x, n, i);
+            let mut sum = DVec3::ZERO;
+            for at in offsets[i]..offsets[i + 1] {
+                let (j, c) = (columns[at], &values[at]);
+                sum += c.b * get(h, m, j) + c.c * get(k, m, j);
+                for axis in 0..3 {
+                    yh[axis * m + j] += c.l1 * xi[axis];
+                    yk[axis * m + j] += c.l2 * xi[axis];
+                }
+            }
+            for axis in 0..3 {
+                yx[axis * n + i] += sum[axis];
+            }
+        }
+    }
+
+    /// The whole matrix, for the direct solver.
+    pub fn to_csc(&self, position: &[f64]) -> CscMatrix<f64> {
+        let (n, m) = (self.numbering.x.len(), self.numbering.h.len());
+        let size = self.dimension();
+        let mut coo = CooMatrix::new(size, size);
+        let mut push_symmetric = |pattern: &SymmetricPattern, values: &[f64], begin: usize| {
+            for axis in 0..3 {
+                let base = begin + axis * pattern.n;
+                for j in 0..pattern.n {
+                    for at in pattern.col_ptr[j]..pattern.col_ptr[j + 1] {
+                        let i = pattern.row_idx[at];
+                        coo.push(base + i, base + j, values[at]);
+                        if i != j {
+                            coo.push(base + j, base + i, values[at]);
+                        }
+                    }
+                }
+            }
+        };
+        push_symmetric(&self.x_pattern, position, 0);
+        push_symmetric(&self.h_pattern, &self.m, 3 * n);
+        push_symmetric(&self.h_pattern, &self.m, 3 * n + 3 * m);
+        for (i, j, c) in self.coupling.triplet_iter() {
+            for row in 0..3 {
+                for column in 0..3 {
+                    let to = 3 * n + column * m + j;
+                    coo.push(row * n + i, to, c.b.col(column)[row]);
+                    coo.push(row * n + i, to + 3 * m, c.c.col(column)[row]);
+                }
+                let to = 3 * n + row * m + j;
+                coo.push(to, row * n + i, c.l1);
+                coo.push(to + 3 * m, row * n + i, c.l2);
+            }
+        }
+        CscMatrix::from(&coo)
+    }
+}

@@ -1,0 +1,75 @@
+//! The splitting of `f_H`, `f_K` and `f` that makes the scheme linear in `x`, `h`, `k`.
+
+use crate::solver::energy::Jet2;
+
+/// Coefficients at a point with `f_H = 2αH + 2βK + μ`, `f_K = 2γH + 2δK + ν` and
+/// `f = 2ωH + 2ϖK + η`.
+///
+/// The splitting is not unique. This one is the first-order Taylor polynomial of `f_H` and `f_K`
+/// and of `f` about the present curvatures (`2ω = f_H`, `2ϖ = f_K`), valid for any smooth `f`: what
+/// multiplies `h = 2Hn` and `k = 2Kn` is taken at the new time, the rest at the old.
+#[derive(Clone, Copy, Debug)]
+pub struct Splitting {
+    /// `½ f_HH`.
+    pub alpha: f64,
+    /// `½ f_HK`; equal to γ.
+    pub beta: f64,
+    /// `½ f_HK`; equal to β.
+    pub gamma: f64,
+    /// `½ f_KK`.
+    pub delta: f64,
+    /// `f_H − 2αH − 2βK`.
+    pub mu: f64,
+    /// `f_K − 2γH − 2δK`.
+    pub nu: f64,
+    /// `½ f_H`.
+    pub omega: f64,
+    /// `½ f_K`.
+    pub varpi: f64,
+    /// `f − f_H H − f_K K`.
+    pub eta: f64,
+}
+
+impl Splitting {
+    /// From the jet of `f` at mean curvature `mean` and Gaussian curvature `gauss`.
+    #[inline(always)]
+    #[expect(
+        clippy::inline_always,
+        reason = "part of the element kernels, which are compiled once per instruction set"
+    )]
+    pub fn new(jet: &Jet2, mean: f64, gauss: f64) -> Self {
+        let half_hk = 0.5 * jet.hk;
+        Self {
+            alpha: 0.5 * jet.hh,
+            beta: half_hk,
+            gamma: half_hk,
+            delta: 0.5 * jet.kk,
+            mu: jet.h - jet.hh * mean - jet.hk * gauss,
+            nu: jet.k - jet.hk * mean - jet.kk * gauss,
+            omega: 0.5 * jet.h,
+            varpi: 0.5 * jet.k,
+            eta: jet.f - jet.h * mean - jet.k * gauss,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::energy::Energy;
+
+    #[test]
+    fn splitting_restores_f_and_its_derivatives() {
+        for text in ["1", "H^2", "K", "H^2*K^2", "k1^4+k2^4", "(H-0.3)^2", "exp(H)*K"] {
+            let energy = Energy::parse(text, &std::collections::BTreeMap::new()).expect("energy");
+            for (h, k) in [(0.7, 0.2), (-1.3, -0.4), (-1.0, 1.0)] {
+                let jet = energy.jet(h, k);
+                let s = Splitting::new(&jet, h, k);
+                let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * (1.0 + b.abs()));
+                close(2.0 * s.alpha * h + 2.0 * s.beta * k + s.mu, jet.h);
+                close(2.0 * s.gamma * h + 2.0 * s.delta * k + s.nu, jet.k);
+                close(2.0 * s.omega * h + 2.0 * s.varpi * k + s.eta, jet.f);
+            }
+        }
+    }
+}
