@@ -169,6 +169,14 @@ impl Sheets {
         }
     }
 
+    /// Joins two faces unless their sheet could not be oriented then.
+    fn try_join(&mut self, triangles: &[[u32; 3]], c: u32, d: u32) {
+        if self.unite(c / 3, d / 3, ends(triangles, c) == ends(triangles, d)) {
+            self.mate[c as usize] = d;
+            self.mate[d as usize] = c;
+        }
+    }
+
     /// Closes seams: joins boundary edges whose ends are at the same positions, `triangles` naming
     /// one vertex for each position and `own` the vertices themselves.
     pub fn join_seams(
@@ -188,12 +196,8 @@ impl Sheets {
         let mut crowded = Vec::new();
         for group in table.groups(triangles) {
             match *group {
-                [c, d] if may_close(triangles, own, c, d) => {
-                    if self.unite(c / 3, d / 3, ends(triangles, c) == ends(triangles, d)) {
-                        self.mate[c as usize] = d;
-                        self.mate[d as usize] = c;
-                    }
-                }
+                [c, d] if !may_close(triangles, own, c, d) => {}
+                [c, d] => self.try_join(triangles, c, d),
                 _ if group.len() > 2 => crowded.push(group.to_vec()),
                 _ => {}
             }
@@ -233,12 +237,8 @@ impl Sheets {
                 .then((x.2, x.3).cmp(&(y.2, y.3)))
         });
         for (_, _, c, d) in pairs {
-            if self.mate[c as usize] == NONE
-                && self.mate[d as usize] == NONE
-                && self.unite(c / 3, d / 3, ends(triangles, c) == ends(triangles, d))
-            {
-                self.mate[c as usize] = d;
-                self.mate[d as usize] = c;
+            if self.mate[c as usize] == NONE && self.mate[d as usize] == NONE {
+                self.try_join(triangles, c, d);
             }
         }
     }
