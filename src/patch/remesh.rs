@@ -206,21 +206,47 @@ fn is_thin(a: DVec3, b: DVec3, c: DVec3) -> bool {
     (b - a).cross(c - a).length() < 0.25 * longest2
 }
 
-/// Moves interior vertices to the mean of their neighbours, in place; wanted sizes likewise.
+/// Moves interior vertices, in place, towards the mean of the centroids of their triangles
+/// weighted with area in the metric of the wanted size (centroidal patch triangulation: L. Chen,
+/// "Mesh smoothing schemes based on optimal Delaunay triangulations", 2004), and wanted sizes
+/// towards the mean of their neighbours'.
 fn relax(s: &mut Surface, sweeps: usize) {
     for _ in 0..sweeps {
         for v in s.rim..s.points.len() {
             if s.out[v] == NONE {
                 continue;
             }
-            let (mut sum, mut size) = (DVec3::ZERO, 0.0);
-            s.for_neighbours(v as u32, |w| {
-                sum += s.points[w as usize];
-                size += s.size[w as usize];
-            });
-            let k = f64::from(s.valence[v]);
-            s.points[v] = sum / k;
-            s.size[v] = size / k;
+            let centre = s.points[v];
+            let first = s.out[v];
+            let mut h = first;
+            let mut a = s.points[s.to(h) as usize] - centre;
+            let mut size_a = s.size[s.to(h) as usize];
+            let (mut moment, mut weights, mut sizes) = (DVec3::ZERO, 0.0, 0.0);
+            loop {
+                let back = prev(h);
+                let w = s.from(back) as usize;
+                let b = s.points[w] - centre;
+                let size_b = s.size[w];
+                let area = a.cross(b).length();
+                let size = s.size[v] + size_a + size_b;
+                let weight = area / (size * size);
+                moment += weight * (a + b);
+                weights += weight;
+                sizes += size_b;
+                a = b;
+                size_a = size_b;
+                h = s.twin(back);
+                if h == first {
+                    break;
+                }
+            }
+            if weights > 0.0 {
+                s.points[v] = centre + STRIDE / 3.0 * moment / weights;
+            }
+            s.size[v] = sizes / f64::from(s.valence[v]);
         }
     }
 }
+
+/// How far a vertex moves beyond (above 1) the centroid it moves towards.
+const STRIDE: f64 = 1.3;
