@@ -15,18 +15,18 @@ const SWEEPS: usize = 3;
 
 /// Remeshes `s` to its `size`. `wanted` is the number of edges each rim vertex should have (rim
 /// edges included), see [`rim_valences`].
-pub(super) fn remesh(s: &mut Surface, wanted: &[i32]) {
-    refine(s);
+pub(super) fn remesh(s: &mut Surface, wanted: &[i32], bulge: f64) {
+    refine(s, bulge);
     for round in 0..ROUNDS {
         if round > 0 {
             collapse_short(s);
             split_long(s);
         }
         flip_for_valence(s, wanted);
-        relax(s, SWEEPS);
+        relax(s, SWEEPS, bulge);
         flip_to_delaunay(s);
     }
-    relax(s, 1);
+    relax(s, 1, bulge);
 }
 
 /// The number of edges that divides the patch's angle at each rim vertex into angles near 60°.
@@ -60,7 +60,7 @@ pub(super) fn split_chords(s: &mut Surface, chords: &[[u32; 2]]) {
 
 /// First refinement of a coarse triangulation: halves long edges, restoring the Delaunay property
 /// after each round of splits.
-fn refine(s: &mut Surface) {
+fn refine(s: &mut Surface, bulge: f64) {
     flip_to_delaunay(s);
     // every round halves the long edges, so this bounds extents of 2^40 edge lengths
     for _ in 0..40 {
@@ -68,6 +68,9 @@ fn refine(s: &mut Surface) {
             return;
         }
         flip_to_delaunay(s);
+        if bulge != 0.0 {
+            relax(s, SWEEPS, bulge);
+        }
     }
 }
 
@@ -206,21 +209,55 @@ fn is_thin(a: DVec3, b: DVec3, c: DVec3) -> bool {
     (b - a).cross(c - a).length() < 0.25 * longest2
 }
 
-/// Moves interior vertices to the mean of their neighbours, in place; wanted sizes likewise.
-fn relax(s: &mut Surface, sweeps: usize) {
+/// Moves interior vertices, in place, towards the mean of the centroids of their triangles
+/// weighted with area in the metric of the wanted size (centroidal patch triangulation: L. Chen,
+/// "Mesh smoothing schemes based on optimal Delaunay triangulations", 2004), and wanted sizes
+/// towards the mean of their neighbours'.
+fn relax(s: &mut Surface, sweeps: usize, bulge: f64) {
     for _ in 0..sweeps {
         for v in s.rim..s.points.len() {
             if s.out[v] == NONE {
                 continue;
             }
-            let (mut sum, mut size) = (DVec3::ZERO, 0.0);
-            s.for_neighbours(v as u32, |w| {
-                sum += s.points[w as usize];
-                size += s.size[w as usize];
-            });
-            let k = f64::from(s.valence[v]);
-            s.points[v] = sum / k;
-            s.size[v] = size / k;
+            let centre = s.points[v];
+            let first = s.out[v];
+            let mut h = first;
+            let mut a = s.points[s.to(h) as usize] - centre;
+            let mut size_a = s.size[s.to(h) as usize];
+            let (mut moment, mut weights, mut sizes) = (DVec3::ZERO, 0.0, 0.0);
+            let mut normal = DVec3::ZERO;
+            loop {
+                let back = prev(h);
+                let w = s.from(back) as usize;
+                let b = s.points[w] - centre;
+                let size_b = s.size[w];
+                let cross = a.cross(b);
+                normal += cross;
+                let area = cross.length();
+                let size = s.size[v] + size_a + size_b;
+                let weight = area / (size * size);
+                moment += weight * (a + b);
+                weights += weight;
+                sizes += size_b;
+                a = b;
+                size_a = size_b;
+                h = s.twin(back);
+                if h == first {
+                    break;
+                }
+            }
+            if weights > 0.0 {
+                s.points[v] = centre + STRIDE * (moment / (3.0 * weights) + bulge / STAR * normal);
+            }
+            s.size[v] = sizes / f64::from(s.valence[v]);
         }
     }
 }
+
+/// On a surface of mean curvature H an equilateral star of area A has its centroid H A / 7.8 below
+/// its vertex (the ring lies H L² / 2 below, the triangles' centroids two thirds of that, and
+/// A = 3/2 √3 L²); sums of corner cross products are 2 A.
+const STAR: f64 = 15.6;
+
+/// How far a vertex moves beyond (above 1) the centroid it moves towards.
+const STRIDE: f64 = 1.3;
