@@ -185,11 +185,8 @@ impl Energy {
     pub fn jet(&self, h: f64, k: f64) -> Jet2 {
         match &self.density {
             Density::Preset(preset, h0) => preset.jet(*h0, h, k),
-            Density::Plain(program) => program.eval(&expr::JetAlgebra { h, k }),
-            Density::Principal(program, even) => {
-                let algebra = expr::PairAlgebra::new(h, k);
-                algebra.finish(program.eval(&algebra), *even)
-            }
+            Density::Plain(program) => program.eval(&expr::JetAlgebra::plain(h, k)),
+            Density::Principal(program, even) => expr::PairAlgebra::jet(program, *even, h, k),
         }
     }
 
@@ -222,7 +219,7 @@ impl fmt::Debug for Energy {
             .field("params", &self.params)
             .field("preset", &self.as_preset())
             .field("order", &self.order)
-            .finish()
+            .finish_non_exhaustive()
     }
 }
 
