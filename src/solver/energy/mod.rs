@@ -204,11 +204,16 @@ impl Energy {
     /// The order of an expression that is no low polynomial: second where no sample has a second
     /// derivative (abs(H), say).
     fn sampled_order(&self) -> Order {
-        let linear = expr::sample_curvatures()
+        let mut jets = expr::sample_curvatures()
             .map(|[h, k]| self.jet(h, k))
             .filter(Jet2::is_finite)
-            .all(|jet| [jet.hh, jet.hk, jet.kk] == [0.0; 3]);
-        if linear { Order::Second } else { Order::Fourth }
+            .peekable();
+        let known = jets.peek().is_some();
+        if known && jets.all(|jet| [jet.hh, jet.hk, jet.kk] == [0.0; 3]) {
+            Order::Second
+        } else {
+            Order::Fourth
+        }
     }
 }
 

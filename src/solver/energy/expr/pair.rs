@@ -132,10 +132,12 @@ impl PairAlgebra {
         if x.b.is_zero() {
             return even(x.a.recip());
         }
-        let norm = (x.a * x.a - self.t * (x.b * x.b)).recip();
+        let norm = x.a * x.a - self.t * (x.b * x.b);
+        self.watch(norm.f.abs(), x.a.f * x.a.f);
+        let inverse = norm.recip();
         Pair {
-            a: x.a * norm,
-            b: -(x.b * norm),
+            a: x.a * inverse,
+            b: -(x.b * inverse),
         }
     }
 
@@ -175,9 +177,7 @@ impl PairAlgebra {
         let (e, o) = if u.f.sqrt() < SWITCH * length {
             series(&function.taylor(a, length), length, u.f)
         } else {
-            if matches!(function, Function::Log | Function::Power(_)) {
-                self.watch((a.abs() - u.f.sqrt()).abs(), a.abs());
-            }
+            self.watch((a.abs() - u.f.sqrt()).abs().max(function.unit()), a.abs());
             differences(function, a, u.f)
         };
         Pair {
@@ -349,10 +349,18 @@ fn series(c: &[f64; ORDER], length: f64, u: f64) -> (Outer2, Outer2) {
 }
 
 impl Function {
+    /// A change of the argument that matters wherever it is made; 0 for functions of ratios.
+    fn unit(self) -> f64 {
+        match self {
+            Self::Exp | Self::Sin | Self::Cos | Self::Tanh => 1.0,
+            Self::Log | Self::Power(_) => 0.0,
+        }
+    }
+
     /// The length over which the function varies at `x`.
     fn length(self, x: f64) -> f64 {
         match self {
-            Self::Exp | Self::Sin | Self::Cos | Self::Tanh => 1.0,
+            Self::Exp | Self::Sin | Self::Cos | Self::Tanh => self.unit(),
             Self::Log => x.abs(),
             Self::Power(c) => x.abs() / c.abs().max(1.0),
         }
