@@ -1,8 +1,8 @@
 //! The first patch over a hole.
 
+use super::planar::vector_area;
 use super::remesh::{remesh, rim_valences, split_chords};
 use super::surface::Surface;
-use super::planar::vector_area;
 use super::triangulate::triangulate;
 use crate::mesh::DVec3;
 
