@@ -131,7 +131,9 @@ pub fn load(path: &Path) -> Result<Soup, LoadError> {
         return Err(LoadError::NotAFile { path: owned() });
     }
     let bytes = fs::read(path).map_err(failed)?;
-    read(format, &bytes, path)
+    let mut soup = read(format, &bytes, path)?;
+    obj::look_up(path, &mut soup);
+    Ok(soup)
 }
 
 /// Reads a mesh from the bytes of a file; `name` stands in the messages.
