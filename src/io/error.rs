@@ -88,7 +88,7 @@ pub enum SaveError {
         path: PathBuf,
     },
     /// The operating system refused to write there.
-    #[error("{}: no permission to write there; nothing was changed", .path.display())]
+    #[error("{}: no permission to write in that directory; nothing was changed", .path.display())]
     PermissionDenied {
         /// The path asked for.
         path: PathBuf,
@@ -262,7 +262,7 @@ pub enum Problem {
     },
     /// A face with fewer than three corners.
     #[error(
-        "face {face} has only {found} of the at least 3 corners of a face{}; remove the line or export the mesh again",
+        "face {face} has {found} corners, but a face needs 3{}; remove it or export the mesh again",
         cut_words(*.cut)
     )]
     FewCorners {

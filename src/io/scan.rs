@@ -130,8 +130,9 @@ impl<'a> Scanner<'a> {
     #[inline]
     pub fn integer(&mut self) -> Option<i64> {
         let mut at = self.at;
-        let negative = self.bytes.get(at) == Some(&b'-');
-        at += usize::from(negative);
+        let sign = self.bytes.get(at);
+        let negative = sign == Some(&b'-');
+        at += usize::from(negative || sign == Some(&b'+'));
         let digits = at;
         let mut value = 0_i64;
         while let Some(digit) = digit_at(self.bytes, at) {

@@ -24,9 +24,10 @@ pub(in super::super) fn look_up(path: &Path, soup: &mut Soup) {
         }
     }
     let used: BTreeSet<&str> = soup.tags.iter().map(|tag| tag.material.as_str()).collect();
-    let unknown: Vec<&str> = used
+    let unknown: Vec<String> = used
         .into_iter()
         .filter(|name| !name.is_empty() && !defined.contains(*name))
+        .map(|name| format!("'{name}'"))
         .collect();
     if !unknown.is_empty() {
         let names = unknown.join(", ");

@@ -113,10 +113,13 @@ impl<'a> Reader<'a> {
         }
         let in_word = |b: &u8| b.is_ascii_alphabetic() || matches!(b, b'_' | b'-' | b':' | b'.');
         if !word.iter().all(in_word) {
-            return Err(not_obj(
-                line,
-                format!("a line that starts with '{}'", excerpt(word)),
-            ));
+            let text = word.iter().all(u8::is_ascii_graphic);
+            let found = if text {
+                format!("a line that starts with '{}'", excerpt(word))
+            } else {
+                "bytes that are no text".to_owned()
+            };
+            return Err(not_obj(line, found));
         }
         self.remarks.unknown(line, word);
         Ok(())

@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use super::super::{Format, LoadError, OutputMesh, SaveError, atomic, load, same_file, save};
+use super::super::{
+    Format, LoadError, OutputMesh, SaveError, atomic, check_target, load, same_file, save,
+};
 use crate::mesh::DVec3;
 
 const POSITIONS: [DVec3; 3] = [DVec3::ZERO, DVec3::X, DVec3::Y];
@@ -55,6 +57,8 @@ fn saved_files_load_again() {
             .path()
             .join("mesh")
             .with_extension(format.extension());
+        assert_eq!(check_target(&path).expect("free"), format);
+        assert!(!path.exists());
         for _ in 0..2 {
             save(&path, &triangle()).expect("saved");
             assert_eq!(load(&path).expect("loaded").positions, POSITIONS);
@@ -191,7 +195,7 @@ fn material_libraries_are_looked_up() {
         "{notes}"
     );
     assert!(
-        notes.contains("materials without a definition, names kept: green"),
+        notes.contains("materials without a definition, names kept: 'green'"),
         "{notes}"
     );
     assert_eq!(soup.material_libraries, ["one.mtl two.mtl", "my own.mtl"]);

@@ -76,11 +76,15 @@ fn obj_faces() {
         format!("{POINTS}f 1/1/1/1 2 3\n"),
         &["corner '1/1/1/1'"],
     );
-    says(Obj, format!("{POINTS}f 1 2\n"), &["line 4", "only 2 of"]);
+    says(
+        Obj,
+        format!("{POINTS}f 1 2\n"),
+        &["line 4", "has 2 corners"],
+    );
     says(
         Obj,
         format!("{POINTS}f 1 2 3\nf 1 2"),
-        &["line 5", "only 2 of", "cut off"],
+        &["line 5", "has 2 corners", "cut off"],
     );
     says(
         Obj,
@@ -102,11 +106,7 @@ fn obj_without_a_surface() {
         "hello world\n",
         &["not look like OBJ", "line 1", "'hello'"],
     );
-    says(
-        Obj,
-        b"\x89PNG\r\n\x1a\n\0\0",
-        &["line 1", "not look like OBJ"],
-    );
+    says(Obj, b"\x89PNG\r\n\x1a\n\0\0", &["line 1", "no text"]);
     says(Obj, b"\xff\xfev\0 \0", &["UTF-16"]);
     says(Obj, format!("{POINTS}f 1 2 3\n4 5 6\n"), &["line 5", "'4'"]);
 }
@@ -198,7 +198,7 @@ fn ply_ascii_bodies() {
     says(
         Ply,
         ascii_ply("3", "1", &format!("{points}2 0 1\n")),
-        &["only 2 of"],
+        &["has 2 corners"],
     );
     says(
         Ply,
