@@ -130,11 +130,12 @@ pub fn fill(rim: &Rim, options: &PatchOptions) -> Result<PatchMesh, PatchError> 
             .filter(|&[i, j]| j != i + 1 && (i != 0 || j as usize != n - 1))
             .collect(),
     };
+    let loose = loose_angles(&local);
     let bulge = mean_curvature(&local);
     let triangles = triangulate(&local);
     let size = rim_sizes(&local.points, options.density);
     let mut surface = Surface::new(local.points, size, n, &triangles);
-    let wanted = rim_valences(&surface);
+    let wanted = rim_valences(&surface, &loose);
     split_chords(&mut surface, &local.forbidden);
     remesh(&mut surface, &wanted, bulge);
     let (mut points, triangles) = surface.compact();
@@ -201,6 +202,21 @@ fn is_collinear(points: &[DVec3]) -> bool {
     points
         .iter()
         .all(|&p| axis.cross(p - origin).length() <= tolerance)
+}
+
+/// The angle of the existing face at each rim vertex that has only one, 0 elsewhere.
+fn loose_angles(rim: &Rim) -> Vec<f64> {
+    let n = rim.points.len();
+    (0..n)
+        .map(|i| {
+            let (before, after) = (rim.points[(i + n - 1) % n], rim.points[(i + 1) % n]);
+            if rim.opposite[i] == before && rim.opposite[(i + n - 1) % n] == after {
+                (before - rim.points[i]).angle_between(after - rim.points[i])
+            } else {
+                0.0
+            }
+        })
+        .collect()
 }
 
 /// The constant mean curvature (positive bulges along the patch's normal) with which a surface

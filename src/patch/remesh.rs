@@ -30,7 +30,11 @@ pub(super) fn remesh(s: &mut Surface, wanted: &[i32], bulge: f64) {
 }
 
 /// The number of edges that divides the patch's angle at each rim vertex into angles near 60°.
-pub(super) fn rim_valences(s: &Surface) -> Vec<i32> {
+///
+/// `loose[i]` is the angle of the existing face at rim vertex `i` if it is the only one there, else
+/// 0. Where a loose triangle stands up from the first triangulation the angle seen in that is far
+/// too small: the patch has all the rest of the full angle.
+pub(super) fn rim_valences(s: &Surface, loose: &[f64]) -> Vec<i32> {
     let mut angle = vec![0.0; s.rim];
     for h in 0..s.corner.len() as u32 {
         let v = s.from(h);
@@ -43,7 +47,15 @@ pub(super) fn rim_valences(s: &Surface) -> Vec<i32> {
     let sixty = std::f64::consts::FRAC_PI_3;
     angle
         .iter()
-        .map(|a| 1 + (a / sixty).round().max(1.0) as i32)
+        .zip(loose)
+        .map(|(&seen, &loose)| {
+            let angle = if loose > 0.0 {
+                seen.max(6.0 * sixty - loose)
+            } else {
+                seen
+            };
+            1 + (angle / sixty).round().max(1.0) as i32
+        })
         .collect()
 }
 
