@@ -239,9 +239,6 @@ impl NormalFlow {
         state
             .memory
             .direction(&mut self.w, |q| cholesky.solve_in_place(q, 1));
-        for w in &mut self.w {
-            *w = -*w;
-        }
         let longest = self.displace();
         let sum = self
             .assembler
