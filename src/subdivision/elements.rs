@@ -1,9 +1,8 @@
 //! Control vertices and basis tables of a list of faces.
 
-use std::collections::BTreeMap;
-
 use super::basis::{BasisTable, TableCache};
 use super::folding::fold;
+use super::gather::gather;
 use super::rule::Rule;
 use crate::mesh::{FaceId, Topology};
 
@@ -27,13 +26,6 @@ pub struct Elements {
 }
 
 impl Elements {
-    /// Appends an element whose vertices are at the end of `vertices`.
-    fn push(&mut self, table: u32, f: FaceId) {
-        self.table_of.push(table);
-        self.offset.push(self.vertices.len() as u32);
-        self.faces.push(f.0);
-    }
-
     /// Number of elements.
     pub fn len(&self) -> usize {
         self.faces.len()
@@ -71,45 +63,25 @@ pub fn elements(
     rule: Rule,
     cache: &mut TableCache,
 ) -> Elements {
-    let classes = classify(topology, faces);
-    let total = classes.triples.iter().map(|&(t, n)| n * stencil_size(t));
+    let gathered = gather(topology, faces);
     let mut out = Elements {
-        tables: Vec::with_capacity(classes.triples.len()),
+        tables: Vec::with_capacity(gathered.classes.len()),
         table_of: Vec::with_capacity(faces.len()),
         offset: Vec::with_capacity(faces.len() + 1),
-        vertices: Vec::with_capacity(total.sum()),
-        faces: Vec::with_capacity(faces.len()),
+        vertices: gathered.vertices,
+        faces: gathered.faces,
     };
-    out.offset.push(0);
-
-    let mut to_fold = classes.boundary;
-    // for each vertex the last face found to use it, counted from 1, to find repetitions
-    let mut mark = 0;
-    let mut last_user = vec![0u32; topology.vertex_count()];
-    let mut sorted = classes.sorted.iter();
-    for (valences, count) in classes.triples {
+    let mut end = 0;
+    out.offset.push(end);
+    for (valences, count) in gathered.classes {
         let table = out.tables.len() as u32;
-        let first = out.faces.len();
-        for &f in sorted.by_ref().take(count) {
-            let start = out.vertices.len();
-            gather(topology, f, valences, &mut out.vertices);
-            mark += 1;
-            let mut repeated = false;
-            for &v in &out.vertices[start..] {
-                repeated |= std::mem::replace(&mut last_user[v as usize], mark) == mark;
-            }
-            if repeated {
-                out.vertices.truncate(start);
-                to_fold.push(f);
-            } else {
-                out.push(table, f);
-            }
-        }
-        if out.faces.len() > first {
-            out.tables.push(cache.table(valences, rule).clone());
-        }
+        out.tables.push(cache.table(valences, rule).clone());
+        out.table_of.extend(std::iter::repeat_n(table, count));
+        let n = stencil_size(valences) as u32;
+        out.offset.extend((1..=count as u32).map(|i| end + i * n));
+        end += count as u32 * n;
     }
-    push_folded(topology, &to_fold, rule, cache, &mut out);
+    push_folded(topology, &gathered.to_fold, rule, cache, &mut out);
     out
 }
 
@@ -129,131 +101,14 @@ fn push_folded(
         out.tables.push(cache.folded_table(folding, rule).clone());
         for ((_, vertices), f) in group {
             out.vertices.extend_from_slice(vertices);
-            out.push(table, *f);
+            out.table_of.push(table);
+            out.offset.push(out.vertices.len() as u32);
+            out.faces.push(f.0);
         }
     }
 }
 
 /// Number of control vertices of a triangle.
-fn stencil_size([a, b, c]: [usize; 3]) -> usize {
+pub(super) fn stencil_size([a, b, c]: [usize; 3]) -> usize {
     (a + b + c - 6).max(4)
-}
-
-/// Faces by the valences of their corners.
-struct Classes {
-    /// Distinct valence triples of faces off the boundary, ascending, with the number of faces.
-    triples: Vec<([usize; 3], usize)>,
-    /// The faces of the first triple, then of the second, ...
-    sorted: Vec<FaceId>,
-    /// The faces with a corner on an open boundary.
-    boundary: Vec<FaceId>,
-}
-
-/// In place of a valence or class: on the boundary.
-const BOUNDARY: u32 = u32::MAX;
-
-fn classify(topology: &Topology, faces: &[FaceId]) -> Classes {
-    let mut valence = vec![0u32; topology.vertex_count()];
-    let mut seen = Triples::default();
-    let mut boundary = Vec::new();
-    let mut class_of = Vec::with_capacity(faces.len());
-    for &f in faces {
-        let valences = topology.face_vertices(f).map(|v| {
-            let n = &mut valence[v.index()];
-            if *n == 0 {
-                *n = if topology.is_boundary_vertex(v) {
-                    BOUNDARY
-                } else {
-                    topology.valence(v) as u32
-                };
-            }
-            *n
-        });
-        if valences.contains(&BOUNDARY) {
-            boundary.push(f);
-            class_of.push(BOUNDARY);
-        } else {
-            class_of.push(seen.count(valences.map(|n| n as usize)));
-        }
-    }
-
-    let mut order: Vec<usize> = (0..seen.found.len()).collect();
-    order.sort_unstable_by_key(|&c| seen.found[c].0);
-    let mut slot = vec![0; order.len()];
-    let mut filled = 0;
-    for &c in &order {
-        slot[c] = filled;
-        filled += seen.found[c].1;
-    }
-    let mut sorted = vec![FaceId::NONE; filled];
-    for (&f, &class) in faces.iter().zip(&class_of) {
-        if class != BOUNDARY {
-            let slot = &mut slot[class as usize];
-            sorted[*slot] = f;
-            *slot += 1;
-        }
-    }
-    Classes {
-        triples: order.iter().map(|&c| seen.found[c]).collect(),
-        sorted,
-        boundary,
-    }
-}
-
-/// Valences below this are looked up directly, as nearly all are.
-const DIRECT: usize = 16;
-
-/// Valence triples in the order in which they were first seen, with their number.
-struct Triples {
-    found: Vec<([usize; 3], usize)>,
-    direct: Vec<u32>,
-    others: BTreeMap<[usize; 3], u32>,
-}
-
-impl Default for Triples {
-    fn default() -> Self {
-        Self {
-            found: Vec::new(),
-            direct: vec![u32::MAX; DIRECT.pow(3)],
-            others: BTreeMap::new(),
-        }
-    }
-}
-
-impl Triples {
-    /// Counts a triple and returns its index.
-    fn count(&mut self, valences: [usize; 3]) -> u32 {
-        let next = self.found.len() as u32;
-        let class = if let [a @ ..DIRECT, b @ ..DIRECT, c @ ..DIRECT] = valences {
-            &mut self.direct[(a * DIRECT + b) * DIRECT + c]
-        } else {
-            self.others.entry(valences).or_insert(u32::MAX)
-        };
-        if *class == u32::MAX {
-            *class = next;
-            self.found.push((valences, 0));
-        }
-        self.found[*class as usize].1 += 1;
-        *class
-    }
-}
-
-/// Appends the control vertices of a face whose corners are all inner vertices, in standard order.
-fn gather(topology: &Topology, f: FaceId, valences: [usize; 3], vertices: &mut Vec<u32>) {
-    let h0 = topology.halfedge_of_face(f);
-    let h1 = topology.next(h0);
-    let h2 = topology.next(h1);
-    vertices.extend([h0, h1, h2].map(|h| topology.origin(h).0));
-    if valences == [3, 3, 3] {
-        vertices.push(topology.target(topology.next(h0.twin())).0);
-        return;
-    }
-    for (incoming, corner) in [(h0, 1), (h1, 2), (h2, 0)] {
-        let mut out = incoming.twin();
-        for _ in 3..valences[corner] {
-            let previous = topology.prev_in_face(out);
-            vertices.push(topology.origin(previous).0);
-            out = previous.twin();
-        }
-    }
 }

@@ -9,6 +9,7 @@
 mod basis;
 mod elements;
 mod folding;
+mod gather;
 mod limit;
 mod masks;
 mod patch;

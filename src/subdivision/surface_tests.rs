@@ -310,6 +310,14 @@ fn element_times() {
     });
     let found = elements(&topology, &faces, Rule::Three, &mut cache);
     println!("{} elements, {} tables", found.len(), found.tables.len());
+    best("gather", &mut || {
+        std::hint::black_box(gather::gather(&topology, &faces).to_fold.len());
+    });
+    best("page faults of 16 MB", &mut || {
+        let mut x: Vec<u32> = Vec::with_capacity(4_000_000);
+        x.extend(0..4_000_000);
+        std::hint::black_box(&x);
+    });
     best("300 faces", &mut || {
         elements(&topology, &faces[60_000..60_300], Rule::Three, &mut cache);
     });
