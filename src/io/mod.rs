@@ -176,8 +176,9 @@ pub fn save(path: &Path, mesh: &OutputMesh<'_>) -> Result<(), SaveError> {
     atomic::replace(path, |out| write(format, mesh, out))
 }
 
-/// Checks, before a long computation, that [`save`] could write to `path`: a known extension, a
-/// directory that exists and takes new files, no write-protected file in the way.
+/// Checks, before a long computation, that [`save`] could write to `path`: a known extension, an
+/// existing directory, no write-protected file in the way.
+/// The directory must also take a new file.
 ///
 /// # Errors
 /// The [`SaveError`] that [`save`] would give.
