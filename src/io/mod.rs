@@ -176,6 +176,14 @@ pub fn save(path: &Path, mesh: &OutputMesh<'_>) -> Result<(), SaveError> {
     atomic::replace(path, |out| write(format, mesh, out))
 }
 
+/// Writes a text file: whole, or not at all.
+///
+/// # Errors
+/// [`SaveError`]; a file that was there before is untouched.
+pub fn save_text(path: &Path, text: &str) -> Result<(), SaveError> {
+    atomic::replace(path, |out| out.write_all(text.as_bytes()))
+}
+
 /// Checks, before a long computation, that [`save`] could write to `path`: a known extension, an
 /// existing directory, no write-protected file in the way.
 /// The directory must also take a new file.
