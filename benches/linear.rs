@@ -118,8 +118,7 @@ fn factorizations(c: &mut Criterion) {
             ("minimum degree", minimum_degree(&disc)),
         ];
         for (name, perm) in &orders {
-            let pattern =
-                SymmetricPattern::of_permuted_graph(&disc.offsets, &disc.adjacency, perm);
+            let pattern = SymmetricPattern::of_permuted_graph(&disc.offsets, &disc.adjacency, perm);
             let values = values(&disc, &pattern, perm);
             let symbolic = Arc::new(CholeskySymbolic::new(&pattern).expect("fits in memory"));
             let mut cholesky = Cholesky::new(symbolic);
@@ -136,6 +135,12 @@ fn criterion_config() -> Criterion {
 
 criterion_group! { name = benches; config = criterion_config(); targets = factorizations }
 criterion_main!(benches);
-pub fn disc_pub(n: usize) -> Disc { disc(n) }
-pub fn amd_pub(d: &Disc) -> Vec<u32> { minimum_degree(d) }
-pub fn values_pub(d: &Disc, p: &SymmetricPattern, perm: &[u32]) -> Vec<f64> { values(d, p, perm) }
+pub fn disc_pub(n: usize) -> Disc {
+    disc(n)
+}
+pub fn amd_pub(d: &Disc) -> Vec<u32> {
+    minimum_degree(d)
+}
+pub fn values_pub(d: &Disc, p: &SymmetricPattern, perm: &[u32]) -> Vec<f64> {
+    values(d, p, perm)
+}

@@ -1,3 +1,18 @@
 //! The `meniscus` program.
 
-fn main() {}
+use std::process::ExitCode;
+
+use clap::Parser;
+use meniscus::cli::{Arguments, run};
+
+fn main() -> ExitCode {
+    // wrong usage ends here with exit code 2, --help and --version with 0
+    let arguments = Arguments::parse();
+    match run(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("meniscus: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -6,6 +6,7 @@
 
 mod group;
 mod rim;
+mod select;
 
 use std::time::Instant;
 
@@ -18,6 +19,7 @@ use crate::solver::{End, Flow, FlowOptions, FlowProblem, Outcome, SolverError, S
 
 pub use group::Group;
 pub use rim::rim_of;
+pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};
 
 /// What can be chosen about a fill.
 #[derive(Clone, Debug)]
@@ -49,17 +51,19 @@ pub enum FillError {
         /// Why.
         source: PatchError,
     },
-    /// The flow failed.
-    #[error("hole {hole}: {source}")]
-    Flow {
-        /// Number of the first loop of the group.
-        hole: usize,
-        /// Why.
-        source: SolverError,
-    },
     /// The filled mesh is not a manifold: a defect of the program, kept from the file.
     #[error("the filled mesh would not be manifold ({0}); nothing was changed")]
     NotManifold(#[from] TopologyError),
+}
+
+impl FillError {
+    /// Number of the loop concerned, if there is one.
+    pub fn hole(&self) -> Option<usize> {
+        match self {
+            Self::Patch { hole, .. } => Some(*hole),
+            Self::NotManifold(_) => None,
+        }
+    }
 }
 
 /// Wall-clock times of the stages of one hole or group, in milliseconds.

@@ -4,6 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 use super::error::SaveError;
 
 /// Lets `fill` write a temporary file beside `path`, then puts it in place of `path`.
@@ -30,15 +32,7 @@ pub(super) fn replace(
             .map_err(failed)?;
         return fill_file(file, fill).map(drop).map_err(failed);
     }
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".meniscus-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        // What any new file gets, less the umask, instead of a temporary file's 0600.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let temporary = builder.tempfile_in(&target.directory).map_err(failed)?;
+    let temporary = temporary_in(&target.directory).map_err(failed)?;
     let (file, name) = temporary.into_parts();
     let file = fill_file(file, fill).map_err(failed)?;
     if let Some(kept) = &target.existing {
@@ -56,6 +50,28 @@ pub(super) fn replace(
     Ok(())
 }
 
+/// Finds out whether [`replace`] could start: the directory must take a new file.
+pub(super) fn probe(path: &Path) -> Result<(), SaveError> {
+    let target = target(path)?;
+    if target.existing.as_ref().is_none_or(fs::Metadata::is_file) {
+        temporary_in(&target.directory).map_err(|e| from_io(path, e))?;
+    }
+    Ok(())
+}
+
+/// A temporary file that disappears unless it is persisted.
+fn temporary_in(directory: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".meniscus-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        // What any new file gets, less the umask, instead of a temporary file's 0600.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(directory)
+}
+
 fn fill_file(file: File, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<File> {
     let mut buffer = BufWriter::with_capacity(1 << 18, file);
     fill(&mut buffer)?;
@@ -63,14 +79,14 @@ fn fill_file(file: File, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
 }
 
 /// Where the data really goes.
-pub(super) struct Target {
+struct Target {
     path: PathBuf,
     directory: PathBuf,
     existing: Option<fs::Metadata>,
 }
 
 /// Follows links and checks what can be checked before anything is computed or written.
-pub(super) fn target(path: &Path) -> Result<Target, SaveError> {
+fn target(path: &Path) -> Result<Target, SaveError> {
     let owned = path.to_owned();
     let existing = match fs::metadata(path) {
         Ok(metadata) if metadata.is_dir() => return Err(SaveError::IsDirectory { path: owned }),

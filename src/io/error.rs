@@ -88,7 +88,7 @@ pub enum SaveError {
         path: PathBuf,
     },
     /// The operating system refused to write there.
-    #[error("{}: no permission to write there; nothing was changed", .path.display())]
+    #[error("{}: no permission to write in that directory; nothing was changed", .path.display())]
     PermissionDenied {
         /// The path asked for.
         path: PathBuf,
@@ -262,7 +262,7 @@ pub enum Problem {
     },
     /// A face with fewer than three corners.
     #[error(
-        "face {face} has only {found} of the at least 3 corners of a face{}; remove the line or export the mesh again",
+        "face {face} has {found} corners, but a face needs 3{}; remove it or export the mesh again",
         cut_words(*.cut)
     )]
     FewCorners {
@@ -280,16 +280,18 @@ pub enum Problem {
         face: usize,
     },
     /// An index beyond the vertices.
-    #[error("face {face} uses vertex {found}, but the file has vertices {first} to {last} only")]
+    #[error(
+        "face {face} uses vertex {found}, but there are {vertices} vertices, counted from {first}; a face of this file is broken, or vertices are missing"
+    )]
     IndexRange {
         /// The face, counted from 1.
         face: usize,
         /// The index as the file writes it.
         found: i64,
-        /// Smallest valid index.
-        first: i64,
-        /// Largest valid index.
-        last: i64,
+        /// Number of vertices (for a negative index, of those above the face).
+        vertices: usize,
+        /// What the format counts from.
+        first: u8,
     },
     /// A corner that cannot be read.
     #[error(
@@ -333,6 +335,27 @@ pub enum Problem {
     },
 }
 
+impl Problem {
+    pub(super) fn syntax(what: impl Into<String>, found: impl Into<String>) -> Self {
+        Self::Syntax {
+            what: what.into(),
+            found: found.into(),
+        }
+    }
+
+    pub(super) fn truncated(what: impl Into<String>) -> Self {
+        Self::Truncated { what: what.into() }
+    }
+
+    /// Too many elements for 32-bit indices.
+    pub(super) fn too_large(what: &'static str) -> Self {
+        Self::TooLarge {
+            what,
+            limit: u64::from(u32::MAX),
+        }
+    }
+}
+
 fn extension_words(extension: Option<&str>) -> String {
     match extension {
         Some(ext) => format!("unknown file type '.{ext}'"),
@@ -357,25 +380,25 @@ fn comma_words(found: &str) -> &'static str {
     }
 }
 
-pub(super) fn at_line(line: usize, problem: Problem) -> Fault {
-    Fault {
-        place: Place::Line(line),
-        problem,
+impl Place {
+    pub(super) fn fault(self, problem: Problem) -> Fault {
+        Fault {
+            place: self,
+            problem,
+        }
     }
+}
+
+pub(super) fn at_line(line: usize, problem: Problem) -> Fault {
+    Place::Line(line).fault(problem)
 }
 
 pub(super) fn at_byte(byte: usize, problem: Problem) -> Fault {
-    Fault {
-        place: Place::Byte(byte),
-        problem,
-    }
+    Place::Byte(byte).fault(problem)
 }
 
 pub(super) fn in_file(problem: Problem) -> Fault {
-    Fault {
-        place: Place::File,
-        problem,
-    }
+    Place::File.fault(problem)
 }
 
 /// A piece of the file for a message: short, and printable whatever the bytes are.

@@ -24,6 +24,7 @@
 //! ```
 
 mod atomic;
+mod check;
 mod error;
 mod number;
 mod obj;
@@ -37,6 +38,7 @@ use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
+pub use check::{check, losses};
 pub use error::{Fault, LoadError, MeshFault, Place, Problem, SaveError};
 
 use crate::mesh::{DVec3, FaceTag, Soup};
@@ -78,6 +80,13 @@ fn supported_extensions() -> String {
     Format::ALL
         .map(|f| format!(".{}", f.extension()))
         .join(", ")
+}
+
+fn unknown_target(path: &Path) -> SaveError {
+    SaveError::UnknownFormat {
+        path: path.to_owned(),
+        extension: extension_of(path),
+    }
 }
 
 fn extension_of(path: &Path) -> Option<String> {
@@ -131,7 +140,9 @@ pub fn load(path: &Path) -> Result<Soup, LoadError> {
         return Err(LoadError::NotAFile { path: owned() });
     }
     let bytes = fs::read(path).map_err(failed)?;
-    read(format, &bytes, path)
+    let mut soup = read(format, &bytes, path)?;
+    obj::look_up(path, &mut soup);
+    Ok(soup)
 }
 
 /// Reads a mesh from the bytes of a file; `name` stands in the messages.
@@ -157,7 +168,7 @@ pub fn read(format: Format, bytes: &[u8], name: &Path) -> Result<Soup, LoadError
 /// # Errors
 /// [`SaveError`]; a file that was there before is untouched.
 pub fn save(path: &Path, mesh: &OutputMesh<'_>) -> Result<(), SaveError> {
-    let format = check_target(path)?;
+    let format = Format::from_path(path).ok_or_else(|| unknown_target(path))?;
     check(format, mesh).map_err(|reason| SaveError::Mesh {
         path: path.to_owned(),
         reason,
@@ -165,94 +176,39 @@ pub fn save(path: &Path, mesh: &OutputMesh<'_>) -> Result<(), SaveError> {
     atomic::replace(path, |out| write(format, mesh, out))
 }
 
+/// Writes a text file: whole, or not at all.
+///
+/// # Errors
+/// [`SaveError`]; a file that was there before is untouched.
+pub fn save_text(path: &Path, text: &str) -> Result<(), SaveError> {
+    atomic::replace(path, |out| out.write_all(text.as_bytes()))
+}
+
 /// Checks, before a long computation, that [`save`] could write to `path`: a known extension, an
 /// existing directory, no write-protected file in the way.
+/// The directory must also take a new file.
 ///
 /// # Errors
 /// The [`SaveError`] that [`save`] would give.
 pub fn check_target(path: &Path) -> Result<Format, SaveError> {
-    let Some(format) = Format::from_path(path) else {
-        let extension = extension_of(path);
-        return Err(SaveError::UnknownFormat {
-            path: path.to_owned(),
-            extension,
-        });
-    };
-    atomic::target(path)?;
+    let format = Format::from_path(path).ok_or_else(|| unknown_target(path))?;
+    atomic::probe(path)?;
     Ok(format)
 }
 
-/// Writes `mesh`, which [`check`] has found sound, to any writer.
+/// Writes `mesh`, which [`check()`] has found sound, to any writer.
 ///
 /// # Errors
 /// What the writer says.
 ///
 /// # Panics
-/// May panic on a mesh that [`check`] refuses.
+/// May panic on a mesh that [`check()`] refuses.
 pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std::io::Result<()> {
     match format {
         Format::Obj => obj::write(mesh, out),
         Format::Ply => ply::write(mesh, out),
         Format::Stl => stl::write(mesh, out),
     }
-}
-
-/// Checks that `mesh` can be written in `format`: finite coordinates, indices in range, attribute
-/// arrays of the right length.
-///
-/// # Errors
-/// The first [`MeshFault`].
-pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
-    let vertices = mesh.positions.len();
-    let triangles = mesh.triangles.len();
-    for (what, count) in [("vertices", vertices), ("triangles", triangles)] {
-        if u32::try_from(count).is_err() {
-            return Err(MeshFault::TooMany { what, count });
-        }
-    }
-    for (vertex, p) in mesh.positions.iter().enumerate() {
-        for value in p.to_array() {
-            if !value.is_finite() {
-                return Err(MeshFault::NotFinite { vertex, value });
-            }
-            if format == Format::Stl && !(value as f32).is_finite() {
-                return Err(MeshFault::BeyondSingle { vertex, value });
-            }
-        }
-    }
-    for (triangle, corners) in mesh.triangles.iter().enumerate() {
-        for &index in corners {
-            if index as usize >= vertices {
-                return Err(MeshFault::IndexRange {
-                    triangle,
-                    index,
-                    vertices,
-                });
-            }
-        }
-    }
-    let lengths = [
-        ("vertex colours", mesh.colors.len(), vertices),
-        ("face tags", mesh.face_tags.len(), triangles),
-    ];
-    for (what, found, wanted) in lengths {
-        if found != 0 && found != wanted {
-            return Err(MeshFault::Attribute {
-                what,
-                found,
-                wanted,
-            });
-        }
-    }
-    let wanted = mesh.tags.len();
-    if let Some(&tag) = mesh.face_tags.iter().find(|&&tag| tag as usize >= wanted) {
-        return Err(MeshFault::Attribute {
-            what: "face tag index",
-            found: tag as usize,
-            wanted,
-        });
-    }
-    Ok(())
 }
 
 /// Whether both paths name the same file, through links and different spellings too. Two paths of

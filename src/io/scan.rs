@@ -1,5 +1,27 @@
 //! One pass over the bytes of a text format: blanks, tokens, numbers, line numbers.
 
+use std::borrow::Cow;
+
+/// Where the text starts: after a UTF-8 byte order mark, if there is one.
+pub(super) fn without_mark(bytes: &[u8]) -> usize {
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        3
+    } else {
+        0
+    }
+}
+
+/// The same text with line ends of the old Macintosh (a carriage return alone) replaced.
+pub(super) fn unix_lines(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if bytes.contains(&b'\n') || !bytes.contains(&b'\r') {
+        return Cow::Borrowed(bytes);
+    }
+    bytes
+        .iter()
+        .map(|&b| if b == b'\r' { b'\n' } else { b })
+        .collect()
+}
+
 /// A position in a text file. Nothing is copied and nothing is allocated.
 #[derive(Clone)]
 pub(super) struct Scanner<'a> {
@@ -76,9 +98,15 @@ impl<'a> Scanner<'a> {
         &self.bytes[start..self.at]
     }
 
-    /// The token at the position, which stays where it is; for messages.
-    pub fn peek_token(&self) -> &'a [u8] {
-        self.clone().token()
+    /// The token that starts at byte `at`; for messages.
+    pub fn token_at(&self, at: usize) -> &'a [u8] {
+        &self.bytes[at..token_end(self.bytes, at)]
+    }
+
+    /// The rest of the line as a name.
+    pub fn name(&mut self) -> String {
+        self.skip_blanks();
+        String::from_utf8_lossy(self.rest_of_line()).into_owned()
     }
 
     /// The rest of the line without blanks at its ends; goes to the line end.
@@ -102,8 +130,9 @@ impl<'a> Scanner<'a> {
     #[inline]
     pub fn integer(&mut self) -> Option<i64> {
         let mut at = self.at;
-        let negative = self.bytes.get(at) == Some(&b'-');
-        at += usize::from(negative);
+        let sign = self.bytes.get(at);
+        let negative = sign == Some(&b'-');
+        at += usize::from(negative || sign == Some(&b'+'));
         let digits = at;
         let mut value = 0_i64;
         while let Some(digit) = digit_at(self.bytes, at) {
@@ -186,7 +215,8 @@ fn float_at(bytes: &[u8], start: usize) -> Option<(f64, usize)> {
             at += 1;
         }
         digits += at - fraction;
-        exponent = -((at - fraction).min(1000) as i32);
+        // Longer ones have too many digits for the fast path anyway.
+        exponent = -i32::from(u8::try_from(at - fraction).unwrap_or(u8::MAX));
     }
     if matches!(bytes.get(at), Some(b'e' | b'E')) {
         let (written, end) = exponent_at(bytes, at + 1)?;

@@ -1,5 +1,6 @@
 //! Boundary loops: their measures, and the guess which of them are outer rims.
 
+use super::outer_rim::guess_outer_rims;
 use super::{Components, DVec3, HalfedgeId, Mesh, VertexId, components};
 
 /// A closed chain of boundary edges.
@@ -37,12 +38,15 @@ impl BoundaryLoop {
 /// All boundary loops of a mesh, numbered by their lowest vertex.
 pub fn boundary_loops(mesh: &Mesh) -> Vec<BoundaryLoop> {
     let parts = components(&mesh.topology);
-    mesh.topology
+    let mut loops: Vec<BoundaryLoop> = mesh
+        .topology
         .boundary_loops()
         .into_iter()
         .enumerate()
         .map(|(i, halfedges)| measure(mesh, &parts, i + 1, halfedges))
-        .collect()
+        .collect();
+    guess_outer_rims(mesh, &parts, &mut loops);
+    loops
 }
 
 fn measure(

@@ -5,6 +5,7 @@ mod build;
 mod data;
 mod ids;
 mod intersect;
+mod outer_rim;
 pub mod shapes;
 mod soup;
 mod spatial;

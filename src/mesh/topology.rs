@@ -165,12 +165,10 @@ impl Topology {
                 if !slot.is_some() {
                     *slot = HalfedgeId::from(h);
                 }
+            } else if slot.is_some() && !face[slot.index()].is_some() {
+                pinched = true;
             } else {
-                if slot.is_some() && !face[slot.index()].is_some() {
-                    pinched = true;
-                } else {
-                    *slot = HalfedgeId::from(h);
-                }
+                *slot = HalfedgeId::from(h);
             }
         }
         for h in 0..origin.len() {

@@ -1,5 +1,6 @@
 //! The first patch over a hole.
 
+use super::planar::vector_area;
 use super::remesh::{remesh, rim_valences, split_chords};
 use super::surface::Surface;
 use super::triangulate::triangulate;
@@ -129,12 +130,14 @@ pub fn fill(rim: &Rim, options: &PatchOptions) -> Result<PatchMesh, PatchError> 
             .filter(|&[i, j]| j != i + 1 && (i != 0 || j as usize != n - 1))
             .collect(),
     };
+    let loose = loose_angles(&local);
+    let bulge = mean_curvature(&local);
     let triangles = triangulate(&local);
     let size = rim_sizes(&local.points, options.density);
     let mut surface = Surface::new(local.points, size, n, &triangles);
-    let wanted = rim_valences(&surface);
+    let wanted = rim_valences(&surface, &loose);
     split_chords(&mut surface, &local.forbidden);
-    remesh(&mut surface, &wanted);
+    remesh(&mut surface, &wanted, bulge);
     let (mut points, triangles) = surface.compact();
     for p in &mut points[n..] {
         *p = *p * radius + centre;
@@ -200,6 +203,49 @@ fn is_collinear(points: &[DVec3]) -> bool {
         .iter()
         .all(|&p| axis.cross(p - origin).length() <= tolerance)
 }
+
+/// The angle of the existing face at each rim vertex that has only one, 0 elsewhere.
+fn loose_angles(rim: &Rim) -> Vec<f64> {
+    let n = rim.points.len();
+    (0..n)
+        .map(|i| {
+            let (before, after) = (rim.points[(i + n - 1) % n], rim.points[(i + 1) % n]);
+            if rim.opposite[i] == before && rim.opposite[(i + n - 1) % n] == after {
+                (before - rim.points[i]).angle_between(after - rim.points[i])
+            } else {
+                0.0
+            }
+        })
+        .collect()
+}
+
+/// The constant mean curvature (positive bulges along the patch's normal) with which a surface
+/// over the rim continues the existing faces: for every surface of constant mean curvature the
+/// conormals along its boundary integrate to 2 H times its vector area (divergence theorem), and
+/// both are known from the rim alone. Exact for the missing cap of a sphere up to a hemisphere.
+fn mean_curvature(rim: &Rim) -> f64 {
+    let n = rim.points.len();
+    let area = vector_area(&rim.points);
+    let (mut flux, mut length) = (DVec3::ZERO, 0.0);
+    for i in 0..n {
+        let (a, b) = (rim.points[i], rim.points[(i + 1) % n]);
+        // into the hole, in the plane of the face, across the edge
+        let inward = (a - rim.opposite[i]).reject_from(b - a).normalize_or_zero();
+        flux += a.distance(b) * inward;
+        length += a.distance(b);
+    }
+    let extent = area.length();
+    // loops that enclose next to nothing in projection have no bulge to speak of
+    if extent < 0.05 * length * length / (4.0 * std::f64::consts::PI) {
+        return 0.0;
+    }
+    let tilt = flux.dot(area) / (extent * length);
+    STEEPEST.min(tilt.abs()).copysign(tilt) * length / (2.0 * extent)
+}
+
+/// The steepest mean tilt taken over from the existing faces, as a sine: at 1 a surface of constant
+/// mean curvature is about to lose its stability.
+const STEEPEST: f64 = 0.95;
 
 /// Wanted edge length at every rim vertex: the mean of the lengths of the rim edges near it.
 fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {

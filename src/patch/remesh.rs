@@ -15,22 +15,26 @@ const SWEEPS: usize = 3;
 
 /// Remeshes `s` to its `size`. `wanted` is the number of edges each rim vertex should have (rim
 /// edges included), see [`rim_valences`].
-pub(super) fn remesh(s: &mut Surface, wanted: &[i32]) {
-    refine(s);
+pub(super) fn remesh(s: &mut Surface, wanted: &[i32], bulge: f64) {
+    refine(s, bulge);
     for round in 0..ROUNDS {
         if round > 0 {
             collapse_short(s);
             split_long(s);
         }
         flip_for_valence(s, wanted);
-        relax(s, SWEEPS);
+        relax(s, SWEEPS, bulge);
         flip_to_delaunay(s);
     }
-    relax(s, 1);
+    relax(s, 1, bulge);
 }
 
 /// The number of edges that divides the patch's angle at each rim vertex into angles near 60°.
-pub(super) fn rim_valences(s: &Surface) -> Vec<i32> {
+///
+/// `loose[i]` is the angle of the existing face at rim vertex `i` if it is the only one there, else
+/// 0. Where a loose triangle stands up from the first triangulation the angle seen in that is far
+/// too small: the patch has all the rest of the full angle.
+pub(super) fn rim_valences(s: &Surface, loose: &[f64]) -> Vec<i32> {
     let mut angle = vec![0.0; s.rim];
     for h in 0..s.corner.len() as u32 {
         let v = s.from(h);
@@ -43,7 +47,15 @@ pub(super) fn rim_valences(s: &Surface) -> Vec<i32> {
     let sixty = std::f64::consts::FRAC_PI_3;
     angle
         .iter()
-        .map(|a| 1 + (a / sixty).round().max(1.0) as i32)
+        .zip(loose)
+        .map(|(&seen, &loose)| {
+            let angle = if loose > 0.0 {
+                seen.max(6.0 * sixty - loose)
+            } else {
+                seen
+            };
+            1 + (angle / sixty).round().max(1.0) as i32
+        })
         .collect()
 }
 
@@ -60,7 +72,7 @@ pub(super) fn split_chords(s: &mut Surface, chords: &[[u32; 2]]) {
 
 /// First refinement of a coarse triangulation: halves long edges, restoring the Delaunay property
 /// after each round of splits.
-fn refine(s: &mut Surface) {
+fn refine(s: &mut Surface, bulge: f64) {
     flip_to_delaunay(s);
     // every round halves the long edges, so this bounds extents of 2^40 edge lengths
     for _ in 0..40 {
@@ -68,6 +80,9 @@ fn refine(s: &mut Surface) {
             return;
         }
         flip_to_delaunay(s);
+        if bulge != 0.0 {
+            relax(s, SWEEPS, bulge);
+        }
     }
 }
 
@@ -206,21 +221,55 @@ fn is_thin(a: DVec3, b: DVec3, c: DVec3) -> bool {
     (b - a).cross(c - a).length() < 0.25 * longest2
 }
 
-/// Moves interior vertices to the mean of their neighbours, in place; wanted sizes likewise.
-fn relax(s: &mut Surface, sweeps: usize) {
+/// Moves interior vertices, in place, towards the mean of the centroids of their triangles
+/// weighted with area in the metric of the wanted size (centroidal patch triangulation: L. Chen,
+/// "Mesh smoothing schemes based on optimal Delaunay triangulations", 2004), and wanted sizes
+/// towards the mean of their neighbours'.
+fn relax(s: &mut Surface, sweeps: usize, bulge: f64) {
     for _ in 0..sweeps {
         for v in s.rim..s.points.len() {
             if s.out[v] == NONE {
                 continue;
             }
-            let (mut sum, mut size) = (DVec3::ZERO, 0.0);
-            s.for_neighbours(v as u32, |w| {
-                sum += s.points[w as usize];
-                size += s.size[w as usize];
-            });
-            let k = f64::from(s.valence[v]);
-            s.points[v] = sum / k;
-            s.size[v] = size / k;
+            let centre = s.points[v];
+            let first = s.out[v];
+            let mut h = first;
+            let mut a = s.points[s.to(h) as usize] - centre;
+            let mut size_a = s.size[s.to(h) as usize];
+            let (mut moment, mut weights, mut sizes) = (DVec3::ZERO, 0.0, 0.0);
+            let mut normal = DVec3::ZERO;
+            loop {
+                let back = prev(h);
+                let w = s.from(back) as usize;
+                let b = s.points[w] - centre;
+                let size_b = s.size[w];
+                let cross = a.cross(b);
+                normal += cross;
+                let area = cross.length();
+                let size = s.size[v] + size_a + size_b;
+                let weight = area / (size * size);
+                moment += weight * (a + b);
+                weights += weight;
+                sizes += size_b;
+                a = b;
+                size_a = size_b;
+                h = s.twin(back);
+                if h == first {
+                    break;
+                }
+            }
+            if weights > 0.0 {
+                s.points[v] = centre + STRIDE * (moment / (3.0 * weights) + bulge / STAR * normal);
+            }
+            s.size[v] = sizes / f64::from(s.valence[v]);
         }
     }
 }
+
+/// On a surface of mean curvature H an equilateral star of area A has its centroid H A / 7.8 below
+/// its vertex (the ring lies H L² / 2 below, the triangles' centroids two thirds of that, and
+/// A = 3/2 √3 L²); sums of corner cross products are 2 A.
+const STAR: f64 = 15.6;
+
+/// How far a vertex moves beyond (above 1) the centroid it moves towards.
+const STRIDE: f64 = 1.3;

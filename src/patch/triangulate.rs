@@ -35,10 +35,11 @@ pub(super) fn triangulate(rim: &Rim) -> Vec<[u32; 3]> {
         } else {
             None
         };
+        let affordable = part.len() <= AFFORDABLE;
         let local = match local {
-            Some(t) => t,
-            None if part.len() <= AFFORDABLE => minimum_weight(&sub_rim(rim, &part, points)),
-            None => {
+            Some(t) if !affordable || !folds_back(rim, &part, &t) => t,
+            _ if affordable => minimum_weight(&sub_rim(rim, &part, points)),
+            _ => {
                 let [i, j] = best_chord(&points, &part, &forbidden);
                 let mut rest = part[..=i].to_vec();
                 rest.extend(&part[j..]);
@@ -51,6 +52,25 @@ pub(super) fn triangulate(rim: &Rim) -> Vec<[u32; 3]> {
     }
     triangles
 }
+
+/// Whether a triangle lies back to back with the existing face at a rim edge, as where a loose
+/// triangle of the mesh stands up from a projection that looks flat.
+fn folds_back(rim: &Rim, part: &[u32], triangles: &[[u32; 3]]) -> bool {
+    let n = rim.points.len();
+    triangles.iter().any(|t| {
+        let corners = t.map(|k| part[k as usize] as usize);
+        let [a, b, c] = corners.map(|v| rim.points[v]);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        (0..3).any(|k| {
+            let (i, j) = (corners[k], corners[(k + 1) % 3]);
+            (i + 1) % n == j && bend(normal, existing_normal(rim, i)) < BACK_TO_BACK
+        })
+    })
+}
+
+/// Cosine of the dihedral angle beyond which two faces count as back to back (105°; the missing
+/// cap of a sphere up to a hemisphere stays below 90°).
+const BACK_TO_BACK: f64 = -0.26;
 
 /// The part of a rim between chords. An edge that is a chord has no existing face yet.
 fn sub_rim(rim: &Rim, part: &[u32], points: Vec<DVec3>) -> Rim {

@@ -154,6 +154,7 @@ pub struct Assembler {
     offset: Vec<u32>,
     vertices: Vec<u32>,
     slots: Option<Slots>,
+    membrane: bool,
     buffers: [Buffer; 2],
 }
 
@@ -237,8 +238,15 @@ impl Assembler {
             offset,
             vertices,
             slots: None,
+            membrane: true,
             buffers: Default::default(),
         }
+    }
+
+    /// Leaves the membrane term out of the matrix where the Hessian part alone is strictly
+    /// elliptic: faster towards the stationary shape, and not quite the flow's linearisation.
+    pub fn drop_membrane(&mut self) {
+        self.membrane = false;
     }
 
     /// The vertices that move.
@@ -399,6 +407,7 @@ impl Assembler {
             energy,
             radius,
             inv_tau,
+            membrane: self.membrane,
             weight: self.weight,
             points: self.points,
         };

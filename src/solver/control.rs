@@ -19,6 +19,8 @@ pub enum Tau {
     /// Grown after accepted, shrunk after rejected steps.
     #[default]
     Auto,
+    /// Grown and shrunk like `Auto`, from this start.
+    From(f64),
     /// Always this one (length² / unit of f), shrunk only where a step is rejected.
     Fixed(f64),
 }
@@ -106,6 +108,8 @@ impl Control {
     pub fn new(mode: Mode, tau: Tau, tau_ref: f64, gentle: f64) -> Self {
         let (start, growth, wanted) = match (tau, mode) {
             (Tau::Fixed(t), _) => (t, 1.0, Some(t)),
+            (Tau::From(t), Mode::Fast) => (t, 10.0, None),
+            (Tau::From(t), Mode::Flow) => (t, 4.0, None),
             (Tau::Auto, Mode::Fast) => (2.0 * tau_ref, 10.0, None),
             (Tau::Auto, Mode::Flow) => (gentle.clamp(1e-9 * tau_ref, tau_ref), 4.0, None),
         };

@@ -59,7 +59,7 @@ impl FlowOptions {
     /// # Errors
     /// [`SolverError::BadOption`] naming the option that is out of range.
     pub fn validate(&self) -> Result<(), SolverError> {
-        if let Tau::Fixed(t) = self.tau
+        if let Tau::Fixed(t) | Tau::From(t) = self.tau
             && !(t.is_finite() && t > 0.0)
         {
             return Err(SolverError::BadOption {
@@ -204,6 +204,7 @@ impl Flow {
                 local,
                 options.quadrature,
                 &options.energy,
+                options.mode == Mode::Flow,
             )?)),
             Scheme::Mixed | Scheme::MixedCorrected => Stepper::Mixed(Box::new(MixedFlow::new(
                 problem,
@@ -308,7 +309,7 @@ impl Flow {
         }
         let tau = self.control.tau;
         let next = self.control.next();
-        let quick = self.options.mode == Mode::Fast && self.options.tau == Tau::Auto;
+        let quick = self.options.mode == Mode::Fast && !matches!(self.options.tau, Tau::Fixed(_));
         let attempt = match &mut self.stepper {
             Stepper::Normal(flow) => {
                 flow.attempt(tau, next, quick && self.factorized + 1 >= FACTORIZED_STEPS)?

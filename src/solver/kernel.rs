@@ -25,6 +25,9 @@ pub struct KernelInput<'a> {
     pub radius: f64,
     /// 1/τ, the weight of the mass matrix.
     pub inv_tau: f64,
+    /// Whether the membrane term enters everywhere, or only where the Hessian part is not strictly
+    /// elliptic.
+    pub membrane: bool,
     /// Quadrature weight of a point (before ½√g).
     pub weight: f64,
     /// Number of quadrature points.
@@ -166,7 +169,9 @@ fn element_impl<const MATRIX: bool>(
                     push(std::array::from_fn(|i| a * dh[i] + b * dk[i]));
                 }
             }
-            if jet.f > 0.0 && !hessian.is_elliptic(p.mean, p.gauss, input.radius) {
+            if jet.f > 0.0
+                && (input.membrane || !hessian.is_elliptic(p.mean, p.gauss, input.radius))
+            {
                 // f <N_i, n> <N_j, n> ∇φ_i·∇φ_j through the Cholesky factor of g^ab
                 let s = (area * jet.f).sqrt();
                 let l11 = p.g_inv[0].sqrt();

@@ -48,7 +48,8 @@ struct QuasiNewton {
 }
 
 impl NormalFlow {
-    /// Sets the flow up: elements, order of the unknowns, symbolic factorization, first gradient.
+    /// Sets the flow up on the elements `local` with tables for `rule`; `membrane` keeps the
+    /// membrane term of `S` everywhere. Order of the unknowns, symbolic factorization, first gradient.
     ///
     /// # Errors
     /// [`SolverError::EnergyNotFinite`] if the energy is not finite at the start, or a failed
@@ -58,10 +59,14 @@ impl NormalFlow {
         local: &Elements,
         rule: Rule,
         energy: &Energy,
+        membrane: bool,
     ) -> Result<Self, SolverError> {
         let unknowns = Unknowns::new(local, problem.positions(), problem.interior());
         let ring = LimitNormals::new(problem.topology(), &unknowns.vertex);
         let mut assembler = Assembler::new(local, rule, unknowns);
+        if !membrane {
+            assembler.drop_membrane();
+        }
         let symbolic = Arc::new(CholeskySymbolic::new(assembler.pattern())?);
         let count = assembler.unknowns().len();
         let mut flow = Self {
@@ -234,9 +239,6 @@ impl NormalFlow {
         state
             .memory
             .direction(&mut self.w, |q| cholesky.solve_in_place(q, 1));
-        for w in &mut self.w {
-            *w = -*w;
-        }
         let longest = self.displace();
         let sum = self
             .assembler

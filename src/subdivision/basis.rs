@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::folding::Folding;
 use super::masks::limit_mask;
 use super::patch::{Patch, Row};
 use super::regular;
@@ -98,7 +99,8 @@ impl Scratch {
             if let Some(corner) = (0..3).find(|&c| at[c] >= 0.5) {
                 let turned = |x: [f64; 3]| [0, 1, 2].map(|k| x[(corner + k) % 3]);
                 at = turned(at);
-                if self.path.len() == MAX_STEPS || (at[1] == 0.0 && at[2] == 0.0) {
+                let arrived = self.path.len() >= MAX_STEPS || (at[1] == 0.0 && at[2] == 0.0);
+                if arrived && valences[corner] != 6 {
                     self.rows.resize(patch.len(), [0.0; DERIVATIVES]);
                     let mut value = [f64::NAN; DERIVATIVES];
                     value[0] = 1.0;
@@ -143,6 +145,7 @@ impl Scratch {
 #[derive(Clone, Debug, Default)]
 pub struct TableCache {
     by_valences: BTreeMap<(Rule, [usize; 3]), BasisTable>,
+    folded: BTreeMap<(Rule, Folding), BasisTable>,
 }
 
 impl TableCache {
@@ -156,6 +159,16 @@ impl TableCache {
         self.by_valences
             .entry((rule, valences))
             .or_insert_with(|| BasisTable::new(valences, rule))
+    }
+
+    /// The table of a triangle over its distinct real control vertices.
+    pub(super) fn folded_table(&mut self, folding: &Folding, rule: Rule) -> &BasisTable {
+        let key = (rule, folding.clone());
+        if !self.folded.contains_key(&key) {
+            let table = folding.apply(self.table(folding.valences, rule));
+            self.folded.insert(key.clone(), table);
+        }
+        &self.folded[&key]
     }
 }
 

@@ -71,3 +71,189 @@ fn forty_digits() {
         assert!(error.abs() < 3e-13, "{error:e}");
     }
 }
+
+/// Points spread over the triangle, some near corners and edges.
+const POINTS: [[f64; 2]; 7] = [
+    [1.0 / 3.0, 1.0 / 3.0],
+    [0.5, 0.1],
+    [0.01, 0.02],
+    [0.97, 0.02],
+    [0.003, 0.99],
+    [0.4, 0.6],
+    [0.25, 0.0],
+];
+
+const TRIPLES: [[usize; 3]; 12] = [
+    [6, 6, 6],
+    [3, 3, 3],
+    [3, 3, 5],
+    [3, 4, 5],
+    [4, 4, 4],
+    [5, 6, 7],
+    [7, 5, 5],
+    [3, 30, 6],
+    [12, 3, 9],
+    [30, 30, 30],
+    [6, 8, 3],
+    [4, 17, 11],
+];
+
+/// Order of each derivative.
+const ORDER: [i32; DERIVATIVES] = [0, 1, 1, 2, 2, 2];
+
+/// By how much the rounding of a derivative grows with each order: 2 for each subdivision step
+/// towards a corner.
+fn growth(v: f64, w: f64) -> f64 {
+    (1.0 - v.max(w).max(1.0 - v - w)).recip()
+}
+
+/// The functions sum to 1, hence their derivatives to 0.
+#[test]
+fn partition_of_unity() {
+    for triple in TRIPLES {
+        for [v, w] in POINTS {
+            let rows = basis_at(triple, v, w);
+            let factor = growth(v, w);
+            let [a, b, c] = triple;
+            assert_eq!(rows.len(), (a + b + c - 6).max(4));
+            for d in 0..DERIVATIVES {
+                let sum: f64 = rows.iter().map(|r| r[d]).sum();
+                let expected = if d == 0 { 1.0 } else { 0.0 };
+                let tolerance = 1e-14 * factor.powi(ORDER[d]);
+                assert!(
+                    (sum - expected).abs() < tolerance,
+                    "{triple:?} {d}: {sum:e}"
+                );
+            }
+        }
+    }
+}
+
+/// Turning the triangle permutes corners and outer ring and changes parameters accordingly.
+#[test]
+fn turned_triangle() {
+    for [a, b, c] in TRIPLES {
+        for [v, w] in POINTS {
+            let rows = basis_at([a, b, c], v, w);
+            let factor = growth(v, w);
+            let turned = basis_at([b, c, a], w, 1.0 - v - w);
+            let outer = rows.len() - 3;
+            for (i, row) in turned.iter().enumerate() {
+                let same = if i < 3 {
+                    (i + 1) % 3
+                } else {
+                    3 + (i - 3 + b - 3) % outer
+                };
+                let [n, p, q, pp, pq, qq] = *row;
+                let expected = [n, -q, p - q, qq, qq - pq, pp - 2.0 * pq + qq];
+                for d in 0..DERIVATIVES {
+                    let error = (rows[same][d] - expected[d]).abs();
+                    let tolerance = 1e-14 * factor.powi(ORDER[d]);
+                    assert!(error < tolerance, "{:?} {v} {w} {d}: {error:e}", [a, b, c]);
+                }
+            }
+        }
+    }
+}
+
+/// Control vertices in a regular lattice, at the places of a linear parametrization.
+#[test]
+fn linear_precision_on_a_regular_patch() {
+    let lattice = [
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [0.0, 1.0],
+        [1.0, -1.0],
+        [2.0, -1.0],
+        [2.0, 0.0],
+        [1.0, 1.0],
+        [0.0, 2.0],
+        [-1.0, 2.0],
+        [-1.0, 1.0],
+        [-1.0, 0.0],
+        [0.0, -1.0],
+    ];
+    for [v, w] in POINTS {
+        let rows = basis_at([6, 6, 6], v, w);
+        let expected = [
+            [v, w],
+            [1.0, 0.0],
+            [0.0, 1.0],
+            [0.0, 0.0],
+            [0.0, 0.0],
+            [0.0, 0.0],
+        ];
+        for d in 0..DERIVATIVES {
+            for k in 0..2 {
+                let sum: f64 = rows.iter().zip(lattice).map(|(r, p)| r[d] * p[k]).sum();
+                assert!((sum - expected[d][k]).abs() < 2e-14);
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_match_central_differences() {
+    let h = 1e-5;
+    for triple in TRIPLES {
+        for [v, w] in [[0.31, 0.22], [0.07, 0.11], [0.6, 0.33], [0.2, 0.7]] {
+            let at = basis_at(triple, v, w);
+            let (v0, v1) = (basis_at(triple, v - h, w), basis_at(triple, v + h, w));
+            let (w0, w1) = (basis_at(triple, v, w - h), basis_at(triple, v, w + h));
+            for i in 0..at.len() {
+                // which quantity is whose derivative
+                for (d, of, low, high) in [
+                    (1, 0, &v0, &v1),
+                    (2, 0, &w0, &w1),
+                    (3, 1, &v0, &v1),
+                    (4, 1, &w0, &w1),
+                    (4, 2, &v0, &v1),
+                    (5, 2, &w0, &w1),
+                ] {
+                    let slope = (high[i][of] - low[i][of]) / (2.0 * h);
+                    let error = (slope - at[i][d]).abs();
+                    // h^2 times a sixth of the third or fourth derivative, up to a few thousand
+                    assert!(error < 2e-7, "{triple:?} {v} {w} {d}: {error:e}");
+                }
+            }
+        }
+    }
+}
+
+/// Towards a corner the values tend to the limit mask as the subdominant eigenvalue's powers.
+#[test]
+fn corner_values_are_the_limit_mask() {
+    for triple in TRIPLES {
+        let n = triple[0];
+        let exact = basis_at(triple, 0.0, 0.0);
+        let (centre, ring) = limit_mask(n);
+        assert!((exact[0][0] - centre).abs() < 1e-15);
+        assert!((exact[1][0] - ring).abs() < 1e-15);
+        assert_eq!(exact[0][1].is_nan(), n != 6);
+        let lambda = 0.375 + 0.25 * (std::f64::consts::TAU / n as f64).cos();
+        let t = 0.5_f64.powi(40);
+        for (near, exact) in basis_at(triple, t, 0.5 * t).iter().zip(&exact) {
+            let error = (near[0] - exact[0]).abs();
+            assert!(
+                error < 4.0 * lambda.powi(40) + 1e-15,
+                "{triple:?}: {error:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn tables_hold_the_basis_at_the_rule_points() {
+    let mut cache = TableCache::new();
+    for rule in [Rule::Three, Rule::Twelve] {
+        let table = cache.table([5, 7, 6], rule).clone();
+        assert_eq!((table.n, table.points), (12, rule.points().len()));
+        for (q, &[v, w]) in rule.points().iter().enumerate() {
+            for (i, row) in basis_at([5, 7, 6], v, w).iter().enumerate() {
+                for d in 0..DERIVATIVES {
+                    assert_eq!(table.row(q, d)[i], row[d]);
+                }
+            }
+        }
+    }
+}

@@ -1,10 +1,10 @@
 //! Control vertices and basis tables of a list of faces.
 
-use std::collections::BTreeMap;
-
 use super::basis::{BasisTable, TableCache};
+use super::folding::fold;
+use super::gather::gather;
 use super::rule::Rule;
-use crate::mesh::{FaceId, HalfedgeId, Topology, VertexId};
+use crate::mesh::{FaceId, Topology};
 
 /// The stencils of a list of faces: which vertices control each, and with which basis functions.
 ///
@@ -49,61 +49,66 @@ impl Elements {
     }
 }
 
-/// Gathers the stencils of `faces`.
+/// Gathers the stencils of `faces`, with tables for the points of `rule`.
+///
+/// Where a corner of a face lies on an open boundary, the mesh is thought continued: beyond each
+/// boundary edge `(p, q)` of a triangle `(p, q, r)` by a ghost vertex `p + q - r`, and at each
+/// boundary vertex by one more triangle between the ghosts of its two boundary edges. Ghosts do not
+/// appear in the result: their basis functions are added to those of the vertices they are made of.
+/// Likewise a vertex that occurs several times around a triangle of a tiny closed mesh appears once,
+/// with the sum of its functions.
 pub fn elements(
     topology: &Topology,
     faces: &[FaceId],
     rule: Rule,
     cache: &mut TableCache,
 ) -> Elements {
-    let mut valence = vec![0u32; topology.vertex_count()];
-    let mut classes: BTreeMap<[usize; 3], Vec<FaceId>> = BTreeMap::new();
-    for &f in faces {
-        let valences = topology.face_vertices(f).map(|v| {
-            let n = &mut valence[v.index()];
-            if *n == 0 {
-                *n = topology.valence(v) as u32;
-            }
-            *n as usize
-        });
-        classes.entry(valences).or_default().push(f);
-    }
-    let mut out = Elements::default();
-    out.offset.push(0);
-    for (valences, members) in classes {
+    let gathered = gather(topology, faces);
+    let mut out = Elements {
+        tables: Vec::with_capacity(gathered.classes.len()),
+        table_of: Vec::with_capacity(faces.len()),
+        offset: Vec::with_capacity(faces.len() + 1),
+        vertices: gathered.vertices,
+        faces: gathered.faces,
+    };
+    let mut end = 0;
+    out.offset.push(end);
+    for (valences, count) in gathered.classes {
         let table = out.tables.len() as u32;
         out.tables.push(cache.table(valences, rule).clone());
-        for f in members {
-            gather(topology, f, valences, &mut out.vertices);
-            out.offset.push(out.vertices.len() as u32);
-            out.table_of.push(table);
-            out.faces.push(f.0);
-        }
+        out.table_of.extend(std::iter::repeat_n(table, count));
+        let n = stencil_size(valences) as u32;
+        out.offset.extend((1..=count as u32).map(|i| end + i * n));
+        end += count as u32 * n;
     }
+    push_folded(topology, &gathered.to_fold, rule, cache, &mut out);
     out
 }
 
-/// Appends the control vertices of a face whose corners are all inner vertices.
-fn gather(topology: &Topology, f: FaceId, valences: [usize; 3], vertices: &mut Vec<u32>) {
-    let h0 = topology.halfedge_of_face(f);
-    let h1 = topology.next(h0);
-    let h2 = topology.next(h1);
-    vertices.extend([h0, h1, h2].map(|h| topology.origin(h).0));
-    if valences == [3, 3, 3] {
-        vertices.push(opposite(topology, h0.twin()).0);
-        return;
-    }
-    for (incoming, corner) in [(h0, 1), (h1, 2), (h2, 0)] {
-        let mut out = incoming.twin();
-        for _ in 3..valences[corner] {
-            let previous = topology.prev_in_face(out);
-            vertices.push(topology.origin(previous).0);
-            out = previous.twin();
+/// Appends the elements whose control vertices are not distinct real vertices.
+fn push_folded(
+    topology: &Topology,
+    faces: &[FaceId],
+    rule: Rule,
+    cache: &mut TableCache,
+    out: &mut Elements,
+) {
+    let mut folded: Vec<_> = faces.iter().map(|&f| (fold(topology, f), f)).collect();
+    folded.sort_by(|((a, _), _), ((b, _), _)| a.cmp(b));
+    for group in folded.chunk_by(|((a, _), _), ((b, _), _)| a == b) {
+        let table = out.tables.len() as u32;
+        let ((folding, _), _) = &group[0];
+        out.tables.push(cache.folded_table(folding, rule).clone());
+        for ((_, vertices), f) in group {
+            out.vertices.extend_from_slice(vertices);
+            out.table_of.push(table);
+            out.offset.push(out.vertices.len() as u32);
+            out.faces.push(f.0);
         }
     }
 }
 
-/// The vertex of a half-edge's face that is not on it.
-fn opposite(topology: &Topology, h: HalfedgeId) -> VertexId {
-    topology.target(topology.next(h))
+/// Number of control vertices of a triangle.
+pub(super) fn stencil_size([a, b, c]: [usize; 3]) -> usize {
+    (a + b + c - 6).max(4)
 }

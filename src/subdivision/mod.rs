@@ -8,12 +8,22 @@
 
 mod basis;
 mod elements;
+mod folding;
+mod gather;
+mod limit;
 mod masks;
 mod patch;
 mod regular;
+mod ring;
 mod rule;
 
 pub use basis::{BasisTable, DERIVATIVES, TableCache, basis_at};
 pub use elements::{Elements, elements};
+pub use limit::{limit_normal, limit_normals, limit_position, limit_positions};
 pub use masks::{EDGE_END, EDGE_OPPOSITE, beta, limit_mask, omega, tangent_mask};
 pub use rule::Rule;
+
+#[cfg(test)]
+mod surface_tests;
+#[cfg(test)]
+mod test_meshes;

@@ -3,6 +3,7 @@
 mod header;
 mod read;
 mod source;
+mod vertices;
 mod write;
 
 pub(super) use read::read;

@@ -4,14 +4,19 @@ use super::super::error::{Fault, Place, Problem, excerpt};
 use super::super::scan::Scanner;
 use super::header::Scalar;
 
+/// What a row or a number belongs to, put into words only for a message.
+pub(super) type What<'a> = &'a dyn Fn() -> String;
+
 /// Where the next number comes from.
 pub(super) trait Source {
-    /// Goes to the start of a row; `what` names it for the message if there is none.
-    fn begin_row(&mut self, what: &dyn Fn() -> String) -> Result<(), Fault>;
+    /// Goes to the start of a row.
+    fn begin_row(&mut self, what: What<'_>) -> Result<(), Fault>;
     /// The next number of the row.
-    fn number(&mut self, scalar: Scalar, what: &dyn Fn() -> String) -> Result<f64, Fault>;
+    fn number(&mut self, scalar: Scalar, what: What<'_>) -> Result<f64, Fault>;
+    /// The next number of the row, of an integer type.
+    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, Fault>;
     /// Leaves the row.
-    fn end_row(&mut self, what: &dyn Fn() -> String) -> Result<(), Fault>;
+    fn end_row(&mut self, what: What<'_>) -> Result<(), Fault>;
     /// Bytes not read yet.
     fn remaining(&self) -> usize;
     /// Where the number read last stands, for messages.
@@ -41,61 +46,54 @@ impl<'a> Text<'a> {
             self.scanner.skip_blanks();
         }
     }
+
+    fn found(&self) -> String {
+        excerpt(self.scanner.token_at(self.scanner.at()))
+    }
 }
 
 impl Source for Text<'_> {
-    fn begin_row(&mut self, what: &dyn Fn() -> String) -> Result<(), Fault> {
+    fn begin_row(&mut self, what: What<'_>) -> Result<(), Fault> {
         self.skip_empty_lines();
         if self.scanner.at_end() {
-            let what = format!("it ends before {}", what());
-            return Err(Fault {
-                place: self.place(),
-                problem: Problem::Truncated { what },
-            });
+            let problem = Problem::truncated(format!("it ends before {}", what()));
+            return Err(self.place().fault(problem));
         }
         Ok(())
     }
 
-    fn number(&mut self, scalar: Scalar, what: &dyn Fn() -> String) -> Result<f64, Fault> {
+    fn number(&mut self, _: Scalar, what: What<'_>) -> Result<f64, Fault> {
         self.scanner.skip_blanks();
-        let place = self.place();
         if self.scanner.line_over() {
-            let what = format!("{} has too few numbers on its line", what());
-            return Err(Fault {
-                place,
-                problem: Problem::Truncated { what },
-            });
+            let problem = Problem::truncated(format!("{} has too few numbers", what()));
+            return Err(self.place().fault(problem));
         }
-        match self.scanner.float() {
-            Some(value) if !scalar.is_integer() || value == value.trunc() => Ok(value),
-            Some(value) => {
-                let what = format!("{} needs a whole number", what());
-                let found = value.to_string();
-                Err(Fault {
-                    place,
-                    problem: Problem::Syntax { what, found },
-                })
-            }
-            None => {
-                let found = excerpt(self.scanner.peek_token());
-                let what = format!("a value of {}", what());
-                Err(Fault {
-                    place,
-                    problem: Problem::NotANumber { what, found },
-                })
-            }
-        }
+        self.scanner.float().ok_or_else(|| {
+            let what = format!("a value of {}", what());
+            self.place().fault(Problem::NotANumber {
+                what,
+                found: self.found(),
+            })
+        })
     }
 
-    fn end_row(&mut self, what: &dyn Fn() -> String) -> Result<(), Fault> {
+    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, Fault> {
+        let value = self.number(scalar, what)?;
+        if value == value.trunc() {
+            return Ok(value as i64);
+        }
+        let problem = Problem::syntax(
+            format!("{} needs a whole number", what()),
+            value.to_string(),
+        );
+        Err(self.place().fault(problem))
+    }
+
+    fn end_row(&mut self, what: What<'_>) -> Result<(), Fault> {
         self.scanner.skip_blanks();
         if !self.scanner.line_over() {
             let what = format!("{} has more on its line than the header says", what());
-            let found = excerpt(self.scanner.peek_token());
-            return Err(Fault {
-                place: self.place(),
-                problem: Problem::Syntax { what, found },
-            });
+            return Err(self.place().fault(Problem::syntax(what, self.found())));
         }
         self.scanner.next_line();
         Ok(())
@@ -132,46 +130,49 @@ impl<'a, const BIG: bool> Binary<'a, BIG> {
     }
 
     #[inline]
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let mut raw: [u8; N] = self.bytes.get(self.at..self.at + N)?.try_into().ok()?;
+    fn take<const N: usize>(&mut self, what: What<'_>) -> Result<[u8; N], Fault> {
+        let Some(raw) = self.bytes[self.at..].first_chunk::<N>() else {
+            let problem = Problem::truncated(format!("it ends in {}", what()));
+            return Err(Place::Byte(self.bytes.len()).fault(problem));
+        };
         self.last = self.at;
         self.at += N;
+        let mut raw = *raw;
         if BIG {
             raw.reverse();
         }
-        Some(raw)
+        Ok(raw)
     }
 }
 
 impl<const BIG: bool> Source for Binary<'_, BIG> {
     #[inline]
-    fn begin_row(&mut self, _: &dyn Fn() -> String) -> Result<(), Fault> {
+    fn begin_row(&mut self, _: What<'_>) -> Result<(), Fault> {
         Ok(())
     }
 
     #[inline]
-    fn number(&mut self, scalar: Scalar, what: &dyn Fn() -> String) -> Result<f64, Fault> {
-        let value = match scalar {
-            Scalar::I8 => self.take().map(|b| f64::from(i8::from_le_bytes(b))),
-            Scalar::U8 => self.take().map(|b| f64::from(u8::from_le_bytes(b))),
-            Scalar::I16 => self.take().map(|b| f64::from(i16::from_le_bytes(b))),
-            Scalar::U16 => self.take().map(|b| f64::from(u16::from_le_bytes(b))),
-            Scalar::I32 => self.take().map(|b| f64::from(i32::from_le_bytes(b))),
-            Scalar::U32 => self.take().map(|b| f64::from(u32::from_le_bytes(b))),
-            Scalar::F32 => self.take().map(|b| f64::from(f32::from_le_bytes(b))),
-            Scalar::F64 => self.take().map(f64::from_le_bytes),
-        };
-        value.ok_or_else(|| {
-            let what = format!("it ends in {}", what());
-            Fault {
-                place: Place::Byte(self.bytes.len()),
-                problem: Problem::Truncated { what },
-            }
+    fn number(&mut self, scalar: Scalar, what: What<'_>) -> Result<f64, Fault> {
+        Ok(match scalar {
+            Scalar::I8 => f64::from(i8::from_le_bytes(self.take(what)?)),
+            Scalar::U8 => f64::from(u8::from_le_bytes(self.take(what)?)),
+            Scalar::I16 => f64::from(i16::from_le_bytes(self.take(what)?)),
+            Scalar::U16 => f64::from(u16::from_le_bytes(self.take(what)?)),
+            Scalar::I32 => f64::from(i32::from_le_bytes(self.take(what)?)),
+            Scalar::U32 => f64::from(u32::from_le_bytes(self.take(what)?)),
+            Scalar::F32 => f64::from(f32::from_le_bytes(self.take(what)?)),
+            Scalar::F64 => f64::from_le_bytes(self.take(what)?),
         })
     }
 
     #[inline]
-    fn end_row(&mut self, _: &dyn Fn() -> String) -> Result<(), Fault> {
+    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, Fault> {
+        // Exact: the integer types have 32 bits at most.
+        self.number(scalar, what).map(|value| value as i64)
+    }
+
+    #[inline]
+    fn end_row(&mut self, _: What<'_>) -> Result<(), Fault> {
         Ok(())
     }
 

@@ -14,7 +14,7 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
     } else {
         4
     };
-    let index = if mesh.positions.len() <= i32::MAX as usize {
+    let index = if i32::try_from(mesh.positions.len()).is_ok() {
         "int"
     } else {
         "uint"

@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use super::super::{Format, LoadError, OutputMesh, SaveError, atomic, load, same_file, save};
+use super::super::{
+    Format, LoadError, OutputMesh, SaveError, atomic, check_target, load, same_file, save,
+};
 use crate::mesh::DVec3;
 
 const POSITIONS: [DVec3; 3] = [DVec3::ZERO, DVec3::X, DVec3::Y];
@@ -55,6 +57,8 @@ fn saved_files_load_again() {
             .path()
             .join("mesh")
             .with_extension(format.extension());
+        assert_eq!(check_target(&path).expect("free"), format);
+        assert!(!path.exists());
         for _ in 0..2 {
             save(&path, &triangle()).expect("saved");
             assert_eq!(load(&path).expect("loaded").positions, POSITIONS);
@@ -99,7 +103,7 @@ fn a_failed_write_leaves_the_old_file_and_nothing_else() {
     let path = directory.path().join("old.obj");
     fs::write(&path, "old").expect("written");
     let full = |out: &mut dyn std::io::Write| {
-        out.write_all(&[b'v'; 1 << 20])?;
+        out.write_all(&vec![b'v'; 1 << 20])?;
         Err(std::io::ErrorKind::StorageFull.into())
     };
     let error = atomic::replace(&path, full).expect_err("full");
@@ -169,4 +173,30 @@ fn the_same_file_by_other_names() {
     assert!(same_file(&path, &around) && !same_file(&path, &other));
     fs::hard_link(&path, &other).expect("linked");
     assert!(cfg!(not(unix)) || same_file(&path, &other));
+}
+
+#[test]
+fn material_libraries_are_looked_up() {
+    let directory = tempfile::tempdir().expect("temporary directory");
+    let path = directory.path().join("mesh.obj");
+    let text = "mtllib one.mtl two.mtl\nmtllib my own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\n\
+        f 1 2 3\nusemtl deep blue\nf 1 2 3\nusemtl green\nf 1 2 3\n";
+    fs::write(&path, text).expect("written");
+    fs::write(directory.path().join("one.mtl"), "newmtl red\nKd 1 0\n").expect("written");
+    fs::write(
+        directory.path().join("my own.mtl"),
+        "# x\r\n\tnewmtl deep blue\r\n",
+    )
+    .expect("written");
+    let soup = load(&path).expect("loaded");
+    let notes = soup.notes.join("; ");
+    assert!(
+        notes.contains("material library 'two.mtl' is not beside the file"),
+        "{notes}"
+    );
+    assert!(
+        notes.contains("materials without a definition, names kept: 'green'"),
+        "{notes}"
+    );
+    assert_eq!(soup.material_libraries, ["one.mtl two.mtl", "my own.mtl"]);
 }

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::super::{Format, MeshFault, OutputMesh, check, write};
+use super::super::{Format, MeshFault, OutputMesh, check, losses, write};
 use super::good;
 use crate::mesh::{DVec3, FaceTag, Soup};
 
@@ -169,6 +169,30 @@ fn stl_is_exact_to_single_precision() {
             .map(|x| f64::from(x as f32).to_bits())
     };
     assert_eq!(bits(&soup.positions), [single(2), single(0), single(1)]);
+}
+
+#[test]
+fn what_a_format_leaves_out_is_said() {
+    let near = [
+        DVec3::splat(1e6),
+        DVec3::splat(1e6) + DVec3::X * 1e-3,
+        DVec3::ZERO,
+    ];
+    let mesh = OutputMesh {
+        positions: &near,
+        triangles: &[[0, 1, 2]],
+        ..OutputMesh::default()
+    };
+    assert!(losses(Format::Obj, &mesh).is_empty() && losses(Format::Ply, &mesh).is_empty());
+    assert!(losses(Format::Stl, &mesh)[0].contains("1 triangles collapse"));
+    let tags = [FaceTag::default()];
+    let full = OutputMesh {
+        colors: &[[0.5; 4]; 3],
+        face_tags: &[0],
+        tags: &tags,
+        ..mesh
+    };
+    assert_eq!(Format::ALL.map(|f| losses(f, &full).len()), [1, 1, 3]);
 }
 
 #[test]

@@ -1,10 +1,20 @@
 //! From the polygons of a file to an oriented manifold triangle mesh, and what had to be repaired.
 
+mod edges;
+mod fans;
+mod join;
+mod repair;
 mod report;
+mod summary;
+mod triangulate;
+mod weld;
 
 pub use report::{ComponentReport, Defect, DefectKind, LoadReport};
 
-use super::{Mesh, Soup, Topology, TopologyError};
+use super::{Mesh, Soup, TopologyError};
+use repair::{Faces, Repaired, repair};
+use summary::summarize;
+use triangulate::{Triangles, triangulate};
 
 /// Why no mesh can be made of what the file holds.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -52,6 +62,15 @@ pub enum BuildError {
         /// Faces in the file.
         faces: usize,
     },
+    /// No component of the surface can be oriented.
+    #[error(
+        "the surface is one-sided (all {faces} triangles belong to Moebius strips): it has no \
+         inside and outside, which a flow needs; cut it open along a line across the strip"
+    )]
+    OneSided {
+        /// Triangles.
+        faces: usize,
+    },
     /// Repair left something that is not a manifold: a defect of this program.
     #[error("the mesh could not be repaired: {0}; please report this file")]
     Unrepaired(#[from] TopologyError),
@@ -59,30 +78,90 @@ pub enum BuildError {
 
 /// Makes an oriented manifold mesh of a file's polygons and says what was done to them.
 ///
+/// In this order: polygons are cut into triangles; faces that name a vertex twice or repeat an
+/// earlier face are dropped; where more than two faces share an edge, two of them stay joined and
+/// the others are cut off; boundary edges with exactly the same end positions are welded (all
+/// vertices in a file that repeats them for every face); sheets are turned to agree with the
+/// majority of their faces; vertices joining several sheets are split. Positions are never moved. A
+/// file that is an oriented manifold already comes through unchanged.
+///
+/// Components that cannot be oriented are left alone (see [`Mesh::one_sided`]).
+///
 /// # Errors
-/// [`BuildError`] where no sound mesh can be made.
+/// [`BuildError`] where no sound mesh can be made, [`BuildError::OneSided`] if no component can be
+/// oriented.
 pub fn build(soup: &Soup) -> Result<(Mesh, LoadReport), BuildError> {
-    let triangles: Vec<[u32; 3]> = (0..soup.face_count())
-        .flat_map(|f| {
-            let p = soup.face(f);
-            (1..p.len().saturating_sub(1)).map(move |i| [p[0], p[i], p[i + 1]])
-        })
-        .collect();
-    if triangles.is_empty() {
-        return Err(BuildError::NoFaces {
-            vertices: soup.positions.len(),
+    validate(soup)?;
+    let triangles = triangulate(soup);
+    if triangles.corners.is_empty() {
+        return Err(BuildError::OnlyDegenerate {
+            faces: soup.face_count(),
         });
     }
-    let topology = Topology::from_triangles(soup.positions.len(), &triangles)?;
-    let mut mesh = Mesh::new(soup.positions.clone(), topology);
-    mesh.colors.clone_from(&soup.colors);
-    let report = LoadReport {
-        file_vertices: soup.positions.len(),
-        file_faces: soup.face_count(),
-        vertices: mesh.vertex_count(),
-        faces: mesh.face_count(),
-        notes: soup.notes.clone(),
-        ..LoadReport::default()
-    };
+    let repaired = repair(&soup.positions, soup.exploded, &triangles.corners)?;
+    if repaired.triangles.is_empty() {
+        return Err(BuildError::OneSided {
+            faces: repaired.one_sided.len(),
+        });
+    }
+    let mesh = assemble(soup, &triangles, &repaired);
+    let report = summarize(soup, &triangles, &repaired, &mesh);
     Ok((mesh, report))
+}
+
+fn validate(soup: &Soup) -> Result<(), BuildError> {
+    const LIMIT: usize = 1 << 30;
+    let vertices = soup.positions.len();
+    if soup.corners.len() >= LIMIT || vertices >= LIMIT {
+        return Err(BuildError::TooLarge {
+            corners: soup.corners.len().max(vertices),
+            limit: LIMIT,
+        });
+    }
+    if soup.face_count() == 0 {
+        return Err(BuildError::NoFaces { vertices });
+    }
+    if let Some(v) = soup.positions.iter().position(|p| !p.is_finite()) {
+        return Err(BuildError::NotFinite {
+            vertex: v + 1,
+            position: soup.positions[v],
+        });
+    }
+    if let Some(c) = soup.corners.iter().position(|&v| v as usize >= vertices) {
+        return Err(BuildError::IndexOutOfRange {
+            face: soup.offsets.partition_point(|&o| o as usize <= c),
+            vertex: soup.corners[c] as usize + 1,
+            vertices,
+        });
+    }
+    Ok(())
+}
+
+/// Carries positions and attributes over to the repaired connectivity.
+fn assemble(soup: &Soup, triangles: &Triangles, repaired: &Repaired) -> Mesh {
+    let pick = |faces: &Faces| -> Vec<u32> {
+        if soup.face_tags.is_empty() {
+            return Vec::new();
+        }
+        (0..faces.len())
+            .map(|i| soup.face_tags[triangles.file_face(faces.origin(i)) as usize])
+            .collect()
+    };
+    Mesh {
+        positions: match &repaired.source {
+            None => soup.positions.clone(),
+            Some(of) => of.iter().map(|&v| soup.positions[v as usize]).collect(),
+        },
+        topology: repaired.topology.clone(),
+        colors: match &repaired.source {
+            Some(of) if !soup.colors.is_empty() => {
+                of.iter().map(|&v| soup.colors[v as usize]).collect()
+            }
+            _ => soup.colors.clone(),
+        },
+        face_tags: pick(&repaired.triangles),
+        tags: soup.tags.clone(),
+        one_sided: repaired.one_sided.corners.clone(),
+        one_sided_tags: pick(&repaired.one_sided),
+    }
 }

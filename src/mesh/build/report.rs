@@ -32,6 +32,8 @@ pub struct LoadReport {
     pub non_manifold_edges: usize,
     /// Vertices that joined several sheets at a point, which were split.
     pub split_vertices: usize,
+    /// Vertices at which a hole touches itself, so that it counts as two or more.
+    pub pinched_vertices: usize,
     /// Copies of vertices appended at the end of the list by these cuts.
     pub appended_vertices: usize,
     /// Triangles of one-sided components, which are left alone.
@@ -96,6 +98,8 @@ pub enum DefectKind {
     NonManifoldEdge,
     /// A vertex joining several sheets, split.
     NonManifoldVertex,
+    /// A vertex at which a hole touches itself.
+    PinchedHole,
     /// A component without orientation, left alone.
     OneSidedComponent,
 }

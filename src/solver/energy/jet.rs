@@ -7,8 +7,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// `f` and its derivatives up to second order at a point `(H, K)`.
 ///
-/// With `f` in units of [f] and length L: `h` has [f]·L, `k` [f]·L², `hh` [f]·L², `hk` [f]·L³,
-/// `kk` [f]·L⁴. Non-finite members mean that `f` is not twice differentiable there.
+/// With F the unit of `f` and L that of length: `h` is in F·L, `k` and `hh` in F·L², `hk` in
+/// F·L³, `kk` in F·L⁴. Non-finite members mean that `f` is not twice differentiable there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jet2 {
     /// `f`.

@@ -185,11 +185,8 @@ impl Energy {
     pub fn jet(&self, h: f64, k: f64) -> Jet2 {
         match &self.density {
             Density::Preset(preset, h0) => preset.jet(*h0, h, k),
-            Density::Plain(program) => program.eval(&expr::JetAlgebra { h, k }),
-            Density::Principal(program, even) => {
-                let algebra = expr::PairAlgebra::new(h, k);
-                algebra.finish(program.eval(&algebra), *even)
-            }
+            Density::Plain(program) => program.eval(&expr::JetAlgebra::plain(h, k)),
+            Density::Principal(program, even) => expr::PairAlgebra::jet(program, *even, h, k),
         }
     }
 
@@ -207,11 +204,16 @@ impl Energy {
     /// The order of an expression that is no low polynomial: second where no sample has a second
     /// derivative (abs(H), say).
     fn sampled_order(&self) -> Order {
-        let linear = expr::sample_curvatures()
+        let mut jets = expr::sample_curvatures()
             .map(|[h, k]| self.jet(h, k))
             .filter(Jet2::is_finite)
-            .all(|jet| [jet.hh, jet.hk, jet.kk] == [0.0; 3]);
-        if linear { Order::Second } else { Order::Fourth }
+            .peekable();
+        let known = jets.peek().is_some();
+        if known && jets.all(|jet| [jet.hh, jet.hk, jet.kk] == [0.0; 3]) {
+            Order::Second
+        } else {
+            Order::Fourth
+        }
     }
 }
 
@@ -222,7 +224,7 @@ impl fmt::Debug for Energy {
             .field("params", &self.params)
             .field("preset", &self.as_preset())
             .field("order", &self.order)
-            .finish()
+            .finish_non_exhaustive()
     }
 }
 

@@ -1,5 +1,6 @@
 //! Typed energies: text to a postfix program, and what it is evaluated over.
 
+mod build;
 mod error;
 mod lex;
 mod pair;

@@ -15,16 +15,22 @@
 //! O_u = (E[φ'] − O[φ])/(2u),  O_au = (E[φ''] − O[φ'])/(2u),  O_uu = (½ O[φ''] − 3 O_u)/(2u).
 //! ```
 //!
-//! **Threshold.** With ℓ the length over which φ varies (1 for exp, sin, cos, tanh; the distance
-//! |a| to the singularity for log; |a|/max(1,|c|) for powers c) these differences lose
-//! `ε (ℓ/w)³` in what the even part of the result needs (`E_uu`, `u·O_uu`), `ε (ℓ/w)⁵` in `O_uu`
-//! itself. Below `w = ℓ/8` the Taylor series of φ at `a` is used instead, through `u^8`
-//! ([`TERMS`]): its remainder is `64^-9`-ish of the leading term times at most `21·20` from two
-//! differentiations, under 1e-13. At the switch the differences lose under 1e-13 in what matters
-//! and 1e-11 in `O_uu`, so nothing jumps by more than that.
+//! **Near umbilics.** With ℓ the length over which φ varies (1 for exp, sin, cos, tanh; the
+//! distance |a| to the singularity for log; |a|/max(1,|c|) for powers c) these differences lose
+//! `ε (ℓ/w)³` in what the even part of the result needs (`E_uu`, `u·O_uu`) and `ε (ℓ/w)⁵` in
+//! `O_uu` itself. Below `w = ℓ/8` ([`SWITCH`]) the Taylor series of φ at `a` takes their place,
+//! [`TERMS`] = 9 of them: the first one left out is `64⁻⁹` times at most 21·20 of the leading one,
+//! below 1e-13. At the switch the differences lose about 1e-13, and 1e-11 in `O_uu`.
+//!
+//! **Far from umbilics.** `a − w` cancels where φ, or a quotient, meets values at κ1 and κ2 that
+//! differ much, as in sqrt(1e-8 + k1^2) on a cylinder. Beyond a factor of 64 ([`CANCELLED`]) the
+//! point is marked, and the caller evaluates by the plain chain rule through κ1 and κ2 instead:
+//! there `s` is as large as the lengths over which the expression varies, and nothing is lost.
 
-use super::program::{Algebra, Function, Op, Variable};
-use super::scalar::unary as jet_unary;
+use std::cell::Cell;
+
+use super::program::{Algebra, Function, Op, Program, Variable};
+use super::scalar::{JetAlgebra, unary as jet_unary};
 use crate::solver::energy::jet::{Jet2, Outer2};
 
 /// `a + s b` with `s = √(H² − K) ≥ 0`.
@@ -38,7 +44,7 @@ pub struct Pair {
 ///
 /// For `H² < K` (no surface has that, but roundoff does) rational expressions are continued as the
 /// same rational function of `H` and `K`; smooth functions use the umbilic value `u = 0`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PairAlgebra {
     h: f64,
     k: f64,
@@ -46,6 +52,8 @@ pub struct PairAlgebra {
     t: Jet2,
     /// `s`, 0 where `t < 0`.
     s: f64,
+    /// Set when the values at κ1 and κ2 differed too much for `a ± s b`.
+    cancelled: Cell<bool>,
 }
 
 /// Terms in `u` of the series, and the order in `a` that takes.
@@ -53,10 +61,11 @@ const TERMS: usize = 9;
 const ORDER: usize = 2 * TERMS + 5;
 /// The switch to the series: `w < SWITCH · ℓ`.
 const SWITCH: f64 = 0.125;
+/// Smallest `(a − w)/a` at which `a − w` is used.
+const CANCELLED: f64 = 1.0 / 64.0;
 
 impl PairAlgebra {
-    /// Pairs at `(h, k)`.
-    pub fn new(h: f64, k: f64) -> Self {
+    fn new(h: f64, k: f64) -> Self {
         let t = Jet2 {
             f: h * h - k,
             h: 2.0 * h,
@@ -70,20 +79,34 @@ impl PairAlgebra {
             k,
             t,
             s: t.f.max(0.0).sqrt(),
+            cancelled: Cell::new(false),
         }
     }
 
-    /// `f` from the pair an expression ends in.
+    /// `f` of an expression at `(h, k)`.
     ///
     /// `odd_cancels` says that the expression is even in `s` (symmetric, and free of abs, min and
-    /// max of κ1, κ2), so that what is left of the odd part is roundoff. Otherwise `s b` is added,
-    /// whose derivatives are infinite at umbilics unless `b` vanishes there.
-    pub fn finish(&self, x: Pair, odd_cancels: bool) -> Jet2 {
+    /// max of κ1 and κ2), so that what is left of the odd part is roundoff. Otherwise `s b` is
+    /// added, whose derivatives are infinite at umbilics unless `b` vanishes there.
+    pub fn jet(program: &Program, odd_cancels: bool, h: f64, k: f64) -> Jet2 {
+        let algebra = Self::new(h, k);
+        let x = program.eval(&algebra);
+        if algebra.cancelled.get() {
+            return program.eval(&JetAlgebra::principal(h, k));
+        }
         if odd_cancels || x.b.is_zero() {
             return x.a;
         }
-        let root = jet_unary(Op::Call(Function::Power(0.5)), self.t);
+        let root = jet_unary(Op::Call(Function::Power(0.5)), algebra.t);
         x.a + root * x.b
+    }
+
+    /// Marks the point when a difference has lost too much; not at an umbilic, where κ1 and κ2
+    /// are no better.
+    fn watch(&self, difference: f64, of: f64) {
+        if difference < CANCELLED * of && self.s > 0.0 {
+            self.cancelled.set(true);
+        }
     }
 
     fn mul(&self, x: Pair, y: Pair) -> Pair {
@@ -109,10 +132,12 @@ impl PairAlgebra {
         if x.b.is_zero() {
             return even(x.a.recip());
         }
-        let norm = (x.a * x.a - self.t * (x.b * x.b)).recip();
+        let norm = x.a * x.a - self.t * (x.b * x.b);
+        self.watch(norm.f.abs(), x.a.f * x.a.f);
+        let inverse = norm.recip();
         Pair {
-            a: x.a * norm,
-            b: -(x.b * norm),
+            a: x.a * inverse,
+            b: -(x.b * inverse),
         }
     }
 
@@ -148,9 +173,11 @@ impl PairAlgebra {
         let mut u = self.t * (x.b * x.b);
         u.f = u.f.max(0.0);
         let a = x.a.f;
-        let (e, o) = if u.f.sqrt() < SWITCH * function.length(a) {
-            series(&function.taylor(a), u.f)
+        let length = function.length(a);
+        let (e, o) = if u.f.sqrt() < SWITCH * length {
+            series(&function.taylor(a, length), length, u.f)
         } else {
+            self.watch((a.abs() - u.f.sqrt()).abs().max(function.unit()), a.abs());
             differences(function, a, u.f)
         };
         Pair {
@@ -281,10 +308,12 @@ fn differences(function: Function, a: f64, u: f64) -> (Outer2, Outer2) {
     )
 }
 
-/// The same from Taylor coefficients `c_m = φ^(m)(a)/m!`:
-/// `E = Σ c_{2n} uⁿ`, `O = Σ c_{2n+1} uⁿ`.
-fn series(c: &[f64; ORDER], u: f64) -> (Outer2, Outer2) {
-    let part = |first: usize| {
+/// The same from Taylor coefficients `c_m = ℓ^m φ^(m)(a)/m!`, `ℓ = length`:
+/// `E = Σ c_{2n} (u/ℓ²)ⁿ`, `ℓ O = Σ c_{2n+1} (u/ℓ²)ⁿ`. (In units of ℓ, or powers overflow.)
+fn series(c: &[f64; ORDER], length: f64, u: f64) -> (Outer2, Outer2) {
+    let r = length.recip();
+    let u = u * r * r;
+    let part = |first: usize, unit: f64| {
         let mut p = Outer2 {
             f: 0.0,
             a: 0.0,
@@ -306,61 +335,56 @@ fn series(c: &[f64; ORDER], u: f64) -> (Outer2, Outer2) {
             p.au = p.au * u + (y + 1.0) * (x + 3.0) * c[m + 3];
             p.uu = p.uu * u + (y + 1.0) * (y + 2.0) * c[m + 4];
         }
-        p
+        let (first, second) = (unit * r, unit * r * r);
+        Outer2 {
+            f: p.f * unit,
+            a: p.a * first,
+            u: p.u * second,
+            aa: p.aa * second,
+            au: p.au * first * r * r,
+            uu: p.uu * second * r * r,
+        }
     };
-    (part(0), part(1))
+    (part(0, 1.0), part(1, r))
 }
 
 impl Function {
+    /// A change of the argument that matters wherever it is made; 0 for functions of ratios.
+    fn unit(self) -> f64 {
+        match self {
+            Self::Exp | Self::Sin | Self::Cos | Self::Tanh => 1.0,
+            Self::Log | Self::Power(_) => 0.0,
+        }
+    }
+
     /// The length over which the function varies at `x`.
     fn length(self, x: f64) -> f64 {
         match self {
-            Self::Exp | Self::Sin | Self::Cos | Self::Tanh => 1.0,
+            Self::Exp | Self::Sin | Self::Cos | Self::Tanh => self.unit(),
             Self::Log => x.abs(),
             Self::Power(c) => x.abs() / c.abs().max(1.0),
         }
     }
 
-    /// Taylor coefficients at `x`.
-    fn taylor(self, x: f64) -> [f64; ORDER] {
+    /// Taylor coefficients at `x` in units of `length`.
+    fn taylor(self, x: f64, length: f64) -> [f64; ORDER] {
         let mut c = [0.0; ORDER];
-        match self {
-            Self::Exp => {
-                c[0] = x.exp();
-                for m in 1..ORDER {
-                    c[m] = c[m - 1] / m as f64;
+        let value = self.at(x);
+        (c[0], c[1]) = (value.f, value.d * length);
+        for m in 2..ORDER {
+            let n = m as f64;
+            c[m] = match self {
+                Self::Exp => c[m - 1] * length / n,
+                Self::Sin | Self::Cos => -c[m - 2] * length * length / (n * (n - 1.0)),
+                // From xφ'' = −φ' and xφ' = cφ.
+                Self::Log => -c[m - 1] * (length / x) * ((n - 1.0) / n),
+                Self::Power(p) => c[m - 1] * (length / x) * ((p - n + 1.0) / n),
+                // From φ'' = −2φφ' = −(φ²)'.
+                Self::Tanh => {
+                    let square: f64 = (0..m).map(|i| c[i] * c[m - 1 - i]).sum();
+                    -square * length / n
                 }
-            }
-            Self::Sin | Self::Cos => {
-                let value = self.at(x);
-                (c[0], c[1]) = (value.f, value.d);
-                for m in 2..ORDER {
-                    c[m] = -c[m - 2] / (m * (m - 1)) as f64;
-                }
-            }
-            Self::Log => {
-                c[0] = x.ln();
-                let mut power = -1.0;
-                for m in 1..ORDER {
-                    power /= -x;
-                    c[m] = power / m as f64;
-                }
-            }
-            Self::Tanh => {
-                // y' = 1 − y², except that 1 − y² of the value itself would cancel.
-                let value = self.at(x);
-                (c[0], c[1]) = (value.f, value.d);
-                for m in 1..ORDER - 1 {
-                    let square: f64 = (0..=m).map(|i| c[i] * c[m - i]).sum();
-                    c[m + 1] = -square / (m + 1) as f64;
-                }
-            }
-            Self::Power(p) => {
-                c[0] = self.at(x).f;
-                for m in 1..ORDER {
-                    c[m] = c[m - 1] * (p - (m - 1) as f64) / (m as f64 * x);
-                }
-            }
+            };
         }
         c
     }

@@ -14,17 +14,15 @@
 
 use std::collections::BTreeMap;
 
+use super::build::Builder;
 use super::error::SyntaxError;
 use super::lex::{Kind, Token, tokens};
 use super::program::{Function, MAX_STACK, Op, Program, Variable};
-use super::scalar::ScalarAlgebra;
 
 /// Longest text accepted, bytes.
 pub const MAX_LENGTH: usize = 4096;
 /// Deepest nesting of parentheses, function calls and exponents.
-pub const MAX_DEPTH: usize = 40;
-/// Largest exponent evaluated by multiplication; beyond, `x^c` is that of a real exponent.
-const MAX_INTEGER_POWER: f64 = 1000.0;
+pub const MAX_DEPTH: usize = 30;
 
 const FUNCTIONS: [&str; 9] = [
     "abs", "sqrt", "exp", "log", "sin", "cos", "tanh", "min", "max",
@@ -59,14 +57,13 @@ pub fn parse(
         tokens: tokens(text)?,
         at: 0,
         depth: 0,
-        pending: 0,
-        ops: Vec::new(),
+        code: Builder::default(),
         params,
         used: BTreeMap::new(),
     };
     parser.sum()?;
     parser.expect_end()?;
-    let Some(program) = Program::new(parser.ops) else {
+    let Some(program) = Program::new(parser.code.finish()) else {
         return Err(SyntaxError::new(
             text,
             0,
@@ -83,9 +80,7 @@ struct Parser<'a> {
     at: usize,
     /// Open parentheses, calls and exponents.
     depth: usize,
-    /// Values on the stack when the program has run so far.
-    pending: usize,
-    ops: Vec<Op>,
+    code: Builder,
     params: &'a BTreeMap<String, f64>,
     used: BTreeMap<String, f64>,
 }
@@ -131,23 +126,25 @@ impl<'a> Parser<'a> {
     }
 
     fn sum(&mut self) -> Parsed {
-        let left = self.ops.len();
+        let left = self.code.mark();
         self.product()?;
         while let Some(c) = self.accept(&['+', '-']) {
-            let right = self.ops.len();
+            let right = self.code.mark();
             self.product()?;
-            self.emit2(if c == '+' { Op::Add } else { Op::Sub }, left, right);
+            self.code
+                .emit2(if c == '+' { Op::Add } else { Op::Sub }, left, right);
         }
         Ok(())
     }
 
     fn product(&mut self) -> Parsed {
-        let left = self.ops.len();
+        let left = self.code.mark();
         self.signed()?;
         while let Some(c) = self.accept(&['*', '/']) {
-            let right = self.ops.len();
+            let right = self.code.mark();
             self.signed()?;
-            self.emit2(if c == '*' { Op::Mul } else { Op::Div }, left, right);
+            self.code
+                .emit2(if c == '*' { Op::Mul } else { Op::Div }, left, right);
         }
         Ok(())
     }
@@ -157,24 +154,24 @@ impl<'a> Parser<'a> {
         while let Some(c) = self.accept(&['-', '+']) {
             negative ^= c == '-';
         }
-        let start = self.ops.len();
+        let start = self.code.mark();
         self.power()?;
         if negative {
-            self.emit1(Op::Neg, start);
+            self.code.emit1(Op::Neg, start);
         }
         Ok(())
     }
 
     fn power(&mut self) -> Parsed {
-        let left = self.ops.len();
+        let left = self.code.mark();
         self.atom()?;
         let caret = self.peek();
         if self.accept(&['^']).is_some() {
             self.deeper(caret)?;
-            let right = self.ops.len();
+            let right = self.code.mark();
             self.signed()?;
             self.depth -= 1;
-            self.emit2(Op::Power, left, right);
+            self.code.emit2(Op::Power, left, right);
         }
         Ok(())
     }
@@ -267,7 +264,7 @@ impl<'a> Parser<'a> {
             return Err(self.error(open, message));
         }
         self.deeper(token)?;
-        let left = self.ops.len();
+        let left = self.code.mark();
         self.sum()?;
         if matches!(name, "min" | "max") {
             let comma = self.peek();
@@ -278,10 +275,11 @@ impl<'a> Parser<'a> {
                 );
                 return Err(self.error(comma, message));
             }
-            let right = self.ops.len();
+            let right = self.code.mark();
             self.sum()?;
             self.close(open, "an operator or ')'")?;
-            self.emit2(if name == "min" { Op::Min } else { Op::Max }, left, right);
+            self.code
+                .emit2(if name == "min" { Op::Min } else { Op::Max }, left, right);
         } else {
             if self.peek().kind == Kind::Symbol(',') {
                 return Err(self.error(
@@ -290,7 +288,7 @@ impl<'a> Parser<'a> {
                 ));
             }
             self.close(open, "an operator or ')'")?;
-            self.emit1(
+            self.code.emit1(
                 match name {
                     "abs" => Op::Abs,
                     "sqrt" => Op::Call(Function::Power(0.5)),
@@ -358,77 +356,10 @@ impl<'a> Parser<'a> {
     }
 
     fn leaf(&mut self, op: Op, token: Token<'_>) -> Parsed {
-        self.pending += 1;
-        if self.pending > MAX_STACK {
+        if !self.code.leaf(op) {
             let message = format!("more than {MAX_STACK} operands wait here; simplify");
             return Err(self.error(token, message));
         }
-        self.ops.push(op);
         Ok(())
-    }
-
-    /// The operand `ops[start..end]`, if it is a single number.
-    fn number(&self, start: usize, end: usize) -> Option<f64> {
-        match self.ops[start..end] {
-            [Op::Constant(c)] => Some(c),
-            _ => None,
-        }
-    }
-
-    fn emit1(&mut self, op: Op, start: usize) {
-        match self.number(start, self.ops.len()) {
-            Some(c) => self.ops[start] = Op::Constant(ScalarAlgebra::fold1(op, c)),
-            None => self.ops.push(op),
-        }
-    }
-
-    /// Joins the operands `ops[left..right]` and `ops[right..]`, folding numbers.
-    fn emit2(&mut self, op: Op, left: usize, right: usize) {
-        self.pending -= 1;
-        match (self.number(left, right), self.number(right, self.ops.len())) {
-            (Some(x), Some(y)) => {
-                self.ops.truncate(left);
-                self.ops.push(Op::Constant(ScalarAlgebra::fold2(op, x, y)));
-            }
-            (None, Some(c)) => {
-                if let Some(joined) = with_right_number(op, c) {
-                    self.ops[right] = joined;
-                } else {
-                    self.ops.push(op);
-                }
-            }
-            (Some(c), None) => match op {
-                Op::Add => self.replace_left(left, &[Op::Shift(c)]),
-                Op::Sub => self.replace_left(left, &[Op::Neg, Op::Shift(c)]),
-                Op::Mul => self.replace_left(left, &[Op::Scale(c)]),
-                Op::Div => self.replace_left(left, &[Op::Integer(-1), Op::Scale(c)]),
-                Op::Power if c > 0.0 => {
-                    self.replace_left(left, &[Op::Scale(c.ln()), Op::Call(Function::Exp)]);
-                }
-                _ => self.ops.push(op),
-            },
-            (None, None) => self.ops.push(op),
-        }
-    }
-
-    /// Drops the number at `left`, its right operand now stands alone and takes `ops`.
-    fn replace_left(&mut self, left: usize, ops: &[Op]) {
-        self.ops.remove(left);
-        self.ops.extend_from_slice(ops);
-    }
-}
-
-/// `x op c` as an instruction of one operand.
-fn with_right_number(op: Op, c: f64) -> Option<Op> {
-    match op {
-        Op::Add => Some(Op::Shift(c)),
-        Op::Sub => Some(Op::Shift(-c)),
-        Op::Mul => Some(Op::Scale(c)),
-        Op::Div => Some(Op::Scale(1.0 / c)),
-        Op::Power if c.fract() == 0.0 && c.abs() <= MAX_INTEGER_POWER => {
-            Some(Op::Integer(c as i32))
-        }
-        Op::Power => Some(Op::Call(Function::Power(c))),
-        _ => None,
     }
 }

@@ -118,6 +118,12 @@ impl Program {
         (depth == 1 && slots <= MAX_STACK).then_some(Self { ops, slots })
     }
 
+    /// Number of instructions.
+    #[cfg(test)]
+    pub fn len(&self) -> usize {
+        self.ops.len()
+    }
+
     /// Whether κ1 or κ2 occurs.
     pub fn uses_principal(&self) -> bool {
         let principal = [Variable::Kappa1, Variable::Kappa2].map(Op::Variable);

@@ -33,8 +33,7 @@ impl ScalarAlgebra {
             Op::Sub => x - y,
             Op::Mul => x * y,
             Op::Div => x / y,
-            Op::Min if x.is_nan() || y.is_nan() => f64::NAN,
-            Op::Max if x.is_nan() || y.is_nan() => f64::NAN,
+            Op::Min | Op::Max if x.is_nan() || y.is_nan() => f64::NAN,
             Op::Min => x.min(y),
             Op::Max => x.max(y),
             Op::Power => x.powf(y),
@@ -162,13 +161,49 @@ impl Function {
     }
 }
 
-/// Jets in `(H, K)` for expressions without κ1 and κ2.
+/// Jets in `(H, K)` by the plain chain rule.
 #[derive(Clone, Copy, Debug)]
 pub struct JetAlgebra {
-    /// Mean curvature.
-    pub h: f64,
-    /// Gauss curvature.
-    pub k: f64,
+    h: f64,
+    k: f64,
+    principal: Option<[Jet2; 2]>,
+}
+
+impl JetAlgebra {
+    /// For expressions without κ1 and κ2 (which are NaN).
+    pub fn plain(h: f64, k: f64) -> Self {
+        Self {
+            h,
+            k,
+            principal: None,
+        }
+    }
+
+    /// With `κ1,2 = H ± √(H² − K)`; good where `κ1 − κ2` is not small beside the lengths over
+    /// which the expression varies.
+    pub fn principal(h: f64, k: f64) -> Self {
+        let t = Jet2 {
+            f: h * h - k,
+            h: 2.0 * h,
+            k: -1.0,
+            hh: 2.0,
+            hk: 0.0,
+            kk: 0.0,
+        };
+        let s = t.chain(Function::Power(0.5).at(t.f));
+        let (mut k1, mut k2) = (Jet2::mean(h) + s, Jet2::mean(h) - s);
+        // The smaller one cancels.
+        if h > 0.0 {
+            k2.f = k / k1.f;
+        } else if h < 0.0 {
+            k1.f = k / k2.f;
+        }
+        Self {
+            h,
+            k,
+            principal: Some([k1, k2]),
+        }
+    }
 }
 
 impl Algebra for JetAlgebra {
@@ -182,8 +217,8 @@ impl Algebra for JetAlgebra {
         match v {
             Variable::Mean => Jet2::mean(self.h),
             Variable::Gauss => Jet2::gauss(self.k),
-            // Programs that use them run over pairs.
-            Variable::Kappa1 | Variable::Kappa2 => Jet2::constant(f64::NAN),
+            Variable::Kappa1 => self.principal.map_or(Jet2::constant(f64::NAN), |k| k[0]),
+            Variable::Kappa2 => self.principal.map_or(Jet2::constant(f64::NAN), |k| k[1]),
         }
     }
 

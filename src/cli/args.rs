@@ -1,0 +1,207 @@
+//! The command line's grammar.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::fill::LoopChoice;
+use crate::mesh::DVec3;
+
+/// Fill holes in triangle meshes with smooth surfaces.
+///
+/// Every hole gets a patch that joins its surroundings smoothly (G1) and makes the integral of an
+/// energy f(H,K) stationary, H the mean and K the Gaussian curvature.
+#[derive(Debug, Parser)]
+#[command(name = "meniscus", version, about, after_help = EXAMPLES)]
+pub struct Arguments {
+    /// What to do; without a command the built-in demo is run.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+const EXAMPLES: &str = "Examples:
+  meniscus info scan.obj
+  meniscus fill scan.obj -o filled.obj
+  meniscus fill scan.stl -o filled.ply --loops 1,4 --energy 'H^2+K^2'
+  meniscus fill scan.obj -o filled.obj --loop-at 0.1,0.2,0.3 --energy '(H-H0)^2' --param H0=-1
+  meniscus demo --out demo
+
+Exit codes: 0 done, 1 failed with a message, 2 wrong usage.";
+
+const FILL_EXAMPLES: &str = "Examples:
+  meniscus fill bunny.obj -o filled.obj
+  meniscus fill scan.obj -o out.obj --loops all-but-largest --report report.json
+  meniscus fill scan.obj -o out.obj --energy 'k1^4+k2^4' --scheme mixed --linear lu
+  meniscus fill scan.obj -o out.obj --energy 'H^2 + a*K^2' --param a=0.3 --trace steps.csv
+  meniscus fill scan.obj -o out.obj --mode flow --tau 1e-5 --steps 1000
+
+Energies: 1, H^2, K^2, H^2+K^2, H^2*K^2, k1^4+k2^4, K, (H-H0)^2, k1^2+k2^2, (k1-k2)^2, or any
+expression in H, K, k1, k2 and parameters with + - * / ^, abs, sqrt, exp, log, sin, cos, tanh,
+min and max. It must be symmetric in k1 and k2. H is negative on a sphere with outward normals.
+A typed energy is in the units of the file.";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Fill holes of a mesh and write the result.
+    #[command(after_help = FILL_EXAMPLES)]
+    Fill(FillArguments),
+    /// Show counts, components, boundary loops and defects of a mesh.
+    Info(InfoArguments),
+    /// Fill a built-in sample riddled with holes and write both meshes and the report.
+    Demo(DemoArguments),
+}
+
+/// `meniscus fill`.
+#[derive(Debug, Args)]
+pub struct FillArguments {
+    /// Mesh to read (.obj, .ply, .stl).
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// Mesh to write (.obj, .ply, .stl). The vertices of IN come first, untouched.
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Fill the loop with the vertex nearest to this point (repeatable; replaces --loops).
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub loop_at: Vec<DVec3>,
+    /// Which loops: auto (all that are not guessed outer rims), all, all-but-largest, or numbers
+    /// as `meniscus info` shows them.
+    #[arg(long, value_name = "CHOICE", default_value = "auto", conflicts_with = "loop_at")]
+    pub loops: LoopChoice,
+    /// Energy f(H,K): a preset or an expression.
+    #[arg(long, value_name = "F", default_value = "H^2", allow_hyphen_values = true)]
+    pub energy: String,
+    /// Value of a parameter of the energy (repeatable).
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parameter)]
+    pub param: Vec<(String, f64)>,
+    /// Method: `normal` is the fast linearly implicit normal flow, `mixed` the paper's mixed finite
+    /// elements, `mixed-corrected` the same matrix with the exact gradient.
+    #[arg(long, value_enum, default_value = "normal")]
+    pub scheme: SchemeArgument,
+    /// `fast` goes for the stationary shape, `flow` follows the flow in true time.
+    #[arg(long, value_enum, default_value = "fast")]
+    pub mode: ModeArgument,
+    /// Linear solver of the mixed scheme.
+    #[arg(long, value_enum, default_value = "gmres")]
+    pub linear: LinearArgument,
+    /// Time step: auto, or a fixed one.
+    #[arg(long, value_name = "T", default_value = "auto", value_parser = tau)]
+    pub tau: TauArgument,
+    /// Most steps to take.
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    pub steps: usize,
+    /// Density of the patch relative to the rim: 2 halves the edge length.
+    #[arg(long, value_name = "F", default_value_t = 1.0)]
+    pub density: f64,
+    /// Write a report as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// Write every step as CSV.
+    #[arg(long, value_name = "FILE.csv")]
+    pub trace: Option<PathBuf>,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// `meniscus info`.
+#[derive(Debug, Args)]
+pub struct InfoArguments {
+    /// Mesh to read (.obj, .ply, .stl).
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `meniscus demo`.
+#[derive(Debug, Args)]
+pub struct DemoArguments {
+    /// Folder to write to; made if it does not exist.
+    #[arg(long, value_name = "DIR", default_value = "meniscus-demo")]
+    pub out: PathBuf,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+impl Default for DemoArguments {
+    fn default() -> Self {
+        Self {
+            out: "meniscus-demo".into(),
+            quiet: false,
+        }
+    }
+}
+
+/// `--scheme`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SchemeArgument {
+    /// Scheme B.
+    Normal,
+    /// Scheme A.
+    Mixed,
+    /// Scheme A, residual-corrected.
+    MixedCorrected,
+}
+
+/// `--mode`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ModeArgument {
+    /// Stationary shape.
+    Fast,
+    /// True time.
+    Flow,
+}
+
+/// `--linear`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LinearArgument {
+    /// Restarted GMRES.
+    Gmres,
+    /// Sparse LU.
+    Lu,
+}
+
+/// `--tau`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TauArgument {
+    /// Adaptive.
+    Auto,
+    /// Fixed.
+    Fixed(f64),
+}
+
+fn tau(text: &str) -> Result<TauArgument, String> {
+    if text == "auto" {
+        return Ok(TauArgument::Auto);
+    }
+    match text.parse::<f64>() {
+        Ok(t) if t.is_finite() && t > 0.0 => Ok(TauArgument::Fixed(t)),
+        _ => Err("give `auto` or a positive number".into()),
+    }
+}
+
+fn point(text: &str) -> Result<DVec3, String> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|word| word.trim().parse::<f64>())
+        .collect::<Result<_, _>>()
+        .map_err(|_| "give three numbers, as in 0.1,-2,3.5".to_owned())?;
+    match numbers[..] {
+        [x, y, z] if x.is_finite() && y.is_finite() && z.is_finite() => Ok(DVec3::new(x, y, z)),
+        _ => Err("give three numbers, as in 0.1,-2,3.5".into()),
+    }
+}
+
+fn parameter(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or("give NAME=VALUE, as in a=0.3")?;
+    let value = value
+        .trim()
+        .parse::<f64>()
+        .map_err(|_| format!("`{value}` is not a number"))?;
+    Ok((name.trim().to_owned(), value))
+}

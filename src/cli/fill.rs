@@ -1,0 +1,222 @@
+//! `meniscus fill`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Result, bail};
+
+use crate::cli::args::{
+    FillArguments, LinearArgument, ModeArgument, SchemeArgument, TauArgument,
+};
+use crate::cli::open::{Opened, open, save};
+use crate::cli::progress::Progress;
+use crate::cli::report::{
+    FailedHole, FillReport, hole_reports, memory_now, skipped, totals, trace,
+};
+use crate::fill::{
+    FillOptions, Filled, LoopChoice, choose, fill_holes, nearest_loop,
+};
+use crate::io;
+use crate::mesh::{BoundaryLoop, boundary_loops};
+use crate::patch::PatchOptions;
+use crate::solver::energy::{Energy, ExprError};
+use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, Tau};
+
+/// Runs the command.
+pub fn fill(args: &FillArguments) -> Result<()> {
+    let options = options(args)?;
+    io::check_target(&args.output)?;
+    if io::same_file(&args.input, &args.output) {
+        bail!(
+            "OUT is the same file as IN ({}); give another name, the original is not overwritten",
+            args.input.display()
+        );
+    }
+    let opened = open(&args.input)?;
+    fill_opened(args, &options, &opened)
+}
+
+/// Fills an opened mesh and writes everything asked for.
+pub fn fill_opened(args: &FillArguments, options: &FillOptions, opened: &Opened) -> Result<()> {
+    let mesh = &opened.mesh;
+    let loops = boundary_loops(mesh);
+    let chosen = chosen_loops(args, opened, &loops)?;
+    let auto = args.loop_at.is_empty() && args.loops == LoopChoice::Auto;
+    let skipped = skipped(&loops, &chosen, auto);
+    if !args.quiet {
+        for note in &opened.report.notes {
+            eprintln!("{}: {note}", args.input.display());
+        }
+        for s in &skipped {
+            eprintln!("loop {} ({} edges) left open: {}", s.number, s.edges, s.reason);
+        }
+        if chosen.is_empty() {
+            eprintln!("{}", nothing_to_do(loops.len()));
+        }
+    }
+    let targets: Vec<&BoundaryLoop> = chosen.iter().map(|&i| &loops[i]).collect();
+    let progress = Progress::new(targets.len(), args.quiet);
+    let filled = fill_holes(mesh, &targets, options, &|group, record| {
+        progress.step(group, record);
+        true
+    })?;
+    progress.finish();
+
+    save(&args.output, &filled.mesh, &opened.material_libraries)?;
+    write_records(args, opened, &filled, skipped)
+}
+
+fn write_records(
+    args: &FillArguments,
+    opened: &Opened,
+    filled: &Filled,
+    skipped: Vec<crate::cli::report::SkippedLoop>,
+) -> Result<()> {
+    let holes = hole_reports(filled);
+    let failed: Vec<FailedHole> = filled
+        .plan
+        .failed
+        .iter()
+        .map(|e| FailedHole {
+            number: e.hole().unwrap_or(0),
+            reason: e.to_string(),
+        })
+        .collect();
+    let report = FillReport {
+        version: env!("CARGO_PKG_VERSION"),
+        input: args.input.display().to_string(),
+        output: args.output.display().to_string(),
+        energy: args.energy.clone(),
+        scheme: format!("{:?}", args.scheme).to_lowercase(),
+        mode: format!("{:?}", args.mode).to_lowercase(),
+        load: &opened.report,
+        totals: totals(filled, &holes),
+        holes,
+        failed,
+        skipped,
+        peak_memory: memory_now(),
+    };
+    if let Some(path) = &args.report {
+        let mut text = serde_json::to_string_pretty(&report)?;
+        text.push('\n');
+        write_text(path, &text)?;
+    }
+    if let Some(path) = &args.trace {
+        write_text(path, &trace(filled))?;
+    }
+    if !args.quiet {
+        summary(&report);
+    }
+    if let Some(first) = report.failed.first() {
+        bail!(
+            "{} of {} holes could not be filled; {} was written with the others. First: {}",
+            report.failed.len(),
+            report.failed.len() + report.holes.len(),
+            args.output.display(),
+            first.reason
+        );
+    }
+    if let Some((group, error)) = filled
+        .groups
+        .iter()
+        .enumerate()
+        .find_map(|(g, r)| r.as_ref().err().map(|e| (g, e)))
+    {
+        let number = filled.plan.holes[filled.plan.groups[group].holes[0]].number;
+        bail!(
+            "hole {number}: {error}. {} was written with the first patch there",
+            args.output.display()
+        );
+    }
+    Ok(())
+}
+
+fn summary(report: &FillReport<'_>) {
+    for hole in &report.holes {
+        for warning in &hole.warnings {
+            eprintln!("hole {}: {warning}", hole.number);
+        }
+    }
+    let t = &report.totals;
+    println!(
+        "{}: {} {} filled, {} vertices and {} faces added in {:.2} s",
+        report.output,
+        t.holes,
+        if t.holes == 1 { "hole" } else { "holes" },
+        t.vertices_added,
+        t.faces_added,
+        t.seconds
+    );
+}
+
+fn nothing_to_do(loops: usize) -> String {
+    if loops == 0 {
+        "no boundary loops: the mesh is closed and is written as it is".into()
+    } else {
+        format!(
+            "nothing to fill: all {loops} boundary loops look like outer rims (choose some with \
+             --loops or --loop-at); the mesh is written as it is"
+        )
+    }
+}
+
+fn chosen_loops(
+    args: &FillArguments,
+    opened: &Opened,
+    loops: &[BoundaryLoop],
+) -> Result<Vec<usize>> {
+    if args.loop_at.is_empty() {
+        return Ok(choose(loops, &args.loops)?);
+    }
+    let mut chosen = Vec::new();
+    for &point in &args.loop_at {
+        let Some(i) = nearest_loop(&opened.mesh, loops, point) else {
+            bail!("--loop-at: the mesh has no boundary loop");
+        };
+        chosen.push(i);
+    }
+    chosen.sort_unstable();
+    chosen.dedup();
+    Ok(chosen)
+}
+
+fn options(args: &FillArguments) -> Result<FillOptions> {
+    let params: BTreeMap<String, f64> = args.param.iter().cloned().collect();
+    let energy = Energy::parse(&args.energy, &params).map_err(|e| expression_error(&e))?;
+    if !(args.density.is_finite() && args.density > 0.0) {
+        bail!("--density {}: give a positive number", args.density);
+    }
+    let mut flow = FlowOptions::new(energy);
+    flow.scheme = match args.scheme {
+        SchemeArgument::Normal => Scheme::Normal,
+        SchemeArgument::Mixed => Scheme::Mixed,
+        SchemeArgument::MixedCorrected => Scheme::MixedCorrected,
+    };
+    flow.mode = match args.mode {
+        ModeArgument::Fast => Mode::Fast,
+        ModeArgument::Flow => Mode::Flow,
+    };
+    flow.linear = match args.linear {
+        LinearArgument::Gmres => LinearSolver::default(),
+        LinearArgument::Lu => LinearSolver::Lu,
+    };
+    flow.tau = match args.tau {
+        TauArgument::Auto => Tau::Auto,
+        TauArgument::Fixed(t) => Tau::Fixed(t),
+    };
+    flow.max_steps = args.steps;
+    Ok(FillOptions {
+        patch: PatchOptions {
+            density: args.density,
+        },
+        flow,
+    })
+}
+
+fn expression_error(error: &ExprError) -> anyhow::Error {
+    anyhow::anyhow!("--energy\n{}", error.render())
+}
+
+fn write_text(path: &Path, text: &str) -> Result<()> {
+    Ok(io::save_text(path, text)?)
+}

@@ -1,0 +1,34 @@
+//! The headless commands.
+
+mod args;
+mod demo;
+mod fill;
+mod info;
+mod memory;
+mod open;
+mod progress;
+mod report;
+
+pub use args::{Arguments, Command};
+
+use anyhow::Result;
+
+/// Runs a parsed command line.
+///
+/// # Errors
+/// Anything that keeps the command from doing its job; the message is for the person at the
+/// terminal.
+pub fn run(arguments: Arguments) -> Result<()> {
+    match arguments.command {
+        Some(Command::Fill(args)) => fill::fill(&args),
+        Some(Command::Info(args)) => info::info(&args),
+        Some(Command::Demo(args)) => demo::demo(&args),
+        None => {
+            eprintln!(
+                "No command given: running `meniscus demo` in the current folder \
+                 (see `meniscus --help`)."
+            );
+            demo::demo(&args::DemoArguments::default())
+        }
+    }
+}

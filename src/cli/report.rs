@@ -1,0 +1,258 @@
+//! The JSON report and the CSV trace of a fill.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use crate::cli::memory::peak_memory;
+use crate::fill::{Filled, Timings};
+use crate::mesh::{BoundaryLoop, LoadReport};
+use crate::solver::End;
+
+/// Everything a fill did.
+#[derive(Debug, Serialize)]
+pub struct FillReport<'a> {
+    /// Program and version.
+    pub version: &'static str,
+    /// File read.
+    pub input: String,
+    /// File written.
+    pub output: String,
+    /// Energy, as given.
+    pub energy: String,
+    /// Method.
+    pub scheme: String,
+    /// Mode.
+    pub mode: String,
+    /// Counts, repairs and the index map of the input.
+    pub load: &'a LoadReport,
+    /// Filled holes.
+    pub holes: Vec<HoleReport>,
+    /// Holes that could not be filled.
+    pub failed: Vec<FailedHole>,
+    /// Loops left open.
+    pub skipped: Vec<SkippedLoop>,
+    /// Sums over all holes.
+    pub totals: Totals,
+    /// Largest resident set of the process, bytes.
+    pub peak_memory: u64,
+}
+
+/// One filled hole. Holes of one group were solved together and share steps, energies and times.
+#[derive(Debug, Serialize)]
+pub struct HoleReport {
+    /// Number of the loop.
+    #[serde(rename = "loop")]
+    pub number: usize,
+    /// Edges of the rim.
+    pub edges: usize,
+    /// RMS distance of the rim's vertices from their mean.
+    pub radius: f64,
+    /// New vertices.
+    pub vertices_added: usize,
+    /// New triangles.
+    pub faces_added: usize,
+    /// Group of holes solved together, from 0; null if nothing had to be solved.
+    pub group: Option<usize>,
+    /// Accepted steps.
+    pub steps: usize,
+    /// Rejected steps.
+    pub rejected: usize,
+    /// Whether the stopping rule was met.
+    pub converged: bool,
+    /// Energy at the warm start, 12-point rule; null if nothing had to be solved.
+    pub energy_start: Option<f64>,
+    /// Energy at the end.
+    pub energy_end: Option<f64>,
+    /// Wall-clock time of the hole's patch and its group's flow.
+    pub seconds: f64,
+    /// Stages in milliseconds.
+    pub timings: Timings,
+    /// Scheme A: iterations of GMRES summed over the steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gmres_iterations: Option<usize>,
+    /// Scheme A: largest relative residual of a linear solve.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linear_residual: Option<f64>,
+    /// Warnings in plain words.
+    pub warnings: Vec<String>,
+}
+
+/// A hole that could not be filled.
+#[derive(Debug, Serialize)]
+pub struct FailedHole {
+    /// Number of the loop, if the failure belongs to one.
+    #[serde(rename = "loop")]
+    pub number: usize,
+    /// Why.
+    pub reason: String,
+}
+
+/// A loop that was left open.
+#[derive(Debug, Serialize)]
+pub struct SkippedLoop {
+    /// Number of the loop.
+    #[serde(rename = "loop")]
+    pub number: usize,
+    /// Its edges.
+    pub edges: usize,
+    /// Why.
+    pub reason: String,
+}
+
+/// Sums over all holes.
+#[derive(Debug, Serialize)]
+pub struct Totals {
+    /// Holes filled.
+    pub holes: usize,
+    /// New vertices.
+    pub vertices_added: usize,
+    /// New triangles.
+    pub faces_added: usize,
+    /// Vertices written.
+    pub vertices: usize,
+    /// Triangles written.
+    pub faces: usize,
+    /// Whether every hole converged.
+    pub converged: bool,
+    /// Wall-clock seconds of the fill, without reading and writing files.
+    pub seconds: f64,
+    /// Wall-clock milliseconds of the whole fill and of its stages summed over holes.
+    pub timings: TotalTimings,
+}
+
+/// Milliseconds.
+#[derive(Debug, Serialize)]
+pub struct TotalTimings {
+    /// Sum over holes of each stage.
+    #[serde(flatten)]
+    pub stages: Timings,
+    /// Wall clock of the whole, stages of different holes overlapping.
+    pub total: f64,
+}
+
+/// The reports of all filled holes, in order.
+pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
+    let plan = &filled.plan;
+    plan.holes
+        .iter()
+        .map(|hole| {
+            let mut report = HoleReport {
+                number: hole.number,
+                edges: hole.edges,
+                radius: hole.radius,
+                vertices_added: hole.new_vertices.len(),
+                faces_added: hole.new_faces.len(),
+                group: hole.group,
+                steps: 0,
+                rejected: 0,
+                converged: true,
+                energy_start: None,
+                energy_end: None,
+                seconds: 0.0,
+                timings: Timings::default(),
+                gmres_iterations: None,
+                linear_residual: None,
+                warnings: Vec::new(),
+            };
+            match hole.group.map(|g| &filled.groups[g]) {
+                Some(Ok(group)) => {
+                    let outcome = &group.outcome;
+                    report.steps = outcome.steps;
+                    report.rejected = outcome.rejected;
+                    report.converged = outcome.end == End::Converged;
+                    report.energy_start = Some(outcome.energy_start);
+                    report.energy_end = Some(outcome.energy_end);
+                    report.timings = group.timings;
+                    report.warnings.clone_from(&outcome.warnings);
+                    let iterations = group.records.iter().filter_map(|r| r.iterations);
+                    report.gmres_iterations = iterations.reduce(|a, b| a + b);
+                    let residuals = group.records.iter().filter_map(|r| r.linear_residual);
+                    report.linear_residual = residuals.reduce(f64::max);
+                }
+                Some(Err(error)) => {
+                    report.converged = false;
+                    report.warnings.push(error.to_string());
+                }
+                None => {}
+            }
+            report.timings.patch = hole.patch_ms;
+            report.seconds = report.timings.total() / 1e3;
+            report
+        })
+        .collect()
+}
+
+/// Sums for a report.
+pub fn totals(filled: &Filled, holes: &[HoleReport]) -> Totals {
+    let mut stages = Timings::default();
+    for hole in &filled.plan.holes {
+        stages.patch += hole.patch_ms;
+    }
+    for group in filled.groups.iter().flatten() {
+        stages.setup += group.timings.setup;
+        stages.warm_start += group.timings.warm_start;
+        stages.flow += group.timings.flow;
+    }
+    Totals {
+        holes: holes.len(),
+        vertices_added: filled.plan.new_positions.len(),
+        faces_added: filled.plan.triangles.len(),
+        vertices: filled.mesh.vertex_count(),
+        faces: filled.mesh.all_triangles().count(),
+        converged: filled.complete(),
+        seconds: filled.milliseconds / 1e3,
+        timings: TotalTimings {
+            stages,
+            total: filled.milliseconds,
+        },
+    }
+}
+
+/// Loops that were not chosen, with the reason.
+pub fn skipped(loops: &[BoundaryLoop], chosen: &[usize], auto: bool) -> Vec<SkippedLoop> {
+    loops
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| !chosen.contains(i))
+        .map(|(_, l)| SkippedLoop {
+            number: l.number,
+            edges: l.edges(),
+            reason: if auto {
+                format!("guessed an outer rim: {}", l.reason)
+            } else {
+                "not chosen".into()
+            },
+        })
+        .collect()
+}
+
+/// Peak memory now.
+pub fn memory_now() -> u64 {
+    peak_memory()
+}
+
+/// One line a step attempted: loop (the first of its group), step, τ, energy, residual, rejected.
+pub fn trace(filled: &Filled) -> String {
+    let mut csv = String::from("loop,step,tau,energy,residual,rejected\n");
+    for (g, group) in filled.groups.iter().enumerate() {
+        let Ok(group) = group else { continue };
+        let number = filled.plan.holes[filled.plan.groups[g].holes[0]].number;
+        for r in &group.records {
+            let residual = if r.rejected {
+                String::new()
+            } else {
+                format!("{:e}", r.residual)
+            };
+            let _ = writeln!(
+                csv,
+                "{number},{},{:e},{:e},{residual},{}",
+                r.step,
+                r.tau,
+                r.energy,
+                u8::from(r.rejected)
+            );
+        }
+    }
+    csv
+}

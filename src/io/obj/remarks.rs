@@ -1,0 +1,69 @@
+//! What the load report says of a file that was read: everything that was not kept.
+
+use super::super::error::excerpt;
+
+/// Collected while a file is read.
+#[derive(Default)]
+pub(super) struct Remarks {
+    pub texture: bool,
+    pub normals: bool,
+    pub lines: bool,
+    pub smoothing: bool,
+    /// Vertices with a weight other than 1.
+    pub weighted: usize,
+    /// Line and first word of the first unknown statement.
+    pub first_unknown: Option<(usize, String)>,
+    unknown: usize,
+    /// Whether the file does not end with a line end.
+    pub cut: bool,
+}
+
+impl Remarks {
+    pub fn new(bytes: &[u8]) -> Self {
+        Self {
+            cut: bytes.last().is_some_and(|&b| b != b'\n'),
+            ..Self::default()
+        }
+    }
+
+    pub fn unknown(&mut self, line: usize, word: &[u8]) {
+        self.unknown += 1;
+        self.first_unknown
+            .get_or_insert_with(|| (line, excerpt(word)));
+    }
+
+    /// Writes the notes; `last_line` is the number of the last line.
+    pub fn write(&self, notes: &mut Vec<String>, last_line: usize) {
+        let kinds = [
+            ("texture coordinates", self.texture),
+            ("normals", self.normals),
+            ("lines and points", self.lines),
+            ("smoothing groups", self.smoothing),
+        ];
+        let lost: Vec<&str> = kinds
+            .iter()
+            .filter(|kind| kind.1)
+            .map(|kind| kind.0)
+            .collect();
+        if !lost.is_empty() {
+            notes.push(format!("not kept: {}", lost.join(", ")));
+        }
+        if self.weighted > 0 {
+            notes.push(format!(
+                "{} vertices have a weight w other than 1: ignored",
+                self.weighted
+            ));
+        }
+        if let Some((line, word)) = &self.first_unknown {
+            let count = self.unknown;
+            notes.push(format!(
+                "{count} unknown statements ignored, first '{word}' on line {line}"
+            ));
+        }
+        if self.cut {
+            notes.push(format!(
+                "the file ends without a line end: if it was cut off, line {last_line} may be incomplete"
+            ));
+        }
+    }
+}

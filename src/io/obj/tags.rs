@@ -1,0 +1,52 @@
+//! Objects, groups and materials: which tag each face gets.
+
+use std::collections::HashMap;
+
+use crate::mesh::{FaceTag, Soup};
+
+/// The tag in force while a file is read. Faces before the first tag get an empty one, and a file
+/// without tags none at all.
+#[derive(Default)]
+pub(super) struct TagRuns {
+    current: FaceTag,
+    index: u32,
+    changed: bool,
+    used: bool,
+    known: HashMap<FaceTag, u32>,
+}
+
+impl TagRuns {
+    /// Changes the tag of the faces to come.
+    pub fn change(&mut self, edit: impl FnOnce(&mut FaceTag)) {
+        edit(&mut self.current);
+        self.changed = true;
+    }
+
+    /// Tags the face that `soup` got last.
+    #[inline]
+    pub fn face(&mut self, soup: &mut Soup) {
+        if self.changed {
+            self.look_up(soup);
+        }
+        if self.used {
+            soup.face_tags.push(self.index);
+        }
+    }
+
+    fn look_up(&mut self, soup: &mut Soup) {
+        self.changed = false;
+        let before = soup.face_count() - 1;
+        if !self.used && before > 0 {
+            self.known.insert(FaceTag::default(), 0);
+            soup.tags.push(FaceTag::default());
+            soup.face_tags.resize(before, 0);
+        }
+        self.used = true;
+        let next = soup.tags.len() as u32;
+        self.index = self.known.get(&self.current).copied().unwrap_or(next);
+        if self.index == next {
+            soup.tags.push(self.current.clone());
+            self.known.insert(self.current.clone(), next);
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Binary STL: 80 bytes of header, the number of faces, then 50 bytes a face: normal, three points,
+//! two bytes without meaning.
+
+use std::io::{self, Write};
+
+use super::super::OutputMesh;
+use super::super::error::{Fault, Problem, at_byte, in_file};
+use super::{close_face, with_room};
+use crate::mesh::{DVec3, Soup};
+
+const HEADER: usize = 84;
+const FACE: usize = 50;
+const NORMAL: usize = 12;
+const POINT: usize = 12;
+
+/// The number of faces the header declares, if the file is long enough to have one.
+pub(super) fn declared_faces(bytes: &[u8]) -> Option<u32> {
+    bytes
+        .get(80..HEADER)?
+        .first_chunk()
+        .map(|raw| u32::from_le_bytes(*raw))
+}
+
+/// Bytes of a file with so many faces.
+pub(super) fn size(faces: u32) -> u64 {
+    HEADER as u64 + FACE as u64 * u64::from(faces)
+}
+
+/// Reads the declared faces, if the file is long enough for them.
+pub(super) fn read(bytes: &[u8], declared: u32) -> Result<Soup, Fault> {
+    let needed = size(declared);
+    if needed > bytes.len() as u64 {
+        let found = bytes.len();
+        let what =
+            format!("a binary STL of {declared} faces has {needed} bytes, this file has {found}");
+        return Err(at_byte(found, Problem::truncated(what)));
+    }
+    if declared == 0 {
+        return Err(in_file(Problem::NoVertices));
+    }
+    let faces = declared as usize;
+    let mut soup = with_room(faces);
+    for (face, record) in bytes[HEADER..].chunks_exact(FACE).take(faces).enumerate() {
+        let points = &record[NORMAL..NORMAL + 3 * POINT];
+        for (corner, point) in points.chunks_exact(POINT).enumerate() {
+            let mut position = [0.0; 3];
+            for (axis, x) in position.iter_mut().enumerate() {
+                let raw = [
+                    point[4 * axis],
+                    point[4 * axis + 1],
+                    point[4 * axis + 2],
+                    point[4 * axis + 3],
+                ];
+                *x = f64::from(f32::from_le_bytes(raw));
+                if !x.is_finite() {
+                    let at = HEADER + FACE * face + NORMAL + POINT * corner + 4 * axis;
+                    let vertex = soup.positions.len() + 1;
+                    let axis = ['x', 'y', 'z'][axis];
+                    let found = x.to_string();
+                    return Err(at_byte(
+                        at,
+                        Problem::NotFinite {
+                            vertex,
+                            axis,
+                            found,
+                        },
+                    ));
+                }
+            }
+            soup.positions.push(DVec3::from_array(position));
+        }
+        close_face(&mut soup)?;
+    }
+    let rest = bytes.len() as u64 - needed;
+    if rest > 0 {
+        soup.notes.push(format!(
+            "{rest} bytes after the {declared} declared faces: ignored"
+        ));
+    }
+    Ok(soup)
+}
+
+/// Writes binary STL. The mesh has been checked; coordinates are rounded to `f32`.
+pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io::Result<()> {
+    // Some readers take any file that starts with "solid" for ASCII.
+    let title = b"binary STL written by meniscus";
+    let mut header = [b' '; HEADER];
+    header[..title.len()].copy_from_slice(title);
+    header[80..].copy_from_slice(&(mesh.triangles.len() as u32).to_le_bytes());
+    out.write_all(&header)?;
+    for triangle in mesh.triangles {
+        let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let mut record = [0_u8; FACE];
+        for (slot, point) in record.chunks_exact_mut(POINT).zip([normal, a, b, c]) {
+            for (raw, x) in slot.chunks_exact_mut(4).zip(point.to_array()) {
+                raw.copy_from_slice(&(x as f32).to_le_bytes());
+            }
+        }
+        out.write_all(&record)?;
+    }
+    Ok(())
+}

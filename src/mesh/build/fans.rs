@@ -1,0 +1,253 @@
+//! Vertices of the repaired mesh: one for each fan of faces that hang together around it.
+
+use super::edges::{EdgeTable, ends, following};
+use super::join::NONE;
+use crate::mesh::{Topology, TopologyError};
+
+/// Corners grouped by the vertex they become.
+pub(super) struct Fans {
+    /// The fan of each corner (3 f + k), numbered by their lowest corner.
+    pub of_corner: Vec<u32>,
+    /// How many fans there are.
+    pub count: usize,
+}
+
+/// Joins the corners at both ends of every joined edge; `triangles` names one vertex per position.
+pub(super) fn fans(triangles: &[[u32; 3]], mate: &[u32]) -> Fans {
+    let mut link: Vec<u32> = (0..mate.len() as u32).collect();
+    for (c, &d) in mate.iter().enumerate() {
+        let c = c as u32;
+        if d == NONE || d < c {
+            continue;
+        }
+        let (mut d0, mut d1) = (d, following(d));
+        if ends(triangles, c).0 != ends(triangles, d).0 {
+            std::mem::swap(&mut d0, &mut d1);
+        }
+        unite(&mut link, c, d0);
+        unite(&mut link, following(c), d1);
+    }
+    number(&mut link)
+}
+
+fn find(link: &mut [u32], mut c: u32) -> u32 {
+    while link[c as usize] != c {
+        let up = link[link[c as usize] as usize];
+        link[c as usize] = up;
+        c = up;
+    }
+    c
+}
+
+/// Joins the classes of two members of a union-find forest; the lowest member is the root.
+pub(super) fn unite(link: &mut [u32], c: u32, d: u32) {
+    let (c, d) = (find(link, c), find(link, d));
+    link[c.max(d) as usize] = c.min(d);
+}
+
+/// Numbers the classes in the order of their lowest member.
+fn number(link: &mut [u32]) -> Fans {
+    let mut of_corner = vec![0; link.len()];
+    let mut count = 0;
+    for c in 0..link.len() as u32 {
+        let root = find(link, c);
+        of_corner[c as usize] = if root == c {
+            count += 1;
+            count - 1
+        } else {
+            of_corner[root as usize]
+        };
+    }
+    Fans {
+        of_corner,
+        count: count as usize,
+    }
+}
+
+/// Undoes joins that make two different edges of the mesh run between the same two vertices, which
+/// index triples cannot tell apart. Returns one corner-edge of each edge
+/// that was cut.
+pub(super) fn cut_parallel_edges(
+    triangles: &[[u32; 3]],
+    mate: &mut [u32],
+    skip: &[bool],
+) -> (Fans, Vec<u32>) {
+    let mut cuts = Vec::new();
+    loop {
+        let current = fans(triangles, mate);
+        let named = corners_as_triangles(&current.of_corner);
+        let members = (0..mate.len() as u32).filter(|&c| !skip[c as usize / 3]);
+        let table = EdgeTable::new(&named, current.count, members);
+        let before = cuts.len();
+        for group in table.groups(&named) {
+            let sound = match *group {
+                [c, d] => mate[c as usize] == d || ends(&named, c) != ends(&named, d),
+                _ => group.len() < 2,
+            };
+            if sound {
+                continue;
+            }
+            cuts.push(group[0]);
+            if !unmate(mate, group.iter().copied()) {
+                // nothing left to cut at the edge itself: set the later faces free altogether
+                for &c in &group[1..] {
+                    let f = c - c % 3;
+                    unmate(mate, f..f + 3);
+                }
+            }
+        }
+        if cuts.len() == before {
+            return (current, cuts);
+        }
+    }
+}
+
+fn unmate(mate: &mut [u32], edges: impl Iterator<Item = u32>) -> bool {
+    let mut any = false;
+    for c in edges {
+        let d = std::mem::replace(&mut mate[c as usize], NONE);
+        if d != NONE {
+            mate[d as usize] = NONE;
+            any = true;
+        }
+    }
+    any
+}
+
+/// The fan indices of all corners as index triples.
+pub(super) fn corners_as_triangles(of_corner: &[u32]) -> Vec<[u32; 3]> {
+    of_corner
+        .chunks_exact(3)
+        .map(|t| [t[0], t[1], t[2]])
+        .collect()
+}
+
+/// Makes one of the fans that a single boundary loop passes at the same position: there a hole
+/// touches itself, and its lobes are to be filled one by one. Returns the number of such places.
+///
+/// # Errors
+/// If the faces are no manifold even with all fans apart.
+pub(super) fn join_pinches(
+    fans: &mut Fans,
+    oriented: &[[u32; 3]],
+    position_of_fan: &[u32],
+) -> Result<usize, TopologyError> {
+    let topology = Topology::from_triangles(fans.count, oriented)?;
+    let mut link: Vec<u32> = (0..fans.count as u32).collect();
+    let mut pinches = 0;
+    for one in topology.boundary_loops() {
+        let mut visits: Vec<(u32, u32)> = one
+            .iter()
+            .map(|&h| topology.origin(h).0)
+            .map(|fan| (position_of_fan[fan as usize], fan))
+            .collect();
+        visits.sort_unstable();
+        for pair in visits.windows(2) {
+            if pair[0].0 == pair[1].0 {
+                unite(&mut link, pair[0].1, pair[1].1);
+                pinches += 1;
+            }
+        }
+    }
+    if pinches == 0 {
+        return Ok(0);
+    }
+    let merged = number(&mut link);
+    let joined: Vec<[u32; 3]> = oriented
+        .iter()
+        .map(|t| t.map(|fan| merged.of_corner[fan as usize]))
+        .collect();
+    if Topology::from_triangles(merged.count, &joined).is_err() {
+        return Ok(0);
+    }
+    for fan in &mut fans.of_corner {
+        *fan = merged.of_corner[*fan as usize];
+    }
+    fans.count = merged.count;
+    Ok(pinches)
+}
+
+/// Names for the vertices of the repaired mesh.
+pub(super) struct Naming {
+    /// The mesh vertex of each fan.
+    pub of_fan: Vec<u32>,
+    /// The file vertex each mesh vertex is, or is a copy of.
+    pub source: Vec<u32>,
+    /// For each file vertex its mesh vertex.
+    pub file_to_mesh: Vec<u32>,
+    /// File vertices that had to be copied, with the number of copies.
+    pub copied: Vec<(u32, u32)>,
+    /// File vertices merged with an earlier one.
+    pub welded: usize,
+}
+
+/// Gives each fan the first file vertex at its corners that is still free, the largest fan first;
+/// fans for which none is left get copies at the end.
+pub(super) fn name_vertices(fans: &Fans, own: &[u32], vertices: usize, used: &[bool]) -> Naming {
+    let mut size = vec![0u32; fans.count];
+    let mut wishes: Vec<(u32, u32)> = Vec::with_capacity(own.len());
+    for (c, (&v, &fan)) in own.iter().zip(&fans.of_corner).enumerate() {
+        if used[c / 3] {
+            size[fan as usize] += 1;
+            wishes.push((v, fan));
+        }
+    }
+    wishes.sort_unstable();
+    wishes.dedup();
+    // what is settled: the file vertex of each fan, the fan of each file vertex
+    let mut file_vertex = vec![NONE; fans.count];
+    let mut owner = vec![NONE; vertices];
+    for same in wishes.chunk_by(|x, y| x.0 == y.0) {
+        let best = same
+            .iter()
+            .map(|w| w.1)
+            .filter(|&fan| file_vertex[fan as usize] == NONE)
+            .max_by_key(|&fan| (size[fan as usize], std::cmp::Reverse(fan)));
+        if let Some(fan) = best {
+            file_vertex[fan as usize] = same[0].0;
+            owner[same[0].0 as usize] = fan;
+        }
+    }
+    // the vertex list: file vertices that are kept, then copies
+    let mut welded_into = vec![NONE; vertices];
+    for &(v, fan) in &wishes {
+        if owner[v as usize] == NONE && file_vertex[fan as usize] != NONE {
+            welded_into[v as usize] = fan;
+        }
+    }
+    let mut naming = Naming {
+        of_fan: vec![NONE; fans.count],
+        source: Vec::with_capacity(vertices),
+        file_to_mesh: vec![NONE; vertices],
+        copied: Vec::new(),
+        welded: 0,
+    };
+    for v in 0..vertices {
+        if welded_into[v] != NONE {
+            naming.welded += 1;
+            continue;
+        }
+        naming.file_to_mesh[v] = naming.source.len() as u32;
+        if owner[v] != NONE {
+            naming.of_fan[owner[v] as usize] = naming.source.len() as u32;
+        }
+        naming.source.push(v as u32);
+    }
+    for v in 0..vertices {
+        if welded_into[v] != NONE {
+            naming.file_to_mesh[v] = naming.of_fan[welded_into[v] as usize];
+        }
+    }
+    for &(v, fan) in &wishes {
+        if naming.of_fan[fan as usize] != NONE {
+            continue;
+        }
+        naming.of_fan[fan as usize] = naming.source.len() as u32;
+        naming.source.push(v);
+        match naming.copied.last_mut() {
+            Some((last, copies)) if *last == v => *copies += 1,
+            _ => naming.copied.push((v, 1)),
+        }
+    }
+    naming
+}

@@ -1,0 +1,264 @@
+//! Which faces hang together across which edges, and how they are turned.
+//!
+//! Faces sharing an edge with just one other are joined. Where more meet, those that belong to one
+//! sheet anyway come first, then the flattest pair; a pair that could not be oriented is never made.
+//! Sheets and their orientation are kept in one union-find structure with parities.
+
+use super::edges::{EdgeTable, ends, opposite};
+use crate::mesh::DVec3;
+
+/// No corner-edge.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Beyond this many faces at an edge only neighbours in file order are considered as pairs.
+const PAIRS_LIMIT: usize = 64;
+
+/// Cosine beyond which a doubled face hanging on one edge only is a flap and not part of the
+/// surface: bent by more than 45 degrees.
+const FLAP_COS: f64 = -std::f64::consts::FRAC_1_SQRT_2;
+
+/// Faces joined to sheets.
+pub(super) struct Sheets {
+    /// The corner-edge on the other side of each corner-edge, or [`NONE`].
+    pub mate: Vec<u32>,
+    /// Faces that are left out because an earlier one has the same corners.
+    pub dropped: Vec<bool>,
+    /// Edges that more than two faces share, by one of their corner-edges.
+    pub non_manifold: Vec<u32>,
+    /// Union-find: parent × 2 + whether turned relative to it. The root is the lowest face.
+    link: Vec<u32>,
+    /// Faces at an edge that contradicts the orientation of their sheet.
+    contradictions: Vec<u32>,
+}
+
+impl Sheets {
+    pub fn new(faces: usize) -> Self {
+        Self {
+            mate: vec![NONE; 3 * faces],
+            dropped: vec![false; faces],
+            non_manifold: Vec::new(),
+            link: (0..faces as u32).map(|f| 2 * f).collect(),
+            contradictions: Vec::new(),
+        }
+    }
+
+    /// The lowest face of the sheet, and whether `face` is turned the other way.
+    pub fn find(&mut self, face: u32) -> (u32, bool) {
+        let (mut f, mut turned) = (face, 0);
+        loop {
+            let link = self.link[f as usize];
+            if link >> 1 == f {
+                return (f, turned == 1);
+            }
+            let up = self.link[(link >> 1) as usize];
+            let skip = (up & !1) | ((up ^ link) & 1);
+            self.link[f as usize] = skip;
+            turned ^= skip & 1;
+            f = skip >> 1;
+        }
+    }
+
+    /// Joins two sheets; false if they are one already and turned differently.
+    fn unite(&mut self, f: u32, g: u32, turned: bool) -> bool {
+        let ((f, s), (g, t)) = (self.find(f), self.find(g));
+        let odd = s ^ t ^ turned;
+        if f == g {
+            return !odd;
+        }
+        let (low, high) = (f.min(g), f.max(g));
+        self.link[high as usize] = 2 * low + u32::from(odd);
+        true
+    }
+
+    /// Whether each face belongs to a sheet that cannot be oriented.
+    pub fn one_sided(&mut self) -> Vec<bool> {
+        let mut of_root = vec![false; self.dropped.len()];
+        for f in std::mem::take(&mut self.contradictions) {
+            of_root[self.find(f).0 as usize] = true;
+        }
+        (0..self.dropped.len() as u32)
+            .map(|f| of_root[self.find(f).0 as usize])
+            .collect()
+    }
+
+    /// Leaves out faces whose corners an earlier face has, and says for each face whether a copy
+    /// turned the other way was left out.
+    fn drop_duplicates(&mut self, triangles: &[[u32; 3]], table: &EdgeTable) -> Vec<u32> {
+        let mut doubled = Vec::new();
+        let mut apexes: Vec<(u32, u32)> = Vec::new();
+        for group in table.groups(triangles) {
+            if group.len() < 2 {
+                continue;
+            }
+            apexes.clear();
+            apexes.extend(group.iter().map(|&c| (opposite(triangles, c), c)));
+            apexes.sort_unstable();
+            let mut first = apexes[0];
+            for &(apex, c) in &apexes[1..] {
+                if apex == first.0 {
+                    let face = c as usize / 3;
+                    if !self.dropped[face] && ends(triangles, c) != ends(triangles, first.1) {
+                        doubled.push(first.1 / 3);
+                    }
+                    self.dropped[face] = true;
+                } else {
+                    first = (apex, c);
+                }
+            }
+        }
+        doubled.sort_unstable();
+        doubled.dedup();
+        doubled
+    }
+
+    /// Joins faces across the edges of a mesh whose corners are `triangles`.
+    pub fn join_mesh(
+        &mut self,
+        triangles: &[[u32; 3]],
+        at: impl Fn(u32) -> DVec3,
+        vertices: usize,
+    ) {
+        let table = EdgeTable::new(triangles, vertices, 0..3 * triangles.len() as u32);
+        let doubled = self.drop_duplicates(triangles, &table);
+        let mut crowded: Vec<Vec<u32>> = Vec::new();
+        let mut suspects: Vec<(u32, u32)> = Vec::new();
+        let mut lone = vec![0u8; doubled.len()];
+        let mut group = Vec::new();
+        for whole in table.groups(triangles) {
+            group.clear();
+            group.extend(whole.iter().filter(|&&c| !self.dropped[c as usize / 3]));
+            match group[..] {
+                [c] => {
+                    if let Ok(i) = doubled.binary_search(&(c / 3)) {
+                        lone[i] += 1;
+                    }
+                }
+                [c, d] => {
+                    let hinge = [c, d].map(|c| doubled.binary_search(&(c / 3)).is_ok());
+                    match hinge {
+                        [true, false] => suspects.push((c, d)),
+                        [false, true] => suspects.push((d, c)),
+                        _ => self.join_edge(triangles, c, d),
+                    }
+                }
+                [] => {}
+                _ => {
+                    self.non_manifold.push(group[0]);
+                    crowded.push(group.clone());
+                }
+            }
+        }
+        for (c, d) in suspects {
+            let i = doubled.binary_search(&(c / 3)).expect("pushed as doubled");
+            if lone[i] == 2 && fold(triangles, &at, c, d) > FLAP_COS {
+                self.non_manifold.push(c);
+            } else {
+                self.join_edge(triangles, c, d);
+            }
+        }
+        self.join_crowded(triangles, &at, &crowded);
+    }
+
+    /// Joins two faces that are the only ones at their edge.
+    fn join_edge(&mut self, triangles: &[[u32; 3]], c: u32, d: u32) {
+        self.mate[c as usize] = d;
+        self.mate[d as usize] = c;
+        let turned = ends(triangles, c) == ends(triangles, d);
+        if !self.unite(c / 3, d / 3, turned) {
+            self.contradictions.push(c / 3);
+        }
+    }
+
+    /// Joins two faces unless their sheet could not be oriented then.
+    fn try_join(&mut self, triangles: &[[u32; 3]], c: u32, d: u32) {
+        if self.unite(c / 3, d / 3, ends(triangles, c) == ends(triangles, d)) {
+            self.mate[c as usize] = d;
+            self.mate[d as usize] = c;
+        }
+    }
+
+    /// Closes seams: joins boundary edges whose ends are at the same positions, `triangles` naming
+    /// one vertex for each position and `own` the vertices themselves.
+    pub fn join_seams(
+        &mut self,
+        triangles: &[[u32; 3]],
+        own: &[[u32; 3]],
+        at: impl Fn(u32) -> DVec3,
+        vertices: usize,
+    ) {
+        let open: Vec<u32> = (0..3 * triangles.len() as u32)
+            .filter(|&c| {
+                let (a, b) = ends(triangles, c);
+                self.mate[c as usize] == NONE && !self.dropped[c as usize / 3] && a != b
+            })
+            .collect();
+        let table = EdgeTable::new(triangles, vertices, open.into_iter());
+        let mut crowded = Vec::new();
+        for group in table.groups(triangles) {
+            match *group {
+                [c, d] if !may_close(triangles, own, c, d) => {}
+                [c, d] => self.try_join(triangles, c, d),
+                _ if group.len() > 2 => crowded.push(group.to_vec()),
+                _ => {}
+            }
+        }
+        for group in &mut crowded {
+            // edges of the same two vertices were cut apart on purpose
+            let first = group[0];
+            group.retain(|&c| c == first || may_close(triangles, own, first, c));
+        }
+        self.join_crowded(triangles, &at, &crowded);
+    }
+
+    /// Joins faces pairwise where more than two meet at an edge.
+    fn join_crowded(
+        &mut self,
+        triangles: &[[u32; 3]],
+        at: &impl Fn(u32) -> DVec3,
+        groups: &[Vec<u32>],
+    ) {
+        let mut pairs: Vec<(bool, f64, u32, u32)> = Vec::new();
+        for group in groups {
+            for (i, &c) in group.iter().enumerate() {
+                let reach = if group.len() > PAIRS_LIMIT {
+                    1
+                } else {
+                    group.len()
+                };
+                for &d in group[i + 1..].iter().take(reach) {
+                    let apart = self.find(c / 3).0 != self.find(d / 3).0;
+                    pairs.push((apart, fold(triangles, at, c, d), c, d));
+                }
+            }
+        }
+        pairs.sort_unstable_by(|x, y| {
+            x.0.cmp(&y.0)
+                .then(x.1.total_cmp(&y.1))
+                .then((x.2, x.3).cmp(&(y.2, y.3)))
+        });
+        for (_, _, c, d) in pairs {
+            if self.mate[c as usize] == NONE && self.mate[d as usize] == NONE {
+                self.try_join(triangles, c, d);
+            }
+        }
+    }
+}
+
+/// Whether welding two boundary edges closes a seam, and does not sew two copies of one face
+/// together or undo a cut.
+fn may_close(triangles: &[[u32; 3]], own: &[[u32; 3]], c: u32, d: u32) -> bool {
+    let ((a, b), (p, q)) = (ends(own, c), ends(own, d));
+    opposite(triangles, c) != opposite(triangles, d) && (a, b) != (p, q) && (a, b) != (q, p)
+}
+
+/// Cosine of the angle between two faces at their common edge: −1 where they go on flat, 1 where
+/// one lies on the other.
+fn fold(triangles: &[[u32; 3]], at: &impl Fn(u32) -> DVec3, c: u32, d: u32) -> f64 {
+    let (a, b) = ends(triangles, c);
+    let edge = (at(b) - at(a)).normalize_or_zero();
+    let away = |c: u32| {
+        let u = at(opposite(triangles, c)) - at(a);
+        (u - edge * u.dot(edge)).normalize_or_zero()
+    };
+    away(c).dot(away(d))
+}

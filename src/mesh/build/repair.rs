@@ -1,0 +1,314 @@
+//! The repairs, from index triples to a topology.
+
+use super::edges::ends;
+use super::fans::{
+    Fans, corners_as_triangles, cut_parallel_edges, fans, join_pinches, name_vertices,
+};
+use super::join::{NONE, Sheets};
+use super::weld::position_classes;
+use crate::mesh::{DVec3, Topology, TopologyError};
+
+/// Triangles of the mesh and which of the file's triangles they are.
+#[derive(Default)]
+pub(super) struct Faces {
+    /// Corners, in vertices of the mesh.
+    pub corners: Vec<[u32; 3]>,
+    /// The file's triangle of each; none if they are the same throughout.
+    origin: Option<Vec<u32>>,
+}
+
+impl Faces {
+    pub fn len(&self) -> usize {
+        self.corners.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.corners.is_empty()
+    }
+
+    /// The file's triangle that face `i` is.
+    pub fn origin(&self, i: usize) -> usize {
+        self.origin.as_ref().map_or(i, |of| of[i] as usize)
+    }
+}
+
+/// What came out, and the places where something was done; faces are the file's triangles, vertices
+/// the file's vertices.
+pub(super) struct Repaired {
+    pub topology: Topology,
+    pub triangles: Faces,
+    pub one_sided: Faces,
+    /// The lowest face of its sheet for each one-sided face.
+    pub one_sided_sheet: Vec<u32>,
+    /// The file vertex of each mesh vertex; none if they are the same throughout.
+    pub source: Option<Vec<u32>>,
+    pub file_to_mesh: Option<Vec<u32>>,
+    pub welded: usize,
+    /// Faces dropped as copies of earlier ones.
+    pub duplicates: Vec<u32>,
+    /// Faces dropped because welding left them fewer than three vertices.
+    pub collapsed: Vec<u32>,
+    pub flipped: Vec<u32>,
+    /// Face and vertices of each edge that was cut.
+    pub cut_edges: Vec<(u32, [u32; 2])>,
+    /// Vertices that were split, with the number of copies appended.
+    pub split: Vec<(u32, u32)>,
+}
+
+impl Repaired {
+    fn untouched(topology: Topology, triangles: &[[u32; 3]]) -> Self {
+        Self {
+            topology,
+            triangles: Faces {
+                corners: triangles.to_vec(),
+                origin: None,
+            },
+            one_sided: Faces::default(),
+            one_sided_sheet: Vec::new(),
+            source: None,
+            file_to_mesh: None,
+            welded: 0,
+            duplicates: Vec::new(),
+            collapsed: Vec::new(),
+            flipped: Vec::new(),
+            cut_edges: Vec::new(),
+            split: Vec::new(),
+        }
+    }
+}
+
+/// Makes an oriented manifold of the triangles, the short way where nothing has to be done.
+///
+/// # Errors
+/// Only if a repair did not do what it should.
+pub(super) fn repair(
+    positions: &[DVec3],
+    exploded: bool,
+    triangles: &[[u32; 3]],
+) -> Result<Repaired, TopologyError> {
+    let n = positions.len();
+    if exploded || is_exploded(n, triangles) {
+        return repair_exploded(positions, triangles);
+    }
+    if let Ok(topology) = Topology::from_triangles(n, triangles) {
+        let rim = (0..topology.halfedge_count()).map(super::super::HalfedgeId::from);
+        let rim: Vec<u32> = rim
+            .filter(|&h| topology.is_boundary(h))
+            .map(|h| topology.origin(h).0)
+            .collect();
+        if position_classes(positions, rim.into_iter()).1 == 0 {
+            return Ok(Repaired::untouched(topology, triangles));
+        }
+    }
+    repair_slowly(positions, triangles, None)
+}
+
+/// Whether every vertex is used by one face only, as if there were no index list.
+fn is_exploded(vertices: usize, triangles: &[[u32; 3]]) -> bool {
+    if triangles.len() < 2 || vertices < 3 * triangles.len() {
+        return false;
+    }
+    let mut seen = vec![false; vertices];
+    triangles
+        .iter()
+        .flatten()
+        .all(|&v| !std::mem::replace(&mut seen[v as usize], true))
+}
+
+/// Welds all equal positions; if that gives a manifold, it is the one meant.
+fn repair_exploded(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<Repaired, TopologyError> {
+    let mut used = vec![false; positions.len()];
+    for &v in triangles.iter().flatten() {
+        used[v as usize] = true;
+    }
+    let members: Vec<u32> = (0..positions.len() as u32)
+        .filter(|&v| used[v as usize])
+        .collect();
+    let (class, copies) = position_classes(positions, members.into_iter());
+    let welded: Vec<[u32; 3]> = triangles
+        .iter()
+        .map(|t| t.map(|v| class[v as usize]))
+        .collect();
+    if Topology::from_triangles(positions.len(), &welded).is_err() {
+        return repair_slowly(positions, triangles, Some(&welded));
+    }
+    if copies == 0 {
+        let topology = Topology::from_triangles(positions.len(), triangles)?;
+        return Ok(Repaired::untouched(topology, triangles));
+    }
+    let mut source = Vec::with_capacity(positions.len() - copies);
+    let mut file_to_mesh: Vec<u32> = Vec::with_capacity(positions.len());
+    for v in 0..positions.len() {
+        let first = class[v] as usize;
+        if first == v {
+            file_to_mesh.push(source.len() as u32);
+            source.push(v as u32);
+        } else {
+            file_to_mesh.push(file_to_mesh[first]);
+        }
+    }
+    let corners: Vec<[u32; 3]> = welded
+        .iter()
+        .map(|t| t.map(|v| file_to_mesh[v as usize]))
+        .collect();
+    let topology = Topology::from_triangles(source.len(), &corners)?;
+    Ok(Repaired {
+        source: Some(source),
+        file_to_mesh: Some(file_to_mesh),
+        welded: copies,
+        ..Repaired::untouched(topology, &corners)
+    })
+}
+
+/// All repairs. `own` are the file's corners; `welded`, given for exploded files, the same with one
+/// vertex for each position.
+fn repair_slowly(
+    positions: &[DVec3],
+    own: &[[u32; 3]],
+    welded: Option<&[[u32; 3]]>,
+) -> Result<Repaired, TopologyError> {
+    let n = positions.len();
+    let at = |v: u32| positions[v as usize];
+    let faces = own.len() as u32;
+    let mut sheets = Sheets::new(own.len());
+    let mut collapsed = Vec::new();
+    let mut by_position = welded.unwrap_or(own).to_vec();
+    for f in 0..faces {
+        let t = by_position[f as usize];
+        if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] {
+            sheets.dropped[f as usize] = true;
+            collapsed.push(f);
+        }
+    }
+    sheets.join_mesh(&by_position, at, n);
+    if welded.is_none() {
+        join_seams(&mut sheets, positions, own, &mut by_position);
+    }
+    let duplicates = (0..faces)
+        .filter(|&f| sheets.dropped[f as usize] && collapsed.binary_search(&f).is_err())
+        .collect();
+    let one_sided = sheets.one_sided();
+    let mut cut_edges = sheets.non_manifold.clone();
+    let mut fans = if cut_edges.is_empty() && welded.is_none() && by_position == own {
+        fans(&by_position, &sheets.mate)
+    } else {
+        let (fans, parallel) = cut_parallel_edges(&by_position, &mut sheets.mate, &sheets.dropped);
+        cut_edges.extend(parallel);
+        fans
+    };
+    cut_edges.sort_unstable();
+    cut_edges.dedup();
+    let flipped = minority_faces(&mut sheets, &one_sided);
+    let kept = |f: &u32| !sheets.dropped[*f as usize] && !one_sided[*f as usize];
+    let origin: Vec<u32> = (0..faces).filter(kept).collect();
+    let oriented = |corners: &[[u32; 3]]| -> Vec<[u32; 3]> {
+        let turn = |f: u32| {
+            let t = corners[f as usize];
+            if flipped.binary_search(&f).is_ok() {
+                [t[0], t[2], t[1]]
+            } else {
+                t
+            }
+        };
+        origin.iter().map(|&f| turn(f)).collect()
+    };
+    let position_of_fan = label_fans(&fans, &by_position);
+    let split = oriented(&corners_as_triangles(&fans.of_corner));
+    join_pinches(&mut fans, &split, &position_of_fan)?;
+
+    let used: Vec<bool> = sheets.dropped.iter().map(|d| !d).collect();
+    let names = name_vertices(&fans, own.as_flattened(), n, &used);
+    let named: Vec<[u32; 3]> = corners_as_triangles(&fans.of_corner)
+        .iter()
+        .enumerate()
+        .map(|(f, t)| {
+            if used[f] {
+                t.map(|fan| names.of_fan[fan as usize])
+            } else {
+                [NONE; 3]
+            }
+        })
+        .collect();
+    let corners = oriented(&named);
+    let aside: Vec<u32> = (0..faces)
+        .filter(|&f| one_sided[f as usize] && used[f as usize])
+        .collect();
+    let identity = names
+        .file_to_mesh
+        .iter()
+        .enumerate()
+        .all(|(v, &m)| m == v as u32);
+    Ok(Repaired {
+        topology: Topology::from_triangles(names.source.len(), &corners)?,
+        triangles: Faces {
+            corners,
+            origin: Some(origin),
+        },
+        one_sided_sheet: aside.iter().map(|&f| sheets.find(f).0).collect(),
+        one_sided: Faces {
+            corners: aside.iter().map(|&f| named[f as usize]).collect(),
+            origin: Some(aside),
+        },
+        source: Some(names.source),
+        file_to_mesh: (!identity).then_some(names.file_to_mesh),
+        welded: names.welded,
+        duplicates,
+        collapsed,
+        flipped,
+        cut_edges: cut_edges
+            .iter()
+            .map(|&c| (c / 3, <[u32; 2]>::from(ends(own, c))))
+            .collect(),
+        split: names.copied,
+    })
+}
+
+/// Joins boundary edges at the same positions; `by_position` then names one vertex per position on
+/// the boundary.
+fn join_seams(
+    sheets: &mut Sheets,
+    positions: &[DVec3],
+    own: &[[u32; 3]],
+    by_position: &mut Vec<[u32; 3]>,
+) {
+    let mut rim: Vec<u32> = (0..sheets.mate.len() as u32)
+        .filter(|&c| sheets.mate[c as usize] == NONE && !sheets.dropped[c as usize / 3])
+        .flat_map(|c| <[u32; 2]>::from(ends(own, c)))
+        .collect();
+    rim.sort_unstable();
+    rim.dedup();
+    let (class, copies) = position_classes(positions, rim.into_iter());
+    if copies > 0 {
+        *by_position = own.iter().map(|t| t.map(|v| class[v as usize])).collect();
+        let at = |v: u32| positions[v as usize];
+        sheets.join_seams(by_position, own, at, positions.len());
+    }
+}
+
+/// Faces that have to be turned so that each sheet agrees with the majority of its faces, sorted.
+fn minority_faces(sheets: &mut Sheets, one_sided: &[bool]) -> Vec<u32> {
+    let faces = one_sided.len() as u32;
+    let mut balance = vec![0i32; faces as usize];
+    for f in 0..faces {
+        if !sheets.dropped[f as usize] && !one_sided[f as usize] {
+            let (root, turned) = sheets.find(f);
+            balance[root as usize] += if turned { -1 } else { 1 };
+        }
+    }
+    (0..faces)
+        .filter(|&f| {
+            let (root, turned) = sheets.find(f);
+            !sheets.dropped[f as usize]
+                && !one_sided[f as usize]
+                && turned == (balance[root as usize] >= 0)
+        })
+        .collect()
+}
+
+fn label_fans(fans: &Fans, by_position: &[[u32; 3]]) -> Vec<u32> {
+    let mut label = vec![0; fans.count];
+    for (fan, v) in fans.of_corner.iter().zip(by_position.as_flattened()) {
+        label[*fan as usize] = *v;
+    }
+    label
+}

@@ -1,0 +1,275 @@
+//! The load report of a finished mesh.
+
+use super::fans::unite;
+use super::{ComponentReport, Defect, DefectKind, LoadReport, Repaired, Triangles};
+use crate::mesh::{DVec3, FaceId, Mesh, Soup, VertexId, components};
+
+/// A triangle lower than this times its longest edge has no area beyond the rounding of its
+/// coordinates (eight decimals are usual in files).
+const FLAT: f64 = 1e-8;
+
+/// Collects defects, at most [`Defect::LIMIT`] of each kind.
+struct Defects<'a> {
+    soup: &'a Soup,
+    triangles: &'a Triangles,
+    list: Vec<Defect>,
+    of_kind: usize,
+}
+
+impl Defects<'_> {
+    fn push(&mut self, kind: DefectKind, position: DVec3, face: Option<u32>, vertex: Option<u32>) {
+        if self.list.last().is_none_or(|d| d.kind != kind) {
+            self.of_kind = 0;
+        }
+        self.of_kind += 1;
+        if self.of_kind <= Defect::LIMIT {
+            self.list.push(Defect {
+                kind,
+                position,
+                file_face: face,
+                file_vertex: vertex,
+            });
+        }
+    }
+
+    /// Defects at triangles of the file.
+    fn push_triangles(&mut self, kind: DefectKind, triangles: impl Iterator<Item = u32>) {
+        for t in triangles.take(Defect::LIMIT) {
+            let corners = self.triangles.corners[t as usize];
+            let sum: DVec3 = corners
+                .iter()
+                .map(|&v| self.soup.positions[v as usize])
+                .sum();
+            let face = self.triangles.file_face(t as usize);
+            self.push(kind, sum / 3.0, Some(face), Some(corners[0]));
+        }
+    }
+}
+
+/// Counts everything there is to say of a loaded mesh.
+pub(super) fn summarize(
+    soup: &Soup,
+    triangles: &Triangles,
+    repaired: &Repaired,
+    mesh: &Mesh,
+) -> LoadReport {
+    let at = |v: u32| soup.positions[v as usize];
+    let mut defects = Defects {
+        soup,
+        triangles,
+        list: Vec::new(),
+        of_kind: 0,
+    };
+    for &f in &triangles.degenerate {
+        let vertex = soup.face(f as usize).first().copied();
+        let position = vertex.map_or(DVec3::ZERO, at);
+        defects.push(DefectKind::DegenerateFace, position, Some(f), vertex);
+    }
+    defects.push_triangles(
+        DefectKind::DegenerateFace,
+        repaired.collapsed.iter().copied(),
+    );
+    defects.push_triangles(
+        DefectKind::DuplicateFace,
+        repaired.duplicates.iter().copied(),
+    );
+    let flat: Vec<u32> = (0..mesh.face_count())
+        .filter(|&f| is_flat(mesh.corners(FaceId::from(f))))
+        .map(|f| repaired.triangles.origin(f) as u32)
+        .collect();
+    defects.push_triangles(DefectKind::ZeroAreaFace, flat.iter().copied());
+    defects.push_triangles(DefectKind::FlippedFace, repaired.flipped.iter().copied());
+    for &(t, [a, b]) in &repaired.cut_edges {
+        let face = triangles.file_face(t as usize);
+        let middle = at(a).midpoint(at(b));
+        defects.push(DefectKind::NonManifoldEdge, middle, Some(face), Some(a));
+    }
+    let mut on_cut: Vec<u32> = repaired.cut_edges.iter().flat_map(|e| e.1).collect();
+    on_cut.sort_unstable();
+    let split: Vec<u32> = repaired
+        .split
+        .iter()
+        .map(|s| s.0)
+        .filter(|v| on_cut.binary_search(v).is_err())
+        .collect();
+    for &v in &split {
+        defects.push(DefectKind::NonManifoldVertex, at(v), None, Some(v));
+    }
+    let (pinched, isolated) = special_vertices(mesh);
+    for &v in &pinched {
+        let file = repaired.source.as_ref().map_or(v.0, |of| of[v.index()]);
+        defects.push(DefectKind::PinchedHole, mesh.position(v), None, Some(file));
+    }
+    let parts = component_reports(mesh, &repaired.one_sided_sheet);
+    let mut sheets = repaired.one_sided_sheet.clone();
+    sheets.sort_unstable();
+    sheets.dedup();
+    defects.push_triangles(DefectKind::OneSidedComponent, sheets.into_iter());
+
+    LoadReport {
+        file_vertices: soup.positions.len(),
+        file_faces: soup.face_count(),
+        vertices: mesh.vertex_count(),
+        faces: mesh.face_count() + mesh.one_sided.len(),
+        polygons_triangulated: triangles.polygons,
+        duplicate_faces: repaired.duplicates.len(),
+        degenerate_faces: triangles.degenerate.len() + repaired.collapsed.len(),
+        zero_area_faces: flat.len(),
+        welded_vertices: repaired.welded,
+        isolated_vertices: isolated,
+        flipped_faces: repaired.flipped.len(),
+        non_manifold_edges: repaired.cut_edges.len(),
+        split_vertices: split.len(),
+        pinched_vertices: pinched.len(),
+        appended_vertices: repaired.split.iter().map(|s| s.1 as usize).sum(),
+        one_sided_faces: mesh.one_sided.len(),
+        components: parts,
+        defects: defects.list,
+        notes: soup.notes.clone(),
+        file_to_mesh: repaired.file_to_mesh.clone(),
+    }
+}
+
+/// Whether the height over the longest edge is nothing but rounding.
+fn is_flat([a, b, c]: [DVec3; 3]) -> bool {
+    let longest = a
+        .distance_squared(b)
+        .max(b.distance_squared(c))
+        .max(c.distance_squared(a));
+    (b - a).cross(c - a).length_squared() <= (FLAT * longest).powi(2)
+}
+
+/// Vertices at which a hole touches itself, and the number of vertices without a face.
+fn special_vertices(mesh: &Mesh) -> (Vec<VertexId>, usize) {
+    let topology = &mesh.topology;
+    let mut in_one_sided = vec![
+        false;
+        if mesh.one_sided.is_empty() {
+            0
+        } else {
+            mesh.vertex_count()
+        }
+    ];
+    for &v in mesh.one_sided.iter().flatten() {
+        in_one_sided[v as usize] = true;
+    }
+    let mut pinched = Vec::new();
+    let mut isolated = 0;
+    for v in (0..mesh.vertex_count()).map(VertexId::from) {
+        let h = topology.halfedge_of_vertex(v);
+        if !h.is_some() {
+            isolated += usize::from(!in_one_sided.get(v.index()).is_some_and(|&used| used));
+        } else if topology.is_boundary(h)
+            && topology
+                .outgoing(v)
+                .filter(|&h| topology.is_boundary(h))
+                .count()
+                > 1
+        {
+            pinched.push(v);
+        }
+    }
+    (pinched, isolated)
+}
+
+fn component_reports(mesh: &Mesh, one_sided_sheet: &[u32]) -> Vec<ComponentReport> {
+    let topology = &mesh.topology;
+    let parts = components(topology);
+    let empty = ComponentReport {
+        faces: 0,
+        vertices: 0,
+        loops: 0,
+        orientable: true,
+        euler: 0,
+    };
+    let mut reports = vec![empty; parts.count];
+    for (f, &c) in parts.of_face.iter().enumerate() {
+        let part = &mut reports[c as usize];
+        part.faces += 1;
+        part.euler += 1;
+        let mut h = topology.halfedge_of_face(FaceId::from(f));
+        for _ in 0..3 {
+            // each edge once: by its first half-edge, or by the only one with a face
+            if h.0 & 1 == 0 || topology.is_boundary(h.twin()) {
+                part.euler -= 1;
+            }
+            h = topology.next(h);
+        }
+    }
+    for v in (0..mesh.vertex_count()).map(VertexId::from) {
+        let h = topology.halfedge_of_vertex(v);
+        if h.is_some() {
+            let inner = if topology.is_boundary(h) { h.twin() } else { h };
+            let part = &mut reports[parts.of_face[topology.face(inner).index()] as usize];
+            part.vertices += 1;
+            part.euler += 1;
+        }
+    }
+    for one in topology.boundary_loops() {
+        let face = topology.face(one[0].twin());
+        reports[parts.of_face[face.index()] as usize].loops += 1;
+    }
+    reports.extend(one_sided_reports(&mesh.one_sided, one_sided_sheet));
+    reports
+}
+
+/// The same counts for components that have no half-edges.
+fn one_sided_reports(triangles: &[[u32; 3]], sheet: &[u32]) -> Vec<ComponentReport> {
+    let mut sheets = sheet.to_vec();
+    sheets.sort_unstable();
+    sheets.dedup();
+    sheets
+        .iter()
+        .map(|&one| {
+            let of_sheet = || {
+                triangles
+                    .iter()
+                    .zip(sheet)
+                    .filter(|p| *p.1 == one)
+                    .map(|p| p.0)
+            };
+            let mut vertices: Vec<u32> = of_sheet().flatten().copied().collect();
+            vertices.sort_unstable();
+            vertices.dedup();
+            let mut edges: Vec<[u32; 2]> = of_sheet()
+                .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+                .map(|[a, b]| [a.min(b), a.max(b)])
+                .collect();
+            edges.sort_unstable();
+            let rim: Vec<[u32; 2]> = edges
+                .chunk_by(|x, y| x == y)
+                .filter(|same| same.len() == 1)
+                .map(|same| same[0])
+                .collect();
+            edges.dedup();
+            let faces = of_sheet().count();
+            ComponentReport {
+                faces,
+                vertices: vertices.len(),
+                loops: count_rings(&vertices, &rim),
+                orientable: false,
+                euler: signed(vertices.len()) - signed(edges.len()) + signed(faces),
+            }
+        })
+        .collect()
+}
+
+/// Number of connected pieces of a set of edges.
+fn count_rings(vertices: &[u32], edges: &[[u32; 2]]) -> usize {
+    let place = |v: u32| vertices.partition_point(|&w| w < v);
+    let mut link: Vec<u32> = (0..vertices.len() as u32).collect();
+    let mut touched = vec![false; vertices.len()];
+    for &[a, b] in edges {
+        let (a, b) = (place(a), place(b));
+        touched[a] = true;
+        touched[b] = true;
+        unite(&mut link, a as u32, b as u32);
+    }
+    (0..vertices.len())
+        .filter(|&i| touched[i] && link[i] == i as u32)
+        .count()
+}
+
+fn signed(count: usize) -> i64 {
+    i64::try_from(count).unwrap_or(i64::MAX)
+}

@@ -1,0 +1,104 @@
+//! Limit positions and limit normals of the vertices of a mesh.
+
+use std::sync::LazyLock;
+
+use super::masks::{limit_mask, tangent_mask};
+use super::ring::{Neighbour, extended_ring};
+use crate::mesh::{DVec3, Topology, VertexId};
+
+/// Valences up to this have their masks tabulated.
+const TABULATED: usize = 32;
+
+/// Limit position weight of a neighbour and tangent weights, by valence.
+static MASKS: LazyLock<Vec<Mask>> = LazyLock::new(|| (0..=TABULATED).map(Mask::new).collect());
+
+#[derive(Clone)]
+struct Mask {
+    omega: f64,
+    tangents: Vec<(f64, f64)>,
+}
+
+impl Mask {
+    fn new(n: usize) -> Self {
+        Self {
+            omega: if n < 3 { 0.0 } else { limit_mask(n).1 },
+            tangents: tangent_mask(n).collect(),
+        }
+    }
+}
+
+/// Calls `f` with the mask of the vertex and the differences of its neighbours to it,
+/// counter-clockwise; differences, so that nothing is lost far from the origin.
+fn with_star<T>(
+    topology: &Topology,
+    positions: &[DVec3],
+    v: VertexId,
+    ring: &mut Vec<Neighbour>,
+    f: impl FnOnce(&Mask, &mut dyn Iterator<Item = DVec3>) -> T,
+) -> T {
+    extended_ring(topology, v, ring);
+    let centre = positions[v.index()];
+    let mut spokes = ring.iter().map(|r| r.position(positions) - centre);
+    if let Some(mask) = MASKS.get(spokes.len()) {
+        f(mask, &mut spokes)
+    } else {
+        f(&Mask::new(spokes.len()), &mut spokes)
+    }
+}
+
+fn position_with(
+    topology: &Topology,
+    positions: &[DVec3],
+    v: VertexId,
+    ring: &mut Vec<Neighbour>,
+) -> DVec3 {
+    let shift = with_star(topology, positions, v, ring, |mask, spokes| {
+        mask.omega * spokes.sum::<DVec3>()
+    });
+    positions[v.index()] + shift
+}
+
+fn normal_with(
+    topology: &Topology,
+    positions: &[DVec3],
+    v: VertexId,
+    ring: &mut Vec<Neighbour>,
+) -> DVec3 {
+    with_star(topology, positions, v, ring, |mask, spokes| {
+        let (mut t1, mut t2) = (DVec3::ZERO, DVec3::ZERO);
+        for (spoke, &(cos, sin)) in spokes.zip(&mask.tangents) {
+            t1 += cos * spoke;
+            t2 += sin * spoke;
+        }
+        t1.cross(t2).normalize_or_zero()
+    })
+}
+
+/// Where the limit surface passes a control vertex; the vertex itself if it has no triangles.
+/// At an open boundary the mesh is continued by ghosts, as in [`super::elements`].
+pub fn limit_position(topology: &Topology, positions: &[DVec3], v: VertexId) -> DVec3 {
+    position_with(topology, positions, v, &mut Vec::new())
+}
+
+/// [`limit_position`] of every vertex.
+pub fn limit_positions(topology: &Topology, positions: &[DVec3]) -> Vec<DVec3> {
+    let mut ring = Vec::new();
+    (0..topology.vertex_count())
+        .map(|v| position_with(topology, positions, VertexId::from(v), &mut ring))
+        .collect()
+}
+
+/// Unit normal of the limit surface at the limit position of a control vertex, on the side from
+/// which the triangles run counter-clockwise; zero if the tangents are parallel or vanish, and for
+/// a vertex without triangles. At an open boundary the mesh is continued by ghosts.
+pub fn limit_normal(topology: &Topology, positions: &[DVec3], v: VertexId) -> DVec3 {
+    normal_with(topology, positions, v, &mut Vec::new())
+}
+
+/// [`limit_normal`] of every vertex.
+pub fn limit_normals(topology: &Topology, positions: &[DVec3]) -> Vec<DVec3> {
+    let mut ring = Vec::new();
+    (0..topology.vertex_count())
+        .map(|v| normal_with(topology, positions, VertexId::from(v), &mut ring))
+        .collect()
+}
