@@ -30,6 +30,9 @@ impl BasisTable {
     /// Tabulates the triangle with the given corner valences (each at least 3), with
     /// `a + b + c - 6` control vertices (4 for the tetrahedron) in standard order. None are
     /// identified with each other, though in a small mesh some may coincide.
+    ///
+    /// # Panics
+    /// If a valence is less than 3.
     pub fn new(valences: [usize; 3], rule: Rule) -> Self {
         let points = rule.points();
         let n = Patch::new(valences).len();
@@ -50,6 +53,19 @@ impl BasisTable {
         }
     }
 
+    /// The table of a flat triangle, controlled by its corners alone.
+    fn flat(rule: Rule) -> Self {
+        let rows = |&[v, w]: &[f64; 2]| {
+            let derivatives = [[1.0 - v - w, v, w], [-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]];
+            derivatives.into_iter().chain([[0.0; 3]; 3])
+        };
+        Self {
+            n: 3,
+            points: rule.points().len(),
+            data: rule.points().iter().flat_map(rows).flatten().collect(),
+        }
+    }
+
     /// The `n` values of one derivative (order `N, N_v, N_w, N_vv, N_vw, N_ww`) at one point.
     #[inline]
     pub fn row(&self, point: usize, derivative: usize) -> &[f64] {
@@ -63,7 +79,11 @@ impl BasisTable {
 /// the closed parameter triangle.
 ///
 /// At a corner of valence other than 6 the derivatives do not exist in this parametrization: they
-/// are NaN, the values are those of the limit position mask.
+/// are NaN, the values are those of the limit position mask; [`super::limit_normal`] gives the
+/// normal there.
+///
+/// # Panics
+/// If a valence is less than 3.
 pub fn basis_at(valences: [usize; 3], v: f64, w: f64) -> Vec<[f64; DERIVATIVES]> {
     Scratch::default().rows(valences, v, w).to_vec()
 }
@@ -155,6 +175,9 @@ impl TableCache {
     }
 
     /// The table of a triangle by its corner valences (each at least 3).
+    ///
+    /// # Panics
+    /// If a valence is less than 3.
     pub fn table(&mut self, valences: [usize; 3], rule: Rule) -> &BasisTable {
         self.by_valences
             .entry((rule, valences))
@@ -165,7 +188,11 @@ impl TableCache {
     pub(super) fn folded_table(&mut self, folding: &Folding, rule: Rule) -> &BasisTable {
         let key = (rule, folding.clone());
         if !self.folded.contains_key(&key) {
-            let table = folding.apply(self.table(folding.valences, rule));
+            let table = if folding.is_flat() {
+                BasisTable::flat(rule)
+            } else {
+                folding.apply(self.table(folding.valences, rule))
+            };
             self.folded.insert(key.clone(), table);
         }
         &self.folded[&key]

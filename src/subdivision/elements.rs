@@ -56,7 +56,8 @@ impl Elements {
 /// boundary vertex by one more triangle between the ghosts of its two boundary edges. Ghosts do not
 /// appear in the result: their basis functions are added to those of the vertices they are made of.
 /// Likewise a vertex that occurs several times around a triangle of a tiny closed mesh appears once,
-/// with the sum of its functions.
+/// with the sum of its functions. Two triangles glued along all their edges are flat elements of
+/// their corners alone.
 pub fn elements(
     topology: &Topology,
     faces: &[FaceId],

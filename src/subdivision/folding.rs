@@ -23,6 +23,12 @@ enum Source {
 }
 
 impl Folding {
+    /// Whether a corner has only two neighbours: the triangle is one of two glued along all their
+    /// edges, and Loop's scheme has no limit surface for them.
+    pub(super) fn is_flat(&self) -> bool {
+        self.valences.iter().any(|&n| n < 3)
+    }
+
     /// The table over the real vertices: `N' = N T`, with `T` from real to unrolled vertices.
     pub(super) fn apply(&self, unrolled: &BasisTable) -> BasisTable {
         debug_assert_eq!(unrolled.n, self.sources.len());
@@ -62,6 +68,15 @@ pub(super) fn fold(topology: &Topology, f: FaceId) -> (Folding, Vec<u32>) {
         let turn = ring.iter().position(|&r| r == following).unwrap_or(0);
         ring.rotate_left(turn);
     }
+    if valences.iter().any(|&n| n < 3) {
+        let folding = Folding {
+            valences,
+            columns: 3,
+            sources: [0, 1, 2].map(Source::Real).to_vec(),
+        };
+        return (folding, corners.map(|v| v.0).to_vec());
+    }
+
     // Each ring starts with the two other corners, and its last vertex is the first of the next one.
     let mut unrolled: Vec<Neighbour> = corners.map(Neighbour::Real).to_vec();
     for c in [1, 2, 0] {

@@ -13,7 +13,7 @@ pub(super) struct Gathered {
     pub(super) faces: Vec<u32>,
     /// The control vertices of these faces in standard order.
     pub(super) vertices: Vec<u32>,
-    /// Faces with a corner on an open boundary or a vertex that occurs twice.
+    /// Faces with a corner on an open boundary or of valence 2, or a vertex that occurs twice.
     pub(super) to_fold: Vec<FaceId>,
 }
 
@@ -30,14 +30,14 @@ pub(super) fn gather(topology: &Topology, faces: &[FaceId]) -> Gathered {
                 classes.count(valences)
             } else {
                 to_fold.push(f);
-                BOUNDARY
+                UNFIT
             }
         })
         .collect();
 
     let mut parts = Parts::new(&classes.found);
     for (&f, &class) in faces.iter().zip(&class_of) {
-        if class != BOUNDARY && !parts.push(class as usize, f, topology, &mut rings) {
+        if class != UNFIT && !parts.push(class as usize, f, topology, &mut rings) {
             to_fold.push(f);
         }
     }
@@ -131,8 +131,8 @@ impl Parts {
     }
 }
 
-/// In place of a ring: the vertex is on a boundary.
-const BOUNDARY: u32 = u32::MAX;
+/// In place of a ring or a class: not to be treated here.
+const UNFIT: u32 = u32::MAX;
 
 /// Neighbours of vertices, each found once.
 struct Rings<'a> {
@@ -158,29 +158,30 @@ impl<'a> Rings<'a> {
         }
     }
 
-    /// Corner valences of a face; `None` if a corner is on a boundary.
+    /// Corner valences of a face; `None` if a corner is on a boundary or has but two neighbours.
     fn valences(&mut self, corners: [VertexId; 3]) -> Option<[usize; 3]> {
         let spans = corners.map(|v| match self.span[v.index()] {
             0 => self.find(v),
             span => span,
         });
-        if spans.contains(&BOUNDARY) {
+        if spans.contains(&UNFIT) {
             return None;
         }
         Some(spans.map(|s| self.data[s as usize] as usize))
     }
 
     fn find(&mut self, v: VertexId) -> u32 {
-        let span = if self.topology.is_boundary_vertex(v) {
-            BOUNDARY
+        let start = self.data.len();
+        self.data.push(0);
+        for w in self.topology.neighbours(v) {
+            self.data.push(w.0);
+        }
+        let valence = self.data.len() - start - 1;
+        self.data[start] = valence as u32;
+        self.data[start + 1..].reverse();
+        let span = if valence < 3 || self.topology.is_boundary_vertex(v) {
+            UNFIT
         } else {
-            let start = self.data.len();
-            self.data.push(0);
-            for w in self.topology.neighbours(v) {
-                self.data.push(w.0);
-            }
-            self.data[start] = (self.data.len() - start - 1) as u32;
-            self.data[start + 1..].reverse();
             start as u32
         };
         self.span[v.index()] = span;

@@ -75,7 +75,7 @@ fn normal_with(
 }
 
 /// Where the limit surface passes a control vertex; the vertex itself if it has no triangles.
-/// At an open boundary the mesh is continued by ghosts, as in [`super::elements`].
+/// At an open boundary the mesh is continued by ghosts, as in [`super::elements()`].
 pub fn limit_position(topology: &Topology, positions: &[DVec3], v: VertexId) -> DVec3 {
     position_with(topology, positions, v, &mut Vec::new())
 }

@@ -19,9 +19,15 @@ pub(super) type Row = [f64; 6];
 
 impl Patch {
     /// The patch of a triangle with corner valences of at least 3.
+    ///
+    /// # Panics
+    /// If a valence is less.
     pub(super) fn new(valences: [usize; 3]) -> Self {
         let [a, b, c] = valences;
-        debug_assert!(a >= 3 && b >= 3 && c >= 3);
+        assert!(
+            a >= 3 && b >= 3 && c >= 3,
+            "a triangle with corner valences {valences:?} has no limit surface"
+        );
         Self {
             valences,
             start: [b - 3 + c - 3, 0, b - 3],

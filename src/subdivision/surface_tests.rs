@@ -77,6 +77,22 @@ fn elements_are_the_surface() {
     }
 }
 
+/// Two triangles back to back have no limit surface; they stay as they are.
+#[test]
+fn a_pillow_is_flat() {
+    let pillow = Topology::from_triangles(3, &[[0, 1, 2], [0, 2, 1]]).expect("closed");
+    let positions = [DVec3::ZERO, DVec3::X, DVec3::new(0.2, 1.0, 0.5)];
+    let found = all_elements(&pillow, Rule::Three);
+    assert_eq!(found.vertices, [0, 1, 2, 0, 2, 1]);
+    for (q, &[v, w]) in Rule::Three.points().iter().enumerate() {
+        let at = |d| combine(found.table(0).row(q, d), found.vertices_of(0), &positions);
+        assert!((at(0) - v * positions[1] - w * positions[2]).length() < 1e-15);
+        assert_eq!((at(1), at(2)), (positions[1], positions[2]));
+        assert_eq!((at(3), at(4), at(5)), Default::default());
+    }
+    assert_eq!(limit_positions(&pillow, &positions), positions);
+}
+
 /// Both triangles at an edge give the same points and, away from its ends, the same first
 /// derivatives in a common chart.
 #[test]

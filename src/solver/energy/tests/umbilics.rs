@@ -53,7 +53,6 @@ fn gaps() -> impl Iterator<Item = f64> {
 
 #[test]
 fn symmetric_polynomials_are_right_at_and_near_umbilics() {
-    let mut worst = [0.0_f64; 2];
     for (i, (text, preset)) in [
         ("k1^4+k2^4", Preset::K1P4PlusK2P4),
         ("(k1-k2)^2", Preset::K1MinusK2Squared),
