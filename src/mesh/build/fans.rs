@@ -1,7 +1,8 @@
 //! Vertices of the repaired mesh: one for each fan of faces that hang together around it.
 
-use super::edges::{EdgeTable, ends, following};
-use super::join::NONE;
+use super::edges::{EdgeTable, ends, following, opposite};
+use super::join::{NONE, Sheets};
+use super::repair::has_pillow;
 use crate::mesh::{Topology, TopologyError};
 
 /// Corners grouped by the vertex they become.
@@ -12,8 +13,9 @@ pub(super) struct Fans {
     pub count: usize,
 }
 
-/// Joins the corners at both ends of every joined edge; `triangles` names one vertex per position.
-pub(super) fn fans(triangles: &[[u32; 3]], mate: &[u32]) -> Fans {
+/// Joins the corners at both ends of every joined edge; `own` are the file's corners, `triangles`
+/// names one vertex per position.
+pub(super) fn fans(own: &[[u32; 3]], triangles: &[[u32; 3]], mate: &[u32]) -> Fans {
     let mut link: Vec<u32> = (0..mate.len() as u32).collect();
     for (c, &d) in mate.iter().enumerate() {
         let c = c as u32;
@@ -21,7 +23,11 @@ pub(super) fn fans(triangles: &[[u32; 3]], mate: &[u32]) -> Fans {
             continue;
         }
         let (mut d0, mut d1) = (d, following(d));
-        if ends(triangles, c).0 != ends(triangles, d).0 {
+        let same_way = match (ends(own, c), ends(own, d)) {
+            ((a, b), (p, q)) if (a, b) == (p, q) || (a, b) == (q, p) => a == p,
+            _ => ends(triangles, c).0 == ends(triangles, d).0,
+        };
+        if !same_way {
             std::mem::swap(&mut d0, &mut d1);
         }
         unite(&mut link, c, d0);
@@ -64,42 +70,56 @@ fn number(link: &mut [u32]) -> Fans {
     }
 }
 
-/// Undoes joins that make two different edges of the mesh run between the same two vertices, which
-/// index triples cannot tell apart. Returns one corner-edge of each edge
-/// that was cut.
+/// Rounds in which edges that came to lie between the same vertices may still be joined instead.
+const JOIN_ROUNDS: usize = 8;
+
+/// Undoes joins that make two different edges of the mesh run between the same two vertices, or two
+/// faces have the same three, which index triples cannot tell apart. Returns one corner-edge of each edge that was cut.
 pub(super) fn cut_parallel_edges(
+    own: &[[u32; 3]],
     triangles: &[[u32; 3]],
-    mate: &mut [u32],
-    skip: &[bool],
+    sheets: &mut Sheets,
 ) -> (Fans, Vec<u32>) {
     let mut cuts = Vec::new();
-    loop {
-        let current = fans(triangles, mate);
+    for round in 0.. {
+        let current = fans(own, triangles, &sheets.mate);
         let named = corners_as_triangles(&current.of_corner);
-        let members = (0..mate.len() as u32).filter(|&c| !skip[c as usize / 3]);
+        let used = &sheets.dropped;
+        let members = (0..sheets.mate.len() as u32).filter(|&c| !used[c as usize / 3]);
         let table = EdgeTable::new(&named, current.count, members);
         let before = cuts.len();
+        let mut changed = false;
         for group in table.groups(&named) {
+            if let [c, d] = *group
+                && sheets.mate[c as usize] != d
+                && round < JOIN_ROUNDS
+            {
+                sheets.try_join(&named, c, d);
+                changed = true;
+            }
             let sound = match *group {
-                [c, d] => mate[c as usize] == d || ends(&named, c) != ends(&named, d),
+                [c, d] => {
+                    sheets.mate[c as usize] == d && opposite(&named, c) != opposite(&named, d)
+                }
                 _ => group.len() < 2,
             };
             if sound {
                 continue;
             }
             cuts.push(group[0]);
-            if !unmate(mate, group.iter().copied()) {
+            if !unmate(&mut sheets.mate, group.iter().copied()) {
                 // nothing left to cut at the edge itself: set the later faces free altogether
                 for &c in &group[1..] {
                     let f = c - c % 3;
-                    unmate(mate, f..f + 3);
+                    unmate(&mut sheets.mate, f..f + 3);
                 }
             }
         }
-        if cuts.len() == before {
+        if cuts.len() == before && !changed {
             return (current, cuts);
         }
     }
+    unreachable!("every round cuts faces apart, of which there are finitely many")
 }
 
 fn unmate(mate: &mut [u32], edges: impl Iterator<Item = u32>) -> bool {
@@ -157,7 +177,7 @@ pub(super) fn join_pinches(
         .iter()
         .map(|t| t.map(|fan| merged.of_corner[fan as usize]))
         .collect();
-    if Topology::from_triangles(merged.count, &joined).is_err() {
+    if Topology::from_triangles(merged.count, &joined).map_or(true, |t| has_pillow(&t)) {
         return Ok(0);
     }
     for fan in &mut fans.of_corner {

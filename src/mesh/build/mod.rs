@@ -6,6 +6,8 @@ mod join;
 mod repair;
 mod report;
 mod summary;
+#[cfg(test)]
+mod tests;
 mod triangulate;
 mod weld;
 

@@ -6,7 +6,7 @@ use super::fans::{
 };
 use super::join::{NONE, Sheets};
 use super::weld::position_classes;
-use crate::mesh::{DVec3, Topology, TopologyError};
+use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology, TopologyError};
 
 /// Triangles of the mesh and which of the file's triangles they are.
 #[derive(Default)]
@@ -90,8 +90,10 @@ pub(super) fn repair(
     if exploded || is_exploded(n, triangles) {
         return repair_exploded(positions, triangles);
     }
-    if let Ok(topology) = Topology::from_triangles(n, triangles) {
-        let rim = (0..topology.halfedge_count()).map(super::super::HalfedgeId::from);
+    if let Ok(topology) = Topology::from_triangles(n, triangles)
+        && !has_pillow(&topology)
+    {
+        let rim = (0..topology.halfedge_count()).map(HalfedgeId::from);
         let rim: Vec<u32> = rim
             .filter(|&h| topology.is_boundary(h))
             .map(|h| topology.origin(h).0)
@@ -101,6 +103,18 @@ pub(super) fn repair(
         }
     }
     repair_slowly(positions, triangles, None)
+}
+
+/// Whether two faces share all their edges: a face and its copy turned over.
+pub(super) fn has_pillow(topology: &Topology) -> bool {
+    (0..topology.face_count()).map(FaceId::from).any(|f| {
+        let h = topology.halfedge_of_face(f);
+        let n = topology.next(h);
+        let other = topology.face(h.twin());
+        other.is_some()
+            && topology.face(n.twin()) == other
+            && topology.face(topology.next(n).twin()) == other
+    })
 }
 
 /// Whether every vertex is used by one face only, as if there were no index list.
@@ -129,7 +143,7 @@ fn repair_exploded(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<Repair
         .iter()
         .map(|t| t.map(|v| class[v as usize]))
         .collect();
-    if Topology::from_triangles(positions.len(), &welded).is_err() {
+    if !Topology::from_triangles(positions.len(), &welded).is_ok_and(|t| !has_pillow(&t)) {
         return repair_slowly(positions, triangles, Some(&welded));
     }
     if copies == 0 {
@@ -187,15 +201,15 @@ fn repair_slowly(
     let duplicates = (0..faces)
         .filter(|&f| sheets.dropped[f as usize] && collapsed.binary_search(&f).is_err())
         .collect();
-    let one_sided = sheets.one_sided();
     let mut cut_edges = sheets.non_manifold.clone();
     let mut fans = if cut_edges.is_empty() && welded.is_none() && by_position == own {
-        fans(&by_position, &sheets.mate)
+        fans(own, &by_position, &sheets.mate)
     } else {
-        let (fans, parallel) = cut_parallel_edges(&by_position, &mut sheets.mate, &sheets.dropped);
+        let (fans, parallel) = cut_parallel_edges(own, &by_position, &mut sheets);
         cut_edges.extend(parallel);
         fans
     };
+    let one_sided: Vec<bool> = (0..faces).map(|f| sheets.is_one_sided(f)).collect();
     cut_edges.sort_unstable();
     cut_edges.dedup();
     let flipped = minority_faces(&mut sheets, &one_sided);
@@ -277,8 +291,17 @@ fn join_seams(
         .collect();
     rim.sort_unstable();
     rim.dedup();
-    let (class, copies) = position_classes(positions, rim.into_iter());
+    let (mut class, copies) = position_classes(positions, rim.into_iter());
     if copies > 0 {
+        // an edge of no length must not be welded into a point, or its faces would be lost
+        for t in own {
+            for (v, w) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                if class[v as usize] == class[w as usize] {
+                    class[v as usize] = v;
+                    class[w as usize] = w;
+                }
+            }
+        }
         *by_position = own.iter().map(|t| t.map(|v| class[v as usize])).collect();
         let at = |v: u32| positions[v as usize];
         sheets.join_seams(by_position, own, at, positions.len());
