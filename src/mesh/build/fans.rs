@@ -74,19 +74,25 @@ fn number(link: &mut [u32]) -> Fans {
 const JOIN_ROUNDS: usize = 8;
 
 /// Undoes joins that make two different edges of the mesh run between the same two vertices, or two
-/// faces have the same three, which index triples cannot tell apart. Returns one corner-edge of each edge that was cut.
+/// faces have the same three, which index triples cannot tell apart. Only `suspects` are looked at;
+/// none means all. Returns one corner-edge of each edge that was cut.
 pub(super) fn cut_parallel_edges(
     own: &[[u32; 3]],
     triangles: &[[u32; 3]],
     sheets: &mut Sheets,
+    suspects: Option<&[u32]>,
 ) -> (Fans, Vec<u32>) {
+    let all: Vec<u32> = match suspects {
+        Some(some) => some.to_vec(),
+        None => (0..sheets.mate.len() as u32)
+            .filter(|&c| !sheets.dropped[c as usize / 3])
+            .collect(),
+    };
     let mut cuts = Vec::new();
     for round in 0.. {
         let current = fans(own, triangles, &sheets.mate);
         let named = corners_as_triangles(&current.of_corner);
-        let used = &sheets.dropped;
-        let members = (0..sheets.mate.len() as u32).filter(|&c| !used[c as usize / 3]);
-        let table = EdgeTable::new(&named, current.count, members);
+        let table = EdgeTable::new(&named, current.count, all.iter().copied());
         let before = cuts.len();
         let mut changed = false;
         for group in table.groups(&named) {
@@ -143,7 +149,8 @@ pub(super) fn corners_as_triangles(of_corner: &[u32]) -> Vec<[u32; 3]> {
 }
 
 /// Makes one of the fans that a single boundary loop passes at the same position: there a hole
-/// touches itself, and its lobes are to be filled one by one. Returns the number of such places.
+/// touches itself, and its lobes are to be filled one by one. `open` are the fans on the boundary.
+/// Returns the number of such places.
 ///
 /// # Errors
 /// If the faces are no manifold even with all fans apart.
@@ -151,7 +158,17 @@ pub(super) fn join_pinches(
     fans: &mut Fans,
     oriented: &[[u32; 3]],
     position_of_fan: &[u32],
+    open: &[u32],
 ) -> Result<usize, TopologyError> {
+    let mut rim: Vec<(u32, u32)> = open
+        .iter()
+        .map(|&fan| (position_of_fan[fan as usize], fan))
+        .collect();
+    rim.sort_unstable();
+    rim.dedup();
+    if rim.windows(2).all(|pair| pair[0].0 != pair[1].0) {
+        return Ok(0);
+    }
     let topology = Topology::from_triangles(fans.count, oriented)?;
     let mut link: Vec<u32> = (0..fans.count as u32).collect();
     let mut pinches = 0;
@@ -204,19 +221,37 @@ pub(super) struct Naming {
 /// Gives each fan the first file vertex at its corners that is still free, the largest fan first;
 /// fans for which none is left get copies at the end.
 pub(super) fn name_vertices(fans: &Fans, own: &[u32], vertices: usize, used: &[bool]) -> Naming {
+    // most fans have one file vertex, and that no other fan: only the others have to be sorted
     let mut size = vec![0u32; fans.count];
-    let mut wishes: Vec<(u32, u32)> = Vec::with_capacity(own.len());
-    for (c, (&v, &fan)) in own.iter().zip(&fans.of_corner).enumerate() {
-        if used[c / 3] {
-            size[fan as usize] += 1;
-            wishes.push((v, fan));
-        }
-    }
-    wishes.sort_unstable();
-    wishes.dedup();
-    // what is settled: the file vertex of each fan, the fan of each file vertex
     let mut file_vertex = vec![NONE; fans.count];
     let mut owner = vec![NONE; vertices];
+    let mut contested = (vec![false; fans.count], vec![false; vertices]);
+    let corners = || {
+        let pairs = own.iter().zip(&fans.of_corner).enumerate();
+        pairs
+            .filter(|(c, _)| used[c / 3])
+            .map(|(_, (&v, &fan))| (v, fan))
+    };
+    for (v, fan) in corners() {
+        let (v, f) = (v as usize, fan as usize);
+        size[f] += 1;
+        if file_vertex[f] == NONE {
+            file_vertex[f] = v as u32;
+        }
+        if owner[v] == NONE {
+            owner[v] = fan;
+        }
+        contested.0[f] |= file_vertex[f] != v as u32;
+        contested.1[v] |= owner[v] != fan;
+    }
+    let open = |&(v, fan): &(u32, u32)| contested.0[fan as usize] || contested.1[v as usize];
+    let mut wishes: Vec<(u32, u32)> = corners().filter(open).collect();
+    wishes.sort_unstable();
+    wishes.dedup();
+    for &(v, fan) in &wishes {
+        owner[v as usize] = NONE;
+        file_vertex[fan as usize] = NONE;
+    }
     for same in wishes.chunk_by(|x, y| x.0 == y.0) {
         let best = same
             .iter()

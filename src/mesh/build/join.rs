@@ -25,6 +25,8 @@ pub(super) struct Sheets {
     pub dropped: Vec<bool>,
     /// Edges that more than two faces share, by one of their corner-edges.
     pub non_manifold: Vec<u32>,
+    /// The corner-edges at these edges, all that can come to lie between the same two vertices.
+    pub crowded: Vec<u32>,
     /// Union-find: parent × 2 + whether turned relative to it. The root is the lowest face.
     link: Vec<u32>,
     /// Whether the sheet of each root cannot be oriented.
@@ -37,6 +39,7 @@ impl Sheets {
             mate: vec![NONE; 3 * faces],
             dropped: vec![false; faces],
             non_manifold: Vec::new(),
+            crowded: Vec::new(),
             link: (0..faces as u32).map(|f| 2 * f).collect(),
             one_sided: vec![false; faces],
         }
@@ -140,6 +143,7 @@ impl Sheets {
                 [] => {}
                 _ => {
                     self.non_manifold.push(group[0]);
+                    self.crowded.extend(&group);
                     crowded.push(group.clone());
                 }
             }
@@ -148,6 +152,7 @@ impl Sheets {
             let i = doubled.binary_search(&(c / 3)).expect("pushed as doubled");
             if lone[i] == 2 && fold(triangles, &at, c, d) > FLAP_COS {
                 self.non_manifold.push(c);
+                self.crowded.extend([c, d]);
             } else {
                 self.join_edge(triangles, c, d);
             }
