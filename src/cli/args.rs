@@ -66,10 +66,20 @@ pub struct FillArguments {
     pub loop_at: Vec<DVec3>,
     /// Which loops: auto (all that are not guessed outer rims), all, all-but-largest, or numbers
     /// as `meniscus info` shows them.
-    #[arg(long, value_name = "CHOICE", default_value = "auto", conflicts_with = "loop_at")]
+    #[arg(
+        long,
+        value_name = "CHOICE",
+        default_value = "auto",
+        conflicts_with = "loop_at"
+    )]
     pub loops: LoopChoice,
     /// Energy f(H,K): a preset or an expression.
-    #[arg(long, value_name = "F", default_value = "H^2", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "F",
+        default_value = "H^2",
+        allow_hyphen_values = true
+    )]
     pub energy: String,
     /// Value of a parameter of the energy (repeatable).
     #[arg(long, value_name = "NAME=VALUE", value_parser = parameter)]
@@ -196,9 +206,7 @@ fn point(text: &str) -> Result<DVec3, String> {
 }
 
 fn parameter(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text
-        .split_once('=')
-        .ok_or("give NAME=VALUE, as in a=0.3")?;
+    let (name, value) = text.split_once('=').ok_or("give NAME=VALUE, as in a=0.3")?;
     let value = value
         .trim()
         .parse::<f64>()

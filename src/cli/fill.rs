@@ -5,17 +5,13 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 
-use crate::cli::args::{
-    FillArguments, LinearArgument, ModeArgument, SchemeArgument, TauArgument,
-};
+use crate::cli::args::{FillArguments, LinearArgument, ModeArgument, SchemeArgument, TauArgument};
 use crate::cli::open::{Opened, open, save};
 use crate::cli::progress::Progress;
 use crate::cli::report::{
     FailedHole, FillReport, hole_reports, memory_now, skipped, totals, trace,
 };
-use crate::fill::{
-    FillOptions, Filled, LoopChoice, choose, fill_holes, nearest_loop,
-};
+use crate::fill::{FillOptions, Filled, LoopChoice, choose, fill_holes, nearest_loop};
 use crate::io;
 use crate::mesh::{BoundaryLoop, boundary_loops};
 use crate::patch::PatchOptions;
@@ -48,7 +44,10 @@ pub fn fill_opened(args: &FillArguments, options: &FillOptions, opened: &Opened)
             eprintln!("{}: {note}", args.input.display());
         }
         for s in &skipped {
-            eprintln!("loop {} ({} edges) left open: {}", s.number, s.edges, s.reason);
+            eprintln!(
+                "loop {} ({} edges) left open: {}",
+                s.number, s.edges, s.reason
+            );
         }
         if chosen.is_empty() {
             eprintln!("{}", nothing_to_do(loops.len()));

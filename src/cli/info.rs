@@ -61,7 +61,10 @@ pub fn info(args: &InfoArguments) -> Result<()> {
     }
     let r = &opened.report;
     println!("{}", info.input);
-    println!("  {} vertices, {} faces in the file", r.file_vertices, r.file_faces);
+    println!(
+        "  {} vertices, {} faces in the file",
+        r.file_vertices, r.file_faces
+    );
     println!("  {} vertices, {} triangles as a mesh", r.vertices, r.faces);
     for (i, c) in r.components.iter().enumerate() {
         println!(
@@ -70,7 +73,11 @@ pub fn info(args: &InfoArguments) -> Result<()> {
             c.vertices,
             c.loops,
             c.euler,
-            if c.orientable { "" } else { ", one-sided (left alone)" }
+            if c.orientable {
+                ""
+            } else {
+                ", one-sided (left alone)"
+            }
         );
     }
     for note in &r.notes {
@@ -78,10 +85,7 @@ pub fn info(args: &InfoArguments) -> Result<()> {
     }
     for d in &r.defects {
         let p = d.position;
-        println!(
-            "  defect {:?} at ({}, {}, {})",
-            d.kind, p.x, p.y, p.z
-        );
+        println!("  defect {:?} at ({}, {}, {})", d.kind, p.x, p.y, p.z);
     }
     if info.loops.is_empty() {
         println!("  no boundary loops: closed");

@@ -66,6 +66,13 @@ impl Mesh {
         self.topology.face_vertices(f).map(|v| self.position(v))
     }
 
+    /// Number of edges with a face on one side only.
+    pub fn boundary_edge_count(&self) -> usize {
+        (0..self.topology.halfedge_count())
+            .filter(|&h| self.topology.is_boundary(h.into()))
+            .count()
+    }
+
     /// Every triangle a file has to hold: those of the topology, then the one-sided ones.
     pub fn all_triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.topology

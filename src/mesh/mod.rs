@@ -2,6 +2,7 @@
 
 mod boundary;
 mod build;
+mod check;
 mod data;
 mod ids;
 mod intersect;
@@ -13,6 +14,7 @@ mod topology;
 
 pub use boundary::{BoundaryLoop, boundary_loops};
 pub use build::{BuildError, ComponentReport, Defect, DefectKind, LoadReport, build};
+pub use check::{Fault, check_filled, check_mesh, check_topology};
 pub use data::{Components, Mesh, components};
 pub use glam::DVec3;
 pub use ids::{FaceId, HalfedgeId, VertexId};

@@ -307,6 +307,10 @@ impl Flow {
             self.end = Some(End::Converged);
             return Ok(None);
         }
+        if self.options.max_steps == 0 {
+            self.end = Some(End::Steps);
+            return Ok(None);
+        }
         let tau = self.control.tau;
         let next = self.control.next();
         let quick = self.options.mode == Mode::Fast && !matches!(self.options.tau, Tau::Fixed(_));

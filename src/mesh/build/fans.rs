@@ -1,7 +1,8 @@
 //! Vertices of the repaired mesh: one for each fan of faces that hang together around it.
 
-use super::edges::{EdgeTable, ends, following};
-use super::join::NONE;
+use super::edges::{EdgeTable, ends, following, opposite};
+use super::join::{NONE, Sheets};
+use super::repair::has_pillow;
 use crate::mesh::{Topology, TopologyError};
 
 /// Corners grouped by the vertex they become.
@@ -12,8 +13,9 @@ pub(super) struct Fans {
     pub count: usize,
 }
 
-/// Joins the corners at both ends of every joined edge; `triangles` names one vertex per position.
-pub(super) fn fans(triangles: &[[u32; 3]], mate: &[u32]) -> Fans {
+/// Joins the corners at both ends of every joined edge; `own` are the file's corners, `triangles`
+/// names one vertex per position.
+pub(super) fn fans(own: &[[u32; 3]], triangles: &[[u32; 3]], mate: &[u32]) -> Fans {
     let mut link: Vec<u32> = (0..mate.len() as u32).collect();
     for (c, &d) in mate.iter().enumerate() {
         let c = c as u32;
@@ -21,7 +23,11 @@ pub(super) fn fans(triangles: &[[u32; 3]], mate: &[u32]) -> Fans {
             continue;
         }
         let (mut d0, mut d1) = (d, following(d));
-        if ends(triangles, c).0 != ends(triangles, d).0 {
+        let same_way = match (ends(own, c), ends(own, d)) {
+            ((a, b), (p, q)) if (a, b) == (p, q) || (a, b) == (q, p) => a == p,
+            _ => ends(triangles, c).0 == ends(triangles, d).0,
+        };
+        if !same_way {
             std::mem::swap(&mut d0, &mut d1);
         }
         unite(&mut link, c, d0);
@@ -64,42 +70,62 @@ fn number(link: &mut [u32]) -> Fans {
     }
 }
 
-/// Undoes joins that make two different edges of the mesh run between the same two vertices, which
-/// index triples cannot tell apart. Returns one corner-edge of each edge
-/// that was cut.
+/// Rounds in which edges that came to lie between the same vertices may still be joined instead.
+const JOIN_ROUNDS: usize = 8;
+
+/// Undoes joins that make two different edges of the mesh run between the same two vertices, or two
+/// faces have the same three, which index triples cannot tell apart. Only `suspects` are looked at;
+/// none means all. Returns one corner-edge of each edge that was cut.
 pub(super) fn cut_parallel_edges(
+    own: &[[u32; 3]],
     triangles: &[[u32; 3]],
-    mate: &mut [u32],
-    skip: &[bool],
+    sheets: &mut Sheets,
+    suspects: Option<&[u32]>,
 ) -> (Fans, Vec<u32>) {
+    let all: Vec<u32> = match suspects {
+        Some(some) => some.to_vec(),
+        None => (0..sheets.mate.len() as u32)
+            .filter(|&c| !sheets.dropped[c as usize / 3])
+            .collect(),
+    };
     let mut cuts = Vec::new();
-    loop {
-        let current = fans(triangles, mate);
+    for round in 0.. {
+        let current = fans(own, triangles, &sheets.mate);
         let named = corners_as_triangles(&current.of_corner);
-        let members = (0..mate.len() as u32).filter(|&c| !skip[c as usize / 3]);
-        let table = EdgeTable::new(&named, current.count, members);
+        let table = EdgeTable::new(&named, current.count, all.iter().copied());
         let before = cuts.len();
+        let mut changed = false;
         for group in table.groups(&named) {
+            if let [c, d] = *group
+                && sheets.mate[c as usize] != d
+                && round < JOIN_ROUNDS
+            {
+                sheets.try_join(&named, c, d);
+                changed = true;
+            }
             let sound = match *group {
-                [c, d] => mate[c as usize] == d || ends(&named, c) != ends(&named, d),
+                [c, d] => {
+                    sheets.mate[c as usize] == d && opposite(&named, c) != opposite(&named, d)
+                }
                 _ => group.len() < 2,
             };
             if sound {
                 continue;
             }
             cuts.push(group[0]);
-            if !unmate(mate, group.iter().copied()) {
+            if !unmate(&mut sheets.mate, group.iter().copied()) {
                 // nothing left to cut at the edge itself: set the later faces free altogether
                 for &c in &group[1..] {
                     let f = c - c % 3;
-                    unmate(mate, f..f + 3);
+                    unmate(&mut sheets.mate, f..f + 3);
                 }
             }
         }
-        if cuts.len() == before {
+        if cuts.len() == before && !changed {
             return (current, cuts);
         }
     }
+    unreachable!("every round cuts faces apart, of which there are finitely many")
 }
 
 fn unmate(mate: &mut [u32], edges: impl Iterator<Item = u32>) -> bool {
@@ -123,7 +149,8 @@ pub(super) fn corners_as_triangles(of_corner: &[u32]) -> Vec<[u32; 3]> {
 }
 
 /// Makes one of the fans that a single boundary loop passes at the same position: there a hole
-/// touches itself, and its lobes are to be filled one by one. Returns the number of such places.
+/// touches itself, and its lobes are to be filled one by one. `open` are the fans on the boundary.
+/// Returns the number of such places.
 ///
 /// # Errors
 /// If the faces are no manifold even with all fans apart.
@@ -131,7 +158,17 @@ pub(super) fn join_pinches(
     fans: &mut Fans,
     oriented: &[[u32; 3]],
     position_of_fan: &[u32],
+    open: &[u32],
 ) -> Result<usize, TopologyError> {
+    let mut rim: Vec<(u32, u32)> = open
+        .iter()
+        .map(|&fan| (position_of_fan[fan as usize], fan))
+        .collect();
+    rim.sort_unstable();
+    rim.dedup();
+    if rim.windows(2).all(|pair| pair[0].0 != pair[1].0) {
+        return Ok(0);
+    }
     let topology = Topology::from_triangles(fans.count, oriented)?;
     let mut link: Vec<u32> = (0..fans.count as u32).collect();
     let mut pinches = 0;
@@ -157,7 +194,7 @@ pub(super) fn join_pinches(
         .iter()
         .map(|t| t.map(|fan| merged.of_corner[fan as usize]))
         .collect();
-    if Topology::from_triangles(merged.count, &joined).is_err() {
+    if Topology::from_triangles(merged.count, &joined).map_or(true, |t| has_pillow(&t)) {
         return Ok(0);
     }
     for fan in &mut fans.of_corner {
@@ -184,19 +221,37 @@ pub(super) struct Naming {
 /// Gives each fan the first file vertex at its corners that is still free, the largest fan first;
 /// fans for which none is left get copies at the end.
 pub(super) fn name_vertices(fans: &Fans, own: &[u32], vertices: usize, used: &[bool]) -> Naming {
+    // most fans have one file vertex, and that no other fan: only the others have to be sorted
     let mut size = vec![0u32; fans.count];
-    let mut wishes: Vec<(u32, u32)> = Vec::with_capacity(own.len());
-    for (c, (&v, &fan)) in own.iter().zip(&fans.of_corner).enumerate() {
-        if used[c / 3] {
-            size[fan as usize] += 1;
-            wishes.push((v, fan));
-        }
-    }
-    wishes.sort_unstable();
-    wishes.dedup();
-    // what is settled: the file vertex of each fan, the fan of each file vertex
     let mut file_vertex = vec![NONE; fans.count];
     let mut owner = vec![NONE; vertices];
+    let mut contested = (vec![false; fans.count], vec![false; vertices]);
+    let corners = || {
+        let pairs = own.iter().zip(&fans.of_corner).enumerate();
+        pairs
+            .filter(|(c, _)| used[c / 3])
+            .map(|(_, (&v, &fan))| (v, fan))
+    };
+    for (v, fan) in corners() {
+        let (v, f) = (v as usize, fan as usize);
+        size[f] += 1;
+        if file_vertex[f] == NONE {
+            file_vertex[f] = v as u32;
+        }
+        if owner[v] == NONE {
+            owner[v] = fan;
+        }
+        contested.0[f] |= file_vertex[f] != v as u32;
+        contested.1[v] |= owner[v] != fan;
+    }
+    let open = |&(v, fan): &(u32, u32)| contested.0[fan as usize] || contested.1[v as usize];
+    let mut wishes: Vec<(u32, u32)> = corners().filter(open).collect();
+    wishes.sort_unstable();
+    wishes.dedup();
+    for &(v, fan) in &wishes {
+        owner[v as usize] = NONE;
+        file_vertex[fan as usize] = NONE;
+    }
     for same in wishes.chunk_by(|x, y| x.0 == y.0) {
         let best = same
             .iter()

@@ -25,10 +25,12 @@ pub(super) struct Sheets {
     pub dropped: Vec<bool>,
     /// Edges that more than two faces share, by one of their corner-edges.
     pub non_manifold: Vec<u32>,
+    /// The corner-edges at these edges, all that can come to lie between the same two vertices.
+    pub crowded: Vec<u32>,
     /// Union-find: parent × 2 + whether turned relative to it. The root is the lowest face.
     link: Vec<u32>,
-    /// Faces at an edge that contradicts the orientation of their sheet.
-    contradictions: Vec<u32>,
+    /// Whether the sheet of each root cannot be oriented.
+    one_sided: Vec<bool>,
 }
 
 impl Sheets {
@@ -37,8 +39,9 @@ impl Sheets {
             mate: vec![NONE; 3 * faces],
             dropped: vec![false; faces],
             non_manifold: Vec::new(),
+            crowded: Vec::new(),
             link: (0..faces as u32).map(|f| 2 * f).collect(),
-            contradictions: Vec::new(),
+            one_sided: vec![false; faces],
         }
     }
 
@@ -67,18 +70,14 @@ impl Sheets {
         }
         let (low, high) = (f.min(g), f.max(g));
         self.link[high as usize] = 2 * low + u32::from(odd);
+        self.one_sided[low as usize] |= self.one_sided[high as usize];
         true
     }
 
-    /// Whether each face belongs to a sheet that cannot be oriented.
-    pub fn one_sided(&mut self) -> Vec<bool> {
-        let mut of_root = vec![false; self.dropped.len()];
-        for f in std::mem::take(&mut self.contradictions) {
-            of_root[self.find(f).0 as usize] = true;
-        }
-        (0..self.dropped.len() as u32)
-            .map(|f| of_root[self.find(f).0 as usize])
-            .collect()
+    /// Whether the face belongs to a sheet that cannot be oriented.
+    pub fn is_one_sided(&mut self, face: u32) -> bool {
+        let (root, _) = self.find(face);
+        self.one_sided[root as usize]
     }
 
     /// Leaves out faces whose corners an earlier face has, and says for each face whether a copy
@@ -144,6 +143,7 @@ impl Sheets {
                 [] => {}
                 _ => {
                     self.non_manifold.push(group[0]);
+                    self.crowded.extend(&group);
                     crowded.push(group.clone());
                 }
             }
@@ -152,6 +152,7 @@ impl Sheets {
             let i = doubled.binary_search(&(c / 3)).expect("pushed as doubled");
             if lone[i] == 2 && fold(triangles, &at, c, d) > FLAP_COS {
                 self.non_manifold.push(c);
+                self.crowded.extend([c, d]);
             } else {
                 self.join_edge(triangles, c, d);
             }
@@ -165,13 +166,16 @@ impl Sheets {
         self.mate[d as usize] = c;
         let turned = ends(triangles, c) == ends(triangles, d);
         if !self.unite(c / 3, d / 3, turned) {
-            self.contradictions.push(c / 3);
+            let (root, _) = self.find(c / 3);
+            self.one_sided[root as usize] = true;
         }
     }
 
     /// Joins two faces unless their sheet could not be oriented then.
-    fn try_join(&mut self, triangles: &[[u32; 3]], c: u32, d: u32) {
-        if self.unite(c / 3, d / 3, ends(triangles, c) == ends(triangles, d)) {
+    pub fn try_join(&mut self, triangles: &[[u32; 3]], c: u32, d: u32) {
+        if self.is_one_sided(c / 3) == self.is_one_sided(d / 3)
+            && self.unite(c / 3, d / 3, ends(triangles, c) == ends(triangles, d))
+        {
             self.mate[c as usize] = d;
             self.mate[d as usize] = c;
         }

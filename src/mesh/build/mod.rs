@@ -6,12 +6,14 @@ mod join;
 mod repair;
 mod report;
 mod summary;
+#[cfg(test)]
+mod tests;
 mod triangulate;
 mod weld;
 
 pub use report::{ComponentReport, Defect, DefectKind, LoadReport};
 
-use super::{Mesh, Soup, TopologyError};
+use super::{Mesh, Soup, Topology, TopologyError};
 use repair::{Faces, Repaired, repair};
 use summary::summarize;
 use triangulate::{Triangles, triangulate};
@@ -98,13 +100,13 @@ pub fn build(soup: &Soup) -> Result<(Mesh, LoadReport), BuildError> {
             faces: soup.face_count(),
         });
     }
-    let repaired = repair(&soup.positions, soup.exploded, &triangles.corners)?;
+    let (topology, repaired) = repair(&soup.positions, soup.exploded, &triangles.corners)?;
     if repaired.triangles.is_empty() {
         return Err(BuildError::OneSided {
             faces: repaired.one_sided.len(),
         });
     }
-    let mesh = assemble(soup, &triangles, &repaired);
+    let mesh = assemble(soup, &triangles, topology, &repaired);
     let report = summarize(soup, &triangles, &repaired, &mesh);
     Ok((mesh, report))
 }
@@ -138,7 +140,7 @@ fn validate(soup: &Soup) -> Result<(), BuildError> {
 }
 
 /// Carries positions and attributes over to the repaired connectivity.
-fn assemble(soup: &Soup, triangles: &Triangles, repaired: &Repaired) -> Mesh {
+fn assemble(soup: &Soup, triangles: &Triangles, topology: Topology, repaired: &Repaired) -> Mesh {
     let pick = |faces: &Faces| -> Vec<u32> {
         if soup.face_tags.is_empty() {
             return Vec::new();
@@ -152,7 +154,7 @@ fn assemble(soup: &Soup, triangles: &Triangles, repaired: &Repaired) -> Mesh {
             None => soup.positions.clone(),
             Some(of) => of.iter().map(|&v| soup.positions[v as usize]).collect(),
         },
-        topology: repaired.topology.clone(),
+        topology,
         colors: match &repaired.source {
             Some(of) if !soup.colors.is_empty() => {
                 of.iter().map(|&v| soup.colors[v as usize]).collect()

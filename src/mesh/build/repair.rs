@@ -1,12 +1,12 @@
 //! The repairs, from index triples to a topology.
 
-use super::edges::ends;
+use super::edges::{ends, following};
 use super::fans::{
     Fans, corners_as_triangles, cut_parallel_edges, fans, join_pinches, name_vertices,
 };
 use super::join::{NONE, Sheets};
 use super::weld::position_classes;
-use crate::mesh::{DVec3, Topology, TopologyError};
+use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology, TopologyError};
 
 /// Triangles of the mesh and which of the file's triangles they are.
 #[derive(Default)]
@@ -35,7 +35,6 @@ impl Faces {
 /// What came out, and the places where something was done; faces are the file's triangles, vertices
 /// the file's vertices.
 pub(super) struct Repaired {
-    pub topology: Topology,
     pub triangles: Faces,
     pub one_sided: Faces,
     /// The lowest face of its sheet for each one-sided face.
@@ -56,9 +55,8 @@ pub(super) struct Repaired {
 }
 
 impl Repaired {
-    fn untouched(topology: Topology, triangles: &[[u32; 3]]) -> Self {
+    fn untouched(triangles: &[[u32; 3]]) -> Self {
         Self {
-            topology,
             triangles: Faces {
                 corners: triangles.to_vec(),
                 origin: None,
@@ -85,22 +83,36 @@ pub(super) fn repair(
     positions: &[DVec3],
     exploded: bool,
     triangles: &[[u32; 3]],
-) -> Result<Repaired, TopologyError> {
+) -> Result<(Topology, Repaired), TopologyError> {
     let n = positions.len();
     if exploded || is_exploded(n, triangles) {
         return repair_exploded(positions, triangles);
     }
-    if let Ok(topology) = Topology::from_triangles(n, triangles) {
-        let rim = (0..topology.halfedge_count()).map(super::super::HalfedgeId::from);
+    if let Ok(topology) = Topology::from_triangles(n, triangles)
+        && !has_pillow(&topology)
+    {
+        let rim = (0..topology.halfedge_count()).map(HalfedgeId::from);
         let rim: Vec<u32> = rim
             .filter(|&h| topology.is_boundary(h))
             .map(|h| topology.origin(h).0)
             .collect();
         if position_classes(positions, rim.into_iter()).1 == 0 {
-            return Ok(Repaired::untouched(topology, triangles));
+            return Ok((topology, Repaired::untouched(triangles)));
         }
     }
     repair_slowly(positions, triangles, None)
+}
+
+/// Whether two faces share all their edges: a face and its copy turned over.
+pub(super) fn has_pillow(topology: &Topology) -> bool {
+    (0..topology.face_count()).map(FaceId::from).any(|f| {
+        let h = topology.halfedge_of_face(f);
+        let n = topology.next(h);
+        let other = topology.face(h.twin());
+        other.is_some()
+            && topology.face(n.twin()) == other
+            && topology.face(topology.next(n).twin()) == other
+    })
 }
 
 /// Whether every vertex is used by one face only, as if there were no index list.
@@ -116,7 +128,10 @@ fn is_exploded(vertices: usize, triangles: &[[u32; 3]]) -> bool {
 }
 
 /// Welds all equal positions; if that gives a manifold, it is the one meant.
-fn repair_exploded(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<Repaired, TopologyError> {
+fn repair_exploded(
+    positions: &[DVec3],
+    triangles: &[[u32; 3]],
+) -> Result<(Topology, Repaired), TopologyError> {
     let mut used = vec![false; positions.len()];
     for &v in triangles.iter().flatten() {
         used[v as usize] = true;
@@ -129,13 +144,6 @@ fn repair_exploded(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<Repair
         .iter()
         .map(|t| t.map(|v| class[v as usize]))
         .collect();
-    if Topology::from_triangles(positions.len(), &welded).is_err() {
-        return repair_slowly(positions, triangles, Some(&welded));
-    }
-    if copies == 0 {
-        let topology = Topology::from_triangles(positions.len(), triangles)?;
-        return Ok(Repaired::untouched(topology, triangles));
-    }
     let mut source = Vec::with_capacity(positions.len() - copies);
     let mut file_to_mesh: Vec<u32> = Vec::with_capacity(positions.len());
     for v in 0..positions.len() {
@@ -151,13 +159,20 @@ fn repair_exploded(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<Repair
         .iter()
         .map(|t| t.map(|v| file_to_mesh[v as usize]))
         .collect();
-    let topology = Topology::from_triangles(source.len(), &corners)?;
-    Ok(Repaired {
+    let topology = match Topology::from_triangles(source.len(), &corners) {
+        Ok(topology) if !has_pillow(&topology) => topology,
+        _ => return repair_slowly(positions, triangles, Some(&welded)),
+    };
+    if copies == 0 {
+        return Ok((topology, Repaired::untouched(&corners)));
+    }
+    let repaired = Repaired {
         source: Some(source),
         file_to_mesh: Some(file_to_mesh),
         welded: copies,
-        ..Repaired::untouched(topology, &corners)
-    })
+        ..Repaired::untouched(&corners)
+    };
+    Ok((topology, repaired))
 }
 
 /// All repairs. `own` are the file's corners; `welded`, given for exploded files, the same with one
@@ -166,7 +181,7 @@ fn repair_slowly(
     positions: &[DVec3],
     own: &[[u32; 3]],
     welded: Option<&[[u32; 3]]>,
-) -> Result<Repaired, TopologyError> {
+) -> Result<(Topology, Repaired), TopologyError> {
     let n = positions.len();
     let at = |v: u32| positions[v as usize];
     let faces = own.len() as u32;
@@ -181,21 +196,21 @@ fn repair_slowly(
         }
     }
     sheets.join_mesh(&by_position, at, n);
-    if welded.is_none() {
-        join_seams(&mut sheets, positions, own, &mut by_position);
-    }
+    let seams = welded.is_none() && join_seams(&mut sheets, positions, own, &mut by_position);
     let duplicates = (0..faces)
         .filter(|&f| sheets.dropped[f as usize] && collapsed.binary_search(&f).is_err())
         .collect();
-    let one_sided = sheets.one_sided();
     let mut cut_edges = sheets.non_manifold.clone();
-    let mut fans = if cut_edges.is_empty() && welded.is_none() && by_position == own {
-        fans(&by_position, &sheets.mate)
+    let mut fans = if cut_edges.is_empty() && !seams {
+        fans(own, &by_position, &sheets.mate)
     } else {
-        let (fans, parallel) = cut_parallel_edges(&by_position, &mut sheets.mate, &sheets.dropped);
+        let suspects = (!seams).then(|| std::mem::take(&mut sheets.crowded));
+        let (fans, parallel) =
+            cut_parallel_edges(own, &by_position, &mut sheets, suspects.as_deref());
         cut_edges.extend(parallel);
         fans
     };
+    let one_sided: Vec<bool> = (0..faces).map(|f| sheets.is_one_sided(f)).collect();
     cut_edges.sort_unstable();
     cut_edges.dedup();
     let flipped = minority_faces(&mut sheets, &one_sided);
@@ -214,7 +229,12 @@ fn repair_slowly(
     };
     let position_of_fan = label_fans(&fans, &by_position);
     let split = oriented(&corners_as_triangles(&fans.of_corner));
-    join_pinches(&mut fans, &split, &position_of_fan)?;
+    let open: Vec<u32> = (0..3 * faces)
+        .filter(|&c| sheets.mate[c as usize] == NONE && kept(&(c / 3)))
+        .flat_map(|c| [c, following(c)])
+        .map(|c| fans.of_corner[c as usize])
+        .collect();
+    join_pinches(&mut fans, &split, &position_of_fan, &open)?;
 
     let used: Vec<bool> = sheets.dropped.iter().map(|d| !d).collect();
     let names = name_vertices(&fans, own.as_flattened(), n, &used);
@@ -238,8 +258,8 @@ fn repair_slowly(
         .iter()
         .enumerate()
         .all(|(v, &m)| m == v as u32);
-    Ok(Repaired {
-        topology: Topology::from_triangles(names.source.len(), &corners)?,
+    let topology = Topology::from_triangles(names.source.len(), &corners)?;
+    let repaired = Repaired {
         triangles: Faces {
             corners,
             origin: Some(origin),
@@ -260,29 +280,40 @@ fn repair_slowly(
             .map(|&c| (c / 3, <[u32; 2]>::from(ends(own, c))))
             .collect(),
         split: names.copied,
-    })
+    };
+    Ok((topology, repaired))
 }
 
 /// Joins boundary edges at the same positions; `by_position` then names one vertex per position on
-/// the boundary.
+/// the boundary. False if there are none.
 fn join_seams(
     sheets: &mut Sheets,
     positions: &[DVec3],
     own: &[[u32; 3]],
     by_position: &mut Vec<[u32; 3]>,
-) {
+) -> bool {
     let mut rim: Vec<u32> = (0..sheets.mate.len() as u32)
         .filter(|&c| sheets.mate[c as usize] == NONE && !sheets.dropped[c as usize / 3])
         .flat_map(|c| <[u32; 2]>::from(ends(own, c)))
         .collect();
     rim.sort_unstable();
     rim.dedup();
-    let (class, copies) = position_classes(positions, rim.into_iter());
+    let (mut class, copies) = position_classes(positions, rim.into_iter());
     if copies > 0 {
+        // an edge of no length must not be welded into a point, or its faces would be lost
+        for t in own {
+            for (v, w) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                if class[v as usize] == class[w as usize] {
+                    class[v as usize] = v;
+                    class[w as usize] = w;
+                }
+            }
+        }
         *by_position = own.iter().map(|t| t.map(|v| class[v as usize])).collect();
         let at = |v: u32| positions[v as usize];
         sheets.join_seams(by_position, own, at, positions.len());
     }
+    copies > 0
 }
 
 /// Faces that have to be turned so that each sheet agrees with the majority of its faces, sorted.

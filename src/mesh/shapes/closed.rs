@@ -104,7 +104,12 @@ fn icosahedron() -> ([DVec3; 12], [[usize; 3]; 20]) {
 pub fn sphere(vertices: usize, seed: u64) -> Shape {
     // the frequency whose 10 f² + 2 comes nearest: between f - ½ and f + ½
     let tenth = vertices.saturating_sub(2) / 10;
-    let frequency = (1..).find(|f| f * (f + 1) >= tenth).unwrap_or(1);
+    let root = tenth.isqrt().max(1);
+    let frequency = if tenth > root * (root + 1) {
+        root + 1
+    } else {
+        root
+    };
     let mut shape = icosphere(frequency as u32);
     jitter(&mut shape, 0.55, seed, DVec3::normalize);
     relax(&mut shape, 2, DVec3::normalize);

@@ -37,7 +37,8 @@ impl Corners<'_> {
     fn is_joined(&self, c: u32, w: u32) -> bool {
         for turn in [next, prev] {
             let mut at = c;
-            loop {
+            // not more turns than there are faces around
+            for _ in 0..=self.valence[self.at(c) as usize] {
                 if self.at(next(at)) == w || self.at(prev(at)) == w {
                     return true;
                 }

@@ -1,0 +1,535 @@
+//! Each kind of bad input, made here, and invariants over random soups.
+
+use super::*;
+use crate::mesh::shapes::SplitMix;
+use crate::mesh::{DVec3, FaceTag, Topology, boundary_loops, check_mesh};
+
+/// An octahedron subdivided three times and projected to the unit sphere, 258 vertices.
+fn sphere() -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut p: Vec<DVec3> = [
+        [1., 0., 0.],
+        [-1., 0., 0.],
+        [0., 1., 0.],
+        [0., -1., 0.],
+        [0., 0., 1.],
+        [0., 0., -1.],
+    ]
+    .map(DVec3::from)
+    .to_vec();
+    let mut t = vec![
+        [0, 2, 4],
+        [2, 1, 4],
+        [1, 3, 4],
+        [3, 0, 4],
+        [2, 0, 5],
+        [1, 2, 5],
+        [3, 1, 5],
+        [0, 3, 5],
+    ];
+    for _ in 0..3 {
+        let mut middles = std::collections::BTreeMap::new();
+        let mut finer = Vec::new();
+        for [a, b, c] in t {
+            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(a, b): (u32, u32)| {
+                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    p.push(p[a as usize].midpoint(p[b as usize]).normalize());
+                    p.len() as u32 - 1
+                })
+            });
+            finer.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+        }
+        t = finer;
+    }
+    (p, t)
+}
+
+/// Edges of the hole in `open_sphere`.
+const RIM: usize = 20;
+
+/// The sphere without its faces around the vertices of greatest z.
+fn open_sphere() -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let (p, mut t) = sphere();
+    t.retain(|t| t.iter().all(|&v| p[v as usize].z < 0.8));
+    // no vertex is left over by this
+    let mut used = vec![u32::MAX; p.len()];
+    let mut kept = Vec::new();
+    for v in t.iter_mut().flatten() {
+        let old = *v as usize;
+        if used[old] == u32::MAX {
+            used[old] = kept.len() as u32;
+            kept.push(p[old]);
+        }
+        *v = used[old];
+    }
+    (kept, t)
+}
+
+fn soup(positions: Vec<DVec3>, triangles: &[[u32; 3]]) -> Soup {
+    Soup {
+        positions,
+        corners: triangles.as_flattened().to_vec(),
+        offsets: (0..=triangles.len() as u32).map(|f| 3 * f).collect(),
+        ..Soup::default()
+    }
+}
+
+/// Builds, checks what holds for every input, and returns the result.
+fn sound(soup: &Soup) -> (Mesh, LoadReport) {
+    let (mesh, report) = build(soup).expect("can be built");
+    if let Err(fault) = check_mesh(&mesh) {
+        panic!(
+            "{fault} in {:?} of {:?}",
+            mesh.topology.triangles().collect::<Vec<_>>(),
+            soup
+        );
+    }
+    for v in 0..soup.positions.len() {
+        let m = report
+            .file_to_mesh
+            .as_ref()
+            .map_or(v, |map| map[v] as usize);
+        assert_eq!(
+            mesh.positions[m], soup.positions[v],
+            "vertex {v} was moved or lost"
+        );
+    }
+    assert_eq!(
+        mesh.vertex_count(),
+        soup.positions.len() - report.welded_vertices + report.appended_vertices
+    );
+    assert_eq!(mesh.face_count() + mesh.one_sided.len(), report.faces);
+    let parts = &report.components;
+    assert_eq!(parts.iter().map(|c| c.faces).sum::<usize>(), report.faces);
+    for part in parts.iter().filter(|c| c.orientable) {
+        // closed by discs, an oriented surface has an even Euler characteristic, at most 2
+        let closed = part.euler + i64::try_from(part.loops).expect("few loops");
+        assert!(closed <= 2 && closed % 2 == 0, "{part:?}");
+    }
+    (mesh, report)
+}
+
+fn loop_sizes(mesh: &Mesh) -> Vec<(usize, bool)> {
+    boundary_loops(mesh)
+        .iter()
+        .map(|l| (l.edges(), l.outer_rim))
+        .collect()
+}
+
+#[test]
+fn clean_input_comes_through() {
+    let (p, t) = open_sphere();
+    let (mesh, report) = sound(&soup(p.clone(), &t));
+    assert_eq!(mesh.positions, p);
+    assert!(mesh.topology.triangles().eq(t.iter().copied()));
+    assert_eq!(
+        report,
+        LoadReport {
+            file_vertices: p.len(),
+            file_faces: t.len(),
+            vertices: p.len(),
+            faces: t.len(),
+            components: vec![ComponentReport {
+                faces: t.len(),
+                vertices: p.len(),
+                loops: 1,
+                orientable: true,
+                euler: 1
+            }],
+            ..LoadReport::default()
+        }
+    );
+    assert_eq!(loop_sizes(&mesh), [(RIM, false)]);
+}
+
+#[test]
+fn refused_input() {
+    let (p, t) = open_sphere();
+    assert!(matches!(
+        build(&soup(p.clone(), &[])),
+        Err(BuildError::NoFaces { .. })
+    ));
+    assert!(matches!(
+        build(&soup(p.clone(), &[[1, 1, 2]])),
+        Err(BuildError::OnlyDegenerate { faces: 1 })
+    ));
+    let mut far = t.clone();
+    far[4][1] = 9999;
+    assert_eq!(
+        build(&soup(p.clone(), &far)),
+        Err(BuildError::IndexOutOfRange {
+            face: 5,
+            vertex: 10_000,
+            vertices: p.len()
+        })
+    );
+    let mut wild = p;
+    wild[7].y = f64::INFINITY;
+    assert!(matches!(
+        build(&soup(wild, &t)),
+        Err(BuildError::NotFinite { vertex: 8, .. })
+    ));
+}
+
+#[test]
+fn polygons() {
+    // a prism without its top: six quads and a hexagon
+    let ring = |z: f64| {
+        (0..6).map(move |i| {
+            let (s, c) = (f64::from(i) * std::f64::consts::FRAC_PI_3).sin_cos();
+            DVec3::new(c, s, z)
+        })
+    };
+    let mut corners: Vec<u32> = (0..6).rev().collect();
+    let mut offsets = vec![0, 6];
+    for i in 0..6 {
+        let j = (i + 1) % 6;
+        corners.extend([i, j, j + 6, i + 6]);
+        offsets.push(corners.len() as u32);
+    }
+    let prism = Soup {
+        positions: ring(0.0).chain(ring(1.0)).collect(),
+        corners,
+        offsets,
+        ..Soup::default()
+    };
+    let (mesh, report) = sound(&prism);
+    assert_eq!((report.polygons_triangulated, report.faces), (7, 16));
+    assert_eq!(loop_sizes(&mesh), [(6, false)]);
+}
+
+#[test]
+fn turned_faces() {
+    let (p, t) = open_sphere();
+    let turned: Vec<[u32; 3]> = t
+        .iter()
+        .enumerate()
+        .map(|(i, &[a, b, c])| if i % 6 == 0 { [a, c, b] } else { [a, b, c] })
+        .collect();
+    let (mesh, report) = sound(&soup(p.clone(), &turned));
+    assert_eq!(report.flipped_faces, t.len().div_ceil(6));
+    for f in (0..t.len()).map(crate::mesh::FaceId::from) {
+        let [a, b, c] = mesh.corners(f);
+        assert!((b - a).cross(c - a).dot(a) > 0.0);
+    }
+    let inside_out: Vec<[u32; 3]> = t.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let (mesh, report) = sound(&soup(p, &inside_out));
+    assert_eq!(report.flipped_faces, 0);
+    assert!(mesh.topology.triangles().eq(inside_out));
+    assert_eq!(loop_sizes(&mesh), [(RIM, false)]);
+}
+
+/// Every face gets vertices of its own.
+fn explode(p: &[DVec3], t: &[[u32; 3]]) -> Soup {
+    let positions = t.iter().flatten().map(|&v| p[v as usize]).collect();
+    let own: Vec<[u32; 3]> = (0..t.len() as u32)
+        .map(|f| [3 * f, 3 * f + 1, 3 * f + 2])
+        .collect();
+    soup(positions, &own)
+}
+
+#[test]
+fn exploded_faces_are_welded() {
+    let (p, t) = open_sphere();
+    for flag in [false, true] {
+        let mut exploded = explode(&p, &t);
+        exploded.exploded = flag;
+        let (mesh, report) = sound(&exploded);
+        assert_eq!(mesh.vertex_count(), p.len());
+        assert_eq!(report.welded_vertices, 3 * t.len() - p.len());
+        assert_eq!(loop_sizes(&mesh), [(RIM, false)]);
+        // the first copy of each is kept, in file order
+        let map = report.file_to_mesh.expect("indices changed");
+        let mut last = 0;
+        for m in map {
+            assert!(m <= last);
+            last = last.max(m + 1);
+        }
+    }
+}
+
+#[test]
+fn seams_are_welded_and_touching_vertices_are_not() {
+    let (p, t) = open_sphere();
+    for inside_out in [false, true] {
+        // the faces with x > 0 get vertices of their own, and perhaps the other orientation
+        let mut positions = p.clone();
+        let mut copy = vec![u32::MAX; p.len()];
+        let mut t = t.clone();
+        for t in &mut t {
+            if t.iter().map(|&v| p[v as usize].x).sum::<f64>() > 0.0 {
+                for v in t.iter_mut() {
+                    if copy[*v as usize] == u32::MAX {
+                        copy[*v as usize] = positions.len() as u32;
+                        positions.push(p[*v as usize]);
+                    }
+                    *v = copy[*v as usize];
+                }
+                if inside_out {
+                    t.swap(0, 1);
+                }
+            }
+        }
+        let (mesh, report) = sound(&soup(positions, &t));
+        assert!(report.welded_vertices > 5);
+        assert_eq!(report.components.len(), 1);
+        assert_eq!(mesh.boundary_edge_count(), RIM);
+    }
+    // two open spheres with one vertex of their rims at the same place stay two
+    let shift = p[rim_vertex(&p, &t)];
+    let mut positions = p.clone();
+    positions.extend(p.iter().map(|&q| shift + shift - q));
+    let mut both = t.clone();
+    both.extend(t.iter().map(|t| t.map(|v| v + p.len() as u32)));
+    let (_, report) = sound(&soup(positions, &both));
+    assert_eq!((report.welded_vertices, report.components.len()), (0, 2));
+}
+
+fn rim_vertex(p: &[DVec3], t: &[[u32; 3]]) -> usize {
+    let topology = Topology::from_triangles(p.len(), t).expect("clean");
+    topology.origin(topology.boundary_loops()[0][0]).index()
+}
+
+#[test]
+fn duplicate_and_degenerate_faces() {
+    let (p, t) = open_sphere();
+    let mut more = t.clone();
+    more.insert(5, [3, 3, 4]);
+    more.push([t[9][1], t[9][2], t[9][0]]);
+    more.push([t[20][1], t[20][0], t[20][2]]);
+    let (mesh, report) = sound(&soup(p, &more));
+    assert_eq!((report.duplicate_faces, report.degenerate_faces), (2, 1));
+    assert_eq!(report.non_manifold_edges, 0);
+    assert!(mesh.topology.triangles().eq(t));
+    let faces: Vec<_> = report
+        .defects
+        .iter()
+        .map(|d| (d.kind, d.file_face))
+        .collect();
+    let last = more.len() as u32 - 1;
+    assert_eq!(
+        faces,
+        [
+            (DefectKind::DegenerateFace, Some(5)),
+            (DefectKind::DuplicateFace, Some(last - 1)),
+            (DefectKind::DuplicateFace, Some(last)),
+        ]
+    );
+}
+
+#[test]
+fn a_vertex_on_an_edge_keeps_its_flat_face() {
+    let (mut p, mut t) = open_sphere();
+    let [a, b, c] = t[40];
+    let middle = p.len() as u32;
+    p.push(p[a as usize].midpoint(p[b as usize]));
+    t[40] = [a, middle, c];
+    t.extend([[middle, b, c], [b, middle, a]]);
+    let (mesh, report) = sound(&soup(p, &t));
+    assert_eq!(report.zero_area_faces, 1);
+    assert_eq!(report.components.len(), 1);
+    assert_eq!(loop_sizes(&mesh), [(RIM, false)]);
+}
+
+#[test]
+fn fins_are_cut_off_and_not_filled() {
+    let (p, t) = open_sphere();
+    let topology = Topology::from_triangles(p.len(), &t).expect("clean");
+    let rim = topology.boundary_loops()[0][0];
+    let tip = p.len() as u32;
+    // inside the surface; at the rim, as one face or as two back to back
+    let [a, b, _] = t[50];
+    let (c, d) = (topology.origin(rim).0, topology.target(rim).0);
+    let fins: [&[[u32; 3]]; 2] = [&[[a, b, tip]], &[[c, d, tip], [d, c, tip]]];
+    for fin in fins {
+        let mut positions = p.clone();
+        let foot = p[fin[0][0] as usize].midpoint(p[fin[0][1] as usize]);
+        positions.push(foot * 1.3);
+        let mut finned = t.clone();
+        finned.extend(fin);
+        let (mesh, report) = sound(&soup(positions, &finned));
+        assert_eq!(report.non_manifold_edges, 1);
+        assert_eq!((report.split_vertices, report.appended_vertices), (0, 2));
+        assert_eq!(report.duplicate_faces, fin.len() - 1);
+        let mut sizes = loop_sizes(&mesh);
+        sizes.sort_unstable();
+        assert_eq!(sizes, [(3, true), (RIM, false)]);
+    }
+}
+
+#[test]
+fn solids_touching_at_an_edge_or_a_vertex_come_apart() {
+    let cube = |o: [f64; 3]| -> Vec<DVec3> {
+        (0..8)
+            .map(|i| {
+                DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2))
+                    + DVec3::from(o)
+            })
+            .collect()
+    };
+    let quads: [[u32; 4]; 6] = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    // the second cube meets the first in an edge, or in a corner
+    for (offset, split) in [([1., 1., 0.], 0), ([1., 1., 1.], 1)] {
+        let mut positions = cube([0.; 3]);
+        let mut index = Vec::new();
+        for q in cube(offset) {
+            index.push(positions.iter().position(|&p| p == q).unwrap_or_else(|| {
+                positions.push(q);
+                positions.len() - 1
+            }) as u32);
+        }
+        let mut triangles = Vec::new();
+        for [a, b, c, d] in quads {
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        let first = triangles.clone();
+        triangles.extend(first.iter().map(|t| t.map(|v| index[v as usize])));
+        let shared = 16 - positions.len();
+        for exploded in [false, true] {
+            let input = if exploded {
+                explode(&positions, &triangles)
+            } else {
+                soup(positions.clone(), &triangles)
+            };
+            let (mesh, report) = sound(&input);
+            assert_eq!(mesh.boundary_edge_count(), 0);
+            assert_eq!(mesh.vertex_count(), 16);
+            assert_eq!(report.components.len(), 2);
+            assert_eq!(report.non_manifold_edges, shared - 1);
+            if !exploded {
+                assert_eq!(
+                    (report.appended_vertices, report.split_vertices),
+                    (shared, split)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_hole_touching_itself_keeps_its_vertex() {
+    let (p, mut t) = sphere();
+    // two holes that meet in vertex 10 only
+    let topology = Topology::from_triangles(p.len(), &t).expect("closed");
+    let around: Vec<usize> = topology
+        .outgoing(crate::mesh::VertexId(10))
+        .map(|h| topology.face(h).index())
+        .collect();
+    let mut gone = [around[0], around[3]];
+    gone.sort_unstable();
+    t.remove(gone[1]);
+    t.remove(gone[0]);
+    let (mesh, report) = sound(&soup(p, &t));
+    assert_eq!((report.pinched_vertices, report.appended_vertices), (1, 0));
+    assert_eq!(loop_sizes(&mesh), [(3, false), (3, false)]);
+}
+
+#[test]
+fn one_sided_surfaces_are_left_alone() {
+    let n = 24u32;
+    let strip: Vec<DVec3> = (0..2 * n)
+        .map(|i| {
+            let angle = std::f64::consts::TAU * f64::from(i / 2) / f64::from(n);
+            let side = if i % 2 == 0 { -0.3 } else { 0.3 };
+            let r = 3.0 + side * (0.5 * angle).cos();
+            DVec3::new(r * angle.cos(), r * angle.sin(), side * (0.5 * angle).sin())
+        })
+        .collect();
+    let mut moebius = Vec::new();
+    for i in 0..n {
+        let (a, b) = (2 * i, 2 * i + 1);
+        let (c, d) = if i + 1 < n { (a + 2, b + 2) } else { (1, 0) };
+        moebius.extend([[a, c, b], [b, c, d]]);
+    }
+    assert_eq!(
+        build(&soup(strip.clone(), &moebius)),
+        Err(BuildError::OneSided { faces: 48 })
+    );
+    let (p, t) = open_sphere();
+    let mut both = moebius.clone();
+    both.extend(t.iter().map(|t| t.map(|v| v + strip.len() as u32)));
+    let mut input = soup([strip.clone(), p].concat(), &both);
+    input.face_tags = (0..both.len() as u32).map(|f| f % 2).collect();
+    input.tags = vec![FaceTag::default(); 2];
+    let (mesh, report) = sound(&input);
+    assert_eq!(mesh.one_sided, moebius);
+    assert_eq!(mesh.one_sided_tags.len(), moebius.len());
+    assert_eq!(mesh.face_tags.len(), t.len());
+    assert_eq!(mesh.all_triangles().count(), both.len());
+    assert_eq!((report.one_sided_faces, report.isolated_vertices), (48, 0));
+    assert_eq!(
+        report.components[1],
+        ComponentReport {
+            faces: 48,
+            vertices: 48,
+            loops: 1,
+            orientable: false,
+            euler: 0
+        }
+    );
+    assert_eq!(loop_sizes(&mesh), [(RIM, false)]);
+}
+
+#[test]
+fn attributes_follow_their_vertices_and_faces() {
+    let (p, t) = open_sphere();
+    let mut input = explode(&p, &t);
+    let shade = |q: &DVec3| [q.x.abs() as f32, q.y.abs() as f32, q.z.abs() as f32, 1.0];
+    input.colors = input.positions.iter().map(shade).collect();
+    input.corners.extend([0, 0, 1]);
+    input.offsets.push(input.corners.len() as u32);
+    input.face_tags = (0..=t.len() as u32).map(|f| f % 3).collect();
+    input.tags = vec![FaceTag::default(); 3];
+    let (mesh, report) = sound(&input);
+    assert_eq!(report.degenerate_faces, 1);
+    assert_eq!(
+        mesh.colors,
+        mesh.positions.iter().map(shade).collect::<Vec<_>>()
+    );
+    assert!(
+        mesh.face_tags
+            .iter()
+            .copied()
+            .eq((0..t.len() as u32).map(|f| f % 3))
+    );
+}
+
+/// Few vertices at few places, many faces: every defect there is, all at once.
+#[test]
+fn random_soups_always_become_manifolds() {
+    let mut random = SplitMix::new(7);
+    for round in 0..3000 {
+        let vertices = 4 + random.below(9);
+        let faces = 1 + random.below(30);
+        let places = if round % 3 == 0 { 2 } else { 40 };
+        let positions = (0..vertices)
+            .map(|_| DVec3::from([(); 3].map(|()| random.below(places) as f64)))
+            .collect();
+        let triangles: Vec<[u32; 3]> = (0..faces)
+            .map(|_| [(); 3].map(|()| random.below(vertices) as u32))
+            .collect();
+        let mut input = soup(positions, &triangles);
+        input.exploded = round % 2 == 0;
+        match build(&input) {
+            Ok((_, report)) => {
+                let (mesh, _) = sound(&input);
+                assert_eq!(
+                    report.faces + report.duplicate_faces + report.degenerate_faces,
+                    faces,
+                    "round {round}"
+                );
+                // built again, it has nothing left to repair
+                let again: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+                assert!(Topology::from_triangles(mesh.vertex_count(), &again).is_ok());
+            }
+            Err(BuildError::OnlyDegenerate { .. } | BuildError::OneSided { .. }) => {}
+            Err(error) => panic!("round {round}: {error}"),
+        }
+    }
+}

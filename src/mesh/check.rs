@@ -1,0 +1,341 @@
+//! Validity of meshes: used by every test and, cheaply enough, on every result.
+
+use super::{DVec3, FaceId, HalfedgeId, Mesh, Topology, VertexId};
+
+/// What is wrong with a mesh, at the first place found.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// The half-edge arrays contradict each other: a defect of the code that made them.
+    #[error("half-edge {halfedge} is broken: {what}")]
+    Connectivity {
+        /// The half-edge.
+        halfedge: u32,
+        /// Which invariant does not hold.
+        what: &'static str,
+    },
+    /// A vertex's own half-edge or its ring is wrong.
+    #[error("vertex {vertex} is broken: {what}")]
+    Vertex {
+        /// The vertex.
+        vertex: u32,
+        /// Which invariant does not hold.
+        what: &'static str,
+    },
+    /// Two edges join the same vertices.
+    #[error("vertices {0} and {1} are joined by two edges")]
+    DoubleEdge(u32, u32),
+    /// Two faces have the same vertices.
+    #[error("faces {0} and {1} have the same vertices")]
+    DoubleFace(usize, usize),
+    /// A position is NaN or infinite.
+    #[error("vertex {vertex} is at {position}, which is not finite")]
+    NotFinite {
+        /// The vertex.
+        vertex: usize,
+        /// Where it is.
+        position: DVec3,
+    },
+    /// A face has no area.
+    #[error("face {face} has no area")]
+    ZeroArea {
+        /// The face.
+        face: usize,
+    },
+    /// There are not as many positions as vertices.
+    #[error("{positions} positions for {vertices} vertices")]
+    Length {
+        /// Positions.
+        positions: usize,
+        /// Vertices of the topology.
+        vertices: usize,
+    },
+    /// A vertex of the input was moved or lost.
+    #[error("vertex {vertex} of the input is not where it was")]
+    Moved {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A face of the input is gone or different.
+    #[error("face {face} of the input was changed")]
+    FaceChanged {
+        /// The face.
+        face: usize,
+    },
+    /// A boundary loop that should have been filled.
+    #[error("the boundary loop through vertex {vertex}, {edges} edges, is still open")]
+    StillOpen {
+        /// Its lowest vertex.
+        vertex: u32,
+        /// Its length.
+        edges: usize,
+    },
+    /// A boundary loop that should have stayed open.
+    #[error("the boundary loop through vertex {vertex} was to be left open and is gone")]
+    Closed {
+        /// Its lowest vertex.
+        vertex: u32,
+    },
+}
+
+/// Checks every invariant that [`Topology`] documents, and that no two edges and no two faces have
+/// the same vertices.
+///
+/// # Errors
+/// The first fault.
+pub fn check_topology(topology: &Topology) -> Result<(), Fault> {
+    check_halfedges(topology)?;
+    check_vertices(topology)?;
+    let mut edges: Vec<(u32, u32)> = (0..topology.halfedge_count())
+        .step_by(2)
+        .map(HalfedgeId::from)
+        .map(|h| (topology.origin(h).0, topology.target(h).0))
+        .map(|(a, b)| (a.min(b), a.max(b)))
+        .collect();
+    edges.sort_unstable();
+    if let Some(same) = edges.windows(2).find(|w| w[0] == w[1]) {
+        return Err(Fault::DoubleEdge(same[0].0, same[0].1));
+    }
+    let mut faces: Vec<([u32; 3], usize)> = topology
+        .triangles()
+        .enumerate()
+        .map(|(f, mut t)| {
+            t.sort_unstable();
+            (t, f)
+        })
+        .collect();
+    faces.sort_unstable();
+    if let Some(same) = faces.windows(2).find(|w| w[0].0 == w[1].0) {
+        return Err(Fault::DoubleFace(same[0].1, same[1].1));
+    }
+    Ok(())
+}
+
+fn check_halfedges(topology: &Topology) -> Result<(), Fault> {
+    let n = topology.halfedge_count();
+    let mut arrivals = vec![false; n];
+    for h in (0..n).map(HalfedgeId::from) {
+        let fault = |what| {
+            Err(Fault::Connectivity {
+                halfedge: h.0,
+                what,
+            })
+        };
+        let next = topology.next(h);
+        if next.index() >= n {
+            return fault("it has no next one");
+        }
+        if std::mem::replace(&mut arrivals[next.index()], true) {
+            return fault("its next one follows another one too");
+        }
+        if topology.origin(next) != topology.target(h) {
+            return fault("its next one does not start where it ends");
+        }
+        if topology.face(next) != topology.face(h) {
+            return fault("its next one belongs to another face");
+        }
+        if topology.origin(h) == topology.target(h) {
+            return fault("it starts where it ends");
+        }
+        if topology.is_boundary(h) {
+            if topology.is_boundary(h.twin()) {
+                return fault("it has no face on either side");
+            }
+        } else if topology.next(topology.next(next)) != h {
+            return fault("its face is no triangle");
+        }
+    }
+    for f in (0..topology.face_count()).map(FaceId::from) {
+        let h = topology.halfedge_of_face(f);
+        if topology.face(h) != f {
+            return Err(Fault::Connectivity {
+                halfedge: h.0,
+                what: "a face names it that is not its own",
+            });
+        }
+    }
+    Ok(())
+}
+
+fn check_vertices(topology: &Topology) -> Result<(), Fault> {
+    let mut degree = vec![0usize; topology.vertex_count()];
+    let mut on_boundary = vec![false; topology.vertex_count()];
+    for h in (0..topology.halfedge_count()).map(HalfedgeId::from) {
+        degree[topology.origin(h).index()] += 1;
+        on_boundary[topology.origin(h).index()] |= topology.is_boundary(h);
+    }
+    for v in (0..topology.vertex_count()).map(VertexId::from) {
+        let fault = |what| Err(Fault::Vertex { vertex: v.0, what });
+        let h = topology.halfedge_of_vertex(v);
+        if !h.is_some() {
+            if degree[v.index()] > 0 {
+                return fault("it has edges but no half-edge");
+            }
+            continue;
+        }
+        if topology.origin(h) != v {
+            return fault("its half-edge starts elsewhere");
+        }
+        if topology.is_boundary(h) != on_boundary[v.index()] {
+            return fault("its half-edge is not the boundary one");
+        }
+        if topology.outgoing(v).count() != degree[v.index()] {
+            return fault("its faces form more than one fan");
+        }
+    }
+    // loops visit no vertex twice
+    let mut last_loop = vec![usize::MAX; topology.vertex_count()];
+    for (i, one) in topology.boundary_loops().iter().enumerate() {
+        for &h in one {
+            let v = topology.origin(h);
+            if std::mem::replace(&mut last_loop[v.index()], i) == i {
+                return Err(Fault::Vertex {
+                    vertex: v.0,
+                    what: "a boundary loop touches itself there",
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// [`check_topology`], and finite positions, one for each vertex.
+///
+/// # Errors
+/// The first fault.
+pub fn check_mesh(mesh: &Mesh) -> Result<(), Fault> {
+    let (positions, vertices) = (mesh.positions.len(), mesh.topology.vertex_count());
+    if positions != vertices {
+        return Err(Fault::Length {
+            positions,
+            vertices,
+        });
+    }
+    if let Some(vertex) = mesh.positions.iter().position(|p| !p.is_finite()) {
+        return Err(Fault::NotFinite {
+            vertex,
+            position: mesh.positions[vertex],
+        });
+    }
+    check_topology(&mesh.topology)
+}
+
+/// Checks a filled mesh against the one it was made of: sound, all vertices and faces of the input
+/// unchanged and first, no new face without area, and just the loops `left_open` (as in `before`)
+/// not closed. Self-intersections are another matter.
+///
+/// # Errors
+/// The first fault.
+pub fn check_filled(before: &Mesh, after: &Mesh, left_open: &[&[VertexId]]) -> Result<(), Fault> {
+    check_mesh(after)?;
+    let bits = |p: &DVec3| p.to_array().map(f64::to_bits);
+    for (vertex, p) in before.positions.iter().enumerate() {
+        if after.positions.get(vertex).map(bits) != Some(bits(p)) {
+            return Err(Fault::Moved { vertex });
+        }
+    }
+    let mut result = after.topology.triangles();
+    for (face, t) in before.topology.triangles().enumerate() {
+        if result.next() != Some(t) {
+            return Err(Fault::FaceChanged { face });
+        }
+    }
+    for face in before.face_count()..after.face_count() {
+        let [a, b, c] = after.corners(FaceId::from(face));
+        if (b - a).cross(c - a).length_squared() <= 0.0 {
+            return Err(Fault::ZeroArea { face });
+        }
+    }
+    let sorted = |mut ring: Vec<u32>| {
+        ring.sort_unstable();
+        ring
+    };
+    let mut wanted: Vec<Vec<u32>> = left_open
+        .iter()
+        .map(|ring| sorted(ring.iter().map(|v| v.0).collect()))
+        .collect();
+    for one in after.topology.boundary_loops() {
+        let ring = sorted(one.iter().map(|&h| after.topology.origin(h).0).collect());
+        let Some(place) = wanted.iter().position(|w| *w == ring) else {
+            return Err(Fault::StillOpen {
+                vertex: ring[0],
+                edges: ring.len(),
+            });
+        };
+        wanted.swap_remove(place);
+    }
+    match wanted.first() {
+        Some(ring) => Err(Fault::Closed { vertex: ring[0] }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Mesh {
+        let topology = Topology::from_triangles(positions.len(), triangles).expect("manifold");
+        Mesh::new(
+            positions.iter().map(|&p| DVec3::from(p)).collect(),
+            topology,
+        )
+    }
+
+    const CORNERS: [[f64; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+    const TETRA: [[u32; 3]; 4] = [[0, 3, 1], [1, 3, 2], [0, 2, 3], [0, 1, 2]];
+
+    #[test]
+    fn a_filled_hole_is_told_from_an_open_one() {
+        let open = mesh(&CORNERS, &TETRA[..3]);
+        let closed = mesh(&CORNERS, &TETRA);
+        let rim = [VertexId(2), VertexId(0), VertexId(1)];
+        assert_eq!(check_filled(&open, &closed, &[]), Ok(()));
+        assert_eq!(check_filled(&open, &open, &[&rim]), Ok(()));
+        assert_eq!(
+            check_filled(&open, &open, &[]),
+            Err(Fault::StillOpen {
+                vertex: 0,
+                edges: 3
+            })
+        );
+        assert_eq!(
+            check_filled(&open, &closed, &[&rim]),
+            Err(Fault::Closed { vertex: 0 })
+        );
+    }
+
+    #[test]
+    fn changes_to_the_input_are_found() {
+        let open = mesh(&CORNERS, &TETRA[..3]);
+        let mut moved = mesh(&CORNERS, &TETRA);
+        moved.positions[2].x = -0.0;
+        assert_eq!(
+            check_filled(&open, &moved, &[]),
+            Err(Fault::Moved { vertex: 2 })
+        );
+        let turned = mesh(&CORNERS, &TETRA.map(|[a, b, c]| [b, c, a]));
+        assert_eq!(
+            check_filled(&open, &turned, &[]),
+            Err(Fault::FaceChanged { face: 0 })
+        );
+        let mut wild = mesh(&CORNERS, &TETRA);
+        wild.positions[3].y = f64::NAN;
+        assert!(matches!(
+            check_mesh(&wild),
+            Err(Fault::NotFinite { vertex: 3, .. })
+        ));
+        let mut flat = CORNERS;
+        flat[2] = [2., 0., 0.];
+        let (open, closed) = (mesh(&flat, &TETRA[..3]), mesh(&flat, &TETRA));
+        assert_eq!(
+            check_filled(&open, &closed, &[]),
+            Err(Fault::ZeroArea { face: 3 })
+        );
+    }
+
+    #[test]
+    fn a_pillow_has_double_faces() {
+        let pillow = Topology::from_triangles(3, &[[0, 1, 2], [2, 1, 0]]).expect("closed");
+        assert_eq!(check_topology(&pillow), Err(Fault::DoubleFace(0, 1)));
+    }
+}
