@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::linear::{SymmetricPattern, nested_dissection};
 use crate::mesh::DVec3;
 use crate::solver::energy::Energy;
-use crate::solver::mixed::kernel::{self, Gathered, Layout};
+use crate::solver::mixed::kernel::{self, Layout, Scratch};
 use crate::solver::mixed::pattern::{Couplings, Lists};
 use crate::solver::{FlowProblem, Unknowns};
 use crate::subdivision::{BasisTable, Elements};
@@ -16,28 +16,6 @@ use crate::subdivision::{BasisTable, Elements};
 const BATCH: usize = 256;
 /// Elements one task computes.
 const TASK: usize = 16;
-
-/// What one vertex `i` of the positions and one `j` of the curvature normals have in common.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coupling {
-    /// `l^m_ij`.
-    pub b: DMat3,
-    /// `l^g_ij`.
-    pub c: DMat3,
-    /// `l¹_ji`.
-    pub l1: f64,
-    /// `l²_ji`.
-    pub l2: f64,
-}
-
-impl Coupling {
-    const ZERO: Self = Self {
-        b: DMat3::ZERO,
-        c: DMat3::ZERO,
-        l1: 0.0,
-        l2: 0.0,
-    };
-}
 
 /// Makes the system independent of the units: `x / r`, `h r`, `k r²` are solved for, with rows
 /// divided by the unit of force, by `r` and by 1.
@@ -82,20 +60,34 @@ pub struct System {
     pub m: Vec<f64>,
     /// Row sums of `m`, fixed vertices included.
     pub lumped: Vec<f64>,
-    /// `l^m`, `l^g` and the transposes of `l¹`, `l²`.
-    pub coupling: CsrMatrix<Coupling>,
+    /// `l^m` and `l^g`: 3 × 3 blocks.
+    pub curvature_blocks: CsrMatrix<[DMat3; 2]>,
+    /// `l¹` and `l²`, transposed (times the unit matrix each).
+    pub gradients: CsrMatrix<[f64; 2]>,
     /// `(½α, ½(½β + γ), δ)` averaged around each vertex of rings 0 and 1.
     pub weights: Vec<[f64; 3]>,
     /// `−l¹ x − m h` over the fixed h, by component (not in [`Units`]).
     pub rhs_h: Vec<f64>,
     /// `−l² x − m k` over the fixed k, by component (not in [`Units`]).
     pub rhs_k: Vec<f64>,
-    pub(super) units: Units,
+    /// What it is measured in.
+    pub units: Units,
     elements: Elements,
     x_slots: Couplings,
     h_slots: Couplings,
-    coupling_slots: Couplings,
+    pub(super) coupling_slots: Couplings,
     buffer: Vec<f64>,
+}
+
+fn matrix_of<T: Copy>(couplings: &Couplings, columns: usize, value: T) -> CsrMatrix<T> {
+    CsrMatrix::try_from_csr_data(
+        couplings.offsets.len() - 1,
+        columns,
+        couplings.offsets.clone(),
+        couplings.columns.clone(),
+        vec![value; couplings.nnz()],
+    )
+    .expect("rows built in order with ascending columns")
 }
 
 fn symmetric(couplings: &Couplings) -> SymmetricPattern {
@@ -161,14 +153,6 @@ impl System {
         let x_slots = Couplings::new(&controls, &controls, n, n, true);
         let h_slots = Couplings::new(&corners, &corners, m, m, true);
         let coupling_slots = Couplings::new(&controls, &corners, n, m, false);
-        let coupling = CsrMatrix::try_from_csr_data(
-            n,
-            m,
-            coupling_slots.offsets.clone(),
-            coupling_slots.columns.clone(),
-            vec![Coupling::ZERO; coupling_slots.nnz()],
-        )
-        .expect("rows built in order with ascending columns");
         Self {
             x_pattern: symmetric(&x_slots),
             h_pattern: symmetric(&h_slots),
@@ -176,7 +160,8 @@ impl System {
             stiffness: Vec::new(),
             m: Vec::new(),
             lumped: Vec::new(),
-            coupling,
+            curvature_blocks: matrix_of(&coupling_slots, m, [DMat3::ZERO; 2]),
+            gradients: matrix_of(&coupling_slots, m, [0.0; 2]),
             weights: Vec::new(),
             rhs_h: Vec::new(),
             rhs_k: Vec::new(),
@@ -195,11 +180,6 @@ impl System {
         3 * self.numbering.x.len() + 6 * self.numbering.h.len()
     }
 
-    /// The units of the system.
-    pub fn units(&self) -> Units {
-        self.units
-    }
-
     /// Fills all matrices at `positions`; `h` and `k` (per vertex of the region) are read where
     /// they are fixed.
     pub fn assemble(&mut self, positions: &[DVec3], h: &[DVec3], k: &[DVec3], energy: &Energy) {
@@ -212,7 +192,8 @@ impl System {
             values.clear();
             values.resize(couplings.nnz() + 1, 0.0);
         }
-        self.coupling.values_mut().fill(Coupling::ZERO);
+        self.curvature_blocks.values_mut().fill([DMat3::ZERO; 2]);
+        self.gradients.values_mut().fill([0.0; 2]);
         self.lumped.clear();
         self.lumped.resize(m + 1, 0.0);
         self.weights.clear();
@@ -224,9 +205,14 @@ impl System {
         let mut buffer = std::mem::take(&mut self.buffer);
         for first in (0..self.elements.len()).step_by(BATCH) {
             let last = (first + BATCH).min(self.elements.len());
-            let stride = self.compute(first, last, &mut buffer, |table| Layout::new(table.n).len(), {
-                |_, table, x, out| kernel::matrices(energy, table, x, out)
-            }, positions);
+            let stride = self.compute(
+                [first, last],
+                positions,
+                |table| Layout::new(table.n).len(),
+                #[inline(always)]
+                |_, table, scratch, out| kernel::matrices(energy, table, scratch, out),
+                &mut buffer,
+            );
             for e in first..last {
                 self.scatter(e, &buffer[(e - first) * stride..], h, k);
             }
@@ -242,41 +228,41 @@ impl System {
         }
     }
 
-    /// Runs an element kernel over the elements `first..last`, in parallel; the results lie
-    /// `stride` (returned) apart in `buffer`.
+    /// Runs an element kernel over the elements `first..last`, in parallel; the results, `len`
+    /// numbers an element, lie `stride` (returned) apart in `buffer`.
     fn compute(
         &self,
-        first: usize,
-        last: usize,
-        buffer: &mut Vec<f64>,
-        len: impl Fn(&BasisTable) -> usize + Sync,
-        kernel: impl Fn(usize, &BasisTable, &Gathered, &mut [f64]) + Sync,
+        [first, last]: [usize; 2],
         positions: &[DVec3],
+        len: impl Fn(&BasisTable) -> usize + Sync,
+        kernel: impl Fn(usize, &BasisTable, &mut Scratch, &mut [f64]) + Sync,
+        buffer: &mut Vec<f64>,
     ) -> usize {
         let tables = (first..last).map(|e| self.elements.table(e));
         let stride = tables.map(&len).max().unwrap_or(0);
         if buffer.len() < stride * (last - first) {
             buffer.resize(stride * (last - first), 0.0);
         }
+        let task = |task: usize, out: &mut [f64]| {
+            let mut scratch = Scratch::default();
+            for (at, out) in out.chunks_exact_mut(stride).enumerate() {
+                let e = first + task * TASK + at;
+                for (axis, x) in scratch.x.iter_mut().enumerate() {
+                    x.clear();
+                    let vertices = self.elements.vertices_of(e).iter();
+                    x.extend(vertices.map(|&v| positions[v as usize][axis]));
+                }
+                let table = self.elements.table(e);
+                kernel(e, table, &mut scratch, &mut out[..len(table)]);
+            }
+        };
         buffer[..stride * (last - first)]
             .par_chunks_mut(TASK * stride)
             .enumerate()
-            .for_each(|(task, out)| {
+            .for_each(|(k, out)| {
                 pulp::Arch::new().dispatch(
                     #[inline(always)]
-                    || {
-                        let mut x = Gathered::default();
-                        for (at, out) in out.chunks_exact_mut(stride).enumerate() {
-                            let e = first + task * TASK + at;
-                            for (axis, x) in x.iter_mut().enumerate() {
-                                x.clear();
-                                let vertices = self.elements.vertices_of(e).iter();
-                                x.extend(vertices.map(|&v| positions[v as usize][axis]));
-                            }
-                            let table = self.elements.table(e);
-                            kernel(e, table, &x, &mut out[..len(table)]);
-                        }
-                    },
+                    || task(k, out),
                 );
             });
         stride
@@ -303,20 +289,22 @@ impl System {
             }
         }
         let slots = self.coupling_slots.slots(e);
-        let values = self.coupling.values_mut();
+        let blocks = self.curvature_blocks.values_mut();
+        let gradients = self.gradients.values_mut();
         for i in 0..n {
             for corner in 0..3 {
-                let Some(v) = values.get_mut(slots[3 * i + corner] as usize) else {
+                let slot = slots[3 * i + corner] as usize;
+                let Some(block) = blocks.get_mut(slot) else {
                     continue;
                 };
-                v.b += DMat3::from_cols_array(&std::array::from_fn(|q| {
-                    local[at.b(corner, q % 3, q / 3) + i] * bs
-                }));
-                v.c += DMat3::from_cols_array(&std::array::from_fn(|q| {
-                    local[at.c(corner, q % 3, q / 3) + i] * cs
-                }));
-                v.l1 += local[at.l1(corner) + i];
-                v.l2 += local[at.l2(corner) + i] * r;
+                let gather = |at: &dyn Fn(usize, usize) -> usize, scale: f64| {
+                    let entry = |q: usize| local[at(q % 3, q / 3) + i] * scale;
+                    DMat3::from_cols_array(&std::array::from_fn(entry))
+                };
+                block[0] += gather(&|row, column| at.b(corner, row, column), bs);
+                block[1] += gather(&|row, column| at.c(corner, row, column), cs);
+                gradients[slot][0] += local[at.l1(corner) + i];
+                gradients[slot][1] += local[at.l2(corner) + i] * r;
             }
         }
         let slots = self.h_slots.slots(e);
@@ -369,13 +357,18 @@ impl System {
         let mut buffer = std::mem::take(&mut self.buffer);
         for first in (0..self.elements.len()).step_by(BATCH) {
             let last = (first + BATCH).min(self.elements.len());
-            let stride = self.compute(first, last, &mut buffer, |table| 3 * table.n, {
-                |e, table, x, out| {
+            let stride = self.compute(
+                [first, last],
+                positions,
+                |table| 3 * table.n,
+                #[inline(always)]
+                |e, table, scratch, out| {
                     let vertices = self.elements.vertices_of(e);
                     let corner = |f: &[DVec3]| [0, 1, 2].map(|c| f[vertices[c] as usize]);
-                    kernel::residual(energy, table, x, &corner(h), &corner(k), out);
-                }
-            }, positions);
+                    kernel::residual(energy, table, scratch, &corner(h), &corner(k), out);
+                },
+                &mut buffer,
+            );
             for e in first..last {
                 let local = &buffer[(e - first) * stride..];
                 let vertices = self.elements.vertices_of(e);
@@ -396,15 +389,23 @@ impl System {
         finite(&self.mass)
             && finite(&self.stiffness)
             && finite(&self.m)
-            && self.coupling.values().iter().all(|c| {
-                c.b.is_finite() && c.c.is_finite() && c.l1.is_finite() && c.l2.is_finite()
-            })
+            && finite(self.gradients.values().as_flattened())
+            && self
+                .curvature_blocks
+                .values()
+                .iter()
+                .all(|[b, c]| b.is_finite() && c.is_finite())
     }
 
     /// `M/τ + l^p`.
     pub fn position_block(&self, tau: f64, out: &mut Vec<f64>) {
         out.clear();
-        out.extend(self.mass.iter().zip(&self.stiffness).map(|(m, s)| m / tau + s));
+        out.extend(
+            self.mass
+                .iter()
+                .zip(&self.stiffness)
+                .map(|(m, s)| m / tau + s),
+        );
     }
 
     /// `y = A v`, with `position` from [`Self::position_block`].
@@ -416,25 +417,41 @@ impl System {
         let (yh, yk) = rest.split_at_mut(3 * m);
         for axis in 0..3 {
             let own = |n: usize| axis * n..(axis + 1) * n;
-            self.x_pattern.multiply(position, &x[own(n)], &mut yx[own(n)]);
-            self.h_pattern.multiply(&self.m, &h[own(m)], &mut yh[own(m)]);
-            self.h_pattern.multiply(&self.m, &k[own(m)], &mut yk[own(m)]);
+            self.x_pattern
+                .multiply(position, &x[own(n)], &mut yx[own(n)]);
+            self.h_pattern
+                .multiply(&self.m, &h[own(m)], &mut yh[own(m)]);
+            self.h_pattern
+                .multiply(&self.m, &k[own(m)], &mut yk[own(m)]);
         }
         let get = |f: &[f64], n: usize, i: usize| DVec3::new(f[i], f[n + i], f[2 * n + i]);
-        let (offsets, columns, values) = self.coupling.csr_data();
+        let (offsets, columns, blocks) = self.curvature_blocks.csr_data();
         for i in 0..n {
-            let xi = get(x, n, i);
             let mut sum = DVec3::ZERO;
             for at in offsets[i]..offsets[i + 1] {
-                let (j, c) = (columns[at], &values[at]);
-                sum += c.b * get(h, m, j) + c.c * get(k, m, j);
-                for axis in 0..3 {
-                    yh[axis * m + j] += c.l1 * xi[axis];
-                    yk[axis * m + j] += c.l2 * xi[axis];
-                }
+                let j = columns[at];
+                sum += blocks[at][0] * get(h, m, j) + blocks[at][1] * get(k, m, j);
             }
             for axis in 0..3 {
                 yx[axis * n + i] += sum[axis];
+            }
+        }
+        self.add_gradients(x, 1.0, yh, yk);
+    }
+
+    /// `yh += factor l¹ x`, `yk += factor l² x`.
+    pub fn add_gradients(&self, x: &[f64], factor: f64, yh: &mut [f64], yk: &mut [f64]) {
+        let (n, m) = (self.numbering.x.len(), self.numbering.h.len());
+        let (offsets, columns, values) = self.gradients.csr_data();
+        for axis in 0..3 {
+            let (yh, yk) = (&mut yh[axis * m..][..m], &mut yk[axis * m..][..m]);
+            for (i, x) in x[axis * n..][..n].iter().enumerate() {
+                let x = factor * x;
+                for at in offsets[i]..offsets[i + 1] {
+                    let [l1, l2] = values[at];
+                    yh[columns[at]] += l1 * x;
+                    yk[columns[at]] += l2 * x;
+                }
             }
         }
     }
@@ -461,16 +478,17 @@ impl System {
         push_symmetric(&self.x_pattern, position, 0);
         push_symmetric(&self.h_pattern, &self.m, 3 * n);
         push_symmetric(&self.h_pattern, &self.m, 3 * n + 3 * m);
-        for (i, j, c) in self.coupling.triplet_iter() {
+        let gradients = self.gradients.values();
+        for ((i, j, [b, c]), &[l1, l2]) in self.curvature_blocks.triplet_iter().zip(gradients) {
             for row in 0..3 {
                 for column in 0..3 {
                     let to = 3 * n + column * m + j;
-                    coo.push(row * n + i, to, c.b.col(column)[row]);
-                    coo.push(row * n + i, to + 3 * m, c.c.col(column)[row]);
+                    coo.push(row * n + i, to, b.col(column)[row]);
+                    coo.push(row * n + i, to + 3 * m, c.col(column)[row]);
                 }
                 let to = 3 * n + row * m + j;
-                coo.push(to, row * n + i, c.l1);
-                coo.push(to + 3 * m, row * n + i, c.l2);
+                coo.push(to, row * n + i, l1);
+                coo.push(to + 3 * m, row * n + i, l2);
             }
         }
         CscMatrix::from(&coo)

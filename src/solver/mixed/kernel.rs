@@ -96,12 +96,20 @@ struct Point<'a> {
     rows: [&'a [f64]; 6],
 }
 
-/// Control points of an element, by coordinate.
-pub type Gathered = [Vec<f64>; 3];
+/// Memory of one thread.
+#[derive(Default)]
+pub struct Scratch {
+    /// Control points of the element, by coordinate.
+    pub x: [Vec<f64>; 3],
+    /// Values at the control vertices.
+    pub scalar: Vec<f64>,
+    /// The same.
+    pub entry: Vec<f64>,
+}
 
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "part of the element kernels")]
-fn point<'a>(energy: &Energy, table: &'a BasisTable, x: &Gathered, at: usize) -> Point<'a> {
+fn point<'a>(energy: &Energy, table: &'a BasisTable, x: &[Vec<f64>; 3], at: usize) -> Point<'a> {
     let rows: [&[f64]; 6] = std::array::from_fn(|d| table.row(at, d));
     let n = table.n;
     let derivative = |d: usize| {
@@ -125,24 +133,27 @@ fn point<'a>(energy: &Energy, table: &'a BasisTable, x: &Gathered, at: usize) ->
     }
 }
 
-/// `Σ_d c_d φ_d` for a coefficient vector of `(φ, φ_u, …)`, over the first derivatives on.
+/// `Σ_d c_d φ_d` for a coefficient vector of `(φ, φ_u, …)`, over the derivatives.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "part of the element kernels")]
-fn apply(c: &[f64; 6], rows: &[&[f64]; 6], i: usize) -> f64 {
-    c[1] * rows[1][i]
-        + c[2] * rows[2][i]
-        + c[3] * rows[3][i]
-        + c[4] * rows[4][i]
-        + c[5] * rows[5][i]
+fn combine(c: &[f64; 6], rows: &[&[f64]; 6], out: &mut [f64]) {
+    let n = out.len();
+    let [u, v, uu, uv, vv] = std::array::from_fn(|d| &rows[d + 1][..n]);
+    for i in 0..n {
+        out[i] = c[1] * u[i] + c[2] * v[i] + c[3] * uu[i] + c[4] * uv[i] + c[5] * vv[i];
+    }
 }
 
 /// All matrices of one element, equations (19)-(21), into `out` as [`Layout`] says.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled once per instruction set")]
-pub fn matrices(energy: &Energy, table: &BasisTable, x: &Gathered, out: &mut [f64]) {
+pub fn matrices(energy: &Energy, table: &BasisTable, scratch: &mut Scratch, out: &mut [f64]) {
     let n = table.n;
     let at = Layout::new(n);
     out.fill(0.0);
+    let Scratch { x, scalar, entry } = scratch;
+    scalar.resize(n, 0.0);
+    entry.resize(n, 0.0);
     for k in 0..table.points {
         let Point {
             p,
@@ -172,28 +183,37 @@ pub fn matrices(energy: &Energy, table: &BasisTable, x: &Gathered, out: &mut [f6
         }
 
         let (lap, bx) = (p.laplacian(), p.box_operator());
-        for (first, tangent, normal) in [
-            (true, [s.alpha, s.omega - jet.h], [0.5 * s.alpha, s.gamma]),
-            (false, [s.beta, s.varpi - jet.k], [0.5 * s.beta, s.delta]),
+        for (begin, tangent, normal) in [
+            (
+                at.b(0, 0, 0),
+                [s.alpha, s.omega - jet.h],
+                [0.5 * s.alpha, s.gamma],
+            ),
+            (
+                at.c(0, 0, 0),
+                [s.beta, s.varpi - jet.k],
+                [0.5 * s.beta, s.delta],
+            ),
         ] {
+            if tangent == [0.0; 2] && normal == [0.0; 2] {
+                continue;
+            }
             let d = p.raise(std::array::from_fn(|i| {
                 area * (tangent[0] * p.h_inv[i] + tangent[1] * p.g_inv[i])
             }));
             let q: [f64; 6] =
                 std::array::from_fn(|i| area * (normal[0] * lap[i] + normal[1] * bx[i]));
+            combine(&q, &rows, scalar);
             for row in 0..3 {
                 for column in 0..3 {
                     let (a, b) = (d[0][row] * p.normal[column], d[1][row] * p.normal[column]);
-                    let q = if row == column { q } else { [0.0; 6] };
+                    for (((e, u), v), s) in entry.iter_mut().zip(du).zip(dv).zip(&*scalar) {
+                        *e = a * u + b * v + if row == column { *s } else { 0.0 };
+                    }
                     for corner in 0..3 {
-                        let begin = if first {
-                            at.b(corner, row, column)
-                        } else {
-                            at.c(corner, row, column)
-                        };
-                        let w = psi[corner];
-                        for (i, m) in out[begin..begin + n].iter_mut().enumerate() {
-                            *m += w * (a * du[i] + b * dv[i] + apply(&q, &rows, i));
+                        let begin = begin + (corner * 9 + row * 3 + column) * n;
+                        for (m, e) in out[begin..begin + n].iter_mut().zip(&*entry) {
+                            *m += psi[corner] * e;
                         }
                     }
                 }
@@ -237,12 +257,14 @@ pub fn matrices(energy: &Energy, table: &BasisTable, x: &Gathered, out: &mut [f6
 pub fn residual(
     energy: &Energy,
     table: &BasisTable,
-    x: &Gathered,
+    scratch: &mut Scratch,
     h: &[DVec3; 3],
     k: &[DVec3; 3],
     out: &mut [f64],
 ) {
     let n = table.n;
+    let Scratch { x, scalar, .. } = scratch;
+    scalar.resize(n, 0.0);
     out.fill(0.0);
     for at in 0..table.points {
         let Point {
@@ -252,30 +274,45 @@ pub fn residual(
             psi,
             rows,
         } = point(energy, table, x, at);
-        let s = Splitting::new(&jet, p.mean, p.gauss);
         let blend = |f: &[DVec3; 3]| f[0] * psi[0] + f[1] * psi[1] + f[2] * psi[2];
-        let (h, k) = (blend(h), blend(k));
-        let (hn, kn) = (h.dot(p.normal), k.dot(p.normal));
-        // everything that multiplies ◇φ_i and ∇φ_i ...
-        let diamond = s.alpha * hn + s.beta * kn + s.mu;
-        let nabla = (s.omega - jet.h) * hn + (s.varpi - jet.k) * kn + s.eta;
-        let d = p.raise(std::array::from_fn(|i| {
-            area * (diamond * p.h_inv[i] + nabla * p.g_inv[i])
-        }));
-        // ... and the vectors that multiply Δφ_i and □φ_i
-        let lap_by = (h * s.alpha + k * s.beta + p.normal * s.mu) * (0.5 * area);
-        let box_by = (h * s.gamma + k * s.delta + p.normal * s.nu) * area;
-        let (lap, bx) = (p.laplacian(), p.box_operator());
+        let form = mixed_variation(&p, &jet, blend(h), blend(k), area);
         for axis in 0..3 {
-            let mut c: [f64; 6] =
-                std::array::from_fn(|i| lap_by[axis] * lap[i] + box_by[axis] * bx[i]);
-            c[1] += d[0][axis];
-            c[2] += d[1][axis];
-            for (i, r) in out[axis * n..(axis + 1) * n].iter_mut().enumerate() {
-                *r += apply(&c, &rows, i);
+            let c = form.map(|v| v[axis]);
+            combine(&[0.0, c[0], c[1], c[2], c[3], c[4]], &rows, scalar);
+            for (r, s) in out[axis * n..(axis + 1) * n].iter_mut().zip(&*scalar) {
+                *r += s;
             }
         }
     }
+}
+
+/// The mixed form of the first variation at a point with curvature normals `h` and `k`, times
+/// `weight`: what multiplies `φ_u, φ_v, φ_uu, φ_uv, φ_vv`.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "part of the element kernels")]
+pub fn mixed_variation(
+    p: &PointGeometry,
+    jet: &Jet2,
+    h: DVec3,
+    k: DVec3,
+    weight: f64,
+) -> [DVec3; 5] {
+    let s = Splitting::new(jet, p.mean, p.gauss);
+    let (hn, kn) = (h.dot(p.normal), k.dot(p.normal));
+    // everything that multiplies ◇φ and ∇φ ...
+    let diamond = s.alpha * hn + s.beta * kn + s.mu;
+    let nabla = (s.omega - jet.h) * hn + (s.varpi - jet.k) * kn + s.eta;
+    let d = p.raise(std::array::from_fn(|i| {
+        weight * (diamond * p.h_inv[i] + nabla * p.g_inv[i])
+    }));
+    // ... and the vectors that multiply Δφ and □φ
+    let lap_by = (h * s.alpha + k * s.beta + p.normal * s.mu) * (0.5 * weight);
+    let box_by = (h * s.gamma + k * s.delta + p.normal * s.nu) * weight;
+    let (lap, bx) = (p.laplacian(), p.box_operator());
+    let mut out = std::array::from_fn(|i| lap_by * lap[i + 1] + box_by * bx[i + 1]);
+    out[0] += d[0];
+    out[1] += d[1];
+    out
 }
 
 /// `∫ψ_c`, `∫ψ_c 2Hn` and `∫ψ_c 2Kn` over one element.

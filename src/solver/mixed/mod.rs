@@ -1,18 +1,26 @@
 //! Scheme A: the paper's mixed finite element method, equations (18)-(23) corrected.
 //!
-//! The curvature normals `h = 2Hn` and `k = 2Kn` are unknowns of their own in piecewise linears on
+//! The curvature normals `h = 2Hn` and `k = 2Kn` are unknowns of their own, in piecewise linears on
 //! rings 0 and 1, beside the positions of ring 0. All matrices are those of the present surface;
-//! one linear system gives all unknowns at the new time. See [`assembly`] for the system,
-//! [`splitting`] for what is taken implicitly.
+//! one linear system gives all unknowns at the new time. `assembly` has the system, `splitting`
+//! what is taken implicitly, `precond` the preconditioner.
 //!
 //! The system is solved for increments. With `h(x)`, `k(x)` the solutions of the second and third
 //! rows at the present positions, these rows have right-hand side 0, and the first has
 //!
-//! - `−(l^p x + l^m h(x) + l^g k(x) + b)`: this is (23), written from the present state;
-//! - in the residual-corrected variant `−δE`, the exact gradient (12).
+//! - in the plain scheme `−(l^p x + l^m h(x) + l^g k(x) + b)`: this is (23), written from the present
+//!   state;
+//! - in the residual-corrected variant `−δE`, the exact gradient (12), so that what stands still is
+//!   a stationary point of the discrete energy itself.
 //!
-//! The plain scheme takes terms without `α..δ, ω, ϖ` explicitly and is unstable for energies that
-//! have only such terms (`f = K`, for which the corrected variant stands still as it should).
+//! A smooth energy does not change when the surface is moved along itself, but the discrete one
+//! does by a little. The plain scheme follows that: its shape settles within some ten steps of
+//! large τ and then creeps for hundreds as the vertices slide (by a percent of what is left a step).
+//! The corrected variant takes the normal part of the gradient and of the increment at each vertex,
+//! and converges like scheme B, to the same shapes.
+//!
+//! The plain scheme treats terms without second derivatives of `f` explicitly and is unstable where
+//! `f` has only such terms (`f = K`, under which the corrected variant stands still as it should).
 
 mod assembly;
 mod kernel;
@@ -20,17 +28,18 @@ mod pattern;
 mod precond;
 mod splitting;
 
-use crate::linear::{GmresOptions, GmresReport, SparseLu, gmres};
+use crate::linear::{GmresOptions, GmresReport, LinearError, SparseLu, gmres};
 use crate::mesh::{DVec3, FaceId};
 use crate::solver::assembly::{Assembler, EnergySum, Unknowns};
 use crate::solver::control::{Attempt, Progress};
 use crate::solver::energy::Energy;
+use crate::solver::normals::LimitNormals;
 use crate::solver::survey::survey;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Rule, TableCache, elements};
 
 use assembly::{System, Units};
-use precond::{BlockElimination, SchurKind};
+use precond::BlockElimination;
 
 /// How the linear system (23) is solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,23 +59,38 @@ impl Default for LinearSolver {
     }
 }
 
+/// Restart length of GMRES; never reached with a preconditioner that fits.
+const RESTART: usize = 100;
+/// Iterations after which GMRES gives up; a smaller τ helps.
+const MAX_ITERATIONS: usize = 300;
+/// A step under which the energy falls by this multiple of what its gradient promises has left the
+/// surfaces on which the quadrature means anything (it happens to `f = K`, whose integral is a
+/// constant of the smooth surface).
+const IMPLAUSIBLE: f64 = 10.0;
+
 /// State of scheme A.
 pub struct MixedFlow {
     system: System,
     precond: BlockElimination,
     assembler: Assembler,
+    ring: LimitNormals,
     energy: Energy,
     linear: LinearSolver,
     corrected: bool,
     positions: Vec<DVec3>,
-    /// Curvature normals per vertex of the region; zero beyond ring 2.
-    h: Vec<DVec3>,
-    k: Vec<DVec3>,
     current: EnergySum,
     gradient: Vec<DVec3>,
+    /// Limit normals at the interior vertices.
+    normals: Vec<DVec3>,
+    /// Curvature normals per vertex of the region: fixed ones on ring 2, zero beyond.
+    h: Vec<DVec3>,
+    k: Vec<DVec3>,
+    /// The same, with `h(x)` and `k(x)` on rings 0 and 1.
+    lifted_h: Vec<DVec3>,
+    lifted_k: Vec<DVec3>,
     /// Whether the matrices and `force` are those of the present positions.
     assembled: bool,
-    /// `δE`, exact or by the mixed form.
+    /// `δE` at the interior vertices, exact or by the mixed form.
     force: Vec<DVec3>,
     trial: Vec<DVec3>,
     trial_gradient: Vec<DVec3>,
@@ -106,6 +130,9 @@ impl MixedFlow {
             return Err(start.not_finite());
         }
         let system = System::new(problem, fine, units);
+        let ring = LimitNormals::new(topology, &system.numbering.x.vertex);
+        let mut normals = Vec::new();
+        ring.evaluate(problem.positions(), &mut normals);
         Ok(Self {
             precond: BlockElimination::new(&system)?,
             rhs: vec![0.0; system.dimension()],
@@ -116,10 +143,14 @@ impl MixedFlow {
             linear,
             corrected,
             positions: problem.positions().to_vec(),
-            h,
-            k,
             current,
             gradient,
+            ring,
+            normals,
+            lifted_h: h.clone(),
+            lifted_k: k.clone(),
+            h,
+            k,
             assembled: false,
             force: Vec::new(),
             trial: problem.positions().to_vec(),
@@ -138,8 +169,8 @@ impl MixedFlow {
         self.current
     }
 
-    /// The curvature normals `2Hn` and `2Kn` of all vertices of the region: unknowns of the last
-    /// accepted step on rings 0 and 1, fixed on ring 2, zero beyond (and before the first step).
+    /// The curvature normals `2Hn` and `2Kn` of all vertices of the region: on rings 0 and 1 as the
+    /// last accepted step gave them (zero before the first), fixed on ring 2, zero beyond.
     pub fn curvature_normals(&self) -> (&[DVec3], &[DVec3]) {
         (&self.h, &self.k)
     }
@@ -149,7 +180,8 @@ impl MixedFlow {
         self.system.dimension()
     }
 
-    /// One step of time `tau`. If it is rejected the state is what it was.
+    /// One step of time `tau`. If it is rejected the state is what it was. The displacement it
+    /// reports is the one along the normals: what changes the shape.
     ///
     /// # Errors
     /// Only what cannot be mended by a smaller step.
@@ -161,127 +193,122 @@ impl MixedFlow {
             self.assembled = true;
         }
         self.system.position_block(tau, &mut self.position_block);
-        let report = match self.solve() {
+        let linear = match self.solve(tau) {
             Ok(report) => report,
-            Err(note) => return Ok(Attempt::rejected(Some(note))),
+            Err(error) => return Ok(Attempt::rejected(Some(error.to_string()))),
         };
-        if let Some(report) = report
-            && !report.converged
-        {
-            return Ok(Attempt {
-                linear: Some(report),
-                ..Attempt::rejected(Some(format!(
-                    "GMRES stopped at a relative residual of {:.1e} after {} iterations",
-                    report.relative_residual, report.iterations
-                )))
-            });
-        }
-        let progress = match report {
-            Some(_) => Progress::Krylov,
-            None => Progress::Factorized,
-        };
-        let longest = self.displace();
         let mut attempt = Attempt {
-            linear: report,
-            progress,
+            linear,
+            progress: linear.map_or(Progress::Factorized, |_| Progress::Krylov),
             ..Attempt::rejected(None)
         };
+        if let Some(report) = linear
+            && !report.converged
+        {
+            attempt.note = Some(format!(
+                "GMRES stopped at a relative residual of {:.1e} after {} iterations",
+                report.relative_residual, report.iterations
+            ));
+            return Ok(attempt);
+        }
+        let (longest, promised) = self.displace();
         if !longest.is_finite() {
             return Ok(attempt);
         }
         let sum = self
             .assembler
             .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
-        if self.current.admits(&sum) {
-            self.accept(sum);
-            attempt.accepted = true;
-            attempt.longest = longest;
+        let fall = self.current.value - sum.value;
+        if !self.current.admits(&sum) {
+            return Ok(attempt);
         }
+        if fall > IMPLAUSIBLE * promised.abs() + 1e-9 * self.current.scale {
+            attempt.note = Some(format!(
+                "the energy fell by {fall:.1e} where its gradient promises {:.1e}: the surface is \
+                 no longer resolved",
+                -promised
+            ));
+            return Ok(attempt);
+        }
+        self.accept(sum);
+        attempt.accepted = true;
+        attempt.longest = longest;
         Ok(attempt)
     }
 
     /// Matrices, `h(x)`, `k(x)` and the force at the present positions.
     fn assemble(&mut self) -> Result<(), String> {
-        self.system
-            .assemble(&self.positions, &self.h, &self.k, &self.energy);
-        if !self.system.is_finite() {
+        let system = &mut self.system;
+        system.assemble(
+            &self.positions,
+            &self.lifted_h,
+            &self.lifted_k,
+            &self.energy,
+        );
+        if !system.is_finite() {
             return Err("second derivatives of the energy are not finite on the surface".into());
         }
         self.precond
-            .factorize_mass(&self.system)
+            .factorize_mass(system)
             .map_err(|e| e.to_string())?;
-        let system = &mut self.system;
-        for (rhs, field) in [(&mut system.rhs_h, &mut self.h), (&mut system.rhs_k, &mut self.k)] {
-            // m is held in units of r²
-            self.precond.solve_mass(rhs, 3);
-            let scale = system.units.length.powi(-2);
-            let m = system.numbering.h.len();
+        // m is held in units of r²
+        let scale = system.units.length.powi(-2);
+        let m = system.numbering.h.len();
+        for (rhs, field) in [
+            (&mut system.rhs_h, &mut self.lifted_h),
+            (&mut system.rhs_k, &mut self.lifted_k),
+        ] {
+            self.precond.solve_mass(rhs);
             for (j, &v) in system.numbering.h.vertex.iter().enumerate() {
                 field[v as usize] = DVec3::new(rhs[j], rhs[m + j], rhs[2 * m + j]) * scale;
             }
         }
         if self.corrected {
-            self.force.clone_from(&self.gradient);
+            self.force.clear();
+            let pairs = self.gradient.iter().zip(&self.normals);
+            self.force.extend(pairs.map(|(g, n)| *n * n.dot(*g)));
         } else {
-            system.residual(
-                &self.positions,
-                &self.h,
-                &self.k,
-                &self.energy,
-                &mut self.force,
-            );
+            let (h, k) = (&self.lifted_h, &self.lifted_k);
+            system.residual(&self.positions, h, k, &self.energy, &mut self.force);
         }
         Ok(())
     }
 
     /// Solves the linear system for the present position block.
-    fn solve(&mut self) -> Result<Option<GmresReport>, String> {
+    fn solve(&mut self, tau: f64) -> Result<Option<GmresReport>, LinearError> {
         let system = &self.system;
+        let position = &self.position_block;
         let n = system.numbering.x.len();
         self.rhs.fill(0.0);
         for (i, force) in self.force.iter().enumerate() {
             for axis in 0..3 {
-                self.rhs[axis * n + i] = -force[axis] / system.units().force;
+                self.rhs[axis * n + i] = -force[axis] / system.units.force;
             }
         }
         match self.linear {
             LinearSolver::Gmres { tolerance } => {
-                let kind = match std::env::var("SCHUR").as_deref() {
-                    Ok("full") => SchurKind::Full,
-                    Ok("lu") => SchurKind::ScalarLu,
-                    _ => SchurKind::Scalar,
-                };
-                let t0 = std::time::Instant::now();
-                self.precond
-                    .factorize(system, &self.position_block, kind)
-                    .map_err(|e| e.to_string())?;
-                let t1 = t0.elapsed();
                 let precond = &mut self.precond;
-                let position = &self.position_block;
+                precond.factorize(system, position, tau)?;
                 self.solution.fill(0.0);
-                let report = gmres(
+                Ok(Some(gmres(
                     &mut |v, out| system.multiply(position, v, out),
                     &mut |v, out| precond.apply(system, v, out),
                     &self.rhs,
                     &mut self.solution,
                     &GmresOptions {
                         tolerance,
-                        restart: 200,
-                        ..GmresOptions::default()
+                        restart: RESTART,
+                        max_iterations: MAX_ITERATIONS,
                     },
-                );
-                if std::env::var("TIMES").is_ok() {
-                    println!("factor {:?} gmres {:?} {:?}", t1, t0.elapsed() - t1, report);
-                }
-                Ok(Some(report))
+                )))
             }
             LinearSolver::Lu => {
-                let matrix = system.to_csc(&self.position_block);
-                let mut lu = SparseLu::new(&matrix).map_err(|e| e.to_string())?;
+                let mut lu = SparseLu::new(&system.to_csc(position))?;
                 self.solution.copy_from_slice(&self.rhs);
                 lu.solve_in_place(&mut self.solution, 1);
+                // one step of iterative refinement: rows and columns are of very different size
                 let mut residual = vec![0.0; self.rhs.len()];
-                system.multiply(&self.position_block, &self.solution, &mut residual);
+                system.multiply(position, &self.solution, &mut residual);
                 for (r, b) in residual.iter_mut().zip(&self.rhs) {
                     *r = b - *r;
                 }
@@ -294,36 +321,47 @@ impl MixedFlow {
         }
     }
 
-    /// `trial = positions + δx`; returns the largest displacement.
-    fn displace(&mut self) -> f64 {
+    /// `trial = positions + δx`; returns the largest displacement along the normals, and the change
+    /// of energy to first order.
+    fn displace(&mut self) -> (f64, f64) {
         let n = self.system.numbering.x.len();
-        let r = self.system.units().length;
-        let mut longest = 0.0f64;
+        let r = self.system.units.length;
+        let s = &self.solution;
+        let (mut longest, mut promised) = (0.0f64, 0.0);
         for (i, &v) in self.system.numbering.x.vertex.iter().enumerate() {
-            let s = &self.solution;
-            let d = DVec3::new(s[i], s[n + i], s[2 * n + i]) * r;
-            self.trial[v as usize] = self.positions[v as usize] + d;
+            let mut step = DVec3::new(s[i], s[n + i], s[2 * n + i]) * r;
+            let along = step.dot(self.normals[i]);
+            if self.corrected {
+                step = self.normals[i] * along;
+            }
+            self.trial[v as usize] = self.positions[v as usize] + step;
+            promised += step.dot(self.gradient[i]);
             // f64::max would hide a NaN
-            let length = d.length();
-            longest = if length <= longest { longest } else { length };
+            longest = if along.abs() <= longest {
+                longest
+            } else {
+                along.abs()
+            };
         }
-        longest
+        (longest, promised)
     }
 
     fn accept(&mut self, sum: EnergySum) {
-        let r = self.system.units().length;
+        let r = self.system.units.length;
         let (n, m) = (self.system.numbering.x.len(), self.system.numbering.h.len());
         for (j, &v) in self.system.numbering.h.vertex.iter().enumerate() {
+            let v = v as usize;
             let get = |begin: usize| {
                 let s = &self.solution[begin + j..];
                 DVec3::new(s[0], s[m], s[2 * m])
             };
-            self.h[v as usize] += get(3 * n) / r;
-            self.k[v as usize] += get(3 * n + 3 * m) / (r * r);
+            self.h[v] = self.lifted_h[v] + get(3 * n) / r;
+            self.k[v] = self.lifted_k[v] + get(3 * n + 3 * m) / (r * r);
         }
         self.current = sum;
         std::mem::swap(&mut self.positions, &mut self.trial);
         std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
+        self.ring.evaluate(&self.positions, &mut self.normals);
         self.assembled = false;
     }
 }
@@ -334,7 +372,12 @@ fn fixed_curvatures(problem: &FlowProblem, tables: &mut TableCache) -> (Vec<DVec
     let (topology, ring) = (problem.topology(), problem.ring());
     let faces: Vec<FaceId> = (0..topology.face_count())
         .map(FaceId::from)
-        .filter(|&f| topology.face_vertices(f).iter().any(|v| ring[v.index()] == 2))
+        .filter(|&f| {
+            topology
+                .face_vertices(f)
+                .iter()
+                .any(|v| ring[v.index()] == 2)
+        })
         .collect();
     let around = elements(topology, &faces, Rule::Twelve, tables);
     let count = problem.positions().len();
@@ -364,50 +407,4 @@ fn fixed_curvatures(problem: &FlowProblem, tables: &mut TableCache) -> (Vec<DVec
 }
 
 #[cfg(test)]
-mod debug {
-    use super::*;
-    #[test]
-    fn dbg() {
-        let (pts, faces) = {
-            let data = include_str!("../../../tests/data/icosphere3.obj");
-            let (mut points, mut faces) = (Vec::new(), Vec::new());
-            for line in data.lines() {
-                let mut words = line.split_whitespace();
-                match words.next() {
-                    Some("v") => { let x: Vec<f64> = words.map(|w| w.parse().unwrap()).collect(); points.push(DVec3::new(x[0], x[1], x[2])); }
-                    Some("f") => { let f: Vec<u32> = words.map(|w| w.split('/').next().unwrap().parse::<u32>().unwrap() - 1).collect(); faces.push([f[0], f[1], f[2]]); }
-                    _ => {}
-                }
-            }
-            (points, faces)
-        };
-        let interior: Vec<u32> = (0..pts.len() as u32).filter(|&i| pts[i as usize].z > 0.766).collect();
-        let p = FlowProblem::new(&pts, &faces, &interior, 0.64).unwrap();
-        let e = Energy::parse("1", &Default::default()).unwrap();
-        let mut f = MixedFlow::new(&p, &e, LinearSolver::default(), true).unwrap();
-        f.assemble().unwrap();
-        f.system.position_block(1e-3, &mut f.position_block);
-        f.precond.factorize(&f.system, &f.position_block, SchurKind::Scalar).unwrap();
-        let d = f.system.dimension();
-        let v: Vec<f64> = (0..d).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
-        let (mut w, mut z) = (vec![0.0; d], vec![0.0; d]);
-        f.precond.apply(&f.system, &v, &mut w);
-        f.system.multiply(&f.position_block, &w, &mut z);
-        let n = f.system.numbering.x.len();
-        let m = f.system.numbering.h.len();
-        for r in [0..n, n..2*n, 3*n..3*n+m, 3*n+3*m..d] {
-            let err = r.clone().map(|i| (z[i]-v[i]).abs()).fold(0.0, f64::max);
-            println!("{r:?} {err:e}");
-        }
-        // M total, m total
-        let ones = vec![1.0; n];
-        let mut y = vec![0.0; n];
-        f.system.x_pattern.multiply(&f.system.mass, &ones, &mut y);
-        println!("mass {}  tau {}", y.iter().sum::<f64>(), f.system.units.force);
-        f.system.x_pattern.multiply(&f.system.stiffness, &ones, &mut y);
-        println!("stiff rows {:?}", &y[..6]);
-        println!("{:?}", f.system.lumped.iter().sum::<f64>());
-        let max_b = f.system.coupling.values().iter().map(|c| c.b.to_cols_array().iter().fold(0.0f64, |a, b| a.max(b.abs()))).fold(0.0, f64::max);
-        println!("b {max_b:e}");
-    }
-}
+mod tests;

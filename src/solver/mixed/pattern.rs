@@ -119,15 +119,6 @@ impl Couplings {
         }
     }
 
-    /// A pattern alone, without small matrices.
-    pub fn of_rows(offsets: &[usize], columns: &[usize]) -> Self {
-        Self {
-            offsets: offsets.to_vec(),
-            columns: columns.to_vec(),
-            ..Self::default()
-        }
-    }
-
     /// Number of stored entries.
     pub fn nnz(&self) -> usize {
         self.columns.len()

@@ -7,7 +7,11 @@ use crate::solver::energy::Jet2;
 ///
 /// The splitting is not unique. This one is the first-order Taylor polynomial of `f_H` and `f_K`
 /// and of `f` about the present curvatures (`2ω = f_H`, `2ϖ = f_K`), valid for any smooth `f`: what
-/// multiplies `h = 2Hn` and `k = 2Kn` is taken at the new time, the rest at the old.
+/// multiplies `h = 2Hn` and `k = 2Kn` is taken at the new time, the rest at the old. Only `δ` is
+/// twice that of the Taylor polynomial: the system has `k = □x` with the coefficients of `□` at the
+/// old time, but these contain second derivatives of `x` themselves, so that `□δx` is half of the
+/// change of `k`. With `2δ = f_KK` half of the stiffest term of `f = K²` would be explicit, the
+/// borderline of stability.
 #[derive(Clone, Copy, Debug)]
 pub struct Splitting {
     /// `½ f_HH`.
@@ -16,7 +20,7 @@ pub struct Splitting {
     pub beta: f64,
     /// `½ f_HK`; equal to β.
     pub gamma: f64,
-    /// `½ f_KK`.
+    /// `f_KK`.
     pub delta: f64,
     /// `f_H − 2αH − 2βK`.
     pub mu: f64,
@@ -43,9 +47,9 @@ impl Splitting {
             alpha: 0.5 * jet.hh,
             beta: half_hk,
             gamma: half_hk,
-            delta: 0.5 * jet.kk,
+            delta: jet.kk,
             mu: jet.h - jet.hh * mean - jet.hk * gauss,
-            nu: jet.k - jet.hk * mean - jet.kk * gauss,
+            nu: jet.k - jet.hk * mean - 2.0 * jet.kk * gauss,
             omega: 0.5 * jet.h,
             varpi: 0.5 * jet.k,
             eta: jet.f - jet.h * mean - jet.k * gauss,
@@ -60,7 +64,15 @@ mod tests {
 
     #[test]
     fn splitting_restores_f_and_its_derivatives() {
-        for text in ["1", "H^2", "K", "H^2*K^2", "k1^4+k2^4", "(H-0.3)^2", "exp(H)*K"] {
+        for text in [
+            "1",
+            "H^2",
+            "K",
+            "H^2*K^2",
+            "k1^4+k2^4",
+            "(H-0.3)^2",
+            "exp(H)*K",
+        ] {
             let energy = Energy::parse(text, &std::collections::BTreeMap::new()).expect("energy");
             for (h, k) in [(0.7, 0.2), (-1.3, -0.4), (-1.0, 1.0)] {
                 let jet = energy.jet(h, k);

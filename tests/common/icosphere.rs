@@ -1,0 +1,26 @@
+//! The icosphere of tests/data: 642 vertices near the unit sphere, 7 decimals.
+
+use meniscus::mesh::DVec3;
+
+const DATA: &str = include_str!("../data/icosphere3.obj");
+
+/// Positions and triangles, as in the file.
+pub fn icosphere() -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let (mut points, mut faces) = (Vec::new(), Vec::new());
+    for line in DATA.lines() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                let x: Vec<f64> = words.map(|w| w.parse().expect("number")).collect();
+                points.push(DVec3::new(x[0], x[1], x[2]));
+            }
+            Some("f") => {
+                let corner = |w: &str| w.split('/').next().and_then(|i| i.parse::<u32>().ok());
+                let f: Vec<u32> = words.map(|w| corner(w).expect("index") - 1).collect();
+                faces.push([f[0], f[1], f[2]]);
+            }
+            _ => {}
+        }
+    }
+    (points, faces)
+}
