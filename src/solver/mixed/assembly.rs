@@ -181,8 +181,15 @@ impl System {
     }
 
     /// Fills all matrices at `positions`; `h` and `k` (per vertex of the region) are read where
-    /// they are fixed.
-    pub fn assemble(&mut self, positions: &[DVec3], h: &[DVec3], k: &[DVec3], energy: &Energy) {
+    /// they are fixed. `doubled` as in [`Splitting`](super::splitting::Splitting).
+    pub fn assemble(
+        &mut self,
+        positions: &[DVec3],
+        h: &[DVec3],
+        k: &[DVec3],
+        energy: &Energy,
+        doubled: bool,
+    ) {
         let m = self.numbering.h.len();
         for (values, couplings) in [
             (&mut self.mass, &self.x_slots),
@@ -210,7 +217,7 @@ impl System {
                 positions,
                 |table| Layout::new(table.n).len(),
                 #[inline(always)]
-                |_, table, scratch, out| kernel::matrices(energy, table, scratch, out),
+                |_, table, scratch, out| kernel::matrices(energy, doubled, table, scratch, out),
                 &mut buffer,
             );
             for e in first..last {
@@ -243,29 +250,40 @@ impl System {
         if buffer.len() < stride * (last - first) {
             buffer.resize(stride * (last - first), 0.0);
         }
-        let task = |task: usize, out: &mut [f64]| {
-            let mut scratch = Scratch::default();
-            for (at, out) in out.chunks_exact_mut(stride).enumerate() {
-                let e = first + task * TASK + at;
-                for (axis, x) in scratch.x.iter_mut().enumerate() {
-                    x.clear();
-                    let vertices = self.elements.vertices_of(e).iter();
-                    x.extend(vertices.map(|&v| positions[v as usize][axis]));
-                }
-                let table = self.elements.table(e);
-                kernel(e, table, &mut scratch, &mut out[..len(table)]);
-            }
-        };
         buffer[..stride * (last - first)]
             .par_chunks_mut(TASK * stride)
             .enumerate()
-            .for_each(|(k, out)| {
+            .for_each(|(task, out)| {
+                let outs = out.chunks_exact_mut(stride);
                 pulp::Arch::new().dispatch(
                     #[inline(always)]
-                    || task(k, out),
+                    || self.compute_task(first + task * TASK, positions, outs, &len, &kernel),
                 );
             });
         stride
+    }
+
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "compiled once per instruction set")]
+    fn compute_task<'a>(
+        &self,
+        first: usize,
+        positions: &[DVec3],
+        outs: impl Iterator<Item = &'a mut [f64]>,
+        len: &impl Fn(&BasisTable) -> usize,
+        kernel: &impl Fn(usize, &BasisTable, &mut Scratch, &mut [f64]),
+    ) {
+        let mut scratch = Scratch::default();
+        for (at, out) in outs.enumerate() {
+            let e = first + at;
+            for (axis, x) in scratch.x.iter_mut().enumerate() {
+                x.clear();
+                let vertices = self.elements.vertices_of(e).iter();
+                x.extend(vertices.map(|&v| positions[v as usize][axis]));
+            }
+            let table = self.elements.table(e);
+            kernel(e, table, &mut scratch, &mut out[..len(table)]);
+        }
     }
 
     fn scatter(&mut self, e: usize, local: &[f64], h: &[DVec3], k: &[DVec3]) {

@@ -144,10 +144,17 @@ fn combine(c: &[f64; 6], rows: &[&[f64]; 6], out: &mut [f64]) {
     }
 }
 
-/// All matrices of one element, equations (19)-(21), into `out` as [`Layout`] says.
+/// All matrices of one element, equations (19)-(21), into `out` as [`Layout`] says; `doubled`
+/// as in [`Splitting`].
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled once per instruction set")]
-pub fn matrices(energy: &Energy, table: &BasisTable, scratch: &mut Scratch, out: &mut [f64]) {
+pub fn matrices(
+    energy: &Energy,
+    doubled: bool,
+    table: &BasisTable,
+    scratch: &mut Scratch,
+    out: &mut [f64],
+) {
     let n = table.n;
     let at = Layout::new(n);
     out.fill(0.0);
@@ -162,7 +169,7 @@ pub fn matrices(energy: &Energy, table: &BasisTable, scratch: &mut Scratch, out:
             psi,
             rows,
         } = point(energy, table, x, k);
-        let s = Splitting::new(&jet, p.mean, p.gauss);
+        let s = Splitting::new(&jet, p.mean, p.gauss, doubled);
         let (value, du, dv) = (&rows[0][..n], &rows[1][..n], &rows[2][..n]);
 
         let t: [f64; 3] = std::array::from_fn(|i| area * (s.mu * p.h_inv[i] + s.eta * p.g_inv[i]));
@@ -297,7 +304,7 @@ pub fn mixed_variation(
     k: DVec3,
     weight: f64,
 ) -> [DVec3; 5] {
-    let s = Splitting::new(jet, p.mean, p.gauss);
+    let s = Splitting::new(jet, p.mean, p.gauss, false);
     let (hn, kn) = (h.dot(p.normal), k.dot(p.normal));
     // everything that multiplies ◇φ and ∇φ ...
     let diamond = s.alpha * hn + s.beta * kn + s.mu;

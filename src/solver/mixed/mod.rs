@@ -244,6 +244,7 @@ impl MixedFlow {
             &self.lifted_h,
             &self.lifted_k,
             &self.energy,
+            self.corrected,
         );
         if !system.is_finite() {
             return Err("second derivatives of the energy are not finite on the surface".into());

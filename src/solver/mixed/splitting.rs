@@ -7,11 +7,13 @@ use crate::solver::energy::Jet2;
 ///
 /// The splitting is not unique. This one is the first-order Taylor polynomial of `f_H` and `f_K`
 /// and of `f` about the present curvatures (`2ω = f_H`, `2ϖ = f_K`), valid for any smooth `f`: what
-/// multiplies `h = 2Hn` and `k = 2Kn` is taken at the new time, the rest at the old. Only `δ` is
-/// twice that of the Taylor polynomial: the system has `k = □x` with the coefficients of `□` at the
-/// old time, but these contain second derivatives of `x` themselves, so that `□δx` is half of the
-/// change of `k`. With `2δ = f_KK` half of the stiffest term of `f = K²` would be explicit, the
-/// borderline of stability.
+/// multiplies `h = 2Hn` and `k = 2Kn` is taken at the new time, the rest at the old.
+///
+/// The residual-corrected variant doubles `δ`. The system has `k = □x` with the coefficients of `□`
+/// at the old time, but these contain second derivatives of `x` themselves, so that `□δx` is half
+/// of the change of `k`: with `2δ = f_KK` half of the stiffest term of `f = K²` is explicit, the
+/// borderline of stability. (The plain scheme has it as the paper does: there the other half is in
+/// the right-hand side, and a larger `δ` overshoots from rough starts.)
 #[derive(Clone, Copy, Debug)]
 pub struct Splitting {
     /// `½ f_HH`.
@@ -20,7 +22,7 @@ pub struct Splitting {
     pub beta: f64,
     /// `½ f_HK`; equal to β.
     pub gamma: f64,
-    /// `f_KK`.
+    /// `½ f_KK`, or `f_KK` if doubled.
     pub delta: f64,
     /// `f_H − 2αH − 2βK`.
     pub mu: f64,
@@ -35,21 +37,23 @@ pub struct Splitting {
 }
 
 impl Splitting {
-    /// From the jet of `f` at mean curvature `mean` and Gaussian curvature `gauss`.
+    /// From the jet of `f` at mean curvature `mean` and Gaussian curvature `gauss`, with `δ` doubled
+    /// or not.
     #[inline(always)]
     #[expect(
         clippy::inline_always,
         reason = "part of the element kernels, which are compiled once per instruction set"
     )]
-    pub fn new(jet: &Jet2, mean: f64, gauss: f64) -> Self {
+    pub fn new(jet: &Jet2, mean: f64, gauss: f64, doubled: bool) -> Self {
         let half_hk = 0.5 * jet.hk;
+        let delta = if doubled { jet.kk } else { 0.5 * jet.kk };
         Self {
             alpha: 0.5 * jet.hh,
             beta: half_hk,
             gamma: half_hk,
-            delta: jet.kk,
+            delta,
             mu: jet.h - jet.hh * mean - jet.hk * gauss,
-            nu: jet.k - jet.hk * mean - 2.0 * jet.kk * gauss,
+            nu: jet.k - jet.hk * mean - 2.0 * delta * gauss,
             omega: 0.5 * jet.h,
             varpi: 0.5 * jet.k,
             eta: jet.f - jet.h * mean - jet.k * gauss,
@@ -74,9 +78,9 @@ mod tests {
             "exp(H)*K",
         ] {
             let energy = Energy::parse(text, &std::collections::BTreeMap::new()).expect("energy");
-            for (h, k) in [(0.7, 0.2), (-1.3, -0.4), (-1.0, 1.0)] {
+            for (h, k, doubled) in [(0.7, 0.2, false), (-1.3, -0.4, true), (-1.0, 1.0, true)] {
                 let jet = energy.jet(h, k);
-                let s = Splitting::new(&jet, h, k);
+                let s = Splitting::new(&jet, h, k, doubled);
                 let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * (1.0 + b.abs()));
                 close(2.0 * s.alpha * h + 2.0 * s.beta * k + s.mu, jet.h);
                 close(2.0 * s.gamma * h + 2.0 * s.delta * k + s.nu, jet.k);
