@@ -15,6 +15,7 @@ mod mixed;
 mod normal;
 mod normals;
 mod problem;
+mod run;
 mod survey;
 
 pub use assembly::{Assembler, EnergySum, Unknowns};
@@ -25,4 +26,5 @@ pub use mixed::{LinearSolver, MixedFlow};
 pub use normal::NormalFlow;
 pub use normals::LimitNormals;
 pub use problem::{COLLAR_RINGS, FlowProblem};
+pub use run::{Command, Event, FlowHandle, Snapshot, spawn};
 pub use survey::{Survey, survey};
