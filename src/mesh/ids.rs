@@ -50,6 +50,7 @@ id!(
 impl HalfedgeId {
     /// The oppositely directed half of the same edge.
     #[inline]
+    #[must_use]
     pub const fn twin(self) -> Self {
         Self(self.0 ^ 1)
     }
