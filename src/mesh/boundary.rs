@@ -114,3 +114,57 @@ fn diameter(points: &[DVec3], centre: DVec3) -> f64 {
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Topology;
+    use crate::mesh::shapes::SplitMix;
+
+    #[test]
+    fn measures_of_a_square_hole() {
+        // a frame of eight triangles around the unit square
+        let outside = [[-1., -1.], [2., -1.], [2., 2.], [-1., 2.]];
+        let inside = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]];
+        let positions = outside
+            .iter()
+            .chain(&inside)
+            .map(|&[x, y]| DVec3::new(x, y, 7.0))
+            .collect();
+        let triangles: Vec<[u32; 3]> = (0..4)
+            .flat_map(|i| {
+                let j = (i + 1) % 4;
+                [[i, j, j + 4], [i, j + 4, i + 4]]
+            })
+            .collect();
+        let topology = Topology::from_triangles(8, &triangles).expect("a ring");
+        let loops = boundary_loops(&Mesh::new(positions, topology));
+        assert_eq!(loops.iter().map(|l| l.number).collect::<Vec<_>>(), [1, 2]);
+        let hole = &loops[1];
+        assert_eq!(
+            hole.vertices.iter().map(|v| v.0).collect::<Vec<_>>(),
+            [4, 5, 6, 7]
+        );
+        assert_eq!((hole.perimeter, hole.component), (4.0, 0));
+        assert_eq!(hole.centroid, DVec3::new(0.5, 0.5, 7.0));
+        assert!((hole.diameter - 2f64.sqrt()).abs() < 1e-15);
+        assert!((hole.radius - 0.5f64.sqrt()).abs() < 1e-15);
+        assert_eq!((loops[0].outer_rim, hole.outer_rim), (true, false));
+    }
+
+    #[test]
+    fn diameter_agrees_with_all_pairs() {
+        let mut random = SplitMix::new(11);
+        for n in [3, 10, 200] {
+            let points: Vec<DVec3> = (0..n)
+                .map(|_| random.direction() * random.range(0.9, 1.0) + DVec3::splat(1e3))
+                .collect();
+            let centre = points.iter().sum::<DVec3>() / f64::from(n);
+            let mut best = 0.0f64;
+            for p in &points {
+                best = points.iter().fold(best, |best, q| best.max(p.distance(*q)));
+            }
+            assert_eq!(diameter(&points, centre), best);
+        }
+    }
+}

@@ -13,7 +13,8 @@
 //! 64° (a torn one across the tail of a cow), but for a sphere cut open nearly to the equator (81°),
 //! which is the only opening of its component; ends of tubes start at 88°.
 //!
-//! 1. Below [`HOLE_BELOW`] the surface closes in on the loop: a hole.
+//! 1. Below [`HOLE_BELOW`] the surface closes in on the loop: a hole. So are loops that are small
+//!    beside their component ([`SMALL`]), and cracks ([`CRACK`]).
 //! 2. A loop that faces another one in front of it is there to be joined to it: not an outer rim.
 //! 3. The only loop of its component that is no hole by rule 1 is the mouth of a cup, and filled, if
 //!    its opening is below [`CUP_BELOW`] (or [`FLARED_CUP_BELOW`] with much surface behind it).
@@ -21,6 +22,9 @@
 
 use super::{BoundaryLoop, Components, DVec3, FaceId, Mesh};
 
+/// Part of the area of its component below which a loop is a hole though the surface goes straight
+/// on there (up to [`CUP_BELOW`]): the tip of an ear, not the end of a pipe of 50 radii.
+const SMALL: f64 = 0.01;
 /// Opening in degrees below which the surface closes in on a loop.
 const HOLE_BELOW: f64 = 75.0;
 /// Opening in degrees up to which the only mouth of a surface is filled.
@@ -60,23 +64,41 @@ struct Rim {
 
 /// Sets `outer_rim` and `reason` of all loops of a mesh.
 pub(super) fn guess_outer_rims(mesh: &Mesh, parts: &Components, loops: &mut [BoundaryLoop]) {
+    if loops.is_empty() {
+        return;
+    }
     let rims: Vec<Rim> = loops.iter().map(|one| measure(mesh, one)).collect();
+    let areas = component_areas(mesh, parts);
+    // surface behind each loop over the area of its mouth
+    let depth: Vec<f64> = loops
+        .iter()
+        .zip(&rims)
+        .map(|(one, r)| areas[one.component as usize] / r.area.length())
+        .collect();
     let hole: Vec<bool> = rims
         .iter()
-        .map(|r| r.opening < HOLE_BELOW || (r.roundness < CRACK && r.opening < FLARED_CUP_BELOW))
+        .zip(&depth)
+        .map(|(r, d)| {
+            r.opening < HOLE_BELOW
+                || (r.opening < CUP_BELOW && d * SMALL > 1.0)
+                || (r.opening < FLARED_CUP_BELOW && r.roundness < CRACK)
+        })
         .collect();
     let mut mouths = vec![0u32; parts.count];
     for (one, _) in loops.iter().zip(&hole).filter(|x| !x.1) {
         mouths[one.component as usize] += 1;
     }
-    let mut areas: Option<Vec<f64>> = None;
     for i in 0..loops.len() {
         let opening = rims[i].opening;
         let (outer_rim, reason) = if hole[i] {
-            (
-                false,
-                format!("the surface closes in on it (opening {opening:.0}°)"),
-            )
+            let what = if opening < HOLE_BELOW {
+                "the surface closes in on it"
+            } else if rims[i].roundness < CRACK {
+                "a crack"
+            } else {
+                "small beside its component"
+            };
+            (false, format!("{what} (opening {opening:.0}°)"))
         } else if let Some(j) = faced(loops, &rims, &hole, i) {
             (false, format!("it faces loop {}", loops[j].number))
         } else if mouths[loops[i].component as usize] > 1 {
@@ -90,10 +112,8 @@ pub(super) fn guess_outer_rims(mesh: &Mesh, parts: &Components, loops: &mut [Bou
                 format!("{kind} of its component (opening {opening:.0}°)"),
             )
         } else {
-            let areas = areas.get_or_insert_with(|| component_areas(mesh, parts));
-            let ratio = areas[loops[i].component as usize] / rims[i].area.length();
-            let cup = (opening < CUP_BELOW && ratio > CUP_AREA)
-                || (opening < FLARED_CUP_BELOW && ratio > FLARED_CUP_AREA);
+            let cup = (opening < CUP_BELOW && depth[i] > CUP_AREA)
+                || (opening < FLARED_CUP_BELOW && depth[i] > FLARED_CUP_AREA);
             let what = if cup {
                 "the only mouth of a surface that is closed otherwise"
             } else {
@@ -174,4 +194,175 @@ fn component_areas(mesh: &Mesh, parts: &Components) -> Vec<f64> {
         areas[part as usize] += 0.5 * (b - a).cross(c - a).length();
     }
     areas
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Topology, boundary_loops};
+    use glam::DMat3;
+    use std::f64::consts::{PI, TAU};
+
+    /// The surface of revolution of (radius, height) pairs, in `n` sectors; a radius of 0 at either
+    /// end closes it.
+    fn revolve(profile: &[[f64; 2]], n: u32) -> Mesh {
+        let mut positions = Vec::new();
+        let mut rings: Vec<Vec<u32>> = Vec::new();
+        for &[r, z] in profile {
+            let count = if r > 0.0 { n } else { 1 };
+            let first = positions.len() as u32;
+            positions.extend((0..count).map(|i| {
+                let (s, c) = (TAU * f64::from(i) / f64::from(n)).sin_cos();
+                DVec3::new(r * c, r * s, z)
+            }));
+            rings.push((0..n).map(|i| first + i % count).collect());
+        }
+        let mut triangles = Vec::new();
+        for pair in rings.windows(2) {
+            for i in 0..n as usize {
+                let j = (i + 1) % n as usize;
+                let [a, b, c, d] = [pair[0][i], pair[0][j], pair[1][i], pair[1][j]];
+                triangles.extend([[a, b, d], [a, d, c]]);
+            }
+        }
+        triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
+        Mesh::new(positions, topology)
+    }
+
+    fn arc(from: f64, to: f64) -> Vec<[f64; 2]> {
+        (0..=24)
+            .map(|i| from + (to - from) * f64::from(i) / 24.0)
+            .map(|angle| [angle.sin().max(0.0), angle.cos()])
+            .map(|[r, z]| if r < 1e-12 { [0.0, z] } else { [r, z] })
+            .collect()
+    }
+
+    fn tube(low: f64, high: f64) -> Vec<[f64; 2]> {
+        (0..=20)
+            .map(|i| [0.5, low + (high - low) * f64::from(i) / 20.0])
+            .collect()
+    }
+
+    fn without(mesh: &Mesh, hole: impl Fn(DVec3) -> bool) -> Mesh {
+        let kept: Vec<[u32; 3]> = mesh
+            .topology
+            .triangles()
+            .filter(|t| !t.iter().all(|&v| hole(mesh.positions[v as usize])))
+            .collect();
+        let topology = Topology::from_triangles(mesh.vertex_count(), &kept).expect("manifold");
+        Mesh::new(mesh.positions.clone(), topology)
+    }
+
+    fn moved(mesh: &Mesh, turn: DMat3, shift: DVec3) -> Mesh {
+        let positions = mesh.positions.iter().map(|&p| turn * p + shift).collect();
+        Mesh::new(positions, mesh.topology.clone())
+    }
+
+    fn together(parts: &[Mesh]) -> Mesh {
+        let mut positions = Vec::new();
+        let mut triangles = Vec::new();
+        for part in parts {
+            let first = positions.len() as u32;
+            positions.extend(&part.positions);
+            triangles.extend(part.topology.triangles().map(|t| t.map(|v| v + first)));
+        }
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
+        Mesh::new(positions, topology)
+    }
+
+    fn outer(mesh: &Mesh) -> Vec<bool> {
+        boundary_loops(mesh).iter().map(|l| l.outer_rim).collect()
+    }
+
+    fn openings(mesh: &Mesh) -> Vec<f64> {
+        boundary_loops(mesh)
+            .iter()
+            .map(|one| measure(mesh, one).opening)
+            .collect()
+    }
+
+    #[test]
+    fn opening_is_the_angle_of_a_cap() {
+        // the sphere without a cap of half-angle α, in rings through the rim's circle of latitude
+        for degrees in [20.0f64, 60.0, 90.0, 120.0] {
+            let mesh = revolve(&arc(degrees.to_radians(), PI), 96);
+            let opening = openings(&mesh)[0];
+            // the first ring of triangles is a chord of 1/48 of the remaining arc
+            let chord = (180.0 - degrees) / 48.0;
+            assert!(
+                (opening - degrees - chord).abs() < 0.5,
+                "{degrees}: {opening}"
+            );
+        }
+        let disc = revolve(&[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [2.0, 0.0]], 60);
+        assert!(openings(&disc)[0] > 179.999);
+        let holed = without(&disc, |p| p.length() < 1.1);
+        assert!(openings(&holed)[0] < 1e-6);
+        assert_eq!(outer(&holed), [false, true]);
+    }
+
+    #[test]
+    fn ends_of_tubes_are_outer_rims_and_windows_are_holes() {
+        let pipe = revolve(&tube(0.0, 3.0), 40);
+        assert_eq!(outer(&pipe), [true, true]);
+        let window = without(&pipe, |p| p.x > 0.3 && (p.z - 1.5).abs() < 0.5);
+        let mut guess = outer(&window);
+        guess.sort_unstable();
+        assert_eq!(guess, [false, true, true]);
+        let flared: Vec<[f64; 2]> = (-10..=10)
+            .map(|i| 0.12 * f64::from(i))
+            .map(|z| [z.cosh(), z])
+            .collect();
+        assert_eq!(outer(&revolve(&flared, 60)), [true, true]);
+    }
+
+    #[test]
+    fn facing_ends_are_filled_in_any_frame() {
+        let left = revolve(&tube(-2.0, -0.5), 32);
+        let right = moved(&left, DMat3::from_rotation_x(0.5 * PI), DVec3::ZERO);
+        let both = together(&[left, right]);
+        assert_eq!(outer(&both), [true, false, true, false]);
+        let turn = DMat3::from_rotation_y(1.1) * DMat3::from_rotation_z(0.3) * 1e3;
+        for shift in [DVec3::ZERO, DVec3::splat(1e6)] {
+            assert_eq!(
+                outer(&moved(&both, turn, shift)),
+                [true, false, true, false]
+            );
+        }
+        // side by side, or far away, there is nothing to join
+        let beside = moved(
+            &revolve(&tube(-2.0, -0.5), 32),
+            DMat3::IDENTITY,
+            DVec3::X * 2.0,
+        );
+        let parallel = together(&[revolve(&tube(-2.0, -0.5), 32), beside]);
+        assert_eq!(outer(&parallel), [true; 4]);
+        let far = revolve(&tube(9.0, 11.0), 32);
+        assert_eq!(
+            outer(&together(&[revolve(&tube(-2.0, -0.5), 32), far])),
+            [true; 4]
+        );
+    }
+
+    #[test]
+    fn bowls_are_open_unless_they_face_each_other() {
+        let bowl = revolve(&arc(0.0, 50f64.to_radians()), 60);
+        assert_eq!(outer(&bowl), [true]);
+        let other = moved(&bowl, DMat3::from_rotation_x(PI), DVec3::ZERO);
+        assert_eq!(outer(&together(&[bowl, other])), [false, false]);
+    }
+
+    #[test]
+    fn a_cup_is_closed_and_so_is_most_of_a_sphere() {
+        let cup = [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [1.0, 0.7], [1.0, 1.4]];
+        assert_eq!(outer(&revolve(&cup, 24)), [false]);
+        for degrees in [30.0f64, 60.0, 80.0] {
+            assert_eq!(outer(&revolve(&arc(degrees.to_radians(), PI), 60)), [false]);
+        }
+        // a tube standing above a hole in a plate
+        let plate = revolve(&[[0.8, 0.0], [1.2, 0.0], [2.0, 0.0]], 40);
+        let above = together(&[plate, revolve(&tube(0.5, 2.0), 32)]);
+        assert_eq!(outer(&above), [false, true, false, true]);
+    }
 }

@@ -25,6 +25,18 @@ pub struct Unknowns {
     pub vertex: Vec<u32>,
     /// The unknown of each vertex; [`Self::len`] where the vertex is fixed.
     pub of_vertex: Vec<u32>,
+    /// Who meets whom where, until the assembly has taken it.
+    structure: Option<Structure>,
+}
+
+/// What numbering the unknowns found out about the matrix.
+#[derive(Clone, Debug)]
+struct Structure {
+    pattern: SymmetricPattern,
+    /// In the order of `moving`.
+    incidence: Incidence,
+    /// Place in `moving` of each unknown.
+    order: Vec<u32>,
 }
 
 impl Unknowns {
@@ -41,7 +53,7 @@ impl Unknowns {
     /// Numbers the `moving` vertices by nested dissection of the graph of vertices that share an
     /// element.
     pub fn new(elements: &Elements, positions: &[DVec3], moving: &[u32]) -> Self {
-        let mut unknowns = Self::numbered(positions.len(), moving.to_vec());
+        let unknowns = Self::numbered(positions.len(), moving.to_vec());
         let incidence = Incidence::new(elements, &unknowns);
         let n = moving.len();
         let mut offsets = Vec::with_capacity(n + 1);
@@ -64,10 +76,15 @@ impl Unknowns {
         }
         let points: Vec<DVec3> = moving.iter().map(|&v| positions[v as usize]).collect();
         let order = nested_dissection(&points, &offsets, &adjacency);
-        unknowns = Self::numbered(
+        let mut unknowns = Self::numbered(
             positions.len(),
             order.iter().map(|&i| moving[i as usize]).collect(),
         );
+        unknowns.structure = Some(Structure {
+            pattern: SymmetricPattern::of_permuted_graph(&offsets, &adjacency, &order),
+            incidence,
+            order,
+        });
         unknowns
     }
 
@@ -81,7 +98,11 @@ impl Unknowns {
         for (i, &v) in vertex.iter().enumerate() {
             of_vertex[v as usize] = i as u32;
         }
-        Self { vertex, of_vertex }
+        Self {
+            vertex,
+            of_vertex,
+            structure: None,
+        }
     }
 }
 
@@ -90,6 +111,7 @@ fn element_vertices(elements: &Elements, e: usize) -> &[u32] {
 }
 
 /// For each unknown the elements that contain it, with its place in the element.
+#[derive(Clone, Debug)]
 struct Incidence {
     start: Vec<u32>,
     entries: Vec<[u32; 2]>,
@@ -148,7 +170,9 @@ pub struct Assembler {
     weight: f64,
     tables: Vec<Vec<Lane>>,
     batches: Vec<Batch>,
-    // per element, in batch order
+    /// Elements in batch order.
+    order: Vec<u32>,
+    // per element
     table_of: Vec<u32>,
     offset: Vec<u32>,
     vertices: Vec<u32>,
@@ -202,15 +226,6 @@ impl Assembler {
             order[*slot] = e as u32;
             *slot += 1;
         }
-        let mut table_of = Vec::with_capacity(count);
-        let mut offset = Vec::with_capacity(count + 1);
-        let mut vertices = Vec::with_capacity(elements.vertices.len());
-        offset.push(0);
-        for &e in &order {
-            table_of.push(elements.table_of[e as usize]);
-            vertices.extend_from_slice(element_vertices(elements, e as usize));
-            offset.push(vertices.len() as u32);
-        }
         let tables = elements
             .tables
             .iter()
@@ -233,9 +248,10 @@ impl Assembler {
             weight: rule.weight(),
             tables,
             batches,
-            table_of,
-            offset,
-            vertices,
+            order,
+            table_of: elements.table_of.clone(),
+            offset: elements.offset.clone(),
+            vertices: elements.vertices.clone(),
             slots: None,
             membrane: true,
             buffers: Default::default(),
@@ -261,7 +277,7 @@ impl Assembler {
         &self.slots.as_ref().expect("built just above").pattern
     }
 
-    fn build_slots(&self) -> Slots {
+    fn build_slots(&mut self) -> Slots {
         let n = self.unknowns.len();
         let count = self.table_of.len();
         let mut offset = Vec::with_capacity(count + 1);
@@ -272,56 +288,33 @@ impl Assembler {
             total += k * (k + 1) / 2;
             offset.push(total as u32);
         }
-        // unknowns of every local vertex, and who contains an unknown
+        let Some(Structure {
+            pattern,
+            incidence,
+            order,
+        }) = self.unknowns.structure.take()
+        else {
+            return Slots {
+                pattern: SymmetricPattern::new(0, vec![0], Vec::new()),
+                offset,
+                slot: vec![0; total],
+            };
+        };
+        // entries of fixed vertices go to one place behind the matrix
+        let waste = pattern.row_idx.len() as u32;
         let dof: Vec<u32> = self
             .vertices
             .iter()
             .map(|&v| self.unknowns.of_vertex[v as usize])
             .collect();
-        let mut start = vec![0u32; n + 2];
-        for &d in &dof {
-            start[d as usize + 1] += 1;
-        }
-        for i in 0..=n {
-            start[i + 1] += start[i];
-        }
-        let mut fill = start.clone();
-        let mut incident = vec![[0u32; 2]; start[n] as usize];
-        for e in 0..count {
-            for k in self.offset[e]..self.offset[e + 1] {
-                let d = dof[k as usize] as usize;
-                if d < n {
-                    incident[fill[d] as usize] = [e as u32, k - self.offset[e]];
-                    fill[d] += 1;
-                }
-            }
-        }
-        let mut col_ptr = Vec::with_capacity(n + 1);
-        let mut row_idx: Vec<usize> = Vec::with_capacity(20 * n);
-        let mut slot = vec![u32::MAX; total];
-        let mut stamp = vec![u32::MAX; n + 1];
+        let mut slot = vec![waste; total];
         let mut place = vec![0u32; n + 1];
-        col_ptr.push(0);
         for j in 0..n {
-            let first = row_idx.len();
-            let own = &incident[start[j] as usize..start[j + 1] as usize];
-            stamp[j] = j as u32;
-            row_idx.push(j);
-            for &[e, _] in own {
-                let (a, b) = (self.offset[e as usize], self.offset[e as usize + 1]);
-                for &d in &dof[a as usize..b as usize] {
-                    let i = d as usize;
-                    if i > j && i < n && stamp[i] != j as u32 {
-                        stamp[i] = j as u32;
-                        row_idx.push(i);
-                    }
-                }
+            let column = pattern.col_ptr[j]..pattern.col_ptr[j + 1];
+            for at in column {
+                place[pattern.row_idx[at]] = at as u32;
             }
-            row_idx[first..].sort_unstable();
-            for (at, &i) in row_idx.iter().enumerate().skip(first) {
-                place[i] = at as u32;
-            }
-            for &[e, lj] in own {
+            for &[e, lj] in incidence.of(order[j] as usize) {
                 let (a, b) = (self.offset[e as usize], self.offset[e as usize + 1]);
                 let base = offset[e as usize] as usize;
                 for (li, &d) in dof[a as usize..b as usize].iter().enumerate() {
@@ -330,21 +323,9 @@ impl Assembler {
                     }
                 }
             }
-            col_ptr.push(row_idx.len());
-        }
-        // entries of fixed vertices go to one place behind the matrix
-        let waste = row_idx.len() as u32;
-        for s in &mut slot {
-            if *s == u32::MAX {
-                *s = waste;
-            }
         }
         Slots {
-            pattern: SymmetricPattern {
-                n,
-                col_ptr,
-                row_idx,
-            },
+            pattern,
             offset,
             slot,
         }
@@ -443,7 +424,11 @@ impl Assembler {
         sum
     }
 
-    fn lanes_per_element<const MATRIX: bool>(chunks: usize) -> usize {
+    /// Lanes of an element's local result; nothing but the energy is kept where nothing moves.
+    fn lanes_per_element<const MATRIX: bool>(&self, chunks: usize) -> usize {
+        if self.unknowns.is_empty() {
+            return 0;
+        }
         3 * chunks + if MATRIX { 4 * chunks * chunks } else { 0 }
     }
 
@@ -457,15 +442,12 @@ impl Assembler {
     ) {
         use rayon::prelude::*;
         let count = batch.end - batch.start;
-        let stride = Self::lanes_per_element::<MATRIX>(batch.chunks);
+        let stride = self.lanes_per_element::<MATRIX>(batch.chunks);
         if buffer.local.len() < count * stride {
             buffer.local.resize(count * stride, [0.0; 4]);
         }
         buffer.energy.resize(count, 0.0);
-        let tasks = buffer.local[..count * stride]
-            .par_chunks_mut(TASK * stride)
-            .zip(buffer.energy.par_chunks_mut(TASK));
-        tasks.enumerate().for_each(|(t, (local, energy))| {
+        let compute = |t: usize, local: &mut [Lane], energy: &mut [f64]| {
             let first = batch.start + t * TASK;
             pulp::Arch::new().dispatch(
                 #[inline(always)]
@@ -481,7 +463,15 @@ impl Assembler {
                     );
                 },
             );
-        });
+        };
+        let energies = buffer.energy.par_chunks_mut(TASK).enumerate();
+        if stride == 0 {
+            energies.for_each(|(t, energy)| compute(t, &mut [], energy));
+        } else {
+            energies
+                .zip(buffer.local[..count * stride].par_chunks_mut(TASK * stride))
+                .for_each(|((t, energy), local)| compute(t, local, energy));
+        }
     }
 
     #[inline(always)]
@@ -507,9 +497,10 @@ impl Assembler {
                 0
             }
         ];
-        let stride = Self::lanes_per_element::<MATRIX>(chunks);
-        for (k, (out, e_out)) in local.chunks_exact_mut(stride).zip(energy).enumerate() {
-            let e = first + k;
+        let stride = self.lanes_per_element::<MATRIX>(chunks);
+        for (k, e_out) in energy.iter_mut().enumerate() {
+            let out = &mut local[k * stride..(k + 1) * stride];
+            let e = self.order[first + k] as usize;
             let vertices = &self.vertices[self.offset[e] as usize..self.offset[e + 1] as usize];
             for (i, &v) in vertices.iter().enumerate() {
                 let p = positions[v as usize];
@@ -526,7 +517,7 @@ impl Assembler {
                 }
             }
             // the lanes behind a shorter stencil meet zeros in the table
-            let (gradient, matrix) = out.split_at_mut(3 * chunks);
+            let (gradient, matrix) = out.split_at_mut(stride.min(3 * chunks));
             *e_out = element::<MATRIX>(
                 chunks,
                 input,
@@ -553,10 +544,14 @@ impl Assembler {
         sum: &mut EnergySum,
     ) {
         let chunks = batch.chunks;
-        let stride = Self::lanes_per_element::<MATRIX>(chunks);
-        for (k, e) in (batch.start..batch.end).enumerate() {
+        let stride = self.lanes_per_element::<MATRIX>(chunks);
+        for (k, &e) in self.order[batch.start..batch.end].iter().enumerate() {
+            let e = e as usize;
             sum.value += buffer.energy[k];
             sum.scale += buffer.energy[k].abs();
+            if stride == 0 {
+                continue;
+            }
             let local = buffer.local[k * stride..(k + 1) * stride].as_flattened();
             let (g, matrix) = local.split_at(12 * chunks);
             let vertices = &self.vertices[self.offset[e] as usize..self.offset[e + 1] as usize];
