@@ -9,7 +9,9 @@ const LONG: f64 = 4.0 / 3.0;
 /// An edge shorter than this multiple of the wanted length is collapsed.
 const SHORT: f64 = 0.7;
 /// Rounds of split, collapse, flip and relax after the first refinement.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 5;
+/// Relaxation sweeps after each halving of the edges: the coarse levels bring up the bulge.
+const COARSE_SWEEPS: usize = 6;
 /// Relaxation sweeps in each round.
 const SWEEPS: usize = 3;
 
@@ -81,7 +83,7 @@ fn refine(s: &mut Surface, bulge: f64) {
         }
         flip_to_delaunay(s);
         if bulge != 0.0 {
-            relax(s, SWEEPS, bulge);
+            relax(s, COARSE_SWEEPS, bulge);
         }
     }
 }
@@ -259,7 +261,7 @@ fn relax(s: &mut Surface, sweeps: usize, bulge: f64) {
                 }
             }
             if weights > 0.0 {
-                s.points[v] = centre + STRIDE * (moment / (3.0 * weights) + bulge / STAR * normal);
+                s.points[v] = centre + moment / (3.0 * weights) + bulge / STAR * normal;
             }
             s.size[v] = sizes / f64::from(s.valence[v]);
         }
@@ -270,6 +272,3 @@ fn relax(s: &mut Surface, sweeps: usize, bulge: f64) {
 /// its vertex (the ring lies H L² / 2 below, the triangles' centroids two thirds of that, and
 /// A = 3/2 √3 L²); sums of corner cross products are 2 A.
 const STAR: f64 = 15.6;
-
-/// How far a vertex moves beyond (above 1) the centroid it moves towards.
-const STRIDE: f64 = 1.3;
