@@ -5,146 +5,20 @@
 //! added in element order, so that the sums do not depend on the number of threads. While one batch
 //! is added the next is computed.
 
-use crate::linear::{SymmetricPattern, nested_dissection};
+use crate::linear::SymmetricPattern;
 use crate::mesh::DVec3;
 use crate::solver::energy::Energy;
 use crate::solver::kernel::{
     ElementInput, ElementOutput, KernelInput, Lane, TERMS_PER_POINT, element,
 };
+use crate::solver::slots::Slots;
+use crate::solver::unknowns::Unknowns;
 use crate::subdivision::{Elements, Rule};
 
 /// Elements computed together; their local results stay in the second-level cache.
 const BATCH: usize = 512;
 /// Elements one task computes.
 const TASK: usize = 64;
-
-/// Vertices of a mesh that move, numbered for the factorization.
-#[derive(Clone, Debug)]
-pub struct Unknowns {
-    /// The vertex of each unknown.
-    pub vertex: Vec<u32>,
-    /// The unknown of each vertex; [`Self::len`] where the vertex is fixed.
-    pub of_vertex: Vec<u32>,
-    /// Who meets whom where, until the assembly has taken it.
-    structure: Option<Structure>,
-}
-
-/// What numbering the unknowns found out about the matrix.
-#[derive(Clone, Debug)]
-struct Structure {
-    pattern: SymmetricPattern,
-    /// In the order of `moving`.
-    incidence: Incidence,
-    /// Place in `moving` of each unknown.
-    order: Vec<u32>,
-}
-
-impl Unknowns {
-    /// How many vertices move.
-    pub fn len(&self) -> usize {
-        self.vertex.len()
-    }
-
-    /// Whether nothing moves.
-    pub fn is_empty(&self) -> bool {
-        self.vertex.is_empty()
-    }
-
-    /// Numbers the `moving` vertices by nested dissection of the graph of vertices that share an
-    /// element.
-    pub fn new(elements: &Elements, positions: &[DVec3], moving: &[u32]) -> Self {
-        let unknowns = Self::numbered(positions.len(), moving.to_vec());
-        let incidence = Incidence::new(elements, &unknowns);
-        let n = moving.len();
-        let mut offsets = Vec::with_capacity(n + 1);
-        let mut adjacency = Vec::with_capacity(36 * n);
-        let mut stamp = vec![u32::MAX; n + 1];
-        stamp[n] = n as u32;
-        offsets.push(0);
-        for j in 0..n {
-            stamp[j] = j as u32;
-            for &[e, _] in incidence.of(j) {
-                for &v in element_vertices(elements, e as usize) {
-                    let i = unknowns.of_vertex[v as usize] as usize;
-                    if i < n && stamp[i] != j as u32 {
-                        stamp[i] = j as u32;
-                        adjacency.push(i as u32);
-                    }
-                }
-            }
-            offsets.push(adjacency.len() as u32);
-        }
-        let points: Vec<DVec3> = moving.iter().map(|&v| positions[v as usize]).collect();
-        let order = nested_dissection(&points, &offsets, &adjacency);
-        let mut unknowns = Self::numbered(
-            positions.len(),
-            order.iter().map(|&i| moving[i as usize]).collect(),
-        );
-        unknowns.structure = Some(Structure {
-            pattern: SymmetricPattern::of_permuted_graph(&offsets, &adjacency, &order),
-            incidence,
-            order,
-        });
-        unknowns
-    }
-
-    /// All vertices fixed: only energies can be computed.
-    pub fn none(vertex_count: usize) -> Self {
-        Self::numbered(vertex_count, Vec::new())
-    }
-
-    fn numbered(vertex_count: usize, vertex: Vec<u32>) -> Self {
-        let mut of_vertex = vec![vertex.len() as u32; vertex_count];
-        for (i, &v) in vertex.iter().enumerate() {
-            of_vertex[v as usize] = i as u32;
-        }
-        Self {
-            vertex,
-            of_vertex,
-            structure: None,
-        }
-    }
-}
-
-fn element_vertices(elements: &Elements, e: usize) -> &[u32] {
-    &elements.vertices[elements.offset[e] as usize..elements.offset[e + 1] as usize]
-}
-
-/// For each unknown the elements that contain it, with its place in the element.
-#[derive(Clone, Debug)]
-struct Incidence {
-    start: Vec<u32>,
-    entries: Vec<[u32; 2]>,
-}
-
-impl Incidence {
-    fn new(elements: &Elements, unknowns: &Unknowns) -> Self {
-        let n = unknowns.len();
-        let mut start = vec![0u32; n + 2];
-        for &v in &elements.vertices {
-            start[unknowns.of_vertex[v as usize] as usize + 1] += 1;
-        }
-        for i in 0..=n {
-            start[i + 1] += start[i];
-        }
-        let mut fill = start.clone();
-        let mut entries = vec![[0; 2]; start[n] as usize];
-        for e in 0..elements.faces.len() {
-            for (k, &v) in element_vertices(elements, e).iter().enumerate() {
-                let i = unknowns.of_vertex[v as usize] as usize;
-                if i < n {
-                    entries[fill[i] as usize] = [e as u32, k as u32];
-                    fill[i] += 1;
-                }
-            }
-        }
-        Self { start, entries }
-    }
-
-    fn of(&self, unknown: usize) -> &[[u32; 2]] {
-        &self.entries[self.start[unknown] as usize..self.start[unknown + 1] as usize]
-    }
-}
 
 /// A run of elements with the same number of lanes.
 #[derive(Clone, Copy, Debug)]
@@ -179,13 +53,6 @@ pub struct Assembler {
     slots: Option<Slots>,
     membrane: bool,
     buffers: [Buffer; 2],
-}
-
-/// Sparsity pattern and where each local entry goes.
-struct Slots {
-    pattern: SymmetricPattern,
-    offset: Vec<u32>,
-    slot: Vec<u32>,
 }
 
 #[derive(Default)]
@@ -271,64 +138,11 @@ impl Assembler {
 
     /// The sparsity of the matrix, lower triangle in the order of the unknowns; computed once.
     pub fn pattern(&mut self) -> &SymmetricPattern {
-        if self.slots.is_none() {
-            self.slots = Some(self.build_slots());
-        }
-        &self.slots.as_ref().expect("built just above").pattern
-    }
-
-    fn build_slots(&mut self) -> Slots {
-        let n = self.unknowns.len();
-        let count = self.table_of.len();
-        let mut offset = Vec::with_capacity(count + 1);
-        let mut total = 0usize;
-        offset.push(0);
-        for e in 0..count {
-            let k = (self.offset[e + 1] - self.offset[e]) as usize;
-            total += k * (k + 1) / 2;
-            offset.push(total as u32);
-        }
-        let Some(Structure {
-            pattern,
-            incidence,
-            order,
-        }) = self.unknowns.structure.take()
-        else {
-            return Slots {
-                pattern: SymmetricPattern::new(0, vec![0], Vec::new()),
-                offset,
-                slot: vec![0; total],
-            };
+        let slots = match self.slots.take() {
+            Some(slots) => slots,
+            None => Slots::new(&mut self.unknowns, &self.offset, &self.vertices),
         };
-        // entries of fixed vertices go to one place behind the matrix
-        let waste = pattern.row_idx.len() as u32;
-        let dof: Vec<u32> = self
-            .vertices
-            .iter()
-            .map(|&v| self.unknowns.of_vertex[v as usize])
-            .collect();
-        let mut slot = vec![waste; total];
-        let mut place = vec![0u32; n + 1];
-        for j in 0..n {
-            let column = pattern.col_ptr[j]..pattern.col_ptr[j + 1];
-            for at in column {
-                place[pattern.row_idx[at]] = at as u32;
-            }
-            for &[e, lj] in incidence.of(order[j] as usize) {
-                let (a, b) = (self.offset[e as usize], self.offset[e as usize + 1]);
-                let base = offset[e as usize] as usize;
-                for (li, &d) in dof[a as usize..b as usize].iter().enumerate() {
-                    if d as usize >= j && (d as usize) < n {
-                        slot[base + triangular(li, lj as usize)] = place[d as usize];
-                    }
-                }
-            }
-        }
-        Slots {
-            pattern,
-            offset,
-            slot,
-        }
+        &self.slots.insert(slots).pattern
     }
 
     /// Energy and its exact gradient (12) at the unknowns, one vector each.
@@ -563,7 +377,7 @@ impl Assembler {
                 let own = &slots.slot[slots.offset[e] as usize..slots.offset[e + 1] as usize];
                 let mut own = own.iter();
                 for i in 0..vertices.len() {
-                    let row = &matrix[i * 4 * chunks..i * 4 * chunks + i + 1];
+                    let row = &matrix[i * 4 * chunks..][..=i];
                     for (value, &s) in row.iter().zip(&mut own) {
                         values[s as usize] += value;
                     }
@@ -571,10 +385,4 @@ impl Assembler {
             }
         }
     }
-}
-
-/// Index of the pair `{i, j}` in a packed lower triangle.
-fn triangular(i: usize, j: usize) -> usize {
-    let (a, b) = if i >= j { (i, j) } else { (j, i) };
-    a * (a + 1) / 2 + b
 }
