@@ -36,9 +36,8 @@ prepare() {
     command -v apt-get >/dev/null 2>&1 ||
         die "no working C linker (cc): install a C compiler and the C library's headers, then start again"
     say "installing gcc and libc6-dev (the linker and C library files that Rust programs need)"
-    export DEBIAN_FRONTEND=noninteractive
     as_root apt-get update -qq || die "apt-get update failed: is there a network?"
-    as_root apt-get install -y -qq --no-install-recommends gcc libc6-dev >&2 ||
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends gcc libc6-dev >&2 ||
         die "apt-get could not install gcc and libc6-dev"
     can_link || die "gcc and libc6-dev are installed, but \`cc\` still cannot link a program"
 }

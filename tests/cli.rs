@@ -484,6 +484,8 @@ fn report_and_trace_are_complete() {
         (&report["input"], &report["output"]),
         (&"in.obj".into(), &"out.obj".into())
     );
+    let choices = [&report["energy"], &report["scheme"], &report["mode"]];
+    assert_eq!(choices, ["H^2", "normal", "fast"]);
     if cfg!(target_os = "linux") {
         assert!(report["peak_memory"].as_u64().expect("bytes") > 1 << 20);
     }

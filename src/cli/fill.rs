@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Result, bail};
+use clap::ValueEnum;
 
 use crate::cli::UsageError;
 use crate::cli::args::{FillArguments, LinearArgument, ModeArgument, SchemeArgument, TauArgument};
@@ -110,8 +111,8 @@ fn write_records(
         input: args.input.display().to_string(),
         output: args.output.display().to_string(),
         energy: args.energy.clone(),
-        scheme: format!("{:?}", args.scheme).to_lowercase(),
-        mode: format!("{:?}", args.mode).to_lowercase(),
+        scheme: name(&args.scheme),
+        mode: name(&args.mode),
         load: &opened.report,
         totals: totals(filled, &holes),
         holes,
@@ -170,6 +171,13 @@ fn summary(report: &FillReport<'_>) -> Result<()> {
         t.faces_added,
         t.seconds
     ))
+}
+
+/// A choice as it is written on the command line.
+fn name(choice: &impl ValueEnum) -> String {
+    choice
+        .to_possible_value()
+        .map_or_else(String::new, |v| v.get_name().to_owned())
 }
 
 fn nothing_to_do(loops: usize) -> String {
