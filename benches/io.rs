@@ -1,5 +1,6 @@
 //! Reading and writing a mesh of a million triangles, with tobj as the base line for OBJ.
 
+use std::fmt::Write as _;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 
@@ -43,10 +44,10 @@ fn files(c: &mut Criterion) {
     // As most files are: nine digits.
     let mut short = String::new();
     for p in &positions {
-        short += &format!("v {:.9} {:.9} {:.9}\n", p.x, p.y, p.z);
+        writeln!(short, "v {:.9} {:.9} {:.9}", p.x, p.y, p.z).expect("text");
     }
     for [a, b, c] in &triangles {
-        short += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
+        writeln!(short, "f {} {} {}", a + 1, b + 1, c + 1).expect("text");
     }
     std::fs::write(path("short.obj"), short).expect("written");
     for name in ["full.obj", "sheet.ply", "sheet.stl"] {
@@ -61,7 +62,7 @@ fn files(c: &mut Criterion) {
         });
         if file.extension().is_some_and(|e| e == "obj") {
             group.bench_function(format!("tobj {name}"), |b| {
-                b.iter(|| black_box(tobj_load(&file)))
+                b.iter(|| black_box(tobj_load(&file)));
             });
         }
     }

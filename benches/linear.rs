@@ -19,10 +19,10 @@ use meniscus::linear::{Cholesky, CholeskySymbolic, SymmetricPattern, nested_diss
 /// Interior vertices of the discs, near those of the holes the project is measured on.
 const SIZES: [usize; 5] = [200, 1_100, 5_000, 20_000, 50_000];
 
-pub struct Disc {
-    pub points: Vec<DVec3>,
-    pub offsets: Vec<u32>,
-    pub adjacency: Vec<u32>,
+struct Disc {
+    points: Vec<DVec3>,
+    offsets: Vec<u32>,
+    adjacency: Vec<u32>,
 }
 
 /// About `n` vertices of a hexagonal lattice in a circle, numbered row by row, each with the
@@ -135,12 +135,3 @@ fn criterion_config() -> Criterion {
 
 criterion_group! { name = benches; config = criterion_config(); targets = factorizations }
 criterion_main!(benches);
-pub fn disc_pub(n: usize) -> Disc {
-    disc(n)
-}
-pub fn amd_pub(d: &Disc) -> Vec<u32> {
-    minimum_degree(d)
-}
-pub fn values_pub(d: &Disc, p: &SymmetricPattern, perm: &[u32]) -> Vec<f64> {
-    values(d, p, perm)
-}

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use meniscus::cli::{Arguments, run};
+use meniscus::cli::{Arguments, UsageError, run};
 
 fn main() -> ExitCode {
     // wrong usage ends here with exit code 2, --help and --version with 0
@@ -12,7 +12,11 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("meniscus: {error:#}");
-            ExitCode::FAILURE
+            if error.is::<UsageError>() {
+                ExitCode::from(2)
+            } else {
+                ExitCode::FAILURE
+            }
         }
     }
 }

@@ -100,10 +100,7 @@ fn gmres_and_lu_agree() {
                 let krylov = LinearSolver::Gmres { tolerance: 1e-12 };
                 let mut one = cap.flow(f, krylov, corrected);
                 let mut two = cap.flow(f, LinearSolver::Lu, corrected);
-                let (a, b) = (
-                    one.attempt(tau).expect("step"),
-                    two.attempt(tau).expect("step"),
-                );
+                let (a, b) = (one.attempt(tau), two.attempt(tau));
                 assert_eq!(a.accepted, b.accepted, "{f} {tau}");
                 let difference = farthest(one.positions(), two.positions());
                 println!("{f} {corrected} {tau}: {difference:.1e} {:?}", a.linear);
@@ -132,7 +129,7 @@ fn iterations_do_not_depend_on_the_time_step() {
         for f in energies {
             for tau in [1e-6, 1e-5, 1e-3, 0.1, 10.0] {
                 let mut flow = cap.flow(f, LinearSolver::default(), false);
-                let report = flow.attempt(tau).expect("step").linear.expect("GMRES");
+                let report = flow.attempt(tau).linear.expect("GMRES");
                 assert!(report.converged && report.relative_residual <= 1e-10);
                 assert!(report.iterations < 30, "{f} {tau}: {}", report.iterations);
             }
@@ -157,8 +154,8 @@ fn rotation_and_scale_change_nothing() {
         let mut two = moved.flow("H^2+1e6*K^2", linear, corrected);
         for k in 0..3 {
             let step = tau * 4f64.powi(k);
-            assert!(one.attempt(step).expect("step").accepted);
-            assert!(two.attempt(step * s.powi(4)).expect("step").accepted);
+            assert!(one.attempt(step).accepted);
+            assert!(two.attempt(step * s.powi(4)).accepted);
         }
         let back: Vec<DVec3> = one.positions().iter().map(|&p| turn(p)).collect();
         let there: Vec<DVec3> = two.positions().iter().map(|&p| p / s).collect();
@@ -180,13 +177,13 @@ fn rejected_steps_leave_no_trace() {
     let mut one = cap.flow("K^2", LinearSolver::default(), false);
     let mut two = cap.flow("K^2", LinearSolver::default(), false);
     let start = one.positions().to_vec();
-    for tau in [f64::NAN, 1e6] {
-        let attempt = one.attempt(tau).expect("attempt");
+    for tau in [f64::NAN, -1.0, 1e6] {
+        let attempt = one.attempt(tau);
         assert!(!attempt.accepted);
         assert_eq!(one.positions(), start);
     }
     for flow in [&mut one, &mut two] {
-        assert!(flow.attempt(1e-7).expect("step").accepted);
+        assert!(flow.attempt(1e-7).accepted);
     }
     assert_eq!(one.positions(), two.positions());
     assert_eq!(one.curvature_normals(), two.curvature_normals());
@@ -208,7 +205,7 @@ fn flat_disc_becomes_a_cap_without_a_rejected_step() {
             let bound = if corrected { 1.005 } else { 1.01 };
             let (mut tau, mut rejected, mut last) = (1e-6, 0, flow.energy());
             while tau < 1e3 {
-                let attempt = flow.attempt(tau).expect("step");
+                let attempt = flow.attempt(tau);
                 rejected += u32::from(!attempt.accepted);
                 assert!(last.admits(&flow.energy()));
                 last = flow.energy();
@@ -241,7 +238,7 @@ fn corrected_scheme_reaches_the_reference_minimum() {
         let mut flow = cap.flow(f, LinearSolver::default(), true);
         let (mut tau, mut longest, mut rejected) = (1e-6, 1.0, 0);
         while longest > 1e-6 * cap.radius || tau < 0.1 {
-            let attempt = flow.attempt(tau).expect("step");
+            let attempt = flow.attempt(tau);
             if attempt.accepted {
                 longest = attempt.longest;
                 tau = (2.0 * tau).min(1e3);

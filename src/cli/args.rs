@@ -95,13 +95,13 @@ pub struct FillArguments {
     #[arg(long, value_enum, default_value = "gmres")]
     pub linear: LinearArgument,
     /// Time step: auto, or a fixed one.
-    #[arg(long, value_name = "T", default_value = "auto", value_parser = tau)]
+    #[arg(long, value_name = "T", default_value = "auto", value_parser = tau, allow_negative_numbers = true)]
     pub tau: TauArgument,
     /// Most steps to take.
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub steps: usize,
     /// Density of the patch relative to the rim: 2 halves the edge length.
-    #[arg(long, value_name = "F", default_value_t = 1.0)]
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = density, allow_negative_numbers = true)]
     pub density: f64,
     /// Write a report as JSON.
     #[arg(long, value_name = "FILE.json")]
@@ -190,6 +190,13 @@ fn tau(text: &str) -> Result<TauArgument, String> {
     match text.parse::<f64>() {
         Ok(t) if t.is_finite() && t > 0.0 => Ok(TauArgument::Fixed(t)),
         _ => Err("give `auto` or a positive number".into()),
+    }
+}
+
+fn density(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(d) if d.is_finite() && d > 0.0 => Ok(d),
+        _ => Err("give a positive number".into()),
     }
 }
 

@@ -6,6 +6,7 @@ use clap::Parser;
 use crate::cli::args::{Arguments, Command, DemoArguments};
 use crate::cli::fill;
 use crate::cli::open::save;
+use crate::cli::print::print;
 use crate::mesh::{Mesh, Topology, shapes};
 
 /// Writes the sample, fills it from its file, writes the result and the report.
@@ -23,7 +24,7 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
     if args.quiet {
         words.push("--quiet".into());
     } else {
-        println!("{}: the sample with its holes", holed.display());
+        print(&format!("{}: the sample with its holes\n", holed.display()))?;
     }
     let Some(Command::Fill(command)) = Arguments::try_parse_from(words)?.command else {
         unreachable!("the words above are a fill command");

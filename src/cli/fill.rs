@@ -4,9 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Result, bail};
+use clap::ValueEnum;
 
+use crate::cli::UsageError;
 use crate::cli::args::{FillArguments, LinearArgument, ModeArgument, SchemeArgument, TauArgument};
 use crate::cli::open::{Opened, open, save};
+use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::{
     FailedHole, FillReport, hole_reports, memory_now, skipped, totals, trace,
@@ -21,15 +24,37 @@ use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, Tau};
 /// Runs the command.
 pub fn fill(args: &FillArguments) -> Result<()> {
     let options = options(args)?;
-    io::check_target(&args.output)?;
-    if io::same_file(&args.input, &args.output) {
-        bail!(
-            "OUT is the same file as IN ({}); give another name, the original is not overwritten",
-            args.input.display()
-        );
-    }
+    check_targets(args)?;
     let opened = open(&args.input)?;
     fill_opened(args, &options, &opened)
+}
+
+/// Finds out before the work whether its results can be written, and over nothing that is needed.
+fn check_targets(args: &FillArguments) -> Result<()> {
+    let input = ("IN", args.input.as_path());
+    let mut taken = vec![input];
+    let records = [("--report", &args.report), ("--trace", &args.trace)];
+    let records = records
+        .iter()
+        .filter_map(|&(name, path)| Some((name, path.as_deref()?)));
+    for (name, path) in [("OUT", args.output.as_path())].into_iter().chain(records) {
+        for &(other, at) in &taken {
+            if io::same_file(path, at) {
+                bail!(
+                    "{name} is the same file as {other} ({}); give another name, nothing was \
+                     overwritten",
+                    path.display()
+                );
+            }
+        }
+        taken.push((name, path));
+        if name == "OUT" {
+            io::check_target(path)?;
+        } else {
+            io::check_text_target(path)?;
+        }
+    }
+    Ok(())
 }
 
 /// Fills an opened mesh and writes everything asked for.
@@ -86,8 +111,8 @@ fn write_records(
         input: args.input.display().to_string(),
         output: args.output.display().to_string(),
         energy: args.energy.clone(),
-        scheme: format!("{:?}", args.scheme).to_lowercase(),
-        mode: format!("{:?}", args.mode).to_lowercase(),
+        scheme: name(&args.scheme),
+        mode: name(&args.mode),
         load: &opened.report,
         totals: totals(filled, &holes),
         holes,
@@ -104,7 +129,7 @@ fn write_records(
         write_text(path, &trace(filled))?;
     }
     if !args.quiet {
-        summary(&report);
+        summary(&report)?;
     }
     if let Some(first) = report.failed.first() {
         bail!(
@@ -130,22 +155,29 @@ fn write_records(
     Ok(())
 }
 
-fn summary(report: &FillReport<'_>) {
+fn summary(report: &FillReport<'_>) -> Result<()> {
     for hole in &report.holes {
         for warning in &hole.warnings {
             eprintln!("hole {}: {warning}", hole.number);
         }
     }
     let t = &report.totals;
-    println!(
-        "{}: {} {} filled, {} vertices and {} faces added in {:.2} s",
+    print(&format!(
+        "{}: {} {} filled, {} vertices and {} faces added in {:.2} s\n",
         report.output,
         t.holes,
         if t.holes == 1 { "hole" } else { "holes" },
         t.vertices_added,
         t.faces_added,
         t.seconds
-    );
+    ))
+}
+
+/// A choice as it is written on the command line.
+fn name(choice: &impl ValueEnum) -> String {
+    choice
+        .to_possible_value()
+        .map_or_else(String::new, |v| v.get_name().to_owned())
 }
 
 fn nothing_to_do(loops: usize) -> String {
@@ -182,9 +214,6 @@ fn chosen_loops(
 fn options(args: &FillArguments) -> Result<FillOptions> {
     let params: BTreeMap<String, f64> = args.param.iter().cloned().collect();
     let energy = Energy::parse(&args.energy, &params).map_err(|e| expression_error(&e))?;
-    if !(args.density.is_finite() && args.density > 0.0) {
-        bail!("--density {}: give a positive number", args.density);
-    }
     let mut flow = FlowOptions::new(energy);
     flow.scheme = match args.scheme {
         SchemeArgument::Normal => Scheme::Normal,
@@ -213,7 +242,7 @@ fn options(args: &FillArguments) -> Result<FillOptions> {
 }
 
 fn expression_error(error: &ExprError) -> anyhow::Error {
-    anyhow::anyhow!("--energy\n{}", error.render())
+    UsageError(format!("--energy\n{}", error.render())).into()
 }
 
 fn write_text(path: &Path, text: &str) -> Result<()> {

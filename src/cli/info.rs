@@ -1,10 +1,13 @@
 //! `meniscus info`.
 
+use std::fmt::Write as _;
+
 use anyhow::Result;
 use serde::Serialize;
 
 use crate::cli::args::InfoArguments;
 use crate::cli::open::open;
+use crate::cli::print::print;
 use crate::mesh::{BoundaryLoop, LoadReport, boundary_loops};
 
 #[derive(Serialize)]
@@ -56,58 +59,63 @@ pub fn info(args: &InfoArguments) -> Result<()> {
         loops: loops.iter().map(LoopInfo::from).collect(),
     };
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&info)?);
-        return Ok(());
+        let mut text = serde_json::to_string_pretty(&info)?;
+        text.push('\n');
+        return print(&text);
     }
-    let r = &opened.report;
-    println!("{}", info.input);
-    println!(
+    print(&text(&info)?)
+}
+
+/// The same for people.
+fn text(info: &Info<'_>) -> Result<String, std::fmt::Error> {
+    let r = info.load;
+    let mut out = String::new();
+    writeln!(out, "{}", info.input)?;
+    writeln!(
+        out,
         "  {} vertices, {} faces in the file",
         r.file_vertices, r.file_faces
-    );
-    println!("  {} vertices, {} triangles as a mesh", r.vertices, r.faces);
+    )?;
+    writeln!(
+        out,
+        "  {} vertices, {} triangles as a mesh",
+        r.vertices, r.faces
+    )?;
     for (i, c) in r.components.iter().enumerate() {
-        println!(
-            "  component {i}: {} faces, {} vertices, {} boundary loops, Euler number {}{}",
-            c.faces,
-            c.vertices,
-            c.loops,
-            c.euler,
-            if c.orientable {
-                ""
-            } else {
-                ", one-sided (left alone)"
-            }
-        );
+        let one_sided = if c.orientable {
+            ""
+        } else {
+            ", one-sided (left alone)"
+        };
+        writeln!(
+            out,
+            "  component {i}: {} faces, {} vertices, {} boundary loops, Euler number {}{one_sided}",
+            c.faces, c.vertices, c.loops, c.euler
+        )?;
     }
     for note in &r.notes {
-        println!("  {note}");
+        writeln!(out, "  {note}")?;
     }
     for d in &r.defects {
         let p = d.position;
-        println!("  defect {:?} at ({}, {}, {})", d.kind, p.x, p.y, p.z);
+        writeln!(out, "  defect {:?} at ({}, {}, {})", d.kind, p.x, p.y, p.z)?;
     }
     if info.loops.is_empty() {
-        println!("  no boundary loops: closed");
+        writeln!(out, "  no boundary loops: closed")?;
     } else {
-        println!("  loop   edges    perimeter     diameter  centroid");
+        writeln!(out, "  loop   edges    perimeter     diameter  centroid")?;
     }
     for l in &info.loops {
-        println!(
-            "  {:>4}  {:>6}  {:>11.5e}  {:>11.5e}  ({:.5}, {:.5}, {:.5}){}",
-            l.number,
-            l.edges,
-            l.perimeter,
-            l.diameter,
-            l.centroid[0],
-            l.centroid[1],
-            l.centroid[2],
-            if l.outer_rim {
-                format!("  outer rim? {}", l.reason)
-            } else {
-                String::new()
-            }
-        );
+        let [x, y, z] = l.centroid;
+        write!(
+            out,
+            "  {:>4}  {:>6}  {:>11.5e}  {:>11.5e}  ({x:.5}, {y:.5}, {z:.5})",
+            l.number, l.edges, l.perimeter, l.diameter
+        )?;
+        if l.outer_rim {
+            write!(out, "  outer rim? {}", l.reason)?;
+        }
+        out.push('\n');
     }
-    Ok(())
+    Ok(out)
 }

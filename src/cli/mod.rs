@@ -6,6 +6,7 @@ mod fill;
 mod info;
 mod memory;
 mod open;
+mod print;
 mod progress;
 mod report;
 
@@ -13,11 +14,16 @@ pub use args::{Arguments, Command};
 
 use anyhow::Result;
 
+/// An argument that the grammar lets through but nothing can be done with; exit code 2.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct UsageError(pub String);
+
 /// Runs a parsed command line.
 ///
 /// # Errors
 /// Anything that keeps the command from doing its job; the message is for the person at the
-/// terminal.
+/// terminal. It is a [`UsageError`] if the command line is to blame.
 pub fn run(arguments: Arguments) -> Result<()> {
     match arguments.command {
         Some(Command::Fill(args)) => fill::fill(&args),

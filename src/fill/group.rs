@@ -1,7 +1,7 @@
 //! Holes that have to be solved together, and the region of each group.
 
-use crate::fill::Plan;
-use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId};
+use crate::fill::{Plan, sheets};
+use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, TopologyError, VertexId};
 use crate::solver::{COLLAR_RINGS, FlowProblem, SolverError};
 
 /// Holes whose collars share vertices.
@@ -165,6 +165,12 @@ impl Group {
         for &f in &self.faces {
             triangles.push(mesh.topology.face_vertices(f).map(|v| number(v.0)));
         }
-        FlowProblem::new(&positions, &triangles, &interior, self.radius)
+        match FlowProblem::new(&positions, &triangles, &interior, self.radius) {
+            Err(SolverError::Topology(TopologyError::NonManifoldVertex { .. })) => {
+                sheets::separate(&mut positions, &mut triangles);
+                FlowProblem::new(&positions, &triangles, &interior, self.radius)
+            }
+            problem => problem,
+        }
     }
 }

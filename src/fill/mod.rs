@@ -7,6 +7,7 @@
 mod group;
 mod rim;
 mod select;
+mod sheets;
 
 use std::time::Instant;
 

@@ -196,6 +196,14 @@ pub fn check_target(path: &Path) -> Result<Format, SaveError> {
     Ok(format)
 }
 
+/// Checks, before a long computation, that [`save_text`] could write to `path`.
+///
+/// # Errors
+/// The [`SaveError`] that [`save_text`] would give.
+pub fn check_text_target(path: &Path) -> Result<(), SaveError> {
+    atomic::probe(path)
+}
+
 /// Writes `mesh`, which [`check()`] has found sound, to any writer.
 ///
 /// # Errors

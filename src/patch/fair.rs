@@ -3,17 +3,20 @@
 use std::sync::Arc;
 
 use crate::linear::{Cholesky, CholeskySymbolic, LinearError, SymmetricPattern, nested_dissection};
-use crate::mesh::{DVec3, Topology, VertexId};
+use crate::mesh::{DVec3, HalfedgeId, Topology, VertexId};
 
-/// Moves the `interior` vertices to the minimum of `Σ |(L x)_i|²`, all other vertices fixed. L is the
-/// graph Laplacian with uniform weights, `(L x)_i = Σ_{j ∈ ring(i)} (x_i − x_j)`, and the sum runs
-/// over all its rows that contain an interior vertex: the interior ones and those of the rim, whose
-/// rings reach into the given mesh.
+/// Moves the `interior` vertices to the minimum of `Σ |(L x)_i|²`, all other vertices fixed. L is
+/// the Laplacian `(L x)_i = Σ_{j ∈ ring(i)} w_ij (x_i − x_j)`, and the sum runs over all its rows
+/// that contain an interior vertex: the interior ones and those of the rim, whose rings reach into
+/// the given mesh. The minimum is the solution of L² x = 0 at the interior vertices (formulation,
+/// section 6): it spreads the vertices smoothly *across* the rim, in position and in spacing.
 ///
-/// The minimum is the solution of L² x = 0 at the interior vertices (formulation, section 6). It
-/// spreads the vertices smoothly *across* the rim, in position and in spacing. It does not depend
-/// on the positions that the interior vertices had (these are used to order the elimination), so
-/// the graph Laplacian's solution is not needed first.
+/// The weights are the mean of the graph's (1) and the cotangent formula's on the given positions
+/// (1 for equilateral triangles, clamped to positive values): the graph's alone crowd and thin the
+/// vertices around irregular ones, the cotangents' alone keep every jump of spacing at the rim.
+/// Measured over the analytic test surfaces, the mean of both leaves the least error after the
+/// flow. Apart from the weights (and the order of elimination) the result does not depend on where
+/// the interior vertices were, so no graph Laplacian has to be solved first.
 ///
 /// `positions` has one entry per vertex of `topology`. On open boundaries next to the interior the
 /// rows are those of the edges that exist.
@@ -82,7 +85,7 @@ fn squared_laplacian(topology: &Topology, positions: &[DVec3], interior: &[Verte
         assert_eq!(unknown[v.index()], FIXED, "interior vertices are distinct");
         unknown[v.index()] = i as u32;
     }
-    let rings = Rings::around(topology, interior);
+    let rings = Rings::around(topology, positions, interior);
     let origin = positions[interior[0].index()];
 
     let mut rows = Rows {
@@ -102,7 +105,6 @@ fn squared_laplacian(topology: &Topology, positions: &[DVec3], interior: &[Verte
         rows.values.push(0.0);
         place[i] = start;
         let mut rhs = DVec3::ZERO;
-        let ring = rings.of(v);
         let mut add = |weight: f64, k: VertexId| {
             let u = unknown[k.index()];
             if u == FIXED {
@@ -121,16 +123,16 @@ fn squared_laplacian(topology: &Topology, positions: &[DVec3], interior: &[Verte
             }
         };
         // (L²)_ik = Σ_j L_ij L_jk, j over i and its ring
-        let degree = ring.len() as f64;
-        add(degree * degree, v);
-        for &k in ring {
-            add(-degree, k);
+        let (ring, diagonal) = rings.of(v);
+        add(diagonal * diagonal, v);
+        for &(k, w) in ring {
+            add(-diagonal * w, k);
         }
-        for &j in ring {
-            let ring_j = rings.of(j);
-            add(-(ring_j.len() as f64), j);
-            for &k in ring_j {
-                add(1.0, k);
+        for &(j, w) in ring {
+            let (ring_j, diagonal_j) = rings.of(j);
+            add(-w * diagonal_j, j);
+            for &(k, w_j) in ring_j {
+                add(w * w_j, k);
             }
         }
         rows.offsets.push(rows.columns.len() as u32);
@@ -139,44 +141,81 @@ fn squared_laplacian(topology: &Topology, positions: &[DVec3], interior: &[Verte
     rows
 }
 
-/// Neighbours of the interior vertices and of the vertices around them, in one array.
+/// Neighbours of the interior vertices and of the vertices around them with their weights, in one
+/// array.
 struct Rings {
     /// Start and end per vertex of the mesh, zero where not asked for.
     range: Vec<[u32; 2]>,
-    neighbours: Vec<VertexId>,
+    neighbours: Vec<(VertexId, f64)>,
+    /// Sum of the weights of each ring.
+    diagonal: Vec<f64>,
 }
 
 impl Rings {
-    fn around(topology: &Topology, interior: &[VertexId]) -> Self {
+    fn around(topology: &Topology, positions: &[DVec3], interior: &[VertexId]) -> Self {
         let mut rings = Self {
             range: vec![[0; 2]; topology.vertex_count()],
             neighbours: Vec::with_capacity(7 * interior.len() + 64),
+            diagonal: vec![0.0; topology.vertex_count()],
         };
         for &v in interior {
-            rings.append(topology, v);
+            rings.append(topology, positions, v);
         }
         for &v in interior {
             let [begin, end] = rings.range[v.index()];
             for k in begin..end {
-                rings.append(topology, rings.neighbours[k as usize]);
+                rings.append(topology, positions, rings.neighbours[k as usize].0);
             }
         }
         rings
     }
 
-    fn append(&mut self, topology: &Topology, v: VertexId) {
+    fn append(&mut self, topology: &Topology, positions: &[DVec3], v: VertexId) {
         if self.range[v.index()] != [0; 2] {
             return;
         }
         let begin = self.neighbours.len() as u32;
-        self.neighbours.extend(topology.neighbours(v));
+        for h in topology.outgoing(v) {
+            let weight = edge_weight(topology, positions, h);
+            self.neighbours.push((topology.target(h), weight));
+            self.diagonal[v.index()] += weight;
+        }
         self.range[v.index()] = [begin, self.neighbours.len() as u32];
     }
 
-    fn of(&self, v: VertexId) -> &[VertexId] {
+    fn of(&self, v: VertexId) -> (&[(VertexId, f64)], f64) {
         let [begin, end] = self.range[v.index()];
-        &self.neighbours[begin as usize..end as usize]
+        (
+            &self.neighbours[begin as usize..end as usize],
+            self.diagonal[v.index()],
+        )
     }
+}
+
+/// Cotangent weights are clamped to this range (1 for an edge between equilateral triangles), so
+/// that neither slivers of the given mesh nor obtuse angles upset the balance.
+const COTANGENT_RANGE: [f64; 2] = [0.03, 5.0];
+
+/// The same number, to the bit, from both half-edges.
+fn edge_weight(topology: &Topology, positions: &[DVec3], h: HalfedgeId) -> f64 {
+    let h = HalfedgeId(h.0 & !1);
+    let cotangents = opposite_cotangent(topology, positions, h)
+        + opposite_cotangent(topology, positions, h.twin());
+    let [least, most] = COTANGENT_RANGE;
+    let relative = 0.5 * 3.0f64.sqrt() * cotangents;
+    // not a number next to degenerate faces: max and min drop it
+    0.5 + 0.5 * relative.max(least).min(most)
+}
+
+/// Cotangent of the angle opposite the half-edge; 0 on a boundary.
+fn opposite_cotangent(topology: &Topology, positions: &[DVec3], h: HalfedgeId) -> f64 {
+    if topology.is_boundary(h) {
+        return 0.0;
+    }
+    let apex = positions[topology.target(topology.next(h)).index()];
+    let u = positions[topology.origin(h).index()] - apex;
+    let v = positions[topology.target(h).index()] - apex;
+    u.dot(v) / u.cross(v).length()
 }
 
 /// The lower triangle of the permuted matrix in the order of `pattern`.
@@ -234,39 +273,80 @@ mod tests {
 
     #[test]
     fn reproduces_cubics_on_the_regular_lattice() {
-        // L is exactly a multiple of the Laplacian on cubics there, and L of linears is 0.
+        // L is exactly a multiple of the Laplacian on cubics there, and L of linears is 0. Heights
+        // of 1e-6 change the weights by 1e-12.
         let side = 14;
         let (topology, mut points) = lattice(side);
         for p in &mut points {
             let (x, y) = (p.x - 9.0, p.y - 6.0);
-            p.z = 0.02 * x * x * x - 0.05 * x * y * y + 0.1 * x * y + 0.3 * y * y - x + 2.0;
+            p.z = 1e-6 * (0.02 * x * x * x - 0.05 * x * y * y + 0.1 * x * y + 0.3 * y * y - x);
         }
         let exact = points.clone();
         let interior = inner(side);
-        for (k, v) in interior.iter().enumerate() {
-            points[v.index()] += DVec3::new(0.3, -0.2, 5.0 * (k as f64).sin());
+        for v in &interior {
+            points[v.index()].z = 0.0;
         }
         warm_start(&topology, &mut points, &interior).expect("positive definite");
         for (p, q) in points.iter().zip(&exact) {
-            assert!(p.distance(*q) < 1e-11, "{p} {q}");
+            assert!(
+                (p.z - q.z).abs() < 1e-15 && p.distance(*q) < 1e-9,
+                "{p} {q}"
+            );
         }
     }
 
-    #[test]
-    fn commutes_with_affine_maps() {
-        let side = 11;
+    /// The lattice with everything moved a little.
+    fn rough_lattice(side: usize) -> (Topology, Vec<DVec3>) {
         let (topology, mut points) = lattice(side);
         for (k, p) in points.iter_mut().enumerate() {
-            p.z = (1.7 * k as f64).sin();
+            let k = k as f64;
+            *p += 0.3 * DVec3::new((1.3 * k).sin(), (2.1 * k).sin(), (1.7 * k).sin());
         }
-        let map =
-            |p: DVec3| DVec3::new(2.0 * p.x - p.y, p.z + 0.5 * p.x, p.y - p.z) + DVec3::splat(1e3);
+        (topology, points)
+    }
+
+    #[test]
+    fn commutes_with_similarities() {
+        let side = 11;
+        let (topology, mut points) = rough_lattice(side);
+        let turn = glam::DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -2.0) / 3.0, 1.1);
+        let map = |p: DVec3| turn * (8.0 * p) + DVec3::splat(1e3);
         let interior = inner(side);
         let mut mapped: Vec<_> = points.iter().map(|&p| map(p)).collect();
         warm_start(&topology, &mut points, &interior).expect("positive definite");
         warm_start(&topology, &mut mapped, &interior).expect("positive definite");
         for (p, q) in points.iter().zip(&mapped) {
-            assert!(map(*p).distance(*q) < 1e-10);
+            assert!(map(*p).distance(*q) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn is_the_minimum() {
+        // in every direction the energy grows by exactly its second-order part
+        let side = 9;
+        let (topology, start) = rough_lattice(side);
+        let interior = inner(side);
+        let rings = Rings::around(&topology, &start, &interior);
+        let energy = |x: &[DVec3]| -> f64 {
+            (0..topology.vertex_count())
+                .map(|v| {
+                    let (ring, diagonal) = rings.of(VertexId(v as u32));
+                    let sum: DVec3 = ring.iter().map(|&(j, w)| w * x[j.index()]).sum();
+                    (diagonal * x[v] - sum).length_squared()
+                })
+                .sum()
+        };
+        let mut best = start.clone();
+        warm_start(&topology, &mut best, &interior).expect("positive definite");
+        let least = energy(&best);
+        for v in &interior {
+            let shifted = |by: f64| {
+                let mut x = best.clone();
+                x[v.index()] += DVec3::new(by, -by, 0.5 * by);
+                energy(&x)
+            };
+            let (up, down) = (shifted(0.1) - least, shifted(-0.1) - least);
+            assert!(up > 0.0 && (up - down).abs() < 1e-11 * least.max(1.0));
         }
     }
 

@@ -9,24 +9,62 @@ const LONG: f64 = 4.0 / 3.0;
 /// An edge shorter than this multiple of the wanted length is collapsed.
 const SHORT: f64 = 0.7;
 /// Rounds of split, collapse, flip and relax after the first refinement.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 5;
+/// Relaxation sweeps after each halving of the edges: the coarse levels bring up the bulge.
+const COARSE_SWEEPS: usize = 6;
 /// Relaxation sweeps in each round.
 const SWEEPS: usize = 3;
 
-/// Remeshes `s` to its `size`. `wanted` is the number of edges each rim vertex should have (rim
-/// edges included), see [`rim_valences`].
+/// Largest area a bulging patch may reach, relative to its first triangulation: a hemisphere over a
+/// disc has 2. Beyond it the surface of constant mean curvature is running away, which it does over
+/// rims wide in one place and narrow in others.
+const LARGEST_AREA: f64 = 2.2;
+
+/// Remeshes `s` to its `size`, drawing it towards a surface of mean curvature `bulge`. `wanted` is
+/// the number of edges each rim vertex should have (rim edges included), see [`rim_valences`].
 pub(super) fn remesh(s: &mut Surface, wanted: &[i32], bulge: f64) {
-    refine(s, bulge);
+    let mut film = Film {
+        bulge,
+        largest_area: LARGEST_AREA * area(s),
+    };
+    refine(s, &mut film);
     for round in 0..ROUNDS {
         if round > 0 {
             collapse_short(s);
             split_long(s);
         }
         flip_for_valence(s, wanted);
-        relax(s, SWEEPS, bulge);
+        film.relax(s, SWEEPS);
         flip_to_delaunay(s);
     }
-    relax(s, 1, bulge);
+    film.relax(s, 1);
+}
+
+/// What the patch is relaxed towards.
+struct Film {
+    bulge: f64,
+    largest_area: f64,
+}
+
+impl Film {
+    /// Relaxes; a film that is running away loses half of its pressure.
+    fn relax(&mut self, s: &mut Surface, sweeps: usize) {
+        relax(s, sweeps, self.bulge);
+        while self.bulge != 0.0 && area(s) > self.largest_area {
+            // well below any curvature that matters
+            let negligible = self.bulge.abs() * self.largest_area.sqrt() < 0.01;
+            self.bulge = if negligible { 0.0 } else { 0.5 * self.bulge };
+            relax(s, sweeps, self.bulge);
+        }
+    }
+}
+
+fn area(s: &Surface) -> f64 {
+    (0..s.corner.len() as u32)
+        .step_by(3)
+        .filter(|&h| !s.is_dead(h))
+        .map(|h| 0.5 * s.normal(h).length())
+        .sum()
 }
 
 /// The number of edges that divides the patch's angle at each rim vertex into angles near 60°.
@@ -72,7 +110,7 @@ pub(super) fn split_chords(s: &mut Surface, chords: &[[u32; 2]]) {
 
 /// First refinement of a coarse triangulation: halves long edges, restoring the Delaunay property
 /// after each round of splits.
-fn refine(s: &mut Surface, bulge: f64) {
+fn refine(s: &mut Surface, film: &mut Film) {
     flip_to_delaunay(s);
     // every round halves the long edges, so this bounds extents of 2^40 edge lengths
     for _ in 0..40 {
@@ -80,8 +118,8 @@ fn refine(s: &mut Surface, bulge: f64) {
             return;
         }
         flip_to_delaunay(s);
-        if bulge != 0.0 {
-            relax(s, SWEEPS, bulge);
+        if film.bulge != 0.0 {
+            film.relax(s, COARSE_SWEEPS);
         }
     }
 }
@@ -259,7 +297,7 @@ fn relax(s: &mut Surface, sweeps: usize, bulge: f64) {
                 }
             }
             if weights > 0.0 {
-                s.points[v] = centre + STRIDE * (moment / (3.0 * weights) + bulge / STAR * normal);
+                s.points[v] = centre + moment / (3.0 * weights) + bulge / STAR * normal;
             }
             s.size[v] = sizes / f64::from(s.valence[v]);
         }
@@ -270,6 +308,3 @@ fn relax(s: &mut Surface, sweeps: usize, bulge: f64) {
 /// its vertex (the ring lies H L² / 2 below, the triangles' centroids two thirds of that, and
 /// A = 3/2 √3 L²); sums of corner cross products are 2 A.
 const STAR: f64 = 15.6;
-
-/// How far a vertex moves beyond (above 1) the centroid it moves towards.
-const STRIDE: f64 = 1.3;

@@ -5,125 +5,20 @@
 //! added in element order, so that the sums do not depend on the number of threads. While one batch
 //! is added the next is computed.
 
-use crate::linear::{SymmetricPattern, nested_dissection};
+use crate::linear::SymmetricPattern;
 use crate::mesh::DVec3;
 use crate::solver::energy::Energy;
 use crate::solver::kernel::{
     ElementInput, ElementOutput, KernelInput, Lane, TERMS_PER_POINT, element,
 };
+use crate::solver::slots::Slots;
+use crate::solver::unknowns::Unknowns;
 use crate::subdivision::{Elements, Rule};
 
 /// Elements computed together; their local results stay in the second-level cache.
 const BATCH: usize = 512;
 /// Elements one task computes.
 const TASK: usize = 64;
-
-/// Vertices of a mesh that move, numbered for the factorization.
-#[derive(Clone, Debug)]
-pub struct Unknowns {
-    /// The vertex of each unknown.
-    pub vertex: Vec<u32>,
-    /// The unknown of each vertex; [`Self::len`] where the vertex is fixed.
-    pub of_vertex: Vec<u32>,
-}
-
-impl Unknowns {
-    /// How many vertices move.
-    pub fn len(&self) -> usize {
-        self.vertex.len()
-    }
-
-    /// Whether nothing moves.
-    pub fn is_empty(&self) -> bool {
-        self.vertex.is_empty()
-    }
-
-    /// Numbers the `moving` vertices by nested dissection of the graph of vertices that share an
-    /// element.
-    pub fn new(elements: &Elements, positions: &[DVec3], moving: &[u32]) -> Self {
-        let mut unknowns = Self::numbered(positions.len(), moving.to_vec());
-        let incidence = Incidence::new(elements, &unknowns);
-        let n = moving.len();
-        let mut offsets = Vec::with_capacity(n + 1);
-        let mut adjacency = Vec::with_capacity(36 * n);
-        let mut stamp = vec![u32::MAX; n + 1];
-        stamp[n] = n as u32;
-        offsets.push(0);
-        for j in 0..n {
-            stamp[j] = j as u32;
-            for &[e, _] in incidence.of(j) {
-                for &v in element_vertices(elements, e as usize) {
-                    let i = unknowns.of_vertex[v as usize] as usize;
-                    if i < n && stamp[i] != j as u32 {
-                        stamp[i] = j as u32;
-                        adjacency.push(i as u32);
-                    }
-                }
-            }
-            offsets.push(adjacency.len() as u32);
-        }
-        let points: Vec<DVec3> = moving.iter().map(|&v| positions[v as usize]).collect();
-        let order = nested_dissection(&points, &offsets, &adjacency);
-        unknowns = Self::numbered(
-            positions.len(),
-            order.iter().map(|&i| moving[i as usize]).collect(),
-        );
-        unknowns
-    }
-
-    /// All vertices fixed: only energies can be computed.
-    pub fn none(vertex_count: usize) -> Self {
-        Self::numbered(vertex_count, Vec::new())
-    }
-
-    /// Numbers vertices in the order given.
-    pub fn numbered(vertex_count: usize, vertex: Vec<u32>) -> Self {
-        let mut of_vertex = vec![vertex.len() as u32; vertex_count];
-        for (i, &v) in vertex.iter().enumerate() {
-            of_vertex[v as usize] = i as u32;
-        }
-        Self { vertex, of_vertex }
-    }
-}
-
-fn element_vertices(elements: &Elements, e: usize) -> &[u32] {
-    &elements.vertices[elements.offset[e] as usize..elements.offset[e + 1] as usize]
-}
-
-/// For each unknown the elements that contain it, with its place in the element.
-struct Incidence {
-    start: Vec<u32>,
-    entries: Vec<[u32; 2]>,
-}
-
-impl Incidence {
-    fn new(elements: &Elements, unknowns: &Unknowns) -> Self {
-        let n = unknowns.len();
-        let mut start = vec![0u32; n + 2];
-        for &v in &elements.vertices {
-            start[unknowns.of_vertex[v as usize] as usize + 1] += 1;
-        }
-        for i in 0..=n {
-            start[i + 1] += start[i];
-        }
-        let mut fill = start.clone();
-        let mut entries = vec![[0; 2]; start[n] as usize];
-        for e in 0..elements.faces.len() {
-            for (k, &v) in element_vertices(elements, e).iter().enumerate() {
-                let i = unknowns.of_vertex[v as usize] as usize;
-                if i < n {
-                    entries[fill[i] as usize] = [e as u32, k as u32];
-                    fill[i] += 1;
-                }
-            }
-        }
-        Self { start, entries }
-    }
-
-    fn of(&self, unknown: usize) -> &[[u32; 2]] {
-        &self.entries[self.start[unknown] as usize..self.start[unknown + 1] as usize]
-    }
-}
 
 /// A run of elements with the same number of lanes.
 #[derive(Clone, Copy, Debug)]
@@ -149,20 +44,15 @@ pub struct Assembler {
     weight: f64,
     tables: Vec<Vec<Lane>>,
     batches: Vec<Batch>,
-    // per element, in batch order
+    /// Elements in batch order.
+    order: Vec<u32>,
+    // per element
     table_of: Vec<u32>,
     offset: Vec<u32>,
     vertices: Vec<u32>,
     slots: Option<Slots>,
     membrane: bool,
     buffers: [Buffer; 2],
-}
-
-/// Sparsity pattern and where each local entry goes.
-struct Slots {
-    pattern: SymmetricPattern,
-    offset: Vec<u32>,
-    slot: Vec<u32>,
 }
 
 #[derive(Default)]
@@ -203,15 +93,6 @@ impl Assembler {
             order[*slot] = e as u32;
             *slot += 1;
         }
-        let mut table_of = Vec::with_capacity(count);
-        let mut offset = Vec::with_capacity(count + 1);
-        let mut vertices = Vec::with_capacity(elements.vertices.len());
-        offset.push(0);
-        for &e in &order {
-            table_of.push(elements.table_of[e as usize]);
-            vertices.extend_from_slice(element_vertices(elements, e as usize));
-            offset.push(vertices.len() as u32);
-        }
         let tables = elements
             .tables
             .iter()
@@ -234,9 +115,10 @@ impl Assembler {
             weight: rule.weight(),
             tables,
             batches,
-            table_of,
-            offset,
-            vertices,
+            order,
+            table_of: elements.table_of.clone(),
+            offset: elements.offset.clone(),
+            vertices: elements.vertices.clone(),
             slots: None,
             membrane: true,
             buffers: Default::default(),
@@ -256,99 +138,11 @@ impl Assembler {
 
     /// The sparsity of the matrix, lower triangle in the order of the unknowns; computed once.
     pub fn pattern(&mut self) -> &SymmetricPattern {
-        if self.slots.is_none() {
-            self.slots = Some(self.build_slots());
-        }
-        &self.slots.as_ref().expect("built just above").pattern
-    }
-
-    fn build_slots(&self) -> Slots {
-        let n = self.unknowns.len();
-        let count = self.table_of.len();
-        let mut offset = Vec::with_capacity(count + 1);
-        let mut total = 0usize;
-        offset.push(0);
-        for e in 0..count {
-            let k = (self.offset[e + 1] - self.offset[e]) as usize;
-            total += k * (k + 1) / 2;
-            offset.push(total as u32);
-        }
-        // unknowns of every local vertex, and who contains an unknown
-        let dof: Vec<u32> = self
-            .vertices
-            .iter()
-            .map(|&v| self.unknowns.of_vertex[v as usize])
-            .collect();
-        let mut start = vec![0u32; n + 2];
-        for &d in &dof {
-            start[d as usize + 1] += 1;
-        }
-        for i in 0..=n {
-            start[i + 1] += start[i];
-        }
-        let mut fill = start.clone();
-        let mut incident = vec![[0u32; 2]; start[n] as usize];
-        for e in 0..count {
-            for k in self.offset[e]..self.offset[e + 1] {
-                let d = dof[k as usize] as usize;
-                if d < n {
-                    incident[fill[d] as usize] = [e as u32, k - self.offset[e]];
-                    fill[d] += 1;
-                }
-            }
-        }
-        let mut col_ptr = Vec::with_capacity(n + 1);
-        let mut row_idx: Vec<usize> = Vec::with_capacity(20 * n);
-        let mut slot = vec![u32::MAX; total];
-        let mut stamp = vec![u32::MAX; n + 1];
-        let mut place = vec![0u32; n + 1];
-        col_ptr.push(0);
-        for j in 0..n {
-            let first = row_idx.len();
-            let own = &incident[start[j] as usize..start[j + 1] as usize];
-            stamp[j] = j as u32;
-            row_idx.push(j);
-            for &[e, _] in own {
-                let (a, b) = (self.offset[e as usize], self.offset[e as usize + 1]);
-                for &d in &dof[a as usize..b as usize] {
-                    let i = d as usize;
-                    if i > j && i < n && stamp[i] != j as u32 {
-                        stamp[i] = j as u32;
-                        row_idx.push(i);
-                    }
-                }
-            }
-            row_idx[first..].sort_unstable();
-            for (at, &i) in row_idx.iter().enumerate().skip(first) {
-                place[i] = at as u32;
-            }
-            for &[e, lj] in own {
-                let (a, b) = (self.offset[e as usize], self.offset[e as usize + 1]);
-                let base = offset[e as usize] as usize;
-                for (li, &d) in dof[a as usize..b as usize].iter().enumerate() {
-                    if d as usize >= j && (d as usize) < n {
-                        slot[base + triangular(li, lj as usize)] = place[d as usize];
-                    }
-                }
-            }
-            col_ptr.push(row_idx.len());
-        }
-        // entries of fixed vertices go to one place behind the matrix
-        let waste = row_idx.len() as u32;
-        for s in &mut slot {
-            if *s == u32::MAX {
-                *s = waste;
-            }
-        }
-        Slots {
-            pattern: SymmetricPattern {
-                n,
-                col_ptr,
-                row_idx,
-            },
-            offset,
-            slot,
-        }
+        let slots = match self.slots.take() {
+            Some(slots) => slots,
+            None => Slots::new(&mut self.unknowns, &self.offset, &self.vertices),
+        };
+        &self.slots.insert(slots).pattern
     }
 
     /// Energy and its exact gradient (12) at the unknowns, one vector each.
@@ -444,7 +238,11 @@ impl Assembler {
         sum
     }
 
-    fn lanes_per_element<const MATRIX: bool>(chunks: usize) -> usize {
+    /// Lanes of an element's local result; nothing but the energy is kept where nothing moves.
+    fn lanes_per_element<const MATRIX: bool>(&self, chunks: usize) -> usize {
+        if self.unknowns.is_empty() {
+            return 0;
+        }
         3 * chunks + if MATRIX { 4 * chunks * chunks } else { 0 }
     }
 
@@ -458,15 +256,12 @@ impl Assembler {
     ) {
         use rayon::prelude::*;
         let count = batch.end - batch.start;
-        let stride = Self::lanes_per_element::<MATRIX>(batch.chunks);
+        let stride = self.lanes_per_element::<MATRIX>(batch.chunks);
         if buffer.local.len() < count * stride {
             buffer.local.resize(count * stride, [0.0; 4]);
         }
         buffer.energy.resize(count, 0.0);
-        let tasks = buffer.local[..count * stride]
-            .par_chunks_mut(TASK * stride)
-            .zip(buffer.energy.par_chunks_mut(TASK));
-        tasks.enumerate().for_each(|(t, (local, energy))| {
+        let compute = |t: usize, local: &mut [Lane], energy: &mut [f64]| {
             let first = batch.start + t * TASK;
             pulp::Arch::new().dispatch(
                 #[inline(always)]
@@ -482,7 +277,15 @@ impl Assembler {
                     );
                 },
             );
-        });
+        };
+        let energies = buffer.energy.par_chunks_mut(TASK).enumerate();
+        if stride == 0 {
+            energies.for_each(|(t, energy)| compute(t, &mut [], energy));
+        } else {
+            energies
+                .zip(buffer.local[..count * stride].par_chunks_mut(TASK * stride))
+                .for_each(|((t, energy), local)| compute(t, local, energy));
+        }
     }
 
     #[inline(always)]
@@ -508,9 +311,10 @@ impl Assembler {
                 0
             }
         ];
-        let stride = Self::lanes_per_element::<MATRIX>(chunks);
-        for (k, (out, e_out)) in local.chunks_exact_mut(stride).zip(energy).enumerate() {
-            let e = first + k;
+        let stride = self.lanes_per_element::<MATRIX>(chunks);
+        for (k, e_out) in energy.iter_mut().enumerate() {
+            let out = &mut local[k * stride..(k + 1) * stride];
+            let e = self.order[first + k] as usize;
             let vertices = &self.vertices[self.offset[e] as usize..self.offset[e + 1] as usize];
             for (i, &v) in vertices.iter().enumerate() {
                 let p = positions[v as usize];
@@ -527,7 +331,7 @@ impl Assembler {
                 }
             }
             // the lanes behind a shorter stencil meet zeros in the table
-            let (gradient, matrix) = out.split_at_mut(3 * chunks);
+            let (gradient, matrix) = out.split_at_mut(stride.min(3 * chunks));
             *e_out = element::<MATRIX>(
                 chunks,
                 input,
@@ -554,10 +358,14 @@ impl Assembler {
         sum: &mut EnergySum,
     ) {
         let chunks = batch.chunks;
-        let stride = Self::lanes_per_element::<MATRIX>(chunks);
-        for (k, e) in (batch.start..batch.end).enumerate() {
+        let stride = self.lanes_per_element::<MATRIX>(chunks);
+        for (k, &e) in self.order[batch.start..batch.end].iter().enumerate() {
+            let e = e as usize;
             sum.value += buffer.energy[k];
             sum.scale += buffer.energy[k].abs();
+            if stride == 0 {
+                continue;
+            }
             let local = buffer.local[k * stride..(k + 1) * stride].as_flattened();
             let (g, matrix) = local.split_at(12 * chunks);
             let vertices = &self.vertices[self.offset[e] as usize..self.offset[e + 1] as usize];
@@ -569,7 +377,7 @@ impl Assembler {
                 let own = &slots.slot[slots.offset[e] as usize..slots.offset[e + 1] as usize];
                 let mut own = own.iter();
                 for i in 0..vertices.len() {
-                    let row = &matrix[i * 4 * chunks..i * 4 * chunks + i + 1];
+                    let row = &matrix[i * 4 * chunks..][..=i];
                     for (value, &s) in row.iter().zip(&mut own) {
                         values[s as usize] += value;
                     }
@@ -577,10 +385,4 @@ impl Assembler {
             }
         }
     }
-}
-
-/// Index of the pair `{i, j}` in a packed lower triangle.
-fn triangular(i: usize, j: usize) -> usize {
-    let (a, b) = if i >= j { (i, j) } else { (j, i) };
-    a * (a + 1) / 2 + b
 }

@@ -1,12 +1,13 @@
 //! A flow that is advanced step by step, by either scheme.
 
 use crate::mesh::DVec3;
-use crate::solver::assembly::{Assembler, EnergySum, Unknowns};
+use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Control, Mode, Progress, STOP, Tau};
 use crate::solver::energy::Energy;
 use crate::solver::mixed::{LinearSolver, MixedFlow};
 use crate::solver::normal::NormalFlow;
 use crate::solver::survey::{Survey, survey};
+use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule, TableCache, elements};
 
@@ -316,9 +317,9 @@ impl Flow {
         let quick = self.options.mode == Mode::Fast && !matches!(self.options.tau, Tau::Fixed(_));
         let attempt = match &mut self.stepper {
             Stepper::Normal(flow) => {
-                flow.attempt(tau, next, quick && self.factorized + 1 >= FACTORIZED_STEPS)?
+                flow.attempt(tau, next, quick && self.factorized + 1 >= FACTORIZED_STEPS)
             }
-            Stepper::Mixed(flow) => flow.attempt(tau)?,
+            Stepper::Mixed(flow) => flow.attempt(tau),
         };
         Ok(Some(self.book(&attempt, tau)))
     }

@@ -72,7 +72,8 @@ fn add_scaled(acc: &mut Lane, a: f64, b: &Lane) {
     }
 }
 
-/// Energy of one element; writes its gradient and, if asked for, its matrix.
+/// Energy of one element; writes its gradient (unless the output is empty) and, if asked for, its
+/// matrix.
 #[inline(always)]
 #[expect(
     clippy::inline_always,
@@ -103,37 +104,32 @@ fn element_impl<const MATRIX: bool>(
     let (xs, rest) = element.x.split_at(chunks);
     let (ys, zs) = rest.split_at(chunks);
     let zs = &zs[..chunks];
-    let gradient = &mut out.gradient[..3 * chunks];
+    let gradient = &mut out.gradient;
     gradient.fill([0.0; 4]);
-    let (gx, rest) = gradient.split_at_mut(chunks);
-    let (gy, gz) = rest.split_at_mut(chunks);
+    let wanted = gradient.len() / 3;
+    let (gx, rest) = gradient.split_at_mut(wanted);
+    let (gy, gz) = rest.split_at_mut(wanted);
 
     let mut energy = 0.0;
     let mut term_count = 0;
     for point in 0..input.points {
         let table = &element.table[point * 6 * chunks..][..6 * chunks];
         let row = |d: usize| &table[d * chunks..(d + 1) * chunks];
-        let derivative = |d: usize| {
-            let (mut ax, mut ay, mut az) = ([0.0; 4], [0.0; 4], [0.0; 4]);
-            for (((t, x), y), z) in row(d).iter().zip(xs).zip(ys).zip(zs) {
-                add_product(&mut ax, t, x);
-                add_product(&mut ay, t, y);
-                add_product(&mut az, t, z);
-            }
-            let sum = |a: Lane| (a[0] + a[2]) + (a[1] + a[3]);
-            DVec3::new(sum(ax), sum(ay), sum(az))
-        };
         let p = PointGeometry::new(
-            derivative(1),
-            derivative(2),
-            derivative(3),
-            derivative(4),
-            derivative(5),
+            interpolate(row(1), xs, ys, zs),
+            interpolate(row(2), xs, ys, zs),
+            interpolate(row(3), xs, ys, zs),
+            interpolate(row(4), xs, ys, zs),
+            interpolate(row(5), xs, ys, zs),
         );
         let jet = input.energy.jet(p.mean, p.gauss);
         let area = input.weight * 0.5 * p.sqrt_g;
         energy += area * jet.f;
 
+        if wanted == 0 {
+            continue;
+        }
+        let (gx, gy, gz) = (&mut gx[..chunks], &mut gy[..chunks], &mut gz[..chunks]);
         let var = variation(&p, &jet, area);
         let (nu, nv) = (row(1), row(2));
         let (nuu, nuv, nvv) = (row(3), row(4), row(5));
@@ -147,26 +143,15 @@ fn element_impl<const MATRIX: bool>(
         }
 
         if MATRIX {
-            let mut push = |coefficients: Coefficients| {
-                let term = &mut out.terms[term_count * chunks..][..chunks];
-                project_term(
-                    chunks,
-                    &coefficients,
-                    table,
-                    element.normals,
-                    p.normal,
-                    term,
-                );
-                term_count += 1;
-            };
-            push([(area * input.inv_tau).sqrt(), 0.0, 0.0, 0.0, 0.0, 0.0]);
+            let mut list = TermList::default();
+            list.push([(area * input.inv_tau).sqrt(), 0.0, 0.0, 0.0, 0.0, 0.0]);
             let hessian = PositiveHessian::new(&jet, input.radius);
             let (dh, dk) = (mean_variation(&p), gauss_variation(&p));
             let root = area.sqrt();
             for factor in hessian.factors {
                 if factor != [0.0; 2] {
                     let (a, b) = (root * factor[0], root * factor[1]);
-                    push(std::array::from_fn(|i| a * dh[i] + b * dk[i]));
+                    list.push(std::array::from_fn(|i| a * dh[i] + b * dk[i]));
                 }
             }
             if jet.f > 0.0
@@ -177,9 +162,18 @@ fn element_impl<const MATRIX: bool>(
                 let l11 = p.g_inv[0].sqrt();
                 let l21 = p.g_inv[1] / l11;
                 let l22 = (p.g_inv[2] - l21 * l21).max(0.0).sqrt();
-                push([0.0, s * l11, s * l21, 0.0, 0.0, 0.0]);
-                push([0.0, 0.0, s * l22, 0.0, 0.0, 0.0]);
+                list.push([0.0, s * l11, s * l21, 0.0, 0.0, 0.0]);
+                list.push([0.0, 0.0, s * l22, 0.0, 0.0, 0.0]);
             }
+            project_terms(
+                chunks,
+                &list.terms[..list.len],
+                table,
+                element.normals,
+                p.normal,
+                &mut out.terms[term_count * chunks..],
+            );
+            term_count += list.len;
         }
     }
     if MATRIX {
@@ -188,25 +182,67 @@ fn element_impl<const MATRIX: bool>(
     energy
 }
 
-/// `<N_i, n> c · (φ_i, φ_i,u, …)` for all control vertices of the element.
+/// `Σ_k row_k x_k`.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "part of the element kernels")]
-fn project_term(
+fn interpolate(row: &[Lane], xs: &[Lane], ys: &[Lane], zs: &[Lane]) -> DVec3 {
+    let (mut ax, mut ay, mut az) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+    for (((t, x), y), z) in row.iter().zip(xs).zip(ys).zip(zs) {
+        add_product(&mut ax, t, x);
+        add_product(&mut ay, t, y);
+        add_product(&mut az, t, z);
+    }
+    DVec3::new(lane_sum(ax), lane_sum(ay), lane_sum(az))
+}
+
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "part of the element kernels")]
+fn lane_sum(a: Lane) -> f64 {
+    (a[0] + a[2]) + (a[1] + a[3])
+}
+
+/// The rank-one terms of one quadrature point.
+#[derive(Default)]
+struct TermList {
+    terms: [Coefficients; TERMS_PER_POINT],
+    len: usize,
+}
+
+impl TermList {
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "part of the element kernels")]
+    fn push(&mut self, coefficients: Coefficients) {
+        self.terms[self.len] = coefficients;
+        self.len += 1;
+    }
+}
+
+/// `<N_i, n> c · (φ_i, φ_i,u, …)` for all control vertices of the element, for each `c` of `list`.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "part of the element kernels")]
+fn project_terms(
     chunks: usize,
-    coefficients: &Coefficients,
+    list: &[Coefficients],
     table: &[Lane],
     normals: &[Lane],
     n: DVec3,
-    term: &mut [Lane],
+    terms: &mut [Lane],
 ) {
     for c in 0..chunks {
-        let mut value = [0.0; 4];
-        for d in 0..6 {
-            add_scaled(&mut value, coefficients[d], &table[d * chunks + c]);
-        }
         let (nx, ny, nz) = (&normals[c], &normals[chunks + c], &normals[2 * chunks + c]);
+        let mut along = [0.0; 4];
         for l in 0..4 {
-            term[c][l] = value[l] * (n.x * nx[l] + n.y * ny[l] + n.z * nz[l]);
+            along[l] = n.x * nx[l] + n.y * ny[l] + n.z * nz[l];
+        }
+        for (k, coefficients) in list.iter().enumerate() {
+            let mut value = [0.0; 4];
+            for d in 0..6 {
+                add_scaled(&mut value, coefficients[d], &table[d * chunks + c]);
+            }
+            let term = &mut terms[k * chunks + c];
+            for l in 0..4 {
+                term[l] = value[l] * along[l];
+            }
         }
     }
 }

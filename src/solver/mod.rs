@@ -16,9 +16,11 @@ mod normal;
 mod normals;
 mod problem;
 mod run;
+mod slots;
 mod survey;
+mod unknowns;
 
-pub use assembly::{Assembler, EnergySum, Unknowns};
+pub use assembly::{Assembler, EnergySum};
 pub use control::{Attempt, Control, Mode, Progress, STOP, Tau};
 pub use error::SolverError;
 pub use flow::{End, Flow, FlowOptions, Outcome, Scheme, StepRecord};
@@ -28,3 +30,4 @@ pub use normals::LimitNormals;
 pub use problem::{COLLAR_RINGS, FlowProblem};
 pub use run::{Command, Event, FlowHandle, Snapshot, spawn};
 pub use survey::{Survey, survey};
+pub use unknowns::Unknowns;

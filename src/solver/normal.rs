@@ -8,11 +8,12 @@ use std::sync::Arc;
 
 use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs};
 use crate::mesh::{DVec3, Topology, VertexId};
-use crate::solver::assembly::{Assembler, EnergySum, Unknowns};
+use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Progress};
 use crate::solver::energy::Energy;
 use crate::solver::normals::LimitNormals;
 use crate::solver::survey::survey;
+use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule};
 
@@ -149,27 +150,14 @@ impl NormalFlow {
     /// One step. `tau` is the time step, `next_tau` the one to prepare for if it is accepted;
     /// `freeze` asks for quasi-Newton steps from now on (fast mode), ended by this scheme itself
     /// when they no longer shrink.
-    ///
-    /// # Errors
-    /// Only what cannot be mended by a smaller step.
-    pub fn attempt(
-        &mut self,
-        tau: f64,
-        next_tau: f64,
-        freeze: bool,
-    ) -> Result<Attempt, SolverError> {
+    pub fn attempt(&mut self, tau: f64, next_tau: f64, freeze: bool) -> Attempt {
         if self.quasi_newton.is_some() {
-            return Ok(self.quasi_newton_step());
+            return self.quasi_newton_step();
         }
         self.factorized_step(tau, next_tau, freeze)
     }
 
-    fn factorized_step(
-        &mut self,
-        tau: f64,
-        next_tau: f64,
-        freeze: bool,
-    ) -> Result<Attempt, SolverError> {
+    fn factorized_step(&mut self, tau: f64, next_tau: f64, freeze: bool) -> Attempt {
         if self.matrix_tau != Some(tau) {
             self.assembler.matrix(
                 &self.positions,
@@ -184,13 +172,13 @@ impl NormalFlow {
         }
         if let Err(error) = self.cholesky.factorize(&self.values) {
             // M/τ dominates for small τ: reject and let the control shrink it
-            return Ok(Attempt::rejected(Some(error.to_string())));
+            return Attempt::rejected(Some(error.to_string()));
         }
         project(&self.gradient, &self.normals, -1.0, &mut self.w);
         self.cholesky.solve_in_place(&mut self.w, 1);
         let longest = self.displace();
         if !longest.is_finite() {
-            return Ok(Attempt::rejected(None));
+            return Attempt::rejected(None);
         }
         let sum;
         if freeze {
@@ -212,7 +200,7 @@ impl NormalFlow {
             self.matrix_tau = None;
         }
         if !self.current.admits(&sum) {
-            return Ok(Attempt::rejected(None));
+            return Attempt::rejected(None);
         }
         if freeze {
             let mut memory = Lbfgs::new();
@@ -227,7 +215,7 @@ impl NormalFlow {
             self.matrix_tau = Some(next_tau);
         }
         self.accept(sum);
-        Ok(Attempt::accepted(longest, Progress::Factorized))
+        Attempt::accepted(longest, Progress::Factorized)
     }
 
     fn quasi_newton_step(&mut self) -> Attempt {

@@ -21,13 +21,21 @@ pub struct Survey {
     pub worst_place: DVec3,
 }
 
-/// Elements looked at; a larger region is sampled evenly.
+/// Elements looked at where the energy may be ill-posed somewhere; a larger region is sampled
+/// evenly.
 const SAMPLES: usize = 8192;
+/// Elements looked at where only the natural time is in question.
+const FEW_SAMPLES: usize = 256;
 
 /// Surveys the limit surface over `elements`.
 pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius: f64) -> Survey {
     let count = elements.faces.len();
-    let stride = count.div_ceil(SAMPLES).max(1);
+    let samples = if energy.is_uniformly_parabolic() {
+        FEW_SAMPLES
+    } else {
+        SAMPLES
+    };
+    let stride = count.div_ceil(samples).max(1);
     let (mut area, mut weighted) = (0.0, 0.0);
     let mut mean = [f64::INFINITY, f64::NEG_INFINITY];
     let mut gauss = mean;

@@ -5,7 +5,7 @@
 //! the symbol of `½Δ` is `−½|ξ|²`, that of `□` is `−b|ξ|²`. Where `f` has no second derivatives
 //! the flow is of second order with symbol `η + f_H b`, `η = f − f_H H − f_K K`.
 
-use super::{Energy, Jet2, Order};
+use super::{Energy, Jet2, Order, Preset};
 
 /// What the flow is at a point. The variants are ordered from harmless to bad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -50,6 +50,21 @@ pub fn well_posedness(jet: &Jet2, h: f64, k: f64, tol: f64) -> WellPosed {
 }
 
 impl Energy {
+    /// Whether the flow is strictly parabolic on every surface, so that there is nothing to scan.
+    pub fn is_uniformly_parabolic(&self) -> bool {
+        matches!(
+            self.as_preset(),
+            Some(
+                Preset::One
+                    | Preset::H2
+                    | Preset::H2PlusK2
+                    | Preset::HMinusH0Squared
+                    | Preset::K1SqPlusK2Sq
+                    | Preset::K1MinusK2Squared
+            )
+        )
+    }
+
     /// What the flow of this energy is at `(h, k)`; `tol` as in [`well_posedness`].
     pub fn well_posedness(&self, h: f64, k: f64, tol: f64) -> WellPosed {
         classify(self.order(), &self.jet(h, k), h, k, tol, 0.0).0

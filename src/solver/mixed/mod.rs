@@ -30,11 +30,12 @@ mod splitting;
 
 use crate::linear::{GmresOptions, GmresReport, LinearError, SparseLu, gmres};
 use crate::mesh::{DVec3, FaceId};
-use crate::solver::assembly::{Assembler, EnergySum, Unknowns};
+use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Progress};
 use crate::solver::energy::Energy;
 use crate::solver::normals::LimitNormals;
 use crate::solver::survey::survey;
+use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Rule, TableCache, elements};
 
@@ -181,21 +182,22 @@ impl MixedFlow {
     }
 
     /// One step of time `tau`. If it is rejected the state is what it was. The displacement it
-    /// reports is the one along the normals: what changes the shape.
-    ///
-    /// # Errors
-    /// Only what cannot be mended by a smaller step.
-    pub fn attempt(&mut self, tau: f64) -> Result<Attempt, SolverError> {
+    /// reports is the one along the normals: what changes the shape. A `tau` that is not a positive
+    /// number is rejected.
+    pub fn attempt(&mut self, tau: f64) -> Attempt {
+        if !(tau > 0.0 && tau.is_finite()) {
+            return Attempt::rejected(Some(format!("{tau} is not a time step")));
+        }
         if !self.assembled {
             if let Err(note) = self.assemble() {
-                return Ok(Attempt::rejected(Some(note)));
+                return Attempt::rejected(Some(note));
             }
             self.assembled = true;
         }
         self.system.position_block(tau, &mut self.position_block);
         let linear = match self.solve(tau) {
             Ok(report) => report,
-            Err(error) => return Ok(Attempt::rejected(Some(error.to_string()))),
+            Err(error) => return Attempt::rejected(Some(error.to_string())),
         };
         let mut attempt = Attempt {
             linear,
@@ -209,18 +211,18 @@ impl MixedFlow {
                 "GMRES stopped at a relative residual of {:.1e} after {} iterations",
                 report.relative_residual, report.iterations
             ));
-            return Ok(attempt);
+            return attempt;
         }
         let (longest, promised) = self.displace();
         if !longest.is_finite() {
-            return Ok(attempt);
+            return attempt;
         }
         let sum = self
             .assembler
             .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
         let fall = self.current.value - sum.value;
         if !self.current.admits(&sum) {
-            return Ok(attempt);
+            return attempt;
         }
         if fall > IMPLAUSIBLE * promised.abs() + 1e-9 * self.current.scale {
             attempt.note = Some(format!(
@@ -228,12 +230,12 @@ impl MixedFlow {
                  no longer resolved",
                 -promised
             ));
-            return Ok(attempt);
+            return attempt;
         }
         self.accept(sum);
         attempt.accepted = true;
         attempt.longest = longest;
-        Ok(attempt)
+        attempt
     }
 
     /// Matrices, `h(x)`, `k(x)` and the force at the present positions.

@@ -1,0 +1,70 @@
+//! The whole of a fill, without files, on holes of growing size in a sphere.
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use meniscus::fill::{FillOptions, fill_holes, prepare, warm_start};
+use meniscus::mesh::shapes::{self, Hole, HoleShape};
+use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
+use meniscus::solver::{Flow, FlowOptions, Mode};
+
+/// A unit sphere with a disc of half-angle 50° missing, of about `missing` vertices.
+fn sphere_with_hole(missing: usize) -> Mesh {
+    // the cap is 18 % of the sphere
+    let hole = Hole {
+        centre: DVec3::Z,
+        shape: HoleShape::Disc {
+            radius: 50f64.to_radians(),
+        },
+        turn: 0.0,
+        seed: 1,
+    };
+    let (positions, triangles) =
+        shapes::cut_holes(&shapes::sphere(missing * 100 / 18, 7), &[hole]);
+    let topology = Topology::from_triangles(positions.len(), &triangles).expect("sphere");
+    Mesh::new(positions, topology)
+}
+
+fn fills(c: &mut Criterion) {
+    let mut group = c.benchmark_group("fill");
+    group.sample_size(10);
+    for missing in [200, 1000, 5000, 20_000] {
+        let mesh = sphere_with_hole(missing);
+        let loops = boundary_loops(&mesh);
+        let targets: Vec<&BoundaryLoop> = loops.iter().collect();
+        group.throughput(Throughput::Elements(missing as u64));
+        group.bench_function(BenchmarkId::from_parameter(missing), |b| {
+            b.iter(|| fill_holes(black_box(&mesh), &targets, &FillOptions::default(), &|_, _| true));
+        });
+    }
+    group.finish();
+}
+
+/// Set-up of a flow, and single steps in true time (one assembly and factorization each).
+fn steps(c: &mut Criterion) {
+    let mut group = c.benchmark_group("flow");
+    group.sample_size(10);
+    for missing in [1000, 5000] {
+        let mesh = sphere_with_hole(missing);
+        let loops = boundary_loops(&mesh);
+        let options = FillOptions::default();
+        let plan = prepare(&mesh, &[&loops[0]], &options);
+        let problem =
+            warm_start(plan.groups[0].problem(&mesh, &plan).expect("region")).expect("start");
+        let mut timed = FlowOptions::new(options.flow.energy.clone());
+        timed.mode = Mode::Flow;
+        group.bench_function(BenchmarkId::new("set-up", missing), |b| {
+            b.iter(|| Flow::new(problem.clone(), timed.clone()));
+        });
+        group.bench_function(BenchmarkId::new("set-up and step", missing), |b| {
+            b.iter(|| {
+                let mut flow = Flow::new(problem.clone(), timed.clone()).expect("start");
+                flow.step().expect("step")
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, fills, steps);
+criterion_main!(benches);

@@ -1,0 +1,93 @@
+//! Sheets of a region that hang together at single vertices.
+
+use crate::mesh::DVec3;
+
+/// Gives each fan of triangles around a vertex, but the first, its own copy of the vertex, at the
+/// end of `positions`.
+///
+/// A region is cut out of its mesh by rings around the holes. Where two arms of the outermost ring
+/// meet in one vertex the region is no manifold, though the mesh is. All vertices concerned lie in
+/// that outermost ring, whose positions are fixed and whose own rings are used by nothing.
+pub(super) fn separate(positions: &mut Vec<DVec3>, triangles: &mut [[u32; 3]]) {
+    let corner = |c: usize| triangles[c / 3][c % 3];
+    let following = |c: usize| if c % 3 == 2 { c - 2 } else { c + 1 };
+    let mut edges: Vec<([u32; 2], usize)> = (0..3 * triangles.len())
+        .map(|c| {
+            let (a, b) = (corner(c), corner(following(c)));
+            ([a.min(b), a.max(b)], c)
+        })
+        .collect();
+    edges.sort_unstable();
+    let mut link: Vec<usize> = (0..edges.len()).collect();
+    for pair in edges.windows(2) {
+        let ((e, c), (f, d)) = (pair[0], pair[1]);
+        if e == f {
+            // the two sides run through the edge in opposite directions
+            unite(&mut link, c, following(d));
+            unite(&mut link, following(c), d);
+        }
+    }
+    let mut first = vec![usize::MAX; positions.len()];
+    let mut name = vec![0; link.len()];
+    for c in 0..link.len() {
+        let root = find(&mut link, c);
+        if root == c {
+            let v = corner(c);
+            let seen = &mut first[v as usize];
+            name[c] = if *seen == usize::MAX {
+                *seen = c;
+                v
+            } else {
+                positions.push(positions[v as usize]);
+                positions.len() as u32 - 1
+            };
+        } else {
+            // roots are the lowest of their class
+            name[c] = name[root];
+        }
+    }
+    for (t, names) in triangles.iter_mut().zip(name.chunks_exact(3)) {
+        t.copy_from_slice(names);
+    }
+}
+
+fn find(link: &mut [usize], mut c: usize) -> usize {
+    while link[c] != c {
+        link[c] = link[link[c]];
+        c = link[c];
+    }
+    c
+}
+
+fn unite(link: &mut [usize], c: usize, d: usize) {
+    let (c, d) = (find(link, c), find(link, d));
+    link[c.max(d)] = c.min(d);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Topology, shapes};
+
+    #[test]
+    fn sheets_joined_at_a_vertex_come_apart() {
+        // two pairs of triangles that meet in vertex 0
+        let mut triangles = [[0, 1, 2], [0, 2, 3], [4, 0, 5], [5, 0, 6]];
+        let mut positions: Vec<DVec3> = (0..7).map(|i| DVec3::splat(f64::from(i))).collect();
+        positions[0] = DVec3::new(0.5, 0.25, -3.0);
+        assert!(Topology::from_triangles(7, &triangles).is_err());
+        separate(&mut positions, &mut triangles);
+        assert_eq!(triangles, [[0, 1, 2], [0, 2, 3], [4, 7, 5], [5, 7, 6]]);
+        assert_eq!(positions.len(), 8);
+        assert_eq!(positions[7], positions[0]);
+        assert!(Topology::from_triangles(8, &triangles).is_ok());
+    }
+
+    #[test]
+    fn manifolds_stay_as_they_are() {
+        let (mut positions, mut triangles) = shapes::icosphere(3);
+        let before = (positions.clone(), triangles.clone());
+        separate(&mut positions, &mut triangles);
+        assert_eq!((positions, triangles), before);
+    }
+}

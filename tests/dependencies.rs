@@ -1,0 +1,178 @@
+//! Which module may use which, as ARCHITECTURE.md draws it.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Every module of the library with the modules it may name.
+const MODULES: [(&str, &[&str]); 8] = [
+    ("linear", &[]),
+    ("mesh", &[]),
+    ("subdivision", &["mesh"]),
+    ("patch", &["mesh", "linear"]),
+    ("io", &["mesh"]),
+    ("solver", &["mesh", "linear", "subdivision", "patch"]),
+    ("fill", &["mesh", "patch", "solver"]),
+    ("cli", &["mesh", "io", "patch", "solver", "fill"]),
+];
+
+/// Crates only the named modules may use; `main` is the program. An empty list: nobody yet.
+const CRATES: [(&str, &[&str]); 10] = [
+    ("faer", &["linear"]),
+    ("nalgebra_sparse", &["linear", "solver"]),
+    ("spade", &["patch"]),
+    ("clap", &["cli", "main"]),
+    ("anyhow", &["cli", "main"]),
+    ("indicatif", &["cli"]),
+    ("tempfile", &["io"]),
+    ("egui", &[]),
+    ("eframe", &[]),
+    ("wgpu", &[]),
+];
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder of sources") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// The file's code without comments (string literals holding `//` lose their rest, which is no
+/// place for a path either).
+fn code(text: &str) -> String {
+    text.lines()
+        .map(|line| line.split("//").next().unwrap_or_default())
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+fn is_word(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+/// First segments of all paths that start with `crate::`, those of a braced group included.
+fn named_modules(code: &str) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for (at, _) in code.match_indices("crate::") {
+        if code[..at].ends_with(is_word) {
+            continue; // another crate whose name ends so
+        }
+        let rest = &code[at + "crate::".len()..];
+        let mut starts = vec![rest];
+        if let Some(group) = rest.strip_prefix('{') {
+            starts.clear();
+            let (mut depth, mut start) = (0, 0);
+            for (i, c) in group.char_indices() {
+                match c {
+                    '{' => depth += 1,
+                    '}' | ',' if depth == 0 => {
+                        starts.push(&group[start..i]);
+                        start = i + 1;
+                        if c == '}' {
+                            break;
+                        }
+                    }
+                    '}' => depth -= 1,
+                    _ => {}
+                }
+            }
+        }
+        for path in starts {
+            let name: String = path
+                .trim_start()
+                .chars()
+                .take_while(|&c| is_word(c))
+                .collect();
+            if !name.is_empty() {
+                names.insert(name);
+            }
+        }
+    }
+    names
+}
+
+fn names_crate(code: &str, name: &str) -> bool {
+    let path = format!("{name}::");
+    code.match_indices(&path)
+        .any(|(at, _)| !code[..at].ends_with(|c| is_word(c) || c == ':'))
+}
+
+/// The code of every source file with the module it belongs to.
+fn modules() -> Vec<(String, PathBuf, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    files.sort();
+    files
+        .into_iter()
+        .map(|path| {
+            let inside = path.strip_prefix(&root).expect("below src");
+            let first = inside.components().next().expect("a name");
+            let module = Path::new(first.as_os_str())
+                .file_stem()
+                .expect("a name")
+                .to_string_lossy()
+                .into_owned();
+            let text = fs::read_to_string(&path).expect("readable");
+            (module, path, code(&text))
+        })
+        .collect()
+}
+
+#[test]
+fn modules_use_only_those_below_them() {
+    let allowed: BTreeMap<&str, &[&str]> = MODULES.into();
+    let mut wrong = Vec::new();
+    for (module, path, code) in modules() {
+        if module == "lib" || module == "main" {
+            continue;
+        }
+        let Some(may) = allowed.get(module.as_str()) else {
+            wrong.push(format!("{}: module not in the map", path.display()));
+            continue;
+        };
+        for used in named_modules(&code) {
+            if used != module && !may.contains(&used.as_str()) {
+                wrong.push(format!("{}: {module} uses {used}", path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn crates_stay_behind_their_module() {
+    let mut wrong = Vec::new();
+    for (module, path, code) in modules() {
+        for (name, may) in CRATES {
+            if names_crate(&code, name) && !may.contains(&module.as_str()) {
+                wrong.push(format!("{}: {module} names {name}", path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_order_has_no_cycle() {
+    // listed after everything it uses
+    let mut below: Vec<&str> = Vec::new();
+    for (module, may) in MODULES {
+        assert!(may.iter().all(|m| below.contains(m)), "{module}");
+        below.push(module);
+    }
+}
+
+#[test]
+fn the_reader_sees_what_it_should() {
+    let text = "use crate::{mesh::{Mesh, DVec3}, linear as l};\n// crate::cli\nlet x: \
+                crate::solver::Flow = my_crate::patch::y;";
+    let names: Vec<String> = named_modules(&code(text)).into_iter().collect();
+    assert_eq!(names, ["linear", "mesh", "solver"]);
+    assert!(names_crate("use faer::Par;", "faer"));
+    assert!(!names_crate("use not_faer::Par; a::faer::x", "faer"));
+}
