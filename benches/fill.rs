@@ -19,8 +19,7 @@ fn sphere_with_hole(missing: usize) -> Mesh {
         turn: 0.0,
         seed: 1,
     };
-    let (positions, triangles) =
-        shapes::cut_holes(&shapes::sphere(missing * 100 / 18, 7), &[hole]);
+    let (positions, triangles) = shapes::cut_holes(&shapes::sphere(missing * 100 / 18, 7), &[hole]);
     let topology = Topology::from_triangles(positions.len(), &triangles).expect("sphere");
     Mesh::new(positions, topology)
 }
@@ -34,7 +33,14 @@ fn fills(c: &mut Criterion) {
         let targets: Vec<&BoundaryLoop> = loops.iter().collect();
         group.throughput(Throughput::Elements(missing as u64));
         group.bench_function(BenchmarkId::from_parameter(missing), |b| {
-            b.iter(|| fill_holes(black_box(&mesh), &targets, &FillOptions::default(), &|_, _| true));
+            b.iter(|| {
+                fill_holes(
+                    black_box(&mesh),
+                    &targets,
+                    &FillOptions::default(),
+                    &|_, _| true,
+                )
+            });
         });
     }
     group.finish();

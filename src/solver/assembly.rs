@@ -221,7 +221,7 @@ impl Assembler {
                     self.scatter::<MATRIX>(batch, ready, gradient, values, &mut sum);
                 }
             };
-            if batch.is_some() && pending.is_some() {
+            if batch.is_some() && pending.is_some() && self.is_large() {
                 rayon::join(compute, scatter);
             } else {
                 compute();
@@ -236,6 +236,11 @@ impl Assembler {
             values.pop();
         }
         sum
+    }
+
+    /// Whether threads are worth waking: below some thousand elements they cost more than they do.
+    fn is_large(&self) -> bool {
+        self.order.len() >= 4 * BATCH
     }
 
     /// Lanes of an element's local result; nothing but the energy is kept where nothing moves.
@@ -278,6 +283,9 @@ impl Assembler {
                 },
             );
         };
+        if !self.is_large() {
+            return compute(0, &mut buffer.local[..count * stride], &mut buffer.energy);
+        }
         let energies = buffer.energy.par_chunks_mut(TASK).enumerate();
         if stride == 0 {
             energies.for_each(|(t, energy)| compute(t, &mut [], energy));

@@ -155,27 +155,36 @@ impl Flow {
     /// A bad option, an energy that is not finite at the start, a failed symbolic factorization.
     pub fn new(problem: FlowProblem, options: FlowOptions) -> Result<Self, SolverError> {
         options.validate()?;
-        let mut tables = TableCache::default();
         let (topology, faces) = (problem.topology(), problem.active_faces());
-        let local = elements(topology, faces, options.quadrature, &mut tables);
-        let fine = elements(topology, faces, Rule::Twelve, &mut tables);
-        let nothing = Unknowns::none(problem.positions().len());
-        let mut report = Assembler::new(&fine, Rule::Twelve, nothing);
-        let energy_start = report
-            .gradient(problem.positions(), &options.energy, &mut Vec::new())
-            .value;
-        let start = survey(
-            &local,
-            problem.positions(),
-            &options.energy,
-            problem.radius(),
+        // the reported energies' twelve points beside the steps' own
+        let ((report, energy_start), prepared) = rayon::join(
+            || {
+                let rule = Rule::Twelve;
+                let fine = elements(topology, faces, rule, &mut TableCache::default());
+                let nothing = Unknowns::none(problem.positions().len());
+                let mut report = Assembler::new(&fine, rule, nothing);
+                let start = report.gradient(problem.positions(), &options.energy, &mut Vec::new());
+                (report, start.value)
+            },
+            || {
+                let rule = options.quadrature;
+                let local = elements(topology, faces, rule, &mut TableCache::default());
+                let start = survey(
+                    &local,
+                    problem.positions(),
+                    &options.energy,
+                    problem.radius(),
+                );
+                let stepper = Self::stepper(&problem, &options, &local)?;
+                Ok::<_, SolverError>((local, start, stepper))
+            },
         );
+        let (local, start, stepper) = prepared?;
         if !energy_start.is_finite() {
             return Err(start.not_finite());
         }
         let mut warnings = Vec::new();
         warnings.extend(start.warning(problem.centre()));
-        let stepper = Self::stepper(&problem, &options, &local)?;
         let mut flow = Self {
             control: Control::new(options.mode, options.tau, start.tau_ref, start.tau_ref),
             problem,

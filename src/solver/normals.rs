@@ -50,7 +50,7 @@ impl LimitNormals {
         normals.resize(count, DVec3::ZERO);
         normals
             .par_iter_mut()
-            .with_min_len(256)
+            .with_min_len(1024)
             .enumerate()
             .for_each(|(i, normal)| {
                 let range = self.start[i] as usize..self.start[i + 1] as usize;
