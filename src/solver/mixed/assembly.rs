@@ -98,15 +98,11 @@ fn symmetric(couplings: &Couplings) -> SymmetricPattern {
     )
 }
 
-/// Numbers the vertices of rings 0 and 1 by nested dissection of the mesh's edges.
-fn number_curvatures(elements: &Elements, problem: &FlowProblem) -> Unknowns {
-    let near: Vec<u32> = (0..problem.positions().len() as u32)
-        .filter(|&v| problem.ring()[v as usize] <= 1)
-        .collect();
-    let first = Unknowns::numbered(problem.positions().len(), near);
-    let lists = corner_lists(elements, &first);
+/// Orders unknowns by nested dissection of the graph in which the members of each list are all
+/// neighbours.
+fn dissected(first: &Unknowns, lists: &Lists, positions: &[DVec3]) -> Unknowns {
     let n = first.len();
-    let graph = Couplings::new(&lists, &lists, n, n, false);
+    let graph = Couplings::new(lists, lists, n, n, false);
     let mut offsets = vec![0u32; n + 1];
     let mut adjacency = Vec::with_capacity(graph.nnz() - n);
     for i in 0..n {
@@ -114,14 +110,38 @@ fn number_curvatures(elements: &Elements, problem: &FlowProblem) -> Unknowns {
         adjacency.extend(row.iter().filter(|&&j| j != i).map(|&j| j as u32));
         offsets[i + 1] = adjacency.len() as u32;
     }
-    let points: Vec<DVec3> = first
-        .vertex
-        .iter()
-        .map(|&v| problem.positions()[v as usize])
-        .collect();
+    let at = |&v: &u32| positions[v as usize];
+    let points: Vec<DVec3> = first.vertex.iter().map(at).collect();
     let order = nested_dissection(&points, &offsets, &adjacency);
     let vertex = order.iter().map(|&i| first.vertex[i as usize]).collect();
-    Unknowns::numbered(problem.positions().len(), vertex)
+    Unknowns::numbered(positions.len(), vertex)
+}
+
+impl Numbering {
+    /// h and k in an order for the factorization of `m`, x in one for that of the Schur complement
+    /// (two vertices are neighbours in it if they meet the same `ψ`).
+    fn new(problem: &FlowProblem, elements: &Elements) -> Self {
+        let positions = problem.positions();
+        let near = (0..positions.len() as u32).filter(|&v| problem.ring()[v as usize] <= 1);
+        let h = Unknowns::numbered(positions.len(), near.collect());
+        let h = dissected(&h, &corner_lists(elements, &h), positions);
+        let x = Unknowns::numbered(positions.len(), problem.interior().to_vec());
+        let (controls, corners) = (control_lists(elements, &x), corner_lists(elements, &h));
+        let coupling = Couplings::new(&controls, &corners, x.len(), h.len(), false);
+        let (meets, _) = coupling.by_column(h.len());
+        Self {
+            x: dissected(&x, &meets, positions),
+            h,
+        }
+    }
+}
+
+fn control_lists(elements: &Elements, unknowns: &Unknowns) -> Lists {
+    let vertices = elements.vertices.iter();
+    Lists {
+        start: elements.offset.clone(),
+        items: vertices.map(|&v| unknowns.of_vertex[v as usize]).collect(),
+    }
 }
 
 fn corner_lists(elements: &Elements, unknowns: &Unknowns) -> Lists {
@@ -138,18 +158,10 @@ impl System {
     /// Patterns over the active elements; all values zero. The elements' tables must be for the
     /// 12-point rule.
     pub fn new(problem: &FlowProblem, elements: Elements, units: Units) -> Self {
-        let x = Unknowns::new(&elements, problem.positions(), problem.interior());
-        let h = number_curvatures(&elements, problem);
-        let (n, m) = (x.len(), h.len());
-        let controls = Lists {
-            start: elements.offset.clone(),
-            items: elements
-                .vertices
-                .iter()
-                .map(|&v| x.of_vertex[v as usize])
-                .collect(),
-        };
-        let corners = corner_lists(&elements, &h);
+        let numbering = Numbering::new(problem, &elements);
+        let (n, m) = (numbering.x.len(), numbering.h.len());
+        let controls = control_lists(&elements, &numbering.x);
+        let corners = corner_lists(&elements, &numbering.h);
         let x_slots = Couplings::new(&controls, &controls, n, n, true);
         let h_slots = Couplings::new(&corners, &corners, m, m, true);
         let coupling_slots = Couplings::new(&controls, &corners, n, m, false);
@@ -166,7 +178,7 @@ impl System {
             rhs_h: Vec::new(),
             rhs_k: Vec::new(),
             units,
-            numbering: Numbering { x, h },
+            numbering,
             elements,
             x_slots,
             h_slots,

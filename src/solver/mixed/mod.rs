@@ -35,7 +35,6 @@ use crate::solver::control::{Attempt, Progress};
 use crate::solver::energy::Energy;
 use crate::solver::normals::LimitNormals;
 use crate::solver::survey::survey;
-use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Rule, TableCache, elements};
 
@@ -123,14 +122,14 @@ impl MixedFlow {
             length,
             force: length * length * length / start.tau_ref,
         };
-        let moving = Unknowns::new(&fine, problem.positions(), problem.interior());
+        let system = System::new(problem, fine.clone(), units);
+        let moving = system.numbering.x.clone();
         let mut assembler = Assembler::new(&fine, Rule::Twelve, moving);
         let mut gradient = Vec::new();
         let current = assembler.gradient(problem.positions(), energy, &mut gradient);
         if !current.value.is_finite() {
             return Err(start.not_finite());
         }
-        let system = System::new(problem, fine, units);
         let ring = LimitNormals::new(topology, &system.numbering.x.vertex);
         let mut normals = Vec::new();
         ring.evaluate(problem.positions(), &mut normals);
