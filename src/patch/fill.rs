@@ -239,13 +239,22 @@ fn mean_curvature(rim: &Rim) -> f64 {
     if extent < 0.05 * length * length / (4.0 * std::f64::consts::PI) {
         return 0.0;
     }
-    let tilt = flux.dot(area) / (extent * length);
-    STEEPEST.min(tilt.abs()).copysign(tilt) * length / (2.0 * extent)
+    let hemisphere = (std::f64::consts::PI / extent).sqrt();
+    let curvature = flux.dot(area) / (2.0 * extent * extent);
+    if curvature.abs() < FLATTEST * hemisphere {
+        return 0.0;
+    }
+    let steepest = STEEPEST * hemisphere;
+    curvature.clamp(-steepest, steepest)
 }
 
-/// The steepest mean tilt taken over from the existing faces, as a sine: at 1 a surface of constant
-/// mean curvature is about to lose its stability.
-const STEEPEST: f64 = 0.95;
+/// The largest curvature taken over from the existing faces, relative to that of the hemisphere over
+/// a disc of the same area: there a surface of constant mean curvature loses its stability.
+const STEEPEST: f64 = 0.85;
+
+/// Curvatures below this fraction of that hemisphere's would lift the patch by less than noise in the
+/// faces does, and add less than 1 % to its area.
+const FLATTEST: f64 = 0.15;
 
 /// Wanted edge length at every rim vertex: the mean of the lengths of the rim edges near it.
 fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
@@ -267,11 +276,10 @@ fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
     size
 }
 
-/// Edges of the first patch per edge of the finished one: the flow and, before it, the warm start
-/// stretch a patch that bulges, and splitting leaves the mean edge below the wanted length. Measured
-/// on caps of spheres so that the finished edges have the rim's length (from 0.93 of it on shallow
-/// caps to 1.1 on nearly half a sphere).
-const FINENESS: f64 = 1.08;
+/// Edges of the first patch per wanted edge. A patch stretches a little between the relaxed film and
+/// the end of the flow; with this the mean edge ends between 0.9 and 1 of the rim's. Errors after
+/// the flow are 5 % smaller than with 1 (mean over the analytic test surfaces).
+const FINENESS: f64 = 1.04;
 
 /// Passes of (1, 2, 1)/4 over the rim's edge lengths.
 const RIM_SMOOTHING: usize = 4;
