@@ -133,7 +133,7 @@ pub fn fill(rim: &Rim, options: &PatchOptions) -> Result<PatchMesh, PatchError> 
     let loose = loose_angles(&local);
     let bulge = mean_curvature(&local);
     let triangles = triangulate(&local);
-    let size = rim_sizes(&local.points, options.density * FINENESS);
+    let size = rim_sizes(&local.points, options.density * fineness(n));
     let mut surface = Surface::new(local.points, size, n, &triangles);
     let wanted = rim_valences(&surface, &loose);
     split_chords(&mut surface, &local.forbidden);
@@ -276,10 +276,14 @@ fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
     size
 }
 
-/// Edges of the first patch per wanted edge. A patch stretches a little between the relaxed film and
-/// the end of the flow; with this the mean edge ends between 0.9 and 1 of the rim's. Errors after
-/// the flow are 5 % smaller than with 1 (mean over the analytic test surfaces).
-const FINENESS: f64 = 1.04;
+/// Length of the rim's edges over the wanted one. Where splitting and collapsing leave off the mean
+/// edge is 0.93 of the wanted one, and a patch stretches a little between the relaxed film and the
+/// end of the flow: with this the mean edge of a large patch ends at the rim's length. A hole of few
+/// edges, all of them near the rim, gains accuracy from up to 15 % more (measured on the analytic
+/// test surfaces after the flow).
+fn fineness(edges: usize) -> f64 {
+    (0.97 + 4.0 / edges as f64).min(1.15)
+}
 
 /// Passes of (1, 2, 1)/4 over the rim's edge lengths.
 const RIM_SMOOTHING: usize = 4;
