@@ -133,7 +133,7 @@ pub fn fill(rim: &Rim, options: &PatchOptions) -> Result<PatchMesh, PatchError> 
     let loose = loose_angles(&local);
     let bulge = mean_curvature(&local);
     let triangles = triangulate(&local);
-    let size = rim_sizes(&local.points, options.density * FINENESS);
+    let size = rim_sizes(&local.points, options.density * fineness(n));
     let mut surface = Surface::new(local.points, size, n, &triangles);
     let wanted = rim_valences(&surface, &loose);
     split_chords(&mut surface, &local.forbidden);
@@ -239,13 +239,22 @@ fn mean_curvature(rim: &Rim) -> f64 {
     if extent < 0.05 * length * length / (4.0 * std::f64::consts::PI) {
         return 0.0;
     }
-    let tilt = flux.dot(area) / (extent * length);
-    STEEPEST.min(tilt.abs()).copysign(tilt) * length / (2.0 * extent)
+    let hemisphere = (std::f64::consts::PI / extent).sqrt();
+    let curvature = flux.dot(area) / (2.0 * extent * extent);
+    if curvature.abs() < FLATTEST * hemisphere {
+        return 0.0;
+    }
+    let steepest = STEEPEST * hemisphere;
+    curvature.clamp(-steepest, steepest)
 }
 
-/// The steepest mean tilt taken over from the existing faces, as a sine: at 1 a surface of constant
-/// mean curvature is about to lose its stability.
-const STEEPEST: f64 = 0.95;
+/// The largest curvature taken over from the existing faces, relative to that of the hemisphere over
+/// a disc of the same area: there a surface of constant mean curvature loses its stability.
+const STEEPEST: f64 = 0.85;
+
+/// Curvatures below this fraction of that hemisphere's would lift the patch by less than noise in the
+/// faces does, and add less than 1 % to its area.
+const FLATTEST: f64 = 0.15;
 
 /// Wanted edge length at every rim vertex: the mean of the lengths of the rim edges near it.
 fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
@@ -267,11 +276,14 @@ fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
     size
 }
 
-/// Edges of the first patch per edge of the finished one: the flow and, before it, the warm start
-/// stretch a patch that bulges, and splitting leaves the mean edge below the wanted length. Measured
-/// on caps of spheres so that the finished edges have the rim's length (from 0.93 of it on shallow
-/// caps to 1.1 on nearly half a sphere).
-const FINENESS: f64 = 1.08;
+/// Length of the rim's edges over the wanted one. Where splitting and collapsing leave off the mean
+/// edge is 0.93 of the wanted one, and a patch stretches a little between the relaxed film and the
+/// end of the flow: with this the mean edge of a large patch ends at the rim's length. A hole of few
+/// edges, all of them near the rim, gains accuracy from up to 15 % more (measured on the analytic
+/// test surfaces after the flow).
+fn fineness(edges: usize) -> f64 {
+    (0.97 + 4.0 / edges as f64).min(1.15)
+}
 
 /// Passes of (1, 2, 1)/4 over the rim's edge lengths.
 const RIM_SMOOTHING: usize = 4;

@@ -219,3 +219,144 @@ fn unusable_rims_are_named() {
         Err(PatchError::BadDensity { .. })
     ));
 }
+
+/// A closed curve without symmetry, so that no two triangulations are equally good.
+fn generic_loop(n: usize) -> Rim {
+    closed_curve(n, |t| {
+        let r = 1.0 + 0.2 * (2.0 * t + 0.3).sin() + 0.1 * (5.0 * t + 1.1).cos();
+        DVec3::new(r * t.cos(), 1.2 * r * t.sin(), 0.15 * (3.0 * t + 0.7).sin())
+    })
+}
+
+#[test]
+fn turned_and_scaled_rims_get_the_same_triangles() {
+    let turn = glam::DQuat::from_axis_angle(DVec3::new(2.0, -1.0, 2.0) / 3.0, 0.9);
+    for n in [23, 90, 200] {
+        let rim = generic_loop(n);
+        let patch = fill_default(&rim);
+        for (scale, shift) in [(1.0, 0.0), (1000.0, 0.0), (1e-3, 0.0), (1.0, 1e3)] {
+            let map = |p: &DVec3| turn * (*p * scale) + DVec3::splat(shift * scale);
+            let moved = Rim {
+                points: rim.points.iter().map(map).collect(),
+                opposite: rim.opposite.iter().map(map).collect(),
+                forbidden: Vec::new(),
+            };
+            let other = fill_default(&moved);
+            assert_eq!(patch.triangles, other.triangles, "{n} {scale} {shift}");
+            for (p, q) in patch.points.iter().zip(&other.points) {
+                assert!(map(p).distance(*q) < 1e-9 * scale);
+            }
+        }
+    }
+}
+
+#[test]
+fn fills_are_repeatable() {
+    for (name, rim) in loops() {
+        assert_eq!(fill_default(&rim), fill_default(&rim), "{name}");
+    }
+}
+
+#[test]
+fn large_loops_of_any_shape() {
+    // 5,000 edges: a simple projection, and one that overlaps itself everywhere
+    let wavy = closed_curve(5000, |t| {
+        let r = 1.0 + 0.05 * (60.0 * t).sin();
+        DVec3::new(r * t.cos(), r * t.sin(), 0.05 * (40.0 * t).cos())
+    });
+    let coil = closed_curve(5000, |t| {
+        let r = 1.0 + 0.35 * t.cos();
+        DVec3::new(r * (2.0 * t).cos(), r * (2.0 * t).sin(), 0.35 * t.sin())
+    });
+    for (name, rim) in [("wavy", wavy), ("coil", coil)] {
+        // coarse, for the sake of the test's time: the interior grows with the density's square
+        let patch = fill(&rim, &PatchOptions { density: 0.05 }).expect("a sound rim");
+        check(name, &rim, &patch);
+    }
+}
+
+/// Median edge length of the patch's inner edges against the rim's mean, and its least angle in
+/// degrees.
+fn measure(rim: &Rim, patch: &PatchMesh) -> (f64, f64) {
+    let n = rim.points.len();
+    let perimeter: f64 = (0..n)
+        .map(|i| rim.points[i].distance(rim.points[(i + 1) % n]))
+        .sum();
+    let mut lengths = Vec::new();
+    let mut least = f64::INFINITY;
+    for t in &patch.triangles {
+        let p = t.map(|v| patch.points[v as usize]);
+        for k in 0..3 {
+            let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+            lengths.push(u.length());
+            least = least.min(u.angle_between(v));
+        }
+    }
+    lengths.sort_by(f64::total_cmp);
+    let median = lengths[lengths.len() / 2];
+    (median * n as f64 / perimeter, least.to_degrees())
+}
+
+#[test]
+fn triangles_have_the_size_of_the_rims_edges() {
+    for (name, rim) in loops() {
+        if matches!(
+            name,
+            "triangle" | "square" | "pentagon" | "nearly collinear" | "graded"
+        ) {
+            continue;
+        }
+        let (length, angle) = measure(&rim, &fill_default(&rim));
+        assert!((0.7..1.1).contains(&length), "{name}: edges {length}");
+        assert!(angle > 15.0, "{name}: least angle {angle}");
+        let dense = fill(&rim, &PatchOptions { density: 2.0 }).expect("a sound rim");
+        check(name, &rim, &dense);
+        let (length, _) = measure(&rim, &dense);
+        assert!(
+            (0.35..0.55).contains(&length),
+            "{name}: dense edges {length}"
+        );
+    }
+}
+
+#[test]
+fn sizes_grade_between_places_of_different_density() {
+    let rim = closed_curve(240, |t| {
+        // eight times as dense at t = 0 as at t = π
+        let s = t - 0.77 * t.sin();
+        DVec3::new(s.cos(), s.sin(), 0.0)
+    });
+    let patch = fill_default(&rim);
+    check("graded", &rim, &patch);
+    for t in &patch.triangles {
+        let p = t.map(|v| patch.points[v as usize]);
+        let sides = [0, 1, 2].map(|k| p[k].distance(p[(k + 1) % 3]));
+        let longest = sides.iter().copied().fold(0.0, f64::max);
+        let shortest = sides.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(longest < 3.5 * shortest, "{p:?}");
+    }
+}
+
+#[test]
+fn a_missing_cap_bulges() {
+    // the rim of a cap of half-angle 60° of the unit sphere, its faces on the sphere
+    let (alpha, n) = (60.0f64.to_radians(), 96u32);
+    let at = |t: f64, a: f64| DVec3::new(a.sin() * t.cos(), a.sin() * t.sin(), a.cos());
+    let step = TAU / f64::from(n);
+    let rim = Rim {
+        points: (0..n).map(|i| at(step * f64::from(i), alpha)).collect(),
+        opposite: (0..n)
+            .map(|i| at(step * (f64::from(i) + 0.5), alpha + 0.05))
+            .collect(),
+        forbidden: Vec::new(),
+    };
+    let patch = fill_default(&rim);
+    check("cap", &rim, &patch);
+    // near the sphere; the flat start is 0.5 away
+    let worst = patch
+        .points
+        .iter()
+        .map(|p| (p.length() - 1.0).abs())
+        .fold(0.0, f64::max);
+    assert!(worst < 0.05, "{worst}");
+}
