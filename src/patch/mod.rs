@@ -1,4 +1,11 @@
 //! First surfaces for holes.
+//!
+//! [`fill`] makes a triangulated disc over a rim: a triangulation without new vertices (minimum
+//! weight, or constrained Delaunay in a plane, see `triangulate`), then splits, collapses, flips and
+//! relaxation to the rim's density (`remesh`). A film of constant mean curvature that continues the
+//! existing faces stands in for the final surface meanwhile, so that triangles are equilateral there
+//! and not in a flat projection. [`warm_start`] then spreads the new vertices smoothly across the
+//! rim, which is where a flow starts.
 
 mod fair;
 mod fill;

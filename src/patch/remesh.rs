@@ -31,6 +31,7 @@ pub(super) fn remesh(s: &mut Surface, wanted: &[i32], bulge: f64) {
         largest_area: LARGEST_AREA * area(s),
     };
     refine(s, &mut film);
+    s.reorder();
     for round in 0..ROUNDS {
         if round > 0 {
             collapse_short(s);
@@ -117,11 +118,13 @@ fn refine(s: &mut Surface, film: &mut Film) {
     flip_to_delaunay(s);
     // every round halves the long edges, so this bounds extents of 2^40 edge lengths
     for _ in 0..40 {
+        let before = s.points.len();
         if !split_long(s) {
             return;
         }
         flip_to_delaunay(s);
-        if film.bulge != 0.0 {
+        // what the last few splits add needs no sweep over all
+        if film.bulge != 0.0 && 5 * s.points.len() > 6 * before {
             let sweeps = COARSE_WORK / s.points.len();
             film.relax(s, sweeps.clamp(SWEEPS, MOST_SWEEPS));
         }
@@ -269,51 +272,69 @@ fn is_thin(a: DVec3, b: DVec3, c: DVec3) -> bool {
 /// to the mean of their neighbours'. The aim lies off the centroid by as much as a surface of mean
 /// curvature `bulge` leaves its tangent plane: H/2 times the squared distance at every corner.
 fn relax(s: &mut Surface, sweeps: usize, bulge: f64) {
+    let metric: Vec<f64> = s.size.iter().map(|size| 1.0 / (size * size)).collect();
     for _ in 0..sweeps {
         for v in s.rim..s.points.len() {
             if s.out[v] == NONE {
                 continue;
             }
-            let centre = s.points[v];
-            let first = s.out[v];
-            let mut h = first;
-            let mut a = s.points[s.to(h) as usize] - centre;
-            let mut size_a = s.size[s.to(h) as usize];
-            let (mut moment, mut weights, mut sizes) = (DVec3::ZERO, 0.0, 0.0);
-            let (mut normal, mut drop) = (DVec3::ZERO, 0.0);
-            loop {
-                let back = prev(h);
-                let w = s.from(back) as usize;
-                let b = s.points[w] - centre;
-                let size_b = s.size[w];
-                let cross = a.cross(b);
-                normal += cross;
-                let area = cross.length();
-                let size = s.size[v] + size_a + size_b;
-                let weight = area / (size * size);
-                moment += weight * (a + b);
-                drop += weight * (a.length_squared() + b.length_squared());
-                weights += weight;
-                sizes += size_b;
-                a = b;
-                size_a = size_b;
-                h = s.twin(back);
-                if h == first {
-                    break;
-                }
-            }
-            if weights > 0.0 {
-                let mut step = moment / (3.0 * weights);
-                if bulge != 0.0 {
-                    let normal = normal.normalize_or_zero();
-                    let rise = step.dot(normal) + bulge * drop / (6.0 * weights);
-                    step += (RISE * rise - step.dot(normal)) * normal;
-                }
-                s.points[v] = centre + step;
-            }
-            s.size[v] = sizes / f64::from(s.valence[v]);
+            let step = if bulge == 0.0 {
+                star_step::<false>(s, v, &metric, 0.0)
+            } else {
+                star_step::<true>(s, v, &metric, bulge)
+            };
+            s.points[v] += step;
         }
     }
+    for v in s.rim..s.points.len() {
+        if s.out[v] != NONE {
+            let mut sum = 0.0;
+            s.for_neighbours(v as u32, |w| sum += s.size[w as usize]);
+            s.size[v] = sum / f64::from(s.valence[v]);
+        }
+    }
+}
+
+/// The way of an interior vertex to its aim (see [`relax`]); `metric` is 1/size² per vertex.
+#[inline]
+fn star_step<const BULGING: bool>(s: &Surface, v: usize, metric: &[f64], bulge: f64) -> DVec3 {
+    let centre = s.points[v];
+    let first = s.out[v];
+    let start = s.to(first) as usize;
+    let mut a = s.points[start] - centre;
+    let mut metric_a = metric[start];
+    let (mut moment, mut weights) = (DVec3::ZERO, 0.0);
+    let (mut normal, mut drop) = (DVec3::ZERO, 0.0);
+    let mut h = first;
+    loop {
+        let back = prev(h);
+        let w = s.from(back) as usize;
+        let b = s.points[w] - centre;
+        let cross = a.cross(b);
+        let weight = cross.length() * (metric[v] + metric_a + metric[w]);
+        moment += weight * (a + b);
+        weights += weight;
+        if BULGING {
+            normal += cross;
+            drop += weight * (a.length_squared() + b.length_squared());
+        }
+        a = b;
+        metric_a = metric[w];
+        h = s.twin(back);
+        if h == first {
+            break;
+        }
+    }
+    if weights <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let step = moment / (3.0 * weights);
+    if !BULGING {
+        return step;
+    }
+    let normal = normal.normalize_or_zero();
+    let rise = step.dot(normal) + bulge * drop / (6.0 * weights);
+    step + (RISE * rise - step.dot(normal)) * normal
 }
 
 /// Over-relaxation across a bulging patch. A step towards the centroid is two thirds of one towards

@@ -6,6 +6,9 @@ use crate::mesh::DVec3;
 /// The mark for "no half-edge": the other side of a rim edge.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// Patches of fewer triangles fit the cache in any order.
+const WORTH_ORDERING: usize = 4000;
+
 /// Triangles with twin links. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the next
 /// one. The first `rim` vertices are the rim in order and never move; rim edges have no twin.
 /// Removed triangles stay in the arrays with their corners set to [`NONE`].
@@ -344,6 +347,67 @@ impl Surface {
         self.out[c as usize] = self.keep_rim_first(c, leaves_c);
     }
 
+    /// Renumbers vertices and triangles breadth first from the rim's first edge, the rim keeping its
+    /// numbers: neighbours end up near each other in memory, which halves the time of every pass
+    /// over a large patch. Nothing may have been removed yet.
+    pub fn reorder(&mut self) {
+        let count = self.corner.len() / 3;
+        if count < WORTH_ORDERING {
+            return;
+        }
+        let mut new_vertex = vec![NONE; self.points.len()];
+        let mut order: Vec<u32> = (0..self.rim as u32).collect();
+        for v in 0..self.rim {
+            new_vertex[v] = v as u32;
+        }
+        let mut seen = vec![false; count];
+        let mut queue = Vec::with_capacity(count);
+        let first = self.out[0] / 3;
+        queue.push(first);
+        seen[first as usize] = true;
+        let mut at = 0;
+        while at < queue.len() {
+            let t = queue[at];
+            at += 1;
+            for h in 3 * t..3 * t + 3 {
+                let v = self.from(h) as usize;
+                if new_vertex[v] == NONE {
+                    new_vertex[v] = order.len() as u32;
+                    order.push(v as u32);
+                }
+                let g = self.twin(h);
+                if g != NONE && !std::mem::replace(&mut seen[g as usize / 3], true) {
+                    queue.push(g / 3);
+                }
+            }
+        }
+        let mut new_triangle = vec![0; count];
+        for (new, &old) in queue.iter().enumerate() {
+            new_triangle[old as usize] = new as u32;
+        }
+        let new_halfedge = |h: u32| {
+            if h == NONE {
+                NONE
+            } else {
+                3 * new_triangle[h as usize / 3] + h % 3
+            }
+        };
+        let old_halfedges = || queue.iter().flat_map(|&t| 3 * t..3 * t + 3);
+        self.corner = old_halfedges()
+            .map(|h| new_vertex[self.from(h) as usize])
+            .collect();
+        self.twin = old_halfedges()
+            .map(|h| new_halfedge(self.twin(h)))
+            .collect();
+        self.out = order
+            .iter()
+            .map(|&v| new_halfedge(self.out[v as usize]))
+            .collect();
+        self.points = order.iter().map(|&v| self.points[v as usize]).collect();
+        self.size = order.iter().map(|&v| self.size[v as usize]).collect();
+        self.valence = order.iter().map(|&v| self.valence[v as usize]).collect();
+    }
+
     /// The mesh without what was removed: points (rim first) and triangles.
     pub fn compact(self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let mut index = vec![NONE; self.points.len()];
@@ -363,3 +427,7 @@ impl Surface {
         (points, triangles)
     }
 }
+
+#[cfg(test)]
+#[path = "surface_tests.rs"]
+mod tests;
