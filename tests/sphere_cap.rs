@@ -307,3 +307,25 @@ fn spheres_flow_as_they_should() {
         assert!((r - wanted).abs() < 2e-4, "{name}: R = {r}");
     }
 }
+
+/// f = K: the integral depends on the rim alone, so nothing may move.
+#[test]
+fn multiples_of_k_hold_still() {
+    let (points, faces, interior) = cap();
+    let mut start = points;
+    let topology = Topology::from_triangles(start.len(), &faces).expect("sphere");
+    harmonic(&mut start, &topology, &interior);
+    for text in ["K", "3*K", "k1*k2"] {
+        for mode in [Mode::Fast, Mode::Flow] {
+            let problem = FlowProblem::new(&start, &faces, &interior, 0.64).expect("cap");
+            let before = problem.positions().to_vec();
+            let mut options = FlowOptions::new(energy(text));
+            options.mode = mode;
+            let mut flow = Flow::new(problem, options).expect("start");
+            let outcome = flow.run(|_, _| true).expect("flow");
+            assert_eq!((outcome.end, outcome.steps), (End::Converged, 0), "{text}");
+            assert_eq!(flow.positions(), before, "{text}");
+            assert_eq!(outcome.warnings.len(), 1, "{:?}", outcome.warnings);
+        }
+    }
+}

@@ -3,7 +3,7 @@
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Control, Mode, Progress, STOP, Tau};
-use crate::solver::energy::Energy;
+use crate::solver::energy::{Energy, Order};
 use crate::solver::mixed::{LinearSolver, MixedFlow};
 use crate::solver::normal::NormalFlow;
 use crate::solver::survey::{Survey, survey};
@@ -185,6 +185,13 @@ impl Flow {
         }
         let mut warnings = Vec::new();
         warnings.extend(start.warning(problem.centre()));
+        if options.energy.order() == Order::Stationary {
+            warnings.push(
+                "this energy is a multiple of K, whose integral depends on the rim alone: every \
+                 surface is stationary and the first patch stays as it is"
+                    .into(),
+            );
+        }
         let mut flow = Self {
             control: Control::new(options.mode, options.tau, start.tau_ref, start.tau_ref),
             problem,
@@ -313,7 +320,11 @@ impl Flow {
         if self.end.is_some() {
             return Ok(None);
         }
-        if self.problem.interior().is_empty() {
+        // a multiple of K is stationary everywhere (Gauss-Bonnet): what is left of its gradient is
+        // the quadrature's error, and an adaptive τ would grow until that error moves the surface
+        let still = self.options.energy.order() == Order::Stationary
+            && !matches!(self.options.tau, Tau::Fixed(_));
+        if still || self.problem.interior().is_empty() {
             self.end = Some(End::Converged);
             return Ok(None);
         }
