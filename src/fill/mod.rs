@@ -202,16 +202,31 @@ impl Plan {
     /// # Errors
     /// [`FillError::NotManifold`] if a patch does not fit, which is a defect.
     pub fn finish(&self, mesh: &Mesh) -> Result<Mesh, FillError> {
-        let mut positions = mesh.positions.clone();
-        positions.extend_from_slice(&self.new_positions);
-        let mut triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+        Ok(self.assemble(mesh, self.topology(mesh)?))
+    }
+
+    /// Connectivity of the filled mesh; it does not depend on where the flow takes the vertices.
+    fn topology(&self, mesh: &Mesh) -> Result<Topology, TopologyError> {
+        let mut triangles: Vec<[u32; 3]> =
+            Vec::with_capacity(mesh.face_count() + self.triangles.len());
+        triangles.extend(mesh.topology.triangles());
         triangles.extend_from_slice(&self.triangles);
-        let topology = Topology::from_triangles(positions.len(), &triangles)?;
-        let mut filled = mesh.clone();
-        rim::extend_attributes(&mut filled, self);
-        filled.positions = positions;
-        filled.topology = topology;
-        Ok(filled)
+        Topology::from_triangles(mesh.positions.len() + self.new_positions.len(), &triangles)
+    }
+
+    fn assemble(&self, mesh: &Mesh, topology: Topology) -> Mesh {
+        let mut positions = Vec::with_capacity(topology.vertex_count());
+        positions.extend_from_slice(&mesh.positions);
+        positions.extend_from_slice(&self.new_positions);
+        Mesh {
+            positions,
+            topology,
+            colors: rim::colors(mesh, self),
+            face_tags: rim::face_tags(mesh, self),
+            tags: mesh.tags.clone(),
+            one_sided: mesh.one_sided.clone(),
+            one_sided_tags: mesh.one_sided_tags.clone(),
+        }
     }
 }
 
@@ -264,20 +279,27 @@ pub fn fill_holes(
 ) -> Result<Filled, FillError> {
     let start = Instant::now();
     let mut plan = prepare(mesh, loops, options);
-    let groups: Vec<_> = (0..plan.groups.len())
-        .into_par_iter()
-        .map(|g| {
-            run_group(&plan.groups[g], mesh, &plan, options, &|record| {
-                observe(g, record)
-            })
+    let run = |g: usize| {
+        run_group(&plan.groups[g], mesh, &plan, options, &|record| {
+            observe(g, record)
         })
-        .collect();
+    };
+    let (groups, topology) = rayon::join(
+        || {
+            (0..plan.groups.len())
+                .into_par_iter()
+                .map(run)
+                .collect::<Vec<_>>()
+        },
+        || plan.topology(mesh),
+    );
+    let topology = topology?;
     for (g, result) in groups.iter().enumerate() {
         if let Ok(result) = result {
             plan.place(g, &result.positions);
         }
     }
-    let filled = plan.finish(mesh)?;
+    let filled = plan.assemble(mesh, topology);
     Ok(Filled {
         mesh: filled,
         plan,

@@ -47,37 +47,40 @@ pub(super) fn tag_of(mesh: &Mesh, hole: &BoundaryLoop) -> u32 {
     mesh.face_tags.get(face.index()).copied().unwrap_or(0)
 }
 
-/// Gives the patch vertices the mean colour of their rim and the patch faces the tag of the face
-/// across the rim's first edge.
-pub(super) fn extend_attributes(mesh: &mut Mesh, plan: &Plan) {
+/// Colours of the filled mesh: new vertices get the mean colour of their rim.
+pub(super) fn colors(mesh: &Mesh, plan: &Plan) -> Vec<[f32; 4]> {
+    let mut colors = mesh.colors.clone();
+    if colors.is_empty() {
+        return colors;
+    }
     let old_vertices = mesh.positions.len() as u32;
     for hole in &plan.holes {
-        let faces = &plan.triangles[hole.new_faces.clone()];
-        if !mesh.colors.is_empty() {
-            let mut rim: Vec<u32> = faces
-                .iter()
-                .flatten()
-                .copied()
-                .filter(|&v| v < old_vertices)
-                .collect();
-            rim.sort_unstable();
-            rim.dedup();
-            let mut mean = [0.0f32; 4];
-            for &v in &rim {
-                for c in 0..4 {
-                    mean[c] += mesh.colors[v as usize][c] / rim.len() as f32;
-                }
+        let mut rim: Vec<u32> = plan.triangles[hole.new_faces.clone()]
+            .iter()
+            .flatten()
+            .copied()
+            .filter(|&v| v < old_vertices)
+            .collect();
+        rim.sort_unstable();
+        rim.dedup();
+        let mut mean = [0.0f32; 4];
+        for &v in &rim {
+            for c in 0..4 {
+                mean[c] += mesh.colors[v as usize][c] / rim.len() as f32;
             }
-            let count = hole.new_vertices.len();
-            mesh.colors.extend(std::iter::repeat_n(mean, count));
+        }
+        colors.extend(std::iter::repeat_n(mean, hole.new_vertices.len()));
+    }
+    colors
+}
+
+/// Face tags of the filled mesh: new faces get the tag of the face across the rim's first edge.
+pub(super) fn face_tags(mesh: &Mesh, plan: &Plan) -> Vec<u32> {
+    let mut tags = mesh.face_tags.clone();
+    if !tags.is_empty() {
+        for hole in &plan.holes {
+            tags.extend(std::iter::repeat_n(hole.tag, hole.new_faces.len()));
         }
     }
-    if !mesh.face_tags.is_empty() {
-        let tags: Vec<u32> = plan
-            .holes
-            .iter()
-            .flat_map(|hole| std::iter::repeat_n(hole.tag, hole.new_faces.len()))
-            .collect();
-        mesh.face_tags.extend(tags);
-    }
+    tags
 }
