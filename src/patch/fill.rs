@@ -244,16 +244,11 @@ fn mean_curvature(rim: &Rim) -> f64 {
     if curvature.abs() < FLATTEST * hemisphere {
         return 0.0;
     }
-    let steepest = STEEPEST * hemisphere;
-    curvature.clamp(-steepest, steepest)
+    curvature
 }
 
-/// The largest curvature taken over from the existing faces, relative to that of the hemisphere over
-/// a disc of the same area: there a surface of constant mean curvature loses its stability.
-const STEEPEST: f64 = 0.85;
-
-/// Curvatures below this fraction of that hemisphere's would lift the patch by less than noise in the
-/// faces does, and add less than 1 % to its area.
+/// Curvatures below this fraction of that of a hemisphere over a disc of the same area would lift
+/// the patch by less than noise in the faces does, and add less than 1 % to its area.
 const FLATTEST: f64 = 0.15;
 
 /// Wanted edge length at every rim vertex: the mean of the lengths of the rim edges near it.

@@ -18,6 +18,9 @@ const MOST_SWEEPS: usize = 40;
 /// Relaxation sweeps in each round.
 const SWEEPS: usize = 3;
 
+/// The largest curvature of a film, relative to that of the hemisphere over a disc of the same area:
+/// there a surface of constant mean curvature loses its stability.
+const STEEPEST: f64 = 0.85;
 /// Largest area a bulging patch may reach, relative to its first triangulation: a hemisphere over a
 /// disc has 2. Beyond it the surface of constant mean curvature is running away, which it does over
 /// rims wide in one place and narrow in others.
@@ -26,9 +29,11 @@ const LARGEST_AREA: f64 = 2.2;
 /// Remeshes `s` to its `size`, drawing it towards a surface of mean curvature `bulge`. `wanted` is
 /// the number of edges each rim vertex should have (rim edges included), see [`rim_valences`].
 pub(super) fn remesh(s: &mut Surface, wanted: &[i32], bulge: f64) {
+    let first_area = area(s);
+    let steepest = STEEPEST * (std::f64::consts::PI / first_area).sqrt();
     let mut film = Film {
-        bulge,
-        largest_area: LARGEST_AREA * area(s),
+        bulge: bulge.clamp(-steepest, steepest),
+        largest_area: LARGEST_AREA * first_area,
     };
     refine(s, &mut film);
     s.reorder();
@@ -334,9 +339,19 @@ fn star_step<const BULGING: bool>(s: &Surface, v: usize, metric: &[f64], bulge: 
     }
     let normal = normal.normalize_or_zero();
     let rise = step.dot(normal) + bulge * drop / (6.0 * weights);
-    step + (RISE * rise - step.dot(normal)) * normal
+    let over = step + (RISE * rise - step.dot(normal)) * normal;
+    // over tangled rims over-relaxation may diverge; the step to the centroid never leaves the hull
+    if (centre + over).length_squared() < FARTHEST * FARTHEST {
+        over
+    } else {
+        step
+    }
 }
 
 /// Over-relaxation across a bulging patch. A step towards the centroid is two thirds of one towards
 /// the mean of the neighbours, so this is a factor of 1.47 for Gauss-Seidel, below the limit of 2.
 const RISE: f64 = 2.2;
+
+/// How far a bulging patch may reach from the mean of the rim, in distances of its farthest vertex:
+/// a hemisphere over a disc reaches 1.
+const FARTHEST: f64 = 1.5;

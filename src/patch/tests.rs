@@ -360,3 +360,38 @@ fn a_missing_cap_bulges() {
         .fold(0.0, f64::max);
     assert!(worst < 0.05, "{worst}");
 }
+
+#[test]
+fn tangled_loops_get_a_disc_or_an_error() {
+    // random points: loops that cross themselves, touch themselves, lie in a plane or nearly on a
+    // line, with edges that differ by a factor of a thousand
+    let mut state = 7u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1u32 << 24) - 0.5
+    };
+    for round in 0..300 {
+        let n = 3 + round % 60;
+        let flatness = [1.0, 0.0, 1e-9][round % 3];
+        let width = [1.0, 1.0, 1.0, 1e-6, 0.0][round % 5];
+        let mut points: Vec<DVec3> = (0..n)
+            .map(|_| DVec3::new(random(), width * random(), flatness * random()))
+            .collect();
+        if round % 4 == 0 && n > 6 {
+            points[4] = points[1];
+            points[2] = points[1] + (points[2] - points[1]) * 1e-3;
+        }
+        let opposite = (0..n)
+            .map(|_| DVec3::new(random(), random(), random()))
+            .collect();
+        let rim = Rim {
+            points,
+            opposite,
+            forbidden: Vec::new(),
+        };
+        match fill(&rim, &PatchOptions::default()) {
+            Ok(patch) => check(&format!("round {round}"), &rim, &patch),
+            Err(error) => assert!(width * flatness < 1e-3, "round {round}: {error}"),
+        }
+    }
+}
