@@ -1,6 +1,6 @@
 //! First surfaces for holes.
 //!
-//! [`fill`] makes a triangulated disc over a rim: a triangulation without new vertices (minimum
+//! [`fill()`] makes a triangulated disc over a rim: a triangulation without new vertices (minimum
 //! weight, or constrained Delaunay in a plane, see `triangulate`), then splits, collapses, flips and
 //! relaxation to the rim's density (`remesh`). A film of constant mean curvature that continues the
 //! existing faces stands in for the final surface meanwhile, so that triangles are equilateral there
