@@ -1,5 +1,9 @@
 //! The cap of an icosphere against reference numbers (`tests/data/sphere_cap.json`).
 
+#[path = "common/icosphere.rs"]
+mod icosphere;
+
+use icosphere::area_radius;
 use std::collections::BTreeMap;
 
 use meniscus::mesh::{DVec3, Topology, VertexId};
@@ -9,7 +13,6 @@ use meniscus::solver::{
 };
 use meniscus::subdivision::{Rule, TableCache, elements};
 
-const DATA: &str = include_str!("data/icosphere3.obj");
 const REFERENCE: &str = include_str!("data/sphere_cap.json");
 const ENERGIES: [&str; 7] = ["1", "H^2", "K", "K^2", "H^2+K^2", "H^2*K^2", "k1^4+k2^4"];
 
@@ -56,30 +59,7 @@ fn unrounded(file: &[DVec3]) -> Vec<DVec3> {
 }
 
 fn icosphere() -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let (mut points, mut faces) = (Vec::new(), Vec::new());
-    for line in DATA.lines() {
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                let x: Vec<f64> = words.map(|w| w.parse().expect("number")).collect();
-                points.push(DVec3::new(x[0], x[1], x[2]));
-            }
-            Some("f") => {
-                let f: Vec<u32> = words
-                    .map(|w| {
-                        w.split('/')
-                            .next()
-                            .expect("index")
-                            .parse::<u32>()
-                            .expect("index")
-                            - 1
-                    })
-                    .collect();
-                faces.push([f[0], f[1], f[2]]);
-            }
-            _ => {}
-        }
-    }
+    let (points, faces) = icosphere::icosphere();
     (unrounded(&points), faces)
 }
 
@@ -261,21 +241,7 @@ fn flow_reaches_the_reference_minimum() {
 fn spheres_flow_as_they_should() {
     let (points, faces) = icosphere();
     let interior: Vec<u32> = (0..points.len() as u32).collect();
-    let area_radius = |x: &[DVec3]| {
-        let problem = FlowProblem::new(x, &faces, &interior, 1.0).expect("sphere");
-        let local = elements(
-            problem.topology(),
-            problem.active_faces(),
-            Rule::Twelve,
-            &mut TableCache::default(),
-        );
-        let mut assembler = Assembler::new(&local, Rule::Twelve, Unknowns::none(x.len()));
-        let area = assembler
-            .gradient(problem.positions(), &energy("1"), &mut Vec::new())
-            .value;
-        (area / (4.0 * std::f64::consts::PI)).sqrt()
-    };
-    let r0 = area_radius(&points);
+    let r0 = area_radius(&points, &faces);
     let unit: Vec<DVec3> = points.iter().map(|&p| p / r0).collect();
     for (name, wanted) in [
         ("1", 0.89458),
@@ -299,7 +265,7 @@ fn spheres_flow_as_they_should() {
             taken += 1;
         }
         let world = flow.problem().to_world(flow.positions());
-        let r = area_radius(&world);
+        let r = area_radius(&world, &faces);
         println!(
             "{name}: R = {r:.6}, expected {wanted}, steps {taken} end {:?}",
             flow.end()

@@ -422,8 +422,13 @@ impl Flow {
                     .into(),
             ),
             Some(End::Steps) => warnings.push(format!(
-                "not converged after {} steps; allow more with --steps",
-                self.steps
+                "not converged after {} steps; allow more with --steps{}",
+                self.steps,
+                if self.options.scheme == Scheme::Mixed {
+                    ", or take --scheme mixed-corrected, which does not creep along the surface"
+                } else {
+                    ""
+                }
             )),
             _ => {}
         }

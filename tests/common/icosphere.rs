@@ -1,6 +1,9 @@
 //! The icosphere of tests/data: 642 vertices near the unit sphere, 7 decimals.
 
 use meniscus::mesh::DVec3;
+use meniscus::solver::energy::{Energy, Preset};
+use meniscus::solver::{Assembler, FlowProblem, Unknowns};
+use meniscus::subdivision::{Rule, TableCache, elements};
 
 const DATA: &str = include_str!("../data/icosphere3.obj");
 
@@ -23,4 +26,16 @@ pub fn icosphere() -> (Vec<DVec3>, Vec<[u32; 3]>) {
         }
     }
     (points, faces)
+}
+
+/// Radius of the sphere whose area the limit surface of a closed mesh has, 12-point rule.
+pub fn area_radius(points: &[DVec3], faces: &[[u32; 3]]) -> f64 {
+    let all: Vec<u32> = (0..points.len() as u32).collect();
+    let problem = FlowProblem::new(points, faces, &all, 1.0).expect("closed mesh");
+    let (topology, active) = (problem.topology(), problem.active_faces());
+    let local = elements(topology, active, Rule::Twelve, &mut TableCache::default());
+    let mut assembler = Assembler::new(&local, Rule::Twelve, Unknowns::none(points.len()));
+    let area = Energy::preset(Preset::One);
+    let sum = assembler.gradient(problem.positions(), &area, &mut Vec::new());
+    (sum.value / (4.0 * std::f64::consts::PI)).sqrt()
 }
