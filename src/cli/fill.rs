@@ -25,6 +25,8 @@ use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, Tau};
 pub fn fill(args: &FillArguments) -> Result<()> {
     let options = options(args)?;
     check_targets(args)?;
+    // the pool's threads start while the file is read
+    rayon::spawn(|| ());
     let opened = open(&args.input)?;
     fill_opened(args, &options, &opened)
 }

@@ -238,9 +238,9 @@ impl Assembler {
         sum
     }
 
-    /// Whether threads are worth waking: below two thousand points they cost more than they do.
+    /// Whether threads are worth waking: below a thousand points they cost more than they do.
     fn is_large(&self) -> bool {
-        self.order.len() * self.points >= 4 * BATCH
+        self.order.len() * self.points >= 2 * BATCH
     }
 
     /// Lanes of an element's local result; nothing but the energy is kept where nothing moves.
