@@ -24,7 +24,8 @@ impl Progress {
                 .unwrap_or_else(|_| ProgressStyle::default_spinner());
             let bar = ProgressBar::new_spinner().with_style(style);
             bar.enable_steady_tick(std::time::Duration::from_millis(100));
-            bar.set_message(format!("{holes} holes: first patches"));
+            let noun = if holes == 1 { "hole" } else { "holes" };
+            bar.set_message(format!("{holes} {noun}: first patches"));
             bar
         };
         Self {
