@@ -5,8 +5,9 @@ use meniscus::mesh::shapes::{self, Hole, HoleShape};
 use meniscus::mesh::{DVec3, Mesh, Topology, boundary_loops};
 use meniscus::solver::energy::{Energy, Preset};
 use meniscus::solver::{
-    Command, End, Event, FlowOptions, FlowProblem, Mode, SolverError, Tau, spawn,
+    Command, End, Event, Flow, FlowOptions, FlowProblem, Mode, SolverError, Tau, spawn,
 };
+use meniscus::subdivision::Rule;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -42,8 +43,9 @@ fn runs_to_the_end_and_says_so() {
         counter.fetch_add(1, Ordering::Relaxed);
     })
     .expect("thread");
-    let mut steps = 0;
+    let (mut steps, mut events) = (0, 0);
     let outcome = loop {
+        events += 1;
         match handle.wait().expect("an end") {
             Event::Step(record) => steps += usize::from(!record.rejected),
             Event::Finished(outcome) => break outcome,
@@ -53,7 +55,10 @@ fn runs_to_the_end_and_says_so() {
     assert_eq!(outcome.end, End::Converged);
     assert_eq!(outcome.steps, steps);
     assert_eq!(handle.snapshot().step, steps);
-    assert!(wakes.load(Ordering::Relaxed) > steps);
+    // an event is sent before its wake-up: only once the thread has ended have all been counted
+    drop(handle);
+    assert_eq!(wakes.load(Ordering::Relaxed), events);
+    assert!(events > steps);
     assert!(outcome.energy_end < outcome.energy_start);
 }
 
@@ -107,4 +112,20 @@ fn an_energy_that_is_not_finite_is_an_event_and_dropping_cancels() {
         Some(Event::Failed(SolverError::EnergyNotFinite { .. }))
     ));
     drop(spawn(problem(), options(Mode::Flow), true, || {}).expect("thread"));
+}
+
+/// Refused options used to leave the stencils of the new quadrature behind with the old rule.
+#[test]
+fn refused_options_change_nothing() {
+    let mut flow = Flow::new(problem(), options(Mode::Flow)).expect("start");
+    let energy = flow.energy();
+    let mut bad = options(Mode::Flow);
+    bad.quadrature = Rule::Twelve;
+    bad.energy = Energy::parse("log(H^2-1e5)", &BTreeMap::new()).expect("parses");
+    assert!(matches!(
+        flow.set_options(bad),
+        Err(SolverError::EnergyNotFinite { .. })
+    ));
+    flow.set_options(options(Mode::Flow)).expect("as before");
+    assert_eq!(flow.energy(), energy);
 }

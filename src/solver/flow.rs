@@ -183,15 +183,7 @@ impl Flow {
         if !energy_start.is_finite() {
             return Err(start.not_finite());
         }
-        let mut warnings = Vec::new();
-        warnings.extend(start.warning(problem.centre()));
-        if options.energy.order() == Order::Stationary {
-            warnings.push(
-                "this energy is a multiple of K, whose integral depends on the rim alone: every \
-                 surface is stationary and the first patch stays as it is"
-                    .into(),
-            );
-        }
+        let warnings = warnings(&problem, &options.energy, &start);
         let mut flow = Self {
             control: Control::new(options.mode, options.tau, start.tau_ref, start.tau_ref),
             problem,
@@ -291,23 +283,28 @@ impl Flow {
     pub fn set_options(&mut self, options: FlowOptions) -> Result<(), SolverError> {
         options.validate()?;
         let problem = self.problem.clone().with_positions(self.positions());
-        if options.quadrature != self.options.quadrature {
-            self.local = elements(
+        let fresh = (options.quadrature != self.options.quadrature).then(|| {
+            elements(
                 problem.topology(),
                 problem.active_faces(),
                 options.quadrature,
                 &mut TableCache::default(),
-            );
-        }
+            )
+        });
+        let local = fresh.as_ref().unwrap_or(&self.local);
         let now = survey(
-            &self.local,
+            local,
             problem.positions(),
             &options.energy,
             problem.radius(),
         );
-        self.stepper = Self::stepper(&problem, &options, &self.local)?;
+        self.stepper = Self::stepper(&problem, &options, local)?;
+        if let Some(fresh) = fresh {
+            self.local = fresh;
+        }
+        self.warnings
+            .extend(warnings(&problem, &options.energy, &now));
         self.options = options;
-        self.warnings.extend(now.warning(problem.centre()));
         self.restart_control(&now);
         Ok(())
     }
@@ -441,4 +438,17 @@ impl Flow {
             warnings,
         }
     }
+}
+
+/// What is to be said of an energy on the surface of a survey.
+fn warnings(problem: &FlowProblem, energy: &Energy, survey: &Survey) -> Vec<String> {
+    let mut warnings: Vec<String> = survey.warning(problem.centre()).into_iter().collect();
+    if energy.order() == Order::Stationary {
+        warnings.push(
+            "this energy is a multiple of K, whose integral depends on the rim alone: every \
+             surface is stationary and the first patch stays as it is"
+                .into(),
+        );
+    }
+    warnings
 }

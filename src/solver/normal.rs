@@ -88,29 +88,14 @@ impl NormalFlow {
             quasi_newton: None,
             w: vec![0.0; count],
         };
-        flow.set_energy(local, energy.clone())?;
-        Ok(flow)
-    }
-
-    /// Goes on from the current shape with another energy.
-    ///
-    /// # Errors
-    /// [`SolverError::EnergyNotFinite`] if it is not finite here; the old one stays.
-    pub fn set_energy(&mut self, local: &Elements, energy: Energy) -> Result<(), SolverError> {
-        self.ring.evaluate(&self.positions, &mut self.trial_normals);
-        let sum = self
+        flow.ring.evaluate(&flow.positions, &mut flow.normals);
+        flow.current = flow
             .assembler
-            .gradient(&self.positions, &energy, &mut self.trial_gradient);
-        if !sum.value.is_finite() {
-            return Err(survey(local, &self.positions, &energy, self.radius).not_finite());
+            .gradient(&flow.positions, energy, &mut flow.gradient);
+        if !flow.current.value.is_finite() {
+            return Err(survey(local, &flow.positions, energy, flow.radius).not_finite());
         }
-        self.energy = energy;
-        self.current = sum;
-        std::mem::swap(&mut self.normals, &mut self.trial_normals);
-        std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
-        self.matrix_tau = None;
-        self.quasi_newton = None;
-        Ok(())
+        Ok(flow)
     }
 
     /// Positions of all vertices of the region, relative to the problem's centre.
