@@ -8,12 +8,11 @@ use clap::ValueEnum;
 
 use crate::cli::UsageError;
 use crate::cli::args::{FillArguments, LinearArgument, ModeArgument, SchemeArgument, TauArgument};
+use crate::cli::memory::peak_memory;
 use crate::cli::open::{Opened, open, save};
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
-use crate::cli::report::{
-    FailedHole, FillReport, hole_reports, memory_now, skipped, totals, trace,
-};
+use crate::cli::report::{FailedHole, FillReport, hole_reports, skipped, totals, trace};
 use crate::fill::{FillOptions, Filled, LoopChoice, choose, fill_holes, nearest_loop};
 use crate::io;
 use crate::mesh::{BoundaryLoop, boundary_loops};
@@ -120,7 +119,7 @@ fn write_records(
         holes,
         failed,
         skipped,
-        peak_memory: memory_now(),
+        peak_memory: peak_memory(),
     };
     if let Some(path) = &args.report {
         let mut text = serde_json::to_string_pretty(&report)?;

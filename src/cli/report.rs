@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use crate::cli::memory::peak_memory;
 use crate::fill::{Filled, Timings};
 use crate::mesh::{BoundaryLoop, LoadReport};
 use crate::solver::End;
@@ -225,11 +224,6 @@ pub fn skipped(loops: &[BoundaryLoop], chosen: &[usize], auto: bool) -> Vec<Skip
             },
         })
         .collect()
-}
-
-/// Peak memory now.
-pub fn memory_now() -> u64 {
-    peak_memory()
 }
 
 /// One line a step attempted: loop (the first of its group), step, τ, energy, residual, rejected.

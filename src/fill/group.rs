@@ -1,6 +1,7 @@
 //! Holes that have to be solved together, and the region of each group.
 
 use crate::fill::{Plan, sheets};
+use crate::mesh::union_find::{find, unite};
 use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, TopologyError, VertexId};
 use crate::solver::{COLLAR_RINGS, FlowProblem, SolverError};
 
@@ -22,7 +23,7 @@ pub struct Group {
 pub(super) fn groups(mesh: &Mesh, loops: &[&BoundaryLoop], plan: &Plan) -> Vec<Group> {
     let count = loops.len();
     let mut owner = vec![u32::MAX; mesh.positions.len()];
-    let mut parent: Vec<usize> = (0..count).collect();
+    let mut parent: Vec<u32> = (0..count as u32).collect();
     let mut collars: Vec<Vec<FaceId>> = Vec::with_capacity(count);
     let mut face_owner = vec![u32::MAX; mesh.topology.face_count()];
     for (h, hole) in loops.iter().enumerate() {
@@ -32,7 +33,7 @@ pub(super) fn groups(mesh: &Mesh, loops: &[&BoundaryLoop], plan: &Plan) -> Vec<G
         }
         let mut faces = Vec::new();
         let mut front: Vec<VertexId> = hole.vertices.clone();
-        let mut claim = |v: VertexId, parent: &mut Vec<usize>| -> bool {
+        let mut claim = |v: VertexId, parent: &mut [u32]| -> bool {
             match owner[v.index()] {
                 u32::MAX => {
                     owner[v.index()] = h as u32;
@@ -40,7 +41,7 @@ pub(super) fn groups(mesh: &Mesh, loops: &[&BoundaryLoop], plan: &Plan) -> Vec<G
                 }
                 o if o as usize == h => false,
                 o => {
-                    join(parent, o as usize, h);
+                    unite(parent, o, h as u32);
                     // walk on as far as this hole's own rings reach, once
                     owner[v.index()] = h as u32;
                     true
@@ -75,7 +76,7 @@ pub(super) fn groups(mesh: &Mesh, loops: &[&BoundaryLoop], plan: &Plan) -> Vec<G
         if plan.holes[h].new_vertices.is_empty() {
             continue;
         }
-        let root = find(&mut parent, h);
+        let root = find(&mut parent, h as u32) as usize;
         if group_of_root[root] == usize::MAX {
             group_of_root[root] = groups.len();
             groups.push(Group {
@@ -99,21 +100,6 @@ pub(super) fn groups(mesh: &Mesh, loops: &[&BoundaryLoop], plan: &Plan) -> Vec<G
         group.faces.dedup();
     }
     groups
-}
-
-fn find(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
-}
-
-/// The lower index becomes the root, so that the numbering does not depend on the order of joins.
-fn join(parent: &mut [usize], a: usize, b: usize) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    let (low, high) = (a.min(b), a.max(b));
-    parent[high] = low;
 }
 
 impl Group {

@@ -1,6 +1,7 @@
 //! Sheets of a region that hang together at single vertices.
 
 use crate::mesh::DVec3;
+use crate::mesh::union_find::{find, unite};
 
 /// Gives each fan of triangles around a vertex, but the first, its own copy of the vertex, at the
 /// end of `positions`.
@@ -18,19 +19,19 @@ pub(super) fn separate(positions: &mut Vec<DVec3>, triangles: &mut [[u32; 3]]) {
         })
         .collect();
     edges.sort_unstable();
-    let mut link: Vec<usize> = (0..edges.len()).collect();
+    let mut link: Vec<u32> = (0..edges.len() as u32).collect();
     for pair in edges.windows(2) {
         let ((e, c), (f, d)) = (pair[0], pair[1]);
         if e == f {
             // the two sides run through the edge in opposite directions
-            unite(&mut link, c, following(d));
-            unite(&mut link, following(c), d);
+            unite(&mut link, c as u32, following(d) as u32);
+            unite(&mut link, following(c) as u32, d as u32);
         }
     }
     let mut first = vec![usize::MAX; positions.len()];
     let mut name = vec![0; link.len()];
     for c in 0..link.len() {
-        let root = find(&mut link, c);
+        let root = find(&mut link, c as u32) as usize;
         if root == c {
             let v = corner(c);
             let seen = &mut first[v as usize];
@@ -49,19 +50,6 @@ pub(super) fn separate(positions: &mut Vec<DVec3>, triangles: &mut [[u32; 3]]) {
     for (t, names) in triangles.iter_mut().zip(name.chunks_exact(3)) {
         t.copy_from_slice(names);
     }
-}
-
-fn find(link: &mut [usize], mut c: usize) -> usize {
-    while link[c] != c {
-        link[c] = link[link[c]];
-        c = link[c];
-    }
-    c
-}
-
-fn unite(link: &mut [usize], c: usize, d: usize) {
-    let (c, d) = (find(link, c), find(link, d));
-    link[c.max(d)] = c.min(d);
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ pub mod shapes;
 mod soup;
 mod spatial;
 mod topology;
+pub(crate) mod union_find;
 
 pub use boundary::{BoundaryLoop, boundary_loops};
 pub use build::{BuildError, ComponentReport, Defect, DefectKind, LoadReport, build};

@@ -1,13 +1,14 @@
 //! Limit normals of the moving vertices, the directions of scheme B.
 
 use crate::mesh::{DVec3, Topology, VertexId};
+use crate::subdivision::tangent_mask;
 use rayon::prelude::*;
 
 /// One-rings of the moving vertices with the weights of Loop's limit tangents.
 pub struct LimitNormals {
     start: Vec<u32>,
     ring: Vec<u32>,
-    // cos and sin of 2πi/n, for each place of each ring
+    /// Of both tangents, for each place of each ring.
     weight: Vec<[f64; 2]>,
 }
 
@@ -27,12 +28,7 @@ impl LimitNormals {
                 tables.resize(n + 1, Vec::new());
             }
             if tables[n].is_empty() {
-                tables[n] = (0..n)
-                    .map(|i| {
-                        let angle = std::f64::consts::TAU * i as f64 / n as f64;
-                        [angle.cos(), angle.sin()]
-                    })
-                    .collect();
+                tables[n] = tangent_mask(n).map(<[f64; 2]>::from).collect();
             }
             weight.extend_from_slice(&tables[n]);
             start.push(ring.len() as u32);

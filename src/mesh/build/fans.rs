@@ -3,6 +3,7 @@
 use super::edges::{EdgeTable, ends, following, opposite};
 use super::join::{NONE, Sheets};
 use super::repair::has_pillow;
+use crate::mesh::union_find::{find, unite};
 use crate::mesh::{Topology, TopologyError};
 
 /// Corners grouped by the vertex they become.
@@ -34,21 +35,6 @@ pub(super) fn fans(own: &[[u32; 3]], triangles: &[[u32; 3]], mate: &[u32]) -> Fa
         unite(&mut link, following(c), d1);
     }
     number(&mut link)
-}
-
-fn find(link: &mut [u32], mut c: u32) -> u32 {
-    while link[c as usize] != c {
-        let up = link[link[c as usize] as usize];
-        link[c as usize] = up;
-        c = up;
-    }
-    c
-}
-
-/// Joins the classes of two members of a union-find forest; the lowest member is the root.
-pub(super) fn unite(link: &mut [u32], c: u32, d: u32) {
-    let (c, d) = (find(link, c), find(link, d));
-    link[c.max(d) as usize] = c.min(d);
 }
 
 /// Numbers the classes in the order of their lowest member.

@@ -1,7 +1,7 @@
 //! The load report of a finished mesh.
 
-use super::fans::unite;
 use super::{ComponentReport, Defect, DefectKind, LoadReport, Repaired, Triangles};
+use crate::mesh::union_find::unite;
 use crate::mesh::{DVec3, FaceId, Mesh, Soup, VertexId, components};
 
 /// A triangle lower than this times its longest edge has no area beyond the rounding of its
