@@ -5,8 +5,8 @@ use clap::Parser;
 
 use crate::cli::args::{Arguments, Command, DemoArguments};
 use crate::cli::fill;
-use crate::cli::open::save;
 use crate::cli::print::print;
+use crate::io::save_mesh;
 use crate::mesh::{Mesh, Topology, shapes};
 
 /// Writes the sample, fills it from its file, writes the result and the report.
@@ -16,7 +16,7 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
     let (positions, triangles) = shapes::demo();
     let topology = Topology::from_triangles(positions.len(), &triangles)?;
     let holed = args.out.join("holed.obj");
-    save(&holed, &Mesh::new(positions, topology), &[])?;
+    save_mesh(&holed, &Mesh::new(positions, topology), &[])?;
     let mut words: Vec<std::ffi::OsString> = vec!["meniscus".into(), "fill".into()];
     words.push(holed.clone().into());
     words.extend(["-o".into(), args.out.join("filled.obj").into()]);

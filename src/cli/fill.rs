@@ -9,12 +9,11 @@ use clap::ValueEnum;
 use crate::cli::UsageError;
 use crate::cli::args::{FillArguments, LinearArgument, ModeArgument, SchemeArgument, TauArgument};
 use crate::cli::memory::peak_memory;
-use crate::cli::open::{Opened, open, save};
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::{FailedHole, FillReport, hole_reports, skipped, totals, trace};
 use crate::fill::{FillOptions, Filled, LoopChoice, choose, fill_holes, nearest_loop};
-use crate::io;
+use crate::io::{self, Opened, open};
 use crate::mesh::{BoundaryLoop, boundary_loops};
 use crate::patch::PatchOptions;
 use crate::solver::energy::{Energy, ExprError};
@@ -87,7 +86,7 @@ pub fn fill_opened(args: &FillArguments, options: &FillOptions, opened: &Opened)
     })?;
     progress.finish();
 
-    save(&args.output, &filled.mesh, &opened.material_libraries)?;
+    io::save_mesh(&args.output, &filled.mesh, &opened.material_libraries)?;
     write_records(args, opened, &filled, skipped)
 }
 

@@ -6,8 +6,8 @@ use anyhow::Result;
 use serde::Serialize;
 
 use crate::cli::args::InfoArguments;
-use crate::cli::open::open;
 use crate::cli::print::print;
+use crate::io::open;
 use crate::mesh::{BoundaryLoop, LoadReport, boundary_loops};
 
 #[derive(Serialize)]

@@ -5,7 +5,6 @@ mod demo;
 mod fill;
 mod info;
 mod memory;
-mod open;
 mod print;
 mod progress;
 mod report;

@@ -26,6 +26,7 @@
 mod atomic;
 mod check;
 mod error;
+mod mesh_file;
 mod number;
 mod obj;
 mod ply;
@@ -40,6 +41,7 @@ use std::path::Path;
 
 pub use check::{check, losses};
 pub use error::{Fault, LoadError, MeshFault, Place, Problem, SaveError};
+pub use mesh_file::{OpenError, Opened, from_soup, open, save_mesh, with_output};
 
 use crate::mesh::{DVec3, FaceTag, Soup};
 
