@@ -1,7 +1,7 @@
 //! The camera: where one looks from, and how the mouse moves that.
 //!
-//! World coordinates are those of the file, `y` points up in the standard views. All of it is in
-//! `f64`; what the graphics card gets is relative to a centre near the surface.
+//! World coordinates are those of the file; `y` or `z` points up in the standard views. All of it is
+//! in `f64`; what the graphics card gets is relative to a centre near the surface.
 
 use glam::{DMat4, DQuat, DVec2, DVec4};
 
@@ -33,9 +33,12 @@ pub struct Camera {
     pub fov_y: f64,
     /// Parallel instead of perspective projection.
     pub orthographic: bool,
+    /// Whether `z` is the vertical of the world, for standard views and the turntable, instead of
+    /// `y`.
+    pub z_up: bool,
 }
 
-/// Views along the axes.
+/// Views along the axes, said for `y` up; with `z` up the world is turned so that Front is from −y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StandardView {
     /// From +z.
@@ -120,6 +123,7 @@ impl Camera {
             offset: DVec2::ZERO,
             fov_y: 35f64.to_radians(),
             orthographic: false,
+            z_up: false,
         };
         camera.fit_to(bounds);
         camera
@@ -151,8 +155,9 @@ impl Camera {
         let about_right = DQuat::from_rotation_x(-dy);
         let turned = if turntable {
             // upside down the table turns the other way, so that the surface follows the mouse
-            let side = if self.up().y < 0.0 { -1.0 } else { 1.0 };
-            DQuat::from_rotation_y(-side * dx) * self.orientation * about_right
+            let vertical = self.vertical();
+            let side = if self.up().dot(vertical) < 0.0 { -1.0 } else { 1.0 };
+            DQuat::from_axis_angle(vertical, -side * dx) * self.orientation * about_right
         } else {
             self.orientation * DQuat::from_rotation_y(-dx) * about_right
         };
@@ -205,7 +210,17 @@ impl Camera {
 
     /// Turns to a standard view around the pivot.
     pub fn standard_view(&mut self, view: StandardView) {
-        self.orientation = view.orientation();
+        let upright = if self.z_up {
+            DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2)
+        } else {
+            DQuat::IDENTITY
+        };
+        self.orientation = (upright * view.orientation()).normalize();
+    }
+
+    /// The direction that is up in the world.
+    pub fn vertical(&self) -> DVec3 {
+        if self.z_up { DVec3::Z } else { DVec3::Y }
     }
 
     /// Where the eye is.
@@ -384,6 +399,7 @@ impl Camera {
             offset: DVec2::ZERO,
             fov_y: fov.to_radians(),
             orthographic,
+            z_up: false,
         })
     }
 }
