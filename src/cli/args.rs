@@ -12,14 +12,28 @@ use crate::mesh::DVec3;
 /// Every hole gets a patch that joins its surroundings smoothly (G1) and makes the integral of an
 /// energy f(H,K) stationary, H the mean and K the Gaussian curvature.
 #[derive(Debug, Parser)]
-#[command(name = "meniscus", version, about, after_help = EXAMPLES)]
+#[command(
+    name = "meniscus",
+    version,
+    about,
+    after_help = EXAMPLES,
+    args_conflicts_with_subcommands = true
+)]
 pub struct Arguments {
-    /// What to do; without a command the built-in demo is run.
+    /// What to do without a window; without a command the window opens.
     #[command(subcommand)]
     pub command: Option<Command>,
+    /// Mesh or project to open in the window; a sample if none is given.
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Write frame times and memory as JSON when the window closes.
+    #[arg(long, value_name = "FILE.json")]
+    pub diagnostics: Option<PathBuf>,
 }
 
 const EXAMPLES: &str = "Examples:
+  meniscus
+  meniscus scan.obj
   meniscus info scan.obj
   meniscus fill scan.obj -o filled.obj
   meniscus fill scan.stl -o filled.ply --loops 1,4 --energy 'H^2+K^2'
@@ -48,6 +62,8 @@ pub enum Command {
     Fill(FillArguments),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
+    /// Write a built-in sample as a mesh file.
+    Sample(SampleArguments),
     /// Fill a built-in sample riddled with holes and write both meshes and the report.
     Demo(DemoArguments),
 }
@@ -125,6 +141,17 @@ pub struct InfoArguments {
     pub json: bool,
 }
 
+/// `meniscus sample`.
+#[derive(Debug, Args)]
+pub struct SampleArguments {
+    /// Which: creature, sphere, torus, catenoid or saddle.
+    #[arg(value_name = "NAME")]
+    pub name: String,
+    /// Mesh to write (.obj, .ply, .stl).
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+}
+
 /// `meniscus demo`.
 #[derive(Debug, Args)]
 pub struct DemoArguments {
@@ -134,15 +161,6 @@ pub struct DemoArguments {
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
-}
-
-impl Default for DemoArguments {
-    fn default() -> Self {
-        Self {
-            out: "meniscus-demo".into(),
-            quiet: false,
-        }
-    }
 }
 
 /// `--scheme`.
