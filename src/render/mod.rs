@@ -10,6 +10,7 @@ mod camera;
 mod colormap;
 mod error;
 mod export;
+mod gpu;
 mod headless;
 mod picking;
 mod scene;
@@ -21,6 +22,7 @@ pub use camera::{Camera, CameraError, StandardView};
 pub use colormap::{colormap, legend_ticks, robust_range};
 pub use error::RenderError;
 pub use export::{SequenceEnd, SequenceFormat, save_png, turntable, write_sequence};
+pub use gpu::{Renderer, Tile};
 pub use headless::{Gpu, MAX_SIDE, picture};
 pub use picking::{Hit, Picker};
 pub use scene::{
