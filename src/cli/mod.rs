@@ -5,8 +5,11 @@ mod demo;
 mod fill;
 mod info;
 mod memory;
+mod picture;
+mod picture_args;
 mod print;
 mod progress;
+mod render;
 mod report;
 
 pub use args::{Arguments, Command};
@@ -27,6 +30,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     match arguments.command {
         Some(Command::Fill(args)) => fill::fill(&args),
         Some(Command::Info(args)) => info::info(&args),
+        Some(Command::Render(args)) => render::render(&args),
         Some(Command::Demo(args)) => demo::demo(&args),
         None => {
             eprintln!(

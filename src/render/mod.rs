@@ -13,6 +13,7 @@ mod export;
 mod gpu;
 mod headless;
 mod picking;
+mod rims;
 mod scene;
 mod surface;
 
@@ -25,6 +26,7 @@ pub use export::{SequenceEnd, SequenceFormat, save_png, turntable, write_sequenc
 pub use gpu::{Renderer, Tile};
 pub use headless::{Gpu, MAX_SIDE, picture};
 pub use picking::{Hit, Picker};
+pub use rims::rim_points;
 pub use scene::{
     Background, Geometry, LineStyle, Marker, Overlay, Polyline, Scene, Vertex, ViewMode, ViewStyle,
 };
