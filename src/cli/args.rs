@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::cli::picture_args::PictureArguments;
+use crate::cli::render::RenderArguments;
 use crate::fill::LoopChoice;
 use crate::mesh::DVec3;
 
@@ -54,6 +56,11 @@ expression in H, K, k1, k2 and parameters with + - * / ^, abs, sqrt, exp, log, s
 min and max. It must be symmetric in k1 and k2. H is negative on a sphere with outward normals.
 A typed energy is in the units of the file.";
 
+const RENDER_EXAMPLES: &str = "Examples:
+  meniscus render scan.obj -o scan.png
+  meniscus render filled.obj -o map.png --view H --camera top --size 1920x1080
+  meniscus render filled.obj -o turn.gif --turntable 60 --size 480x360";
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -62,6 +69,9 @@ pub enum Command {
     Fill(FillArguments),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
+    /// Draw a mesh into a picture.
+    #[command(after_help = RENDER_EXAMPLES)]
+    Render(RenderArguments),
     /// Write a built-in sample as a mesh file.
     Sample(SampleArguments),
     /// Fill a built-in sample riddled with holes and write both meshes and the report.
@@ -125,6 +135,12 @@ pub struct FillArguments {
     /// Write every step as CSV.
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
+    /// Write a picture of the result as PNG, patches tinted.
+    #[arg(long, value_name = "FILE.png")]
+    pub picture: Option<PathBuf>,
+    /// How the picture looks.
+    #[command(flatten)]
+    pub look: PictureArguments,
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
@@ -218,7 +234,7 @@ fn density(text: &str) -> Result<f64, String> {
     }
 }
 
-fn point(text: &str) -> Result<DVec3, String> {
+pub(crate) fn point(text: &str) -> Result<DVec3, String> {
     let numbers: Vec<f64> = text
         .split(',')
         .map(|word| word.trim().parse::<f64>())

@@ -9,6 +9,7 @@ use clap::ValueEnum;
 use crate::cli::UsageError;
 use crate::cli::args::{FillArguments, LinearArgument, ModeArgument, SchemeArgument, TauArgument};
 use crate::cli::memory::peak_memory;
+use crate::cli::picture::picture;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::{FailedHole, FillReport, hole_reports, skipped, totals, trace};
@@ -22,6 +23,10 @@ use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, Tau};
 /// Runs the command.
 pub fn fill(args: &FillArguments) -> Result<()> {
     let options = options(args)?;
+    if args.picture.is_none() && args.look.given() {
+        let message = "the options of pictures need --picture FILE.png";
+        return Err(UsageError(message.into()).into());
+    }
     check_targets(args)?;
     // the pool's threads start while the file is read
     rayon::spawn(|| ());
@@ -33,7 +38,11 @@ pub fn fill(args: &FillArguments) -> Result<()> {
 fn check_targets(args: &FillArguments) -> Result<()> {
     let input = ("IN", args.input.as_path());
     let mut taken = vec![input];
-    let records = [("--report", &args.report), ("--trace", &args.trace)];
+    let records = [
+        ("--report", &args.report),
+        ("--trace", &args.trace),
+        ("--picture", &args.picture),
+    ];
     let records = records
         .iter()
         .filter_map(|&(name, path)| Some((name, path.as_deref()?)));
@@ -127,6 +136,9 @@ fn write_records(
     }
     if let Some(path) = &args.trace {
         write_text(path, &trace(filled))?;
+    }
+    if let Some(path) = &args.picture {
+        picture(path, &filled.mesh, opened.mesh.face_count(), &args.look)?;
     }
     if !args.quiet {
         summary(&report)?;

@@ -5,8 +5,11 @@ mod demo;
 mod fill;
 mod info;
 mod memory;
+mod picture;
+mod picture_args;
 mod print;
 mod progress;
+mod render;
 mod report;
 mod sample;
 
@@ -30,6 +33,7 @@ pub fn run(command: Command) -> Result<()> {
         Command::Fill(args) => fill::fill(&args),
         Command::Info(args) => info::info(&args),
         Command::Demo(args) => demo::demo(&args),
+        Command::Render(args) => render::render(&args),
         Command::Sample(args) => sample::sample(&args),
     }
 }

@@ -21,5 +21,7 @@ pub use glam::DVec3;
 pub use ids::{FaceId, HalfedgeId, VertexId};
 pub use intersect::{folded_edges, self_intersections, triangles_meet};
 pub use soup::{FaceTag, Soup};
-pub use spatial::{ClosestPoint, TriangleBvh, closest_point_on_segment, closest_point_on_triangle};
+pub use spatial::{
+    ClosestPoint, RayHit, TriangleBvh, closest_point_on_segment, closest_point_on_triangle,
+};
 pub use topology::{Topology, TopologyError};
