@@ -112,7 +112,7 @@ impl App {
         };
         if let Some(state) = render_state {
             let (device, queue) = (state.device.clone(), state.queue.clone());
-            app.model.gpu = Some(Gpu::from_device(device, queue));
+            app.model.gpu = Some(Arc::new(Gpu::from_device(device, queue)));
             app.format = Some(state.target_format);
             let info = state.adapter.get_info();
             app.ui.adapter = format!("{} ({:?})", info.name, info.backend);

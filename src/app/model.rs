@@ -105,7 +105,7 @@ pub struct Model {
     /// Keeps a recovery file.
     pub autosave: Autosave,
     /// Draws pictures; `None` before the window has a device, and in tests without one.
-    pub gpu: Option<Gpu>,
+    pub gpu: Option<Arc<Gpu>>,
     picker_wanted: Option<Arc<Mesh>>,
     creases: (Vec<usize>, Arc<Vec<[VertexId; 2]>>),
 }

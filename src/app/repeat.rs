@@ -60,7 +60,7 @@ pub fn command(model: &Model) -> Result<String, String> {
             (_, true) => folder.join(format!("{stem}_filled.obj")),
             _ => folder.join(format!("{stem}_{}.obj", i + 1)),
         };
-        let schedule = if fill.schedule.is_empty() {
+        let schedule = if fill.schedule.rows.is_empty() {
             None
         } else {
             let path = output.with_extension("schedule.csv");

@@ -39,10 +39,10 @@ pub fn update(model: &mut Model, action: Action) {
     }
 }
 
-fn gpu(model: &mut Model) -> Option<Gpu> {
+fn gpu(model: &mut Model) -> Option<Arc<Gpu>> {
     if model.gpu.is_none() {
         match Gpu::new() {
-            Ok(gpu) => model.gpu = Some(gpu),
+            Ok(gpu) => model.gpu = Some(Arc::new(gpu)),
             Err(error) => model.log.error(error.to_string()),
         }
     }
@@ -111,7 +111,7 @@ fn make(model: &mut Model, settings: &PictureSettings) {
 
 /// All that a picture needs, away from the window.
 struct Shot {
-    gpu: Gpu,
+    gpu: Arc<Gpu>,
     camera: Camera,
     style: ViewStyle,
     settings: PictureSettings,
