@@ -156,7 +156,11 @@ impl Camera {
         let turned = if turntable {
             // upside down the table turns the other way, so that the surface follows the mouse
             let vertical = self.vertical();
-            let side = if self.up().dot(vertical) < 0.0 { -1.0 } else { 1.0 };
+            let side = if self.up().dot(vertical) < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
             DQuat::from_axis_angle(vertical, -side * dx) * self.orientation * about_right
         } else {
             self.orientation * DQuat::from_rotation_y(-dx) * about_right

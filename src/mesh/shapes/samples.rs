@@ -83,7 +83,15 @@ fn sphere_with_holes() -> Shape {
         &[
             hole([0.5, -0.8, 0.3], HoleShape::Disc { radius: 0.42 }, 1),
             hole([0.9, 0.3, 0.3], HoleShape::Ragged { radius: 0.28 }, 2),
-            hole([-0.2, -0.2, 1.0], HoleShape::Star { outer, inner, points: 5 }, 3),
+            hole(
+                [-0.2, -0.2, 1.0],
+                HoleShape::Star {
+                    outer,
+                    inner,
+                    points: 5,
+                },
+                3,
+            ),
             hole([-0.9, -0.4, 0.0], HoleShape::Blots { radius: 0.35 }, 4),
             hole([0.1, 0.9, -0.4], HoleShape::Disc { radius: 0.3 }, 5),
         ],
