@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
+use crate::cli::controls::ControlArguments;
 use crate::cli::picture_args::PictureArguments;
 use crate::cli::render::RenderArguments;
 use crate::fill::LoopChoice;
@@ -50,6 +51,7 @@ const FILL_EXAMPLES: &str = "Examples:
   meniscus fill scan.obj -o out.obj --energy 'k1^4+k2^4' --scheme mixed --linear lu
   meniscus fill scan.obj -o out.obj --energy 'H^2 + a*K^2' --param a=0.3 --trace steps.csv
   meniscus fill scan.obj -o out.obj --mode flow --tau 1e-5 --steps 1000
+  meniscus fill pipe.obj -o out.obj --energy 1 --loop-continuity 2=g0
 
 Energies: 1, H^2, K^2, H^2+K^2, H^2*K^2, k1^4+k2^4, K, (H-H0)^2, k1^2+k2^2, (k1-k2)^2, or any
 expression in H, K, k1, k2 and parameters with + - * / ^, abs, sqrt, exp, log, sin, cos, tanh,
@@ -99,36 +101,13 @@ pub struct FillArguments {
         conflicts_with = "loop_at"
     )]
     pub loops: LoopChoice,
-    /// Energy f(H,K): a preset or an expression.
-    #[arg(
-        long,
-        value_name = "F",
-        default_value = "H^2",
-        allow_hyphen_values = true
-    )]
-    pub energy: String,
-    /// Value of a parameter of the energy (repeatable).
-    #[arg(long, value_name = "NAME=VALUE", value_parser = parameter)]
-    pub param: Vec<(String, f64)>,
-    /// Method: `normal` is the fast linearly implicit normal flow, `mixed` the paper's mixed finite
-    /// elements, `mixed-corrected` the same matrix with the exact gradient.
-    #[arg(long, value_enum, default_value = "normal")]
-    pub scheme: SchemeArgument,
-    /// `fast` goes for the stationary shape, `flow` follows the flow in true time.
-    #[arg(long, value_enum, default_value = "fast")]
-    pub mode: ModeArgument,
-    /// Linear solver of the mixed scheme.
-    #[arg(long, value_enum, default_value = "gmres")]
-    pub linear: LinearArgument,
-    /// Time step: auto, or a fixed one.
-    #[arg(long, value_name = "T", default_value = "auto", value_parser = tau, allow_negative_numbers = true)]
-    pub tau: TauArgument,
-    /// Most steps to take.
-    #[arg(long, value_name = "N", default_value_t = 200)]
-    pub steps: usize,
-    /// Density of the patch relative to the rim: 2 halves the edge length.
-    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = density, allow_negative_numbers = true)]
-    pub density: f64,
+    /// Energy, method, time step and the like.
+    #[command(flatten)]
+    pub controls: ControlArguments,
+    /// Repeat the changes on the way of an earlier fill: CSV with the columns
+    /// attempt,control,value, as the window copies it.
+    #[arg(long, value_name = "FILE.csv")]
+    pub schedule: Option<PathBuf>,
     /// Write a report as JSON.
     #[arg(long, value_name = "FILE.json")]
     pub report: Option<PathBuf>,
@@ -179,61 +158,6 @@ pub struct DemoArguments {
     pub quiet: bool,
 }
 
-/// `--scheme`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum SchemeArgument {
-    /// Scheme B.
-    Normal,
-    /// Scheme A.
-    Mixed,
-    /// Scheme A, residual-corrected.
-    MixedCorrected,
-}
-
-/// `--mode`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ModeArgument {
-    /// Stationary shape.
-    Fast,
-    /// True time.
-    Flow,
-}
-
-/// `--linear`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LinearArgument {
-    /// Restarted GMRES.
-    Gmres,
-    /// Sparse LU.
-    Lu,
-}
-
-/// `--tau`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TauArgument {
-    /// Adaptive.
-    Auto,
-    /// Fixed.
-    Fixed(f64),
-}
-
-fn tau(text: &str) -> Result<TauArgument, String> {
-    if text == "auto" {
-        return Ok(TauArgument::Auto);
-    }
-    match text.parse::<f64>() {
-        Ok(t) if t.is_finite() && t > 0.0 => Ok(TauArgument::Fixed(t)),
-        _ => Err("give `auto` or a positive number".into()),
-    }
-}
-
-fn density(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(d) if d.is_finite() && d > 0.0 => Ok(d),
-        _ => Err("give a positive number".into()),
-    }
-}
-
 pub(crate) fn point(text: &str) -> Result<DVec3, String> {
     let numbers: Vec<f64> = text
         .split(',')
@@ -244,13 +168,4 @@ pub(crate) fn point(text: &str) -> Result<DVec3, String> {
         [x, y, z] if x.is_finite() && y.is_finite() && z.is_finite() => Ok(DVec3::new(x, y, z)),
         _ => Err("give three numbers, as in 0.1,-2,3.5".into()),
     }
-}
-
-fn parameter(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("give NAME=VALUE, as in a=0.3")?;
-    let value = value
-        .trim()
-        .parse::<f64>()
-        .map_err(|_| format!("`{value}` is not a number"))?;
-    Ok((name.trim().to_owned(), value))
 }

@@ -1,6 +1,7 @@
 //! The headless commands.
 
 mod args;
+mod controls;
 mod demo;
 mod fill;
 mod info;
