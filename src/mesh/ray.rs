@@ -97,9 +97,15 @@ impl Ray {
     fn enters(&self, node: &Node, start: f64, end: f64) -> Option<f64> {
         let (mut near, mut far) = (start, end);
         for k in 0..3 {
+            if self.direction[k] == 0.0 {
+                // 0 · ∞ in the plane of a side would say nothing
+                if self.origin[k] < node.low[k] || self.origin[k] > node.high[k] {
+                    return None;
+                }
+                continue;
+            }
             let a = (node.low[k] - self.origin[k]) * self.inverse[k];
             let b = (node.high[k] - self.origin[k]) * self.inverse[k];
-            // 0 · ∞ where the ray runs in the plane of a side: min and max ignore it
             near = near.max(a.min(b));
             far = far.min(a.max(b));
         }
