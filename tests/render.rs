@@ -275,13 +275,13 @@ fn lines_are_drawn_in_front_faintly_behind_and_always() {
         let (a, b) = (at(&image), at(&plain));
         (0..3).map(|k| i32::from(a[k].abs_diff(b[k]))).sum()
     };
-    let clear = change(LineStyle::OnTop, -2.0);
+    let clear = change(LineStyle::OnTop, -1.5);
     assert!(clear > 150, "{clear}");
-    assert_eq!(change(LineStyle::OnTop, 2.0), clear);
-    assert_eq!(change(LineStyle::Depth, 2.0), clear);
-    assert_eq!(change(LineStyle::Depth, -2.0), 0);
-    assert_eq!(change(LineStyle::OnTopFaintWhenHidden, 2.0), clear);
-    let faint = change(LineStyle::OnTopFaintWhenHidden, -2.0);
+    assert_eq!(change(LineStyle::OnTop, 1.5), clear);
+    assert_eq!(change(LineStyle::Depth, 1.5), clear);
+    assert_eq!(change(LineStyle::Depth, -1.5), 0);
+    assert_eq!(change(LineStyle::OnTopFaintWhenHidden, 1.5), clear);
+    let faint = change(LineStyle::OnTopFaintWhenHidden, -1.5);
     assert!(faint > 20 && faint < clear / 2, "{faint} {clear}");
 }
 
