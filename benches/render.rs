@@ -35,7 +35,10 @@ fn picking(c: &mut Criterion) {
     let mut cursor = move || {
         // all over the picture, in a fixed order
         i = (i + 4093) % (128 * 80);
-        [f64::from(i % 128) * 10.0 + 5.0, f64::from(i / 128) * 10.0 + 5.0]
+        [
+            f64::from(i % 128) * 10.0 + 5.0,
+            f64::from(i / 128) * 10.0 + 5.0,
+        ]
     };
     c.bench_function("pick a loop", |b| {
         b.iter(|| picker.pick_loop(&camera, size, cursor(), 8.0));

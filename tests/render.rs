@@ -27,10 +27,7 @@ fn ball(scale: f64, centre: DVec3) -> Scene {
 fn scene(surfaces: Vec<Geometry>, overlays: Vec<Overlay>, scale: f64, centre: DVec3) -> Scene {
     Scene {
         centre,
-        bounds: Bounds::new(
-            centre - DVec3::splat(scale),
-            centre + DVec3::splat(scale),
-        ),
+        bounds: Bounds::new(centre - DVec3::splat(scale), centre + DVec3::splat(scale)),
         surfaces: surfaces.into_iter().map(Arc::new).collect(),
         overlays: overlays.into_iter().map(Arc::new).collect(),
     }
@@ -147,7 +144,10 @@ fn background_and_transparency() {
     let image = shoot(&gpu, &scene, &camera, &style);
     let close = |a: [u8; 4], b: [u8; 4]| (0..4).all(|k| a[k].abs_diff(b[k]) <= 3);
     assert!(close(image.get_pixel(0, 0).0, [0, 1, 254, 255]));
-    assert!(close(image.get_pixel(SIDE - 1, SIDE - 1).0, [0, 254, 1, 255]));
+    assert!(close(
+        image.get_pixel(SIDE - 1, SIDE - 1).0,
+        [0, 254, 1, 255]
+    ));
     let clear = picture(&gpu, &scene, &camera, &style, SIDE, SIDE, true).expect("a picture");
     let mut partly = 0;
     for (x, y, pixel) in clear.enumerate_pixels() {
@@ -213,12 +213,13 @@ fn maps_show_the_colours_of_the_legend() {
         let pixel = image.get_pixel(SIDE / 2 + 3, SIDE / 2 + 5).0;
         // light takes the same part off all three linear channels
         let linear = |c: f64| ((c + 0.055) / 1.055).powf(2.4);
-        let ratio = |k: usize| {
-            linear(f64::from(pixel[k]) / 255.0) / linear(f64::from(expected[k]))
-        };
+        let ratio = |k: usize| linear(f64::from(pixel[k]) / 255.0) / linear(f64::from(expected[k]));
         let [r, g, b] = [ratio(0), ratio(1), ratio(2)];
         assert!((0.6..1.05).contains(&g), "{mode:?} {pixel:?} {expected:?}");
-        assert!((r / g - 1.0).abs() < 0.1 && (b / g - 1.0).abs() < 0.1, "{mode:?} {r} {g} {b}");
+        assert!(
+            (r / g - 1.0).abs() < 0.1 && (b / g - 1.0).abs() < 0.1,
+            "{mode:?} {r} {g} {b}"
+        );
     }
 }
 
@@ -309,6 +310,9 @@ fn markers_and_casings_keep_lines_visible_on_any_ground() {
         let row: Vec<u8> = (0..SIDE).map(|x| image.get_pixel(x, SIDE / 2)[0]).collect();
         let brightest = row.iter().max().expect("pixels");
         let darkest = row.iter().min().expect("pixels");
-        assert!(brightest - darkest > 180, "{ground:?}: {darkest} {brightest}");
+        assert!(
+            brightest - darkest > 180,
+            "{ground:?}: {darkest} {brightest}"
+        );
     }
 }

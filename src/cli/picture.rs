@@ -122,7 +122,12 @@ fn camera(look: &PictureArguments, bounds: &Bounds, [w, h]: [u32; 2]) -> Result<
 }
 
 /// Patches and the faces around them finely, the rest with a vertex for each of the mesh's.
-fn surfaces(mesh: &Mesh, first_patch_face: usize, centre: DVec3, limit: bool) -> Vec<Arc<Geometry>> {
+fn surfaces(
+    mesh: &Mesh,
+    first_patch_face: usize,
+    centre: DVec3,
+    limit: bool,
+) -> Vec<Arc<Geometry>> {
     let fine = around_patches(mesh, first_patch_face);
     let faces = |wanted: bool| -> Vec<FaceId> {
         let chosen = (0..fine.len()).filter(|&f| fine[f] == wanted);

@@ -105,6 +105,9 @@ fn format(args: &RenderArguments) -> Result<SequenceFormat> {
         SequenceFormat::Gif => ".gif",
         SequenceFormat::Apng => ".png or .apng",
     };
-    let message = format!("{}: a picture needs the extension {wanted}", args.output.display());
+    let message = format!(
+        "{}: a picture needs the extension {wanted}",
+        args.output.display()
+    );
     Err(crate::cli::UsageError(message).into())
 }

@@ -4,11 +4,19 @@
 //! that share collar vertices; [`Plan::finish`] puts the flowed positions into the mesh.
 //! [`fill_holes`] does all of it, groups in parallel.
 
+mod controls;
 mod group;
+mod live;
+mod region;
 mod rim;
+mod run;
+mod schedule;
+mod scheduled;
 mod select;
+mod shape;
 mod sheets;
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -16,10 +24,22 @@ use rayon::prelude::*;
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError, VertexId};
 use crate::patch::{self, PatchError, PatchMesh, PatchOptions};
 use crate::solver::energy::{Energy, Preset};
-use crate::solver::{End, Flow, FlowOptions, FlowProblem, Outcome, SolverError, StepRecord};
+use crate::solver::{End, FlowOptions, FlowProblem, Outcome, SolverError, StepRecord};
 
+use run::Ground;
+use schedule::TimedChange;
+use scheduled::run_group;
+use shape::Shape;
+
+pub use controls::{Choice, Continuity, Controls, ControlsError, Linear, TauChoice};
 pub use group::Group;
+pub use live::{
+    GroupState, GroupStatus, HoleLayout, Layout, LiveError, LiveEvent, LiveFill, LiveSettings,
+    State, Timeline, command_line,
+};
 pub use rim::rim_of;
+pub use schedule::{Row, Schedule, ScheduleError};
+pub use scheduled::{ScheduledFillError, fill_scheduled};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};
 
 /// What can be chosen about a fill.
@@ -29,20 +49,34 @@ pub struct FillOptions {
     pub patch: PatchOptions,
     /// The flow.
     pub flow: FlowOptions,
+    /// How patches meet the mesh.
+    pub continuity: Continuity,
+    /// The same for single loops, by their numbers.
+    pub loop_continuity: BTreeMap<usize, Continuity>,
 }
 
 impl Default for FillOptions {
-    /// Rim density, `f = H²`, scheme B, fast mode.
+    /// Rim density, `f = H²`, scheme B, fast mode, G1.
     fn default() -> Self {
         Self {
             patch: PatchOptions::default(),
             flow: FlowOptions::new(Energy::preset(Preset::H2)),
+            continuity: Continuity::default(),
+            loop_continuity: BTreeMap::new(),
         }
     }
 }
 
+impl FillOptions {
+    /// How the patch meets the mesh at a loop.
+    pub fn continuity_at(&self, number: usize) -> Continuity {
+        let own = self.loop_continuity.get(&number);
+        own.copied().unwrap_or(self.continuity)
+    }
+}
+
 /// Why a hole, or a whole fill, failed.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum FillError {
     /// No first patch could be made.
     #[error("hole {hole}: no first patch: {source}")]
@@ -109,8 +143,10 @@ pub struct PlannedHole {
 }
 
 /// First patches of all holes, and the flows to run on them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Plan {
+    /// Vertices of the mesh.
+    pub old_vertices: usize,
     /// Holes with a patch, in the order asked for.
     pub holes: Vec<PlannedHole>,
     /// Holes that could not be given one.
@@ -134,6 +170,7 @@ pub fn prepare(mesh: &Mesh, loops: &[&BoundaryLoop], options: &FillOptions) -> P
         })
         .collect();
     let mut plan = Plan {
+        old_vertices: mesh.positions.len(),
         holes: Vec::new(),
         failed: Vec::new(),
         new_positions: Vec::new(),
@@ -239,8 +276,6 @@ pub struct GroupResult {
     pub records: Vec<StepRecord>,
     /// Stage times, patches excluded.
     pub timings: Timings,
-    /// Positions of the group's interior vertices.
-    pub positions: Vec<DVec3>,
 }
 
 /// A filled mesh and how it came about.
@@ -277,67 +312,48 @@ pub fn fill_holes(
     options: &FillOptions,
     observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
 ) -> Result<Filled, FillError> {
+    fill_changing(mesh, loops, options, &[], observe)
+}
+
+/// Fills the given holes with changes on the way.
+fn fill_changing(
+    mesh: &Mesh,
+    loops: &[&BoundaryLoop],
+    options: &FillOptions,
+    changes: &[TimedChange],
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Filled, FillError> {
     let start = Instant::now();
     let mut plan = prepare(mesh, loops, options);
-    let run = |g: usize| {
-        run_group(&plan.groups[g], mesh, &plan, options, &|record| {
-            observe(g, record)
-        })
+    let ground = Ground {
+        mesh,
+        loops,
+        plan: &plan,
     };
-    let (groups, topology) = rayon::join(
+    let (runs, topology) = rayon::join(
         || {
             (0..plan.groups.len())
                 .into_par_iter()
-                .map(run)
+                .map(|g| run_group(ground, g, options, changes, &|record| observe(g, record)))
                 .collect::<Vec<_>>()
         },
         || plan.topology(mesh),
     );
-    let topology = topology?;
-    for (g, result) in groups.iter().enumerate() {
-        if let Ok(result) = result {
-            plan.place(g, &result.positions);
-        }
+    let mut topology = topology?;
+    if runs.iter().any(|run| run.remeshed) {
+        let shapes: Vec<&Shape> = runs.iter().map(|run| run.shape.as_ref()).collect();
+        plan = plan.reshaped(&shapes);
+        topology = plan.topology(mesh)?;
+    }
+    for (g, run) in runs.iter().enumerate() {
+        plan.place(g, &run.positions);
     }
     let filled = plan.assemble(mesh, topology);
     Ok(Filled {
         mesh: filled,
         plan,
-        groups,
+        groups: runs.into_iter().map(|run| run.result).collect(),
         milliseconds: milliseconds(start),
-    })
-}
-
-fn run_group(
-    group: &Group,
-    mesh: &Mesh,
-    plan: &Plan,
-    options: &FillOptions,
-    observe: &dyn Fn(&StepRecord) -> bool,
-) -> Result<GroupResult, SolverError> {
-    let mut timings = Timings::default();
-    let mut lap = Instant::now();
-    let mut split = |slot: &mut f64| {
-        *slot += milliseconds(lap);
-        lap = Instant::now();
-    };
-    let problem = group.problem(mesh, plan)?;
-    split(&mut timings.setup);
-    let problem = warm_start(problem)?;
-    split(&mut timings.warm_start);
-    let mut flow = Flow::new(problem, options.flow.clone())?;
-    split(&mut timings.setup);
-    let mut records = Vec::new();
-    let outcome = flow.run(|_, record| {
-        records.push(record.clone());
-        observe(record)
-    })?;
-    split(&mut timings.flow);
-    Ok(GroupResult {
-        outcome,
-        records,
-        timings,
-        positions: flow.problem().to_world(flow.positions()),
     })
 }
 
@@ -348,7 +364,8 @@ fn run_group(
 pub fn warm_start(problem: FlowProblem) -> Result<FlowProblem, SolverError> {
     let mut positions = problem.positions().to_vec();
     let interior: Vec<VertexId> = problem.interior().iter().map(|&v| VertexId(v)).collect();
-    patch::warm_start(problem.topology(), &mut positions, &interior)?;
+    let creases: Vec<VertexId> = problem.creases().iter().map(|&v| VertexId(v)).collect();
+    patch::warm_start_with_creases(problem.topology(), &mut positions, &interior, &creases)?;
     Ok(problem.with_positions(&positions))
 }
 

@@ -14,7 +14,9 @@ mod remesh;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod transfer;
 mod triangulate;
 
-pub use fair::warm_start;
+pub use fair::{warm_start, warm_start_with_creases};
 pub use fill::{PatchError, PatchMesh, PatchOptions, Rim, fill};
+pub use transfer::{TransferError, transfer};

@@ -173,7 +173,13 @@ impl Camera {
         // each corner must be within both pairs of sides
         let box_distance = (0..8)
             .map(|i| {
-                let end = |k: usize| if i >> k & 1 == 0 { bounds.low[k] } else { bounds.high[k] };
+                let end = |k: usize| {
+                    if i >> k & 1 == 0 {
+                        bounds.low[k]
+                    } else {
+                        bounds.high[k]
+                    }
+                };
                 let p = DVec3::new(end(0), end(1), end(2)) - self.pivot;
                 let towards_eye = if self.orthographic {
                     0.0
@@ -199,7 +205,11 @@ impl Camera {
         let turned = if turntable {
             // upside down the table turns the other way, so that the surface follows the mouse
             let vertical = self.vertical();
-            let side = if self.up().dot(vertical) < 0.0 { -1.0 } else { 1.0 };
+            let side = if self.up().dot(vertical) < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
             DQuat::from_axis_angle(vertical, -side * dx) * self.orientation * about_right
         } else {
             self.orientation * DQuat::from_rotation_y(-dx) * about_right

@@ -229,7 +229,12 @@ mod tests {
     fn files(folder: &Path) -> Vec<String> {
         let names = std::fs::read_dir(folder).expect("readable");
         let mut names: Vec<String> = names
-            .map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned())
+            .map(|e| {
+                e.expect("an entry")
+                    .file_name()
+                    .to_string_lossy()
+                    .into_owned()
+            })
             .collect();
         names.sort();
         names
@@ -272,7 +277,11 @@ mod tests {
         let mut reader = png::Decoder::new(io::Cursor::new(bytes))
             .read_info()
             .expect("a png");
-        let count = reader.info().animation_control.expect("animated").num_frames;
+        let count = reader
+            .info()
+            .animation_control
+            .expect("animated")
+            .num_frames;
         assert_eq!(count, 3);
         for i in 0..3 {
             let mut pixels = vec![0; reader.output_buffer_size().expect("small")];

@@ -108,7 +108,9 @@ impl Picker {
     pub fn surface(&self, camera: &Camera, size_px: [f64; 2], cursor_px: [f64; 2]) -> Option<Hit> {
         let view = View::new(camera, size_px, cursor_px);
         let within = [view.start, f64::INFINITY];
-        let hit = self.surface.first_hit(view.origin, view.direction, within)?;
+        let hit = self
+            .surface
+            .first_hit(view.origin, view.direction, within)?;
         Some(Hit {
             face: FaceId(hit.face),
             point: view.origin + view.direction * hit.t,
@@ -156,7 +158,9 @@ impl Picker {
             }
         }
         near.sort_by(|a, b| a.distance_px.total_cmp(&b.distance_px));
-        near.iter().find(|n| self.is_visible(view, n)).map(|n| n.rim)
+        near.iter()
+            .find(|n| self.is_visible(view, n))
+            .map(|n| n.rim)
     }
 
     /// Whether no surface is before the point of the rim that is nearest to the cursor.

@@ -97,7 +97,9 @@ fn from_within_holes_are_picked_from_their_other_side() {
 #[test]
 fn the_nearer_of_two_openings_is_picked() {
     // a sphere with holes at both poles: through the near one the far one is seen
-    let pipe = model(shapes::cut_where(&shapes::sphere(1500, 1), |p| p.z.abs() > 0.9));
+    let pipe = model(shapes::cut_where(&shapes::sphere(1500, 1), |p| {
+        p.z.abs() > 0.9
+    }));
     assert_eq!(pipe.loops.len(), 2);
     let north = (0..2)
         .find(|&i| pipe.loops[i].centroid.z > 0.0)

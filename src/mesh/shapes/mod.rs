@@ -13,6 +13,7 @@ mod open;
 mod outline;
 mod random;
 mod relax;
+mod samples;
 
 pub use closed::{ellipsoid, icosphere, sphere, torus};
 pub use cut::{Hole, HoleShape, cut_holes, cut_where};
@@ -20,6 +21,7 @@ pub use demo::{demo, demo_body};
 pub use implicit::implicit_surface;
 pub use open::{catenoid, cylinder, graph, plane};
 pub use random::SplitMix;
+pub use samples::{SAMPLES, Sample};
 
 use super::DVec3;
 

@@ -170,9 +170,11 @@ fn buffer<T: bytemuck::Pod>(
         return Err(RenderError::TooLarge { needed, allowed });
     }
     let contents = bytemuck::cast_slice(data);
-    Ok(device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some("meniscus geometry"),
-        contents,
-        usage,
-    }))
+    Ok(
+        device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("meniscus geometry"),
+            contents,
+            usage,
+        }),
+    )
 }

@@ -22,8 +22,8 @@ use cache::Cache;
 use composite::Composite;
 use pipelines::Pipelines;
 use target::Target;
-pub use uniforms::Tile;
 use uniforms::Frame;
+pub use uniforms::Tile;
 
 /// Views not drawn for this many draws of others are forgotten.
 const IDLE: u64 = 32;

@@ -3,8 +3,8 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// The module, parsed and validated.
 fn module(text: &str) -> naga::Module {
-    let module = naga::front::wgsl::parse_str(text)
-        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
+    let module =
+        naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
     Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)
         .unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));

@@ -80,7 +80,12 @@ impl Frame {
                 light.try_normalize().unwrap_or(DVec3::Z),
                 f64::from(style.stripes.max(1)),
             ),
-            range: [low, 1.0 / (high - low), f32::from(u8::from(style.dark)), FAINT],
+            range: [
+                low,
+                1.0 / (high - low),
+                f32::from(u8::from(style.dark)),
+                FAINT,
+            ],
             size: [width as f32, height as f32, style.line_scale, pull as f32],
             tile: [tile.corner[0], tile.corner[1], tile.size[0], tile.size[1]].map(|x| x as f32),
             ground_top: top,
@@ -90,7 +95,11 @@ impl Frame {
                 style.mode as u32,
                 u32::from(style.tint_patch),
                 u32::from(style.show_ill_posed),
-                if camera.orthographic { 0 } else { (near as f32).to_bits() },
+                if camera.orthographic {
+                    0
+                } else {
+                    (near as f32).to_bits()
+                },
             ],
         }
     }
@@ -101,7 +110,9 @@ fn range(scene: &Scene, style: &ViewStyle) -> [f32; 2] {
     if !style.mode.is_map() {
         return [0.0, 1.0];
     }
-    let [low, high] = style.range.unwrap_or_else(|| robust_range(scene, style.mode));
+    let [low, high] = style
+        .range
+        .unwrap_or_else(|| robust_range(scene, style.mode));
     if low < high && low.is_finite() && high.is_finite() {
         [low, high]
     } else {

@@ -64,7 +64,9 @@ impl DynamicSurface {
         let at_points: Vec<[[f64; 3]; 3]> = (0..self.elements.len())
             .into_par_iter()
             .map(|e| {
-                [0, 1, 2].map(|q| weighted_curvature(&self.elements, e, self.lattice.inner + q, positions))
+                [0, 1, 2].map(|q| {
+                    weighted_curvature(&self.elements, e, self.lattice.inner + q, positions)
+                })
             })
             .collect();
         let mut sums = vec![[0.0; 3]; positions.len()];

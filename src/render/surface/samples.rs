@@ -270,8 +270,7 @@ impl<'a> Numbering<'a> {
         self.triangles.clear();
         for i in 0..n {
             for j in 0..n - i {
-                self.triangles
-                    .push([at(i, j), at(i + 1, j), at(i, j + 1)]);
+                self.triangles.push([at(i, j), at(i + 1, j), at(i, j + 1)]);
                 if i + j + 1 < n {
                     self.triangles
                         .push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);

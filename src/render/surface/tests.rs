@@ -106,7 +106,10 @@ fn samples_form_the_same_surface_at_any_fineness() {
             // normals are on the side of the triangles
             for t in &drawn.triangles {
                 let [a, b, c] = t.map(|v| wide(drawn.vertices[v as usize].position));
-                let sum: DVec3 = t.iter().map(|&v| wide(drawn.vertices[v as usize].normal)).sum();
+                let sum: DVec3 = t
+                    .iter()
+                    .map(|&v| wide(drawn.vertices[v as usize].normal))
+                    .sum();
                 assert!((b - a).cross(c - a).dot(sum) > 0.0);
             }
         }
@@ -165,7 +168,10 @@ fn sides_of_a_crease_do_not_see_each_other() {
     for (p, n, h) in normals(creases) {
         // two exact planes that meet in the fold
         assert!(p.x.abs() < 1e-6 || p.z.abs() < 1e-6, "{p}");
-        assert!((n - floor).length() < 1e-6 || (n - wall).length() < 1e-6, "{p}: {n}");
+        assert!(
+            (n - floor).length() < 1e-6 || (n - wall).length() < 1e-6,
+            "{p}: {n}"
+        );
         assert!(h.abs() < 1e-6);
         if p.x < -1e-6 {
             assert!((n - floor).length() < 1e-6);
@@ -175,7 +181,10 @@ fn sides_of_a_crease_do_not_see_each_other() {
         }
     }
     let smooth = normals(Vec::new());
-    assert!(smooth.iter().any(|(p, _, _)| p.x < -0.1 && p.z > 0.1), "rounded without");
+    assert!(
+        smooth.iter().any(|(p, _, _)| p.x < -0.1 && p.z > 0.1),
+        "rounded without"
+    );
 }
 
 #[test]
@@ -257,7 +266,11 @@ fn deviation_and_ill_posed_places_are_marked() {
             assert!(v.flags & Vertex::DEVIATION != 0);
             let r = wide(v.position).length();
             // a fifth of the new radius, less where flat triangles are not met at right angles
-            assert!((f64::from(v.deviation) - 0.2 * r).abs() < 2e-3, "{}", v.deviation);
+            assert!(
+                (f64::from(v.deviation) - 0.2 * r).abs() < 2e-3,
+                "{}",
+                v.deviation
+            );
         }
         let back = surface.evaluate(positions, DVec3::ZERO, limit, Some(&grown));
         assert!(back.vertices.iter().all(|v| v.deviation < 0.0));
