@@ -46,10 +46,10 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
     let field = ui
         .add(egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY))
         .labelled_by(label.id);
+    let entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
     if ui.memory(|m| m.focused().is_none()) {
         field.request_focus();
     }
-    let entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
     if field.changed() {
         actions.push(Action::Modal(Modal::Path(PathPrompt {
             text: text.clone(),
