@@ -2,7 +2,7 @@
 
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
-use crate::solver::control::{Attempt, Control, Mode, Progress, STOP, Tau};
+use crate::solver::control::{Attempt, Control, Descent, Mode, Progress, STOP, Tau};
 use crate::solver::energy::{Energy, Order};
 use crate::solver::mixed::MixedFlow;
 use crate::solver::normal::NormalFlow;
@@ -32,6 +32,7 @@ pub struct Flow {
     control: Control,
     report: Assembler,
     relaxation: Option<Relaxation>,
+    descent: Descent,
     local: Elements,
     steps: usize,
     rejected: usize,
@@ -86,6 +87,7 @@ impl Flow {
                 options.growth,
             ),
             relaxation: None,
+            descent: Descent::default(),
             problem,
             options,
             stepper,
@@ -137,6 +139,7 @@ impl Flow {
             gentle,
             self.options.growth,
         );
+        self.descent = Descent::default();
         self.factorized = 0;
         self.end = None;
     }
@@ -327,7 +330,12 @@ impl Flow {
                 // one fresh matrix, then quasi-Newton steps again
                 self.factorized = FACTORIZED_STEPS - 1;
             }
-            if residual < STOP {
+            // adaptive steps in true time may go on and off between a stable and an unstable τ where
+            // the shape is stationary to rounding
+            let adaptive =
+                self.options.mode == Mode::Flow && !matches!(self.options.tau, Tau::Fixed(_));
+            let energy = self.energy();
+            if residual < STOP || (adaptive && self.descent.has_stopped(energy)) {
                 self.end = Some(End::Converged);
             } else if self.steps >= self.options.max_steps {
                 self.end = Some(End::Steps);
