@@ -96,7 +96,7 @@ const FAST_GROWTH: f64 = 10.0;
 const FIRST: f64 = 1e-3;
 /// Growth of τ in flow mode: so slow that there are some thirty shapes to see on the way to the
 /// stationary one.
-pub const FLOW_GROWTH: f64 = 1.4;
+pub const FLOW_GROWTH: f64 = 1.3;
 /// Growth stops here (as a multiple of `τ_ref`): the step is Newton's by then.
 const CEILING: f64 = 1e12;
 
