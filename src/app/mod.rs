@@ -171,7 +171,11 @@ impl App {
             return;
         };
         let [width, height] = shot.size.map(|n| n as u32);
-        let bytes: Vec<u8> = shot.pixels.iter().flat_map(|p| p.to_array()).collect();
+        let bytes: Vec<u8> = shot
+            .pixels
+            .iter()
+            .flat_map(egui::Color32::to_array)
+            .collect();
         let saved = image::RgbaImage::from_raw(width, height, bytes)
             .ok_or_else(|| "the window gave no picture".to_owned())
             .and_then(|p| crate::render::save_png(&path, &p).map_err(|e| e.to_string()));

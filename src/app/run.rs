@@ -149,11 +149,7 @@ impl Run {
 
     /// Number of kept states, of the longest side.
     pub fn state_count(&self) -> usize {
-        self.sides
-            .iter()
-            .map(|s| s.state_count())
-            .max()
-            .unwrap_or(0)
+        self.sides.iter().map(Side::state_count).max().unwrap_or(0)
     }
 
     /// Moves a replay of kept states on, `pace` states a second. Returns when it wants to be

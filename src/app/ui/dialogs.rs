@@ -145,7 +145,9 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
             }
         }
     });
-    if next.kind != PictureKind::Still {
+    if next.kind == PictureKind::Still {
+        next.format = PictureFormat::Png;
+    } else {
         ui.horizontal(|ui| {
             for (format, title) in [
                 (PictureFormat::Png, "numbered PNG"),
@@ -163,8 +165,6 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
                     .labelled_by(label.id);
             }
         });
-    } else {
-        next.format = PictureFormat::Png;
     }
     size_ui(ui, model, &mut next);
     ui.checkbox(&mut next.transparent, "transparent background");

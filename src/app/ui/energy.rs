@@ -55,7 +55,7 @@ pub fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         "f(H, K) =",
         &view.energy_text,
         model,
-        |text| Action::EnergyText(text),
+        Action::EnergyText,
         Some(Action::ApplyEnergy),
         actions,
     );

@@ -85,7 +85,7 @@ pub fn windows_ui(ctx: &Context, model: &Model, state: &mut UiState, actions: &m
         },
     );
     one("Log", windows.log, Switch::Log, &mut |ui, _| {
-        log_ui(ui, model)
+        log_ui(ui, model);
     });
     one(
         "Keys and mouse",

@@ -50,13 +50,7 @@ pub fn update(model: &mut Model, action: Action) {
         Action::Accept(side) => {
             accept(model, side);
         }
-        Action::Reject => {
-            if model.run.take().is_some() {
-                model
-                    .log
-                    .info("the patch was dropped; the mesh is as before");
-            }
-        }
+        Action::Reject => reject(model),
         Action::CopyCommand => match repeat::command(model) {
             Ok(text) => {
                 model.effects.push(Effect::CopyText(text));
@@ -73,6 +67,14 @@ fn on_sides(model: &mut Model, f: impl Fn(&mut crate::app::run::Side)) {
         for side in &mut run.sides {
             f(side);
         }
+    }
+}
+
+fn reject(model: &mut Model) {
+    if model.run.take().is_some() {
+        model
+            .log
+            .info("the patch was dropped; the mesh is as before");
     }
 }
 
