@@ -179,6 +179,13 @@ impl Run {
 }
 
 impl Side {
+    /// The energy is another one: its curve begins anew.
+    pub fn new_energy(&mut self) {
+        for curve in &mut self.curves {
+            curve.energy.clear();
+        }
+    }
+
     fn book(&mut self, group: usize, record: &crate::solver::StepRecord) {
         if self.curves.len() <= group {
             self.curves.resize(group + 1, Curve::default());
