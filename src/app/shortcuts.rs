@@ -240,7 +240,7 @@ pub const ROWS: &[Row] = &[
     ),
     (
         Command::CopyLine,
-        &[key(CTRL_SHIFT, Key::C)],
+        &[key(CTRL, Key::K)],
         "Copy the command line that repeats this",
     ),
     (

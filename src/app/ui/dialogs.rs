@@ -4,6 +4,7 @@ use eframe::egui::{self, Context, Key, Modal as Over, RichText, Ui};
 
 use crate::app::action::Action;
 use crate::app::model::Model;
+use crate::app::project;
 use crate::app::view_state::{
     Modal, PathPrompt, PathUse, PictureFormat, PictureKind, PictureSettings,
 };
@@ -111,9 +112,7 @@ fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Actio
             .ok()
             .and_then(|t| t.elapsed().ok())
             .map_or_else(String::new, |d| format!("{} minutes old", d.as_secs() / 60));
-        let name = path
-            .file_name()
-            .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        let name = project::title(path);
         if ui.button(format!("Recover {name}, {when}")).clicked() {
             actions.push(Action::Recover(path.clone()));
         }
