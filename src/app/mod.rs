@@ -200,7 +200,7 @@ impl App {
             "frames": f.count,
             "longest_frame_ms": ms(f.longest),
             "mean_frame_ms": ms(f.total) / f.count.max(1) as f64,
-            "peak_memory_bytes": crate::cli::peak_memory(),
+            "peak_memory_bytes": crate::memory::peak_memory(),
         });
         if let Err(error) = crate::io::save_text(path, &format!("{text:#}\n")) {
             eprintln!("meniscus: {error}");
@@ -266,6 +266,7 @@ pub fn first_sample() -> Result<Document, WindowError> {
 /// # Errors
 /// There is no display, no graphics adapter, or a library is missing.
 pub fn run(startup: Startup) -> Result<(), WindowError> {
+    let started = Instant::now();
     let document = first_sample()?;
     let (settings, message) = Settings::load();
     let folder = settings::state_folder().map(|f| f.join("recovery"));
@@ -308,6 +309,7 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
                 }
                 let mut app = App::new(model, &cc.egui_ctx, cc.wgpu_render_state.as_ref());
                 app.diagnostics = diagnostics;
+                app.ui.frames.started = started;
                 Ok(Box::new(app))
             }),
         )
