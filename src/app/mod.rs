@@ -251,6 +251,18 @@ impl eframe::App for App {
     }
 }
 
+/// Why there is no display, in words; what winit says names its own sources.
+fn no_display(error: &eframe::Error) -> String {
+    let named = |name: &str| std::env::var(name).ok().filter(|v| !v.is_empty());
+    match (named("WAYLAND_DISPLAY"), named("DISPLAY")) {
+        (None, None) => "neither DISPLAY nor WAYLAND_DISPLAY is set".into(),
+        (Some(name), _) | (None, Some(name)) => match error {
+            eframe::Error::WinitEventLoop(_) => format!("the display {name} does not answer"),
+            other => other.to_string(),
+        },
+    }
+}
+
 /// The document the window opens on when it is given none.
 ///
 /// # Errors
@@ -317,7 +329,7 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
     match opened {
         Ok(Ok(())) => Ok(()),
         Ok(Err(eframe::Error::Wgpu(error))) => Err(WindowError::NoAdapter(error.to_string())),
-        Ok(Err(error)) => Err(WindowError::NoDisplay(error.to_string())),
+        Ok(Err(error)) => Err(WindowError::NoDisplay(no_display(&error))),
         Err(panic) => {
             let text = jobs::panic_text(panic.as_ref());
             // winit panics where a library of X11 cannot be loaded
