@@ -50,7 +50,8 @@ pub enum WindowError {
     /// Neither X11 nor Wayland answers.
     #[error(
         "no display: {0}. Start it from a desktop, or give it a virtual one (`xvfb-run meniscus`); \
-         `meniscus fill` and `meniscus render` need none"
+         on Debian or Ubuntu a window needs libx11-6 libxcursor1 libxi6 libxrandr2 \
+         libxkbcommon-x11-0; `meniscus fill` and `meniscus render` need no window"
     )]
     NoDisplay(String),
     /// A library of the desktop is missing.
@@ -257,7 +258,13 @@ fn no_display(error: &eframe::Error) -> String {
     match (named("WAYLAND_DISPLAY"), named("DISPLAY")) {
         (None, None) => "neither DISPLAY nor WAYLAND_DISPLAY is set".into(),
         (Some(name), _) | (None, Some(name)) => match error {
-            eframe::Error::WinitEventLoop(_) => format!("the display {name} does not answer"),
+            eframe::Error::WinitEventLoop(inner) => {
+                let text = inner.to_string();
+                // after the place in winit's sources
+                let reason = text.split(".rs:").last().unwrap_or(&text);
+                let reason = reason.split_once(": ").map_or(reason, |(_, rest)| rest);
+                format!("the display {name} cannot be used ({reason})")
+            }
             other => other.to_string(),
         },
     }
