@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::fill::{Continuity, Controls, Schedule};
+use crate::fill::{Controls, Schedule};
 use crate::io::Opened;
 use crate::mesh::{BoundaryLoop, DVec3, LoadReport, Mesh, boundary_loops};
 use crate::render::Bounds;
@@ -185,12 +185,6 @@ impl Document {
 pub fn bounds_of(mesh: &Mesh) -> Bounds {
     let unit = DVec3::splat(0.5);
     Bounds::of(mesh.positions.iter().copied()).unwrap_or(Bounds::new(-unit, unit))
-}
-
-/// How a patch is to meet the rim of a loop.
-pub fn continuity_of(controls: &Controls, number: usize) -> Continuity {
-    let own = controls.loop_continuity.get(&number);
-    own.copied().unwrap_or(controls.continuity)
 }
 
 /// The window's defaults: the flow in true time, so that there is something to watch.

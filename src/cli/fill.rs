@@ -11,8 +11,8 @@ use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::{FailedHole, FillReport, hole_reports, skipped, totals, trace};
 use crate::fill::{
-    Choice, Controls, ControlsError, Filled, LoopChoice, Schedule, choose, fill_scheduled,
-    nearest_loop,
+    Choice, Continuity, Controls, ControlsError, Filled, LoopChoice, Schedule, choose,
+    fill_scheduled, nearest_loop,
 };
 use crate::io::{self, Opened, open};
 use crate::memory::peak_memory;
@@ -114,6 +114,14 @@ pub fn fill_opened(
     progress.finish();
 
     io::save_mesh(&args.output, &filled.mesh, &opened.material_libraries)?;
+    if let Some(path) = &args.picture {
+        // rims joined without continuous normals are drawn from either side by itself
+        let sharp = targets
+            .iter()
+            .filter(|l| controls.continuity_at(l.number) == Continuity::G0);
+        let creases = sharp.flat_map(|l| l.edge_ends()).collect();
+        picture(path, &filled.mesh, mesh.face_count(), creases, &args.look)?;
+    }
     write_records(args, opened, &filled, skipped)
 }
 
@@ -154,9 +162,6 @@ fn write_records(
     }
     if let Some(path) = &args.trace {
         write_text(path, &trace(filled))?;
-    }
-    if let Some(path) = &args.picture {
-        picture(path, &filled.mesh, opened.mesh.face_count(), &args.look)?;
     }
     if !args.quiet {
         summary(&report)?;
