@@ -31,6 +31,7 @@ pub mod cli;
 pub mod fill;
 pub mod io;
 pub mod linear;
+pub mod memory;
 pub mod mesh;
 pub mod patch;
 pub mod render;

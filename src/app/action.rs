@@ -93,6 +93,8 @@ pub enum Action {
     EnergyText(String),
     /// Take the typed energy.
     ApplyEnergy,
+    /// Give a name of the typed energy a value.
+    AddParameter(String),
     /// Compare with another energy (or stop comparing).
     CompareEnergy(Option<String>),
 

@@ -171,7 +171,11 @@ impl App {
             return;
         };
         let [width, height] = shot.size.map(|n| n as u32);
-        let bytes: Vec<u8> = shot.pixels.iter().flat_map(|p| p.to_array()).collect();
+        let bytes: Vec<u8> = shot
+            .pixels
+            .iter()
+            .flat_map(egui::Color32::to_array)
+            .collect();
         let saved = image::RgbaImage::from_raw(width, height, bytes)
             .ok_or_else(|| "the window gave no picture".to_owned())
             .and_then(|p| crate::render::save_png(&path, &p).map_err(|e| e.to_string()));
@@ -196,7 +200,7 @@ impl App {
             "frames": f.count,
             "longest_frame_ms": ms(f.longest),
             "mean_frame_ms": ms(f.total) / f.count.max(1) as f64,
-            "peak_memory_bytes": crate::cli::peak_memory(),
+            "peak_memory_bytes": crate::memory::peak_memory(),
         });
         if let Err(error) = crate::io::save_text(path, &format!("{text:#}\n")) {
             eprintln!("meniscus: {error}");
@@ -262,6 +266,7 @@ pub fn first_sample() -> Result<Document, WindowError> {
 /// # Errors
 /// There is no display, no graphics adapter, or a library is missing.
 pub fn run(startup: Startup) -> Result<(), WindowError> {
+    let started = Instant::now();
     let document = first_sample()?;
     let (settings, message) = Settings::load();
     let folder = settings::state_folder().map(|f| f.join("recovery"));
@@ -304,6 +309,7 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
                 }
                 let mut app = App::new(model, &cc.egui_ctx, cc.wgpu_render_state.as_ref());
                 app.diagnostics = diagnostics;
+                app.ui.frames.started = started;
                 Ok(Box::new(app))
             }),
         )

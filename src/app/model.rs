@@ -1,5 +1,6 @@
 //! Everything behind the window, without the window.
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -177,7 +178,7 @@ impl Model {
             report.faces
         );
         if report.welded_vertices > 0 {
-            text += &format!("; {} vertices merged", report.welded_vertices);
+            let _ = write!(text, "; {} vertices merged", report.welded_vertices);
         }
         self.log.info(text);
         if !report.defects.is_empty() {

@@ -3,6 +3,7 @@
 //! A TOML head, and after the line [`MESH`] the mesh as OBJ if it is no plain file or sample any
 //! more. The head holds the path of the mesh relative to the project file.
 
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -162,6 +163,35 @@ pub fn read(path: &Path) -> Result<(Document, Project), String> {
     };
     let document = restore(opened, source, &project).map_err(|e| format!("{name}: {e}"))?;
     Ok((document, project))
+}
+
+/// Name of the mesh a project file is about, for lists; the file's own if it does not say.
+pub fn title(path: &Path) -> String {
+    let own = || {
+        path.file_name()
+            .map_or_else(String::new, |n| n.to_string_lossy().into_owned())
+    };
+    let mut head = String::new();
+    let Ok(file) = std::fs::File::open(path) else {
+        return own();
+    };
+    // enough for the lines before the mesh; what follows may be large
+    if file.take(1 << 16).read_to_string(&mut head).is_err() {
+        return own();
+    }
+    let value = |line: &str| line.split('"').nth(1).map(str::to_owned);
+    head.lines()
+        .find_map(|line| {
+            if line.starts_with("mesh = ") {
+                let path = PathBuf::from(value(line)?);
+                Some(path.file_name()?.to_string_lossy().into_owned())
+            } else if line.starts_with("sample = ") {
+                Some(format!("sample {}", value(line)?))
+            } else {
+                None
+            }
+        })
+        .unwrap_or_else(own)
 }
 
 /// A sample, opened.

@@ -149,11 +149,7 @@ impl Run {
 
     /// Number of kept states, of the longest side.
     pub fn state_count(&self) -> usize {
-        self.sides
-            .iter()
-            .map(|s| s.state_count())
-            .max()
-            .unwrap_or(0)
+        self.sides.iter().map(Side::state_count).max().unwrap_or(0)
     }
 
     /// Moves a replay of kept states on, `pace` states a second. Returns when it wants to be
@@ -183,6 +179,13 @@ impl Run {
 }
 
 impl Side {
+    /// The energy is another one: its curve begins anew.
+    pub fn new_energy(&mut self) {
+        for curve in &mut self.curves {
+            curve.energy.clear();
+        }
+    }
+
     fn book(&mut self, group: usize, record: &crate::solver::StepRecord) {
         if self.curves.len() <= group {
             self.curves.resize(group + 1, Curve::default());

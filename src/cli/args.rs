@@ -68,7 +68,7 @@ const RENDER_EXAMPLES: &str = "Examples:
 pub enum Command {
     /// Fill holes of a mesh and write the result.
     #[command(after_help = FILL_EXAMPLES)]
-    Fill(FillArguments),
+    Fill(Box<FillArguments>),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
     /// Draw a mesh into a picture.

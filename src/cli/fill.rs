@@ -6,7 +6,6 @@ use anyhow::{Context, Result, bail};
 
 use crate::cli::UsageError;
 use crate::cli::args::FillArguments;
-use crate::cli::memory::peak_memory;
 use crate::cli::picture::picture;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
@@ -16,6 +15,7 @@ use crate::fill::{
     nearest_loop,
 };
 use crate::io::{self, Opened, open};
+use crate::memory::peak_memory;
 use crate::mesh::{BoundaryLoop, boundary_loops};
 
 /// Runs the command.

@@ -70,7 +70,7 @@ fn viewport_ui(
 ) {
     let response = ui.interact(
         rect,
-        ui.id().with(("viewport", side)),
+        ui.scope_id().with(("viewport", side)),
         Sense::click_and_drag(),
     );
     response.widget_info(|| {

@@ -9,7 +9,7 @@ use crate::app::action::{Action, Switch};
 use crate::app::log::Level;
 use crate::app::model::Model;
 use crate::app::shortcuts::ROWS;
-use crate::cli::peak_memory;
+use crate::memory::peak_memory;
 
 /// Times of the frames, without drawing on the graphics card.
 #[derive(Clone, Copy, Debug)]
@@ -85,7 +85,7 @@ pub fn windows_ui(ctx: &Context, model: &Model, state: &mut UiState, actions: &m
         },
     );
     one("Log", windows.log, Switch::Log, &mut |ui, _| {
-        log_ui(ui, model)
+        log_ui(ui, model);
     });
     one(
         "Keys and mouse",

@@ -37,6 +37,7 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::Settle
         | Action::EnergyText(_)
         | Action::ApplyEnergy
+        | Action::AddParameter(_)
         | Action::CompareEnergy(_)
         | Action::Fill
         | Action::PlayPause

@@ -15,6 +15,15 @@ pub fn update(model: &mut Model, action: Action) {
         Action::Settle => model.history.seal(),
         Action::EnergyText(text) => model.view.energy_text = text,
         Action::ApplyEnergy => apply_energy(model),
+        Action::AddParameter(name) => {
+            let mut controls = model.document.controls.clone();
+            controls.params.insert(name, 1.0);
+            set_controls(model, controls);
+            let text = &model.view.energy_text;
+            if Energy::parse(text, &model.document.controls.params).is_ok() {
+                apply_energy(model);
+            }
+        }
         Action::CompareEnergy(energy) => {
             if model.run.is_some() {
                 model
@@ -50,13 +59,7 @@ pub fn update(model: &mut Model, action: Action) {
         Action::Accept(side) => {
             accept(model, side);
         }
-        Action::Reject => {
-            if model.run.take().is_some() {
-                model
-                    .log
-                    .info("the patch was dropped; the mesh is as before");
-            }
-        }
+        Action::Reject => reject(model),
         Action::CopyCommand => match repeat::command(model) {
             Ok(text) => {
                 model.effects.push(Effect::CopyText(text));
@@ -76,6 +79,14 @@ fn on_sides(model: &mut Model, f: impl Fn(&mut crate::app::run::Side)) {
     }
 }
 
+fn reject(model: &mut Model) {
+    if model.run.take().is_some() {
+        model
+            .log
+            .info("the patch was dropped; the mesh is as before");
+    }
+}
+
 /// New controls: for the next run, and for the one under way.
 fn set_controls(model: &mut Model, controls: Controls) {
     if controls == model.document.controls {
@@ -90,7 +101,13 @@ fn set_controls(model: &mut Model, controls: Controls) {
                 own.energy.clone_from(&side.controls.energy);
             }
             match side.live.set_controls(&own) {
-                Ok(()) => side.controls = own,
+                Ok(()) => {
+                    if (&own.energy, &own.params) != (&side.controls.energy, &side.controls.params)
+                    {
+                        side.new_energy();
+                    }
+                    side.controls = own;
+                }
                 Err(error) => {
                     model.log.error(error.to_string());
                     return;
