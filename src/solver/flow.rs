@@ -281,14 +281,15 @@ impl Flow {
         };
         let mut record = self.book(&attempt, tau);
         if attempt.accepted && relaxing {
-            self.relax(before);
+            self.relax(before, attempt.longest);
             record.energy = self.energy().value;
         }
         Ok(Some(record))
     }
 
-    /// Slides the vertices along the surface after a step from energy `before`.
-    fn relax(&mut self, before: EnergySum) {
+    /// Slides the vertices along the surface after a step from energy `before`, by no more than the
+    /// step moved any: so the sliding ends with the flow and does not keep it from converging.
+    fn relax(&mut self, before: EnergySum, longest: f64) {
         let relaxation = self
             .relaxation
             .get_or_insert_with(|| Relaxation::new(&self.problem));
@@ -298,7 +299,8 @@ impl Flow {
                 Stepper::Normal(flow) => (flow.positions(), flow.normals(), flow.moving()),
                 Stepper::Mixed(flow) => (flow.positions(), flow.normals(), flow.moving()),
             };
-            let Some(moved) = relaxation.propose(positions, vertices, normals, weight) else {
+            let moved = relaxation.propose(positions, vertices, normals, weight, longest);
+            let Some(moved) = moved else {
                 return;
             };
             let taken = match &mut self.stepper {
