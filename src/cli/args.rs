@@ -24,6 +24,7 @@ const EXAMPLES: &str = "Examples:
   meniscus fill scan.obj -o filled.obj
   meniscus fill scan.stl -o filled.ply --loops 1,4 --energy 'H^2+K^2'
   meniscus fill scan.obj -o filled.obj --loop-at 0.1,0.2,0.3 --energy '(H-H0)^2' --param H0=-1
+  meniscus blend pipes.obj -o joined.obj --loops 1,3
   meniscus demo --out demo
 
 Exit codes: 0 done, 1 failed with a message, 2 wrong usage.";
@@ -40,12 +41,22 @@ expression in H, K, k1, k2 and parameters with + - * / ^, abs, sqrt, exp, log, s
 min and max. It must be symmetric in k1 and k2. H is negative on a sphere with outward normals.
 A typed energy is in the units of the file.";
 
+const BLEND_EXAMPLES: &str = "Examples:
+  meniscus blend pipes.obj -o joined.obj
+  meniscus blend pipes.obj -o joined.obj --loops 1,3,5 --energy 'H^2+K^2'
+  meniscus blend pipes.obj -o joined.obj --loop-at 1,0,0 --loop-at 0,1,0
+  meniscus blend tubes.obj -o joined.obj --energy '(H-H0)^2' --param H0=-1
+  meniscus blend pipes.obj -o joined.obj --loops 1,3 --flip 3";
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Fill holes of a mesh and write the result.
     #[command(after_help = FILL_EXAMPLES)]
     Fill(FillArguments),
+    /// Join several rims, of one or more components, by one smooth surface.
+    #[command(after_help = BLEND_EXAMPLES)]
+    Blend(BlendArguments),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
     /// Fill a built-in sample riddled with holes and write both meshes and the report.
@@ -61,7 +72,7 @@ pub struct FillArguments {
     /// Mesh to write (.obj, .ply, .stl). The vertices of IN come first, untouched.
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// Fill the loop with the vertex nearest to this point (repeatable; replaces --loops).
+    /// Take the loop with the vertex nearest to this point (repeatable; replaces --loops).
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub loop_at: Vec<DVec3>,
     /// Which loops: auto (all that are not guessed outer rims), all, all-but-largest, or numbers
@@ -112,6 +123,17 @@ pub struct FillArguments {
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// `meniscus blend`.
+#[derive(Debug, Args)]
+pub struct BlendArguments {
+    /// The rims and the flow, as for `fill`.
+    #[command(flatten)]
+    pub fill: FillArguments,
+    /// Turn the faces of this loop's component over first (repeatable).
+    #[arg(long, value_name = "LOOP")]
+    pub flip: Vec<usize>,
 }
 
 /// `meniscus info`.

@@ -12,7 +12,7 @@ use crate::cli::memory::peak_memory;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::{FailedHole, FillReport, hole_reports, skipped, totals, trace};
-use crate::fill::{FillOptions, Filled, LoopChoice, choose, fill_holes, nearest_loop};
+use crate::fill::{FillOptions, Filled, Gap, LoopChoice, choose, fill_gaps, nearest_loop};
 use crate::io::{self, Opened, open};
 use crate::mesh::{BoundaryLoop, boundary_loops};
 use crate::patch::PatchOptions;
@@ -21,12 +21,43 @@ use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, Tau};
 
 /// Runs the command.
 pub fn fill(args: &FillArguments) -> Result<()> {
+    let (options, opened) = start(args)?;
+    fill_opened(args, &options, &opened, Task::Holes)
+}
+
+/// Everything before the work: options, targets, the mesh.
+pub fn start(args: &FillArguments) -> Result<(FillOptions, Opened)> {
     let options = options(args)?;
     check_targets(args)?;
     // the pool's threads start while the file is read
     rayon::spawn(|| ());
-    let opened = open(&args.input)?;
-    fill_opened(args, &options, &opened)
+    Ok((options, open(&args.input)?))
+}
+
+/// What to do with the loops chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Task {
+    /// Fill each.
+    Holes,
+    /// Join them all by one surface.
+    Blend,
+}
+
+impl Task {
+    fn gaps<'a>(self, chosen: &[usize], loops: &'a [BoundaryLoop]) -> Result<Vec<Gap<'a>>> {
+        let rims: Gap<'a> = chosen.iter().map(|&i| &loops[i]).collect();
+        match self {
+            Self::Holes => Ok(rims.into_iter().map(|rim| vec![rim]).collect()),
+            Self::Blend if rims.len() > 1 => Ok(vec![rims]),
+            Self::Blend => bail!(
+                "a blend joins at least two loops, and {} of {} {} chosen; name them with --loops or \
+                 --loop-at (`meniscus info` lists them)",
+                rims.len(),
+                loops.len(),
+                if rims.len() == 1 { "is" } else { "are" }
+            ),
+        }
+    }
 }
 
 /// Finds out before the work whether its results can be written, and over nothing that is needed.
@@ -58,7 +89,12 @@ fn check_targets(args: &FillArguments) -> Result<()> {
 }
 
 /// Fills an opened mesh and writes everything asked for.
-pub fn fill_opened(args: &FillArguments, options: &FillOptions, opened: &Opened) -> Result<()> {
+pub fn fill_opened(
+    args: &FillArguments,
+    options: &FillOptions,
+    opened: &Opened,
+    task: Task,
+) -> Result<()> {
     let mesh = &opened.mesh;
     let loops = boundary_loops(mesh);
     let chosen = chosen_loops(args, opened, &loops)?;
@@ -78,9 +114,9 @@ pub fn fill_opened(args: &FillArguments, options: &FillOptions, opened: &Opened)
             eprintln!("{}", nothing_to_do(loops.len()));
         }
     }
-    let targets: Vec<&BoundaryLoop> = chosen.iter().map(|&i| &loops[i]).collect();
-    let progress = Progress::new(targets.len(), args.quiet);
-    let filled = fill_holes(mesh, &targets, options, &|group, record| {
+    let gaps = task.gaps(&chosen, &loops)?;
+    let progress = Progress::new(gaps.len(), args.quiet);
+    let filled = fill_gaps(mesh, &gaps, options, &|group, record| {
         progress.step(group, record);
         true
     })?;

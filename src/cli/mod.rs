@@ -1,6 +1,7 @@
 //! The headless commands.
 
 mod args;
+mod blend;
 mod demo;
 mod fill;
 mod info;
@@ -26,6 +27,7 @@ pub struct UsageError(pub String);
 pub fn run(arguments: Arguments) -> Result<()> {
     match arguments.command {
         Some(Command::Fill(args)) => fill::fill(&args),
+        Some(Command::Blend(args)) => blend::blend(&args),
         Some(Command::Info(args)) => info::info(&args),
         Some(Command::Demo(args)) => demo::demo(&args),
         None => {

@@ -43,9 +43,11 @@ pub struct HoleReport {
     /// Number of the loop.
     #[serde(rename = "loop")]
     pub number: usize,
-    /// Edges of the rim.
+    /// Numbers of all loops its patch joins.
+    pub loops: Vec<usize>,
+    /// Edges of the rims.
     pub edges: usize,
-    /// RMS distance of the rim's vertices from their mean.
+    /// RMS distance of the rim's vertices from their mean, the largest of several rims.
     pub radius: f64,
     /// New vertices.
     pub vertices_added: usize,
@@ -138,6 +140,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
         .map(|hole| {
             let mut report = HoleReport {
                 number: hole.number,
+                loops: hole.loops.clone(),
                 edges: hole.edges,
                 radius: hole.radius,
                 vertices_added: hole.new_vertices.len(),
