@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module of the library with the modules it may name.
-const MODULES: [(&str, &[&str]); 8] = [
+const MODULES: [(&str, &[&str]); 9] = [
     ("linear", &[]),
     ("mesh", &[]),
     ("subdivision", &["mesh"]),
@@ -13,7 +13,8 @@ const MODULES: [(&str, &[&str]); 8] = [
     ("io", &["mesh"]),
     ("solver", &["mesh", "linear", "subdivision", "patch"]),
     ("fill", &["mesh", "patch", "solver"]),
-    ("cli", &["mesh", "io", "patch", "solver", "fill"]),
+    ("render", &["mesh", "io", "subdivision", "solver"]),
+    ("cli", &["mesh", "io", "patch", "solver", "fill", "render"]),
 ];
 
 /// Crates only the named modules may use; `main` is the program. An empty list: nobody yet.
@@ -25,9 +26,9 @@ const CRATES: [(&str, &[&str]); 10] = [
     ("anyhow", &["cli", "main"]),
     ("indicatif", &["cli"]),
     ("tempfile", &["io"]),
-    ("egui", &[]),
-    ("eframe", &[]),
-    ("wgpu", &[]),
+    ("egui", &["render"]),
+    ("eframe", &["render"]),
+    ("wgpu", &["render"]),
 ];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {

@@ -274,6 +274,7 @@ fn options(args: &FillArguments) -> Result<FillOptions> {
             density: args.density,
         },
         flow,
+        ..FillOptions::default()
     })
 }
 

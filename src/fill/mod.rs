@@ -5,11 +5,15 @@
 //! [`fill_holes`] does all of it, groups in parallel.
 
 mod blend;
+mod controls;
 mod group;
+mod live;
 mod rim;
+mod schedule;
 mod select;
 mod sheets;
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -19,8 +23,14 @@ use crate::patch::{self, PatchError, PatchMesh, PatchOptions};
 use crate::solver::energy::{Energy, Preset};
 use crate::solver::{End, Flow, FlowOptions, FlowProblem, Outcome, SolverError, StepRecord};
 
+pub use controls::{Choice, Continuity, Controls, ControlsError, Linear, TauChoice};
 pub use group::Group;
+pub use live::{
+    GroupState, GroupStatus, HoleLayout, Layout, LiveError, LiveEvent, LiveFill, LiveSettings,
+    State, Timeline, command_line,
+};
 pub use rim::{gap_of, rim_of};
+pub use schedule::{Row, Schedule, ScheduleError};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};
 
 /// What can be chosen about a fill.
@@ -30,15 +40,29 @@ pub struct FillOptions {
     pub patch: PatchOptions,
     /// The flow.
     pub flow: FlowOptions,
+    /// How patches meet the mesh.
+    pub continuity: Continuity,
+    /// The same for single loops, by their numbers.
+    pub loop_continuity: BTreeMap<usize, Continuity>,
 }
 
 impl Default for FillOptions {
-    /// Rim density, `f = H²`, scheme B, fast mode.
+    /// Rim density, `f = H²`, scheme B, fast mode, G1.
     fn default() -> Self {
         Self {
             patch: PatchOptions::default(),
             flow: FlowOptions::new(Energy::preset(Preset::H2)),
+            continuity: Continuity::default(),
+            loop_continuity: BTreeMap::new(),
         }
+    }
+}
+
+impl FillOptions {
+    /// How the patch meets the mesh at a loop.
+    pub fn continuity_at(&self, number: usize) -> Continuity {
+        let own = self.loop_continuity.get(&number);
+        own.copied().unwrap_or(self.continuity)
     }
 }
 

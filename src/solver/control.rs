@@ -4,7 +4,8 @@ use crate::linear::GmresReport;
 use crate::solver::assembly::EnergySum;
 
 /// What the flow is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// The stationary shape in as few steps as possible.
     #[default]

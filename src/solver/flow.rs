@@ -12,7 +12,8 @@ use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule, TableCache, elements};
 
 /// Which of the two methods computes the steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Scheme {
     /// Scheme B, the linearly implicit normal flow.
     #[default]
@@ -34,6 +35,10 @@ pub struct FlowOptions {
     pub mode: Mode,
     /// Time step.
     pub tau: Tau,
+    /// Factor of an adaptive τ after an accepted step; `None` is the mode's own.
+    pub growth: Option<f64>,
+    /// Weight of tangential relaxation after each accepted step, 0 (none) to 1.
+    pub relaxation: f64,
     /// Steps after which the flow ends, converged or not.
     pub max_steps: usize,
     /// Scheme A's linear solver.
@@ -51,6 +56,8 @@ impl FlowOptions {
             scheme: Scheme::default(),
             mode: Mode::default(),
             tau: Tau::default(),
+            growth: None,
+            relaxation: 0.0,
             max_steps: 200,
             linear: LinearSolver::default(),
             quadrature: Rule::Three,

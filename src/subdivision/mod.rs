@@ -18,7 +18,7 @@ mod ring;
 mod rule;
 
 pub use basis::{BasisTable, DERIVATIVES, TableCache, basis_at};
-pub use elements::{Elements, elements};
+pub use elements::{Elements, elements, elements_at};
 pub use limit::{limit_normal, limit_normals, limit_position, limit_positions};
 pub use masks::{EDGE_END, EDGE_OPPOSITE, beta, limit_mask, omega, tangent_mask};
 pub use rule::Rule;

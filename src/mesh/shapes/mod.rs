@@ -14,6 +14,7 @@ mod open;
 mod outline;
 mod random;
 mod relax;
+mod samples;
 
 pub use blends::{Tube, four_cylinders, three_y, tube_onto_plane, tubes};
 pub use closed::{ellipsoid, icosphere, sphere, torus};
@@ -22,6 +23,7 @@ pub use demo::{demo, demo_body};
 pub use implicit::implicit_surface;
 pub use open::{catenoid, cylinder, graph, plane};
 pub use random::SplitMix;
+pub use samples::{SAMPLES, Sample};
 
 use super::DVec3;
 
