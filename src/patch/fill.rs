@@ -112,6 +112,17 @@ pub enum PatchError {
         /// Number of the first such rim in the group, from 0.
         rim: usize,
     },
+    /// The rims of a group run around each other so that no orientable surface fits.
+    #[error(
+        "no orientable surface joins these rims without passing through itself: rim {} of the group \
+         runs the wrong way around it, as the edge of a Moebius strip would, and its faces cannot be \
+         flipped alone; leave it out, or fill it by itself",
+        rim + 1
+    )]
+    OneSided {
+        /// Number of the first such rim in the group, from 0.
+        rim: usize,
+    },
     /// The density is not a positive number.
     #[error("density must be a positive number, not {density}")]
     BadDensity {

@@ -49,14 +49,11 @@ pub(super) fn remesh(s: &mut Surface, wanted: &[i32], bulge: f64) {
     film.relax(s, 1);
 }
 
-/// Rounds of [`refit`].
-const REFIT_ROUNDS: usize = 3;
-
 /// Brings a patch to its `size` without changing its shape: vertices move along it only.
 pub(super) fn refit(s: &mut Surface, wanted: &[i32]) {
     smooth_sizes(s, REFIT_SMOOTHING);
     refine(s, &mut Film::flat());
-    for _ in 0..REFIT_ROUNDS {
+    for _ in 0..ROUNDS {
         collapse_short(s);
         split_long(s);
         flip_for_valence(s, wanted);

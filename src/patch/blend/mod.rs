@@ -11,7 +11,7 @@ mod layout;
 mod tests;
 
 use super::fill::{fineness, loose_angles, rim_sizes, validate};
-use super::remesh::{refit, remesh, rim_valences, split_chords};
+use super::remesh::{refit, rim_valences, split_chords};
 use super::surface::Surface;
 use super::{PatchError, PatchMesh, PatchOptions, Rim};
 use crate::mesh::DVec3;
@@ -56,7 +56,7 @@ impl Gap {
 }
 
 /// The first surface that joins the rims of a gap: triangulated between them, refined to their
-/// densities (graded from one rim to the other), flipped and relaxed.
+/// densities (graded from one rim to the other), flipped and evened out.
 ///
 /// The result is a sphere with a hole for every rim: Euler characteristic 2 − n, the rims as
 /// its only boundary, rim points unchanged and first. With one rim this is [`super::fill()`].
@@ -75,17 +75,24 @@ pub fn blend(gap: &Gap, options: &PatchOptions) -> Result<PatchMesh, PatchError>
     let frame = Frame::around(gap.rims.iter().flat_map(|r| &r.points));
     let rims: Vec<Rim> = gap.rims.iter().map(|r| frame.local(r)).collect();
     let chords = gap.chords();
-    let coarse = coarse(&rims, &chords);
-    if !coarse.is_seen {
-        check_orientation(gap, &rims, &chords, coarse.area)?;
-    }
-    let mut surface = coarse.surface;
+    let mut surface = match layout::triangulate(&rims) {
+        Some(triangles) => {
+            let points: Vec<DVec3> = rims.iter().flat_map(|r| r.points.clone()).collect();
+            let count = points.len();
+            Surface::new(points, vec![0.0; count], count, &triangles)
+        }
+        None => {
+            check_orientation(&gap.pieces, &rims)?;
+            bridges::surface(&rims, &chords)
+        }
+    };
     surface.size = sizes(&rims, options);
     let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
     let wanted = rim_valences(&surface, &loose);
     split_chords(&mut surface, &chords);
     split_double_edges(&mut surface);
-    remesh(&mut surface, &wanted, 0.0);
+    // a film would pinch off between distant rims
+    refit(&mut surface, &wanted);
     Ok(frame.world(surface, gap))
 }
 
@@ -156,37 +163,6 @@ impl Frame {
     }
 }
 
-/// A triangulation between the rims without new vertices.
-struct Coarse {
-    surface: Surface,
-    area: f64,
-    /// Whether it was found by looking from a point, which decides about orientations as well.
-    is_seen: bool,
-}
-
-fn coarse(rims: &[Rim], chords: &[[u32; 2]]) -> Coarse {
-    let points = || rims.iter().flat_map(|r| r.points.iter().copied());
-    let seen = layout::triangulate(rims);
-    let is_seen = seen.is_some();
-    let surface = match seen {
-        Some(triangles) => {
-            let points: Vec<DVec3> = points().collect();
-            let count = points.len();
-            Surface::new(points, vec![0.0; count], count, &triangles)
-        }
-        None => bridges::surface(rims, chords),
-    };
-    let area = (0..surface.corner.len() as u32)
-        .step_by(3)
-        .map(|h| 0.5 * surface.normal(h).length())
-        .sum();
-    Coarse {
-        surface,
-        area,
-        is_seen,
-    }
-}
-
 /// No two rims may have a vertex at the same place.
 fn check_apart(gap: &Gap) -> Result<(), PatchError> {
     let mut all: Vec<([u64; 3], usize, usize)> = Vec::with_capacity(gap.len());
@@ -208,69 +184,45 @@ fn check_apart(gap: &Gap) -> Result<(), PatchError> {
     }
 }
 
-/// A piece turned over must leave less than this part of the area for it to count as inside out.
-const BETTER: f64 = 0.8;
-/// Pieces of which every combination is tried; beyond, one at a time.
-const COMBINED: usize = 5;
+/// Things of which every combination is turned over; of more, one at a time.
+const COMBINED: u32 = 6;
 
-/// Whether turning over some of the pieces leaves much less to be filled: then the rims run around
-/// the gap in directions that fit no orientable surface without passing through itself.
-fn check_orientation(
-    gap: &Gap,
-    rims: &[Rim],
-    chords: &[[u32; 2]],
-    area: f64,
-) -> Result<(), PatchError> {
-    let mut pieces = gap.pieces.clone();
-    pieces.sort_unstable();
-    pieces.dedup();
-    // the first piece stays: turning all over changes nothing
-    let free = pieces.len() - 1;
+/// Whether rims that are seen from nowhere would be if some of them were turned over: then they run
+/// around the gap in directions that fit no orientable surface without passing through itself.
+fn check_orientation(pieces: &[u32], rims: &[Rim]) -> Result<(), PatchError> {
+    let mut names = pieces.to_vec();
+    names.sort_unstable();
+    names.dedup();
+    let piece_of = |k: usize| names.binary_search(&pieces[k]).unwrap_or(0);
+    if let Some(rim) = mistaken(rims, names.len() as u32, piece_of) {
+        return Err(PatchError::InsideOut { rim });
+    }
+    match mistaken(rims, rims.len() as u32, |k| k) {
+        Some(rim) => Err(PatchError::OneSided { rim }),
+        None => Ok(()),
+    }
+}
+
+/// The first rim that has to be turned over so that all are seen from somewhere, if that helps; rims of
+/// one class (of `count`) are turned over together, those of the first class not at all.
+fn mistaken(rims: &[Rim], count: u32, class: impl Fn(usize) -> usize) -> Option<usize> {
+    let free = count - 1;
     let choices: Vec<u32> = if free < COMBINED {
-        (1..1u32 << free).collect()
+        (1..1 << free).collect()
     } else {
         (0..free.min(31)).map(|k| 1 << k).collect()
     };
-    let turned = |choice: u32, rim: usize| {
-        let piece = pieces.binary_search(&gap.pieces[rim]).unwrap_or(0);
-        piece > 0 && choice >> (piece - 1) & 1 == 1
-    };
-    for choice in choices {
+    choices.into_iter().find_map(|choice| {
+        let is_turned = |k: usize| class(k) > 0 && choice >> (class(k) - 1) & 1 == 1;
         let mut candidate: Vec<Rim> = rims.to_vec();
-        let mut place: Vec<u32> = Vec::with_capacity(gap.len());
         for (k, rim) in candidate.iter_mut().enumerate() {
-            let (first, n) = (place.len() as u32, rim.points.len() as u32);
-            if turned(choice, k) {
-                turn_over(rim);
-                place.extend((0..n).map(|i| first + (2 * n - 1 - i) % n));
-            } else {
-                place.extend(first..first + n);
+            if is_turned(k) {
+                rim.points.reverse();
             }
         }
-        let chords: Vec<[u32; 2]> = chords
-            .iter()
-            .map(|&[i, j]| {
-                let (a, b) = (place[i as usize], place[j as usize]);
-                [a.min(b), a.max(b)]
-            })
-            .collect();
-        if coarse(&candidate, &chords).area < BETTER * area {
-            let rim = (0..rims.len()).find(|&k| turned(choice, k)).unwrap_or(0);
-            return Err(PatchError::InsideOut { rim });
-        }
-    }
-    Ok(())
-}
-
-/// The rim as it is when the faces at it are turned over: vertex i becomes vertex n − 1 − i.
-fn turn_over(rim: &mut Rim) {
-    let n = rim.points.len();
-    rim.points.reverse();
-    // edge i → i + 1 becomes the edge n − 2 − i → n − 1 − i
-    rim.opposite = (0..n).map(|i| rim.opposite[(2 * n - 2 - i) % n]).collect();
-    for pair in &mut rim.forbidden {
-        *pair = [n as u32 - 1 - pair[1], n as u32 - 1 - pair[0]];
-    }
+        layout::triangulate(&candidate)?;
+        (0..rims.len()).find(|&k| is_turned(k))
+    })
 }
 
 /// Splits edges that join the same two vertices as another one, until there are none: around a gap
