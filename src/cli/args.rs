@@ -48,6 +48,11 @@ const BLEND_EXAMPLES: &str = "Examples:
   meniscus blend tubes.obj -o joined.obj --energy '(H-H0)^2' --param H0=-1
   meniscus blend pipes.obj -o joined.obj --loops 1,3 --flip 3";
 
+const REFILL_EXAMPLES: &str = "Examples:
+  meniscus refill scan.obj -o out.obj --ball 0.1,0.2,0.3,0.05
+  meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --ball 0,0.1,1,0.2 --grow 2
+  meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --fair --energy 'H^2+K^2'";
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -57,6 +62,9 @@ pub enum Command {
     /// Join several rims, of one or more components, by one smooth surface.
     #[command(after_help = BLEND_EXAMPLES)]
     Blend(BlendArguments),
+    /// Erase part of a surface and fill it anew, or fair it in place.
+    #[command(after_help = REFILL_EXAMPLES)]
+    Refill(RefillArguments),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
     /// Fill a built-in sample riddled with holes and write both meshes and the report.
@@ -84,6 +92,10 @@ pub struct FillArguments {
         conflicts_with = "loop_at"
     )]
     pub loops: LoopChoice,
+    /// Fill holes as if no loose pieces lay in them; without it patches pass through the rims of
+    /// islands.
+    #[arg(long)]
+    pub no_islands: bool,
     /// Energy f(H,K): a preset or an expression.
     #[arg(
         long,
@@ -134,6 +146,24 @@ pub struct BlendArguments {
     /// Turn the faces of this loop's component over first (repeatable).
     #[arg(long, value_name = "LOOP")]
     pub flip: Vec<usize>,
+}
+
+/// `meniscus refill`.
+#[derive(Debug, Args)]
+#[command(mut_arg("loops", |a| a.hide(true)), mut_arg("loop_at", |a| a.hide(true)))]
+pub struct RefillArguments {
+    /// Files and flow, as for `fill`.
+    #[command(flatten)]
+    pub fill: FillArguments,
+    /// Select the faces whose corners lie within this distance of this point (repeatable).
+    #[arg(long, value_name = "X,Y,Z,R", required = true, value_parser = ball, allow_hyphen_values = true)]
+    pub ball: Vec<(DVec3, f64)>,
+    /// Widen the selection by this many rings of faces.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub grow: usize,
+    /// Keep the triangles and let their vertices flow, instead of erasing and filling.
+    #[arg(long)]
+    pub fair: bool,
 }
 
 /// `meniscus info`.
@@ -231,6 +261,16 @@ fn point(text: &str) -> Result<DVec3, String> {
     match numbers[..] {
         [x, y, z] if x.is_finite() && y.is_finite() && z.is_finite() => Ok(DVec3::new(x, y, z)),
         _ => Err("give three numbers, as in 0.1,-2,3.5".into()),
+    }
+}
+
+fn ball(text: &str) -> Result<(DVec3, f64), String> {
+    let mistaken = || "give centre and radius, as in 0.1,-2,3.5,0.25".to_owned();
+    let (centre, radius) = text.rsplit_once(',').ok_or_else(mistaken)?;
+    let centre = point(centre).map_err(|_| mistaken())?;
+    match radius.trim().parse::<f64>() {
+        Ok(r) if r.is_finite() && r > 0.0 => Ok((centre, r)),
+        _ => Err(mistaken()),
     }
 }
 

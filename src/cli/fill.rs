@@ -12,9 +12,11 @@ use crate::cli::memory::peak_memory;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::{FailedHole, FillReport, hole_reports, skipped, totals, trace};
-use crate::fill::{FillOptions, Filled, Gap, LoopChoice, choose, fill_gaps, nearest_loop};
+use crate::fill::{
+    FillOptions, Filled, Gap, LoopChoice, choose, fill_gaps, nearest_loop, with_islands,
+};
 use crate::io::{self, Opened, open};
-use crate::mesh::{BoundaryLoop, boundary_loops};
+use crate::mesh::{BoundaryLoop, Mesh, boundary_loops};
 use crate::patch::PatchOptions;
 use crate::solver::energy::{Energy, ExprError};
 use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, Tau};
@@ -44,10 +46,17 @@ pub enum Task {
 }
 
 impl Task {
-    fn gaps<'a>(self, chosen: &[usize], loops: &'a [BoundaryLoop]) -> Result<Vec<Gap<'a>>> {
+    fn gaps<'a>(
+        self,
+        args: &FillArguments,
+        mesh: &Mesh,
+        loops: &'a [BoundaryLoop],
+        chosen: &[usize],
+    ) -> Result<Vec<Gap<'a>>> {
         let rims: Gap<'a> = chosen.iter().map(|&i| &loops[i]).collect();
         match self {
-            Self::Holes => Ok(rims.into_iter().map(|rim| vec![rim]).collect()),
+            Self::Holes if args.no_islands => Ok(rims.into_iter().map(|rim| vec![rim]).collect()),
+            Self::Holes => Ok(with_islands(mesh, loops, chosen)),
             Self::Blend if rims.len() > 1 => Ok(vec![rims]),
             Self::Blend => bail!(
                 "a blend joins at least two loops, and {} of {} {} chosen; name them with --loops or \
@@ -99,7 +108,9 @@ pub fn fill_opened(
     let loops = boundary_loops(mesh);
     let chosen = chosen_loops(args, opened, &loops)?;
     let auto = args.loop_at.is_empty() && args.loops == LoopChoice::Auto;
-    let skipped = skipped(&loops, &chosen, auto);
+    let gaps = task.gaps(args, mesh, &loops, &chosen)?;
+    let joined: Vec<usize> = gaps.iter().flatten().map(|l| l.number - 1).collect();
+    let skipped = skipped(&loops, &joined, auto);
     if !args.quiet {
         for note in &opened.report.notes {
             eprintln!("{}: {note}", args.input.display());
@@ -114,7 +125,6 @@ pub fn fill_opened(
             eprintln!("{}", nothing_to_do(loops.len()));
         }
     }
-    let gaps = task.gaps(&chosen, &loops)?;
     let progress = Progress::new(gaps.len(), args.quiet);
     let filled = fill_gaps(mesh, &gaps, options, &|group, record| {
         progress.step(group, record);
@@ -126,7 +136,7 @@ pub fn fill_opened(
     write_records(args, opened, &filled, skipped)
 }
 
-fn write_records(
+pub fn write_records(
     args: &FillArguments,
     opened: &Opened,
     filled: &Filled,
@@ -282,6 +292,6 @@ fn expression_error(error: &ExprError) -> anyhow::Error {
     UsageError(format!("--energy\n{}", error.render())).into()
 }
 
-fn write_text(path: &Path, text: &str) -> Result<()> {
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
     Ok(io::save_text(path, text)?)
 }

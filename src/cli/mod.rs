@@ -8,6 +8,7 @@ mod info;
 mod memory;
 mod print;
 mod progress;
+mod refill;
 mod report;
 
 pub use args::{Arguments, Command};
@@ -28,6 +29,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     match arguments.command {
         Some(Command::Fill(args)) => fill::fill(&args),
         Some(Command::Blend(args)) => blend::blend(&args),
+        Some(Command::Refill(args)) => refill::refill(&args),
         Some(Command::Info(args)) => info::info(&args),
         Some(Command::Demo(args)) => demo::demo(&args),
         None => {

@@ -7,7 +7,9 @@
 mod blend;
 mod controls;
 mod group;
+mod islands;
 mod live;
+mod refill;
 mod rim;
 mod schedule;
 mod select;
@@ -25,10 +27,12 @@ use crate::solver::{End, Flow, FlowOptions, FlowProblem, Outcome, SolverError, S
 
 pub use controls::{Choice, Continuity, Controls, ControlsError, Linear, TauChoice};
 pub use group::Group;
+pub use islands::with_islands;
 pub use live::{
     GroupState, GroupStatus, HoleLayout, Layout, LiveError, LiveEvent, LiveFill, LiveSettings,
     State, Timeline, command_line,
 };
+pub use refill::{Faired, RefillError, Refilled, fair, refill};
 pub use rim::{gap_of, rim_of};
 pub use schedule::{Row, Schedule, ScheduleError};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};
@@ -380,14 +384,26 @@ fn run_group(
     options: &FillOptions,
     observe: &dyn Fn(&StepRecord) -> bool,
 ) -> Result<GroupResult, SolverError> {
+    let start = Instant::now();
+    let problem = group.problem(mesh, plan)?;
+    let setup = milliseconds(start);
+    let mut result = run_problem(problem, options, observe)?;
+    result.timings.setup += setup;
+    Ok(result)
+}
+
+/// Warm start and flow of a region.
+fn run_problem(
+    problem: FlowProblem,
+    options: &FillOptions,
+    observe: &dyn Fn(&StepRecord) -> bool,
+) -> Result<GroupResult, SolverError> {
     let mut timings = Timings::default();
     let mut lap = Instant::now();
     let mut split = |slot: &mut f64| {
         *slot += milliseconds(lap);
         lap = Instant::now();
     };
-    let problem = group.problem(mesh, plan)?;
-    split(&mut timings.setup);
     let problem = warm_start(problem)?;
     split(&mut timings.warm_start);
     let mut flow = Flow::new(problem, options.flow.clone())?;

@@ -20,3 +20,4 @@ mod triangulate;
 pub use blend::{Gap, blend, reblend};
 pub use fair::warm_start;
 pub use fill::{PatchError, PatchMesh, PatchOptions, Rim, fill};
+pub use planar::vector_area;

@@ -6,7 +6,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use crate::mesh::DVec3;
 
 /// Half the integral of x × dx along the closed polygon: the vector area of every surface over it.
-pub(super) fn vector_area(points: &[DVec3]) -> DVec3 {
+pub fn vector_area(points: &[DVec3]) -> DVec3 {
     let origin = points[0];
     let mut area = DVec3::ZERO;
     for i in 0..points.len() {

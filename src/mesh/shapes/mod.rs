@@ -153,7 +153,7 @@ mod tests {
             assert_eq!(t.boundary_loops().len(), loops);
         }
         let (positions, triangles) = four_cylinders(32);
-        assert_eq!(positions.len(), 2176);
+        assert_eq!(positions.len(), 4 * 32 * 20);
         let radius = |p: &DVec3| p.z.hypot(if p.x.abs() < p.y.abs() { p.x } else { p.y });
         assert!(positions.iter().all(|p| (radius(p) - 0.5).abs() < 1e-15));
         for t in triangles {
