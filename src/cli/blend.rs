@@ -9,7 +9,8 @@ use crate::mesh::boundary_loops;
 
 /// Runs the command.
 pub fn blend(args: &BlendArguments) -> Result<()> {
-    let (options, mut opened) = start(&args.fill)?;
+    let mut start = start(&args.fill)?;
+    let opened = &mut start.opened;
     if !args.flip.is_empty() {
         // every loop's component once, by the numbers of the file as it is
         let loops = boundary_loops(&opened.mesh);
@@ -23,5 +24,5 @@ pub fn blend(args: &BlendArguments) -> Result<()> {
         }
         opened.mesh = opened.mesh.turned_over(&turned);
     }
-    fill_opened(&args.fill, &options, &opened, Task::Blend)
+    fill_opened(&args.fill, &start, Task::Blend)
 }

@@ -1,39 +1,55 @@
 //! `meniscus fill`.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Result, bail};
-use clap::ValueEnum;
+use anyhow::{Context, Result, bail};
 
 use crate::cli::UsageError;
-use crate::cli::args::{FillArguments, LinearArgument, ModeArgument, SchemeArgument, TauArgument};
+use crate::cli::args::FillArguments;
 use crate::cli::memory::peak_memory;
+use crate::cli::picture::picture;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::{FailedHole, FillReport, hole_reports, skipped, totals, trace};
 use crate::fill::{
-    FillOptions, Filled, Gap, LoopChoice, choose, fill_gaps, nearest_loop, with_islands,
+    Choice, Controls, ControlsError, Filled, Gap, LoopChoice, Schedule, choose, fill_scheduled,
+    nearest_loop, with_islands,
 };
 use crate::io::{self, Opened, open};
 use crate::mesh::{BoundaryLoop, Mesh, boundary_loops};
-use crate::patch::PatchOptions;
-use crate::solver::energy::{Energy, ExprError};
-use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, Tau};
 
 /// Runs the command.
 pub fn fill(args: &FillArguments) -> Result<()> {
-    let (options, opened) = start(args)?;
-    fill_opened(args, &options, &opened, Task::Holes)
+    fill_opened(args, &start(args)?, Task::Holes)
 }
 
-/// Everything before the work: options, targets, the mesh.
-pub fn start(args: &FillArguments) -> Result<(FillOptions, Opened)> {
-    let options = options(args)?;
+/// What is known before the work.
+pub struct Start {
+    /// The controls to start with, found to be valid.
+    pub controls: Controls,
+    /// What is changed on the way.
+    pub schedule: Schedule,
+    /// The mesh.
+    pub opened: Opened,
+}
+
+/// Everything before the work: controls, targets, the mesh.
+pub fn start(args: &FillArguments) -> Result<Start> {
+    let controls = args.controls.controls();
+    controls.options().map_err(|e| mistaken(&e))?;
+    if args.picture.is_none() && args.look.given() {
+        let message = "the options of pictures need --picture FILE.png";
+        return Err(UsageError(message.into()).into());
+    }
     check_targets(args)?;
+    let schedule = schedule(args, &controls)?;
     // the pool's threads start while the file is read
     rayon::spawn(|| ());
-    Ok((options, open(&args.input)?))
+    Ok(Start {
+        controls,
+        schedule,
+        opened: open(&args.input)?,
+    })
 }
 
 /// What to do with the loops chosen.
@@ -69,11 +85,28 @@ impl Task {
     }
 }
 
+/// The schedule asked for, found to be one that can be followed.
+fn schedule(args: &FillArguments, controls: &Controls) -> Result<Schedule> {
+    let Some(path) = &args.schedule else {
+        return Ok(Schedule::default());
+    };
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("cannot read the schedule {}", path.display()))?;
+    let place = || path.display().to_string();
+    let schedule = Schedule::parse(&text).with_context(place)?;
+    schedule.check(controls).with_context(place)?;
+    Ok(schedule)
+}
+
 /// Finds out before the work whether its results can be written, and over nothing that is needed.
 fn check_targets(args: &FillArguments) -> Result<()> {
-    let input = ("IN", args.input.as_path());
-    let mut taken = vec![input];
-    let records = [("--report", &args.report), ("--trace", &args.trace)];
+    let mut taken = vec![("IN", args.input.as_path())];
+    taken.extend(args.schedule.as_deref().map(|path| ("--schedule", path)));
+    let records = [
+        ("--report", &args.report),
+        ("--trace", &args.trace),
+        ("--picture", &args.picture),
+    ];
     let records = records
         .iter()
         .filter_map(|&(name, path)| Some((name, path.as_deref()?)));
@@ -98,12 +131,12 @@ fn check_targets(args: &FillArguments) -> Result<()> {
 }
 
 /// Fills an opened mesh and writes everything asked for.
-pub fn fill_opened(
-    args: &FillArguments,
-    options: &FillOptions,
-    opened: &Opened,
-    task: Task,
-) -> Result<()> {
+pub fn fill_opened(args: &FillArguments, start: &Start, task: Task) -> Result<()> {
+    let Start {
+        controls,
+        schedule,
+        opened,
+    } = start;
     let mesh = &opened.mesh;
     let loops = boundary_loops(mesh);
     let chosen = chosen_loops(args, opened, &loops)?;
@@ -126,7 +159,7 @@ pub fn fill_opened(
         }
     }
     let progress = Progress::new(gaps.len(), args.quiet);
-    let filled = fill_gaps(mesh, &gaps, options, &|group, record| {
+    let filled = fill_scheduled(mesh, &gaps, controls, schedule, &|group, record| {
         progress.step(group, record);
         true
     })?;
@@ -156,9 +189,9 @@ pub fn write_records(
         version: env!("CARGO_PKG_VERSION"),
         input: args.input.display().to_string(),
         output: args.output.display().to_string(),
-        energy: args.energy.clone(),
-        scheme: name(&args.scheme),
-        mode: name(&args.mode),
+        energy: args.controls.energy.clone(),
+        scheme: args.controls.scheme.name(),
+        mode: args.controls.mode.name(),
         load: &opened.report,
         totals: totals(filled, &holes),
         holes,
@@ -173,6 +206,9 @@ pub fn write_records(
     }
     if let Some(path) = &args.trace {
         write_text(path, &trace(filled))?;
+    }
+    if let Some(path) = &args.picture {
+        picture(path, &filled.mesh, opened.mesh.face_count(), &args.look)?;
     }
     if !args.quiet {
         summary(&report)?;
@@ -219,13 +255,6 @@ fn summary(report: &FillReport<'_>) -> Result<()> {
     ))
 }
 
-/// A choice as it is written on the command line.
-fn name(choice: &impl ValueEnum) -> String {
-    choice
-        .to_possible_value()
-        .map_or_else(String::new, |v| v.get_name().to_owned())
-}
-
 fn nothing_to_do(loops: usize) -> String {
     if loops == 0 {
         "no boundary loops: the mesh is closed and is written as it is".into()
@@ -257,39 +286,13 @@ fn chosen_loops(
     Ok(chosen)
 }
 
-fn options(args: &FillArguments) -> Result<FillOptions> {
-    let params: BTreeMap<String, f64> = args.param.iter().cloned().collect();
-    let energy = Energy::parse(&args.energy, &params).map_err(|e| expression_error(&e))?;
-    let mut flow = FlowOptions::new(energy);
-    flow.scheme = match args.scheme {
-        SchemeArgument::Normal => Scheme::Normal,
-        SchemeArgument::Mixed => Scheme::Mixed,
-        SchemeArgument::MixedCorrected => Scheme::MixedCorrected,
+/// Controls that the grammar lets through but that are none.
+fn mistaken(error: &ControlsError) -> anyhow::Error {
+    let text = match error.expression() {
+        Some(expression) => format!("--energy\n{}", expression.render()),
+        None => error.to_string(),
     };
-    flow.mode = match args.mode {
-        ModeArgument::Fast => Mode::Fast,
-        ModeArgument::Flow => Mode::Flow,
-    };
-    flow.linear = match args.linear {
-        LinearArgument::Gmres => LinearSolver::default(),
-        LinearArgument::Lu => LinearSolver::Lu,
-    };
-    flow.tau = match args.tau {
-        TauArgument::Auto => Tau::Auto,
-        TauArgument::Fixed(t) => Tau::Fixed(t),
-    };
-    flow.max_steps = args.steps;
-    Ok(FillOptions {
-        patch: PatchOptions {
-            density: args.density,
-        },
-        flow,
-        ..FillOptions::default()
-    })
-}
-
-fn expression_error(error: &ExprError) -> anyhow::Error {
-    UsageError(format!("--energy\n{}", error.render())).into()
+    UsageError(text).into()
 }
 
 pub fn write_text(path: &Path, text: &str) -> Result<()> {

@@ -5,11 +5,11 @@ use serde::Serialize;
 
 use crate::cli::UsageError;
 use crate::cli::args::RefillArguments;
-use crate::cli::fill::{start, write_records, write_text};
+use crate::cli::fill::{Start, start, write_records, write_text};
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::step_lines;
-use crate::fill::{self, FillOptions, LoopChoice};
+use crate::fill::{self, FillOptions, LoopChoice, Schedule};
 use crate::io::{Opened, save_mesh};
 use crate::mesh::{faces_in_ball, grow};
 use crate::solver::End;
@@ -20,7 +20,15 @@ pub fn refill(args: &RefillArguments) -> Result<()> {
         let what = "refill fills what it erases: choose a place with --ball, not loops";
         return Err(UsageError(what.into()).into());
     }
-    let (options, opened) = start(&args.fill)?;
+    let Start {
+        controls,
+        schedule,
+        opened,
+    } = start(&args.fill)?;
+    if schedule != Schedule::default() {
+        return Err(UsageError("refill follows no --schedule".into()).into());
+    }
+    let options = controls.options()?;
     let mut selected = vec![false; opened.mesh.face_count()];
     for &(centre, radius) in &args.ball {
         for (flag, inside) in selected
@@ -103,7 +111,7 @@ fn fair(
         version: env!("CARGO_PKG_VERSION"),
         input: args.fill.input.display().to_string(),
         output: args.fill.output.display().to_string(),
-        energy: &args.fill.energy,
+        energy: &args.fill.controls.energy,
         faces: selected.iter().filter(|&&flag| flag).count(),
         vertices_moved: new.moved.len(),
         steps: outcome.steps,

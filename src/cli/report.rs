@@ -20,9 +20,9 @@ pub struct FillReport<'a> {
     /// Energy, as given.
     pub energy: String,
     /// Method.
-    pub scheme: String,
+    pub scheme: &'static str,
     /// Mode.
-    pub mode: String,
+    pub mode: &'static str,
     /// Counts, repairs and the index map of the input.
     pub load: &'a LoadReport,
     /// Filled holes.

@@ -21,7 +21,8 @@ pub(super) fn reshape(
         if !plan.groups[g].holes.iter().any(is_blend) {
             continue;
         }
-        let start = plan.groups[g].problem(mesh, plan).and_then(warm_start);
+        let start = plan.groups[g].problem(mesh, plan, options);
+        let start = start.and_then(warm_start);
         if let Ok(problem) = start {
             plan.place(g, &problem.to_world(problem.positions()));
         }

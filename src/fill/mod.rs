@@ -10,9 +10,13 @@ mod group;
 mod islands;
 mod live;
 mod refill;
+mod region;
 mod rim;
+mod run;
 mod schedule;
+mod scheduled;
 mod select;
+mod shape;
 mod sheets;
 
 use std::collections::BTreeMap;
@@ -23,18 +27,24 @@ use rayon::prelude::*;
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError, VertexId};
 use crate::patch::{self, PatchError, PatchMesh, PatchOptions};
 use crate::solver::energy::{Energy, Preset};
-use crate::solver::{End, Flow, FlowOptions, FlowProblem, Outcome, SolverError, StepRecord};
+use crate::solver::{End, FlowOptions, FlowProblem, Outcome, SolverError, StepRecord};
+
+use run::Ground;
+use schedule::TimedChange;
+use scheduled::run_group;
+use shape::Shape;
 
 pub use controls::{Choice, Continuity, Controls, ControlsError, Linear, TauChoice};
 pub use group::Group;
 pub use islands::with_islands;
 pub use live::{
     GroupState, GroupStatus, HoleLayout, Layout, LiveError, LiveEvent, LiveFill, LiveSettings,
-    State, Timeline, command_line,
+    State, Timeline, blend_command_line, command_line,
 };
 pub use refill::{Faired, RefillError, Refilled, fair, refill};
 pub use rim::{gap_of, rim_of};
 pub use schedule::{Row, Schedule, ScheduleError};
+pub use scheduled::{ScheduledFillError, fill_scheduled};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};
 
 /// What can be chosen about a fill.
@@ -71,7 +81,7 @@ impl FillOptions {
 }
 
 /// Why a hole, or a whole fill, failed.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum FillError {
     /// No first patch could be made.
     #[error("hole {hole}: no first patch: {source}")]
@@ -123,6 +133,8 @@ pub struct PlannedHole {
     pub number: usize,
     /// Numbers of all loops its patch joins: one, or several for a blend.
     pub loops: Vec<usize>,
+    /// Vertices of each of these loops.
+    pub rims: Vec<Vec<VertexId>>,
     /// Edges of the rims.
     pub edges: usize,
     /// Hole radius: RMS distance of the rim from its mean, the largest of a blend's rims.
@@ -140,8 +152,10 @@ pub struct PlannedHole {
 }
 
 /// First patches of all holes, and the flows to run on them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Plan {
+    /// Vertices of the mesh.
+    pub old_vertices: usize,
     /// Holes with a patch, in the order asked for.
     pub holes: Vec<PlannedHole>,
     /// Holes that could not be given one.
@@ -189,6 +203,7 @@ type FirstPatch = (Result<PatchMesh, PatchError>, f64);
 impl Plan {
     fn new(mesh: &Mesh, gaps: &[Gap<'_>], patches: &[FirstPatch]) -> Self {
         let mut plan = Self {
+            old_vertices: mesh.positions.len(),
             holes: Vec::new(),
             failed: Vec::new(),
             new_positions: Vec::new(),
@@ -235,6 +250,7 @@ impl Plan {
         self.holes.push(PlannedHole {
             number: gap[0].number,
             loops: gap.iter().map(|l| l.number).collect(),
+            rims: gap.iter().map(|l| l.vertices.clone()).collect(),
             edges: rim.len(),
             radius: gap.iter().map(|l| l.radius).fold(0.0, f64::max),
             new_vertices: points..self.new_positions.len(),
@@ -294,8 +310,6 @@ pub struct GroupResult {
     pub records: Vec<StepRecord>,
     /// Stage times, patches excluded.
     pub timings: Timings,
-    /// Positions of the group's interior vertices.
-    pub positions: Vec<DVec3>,
 }
 
 /// A filled mesh and how it came about.
@@ -346,79 +360,48 @@ pub fn fill_gaps(
     options: &FillOptions,
     observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
 ) -> Result<Filled, FillError> {
+    fill_changing(mesh, gaps, options, &[], observe)
+}
+
+/// Fills gaps with changes on the way.
+fn fill_changing(
+    mesh: &Mesh,
+    gaps: &[Gap<'_>],
+    options: &FillOptions,
+    changes: &[TimedChange],
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Filled, FillError> {
     let start = Instant::now();
     let mut plan = prepare_gaps(mesh, gaps, options);
-    let run = |g: usize| {
-        run_group(&plan.groups[g], mesh, &plan, options, &|record| {
-            observe(g, record)
-        })
+    let ground = Ground {
+        mesh,
+        gaps,
+        plan: &plan,
     };
-    let (groups, topology) = rayon::join(
+    let (runs, topology) = rayon::join(
         || {
             (0..plan.groups.len())
                 .into_par_iter()
-                .map(run)
+                .map(|g| run_group(ground, g, options, changes, &|record| observe(g, record)))
                 .collect::<Vec<_>>()
         },
         || plan.topology(mesh),
     );
-    let topology = topology?;
-    for (g, result) in groups.iter().enumerate() {
-        if let Ok(result) = result {
-            plan.place(g, &result.positions);
-        }
+    let mut topology = topology?;
+    if runs.iter().any(|run| run.remeshed) {
+        let shapes: Vec<&Shape> = runs.iter().map(|run| run.shape.as_ref()).collect();
+        plan = plan.reshaped(&shapes);
+        topology = plan.topology(mesh)?;
+    }
+    for (g, run) in runs.iter().enumerate() {
+        plan.place(g, &run.positions);
     }
     let filled = plan.assemble(mesh, topology);
     Ok(Filled {
         mesh: filled,
         plan,
-        groups,
+        groups: runs.into_iter().map(|run| run.result).collect(),
         milliseconds: milliseconds(start),
-    })
-}
-
-fn run_group(
-    group: &Group,
-    mesh: &Mesh,
-    plan: &Plan,
-    options: &FillOptions,
-    observe: &dyn Fn(&StepRecord) -> bool,
-) -> Result<GroupResult, SolverError> {
-    let start = Instant::now();
-    let problem = group.problem(mesh, plan)?;
-    let setup = milliseconds(start);
-    let mut result = run_problem(problem, options, observe)?;
-    result.timings.setup += setup;
-    Ok(result)
-}
-
-/// Warm start and flow of a region.
-fn run_problem(
-    problem: FlowProblem,
-    options: &FillOptions,
-    observe: &dyn Fn(&StepRecord) -> bool,
-) -> Result<GroupResult, SolverError> {
-    let mut timings = Timings::default();
-    let mut lap = Instant::now();
-    let mut split = |slot: &mut f64| {
-        *slot += milliseconds(lap);
-        lap = Instant::now();
-    };
-    let problem = warm_start(problem)?;
-    split(&mut timings.warm_start);
-    let mut flow = Flow::new(problem, options.flow.clone())?;
-    split(&mut timings.setup);
-    let mut records = Vec::new();
-    let outcome = flow.run(|_, record| {
-        records.push(record.clone());
-        observe(record)
-    })?;
-    split(&mut timings.flow);
-    Ok(GroupResult {
-        outcome,
-        records,
-        timings,
-        positions: flow.problem().to_world(flow.positions()),
     })
 }
 
@@ -429,7 +412,8 @@ fn run_problem(
 pub fn warm_start(problem: FlowProblem) -> Result<FlowProblem, SolverError> {
     let mut positions = problem.positions().to_vec();
     let interior: Vec<VertexId> = problem.interior().iter().map(|&v| VertexId(v)).collect();
-    patch::warm_start(problem.topology(), &mut positions, &interior)?;
+    let creases: Vec<VertexId> = problem.creases().iter().map(|&v| VertexId(v)).collect();
+    patch::warm_start_with_creases(problem.topology(), &mut positions, &interior, &creases)?;
     Ok(problem.with_positions(&positions))
 }
 

@@ -1,13 +1,16 @@
 //! Part of a surface made anew: erased and filled, or faired in place.
 
+use std::time::Instant;
+
 use crate::fill::{
-    FillError, FillOptions, Filled, GroupResult, fill_gaps, run_problem, sheets, with_islands,
+    FillError, FillOptions, Filled, GroupResult, Timings, fill_gaps, milliseconds, sheets,
+    warm_start, with_islands,
 };
 use crate::mesh::{
     BoundaryLoop, DVec3, Erased, FaceId, Mesh, TopologyError, VertexId, boundary_loops, erase,
     inner_vertices,
 };
-use crate::solver::{COLLAR_RINGS, FlowProblem, SolverError, StepRecord};
+use crate::solver::{COLLAR_RINGS, Flow, FlowProblem, SolverError, StepRecord};
 
 /// Why a selection cannot be made anew.
 #[derive(Debug, thiserror::Error)]
@@ -119,9 +122,9 @@ pub fn fair(
         return Err(RefillError::NoInside { faces });
     }
     let problem = region(mesh, &moved)?;
-    let flow = run_problem(problem, options, observe)?;
+    let (flow, positions) = run(problem, options, observe)?;
     let mut fair = mesh.clone();
-    for (v, &p) in moved.iter().zip(&flow.positions) {
+    for (v, &p) in moved.iter().zip(&positions) {
         fair.positions[v.index()] = p;
     }
     Ok(Faired {
@@ -129,6 +132,37 @@ pub fn fair(
         moved,
         flow,
     })
+}
+
+/// Warm start and flow of a region: how it went, and where the vertices are.
+fn run(
+    problem: FlowProblem,
+    options: &FillOptions,
+    observe: &dyn Fn(&StepRecord) -> bool,
+) -> Result<(GroupResult, Vec<DVec3>), SolverError> {
+    let mut timings = Timings::default();
+    let mut lap = Instant::now();
+    let mut split = |slot: &mut f64| {
+        *slot += milliseconds(lap);
+        lap = Instant::now();
+    };
+    let problem = warm_start(problem)?;
+    split(&mut timings.warm_start);
+    let mut flow = Flow::new(problem, options.flow.clone())?;
+    split(&mut timings.setup);
+    let mut records = Vec::new();
+    let outcome = flow.run(|_, record| {
+        records.push(record.clone());
+        observe(record)
+    })?;
+    split(&mut timings.flow);
+    let positions = flow.problem().to_world(flow.positions());
+    let result = GroupResult {
+        outcome,
+        records,
+        timings,
+    };
+    Ok((result, positions))
 }
 
 /// The flow of some vertices of a mesh with everything near them.
@@ -164,7 +198,6 @@ fn region(mesh: &Mesh, moved: &[VertexId]) -> Result<FlowProblem, RefillError> {
     if ring_1.is_empty() {
         return Err(RefillError::Everything);
     }
-    // the outermost faces bring in vertices of their own
     faces.sort_unstable();
     let mut positions: Vec<DVec3> = order.iter().map(|&v| mesh.position(v)).collect();
     let mut triangles: Vec<[u32; 3]> = faces

@@ -27,5 +27,7 @@ pub use selection::{
     connected_faces, faces_in_ball, grow, inner_vertices, invert, shrink, smooth_border,
 };
 pub use soup::{FaceTag, Soup};
-pub use spatial::{ClosestPoint, TriangleBvh, closest_point_on_segment, closest_point_on_triangle};
+pub use spatial::{
+    ClosestPoint, RayHit, TriangleBvh, closest_point_on_segment, closest_point_on_triangle,
+};
 pub use topology::{Topology, TopologyError};

@@ -15,9 +15,11 @@ mod remesh;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod transfer;
 mod triangulate;
 
 pub use blend::{Gap, blend, reblend};
-pub use fair::warm_start;
+pub use fair::{warm_start, warm_start_with_creases};
 pub use fill::{PatchError, PatchMesh, PatchOptions, Rim, fill};
 pub use planar::vector_area;
+pub use transfer::{TransferError, transfer};

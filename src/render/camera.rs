@@ -82,6 +82,12 @@ impl StandardView {
         }
     }
 
+    /// The view of a [`Self::name`].
+    pub fn from_name(name: &str) -> Option<Self> {
+        let named = |view: &Self| view.name().eq_ignore_ascii_case(name.trim());
+        Self::ALL.into_iter().find(named)
+    }
+
     fn orientation(self) -> DQuat {
         use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
         match self {
@@ -118,15 +124,31 @@ impl Camera {
     pub fn fit(bounds: &Bounds) -> Self {
         let mut camera = Self {
             pivot: DVec3::ZERO,
-            orientation: DQuat::from_rotation_y(0.5) * DQuat::from_rotation_x(-0.35),
+            orientation: DQuat::IDENTITY,
             distance: 1.0,
             offset: DVec2::ZERO,
             fov_y: 35f64.to_radians(),
             orthographic: false,
             z_up: false,
         };
+        camera.home();
         camera.fit_to(bounds);
         camera
+    }
+
+    /// Turns to look from the front, a little from the right and above.
+    pub fn home(&mut self) {
+        let turn = DQuat::from_rotation_y(0.5) * DQuat::from_rotation_x(-0.35);
+        self.orientation = self.upright() * turn;
+    }
+
+    /// From a world with `y` up into this one.
+    fn upright(&self) -> DQuat {
+        if self.z_up {
+            DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2)
+        } else {
+            DQuat::IDENTITY
+        }
     }
 
     /// Moves so that all of `bounds` is seen in a square picture, with the pivot at its centre; the
@@ -214,12 +236,7 @@ impl Camera {
 
     /// Turns to a standard view around the pivot.
     pub fn standard_view(&mut self, view: StandardView) {
-        let upright = if self.z_up {
-            DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2)
-        } else {
-            DQuat::IDENTITY
-        };
-        self.orientation = (upright * view.orientation()).normalize();
+        self.orientation = (self.upright() * view.orientation()).normalize();
     }
 
     /// The direction that is up in the world.
@@ -357,8 +374,7 @@ impl Camera {
             text: text.to_owned(),
             what: what.to_owned(),
         };
-        let named = |view: &StandardView| view.name().eq_ignore_ascii_case(text.trim());
-        if let Some(view) = StandardView::ALL.into_iter().find(named) {
+        if let Some(view) = StandardView::from_name(text) {
             let mut camera = Self::fit(bounds);
             camera.standard_view(view);
             return Ok(camera);

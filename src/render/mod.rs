@@ -10,8 +10,10 @@ mod camera;
 mod colormap;
 mod error;
 mod export;
+mod gpu;
 mod headless;
 mod picking;
+mod rims;
 mod scene;
 mod surface;
 
@@ -21,8 +23,10 @@ pub use camera::{Camera, CameraError, StandardView};
 pub use colormap::{colormap, legend_ticks, robust_range};
 pub use error::RenderError;
 pub use export::{SequenceEnd, SequenceFormat, save_png, turntable, write_sequence};
+pub use gpu::{Renderer, Tile};
 pub use headless::{Gpu, MAX_SIDE, picture};
 pub use picking::{Hit, Picker};
+pub use rims::rim_points;
 pub use scene::{
     Background, Geometry, LineStyle, Marker, Overlay, Polyline, Scene, Vertex, ViewMode, ViewStyle,
 };

@@ -178,6 +178,12 @@ impl ViewMode {
         Self::Deviation,
     ];
 
+    /// The mode of a [`Self::name`], upper or lower case (`H` and `K` are no others' names).
+    pub fn from_name(name: &str) -> Option<Self> {
+        let named = |mode: &Self| mode.name().eq_ignore_ascii_case(name);
+        Self::ALL.into_iter().find(named)
+    }
+
     /// Short name, as on the command line.
     pub fn name(self) -> &'static str {
         match self {

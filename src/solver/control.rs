@@ -90,6 +90,9 @@ pub const STOP: f64 = 1e-6;
 /// τ below this fraction of `τ_ref` means that the flow is stuck.
 const COLLAPSE: f64 = 1e-14;
 const SHRINK: f64 = 8.0;
+const FAST_GROWTH: f64 = 10.0;
+/// So slow that there are some thirty shapes to see on the way to the stationary one.
+const FLOW_GROWTH: f64 = 1.6;
 /// Growth stops here (as a multiple of `τ_ref`): the step is Newton's by then.
 const CEILING: f64 = 1e12;
 
@@ -105,19 +108,22 @@ pub struct Control {
 }
 
 impl Control {
-    /// The law for a mode; `gentle` is a τ at which no vertex moves by more than an edge.
-    pub fn new(mode: Mode, tau: Tau, tau_ref: f64, gentle: f64) -> Self {
-        let (start, growth, wanted) = match (tau, mode) {
-            (Tau::Fixed(t), _) => (t, 1.0, Some(t)),
-            (Tau::From(t), Mode::Fast) => (t, 10.0, None),
-            (Tau::From(t), Mode::Flow) => (t, 4.0, None),
-            (Tau::Auto, Mode::Fast) => (2.0 * tau_ref, 10.0, None),
-            (Tau::Auto, Mode::Flow) => (gentle.clamp(1e-9 * tau_ref, tau_ref), 4.0, None),
+    /// The law for a mode; `gentle` is a τ at which no vertex moves by more than an edge, `growth`
+    /// the factor after an accepted step if it is not to be the mode's own.
+    pub fn new(mode: Mode, tau: Tau, tau_ref: f64, gentle: f64, growth: Option<f64>) -> Self {
+        let (start, wanted) = match (tau, mode) {
+            (Tau::Fixed(t), _) => (t, Some(t)),
+            (Tau::From(t), _) => (t, None),
+            (Tau::Auto, Mode::Fast) => (2.0 * tau_ref, None),
+            (Tau::Auto, Mode::Flow) => (gentle.clamp(1e-9 * tau_ref, tau_ref), None),
         };
         Self {
             tau: start,
             tau_ref,
-            growth,
+            growth: growth.unwrap_or(match mode {
+                Mode::Fast => FAST_GROWTH,
+                Mode::Flow => FLOW_GROWTH,
+            }),
             wanted,
         }
     }

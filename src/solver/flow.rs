@@ -4,138 +4,23 @@ use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Control, Mode, Progress, STOP, Tau};
 use crate::solver::energy::{Energy, Order};
-use crate::solver::mixed::{LinearSolver, MixedFlow};
+use crate::solver::mixed::MixedFlow;
 use crate::solver::normal::NormalFlow;
+use crate::solver::options::{FlowOptions, Scheme};
+use crate::solver::record::{End, Outcome, StepRecord};
+use crate::solver::relax::Relaxation;
 use crate::solver::survey::{Survey, survey};
 use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule, TableCache, elements};
-
-/// Which of the two methods computes the steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scheme {
-    /// Scheme B, the linearly implicit normal flow.
-    #[default]
-    Normal,
-    /// Scheme A, the paper's mixed finite elements (21)-(23).
-    Mixed,
-    /// Scheme A with the exact gradient as right-hand side: the same matrix, another fixed point.
-    MixedCorrected,
-}
-
-/// Everything about a flow that may be chosen.
-#[derive(Clone, Debug)]
-pub struct FlowOptions {
-    /// f(H, K).
-    pub energy: Energy,
-    /// The method.
-    pub scheme: Scheme,
-    /// Stationary shape or true time.
-    pub mode: Mode,
-    /// Time step.
-    pub tau: Tau,
-    /// Factor of an adaptive τ after an accepted step; `None` is the mode's own.
-    pub growth: Option<f64>,
-    /// Weight of tangential relaxation after each accepted step, 0 (none) to 1.
-    pub relaxation: f64,
-    /// Steps after which the flow ends, converged or not.
-    pub max_steps: usize,
-    /// Scheme A's linear solver.
-    pub linear: LinearSolver,
-    /// Quadrature of scheme B's steps. Three interior points give the same errors as twelve on
-    /// scans (measured) at a third of the cost; scheme A and reported energies always use twelve.
-    pub quadrature: Rule,
-}
-
-impl FlowOptions {
-    /// The defaults with the given energy: scheme B, fast mode, adaptive τ, at most 200 steps.
-    pub fn new(energy: Energy) -> Self {
-        Self {
-            energy,
-            scheme: Scheme::default(),
-            mode: Mode::default(),
-            tau: Tau::default(),
-            growth: None,
-            relaxation: 0.0,
-            max_steps: 200,
-            linear: LinearSolver::default(),
-            quadrature: Rule::Three,
-        }
-    }
-
-    /// # Errors
-    /// [`SolverError::BadOption`] naming the option that is out of range.
-    pub fn validate(&self) -> Result<(), SolverError> {
-        if let Tau::Fixed(t) | Tau::From(t) = self.tau
-            && !(t.is_finite() && t > 0.0)
-        {
-            return Err(SolverError::BadOption {
-                option: "tau",
-                value: t.to_string(),
-                expected: "a time step is a positive number (or `auto`)",
-            });
-        }
-        Ok(())
-    }
-}
-
-/// One line of the record of a flow.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StepRecord {
-    /// Accepted steps so far, this one included if it was accepted.
-    pub step: usize,
-    /// Its time step (for quasi-Newton steps that of the factor).
-    pub tau: f64,
-    /// Energy after it, by the quadrature rule of the steps.
-    pub energy: f64,
-    /// Displacement brought to `τ_ref`, over the hole radius; NaN if rejected.
-    pub residual: f64,
-    /// Whether it was rejected.
-    pub rejected: bool,
-    /// How it was computed.
-    pub progress: Progress,
-    /// Scheme A: iterations of GMRES.
-    pub iterations: Option<usize>,
-    /// Scheme A: relative residual of the linear solve.
-    pub linear_residual: Option<f64>,
-}
-
-/// Why a flow ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// The stopping rule was met.
-    Converged,
-    /// `max_steps` were taken.
-    Steps,
-    /// τ collapsed: no step lowers the energy.
-    Stuck,
-    /// It was told to.
-    Cancelled,
-}
-
-/// How a flow went.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// Why it ended.
-    pub end: End,
-    /// Accepted steps.
-    pub steps: usize,
-    /// Rejected steps.
-    pub rejected: usize,
-    /// Energy at the start, by the 12-point rule.
-    pub energy_start: f64,
-    /// Energy at the end, by the 12-point rule.
-    pub energy_end: f64,
-    /// Warnings in plain words.
-    pub warnings: Vec<String>,
-}
 
 enum Stepper {
     Normal(Box<NormalFlow>),
     Mixed(Box<MixedFlow>),
 }
 
+/// Attempts at relaxing after a step, each half as far as the one before.
+const RELAXATION_TRIES: usize = 3;
 /// Factorized steps before fast mode goes over to the frozen factor.
 const FACTORIZED_STEPS: usize = 2;
 
@@ -146,6 +31,7 @@ pub struct Flow {
     stepper: Stepper,
     control: Control,
     report: Assembler,
+    relaxation: Option<Relaxation>,
     local: Elements,
     steps: usize,
     rejected: usize,
@@ -192,7 +78,14 @@ impl Flow {
         }
         let warnings = warnings(&problem, &options.energy, &start);
         let mut flow = Self {
-            control: Control::new(options.mode, options.tau, start.tau_ref, start.tau_ref),
+            control: Control::new(
+                options.mode,
+                options.tau,
+                start.tau_ref,
+                start.tau_ref,
+                options.growth,
+            ),
+            relaxation: None,
             problem,
             options,
             stepper,
@@ -237,7 +130,13 @@ impl Flow {
             (Stepper::Mixed(_), _) => 1e-3 * survey.tau_ref,
             _ => survey.tau_ref,
         };
-        self.control = Control::new(self.options.mode, self.options.tau, survey.tau_ref, gentle);
+        self.control = Control::new(
+            self.options.mode,
+            self.options.tau,
+            survey.tau_ref,
+            gentle,
+            self.options.growth,
+        );
         self.factorized = 0;
         self.end = None;
     }
@@ -271,6 +170,33 @@ impl Flow {
     /// The natural time of the hole, `τ_ref`; show τ relative to it.
     pub fn tau_ref(&self) -> f64 {
         self.control.tau_ref
+    }
+
+    /// The time step of the next attempt.
+    pub fn tau(&self) -> f64 {
+        self.control.tau
+    }
+
+    /// Warnings so far, in plain words.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Energy where this flow started, by the 12-point rule.
+    pub fn energy_start(&self) -> f64 {
+        self.energy_start
+    }
+
+    /// Accepted and rejected steps.
+    pub fn counts(&self) -> (usize, usize) {
+        (self.steps, self.rejected)
+    }
+
+    /// Counts on from earlier steps of the same shape.
+    #[must_use]
+    pub fn counting_from(mut self, steps: usize, rejected: usize) -> Self {
+        (self.steps, self.rejected) = (steps, rejected);
+        self
     }
 
     /// Why the flow ended, if it has.
@@ -338,14 +264,49 @@ impl Flow {
         }
         let tau = self.control.tau;
         let next = self.control.next();
-        let quick = self.options.mode == Mode::Fast && !matches!(self.options.tau, Tau::Fixed(_));
+        let relaxing = self.options.relaxation > 0.0;
+        // relaxation moves the vertices for which the factor was made
+        let quick = self.options.mode == Mode::Fast
+            && !matches!(self.options.tau, Tau::Fixed(_))
+            && !relaxing;
+        let before = self.energy();
         let attempt = match &mut self.stepper {
             Stepper::Normal(flow) => {
                 flow.attempt(tau, next, quick && self.factorized + 1 >= FACTORIZED_STEPS)
             }
             Stepper::Mixed(flow) => flow.attempt(tau),
         };
-        Ok(Some(self.book(&attempt, tau)))
+        let mut record = self.book(&attempt, tau);
+        if attempt.accepted && relaxing {
+            self.relax(before);
+            record.energy = self.energy().value;
+        }
+        Ok(Some(record))
+    }
+
+    /// Slides the vertices along the surface after a step from energy `before`.
+    fn relax(&mut self, before: EnergySum) {
+        let relaxation = self
+            .relaxation
+            .get_or_insert_with(|| Relaxation::new(&self.problem));
+        let mut weight = self.options.relaxation;
+        for _ in 0..RELAXATION_TRIES {
+            let (positions, normals, vertices) = match &self.stepper {
+                Stepper::Normal(flow) => (flow.positions(), flow.normals(), flow.moving()),
+                Stepper::Mixed(flow) => (flow.positions(), flow.normals(), flow.moving()),
+            };
+            let Some(moved) = relaxation.propose(positions, vertices, normals, weight) else {
+                return;
+            };
+            let taken = match &mut self.stepper {
+                Stepper::Normal(flow) => flow.slide(moved, before),
+                Stepper::Mixed(flow) => flow.slide(moved, before),
+            };
+            if taken {
+                return;
+            }
+            weight *= 0.5;
+        }
     }
 
     /// Counts an attempt, moves τ and decides whether the flow has ended.

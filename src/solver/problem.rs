@@ -19,6 +19,7 @@ pub struct FlowProblem {
     interior: Vec<u32>,
     active: Vec<FaceId>,
     radius: f64,
+    creases: Vec<u32>,
 }
 
 impl FlowProblem {
@@ -77,7 +78,37 @@ impl FlowProblem {
             interior: interior.to_vec(),
             active,
             radius,
+            creases: Vec::new(),
         })
+    }
+
+    /// The same problem with fixed vertices at which the surface ends in a crease (G0): its normal
+    /// there is free.
+    ///
+    /// # Errors
+    /// [`SolverError::NoSuchVertex`].
+    pub fn with_creases(mut self, creases: Vec<u32>) -> Result<Self, SolverError> {
+        let count = self.positions.len();
+        if let Some(&vertex) = creases.iter().find(|&&v| v as usize >= count) {
+            let vertex = vertex as usize;
+            return Err(SolverError::NoSuchVertex { vertex });
+        }
+        self.creases = creases;
+        Ok(self)
+    }
+
+    /// Vertices at which the surface ends in a crease.
+    pub fn creases(&self) -> &[u32] {
+        &self.creases
+    }
+
+    /// For each vertex whether it is one of [`Self::creases`].
+    pub fn crease_marks(&self) -> Vec<bool> {
+        let mut marks = vec![false; self.positions.len()];
+        for &v in &self.creases {
+            marks[v as usize] = true;
+        }
+        marks
     }
 
     /// Connectivity of the region.

@@ -21,12 +21,12 @@ pub enum LiveEvent {
     },
     /// A group keeps its old controls.
     ControlsRefused {
-        /// The group.
-        group: usize,
+        /// The group; `None` for all of them.
+        group: Option<usize>,
         /// Why, in plain words.
         text: String,
     },
-    /// A group goes on from an earlier state.
+    /// The fill goes on from an earlier state.
     Rewound {
         /// Attempts, the rewind included.
         attempt: usize,

@@ -1,20 +1,23 @@
-//! Shapes of a whole fill on its way, and the kept ones.
+//! Shapes of a whole fill on its way.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::mesh::{DVec3, Topology};
+use crate::fill::schedule::Row;
+use crate::fill::shape::Shape;
+use crate::fill::{FillError, Plan};
+use crate::mesh::{DVec3, Mesh, Topology};
 
 /// One group's shape after an accepted step.
 #[derive(Clone, Debug)]
 pub struct GroupState {
     /// Accepted steps.
     pub step: usize,
-    /// Attempted steps.
+    /// Attempts before it.
     pub attempt: usize,
     /// Positions of the group's new vertices.
     pub positions: Arc<[DVec3]>,
-    /// Energy, by the rule of the steps.
+    /// Energy, by the rule of the steps; NaN where there is no flow.
     pub energy: f64,
     /// Residual of the step; `None` before the first.
     pub residual: Option<f64>,
@@ -22,6 +25,7 @@ pub struct GroupState {
     pub tau: f64,
     /// Smallest angle of a triangle of the patches, in degrees.
     pub worst_angle: f64,
+    pub(super) shape: Arc<Shape>,
 }
 
 /// A hole's part of a filled mesh.
@@ -31,12 +35,10 @@ pub struct HoleLayout {
     pub number: usize,
     /// The group it is solved with; `None` if it has no interior vertex.
     pub group: Option<usize>,
-    /// Its new vertices, counted from the mesh's.
+    /// Its vertices in the filled mesh.
     pub vertices: Range<usize>,
     /// Its faces in the filled mesh.
     pub faces: Range<usize>,
-    /// Its vertices' places in its group's positions.
-    pub places: Range<usize>,
 }
 
 /// What belongs to which hole in a filled mesh.
@@ -48,6 +50,36 @@ pub struct Layout {
     pub old_faces: usize,
     /// Every hole with a patch.
     pub holes: Vec<HoleLayout>,
+    pub(super) plan: Plan,
+    /// The shapes it is made of.
+    pub(super) shapes: Vec<Arc<Shape>>,
+}
+
+impl Layout {
+    /// The layout of a plan whose groups have these shapes.
+    pub(super) fn new(mesh: &Mesh, plan: Plan, shapes: Vec<Arc<Shape>>) -> Self {
+        let (old_vertices, old_faces) = (mesh.vertex_count(), mesh.face_count());
+        let from = |range: &Range<usize>, old: usize| old + range.start..old + range.end;
+        let holes = plan.holes.iter().map(|hole| HoleLayout {
+            number: hole.number,
+            group: hole.group,
+            vertices: from(&hole.new_vertices, old_vertices),
+            faces: from(&hole.new_faces, old_faces),
+        });
+        Self {
+            old_vertices,
+            old_faces,
+            holes: holes.collect(),
+            plan,
+            shapes,
+        }
+    }
+
+    /// Whether it is made of these shapes.
+    pub(super) fn fits(&self, groups: &[Arc<GroupState>]) -> bool {
+        let mut pairs = self.shapes.iter().zip(groups);
+        pairs.all(|(shape, group)| Arc::ptr_eq(shape, &group.shape))
+    }
 }
 
 /// The whole fill at one moment.
@@ -64,6 +96,10 @@ pub struct State {
     pub topology: Arc<Topology>,
     /// What in it belongs to which hole; the same `Arc` as long as the topology's is.
     pub layout: Arc<Layout>,
+    /// Whether every group had ended.
+    pub ended: bool,
+    /// What was changed before it.
+    pub(super) rows: Arc<Vec<Row>>,
 }
 
 impl State {
@@ -72,13 +108,18 @@ impl State {
         self.groups.iter().map(|g| g.energy).sum()
     }
 
+    /// Smallest angle of a triangle of the groups' patches, in degrees; `None` without groups.
+    pub fn worst_angle(&self) -> Option<f64> {
+        self.groups.iter().map(|g| g.worst_angle).reduce(f64::min)
+    }
+
     /// Positions of all new vertices in the order of the filled mesh.
     pub fn new_positions(&self) -> Vec<DVec3> {
-        let holes = &self.layout.holes;
-        let mut out = Vec::with_capacity(holes.last().map_or(0, |h| h.vertices.end));
-        for hole in holes {
-            if let Some(group) = hole.group {
-                out.extend_from_slice(&self.groups[group].positions[hole.places.clone()]);
+        let plan = &self.layout.plan;
+        let mut out = vec![DVec3::ZERO; plan.new_positions.len()];
+        for (group, state) in plan.groups.iter().zip(&self.groups) {
+            for (&v, &p) in group.new_vertices.iter().zip(state.positions.iter()) {
+                out[v as usize] = p;
             }
         }
         out
@@ -88,13 +129,13 @@ impl State {
     pub fn patch_faces(&self) -> Range<usize> {
         self.layout.old_faces..self.topology.face_count()
     }
-}
 
-/// Kept states of a fill, oldest first.
-#[derive(Clone, Debug, Default)]
-pub struct Timeline {
-    /// The states.
-    pub states: Vec<Arc<State>>,
-    /// Bytes their positions and connectivities take.
-    pub bytes: usize,
+    /// The whole filled mesh with the attributes of the given one, the old part first.
+    pub(super) fn mesh(&self, given: &Mesh) -> Result<Mesh, FillError> {
+        let mut plan = self.layout.plan.clone();
+        for (g, state) in self.groups.iter().enumerate() {
+            plan.place(g, &state.positions);
+        }
+        Ok(plan.assemble(given, (*self.topology).clone()))
+    }
 }

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::samples::Inner;
 use super::{DynamicSurface, Evaluation};
 use crate::mesh::{DVec3, VertexId};
 use crate::render::{Geometry, Vertex};
@@ -116,21 +117,33 @@ impl DynamicSurface {
 
     fn inner_sample(
         &self,
-        [element, point]: [u32; 2],
+        inner: Inner,
         at: &[DVec3],
         curvature: &[Curvature],
         limit: bool,
     ) -> Sample {
-        let (e, q) = (element as usize, point as usize);
-        let table = self.elements.table(e);
-        let vertices = self.elements.vertices_of(e);
-        let x = |d| combine(table.row(q, d), vertices, at);
-        let [a, b, c] = [0, 1, 2].map(|k| curvature[vertices[k] as usize]);
+        let (e, q) = (inner.element as usize, inner.point as usize);
         let [v, w] = self.lattice.points[q];
+        let weights = [1.0 - v - w, v, w];
+        let corners = [0, 1, 2].map(|k| self.elements.vertices_of(e)[k]);
+        let between = |f: &dyn Fn(u32) -> f64| (0..3).map(|k| weights[k] * f(corners[k])).sum();
+        let curvature = [0, 1].map(|k| between(&|c| curvature[c as usize][k]));
+        if inner.straight {
+            let ends = corners.map(|c| self.corner_sample(c, at, [0.0; 2], limit));
+            let mix = |f: fn(&Sample) -> DVec3| (0..3).map(|k| weights[k] * f(&ends[k])).sum();
+            let (position, normal): (DVec3, DVec3) = (mix(|s| s.position), mix(|s| s.normal));
+            return Sample {
+                position,
+                normal: normal.normalize_or_zero(),
+                curvature,
+            };
+        }
+        let (table, vertices) = (self.elements.table(e), self.elements.vertices_of(e));
+        let x = |d| combine(table.row(q, d), vertices, at);
         Sample {
             position: if limit { x(0) } else { self.flat(e, q, at) },
             normal: x(1).cross(x(2)).normalize_or_zero(),
-            curvature: [0, 1].map(|k| (1.0 - v - w) * a[k] + v * b[k] + w * c[k]),
+            curvature,
         }
     }
 
@@ -144,23 +157,24 @@ impl DynamicSurface {
 
     /// Positions only.
     fn positions_at_samples(&self, at: &[DVec3], limit: bool) -> Vec<DVec3> {
-        let mut out: Vec<DVec3> = self
-            .samples
-            .corners
-            .par_iter()
-            .map(|&v| {
-                if limit {
-                    limit_position(&self.cut.topology, at, VertexId(v))
-                } else {
-                    at[v as usize]
-                }
-            })
-            .collect();
-        out.par_extend(self.samples.inner.par_iter().map(|&[element, point]| {
-            let (e, q) = (element as usize, point as usize);
+        let corner = |v: u32| {
             if limit {
-                let row = self.elements.table(e).row(q, 0);
-                combine(row, self.elements.vertices_of(e), at)
+                limit_position(&self.cut.topology, at, VertexId(v))
+            } else {
+                at[v as usize]
+            }
+        };
+        let corners = self.samples.corners.par_iter().map(|&v| corner(v));
+        let mut out: Vec<DVec3> = corners.collect();
+        out.par_extend(self.samples.inner.par_iter().map(|inner| {
+            let (e, q) = (inner.element as usize, inner.point as usize);
+            let vertices = self.elements.vertices_of(e);
+            if inner.straight {
+                let [v, w] = self.lattice.points[q];
+                let weights = [1.0 - v - w, v, w];
+                (0..3).map(|k| weights[k] * corner(vertices[k])).sum()
+            } else if limit {
+                combine(self.elements.table(e).row(q, 0), vertices, at)
             } else {
                 self.flat(e, q, at)
             }

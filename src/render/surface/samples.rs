@@ -49,6 +49,18 @@ fn corner(pieces: u32, [i, j]: [u32; 2]) -> Option<usize> {
     }
 }
 
+/// A sample that is not at a corner.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inner {
+    pub(super) element: u32,
+    /// Point of the element's table.
+    pub(super) point: u32,
+    /// It is on the straight line between the ends of its edge: beyond the edge the surface goes on
+    /// with faces that are not sampled here and may be drawn with one piece an edge, and there must
+    /// be no gap between.
+    pub(super) straight: bool,
+}
+
 /// Samples of the faces, shared between neighbours, and the triangles between them.
 ///
 /// Samples at corners come first. A sample has several vertices where faces of different flags meet,
@@ -57,8 +69,8 @@ fn corner(pieces: u32, [i, j]: [u32; 2]) -> Option<usize> {
 pub(super) struct Samples {
     /// The corner samples: vertices of the cut mesh.
     pub(super) corners: Vec<u32>,
-    /// The other samples: element, and point of its table.
-    pub(super) inner: Vec<[u32; 2]>,
+    /// The other samples.
+    pub(super) inner: Vec<Inner>,
     /// Triangles between samples, those of a face together.
     sample_triangles: Vec<[u32; 3]>,
     /// Segments of the wireframe, between samples.
@@ -75,7 +87,7 @@ pub(super) struct Samples {
 
 impl Samples {
     pub(super) fn new(cut: &Cut, elements: &Elements, lattice: &Lattice, flags: &[u32]) -> Self {
-        let mut numbering = Numbering::new(&cut.topology, elements, lattice);
+        let mut numbering = Numbering::new(cut, elements, lattice);
         for &f in &cut.faces {
             numbering.add_corners(f);
         }
@@ -150,7 +162,8 @@ struct Numbering<'a> {
     lattice: &'a Lattice,
     element_of: Vec<u32>,
     corners: Vec<u32>,
-    inner: Vec<[u32; 2]>,
+    inner: Vec<Inner>,
+    listed: Vec<bool>,
     corner_sample: Vec<u32>,
     /// For each edge its first sample; the others follow from the origin of the even half-edge.
     edge_sample: Vec<u32>,
@@ -161,7 +174,12 @@ struct Numbering<'a> {
 }
 
 impl<'a> Numbering<'a> {
-    fn new(topology: &'a Topology, elements: &Elements, lattice: &'a Lattice) -> Self {
+    fn new(cut: &'a Cut, elements: &Elements, lattice: &'a Lattice) -> Self {
+        let topology = &cut.topology;
+        let mut listed = vec![false; topology.face_count()];
+        for f in &cut.faces {
+            listed[f.index()] = true;
+        }
         let mut element_of = vec![NONE; topology.face_count()];
         for (e, &f) in elements.faces.iter().enumerate() {
             element_of[f as usize] = e as u32;
@@ -172,6 +190,7 @@ impl<'a> Numbering<'a> {
             element_of,
             corners: Vec::new(),
             inner: Vec::new(),
+            listed,
             corner_sample: vec![NONE; topology.vertex_count()],
             edge_sample: vec![NONE; topology.halfedge_count() / 2],
             face: Vec::new(),
@@ -202,7 +221,13 @@ impl<'a> Numbering<'a> {
             let edge = &mut self.edge_sample[h.edge()];
             if *edge == NONE && n > 1 {
                 *edge = (self.corners.len() + self.inner.len()) as u32;
-                self.inner.extend((1..n).map(|_| [element, NONE]));
+                let beyond = self.topology.face(h.twin());
+                let new = Inner {
+                    element,
+                    point: NONE,
+                    straight: beyond.is_some() && !self.listed[beyond.index()],
+                };
+                self.inner.extend((1..n).map(|_| new));
             }
         }
         self.face.clear();
@@ -221,11 +246,15 @@ impl<'a> Numbering<'a> {
                 let t = if h.0 % 2 == 0 { t } else { n - t };
                 self.edge_sample[h.edge()] + t - 1
             } else {
-                self.inner.push([element, NONE]);
+                self.inner.push(Inner {
+                    element,
+                    point,
+                    straight: false,
+                });
                 (self.corners.len() + self.inner.len()) as u32 - 1
             };
             if sample >= first {
-                self.inner[sample as usize - self.corners.len()][1] = point;
+                self.inner[sample as usize - self.corners.len()].point = point;
             }
             point += 1;
             self.face.push(sample);

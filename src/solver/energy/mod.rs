@@ -217,6 +217,13 @@ impl Energy {
     }
 }
 
+/// Energies written alike, with the same parameters.
+impl PartialEq for Energy {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text && self.params == other.params
+    }
+}
+
 impl fmt::Debug for Energy {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.debug_struct("Energy")

@@ -1,0 +1,186 @@
+//! Fills in the background, and the same repeated by schedule.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use meniscus::fill::{
+    Continuity, Controls, LiveEvent, LiveFill, LiveSettings, Schedule, State, TauChoice,
+    fill_scheduled,
+};
+use meniscus::mesh::shapes::{self, Hole, HoleShape};
+use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
+use meniscus::solver::{End, Mode, Scheme};
+
+/// A sphere with two holes near each other and one apart.
+fn mesh() -> (Arc<Mesh>, Vec<BoundaryLoop>) {
+    let hole = |centre: DVec3, radius: f64| Hole {
+        centre: centre.normalize(),
+        shape: HoleShape::Disc { radius },
+        turn: 0.0,
+        seed: 1,
+    };
+    let shape = shapes::cut_holes(
+        &shapes::sphere(900, 3),
+        &[
+            hole(DVec3::Z, 0.45),
+            hole(DVec3::new(1.0, 0.0, 0.6), 0.25),
+            hole(DVec3::new(-0.3, 0.2, -1.0), 0.5),
+        ],
+    );
+    let topology = Topology::from_triangles(shape.0.len(), &shape.1).expect("sphere with holes");
+    let mesh = Mesh::new(shape.0, topology);
+    let loops = boundary_loops(&mesh);
+    (Arc::new(mesh), loops)
+}
+
+struct Watched {
+    fill: LiveFill,
+    woken: Receiver<()>,
+    events: Vec<LiveEvent>,
+}
+
+impl Watched {
+    fn start(controls: &Controls, playing: bool) -> Self {
+        let (mesh, loops) = mesh();
+        let (bell, woken) = channel();
+        let settings = LiveSettings {
+            playing,
+            pace: None,
+            timeline_bytes: 1 << 24,
+        };
+        let wake = Arc::new(move || {
+            bell.send(()).ok();
+        });
+        let fill = LiveFill::spawn(mesh, loops, controls.clone(), settings, wake).expect("thread");
+        Self {
+            fill,
+            woken,
+            events: Vec::new(),
+        }
+    }
+
+    /// Waits until an event or the state of the fill is as wanted.
+    fn until(&mut self, mut is_there: impl FnMut(&LiveFill, &[LiveEvent]) -> bool) {
+        loop {
+            let events = self.fill.poll();
+            let there = is_there(&self.fill, &events);
+            self.events.extend(events);
+            if there {
+                return;
+            }
+            let waited = self.woken.recv_timeout(Duration::from_secs(60));
+            assert!(waited.is_ok(), "{:?} {:?}", self.fill.groups(), self.events);
+        }
+    }
+
+    fn steps(&mut self, count: usize) {
+        for _ in 0..count {
+            let attempts = self.fill.groups().first().map_or(0, |g| g.attempts);
+            self.fill.step();
+            self.until(|fill, _| fill.groups().first().is_some_and(|g| g.attempts > attempts));
+        }
+    }
+
+    fn latest(&self) -> Arc<State> {
+        Arc::clone(self.fill.timeline().latest().expect("planned"))
+    }
+}
+
+fn flow() -> Controls {
+    Controls {
+        energy: "(H-H0)^2".into(),
+        params: BTreeMap::from([("H0".into(), 0.5)]),
+        mode: Mode::Flow,
+        growth: Some(1.2),
+        ..Controls::default()
+    }
+}
+
+/// The mesh of a fill by schedule, at so many threads.
+fn repeated(controls: &Controls, schedule: &Schedule, threads: usize) -> Mesh {
+    let (mesh, loops) = mesh();
+    let gaps: Vec<Vec<&BoundaryLoop>> = loops.iter().map(|l| vec![l]).collect();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .expect("threads");
+    pool.install(|| fill_scheduled(&mesh, &gaps, controls, schedule, &|_, _| true))
+        .expect("a fill")
+        .mesh
+}
+
+#[test]
+fn a_plain_run_ends_and_is_the_command_lines() {
+    let mut live = Watched::start(&Controls::default(), true);
+    live.until(|fill, _| fill.ended());
+    assert!(matches!(live.events[0], LiveEvent::Planned));
+    let finished = live.events.iter().filter(
+        |e| matches!(e, LiveEvent::Finished { outcome, .. } if outcome.end == End::Converged),
+    );
+    assert_eq!(finished.count(), live.fill.groups().len());
+    assert!(live.fill.schedule().rows.is_empty());
+    let filled = live.fill.mesh_at(&live.latest()).expect("manifold");
+    assert_eq!(
+        filled,
+        repeated(&Controls::default(), &Schedule::default(), 1)
+    );
+}
+
+#[test]
+fn changes_on_the_way_are_repeated_to_the_bit() {
+    let start = flow();
+    let mut live = Watched::start(&start, false);
+    live.until(|_, events| events.iter().any(|e| matches!(e, LiveEvent::Planned)));
+    let first = live.latest();
+    assert_eq!((first.index, first.attempt), (0, 0));
+    live.steps(4);
+    let mut controls = start.clone();
+    controls.energy = "(H-H0)^2 + a*K^2".into();
+    controls.params.insert("a".into(), 0.1);
+    live.fill.set_controls(&controls).expect("fine");
+    live.steps(3);
+    let marked = live.latest();
+    controls.tau = TauChoice::Fixed(1e-4);
+    live.fill.set_controls(&controls).expect("fine");
+    controls.relaxation = 0.5;
+    live.fill.set_controls(&controls).expect("fine");
+    live.steps(3);
+    controls.density = 1.5;
+    controls.tau = TauChoice::Auto;
+    live.fill.set_controls(&controls).expect("fine");
+    live.steps(3);
+    assert!(!Arc::ptr_eq(&marked.topology, &live.latest().topology));
+    controls.scheme = Scheme::MixedCorrected;
+    live.fill.set_controls(&controls).expect("fine");
+    live.steps(2);
+    assert!(live.fill.rewind_to(marked.index));
+    live.until(|_, events| {
+        events
+            .iter()
+            .any(|e| matches!(e, LiveEvent::Rewound { .. }))
+    });
+    assert_eq!(live.latest().new_positions(), marked.new_positions());
+    assert!(Arc::ptr_eq(&marked.topology, &live.latest().topology));
+    controls.scheme = Scheme::Normal;
+    controls.loop_continuity.insert(1, Continuity::G0);
+    live.fill.set_controls(&controls).expect("fine");
+    live.steps(3);
+    let middle = live.latest();
+    live.fill.finish();
+    live.until(|fill, _| fill.ended());
+    println!("{}", live.fill.schedule().to_csv());
+    for state in [&marked, &middle, &live.latest()] {
+        let schedule = live.fill.schedule_to(state);
+        let read = Schedule::parse(&schedule.to_csv()).expect("as written");
+        assert_eq!(read, schedule);
+        let filled = live.fill.mesh_at(state).expect("manifold");
+        for threads in [1, 2] {
+            assert!(
+                filled == repeated(&start, &read, threads),
+                "{threads} threads"
+            );
+        }
+    }
+}
