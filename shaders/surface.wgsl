@@ -111,14 +111,15 @@ fn fs_surface(
     let stripes = frame.light.w;
 
     let mirrored = reflect(-sight, n);
-    let iso_phase = 0.5 * (dot(n, frame.light.xyz) + 1.0) * stripes;
-    let zebra_phase = 0.5 * (dot(mirrored, frame.up.xyz) + 1.0) * stripes;
-    let phase = select(iso_phase, zebra_phase, mode == ZEBRA);
+    let to_light = dot(n, frame.light.xyz);
+    let to_sky = dot(mirrored, frame.up.xyz);
+    // a quarter more: both ends of the range are in the middle of a light band
+    let phase = 0.5 * (select(to_light, to_sky, mode == ZEBRA) + 1.0) * stripes + 0.25;
     let band = bands(phase, change(phase));
 
     let in_patch = (p.flags & PATCH) != 0u && frame.choice.y != 0u;
     let selected = (p.flags & SELECTED) != 0u;
-    var base = select(vec3(0.40, 0.30, 0.36), vec3(0.62, 0.66, 0.70), front);
+    var base = select(vec3(0.44, 0.33, 0.40), vec3(0.70, 0.73, 0.77), front);
     if in_patch {
         base = select(vec3(0.45, 0.24, 0.10), vec3(0.93, 0.58, 0.20), front);
     }
@@ -131,7 +132,7 @@ fn fs_surface(
     } else if mode == ISOPHOTES || mode == ZEBRA {
         // light bands in the colour of the surface, brightened; dark ones of the same hue
         let bright = mix(vec3(1.0), base, select(0.75, 0.35, front && !in_patch && !selected));
-        let dark = base * 0.16;
+        let dark = base * select(0.15, 0.24, in_patch);
         let stripe = mix(linear_from_srgb(dark), linear_from_srgb(bright), band);
         colour = stripe * mix(1.0, min(lit.x, 1.1), 0.45);
     } else {

@@ -159,6 +159,17 @@ fn crates_stay_behind_their_module() {
 }
 
 #[test]
+fn the_renderer_knows_egui_in_one_file() {
+    for (module, path, code) in modules() {
+        if module == "render" && !path.ends_with("callback.rs") {
+            for name in ["egui", "eframe", "egui_wgpu"] {
+                assert!(!names_crate(&code, name), "{}: {name}", path.display());
+            }
+        }
+    }
+}
+
+#[test]
 fn the_order_has_no_cycle() {
     // listed after everything it uses
     let mut below: Vec<&str> = Vec::new();

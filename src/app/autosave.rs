@@ -134,6 +134,10 @@ impl Autosave {
 
 impl Drop for Autosave {
     fn drop(&mut self) {
+        if std::thread::panicking() {
+            // what there is stays for the next session
+            return;
+        }
         self.discard();
         if let Some((path, lock)) = self.lock.take() {
             drop(lock);

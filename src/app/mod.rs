@@ -26,6 +26,7 @@ mod view_state;
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Instant;
 
@@ -65,6 +66,12 @@ pub enum WindowError {
          libegl1 libgl1-mesa-dri"
     )]
     NoAdapter(String),
+    /// A defect of the program ended it.
+    #[error(
+        "a defect of the program ended it: {0}. What was not saved is offered when it is started \
+         again"
+    )]
+    Defect(String),
     /// The sample the window opens on could not be made.
     #[error("{0}")]
     Sample(String),
@@ -275,11 +282,14 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
         ..Default::default()
     };
     let diagnostics = startup.diagnostics.clone();
+    let began = Arc::new(AtomicBool::new(false));
+    let begins = Arc::clone(&began);
     let opened = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         eframe::run_native(
             "Meniscus",
             options,
             Box::new(move |cc| {
+                begins.store(true, Ordering::Relaxed);
                 let ctx = cc.egui_ctx.clone();
                 let wake: Wake = Arc::new(move || ctx.request_repaint());
                 let mut model = Model::new(document, settings, autosave, wake);
@@ -302,7 +312,14 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
         Ok(Ok(())) => Ok(()),
         Ok(Err(eframe::Error::Wgpu(error))) => Err(WindowError::NoAdapter(error.to_string())),
         Ok(Err(error)) => Err(WindowError::NoDisplay(error.to_string())),
-        // winit panics where a library of X11 cannot be loaded
-        Err(panic) => Err(WindowError::NoLibrary(jobs::panic_text(panic.as_ref()))),
+        Err(panic) => {
+            let text = jobs::panic_text(panic.as_ref());
+            // winit panics where a library of X11 cannot be loaded
+            Err(if began.load(Ordering::Relaxed) {
+                WindowError::Defect(text)
+            } else {
+                WindowError::NoLibrary(text)
+            })
+        }
     }
 }

@@ -169,8 +169,12 @@ impl Run {
             let at = self.sides.iter().filter_map(|s| s.shown).min();
             self.scrub(at.map(|i| i + 1));
             self.next_frame = Some(now + interval);
-            if !self.scrubbed() && self.ended() {
-                self.playing = false;
+            if !self.scrubbed() {
+                // the replay has caught up with the flow
+                self.playing = !self.ended();
+                for side in &self.sides {
+                    side.live.play();
+                }
             }
         }
         self.next_frame

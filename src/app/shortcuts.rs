@@ -116,21 +116,21 @@ pub const ROWS: &[Row] = &[
         &[key(NONE, Key::Space)],
         "Play or pause",
     ),
-    (Command::Step, &[key(NONE, Key::Period)], "One step on"),
     (
-        Command::StepBack,
-        &[key(NONE, Key::Comma)],
-        "One kept state back",
+        Command::Finish,
+        &[key(CTRL, Key::Period)],
+        "Jump to the converged shape",
     ),
+    (Command::Step, &[key(NONE, Key::Period)], "One step on"),
     (
         Command::Rewind,
         &[key(SHIFT, Key::Comma)],
         "Back to the first state",
     ),
     (
-        Command::Finish,
-        &[key(CTRL, Key::Period)],
-        "Jump to the converged shape",
+        Command::StepBack,
+        &[key(NONE, Key::Comma)],
+        "One kept state back",
     ),
     (
         Command::Fit,
@@ -207,6 +207,7 @@ pub const ROWS: &[Row] = &[
         &[key(NONE, Key::T)],
         "Tint the patch",
     ),
+    (Command::Toggle(Switch::Log), &[key(CTRL, Key::L)], "Log"),
     (
         Command::Toggle(Switch::LimitSurface),
         &[key(NONE, Key::L)],
@@ -227,7 +228,6 @@ pub const ROWS: &[Row] = &[
         &[key(NONE, Key::R)],
         "Rims on or off",
     ),
-    (Command::Toggle(Switch::Log), &[key(CTRL, Key::L)], "Log"),
     (
         Command::CopyPicture,
         &[key(CTRL_SHIFT, Key::P)],

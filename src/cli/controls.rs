@@ -127,3 +127,41 @@ fn loop_continuity(text: &str) -> Result<(usize, Continuity), String> {
     });
     read.ok_or_else(|| "give LOOP=g0 or LOOP=g1, as in 2=g0".into())
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::cli::{Arguments, Command};
+
+    fn parsed(arguments: &[String]) -> Controls {
+        let words = ["meniscus", "fill", "a.obj", "-o", "b.obj"].map(String::from);
+        let words = words.iter().chain(arguments);
+        let parsed = Arguments::try_parse_from(words).expect("arguments");
+        match parsed.command {
+            Some(Command::Fill(args)) => args.controls.controls(),
+            _ => unreachable!("a fill command"),
+        }
+    }
+
+    #[test]
+    fn arguments_of_controls_read_back_as_the_controls() {
+        assert_eq!(parsed(&[]), Controls::default());
+        let controls = Controls {
+            energy: "-H^2 + a*K^2".into(),
+            params: [("a".into(), -1.0 / 3.0)].into(),
+            scheme: Scheme::MixedCorrected,
+            mode: Mode::Flow,
+            linear: Linear::Lu,
+            tau: TauChoice::Fixed(1e-7),
+            growth: Some(1.3),
+            relaxation: 0.5,
+            density: 0.8,
+            continuity: Continuity::G0,
+            loop_continuity: [(1, Continuity::G1), (12, Continuity::G0)].into(),
+            max_steps: 3,
+        };
+        assert_eq!(parsed(&controls.to_arguments()), controls);
+    }
+}

@@ -16,14 +16,18 @@ struct Ray {
     origin: DVec3,
     direction: DVec3,
     inverse: DVec3,
+    /// The axis along which the direction is longest, and the two others.
+    axes: [usize; 3],
+    /// What the others change by along the first.
+    shear: [f64; 2],
 }
 
 impl TriangleBvh {
     /// The first triangle on `origin + t · direction` with `t` strictly between the ends of
     /// `within`, which may be infinite; both sides of a triangle count.
     ///
-    /// Neighbours decide about their common edge with the same numbers, so no ray slips through
-    /// between them.
+    /// Neighbours decide about their common edge and corners exactly and alike, so no ray slips
+    /// through between them.
     pub fn first_hit(&self, origin: DVec3, direction: DVec3, within: [f64; 2]) -> Option<RayHit> {
         let ray = Ray::new(origin, direction);
         let [start, mut end] = within;
@@ -71,10 +75,21 @@ impl TriangleBvh {
 
 impl Ray {
     fn new(origin: DVec3, direction: DVec3) -> Self {
+        let size = direction.abs();
+        let z = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let axes = [z, (z + 1) % 3, (z + 2) % 3];
         Self {
             origin,
             direction,
             inverse: direction.recip(),
+            axes,
+            shear: [1, 2].map(|k| direction[axes[k]] / direction[z]),
         }
     }
 
@@ -82,9 +97,15 @@ impl Ray {
     fn enters(&self, node: &Node, start: f64, end: f64) -> Option<f64> {
         let (mut near, mut far) = (start, end);
         for k in 0..3 {
+            if self.direction[k] == 0.0 {
+                // 0 · ∞ in the plane of a side would say nothing
+                if self.origin[k] < node.low[k] || self.origin[k] > node.high[k] {
+                    return None;
+                }
+                continue;
+            }
             let a = (node.low[k] - self.origin[k]) * self.inverse[k];
             let b = (node.high[k] - self.origin[k]) * self.inverse[k];
-            // 0 · ∞ where the ray runs in the plane of a side: min and max ignore it
             near = near.max(a.min(b));
             far = far.min(a.max(b));
         }
@@ -95,19 +116,27 @@ impl Ray {
     }
 
     /// Where the ray meets a triangle.
+    ///
+    /// Sheared so that the ray is the first axis (Woop, Benthin and Wald, Watertight Ray/Triangle
+    /// Intersection, 2013); the signs are exact for the sheared corners, which neighbours share.
     fn meets(&self, corners: [DVec3; 3]) -> Option<f64> {
-        let [a, b, c] = corners.map(|p| p - self.origin);
-        let d = self.direction;
-        // volumes spanned with each edge; an edge seen from the other side gives exactly the
-        // negative number
-        let (u, v, w) = (d.dot(b.cross(c)), d.dot(c.cross(a)), d.dot(a.cross(b)));
+        let [z, x, y] = self.axes;
+        let relative = corners.map(|p| p - self.origin);
+        let [a, b, c] = relative.map(|p| robust::Coord {
+            x: p[x] - self.shear[0] * p[z],
+            y: p[y] - self.shear[1] * p[z],
+        });
+        let ray = robust::Coord { x: 0.0, y: 0.0 };
+        let u = robust::orient2d(b, c, ray);
+        let v = robust::orient2d(c, a, ray);
+        let w = robust::orient2d(a, b, ray);
         let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-        let volume = u + v + w;
-        if !inside || volume == 0.0 {
+        let area = u + v + w;
+        if !inside || area == 0.0 {
             return None;
         }
-        let at = (a * u + b * v + c * w) / volume;
-        Some(at.dot(d) / d.length_squared())
+        let [az, bz, cz] = relative.map(|p| p[z]);
+        Some((u * az + v * bz + w * cz) / (area * self.direction[z]))
     }
 }
 

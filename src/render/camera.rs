@@ -157,18 +157,45 @@ impl Camera {
         self.fit_aspect(bounds, 1.0);
     }
 
-    /// [`Self::fit_to`] for a picture `aspect` times as wide as high: nothing is cut off on either
+    /// [`Self::fit_to`] for a picture `aspect` times as wide as high: nothing is cut off on any
     /// side.
     pub fn fit_aspect(&mut self, bounds: &Bounds, aspect: f64) {
-        let half = (self.tan_half() * aspect.min(1.0)).atan();
-        let away = if self.orthographic {
-            half.tan()
-        } else {
-            half.sin()
-        };
         self.pivot = bounds.centre();
         self.offset = DVec2::ZERO;
-        self.distance = MARGIN * bounds.radius() / away;
+        let t = self.tan_half();
+        // the sphere is seen under the angle of the smaller side
+        let smaller = t * aspect.min(1.0);
+        let sphere = if self.orthographic {
+            bounds.radius() / smaller
+        } else {
+            bounds.radius() / smaller.atan().sin()
+        };
+        // each corner must be within both pairs of sides
+        let box_distance = (0..8)
+            .map(|i| {
+                let end = |k: usize| {
+                    if i >> k & 1 == 0 {
+                        bounds.low[k]
+                    } else {
+                        bounds.high[k]
+                    }
+                };
+                let p = DVec3::new(end(0), end(1), end(2)) - self.pivot;
+                let towards_eye = if self.orthographic {
+                    0.0
+                } else {
+                    -p.dot(self.forward())
+                };
+                let [x, y] = [p.dot(self.right()).abs(), p.dot(self.up()).abs()];
+                towards_eye + (x / aspect).max(y) / t
+            })
+            .fold(0.0, f64::max);
+        let distance = if box_distance > 0.0 {
+            sphere.min(box_distance)
+        } else {
+            sphere
+        };
+        self.distance = MARGIN * distance;
     }
 
     /// Turns around the pivot: `dx` to the right and `dy` downwards, in radians, as the mouse drags

@@ -55,6 +55,8 @@ pub struct Geometry {
     pub triangles: Vec<[u32; 3]>,
     /// Segments of the wireframe: edges of the control mesh, along the surface that is drawn.
     pub edges: Vec<[u32; 2]>,
+    /// Whether a vertex is of a patch.
+    has_patch: bool,
 }
 
 impl Geometry {
@@ -62,10 +64,16 @@ impl Geometry {
     pub fn new(vertices: Vec<Vertex>, triangles: Vec<[u32; 3]>, edges: Vec<[u32; 2]>) -> Self {
         Self {
             id: next_id(),
+            has_patch: vertices.iter().any(|v| v.flags & Vertex::PATCH != 0),
             vertices,
             triangles,
             edges,
         }
+    }
+
+    /// Whether a vertex was of a patch when this was made.
+    pub fn has_patch(&self) -> bool {
+        self.has_patch
     }
 }
 

@@ -91,8 +91,12 @@ pub const STOP: f64 = 1e-6;
 const COLLAPSE: f64 = 1e-14;
 const SHRINK: f64 = 8.0;
 const FAST_GROWTH: f64 = 10.0;
-/// So slow that there are some thirty shapes to see on the way to the stationary one.
-const FLOW_GROWTH: f64 = 1.6;
+/// A watched flow starts with this part of the gentle τ: from a warm start, near the stationary
+/// shape, the gentle one gets there in a handful of steps.
+const FIRST: f64 = 1e-3;
+/// Growth of τ in flow mode: so slow that there are some thirty shapes to see on the way to the
+/// stationary one.
+pub const FLOW_GROWTH: f64 = 1.3;
 /// Growth stops here (as a multiple of `τ_ref`): the step is Newton's by then.
 const CEILING: f64 = 1e12;
 
@@ -115,7 +119,7 @@ impl Control {
             (Tau::Fixed(t), _) => (t, Some(t)),
             (Tau::From(t), _) => (t, None),
             (Tau::Auto, Mode::Fast) => (2.0 * tau_ref, None),
-            (Tau::Auto, Mode::Flow) => (gentle.clamp(1e-9 * tau_ref, tau_ref), None),
+            (Tau::Auto, Mode::Flow) => (FIRST * gentle.clamp(1e-9 * tau_ref, tau_ref), None),
         };
         Self {
             tau: start,

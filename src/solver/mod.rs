@@ -24,7 +24,7 @@ mod survey;
 mod unknowns;
 
 pub use assembly::{Assembler, EnergySum};
-pub use control::{Attempt, Control, Mode, Progress, STOP, Tau};
+pub use control::{Attempt, Control, FLOW_GROWTH, Mode, Progress, STOP, Tau};
 pub use error::SolverError;
 pub use flow::Flow;
 pub use mixed::{LinearSolver, MixedFlow};

@@ -7,7 +7,7 @@ use crate::app::action::Action;
 use crate::app::document::{continuity_of, window_controls};
 use crate::app::model::Model;
 use crate::fill::{Continuity, Controls, Linear, TauChoice};
-use crate::solver::{Mode, Scheme};
+use crate::solver::{FLOW_GROWTH, Mode, Scheme};
 
 /// All controls of a run; each acts at the next step.
 pub fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -135,7 +135,7 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
         });
     } else if next.mode == Mode::Flow {
         ui.horizontal_wrapped(|ui| {
-            let mut growth = next.growth.unwrap_or(1.6);
+            let mut growth = next.growth.unwrap_or(FLOW_GROWTH);
             if slider(
                 ui,
                 "Growth",

@@ -67,8 +67,8 @@ pub fn window_ui(
     if model.run.is_some() {
         egui::Panel::bottom("transport")
             .resizable(true)
-            .default_size(190.0)
-            .min_size(120.0)
+            .default_size(230.0)
+            .min_size(140.0)
             .show(ui, |ui| transport::transport_ui(ui, model, &mut actions));
     }
     egui::Panel::left("loops")

@@ -26,7 +26,7 @@ fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
     let ctx = ui.ctx().clone();
     ui.horizontal_wrapped(|ui| {
         let ended = run.ended();
-        let play = if run.playing { "⏸ Pause" } else { "▶ Play" };
+        let play = if run.playing { "Pause" } else { "Play" };
         let tip = if ended {
             "play the kept states again"
         } else {
@@ -34,7 +34,7 @@ fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
         };
         for (text, tip, command, action, enabled) in [
             (
-                "⏮ Rewind",
+                "Rewind",
                 "show the first state",
                 Command::Rewind,
                 Action::Scrub(Some(0)),
@@ -42,7 +42,7 @@ fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
             ),
             (play, tip, Command::PlayPause, Action::PlayPause, true),
             (
-                "⏭ Step",
+                "Step",
                 "one step, then wait",
                 Command::Step,
                 Action::Step,
@@ -56,7 +56,7 @@ fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
                 !ended,
             ),
             (
-                "⏹ Stop",
+                "Stop",
                 "end the flow here",
                 Command::Escape,
                 Action::Stop,
@@ -207,7 +207,7 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &Side) {
                     .on_hover_text(text);
             }
             (None, Some(End::Converged)) => {
-                ui.label(RichText::new("✔ converged").color(egui::Color32::from_rgb(70, 160, 90)));
+                ui.label(RichText::new("converged").color(egui::Color32::from_rgb(70, 160, 90)));
             }
             (None, Some(end)) => {
                 ui.label(RichText::new(end_words(end)).color(ui.visuals().warn_fg_color));
@@ -254,50 +254,73 @@ fn plots_ui(ui: &mut Ui, run: &Run) {
     ui.columns(2, |columns| {
         for (column, (name, title)) in columns.iter_mut().zip([
             ("energy", "energy by attempt"),
-            ("residual", "log₁₀ residual by attempt"),
+            ("residual", "log10 of the residual by attempt"),
         ]) {
             column.small(title);
-            Plot::new(name)
+            let energy = name == "energy";
+            let curves = curves(run, energy);
+            let mut plot = Plot::new(name)
                 .height((height - 22.0).max(40.0))
                 .allow_scroll(false)
                 .allow_drag(false)
                 .allow_zoom(false)
-                .legend(Legend::default())
-                .show_axes([true, true])
-                .show(column, |plot| {
-                    for (s, side) in run.sides.iter().enumerate() {
-                        curves_ui(plot, run, s, side, name == "energy");
+                .show_axes([true, true]);
+            if curves.len() > 1 {
+                plot = plot.legend(Legend::default());
+            }
+            // a curve that is constant but for rounding has no height to be drawn in
+            if let Some([low, high]) = extent(&curves)
+                && high - low <= 1e-6 * high.abs().max(low.abs())
+            {
+                let pad = (0.01 * high.abs()).max(1e-12);
+                plot = plot.include_y(low - pad).include_y(high + pad);
+            }
+            plot.show(column, |plot| {
+                for (name, points) in curves {
+                    plot.line(Line::new(name, PlotPoints::from(points)).width(1.8));
+                }
+                for side in run.sides.iter().filter(|s| s.shown.is_some()) {
+                    if let Some(state) = side.state() {
+                        plot.vline(VLine::new("", state.attempt as f64).width(1.0));
                     }
-                });
+                }
+            });
         }
     });
 }
 
-fn curves_ui(plot: &mut egui_plot::PlotUi<'_>, run: &Run, s: usize, side: &Side, energy: bool) {
-    for (g, curve) in side.curves.iter().enumerate() {
-        let points = if energy {
-            &curve.energy
-        } else {
-            &curve.residual
-        };
-        let name = match (run.sides.len(), side.curves.len()) {
-            (1, 1) => String::new(),
-            (1, _) => format!("{}", g + 1),
-            (_, 1) => ["A", "B"][s.min(1)].into(),
-            _ => format!("{}{}", ["A", "B"][s.min(1)], g + 1),
-        };
-        // energies of different holes in one plot: each relative to its start
-        let scale = match (energy, side.curves.len(), points.first()) {
-            (true, 2.., Some(first)) if first[1] != 0.0 => first[1].recip(),
-            _ => 1.0,
-        };
-        let scaled: Vec<[f64; 2]> = points.iter().map(|p| [p[0], p[1] * scale]).collect();
-        plot.line(Line::new(name, PlotPoints::from(scaled)).width(1.8));
+/// Least and greatest value.
+fn extent(curves: &[(String, Vec<[f64; 2]>)]) -> Option<[f64; 2]> {
+    let values = curves.iter().flat_map(|(_, points)| points);
+    values.map(|p| p[1]).fold(None, |range, y| match range {
+        None => Some([y, y]),
+        Some([low, high]) => Some([low.min(y), high.max(y)]),
+    })
+}
+
+/// One curve for each group of each side, with its name.
+fn curves(run: &Run, energy: bool) -> Vec<(String, Vec<[f64; 2]>)> {
+    let mut all = Vec::new();
+    for (s, side) in run.sides.iter().enumerate() {
+        for (g, curve) in side.curves.iter().enumerate() {
+            let points = if energy {
+                &curve.energy
+            } else {
+                &curve.residual
+            };
+            let name = match (run.sides.len(), side.curves.len()) {
+                (1, 1) => String::new(),
+                (1, _) => format!("{}", g + 1),
+                (_, 1) => ["A", "B"][s.min(1)].into(),
+                _ => format!("{}{}", ["A", "B"][s.min(1)], g + 1),
+            };
+            // energies of different holes in one plot: each relative to its start
+            let scale = match (energy, side.curves.len(), points.first()) {
+                (true, 2.., Some(first)) if first[1] != 0.0 => first[1].recip(),
+                _ => 1.0,
+            };
+            all.push((name, points.iter().map(|p| [p[0], p[1] * scale]).collect()));
+        }
     }
-    if side.shown.is_some()
-        && let Some(state) = side.state()
-    {
-        let attempt = state.groups.first().map_or(0, |g| g.attempt);
-        plot.vline(VLine::new("", attempt as f64).width(1.0));
-    }
+    all
 }

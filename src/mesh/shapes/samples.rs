@@ -24,7 +24,7 @@ pub static SAMPLES: [Sample; 8] = [
         name: "creature",
         title: "Creature with sixteen holes",
         about: "slits, stars, blots and ragged rims across strongly curved places",
-        make: demo,
+        make: upright_creature,
     },
     Sample {
         name: "sphere",
@@ -86,6 +86,13 @@ impl Sample {
             ..Soup::default()
         }
     }
+}
+
+/// Its legs downwards along −y, as viewers take it.
+fn upright_creature() -> Shape {
+    let (positions, triangles) = demo();
+    let turned = positions.iter().map(|p| DVec3::new(p.x, p.z, -p.y));
+    (turned.collect(), triangles)
 }
 
 fn hole(centre: [f64; 3], shape: HoleShape, seed: u64) -> Hole {
