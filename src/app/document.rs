@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::view_state::Task;
 use crate::fill::{Controls, Schedule};
 use crate::io::Opened;
 use crate::mesh::{BoundaryLoop, DVec3, LoadReport, Mesh, boundary_loops};
@@ -55,6 +56,8 @@ impl Origin {
 /// A fill that was accepted, with all that is needed to repeat it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AcceptedFill {
+    /// Whether each loop has a patch of its own, or one joins them all.
+    pub task: Task,
     /// Numbers of the loops, in the mesh it was run on.
     pub loops: Vec<usize>,
     /// Controls at its start.
