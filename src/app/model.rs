@@ -115,7 +115,6 @@ impl Model {
     /// Opens on a document.
     pub fn new(document: Document, settings: Settings, autosave: Autosave, wake: Wake) -> Self {
         let style = ViewStyle {
-            dark: settings.dark,
             background: crate::render::Background::of_theme(settings.dark),
             mode: crate::render::ViewMode::Isophotes,
             ..ViewStyle::default()

@@ -102,7 +102,6 @@ fn style(look: &PictureArguments, [_, height]: [u32; 2]) -> ViewStyle {
         tint_patch: !look.no_tint,
         background: Background::of_theme(look.dark),
         range: look.range,
-        dark: look.dark,
         line_scale: (height as f32 / LINE_HEIGHT).max(1.0),
         ..default
     }
