@@ -15,6 +15,7 @@ mod mixed;
 mod normal;
 mod normals;
 mod options;
+mod pinch;
 mod posed;
 mod problem;
 mod record;

@@ -136,6 +136,7 @@ fn end_words(end: End) -> &'static str {
         End::Converged => "converged",
         End::Steps => "most steps taken",
         End::Stuck => "stuck: no step lowers the energy",
+        End::Pinched => "pinched off: the last open shape is kept",
         End::Cancelled => "stopped",
     }
 }
