@@ -111,12 +111,12 @@ fn flow() -> Controls {
 /// The mesh of a fill by schedule, at so many threads.
 fn repeated(controls: &Controls, schedule: &Schedule, threads: usize) -> Mesh {
     let (mesh, loops) = mesh();
-    let loops: Vec<&BoundaryLoop> = loops.iter().collect();
+    let gaps: Vec<Vec<&BoundaryLoop>> = loops.iter().map(|l| vec![l]).collect();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .expect("threads");
-    pool.install(|| fill_scheduled(&mesh, &loops, controls, schedule, &|_, _| true))
+    pool.install(|| fill_scheduled(&mesh, &gaps, controls, schedule, &|_, _| true))
         .expect("a fill")
         .mesh
 }

@@ -50,7 +50,8 @@ pub enum WindowError {
     /// Neither X11 nor Wayland answers.
     #[error(
         "no display: {0}. Start it from a desktop, or give it a virtual one (`xvfb-run meniscus`); \
-         `meniscus fill` and `meniscus render` need none"
+         on Debian or Ubuntu a window needs libx11-6 libxcursor1 libxi6 libxrandr2 \
+         libxkbcommon-x11-0; `meniscus fill` and `meniscus render` need no window"
     )]
     NoDisplay(String),
     /// A library of the desktop is missing.
@@ -251,6 +252,24 @@ impl eframe::App for App {
     }
 }
 
+/// Why there is no display, in words; what winit says names its own sources.
+fn no_display(error: &eframe::Error) -> String {
+    let named = |name: &str| std::env::var(name).ok().filter(|v| !v.is_empty());
+    match (named("WAYLAND_DISPLAY"), named("DISPLAY")) {
+        (None, None) => "neither DISPLAY nor WAYLAND_DISPLAY is set".into(),
+        (Some(name), _) | (None, Some(name)) => match error {
+            eframe::Error::WinitEventLoop(inner) => {
+                let text = inner.to_string();
+                // after the place in winit's sources
+                let reason = text.split(".rs:").last().unwrap_or(&text);
+                let reason = reason.split_once(": ").map_or(reason, |(_, rest)| rest);
+                format!("the display {name} cannot be used ({reason})")
+            }
+            other => other.to_string(),
+        },
+    }
+}
+
 /// The document the window opens on when it is given none.
 ///
 /// # Errors
@@ -317,7 +336,7 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
     match opened {
         Ok(Ok(())) => Ok(()),
         Ok(Err(eframe::Error::Wgpu(error))) => Err(WindowError::NoAdapter(error.to_string())),
-        Ok(Err(error)) => Err(WindowError::NoDisplay(error.to_string())),
+        Ok(Err(error)) => Err(WindowError::NoDisplay(no_display(&error))),
         Err(panic) => {
             let text = jobs::panic_text(panic.as_ref());
             // winit panics where a library of X11 cannot be loaded

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::action::Action;
 use super::autosave::Autosave;
 use super::display::{DisplayWorker, Request};
-use super::document::{Document, Source, continuity_of};
+use super::document::{Document, Source};
 use super::history::History;
 use super::jobs::{Job, Wake};
 use super::log::Log;
@@ -115,7 +115,6 @@ impl Model {
     /// Opens on a document.
     pub fn new(document: Document, settings: Settings, autosave: Autosave, wake: Wake) -> Self {
         let style = ViewStyle {
-            dark: settings.dark,
             background: crate::render::Background::of_theme(settings.dark),
             mode: crate::render::ViewMode::Isophotes,
             ..ViewStyle::default()
@@ -306,7 +305,7 @@ impl Model {
             .loops
             .iter()
             .copied()
-            .filter(|&n| continuity_of(&side.controls, n) == Continuity::G0)
+            .filter(|&n| side.controls.continuity_at(n) == Continuity::G0)
             .collect();
         if sharp != self.creases.0 {
             let mut edges = Vec::new();
@@ -316,8 +315,7 @@ impl Model {
                 .iter()
                 .filter(|l| sharp.contains(&l.number))
             {
-                let n = l.vertices.len();
-                edges.extend((0..n).map(|i| [l.vertices[i], l.vertices[(i + 1) % n]]));
+                edges.extend(l.edge_ends());
             }
             self.creases = (sharp, Arc::new(edges));
         }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::document::{AcceptedFill, Document, Source};
-use super::view_state::ViewState;
+use super::view_state::{Task, ViewState};
 use crate::fill::{Controls, Schedule};
 use crate::io::{self, Format, Opened};
 use crate::mesh::shapes::Sample;
@@ -59,6 +59,8 @@ pub struct ViewPart {
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct FillPart {
+    #[serde(default)]
+    task: Task,
     loops: Vec<usize>,
     faces: [usize; 2],
     /// As the rows of a schedule file.
@@ -99,6 +101,7 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
             .fills
             .iter()
             .map(|f| FillPart {
+                task: f.task,
                 loops: f.loops.clone(),
                 faces: [f.faces.start, f.faces.end],
                 schedule: f.schedule.to_csv(),
@@ -224,6 +227,7 @@ fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document
             .iter()
             .map(|f| {
                 Ok(Arc::new(AcceptedFill {
+                    task: f.task,
                     loops: f.loops.clone(),
                     controls: f.controls.clone(),
                     schedule: Schedule::parse(&f.schedule).map_err(|e| e.to_string())?,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::jobs::Wake;
+use super::view_state::Task;
 use crate::fill::{Controls, LiveEvent, LiveFill, LiveSettings, State};
 use crate::mesh::{BoundaryLoop, Mesh};
 
@@ -41,6 +42,8 @@ pub struct Curve {
 pub struct Run {
     /// The mesh it runs on.
     pub base: Arc<Mesh>,
+    /// Whether each loop has a patch of its own, or one joins them all.
+    pub task: Task,
     /// Numbers of the loops.
     pub loops: Vec<usize>,
     /// One side, or A and B.
@@ -57,6 +60,7 @@ impl Run {
     /// # Errors
     /// A message for the person.
     pub fn start(
+        task: Task,
         base: &Arc<Mesh>,
         loops: &[&BoundaryLoop],
         controls: &[Controls],
@@ -72,14 +76,13 @@ impl Run {
                     timeline_bytes: TIMELINE_BYTES,
                 };
                 let loops = loops.iter().map(|&l| l.clone()).collect();
-                let live = LiveFill::spawn(
-                    Arc::clone(base),
-                    loops,
-                    controls.clone(),
-                    settings,
-                    Arc::clone(wake),
-                )
-                .map_err(|error| error.to_string())?;
+                let spawn = match task {
+                    Task::Fill => LiveFill::spawn,
+                    Task::Blend => LiveFill::spawn_blend,
+                };
+                let (mesh, wake) = (Arc::clone(base), Arc::clone(wake));
+                let live = spawn(mesh, loops, controls.clone(), settings, wake)
+                    .map_err(|error| error.to_string())?;
                 Ok(Side {
                     live,
                     start: controls.clone(),
@@ -92,6 +95,7 @@ impl Run {
             .collect::<Result<_, String>>()?;
         Ok(Self {
             base: Arc::clone(base),
+            task,
             loops: loops.iter().map(|l| l.number).collect(),
             sides,
             playing: true,

@@ -41,6 +41,7 @@ const EXAMPLES: &str = "Examples:
   meniscus fill scan.obj -o filled.obj
   meniscus fill scan.stl -o filled.ply --loops 1,4 --energy 'H^2+K^2'
   meniscus fill scan.obj -o filled.obj --loop-at 0.1,0.2,0.3 --energy '(H-H0)^2' --param H0=-1
+  meniscus blend pipes.obj -o joined.obj --loops 1,3
   meniscus demo --out demo
 
 Exit codes: 0 done, 1 failed with a message, 2 wrong usage.";
@@ -58,6 +59,18 @@ expression in H, K, k1, k2 and parameters with + - * / ^, abs, sqrt, exp, log, s
 min and max. It must be symmetric in k1 and k2. H is negative on a sphere with outward normals.
 A typed energy is in the units of the file.";
 
+const BLEND_EXAMPLES: &str = "Examples:
+  meniscus blend pipes.obj -o joined.obj
+  meniscus blend pipes.obj -o joined.obj --loops 1,3,5 --energy 'H^2+K^2'
+  meniscus blend pipes.obj -o joined.obj --loop-at 1,0,0 --loop-at 0,1,0
+  meniscus blend tubes.obj -o joined.obj --energy '(H-H0)^2' --param H0=-1
+  meniscus blend pipes.obj -o joined.obj --loops 1,3 --flip 3";
+
+const REFILL_EXAMPLES: &str = "Examples:
+  meniscus refill scan.obj -o out.obj --ball 0.1,0.2,0.3,0.05
+  meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --ball 0,0.1,1,0.2 --grow 2
+  meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --fair --energy 'H^2+K^2'";
+
 const RENDER_EXAMPLES: &str = "Examples:
   meniscus render scan.obj -o scan.png
   meniscus render filled.obj -o map.png --view H --camera top --size 1920x1080
@@ -69,6 +82,12 @@ pub enum Command {
     /// Fill holes of a mesh and write the result.
     #[command(after_help = FILL_EXAMPLES)]
     Fill(Box<FillArguments>),
+    /// Join several rims, of one or more components, by one smooth surface.
+    #[command(after_help = BLEND_EXAMPLES)]
+    Blend(Box<BlendArguments>),
+    /// Erase part of a surface and fill it anew, or fair it in place.
+    #[command(after_help = REFILL_EXAMPLES)]
+    Refill(Box<RefillArguments>),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
     /// Draw a mesh into a picture.
@@ -89,7 +108,7 @@ pub struct FillArguments {
     /// Mesh to write (.obj, .ply, .stl). The vertices of IN come first, untouched.
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// Fill the loop with the vertex nearest to this point (repeatable; replaces --loops).
+    /// Take the loop with the vertex nearest to this point (repeatable; replaces --loops).
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub loop_at: Vec<DVec3>,
     /// Which loops: auto (all that are not guessed outer rims), all, all-but-largest, or numbers
@@ -101,6 +120,10 @@ pub struct FillArguments {
         conflicts_with = "loop_at"
     )]
     pub loops: LoopChoice,
+    /// Fill holes as if no loose pieces lay in them; without it patches pass through the rims of
+    /// islands.
+    #[arg(long)]
+    pub no_islands: bool,
     /// Energy, method, time step and the like.
     #[command(flatten)]
     pub controls: ControlArguments,
@@ -123,6 +146,35 @@ pub struct FillArguments {
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// `meniscus blend`.
+#[derive(Debug, Args)]
+pub struct BlendArguments {
+    /// The rims and the flow, as for `fill`.
+    #[command(flatten)]
+    pub fill: FillArguments,
+    /// Turn the faces of this loop's component over first (repeatable).
+    #[arg(long, value_name = "LOOP")]
+    pub flip: Vec<usize>,
+}
+
+/// `meniscus refill`.
+#[derive(Debug, Args)]
+#[command(mut_arg("loops", |a| a.hide(true)), mut_arg("loop_at", |a| a.hide(true)))]
+pub struct RefillArguments {
+    /// Files and flow, as for `fill`.
+    #[command(flatten)]
+    pub fill: FillArguments,
+    /// Select the faces whose corners lie within this distance of this point (repeatable).
+    #[arg(long, value_name = "X,Y,Z,R", required = true, value_parser = ball, allow_hyphen_values = true)]
+    pub ball: Vec<(DVec3, f64)>,
+    /// Widen the selection by this many rings of faces.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub grow: usize,
+    /// Keep the triangles and let their vertices flow, instead of erasing and filling.
+    #[arg(long)]
+    pub fair: bool,
 }
 
 /// `meniscus info`.
@@ -167,5 +219,15 @@ pub(crate) fn point(text: &str) -> Result<DVec3, String> {
     match numbers[..] {
         [x, y, z] if x.is_finite() && y.is_finite() && z.is_finite() => Ok(DVec3::new(x, y, z)),
         _ => Err("give three numbers, as in 0.1,-2,3.5".into()),
+    }
+}
+
+fn ball(text: &str) -> Result<(DVec3, f64), String> {
+    let mistaken = || "give centre and radius, as in 0.1,-2,3.5,0.25".to_owned();
+    let (centre, radius) = text.rsplit_once(',').ok_or_else(mistaken)?;
+    let centre = point(centre).map_err(|_| mistaken())?;
+    match radius.trim().parse::<f64>() {
+        Ok(r) if r.is_finite() && r > 0.0 => Ok((centre, r)),
+        _ => Err(mistaken()),
     }
 }

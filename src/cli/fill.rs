@@ -11,15 +11,30 @@ use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::{FailedHole, FillReport, hole_reports, skipped, totals, trace};
 use crate::fill::{
-    Choice, Controls, ControlsError, Filled, LoopChoice, Schedule, choose, fill_scheduled,
-    nearest_loop,
+    Choice, Continuity, Controls, ControlsError, Filled, Gap, LoopChoice, Schedule, choose,
+    fill_scheduled, nearest_loop, with_islands,
 };
 use crate::io::{self, Opened, open};
 use crate::memory::peak_memory;
-use crate::mesh::{BoundaryLoop, boundary_loops};
+use crate::mesh::{BoundaryLoop, Mesh, boundary_loops};
 
 /// Runs the command.
 pub fn fill(args: &FillArguments) -> Result<()> {
+    fill_opened(args, &start(args)?, Task::Holes)
+}
+
+/// What is known before the work.
+pub struct Start {
+    /// The controls to start with, found to be valid.
+    pub controls: Controls,
+    /// What is changed on the way.
+    pub schedule: Schedule,
+    /// The mesh.
+    pub opened: Opened,
+}
+
+/// Everything before the work: controls, targets, the mesh.
+pub fn start(args: &FillArguments) -> Result<Start> {
     let controls = args.controls.controls();
     controls.options().map_err(|e| mistaken(&e))?;
     if args.picture.is_none() && args.look.given() {
@@ -30,8 +45,44 @@ pub fn fill(args: &FillArguments) -> Result<()> {
     let schedule = schedule(args, &controls)?;
     // the pool's threads start while the file is read
     rayon::spawn(|| ());
-    let opened = open(&args.input)?;
-    fill_opened(args, &controls, &schedule, &opened)
+    Ok(Start {
+        controls,
+        schedule,
+        opened: open(&args.input)?,
+    })
+}
+
+/// What to do with the loops chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Task {
+    /// Fill each.
+    Holes,
+    /// Join them all by one surface.
+    Blend,
+}
+
+impl Task {
+    fn gaps<'a>(
+        self,
+        args: &FillArguments,
+        mesh: &Mesh,
+        loops: &'a [BoundaryLoop],
+        chosen: &[usize],
+    ) -> Result<Vec<Gap<'a>>> {
+        let rims: Gap<'a> = chosen.iter().map(|&i| &loops[i]).collect();
+        match self {
+            Self::Holes if args.no_islands => Ok(rims.into_iter().map(|rim| vec![rim]).collect()),
+            Self::Holes => Ok(with_islands(mesh, loops, chosen)),
+            Self::Blend if rims.len() > 1 => Ok(vec![rims]),
+            Self::Blend => bail!(
+                "a blend joins at least two loops, and {} of {} {} chosen; name them with --loops or \
+                 --loop-at (`meniscus info` lists them)",
+                rims.len(),
+                loops.len(),
+                if rims.len() == 1 { "is" } else { "are" }
+            ),
+        }
+    }
 }
 
 /// The schedule asked for, found to be one that can be followed.
@@ -79,17 +130,19 @@ fn check_targets(args: &FillArguments) -> Result<()> {
 }
 
 /// Fills an opened mesh and writes everything asked for.
-pub fn fill_opened(
-    args: &FillArguments,
-    controls: &Controls,
-    schedule: &Schedule,
-    opened: &Opened,
-) -> Result<()> {
+pub fn fill_opened(args: &FillArguments, start: &Start, task: Task) -> Result<()> {
+    let Start {
+        controls,
+        schedule,
+        opened,
+    } = start;
     let mesh = &opened.mesh;
     let loops = boundary_loops(mesh);
     let chosen = chosen_loops(args, opened, &loops)?;
     let auto = args.loop_at.is_empty() && args.loops == LoopChoice::Auto;
-    let skipped = skipped(&loops, &chosen, auto);
+    let gaps = task.gaps(args, mesh, &loops, &chosen)?;
+    let joined: Vec<usize> = gaps.iter().flatten().map(|l| l.number - 1).collect();
+    let skipped = skipped(&loops, &joined, auto);
     if !args.quiet {
         for note in &opened.report.notes {
             eprintln!("{}: {note}", args.input.display());
@@ -104,19 +157,27 @@ pub fn fill_opened(
             eprintln!("{}", nothing_to_do(loops.len()));
         }
     }
-    let targets: Vec<&BoundaryLoop> = chosen.iter().map(|&i| &loops[i]).collect();
-    let progress = Progress::new(targets.len(), args.quiet);
-    let filled = fill_scheduled(mesh, &targets, controls, schedule, &|group, record| {
+    let progress = Progress::new(gaps.len(), args.quiet);
+    let filled = fill_scheduled(mesh, &gaps, controls, schedule, &|group, record| {
         progress.step(group, record);
         true
     })?;
     progress.finish();
 
     io::save_mesh(&args.output, &filled.mesh, &opened.material_libraries)?;
+    if let Some(path) = &args.picture {
+        // rims joined without continuous normals are drawn from either side by itself
+        let sharp = gaps
+            .iter()
+            .flatten()
+            .filter(|l| controls.continuity_at(l.number) == Continuity::G0);
+        let creases = sharp.flat_map(|l| l.edge_ends()).collect();
+        picture(path, &filled.mesh, mesh.face_count(), creases, &args.look)?;
+    }
     write_records(args, opened, &filled, skipped)
 }
 
-fn write_records(
+pub fn write_records(
     args: &FillArguments,
     opened: &Opened,
     filled: &Filled,
@@ -153,9 +214,6 @@ fn write_records(
     }
     if let Some(path) = &args.trace {
         write_text(path, &trace(filled))?;
-    }
-    if let Some(path) = &args.picture {
-        picture(path, &filled.mesh, opened.mesh.face_count(), &args.look)?;
     }
     if !args.quiet {
         summary(&report)?;
@@ -242,6 +300,6 @@ fn mistaken(error: &ControlsError) -> anyhow::Error {
     UsageError(text).into()
 }
 
-fn write_text(path: &Path, text: &str) -> Result<()> {
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
     Ok(io::save_text(path, text)?)
 }

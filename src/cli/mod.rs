@@ -1,6 +1,7 @@
 //! The headless commands.
 
 mod args;
+mod blend;
 mod controls;
 mod demo;
 mod fill;
@@ -9,6 +10,7 @@ mod picture;
 mod picture_args;
 mod print;
 mod progress;
+mod refill;
 mod render;
 mod report;
 mod sample;
@@ -30,6 +32,8 @@ pub struct UsageError(pub String);
 pub fn run(command: Command) -> Result<()> {
     match command {
         Command::Fill(args) => fill::fill(&args),
+        Command::Blend(args) => blend::blend(&args),
+        Command::Refill(args) => refill::refill(&args),
         Command::Info(args) => info::info(&args),
         Command::Demo(args) => demo::demo(&args),
         Command::Render(args) => render::render(&args),

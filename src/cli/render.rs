@@ -69,7 +69,12 @@ pub fn render(args: &RenderArguments) -> Result<()> {
             eprintln!("{}: {note}", args.input.display());
         }
     }
-    let shot = Shot::new(&opened.mesh, opened.mesh.face_count(), &args.look)?;
+    let shot = Shot::new(
+        &opened.mesh,
+        opened.mesh.face_count(),
+        Vec::new(),
+        &args.look,
+    )?;
     let Some(count) = args.turntable else {
         return Ok(save_png(&args.output, &shot.take(&gpu, &shot.camera)?)?);
     };

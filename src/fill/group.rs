@@ -21,19 +21,20 @@ pub struct Group {
 
 /// Collars are found around every rim by breadth-first search; holes whose collars meet are one
 /// group. Holes without interior vertices need no flow and belong to none.
-pub(super) fn groups(mesh: &Mesh, loops: &[&BoundaryLoop], plan: &Plan) -> Vec<Group> {
-    let count = loops.len();
+pub(super) fn groups(mesh: &Mesh, gaps: &[&[&BoundaryLoop]], plan: &Plan) -> Vec<Group> {
+    let count = gaps.len();
     let mut owner = vec![u32::MAX; mesh.positions.len()];
     let mut parent: Vec<u32> = (0..count as u32).collect();
     let mut collars: Vec<Vec<FaceId>> = Vec::with_capacity(count);
     let mut face_owner = vec![u32::MAX; mesh.topology.face_count()];
-    for (h, hole) in loops.iter().enumerate() {
+    for (h, gap) in gaps.iter().enumerate() {
         if plan.holes[h].new_vertices.is_empty() {
             collars.push(Vec::new());
             continue;
         }
         let mut faces = Vec::new();
-        let mut front: Vec<VertexId> = hole.vertices.clone();
+        let rims = gap.iter().flat_map(|l| l.vertices.iter().copied());
+        let mut front: Vec<VertexId> = rims.collect();
         let mut claim = |v: VertexId, parent: &mut [u32]| -> bool {
             match owner[v.index()] {
                 u32::MAX => {

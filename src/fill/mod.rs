@@ -4,9 +4,12 @@
 //! that share collar vertices; [`Plan::finish`] puts the flowed positions into the mesh.
 //! [`fill_holes`] does all of it, groups in parallel.
 
+mod blend;
 mod controls;
 mod group;
+mod islands;
 mod live;
+mod refill;
 mod region;
 mod rim;
 mod run;
@@ -33,11 +36,13 @@ use shape::Shape;
 
 pub use controls::{Choice, Continuity, Controls, ControlsError, Linear, TauChoice};
 pub use group::Group;
+pub use islands::with_islands;
 pub use live::{
     GroupState, GroupStatus, HoleLayout, Layout, LiveError, LiveEvent, LiveFill, LiveSettings,
-    State, Timeline, command_line,
+    State, Timeline, blend_command_line, command_line,
 };
-pub use rim::rim_of;
+pub use refill::{Faired, RefillError, Refilled, fair, refill};
+pub use rim::{gap_of, rim_of};
 pub use schedule::{Row, Schedule, ScheduleError};
 pub use scheduled::{ScheduledFillError, fill_scheduled};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};
@@ -124,11 +129,15 @@ impl Timings {
 /// One hole of a plan.
 #[derive(Clone, Debug)]
 pub struct PlannedHole {
-    /// Number of the loop (1-based).
+    /// Number of the loop (1-based), of the first of its loops for a blend.
     pub number: usize,
-    /// Edges of the rim.
+    /// Numbers of all loops its patch joins: one, or several for a blend.
+    pub loops: Vec<usize>,
+    /// Vertices of each of these loops.
+    pub rims: Vec<Vec<VertexId>>,
+    /// Edges of the rims.
     pub edges: usize,
-    /// Hole radius: RMS distance of the rim from its mean.
+    /// Hole radius: RMS distance of the rim from its mean, the largest of a blend's rims.
     pub radius: f64,
     /// New vertices: this range of [`Plan::new_positions`].
     pub new_vertices: std::ops::Range<usize>,
@@ -159,70 +168,95 @@ pub struct Plan {
     pub groups: Vec<Group>,
 }
 
+/// Rims to be joined by one patch: one for a hole, several for a blend or a hole with islands.
+pub type Gap<'a> = Vec<&'a BoundaryLoop>;
+
 /// Builds first patches (in parallel) and groups the holes that share collar vertices.
 pub fn prepare(mesh: &Mesh, loops: &[&BoundaryLoop], options: &FillOptions) -> Plan {
-    let patches: Vec<(Result<PatchMesh, PatchError>, f64)> = loops
+    let gaps: Vec<Gap<'_>> = loops.iter().map(|&hole| vec![hole]).collect();
+    prepare_gaps(mesh, &gaps, options)
+}
+
+/// [`prepare`] for gaps of any number of rims.
+pub fn prepare_gaps(mesh: &Mesh, gaps: &[Gap<'_>], options: &FillOptions) -> Plan {
+    let patches: Vec<FirstPatch> = gaps
         .par_iter()
-        .map(|hole| {
+        .map(|gap| {
             let start = Instant::now();
-            let patch = patch::fill(&rim_of(mesh, hole), &options.patch);
+            let patch = match gap[..] {
+                [hole] => patch::fill(&rim_of(mesh, hole), &options.patch),
+                _ => patch::blend(&gap_of(mesh, gap), &options.patch),
+            };
             (patch, milliseconds(start))
         })
         .collect();
-    let mut plan = Plan {
-        old_vertices: mesh.positions.len(),
-        holes: Vec::new(),
-        failed: Vec::new(),
-        new_positions: Vec::new(),
-        triangles: Vec::new(),
-        groups: Vec::new(),
-    };
-    let mut filled = Vec::new();
-    for (hole, (patch, patch_ms)) in loops.iter().zip(patches) {
-        match patch {
-            Ok(patch) => {
-                plan.add(mesh, hole, &patch, patch_ms);
-                filled.push(*hole);
-            }
-            Err(source) => plan.failed.push(FillError::Patch {
-                hole: hole.number,
-                source,
-            }),
-        }
-    }
-    plan.groups = group::groups(mesh, &filled, &plan);
-    for (g, group) in plan.groups.iter().enumerate() {
-        for &h in &group.holes {
-            plan.holes[h].group = Some(g);
-        }
+    let mut plan = Plan::new(mesh, gaps, &patches);
+    if plan.holes.iter().any(|hole| hole.loops.len() > 1) {
+        plan = blend::reshape(mesh, gaps, patches, &mut plan, options);
     }
     plan
 }
 
+/// The first patch of a gap and the milliseconds it took.
+type FirstPatch = (Result<PatchMesh, PatchError>, f64);
+
 impl Plan {
-    fn add(&mut self, mesh: &Mesh, hole: &BoundaryLoop, patch: &PatchMesh, patch_ms: f64) {
-        let rim = hole.vertices.len();
-        let first = mesh.positions.len() + self.new_positions.len();
-        let global = |v: u32| {
-            let v = v as usize;
-            if v < rim {
-                hole.vertices[v].0
-            } else {
-                (first + v - rim) as u32
+    fn new(mesh: &Mesh, gaps: &[Gap<'_>], patches: &[FirstPatch]) -> Self {
+        let mut plan = Self {
+            old_vertices: mesh.positions.len(),
+            holes: Vec::new(),
+            failed: Vec::new(),
+            new_positions: Vec::new(),
+            triangles: Vec::new(),
+            groups: Vec::new(),
+        };
+        let mut filled = Vec::new();
+        for (gap, (patch, patch_ms)) in gaps.iter().zip(patches) {
+            match patch {
+                Ok(patch) => {
+                    plan.add(mesh, gap, patch, *patch_ms);
+                    filled.push(&gap[..]);
+                }
+                Err(source) => plan.failed.push(FillError::Patch {
+                    hole: gap[0].number,
+                    source: *source,
+                }),
             }
+        }
+        plan.groups = group::groups(mesh, &filled, &plan);
+        for (g, group) in plan.groups.iter().enumerate() {
+            for &h in &group.holes {
+                plan.holes[h].group = Some(g);
+            }
+        }
+        plan
+    }
+
+    fn add(&mut self, mesh: &Mesh, gap: &[&BoundaryLoop], patch: &PatchMesh, patch_ms: f64) {
+        let rim: Vec<VertexId> = gap
+            .iter()
+            .flat_map(|l| l.vertices.iter().copied())
+            .collect();
+        let first = mesh.positions.len() + self.new_positions.len();
+        let global = |v: u32| match rim.get(v as usize) {
+            Some(old) => old.0,
+            None => (first + v as usize - rim.len()) as u32,
         };
         let (points, faces) = (self.new_positions.len(), self.triangles.len());
-        self.new_positions.extend_from_slice(&patch.points[rim..]);
+        self.new_positions
+            .extend_from_slice(&patch.points[rim.len()..]);
         self.triangles
             .extend(patch.triangles.iter().map(|t| t.map(global)));
         self.holes.push(PlannedHole {
-            number: hole.number,
-            edges: rim,
-            radius: hole.radius,
+            number: gap[0].number,
+            loops: gap.iter().map(|l| l.number).collect(),
+            rims: gap.iter().map(|l| l.vertices.clone()).collect(),
+            edges: rim.len(),
+            radius: gap.iter().map(|l| l.radius).fold(0.0, f64::max),
             new_vertices: points..self.new_positions.len(),
             new_faces: faces..self.triangles.len(),
             group: None,
-            tag: rim::tag_of(mesh, hole),
+            tag: rim::tag_of(mesh, gap[0]),
             patch_ms,
         });
     }
@@ -312,22 +346,36 @@ pub fn fill_holes(
     options: &FillOptions,
     observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
 ) -> Result<Filled, FillError> {
-    fill_changing(mesh, loops, options, &[], observe)
+    let gaps: Vec<Gap<'_>> = loops.iter().map(|&hole| vec![hole]).collect();
+    fill_gaps(mesh, &gaps, options, observe)
 }
 
-/// Fills the given holes with changes on the way.
+/// Fills gaps of any number of rims, each with one patch, as [`fill_holes`] does.
+///
+/// # Errors
+/// As [`fill_holes`].
+pub fn fill_gaps(
+    mesh: &Mesh,
+    gaps: &[Gap<'_>],
+    options: &FillOptions,
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Filled, FillError> {
+    fill_changing(mesh, gaps, options, &[], observe)
+}
+
+/// Fills gaps with changes on the way.
 fn fill_changing(
     mesh: &Mesh,
-    loops: &[&BoundaryLoop],
+    gaps: &[Gap<'_>],
     options: &FillOptions,
     changes: &[TimedChange],
     observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
 ) -> Result<Filled, FillError> {
     let start = Instant::now();
-    let mut plan = prepare(mesh, loops, options);
+    let mut plan = prepare_gaps(mesh, gaps, options);
     let ground = Ground {
         mesh,
-        loops,
+        gaps,
         plan: &plan,
     };
     let (runs, topology) = rayon::join(

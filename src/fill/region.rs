@@ -9,9 +9,9 @@ use crate::solver::{FlowProblem, SolverError};
 
 /// The flow of a group's new vertices from `positions`, those of `shape`.
 ///
-/// A hole with a G1 rim shares the rim's vertices with its collar. One with a G0 rim has no collar
-/// and its own copies of them, so that its patch ends there. Where collars of a group overlap with a
-/// hole that has a crease, they end at its rim likewise.
+/// A patch shares the vertices of its G1 rims with its collar. Of a G0 rim it has its own copies, so
+/// that it ends there, and if it has no other rims it has no collar. Where collars of a group overlap
+/// with a hole that has a crease, they end at its rim likewise.
 pub(super) fn problem(
     mesh: &Mesh,
     plan: &Plan,
@@ -20,20 +20,29 @@ pub(super) fn problem(
     positions: &[DVec3],
     options: &FillOptions,
 ) -> Result<FlowProblem, SolverError> {
-    let is_smooth = |h: usize| options.continuity_at(plan.holes[h].number) == Continuity::G1;
+    let creased = |h: usize| -> Vec<u32> {
+        let hole = &plan.holes[h];
+        let rims = hole.loops.iter().zip(&hole.rims);
+        let mut creased: Vec<u32> = rims
+            .filter(|(number, _)| options.continuity_at(**number) == Continuity::G0)
+            .flat_map(|(_, rim)| rim.iter().map(|v| v.0))
+            .collect();
+        creased.sort_unstable();
+        creased
+    };
+    let has_collar = |h: usize| {
+        let mut loops = plan.holes[h].loops.iter();
+        loops.any(|&number| options.continuity_at(number) == Continuity::G1)
+    };
     let mut region = Region::new(mesh, positions);
     let mut first = 0;
     for (&h, hole) in group.holes.iter().zip(&shape.holes) {
-        if is_smooth(h) {
-            region.add_smooth(hole, first);
-        } else {
-            region.add_creased(hole, first);
-        }
+        region.add_patch(hole, first, &creased(h));
         first += hole.new_vertices as u32;
     }
     let collars = group.holes.iter().zip(&group.collars);
     let mut faces: Vec<FaceId> = collars
-        .filter(|(h, _)| is_smooth(**h))
+        .filter(|(h, _)| has_collar(**h))
         .flat_map(|(_, collar)| collar.iter().copied())
         .collect();
     faces.sort_unstable();
@@ -48,7 +57,7 @@ pub(super) fn problem(
     for (h, hole) in plan.holes.iter().enumerate() {
         let triangles = &plan.triangles[hole.new_faces.clone()];
         let touches = |v: &u32| collar.binary_search(&VertexId(*v)).is_ok();
-        if hole.group.is_none() && is_smooth(h) && triangles.iter().flatten().any(touches) {
+        if hole.group.is_none() && has_collar(h) && triangles.iter().flatten().any(touches) {
             region.add(triangles.iter().copied());
         }
     }
@@ -98,29 +107,18 @@ impl<'a> Region<'a> {
         }
     }
 
-    /// A patch that goes on into its collar; `first` is its first new vertex.
-    fn add_smooth(&mut self, hole: &HoleShape, first: u32) {
-        let old = self.mesh.positions.len() as u32;
-        for t in &hole.triangles {
-            let t = t.map(|v| {
-                if v < old {
-                    self.number(v)
-                } else {
-                    first + (v - old)
-                }
-            });
-            self.triangles.push(t);
-        }
-    }
-
-    /// A patch that ends at its rim.
-    fn add_creased(&mut self, hole: &HoleShape, first: u32) {
+    /// A patch that goes on into its collar, but ends at rims that are `creased` (sorted vertices);
+    /// `first` is its first new vertex.
+    fn add_patch(&mut self, hole: &HoleShape, first: u32, creased: &[u32]) {
         let old = self.mesh.positions.len() as u32;
         let mut copies = BTreeMap::new();
         for t in &hole.triangles {
             let t = t.map(|v| {
                 if v >= old {
                     return first + (v - old);
+                }
+                if creased.binary_search(&v).is_err() {
+                    return self.number(v);
                 }
                 *copies.entry(v).or_insert_with(|| {
                     let copy = self.positions.len() as u32;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::fill::shape::{HoleShape, Shape};
-use crate::fill::{FillOptions, Plan, Timings, milliseconds, region, rim_of, warm_start};
-use crate::mesh::{BoundaryLoop, DVec3, Mesh};
+use crate::fill::{FillOptions, Gap, Plan, Timings, gap_of, milliseconds, region, warm_start};
+use crate::mesh::{DVec3, Mesh};
 use crate::patch::{self, PatchError, TransferError};
 use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord};
 
@@ -13,7 +13,7 @@ use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord};
 #[derive(Clone, Copy)]
 pub(super) struct Ground<'a> {
     pub mesh: &'a Mesh,
-    pub loops: &'a [&'a BoundaryLoop],
+    pub gaps: &'a [Gap<'a>],
     pub plan: &'a Plan,
 }
 
@@ -157,7 +157,8 @@ impl GroupRun {
         let holes = group.holes.iter().map(|&h| &ground.plan.holes[h]);
         let remeshed = options.patch != self.options.patch;
         let recut = holes.clone().any(|hole| {
-            options.continuity_at(hole.number) != self.options.continuity_at(hole.number)
+            let differs = |&n: &usize| options.continuity_at(n) != self.options.continuity_at(n);
+            hole.loops.iter().any(differs)
         });
         if remeshed || recut || self.flow.is_none() {
             let mut positions = self.positions();
@@ -359,35 +360,41 @@ fn remesh_hole(
     options: &FillOptions,
 ) -> Result<(HoleShape, Vec<DVec3>), ChangeError> {
     let old = ground.mesh.positions.len() as u32;
-    let found = ground.loops.iter().find(|l| l.number == number);
-    let loop_ = found.expect("a planned hole has a loop");
-    let rim = rim_of(ground.mesh, loop_);
-    let count = rim.points.len() as u32;
-    let fresh = patch::fill(&rim, &options.patch);
-    let mut fresh = fresh.map_err(|source| ChangeError::Patch {
-        hole: number,
-        source,
-    })?;
-    // the present patch numbered like the new one: the rim first
-    let mut place: Vec<(u32, u32)> = (0..).zip(&loop_.vertices).map(|(i, v)| (v.0, i)).collect();
+    let found = ground.gaps.iter().find(|gap| gap[0].number == number);
+    let gap = gap_of(ground.mesh, found.expect("a planned hole has rims"));
+    let rims = found.into_iter().flatten();
+    let rim: Vec<u32> = rims.flat_map(|l| l.vertices.iter().map(|v| v.0)).collect();
+    let count = rim.len() as u32;
+    // the present patch with the rims first
+    let mut place: Vec<(u32, u32)> = (0..).zip(&rim).map(|(i, &v)| (v, i)).collect();
     place.sort_unstable();
     let local = |v: u32| match place.binary_search_by_key(&v, |p| p.0) {
         Ok(at) => place[at].1,
         Err(_) => count + (v - old),
     };
     let mut present = patch::PatchMesh {
-        points: rim.points,
+        points: gap.rims.iter().flat_map(|r| r.points.clone()).collect(),
         triangles: hole.triangles.iter().map(|t| t.map(local)).collect(),
     };
     present.points.extend_from_slice(positions);
-    patch::transfer(&present, &mut fresh, count as usize).map_err(|source| {
-        ChangeError::Transfer {
-            hole: number,
-            source,
+    let mut fresh = match &gap.rims[..] {
+        [rim] => {
+            let patch = |source| ChangeError::Patch {
+                hole: number,
+                source,
+            };
+            let transfer = |source| ChangeError::Transfer {
+                hole: number,
+                source,
+            };
+            let mut fresh = patch::fill(rim, &options.patch).map_err(patch)?;
+            patch::transfer(&present, &mut fresh, count as usize).map_err(transfer)?;
+            fresh
         }
-    })?;
-    let global = |v: u32| match loop_.vertices.get(v as usize) {
-        Some(v) => v.0,
+        _ => patch::reblend(&gap, &present, &options.patch),
+    };
+    let global = |v: u32| match rim.get(v as usize) {
+        Some(&v) => v,
         None => old + (v - count),
     };
     let shape = HoleShape {

@@ -7,9 +7,10 @@ use crate::fill::run::{ChangeError, Ground, GroupRun};
 use crate::fill::schedule::{Change, TimedChange};
 use crate::fill::shape::Shape;
 use crate::fill::{
-    Controls, FillError, FillOptions, Filled, GroupResult, Schedule, ScheduleError, fill_changing,
+    Controls, FillError, FillOptions, Filled, Gap, GroupResult, Schedule, ScheduleError,
+    fill_changing,
 };
-use crate::mesh::{BoundaryLoop, DVec3, Mesh};
+use crate::mesh::{DVec3, Mesh};
 use crate::solver::{SolverError, StepRecord};
 
 /// Why a fill by schedule failed.
@@ -23,20 +24,20 @@ pub enum ScheduledFillError {
     Fill(#[from] FillError),
 }
 
-/// Fills the given holes as a [live fill](crate::fill::LiveFill) did that recorded `schedule` and
+/// Fills the given gaps as a [live fill](crate::fill::LiveFill) did that recorded `schedule` and
 /// started with `controls`: the result is the same to the bit.
 ///
 /// # Errors
 /// A schedule that cannot be followed, and as [`fill_holes`](crate::fill::fill_holes).
 pub fn fill_scheduled(
     mesh: &Mesh,
-    loops: &[&BoundaryLoop],
+    gaps: &[Gap<'_>],
     controls: &Controls,
     schedule: &Schedule,
     observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
 ) -> Result<Filled, ScheduledFillError> {
     let (options, changes) = schedule.resolve(controls)?;
-    Ok(fill_changing(mesh, loops, &options, &changes, observe)?)
+    Ok(fill_changing(mesh, gaps, &options, &changes, observe)?)
 }
 
 /// A group that was run to its end.

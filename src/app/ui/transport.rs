@@ -13,6 +13,8 @@ use crate::solver::End;
 /// Everything about the run.
 pub fn transport_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let Some(run) = &model.run else { return };
+    // the panel is as high as it was drawn, whatever is in it
+    ui.take_available_height();
     ui.add_space(2.0);
     buttons_ui(ui, model, run, actions);
     timeline_ui(ui, run, actions);

@@ -69,6 +69,7 @@ pub fn windows_ui(ctx: &Context, model: &Model, state: &mut UiState, actions: &m
         let mut stays = true;
         Window::new(title)
             .open(&mut stays)
+            .default_pos([300.0, 90.0])
             .default_width(420.0)
             .vscroll(false)
             .show(ctx, |ui| body(ui, actions));

@@ -5,6 +5,7 @@ use crate::app::document::{AcceptedFill, window_controls};
 use crate::app::model::{Effect, Model};
 use crate::app::repeat;
 use crate::app::run::Run;
+use crate::app::view_state::Task;
 use crate::fill::Controls;
 use crate::solver::energy::{Energy, Preset};
 
@@ -168,7 +169,7 @@ fn fill(model: &mut Model) {
             return;
         }
     }
-    if model.document.selection.is_empty() {
+    if model.document.selection.is_empty() && model.view.task == Task::Fill {
         let holes = model.document.holes();
         if holes.is_empty() {
             model.log.warning(if model.document.loops.is_empty() {
@@ -180,6 +181,13 @@ fn fill(model: &mut Model) {
         }
         model.select(holes, "select all holes");
     }
+    let task = model.view.task;
+    if task == Task::Blend && model.document.selection.len() < 2 {
+        model
+            .log
+            .warning("a blend joins two rims or more: click them, or take all with Ctrl+A");
+        return;
+    }
     let a = model.document.controls.clone();
     let mut sides = vec![a.clone()];
     if let Some(energy) = &model.view.compare_energy {
@@ -190,6 +198,7 @@ fn fill(model: &mut Model) {
     }
     let loops = model.document.selected();
     match Run::start(
+        task,
         &model.document.mesh,
         &loops,
         &sides,
@@ -275,13 +284,16 @@ pub fn accept(model: &mut Model, index: usize) {
         return;
     }
     let fill = AcceptedFill {
+        task: run.task,
         loops: run.loops.clone(),
         controls: side.start.clone(),
         schedule: side.live.schedule_to(&state),
         faces,
     };
     let n = fill.loops.len();
-    let label = if n == 1 {
+    let label = if run.task == Task::Blend {
+        format!("blend of {n} rims")
+    } else if n == 1 {
         format!("fill of loop {}", fill.loops[0])
     } else {
         format!("fill of {n} loops")

@@ -13,9 +13,31 @@ pub fn command_line(
     controls: &Controls,
     schedule: Option<&Path>,
 ) -> String {
+    line("fill", input, output, loops, controls, schedule)
+}
+
+/// The `meniscus blend` that joins these loops, likewise.
+pub fn blend_command_line(
+    input: &Path,
+    output: &Path,
+    loops: &[usize],
+    controls: &Controls,
+    schedule: Option<&Path>,
+) -> String {
+    line("blend", input, output, loops, controls, schedule)
+}
+
+fn line(
+    command: &str,
+    input: &Path,
+    output: &Path,
+    loops: &[usize],
+    controls: &Controls,
+    schedule: Option<&Path>,
+) -> String {
     let path = |p: &Path| p.to_string_lossy().into_owned();
     let numbers: Vec<String> = loops.iter().map(ToString::to_string).collect();
-    let mut words = vec!["meniscus".into(), "fill".into(), path(input)];
+    let mut words = vec!["meniscus".into(), command.into(), path(input)];
     words.extend(["-o".into(), path(output)]);
     words.extend(["--loops".into(), numbers.join(",")]);
     words.extend(controls.to_arguments());

@@ -17,8 +17,8 @@ use crate::fill::live::group::LiveGroup;
 use crate::fill::live::{GroupState, GroupStatus, Layout, LiveEvent, State, Timeline};
 use crate::fill::run::Ground;
 use crate::fill::schedule::{Change, Course, Item, Row};
-use crate::fill::{FillError, Plan, prepare};
-use crate::mesh::{BoundaryLoop, Mesh, Topology};
+use crate::fill::{FillError, Gap, Plan, prepare_gaps, with_islands};
+use crate::mesh::{BoundaryLoop, Mesh, Topology, boundary_loops};
 use crate::solver::SolverError;
 
 /// What the handle tells the thread.
@@ -45,6 +45,8 @@ pub(super) enum Message {
 pub(super) struct Task {
     pub mesh: Arc<Mesh>,
     pub loops: Vec<BoundaryLoop>,
+    /// Whether one patch joins all loops.
+    pub together: bool,
     pub course: Course,
     pub playing: bool,
     pub pace: Option<f64>,
@@ -96,13 +98,20 @@ pub(super) fn run(task: Task, lines: Lines) {
 }
 
 fn conduct(task: Task, lines: &Lines) -> Result<(), FillError> {
-    let loops: Vec<&BoundaryLoop> = task.loops.iter().collect();
     let mesh = &*task.mesh;
+    // all loops of the mesh, by their numbers: any may be the rim of an island
+    let all = boundary_loops(mesh);
+    let gaps: Vec<Gap<'_>> = if task.together {
+        vec![task.loops.iter().collect()]
+    } else {
+        let chosen: Vec<usize> = task.loops.iter().map(|l| l.number - 1).collect();
+        with_islands(mesh, &all, &chosen)
+    };
     // checked before the thread was started
     let Ok(options) = task.course.options() else {
         return Ok(());
     };
-    let mut plan = prepare(mesh, &loops, &options);
+    let mut plan = prepare_gaps(mesh, &gaps, &options);
     if lines.is_cancelled() {
         return Ok(());
     }
@@ -115,7 +124,7 @@ fn conduct(task: Task, lines: &Lines) -> Result<(), FillError> {
     }
     let ground = Ground {
         mesh,
-        loops: &loops,
+        gaps: &gaps,
         plan: &plan,
     };
     let groups: Vec<LiveGroup> = (0..plan.groups.len())

@@ -23,7 +23,7 @@ use crate::fill::{Controls, ControlsError, Row, Schedule};
 use crate::mesh::{BoundaryLoop, Mesh};
 use crate::solver::StepRecord;
 
-pub use command::command_line;
+pub use command::{blend_command_line, command_line};
 use conductor::{Command, Lines, Message, Task};
 pub use events::{GroupStatus, LiveError, LiveEvent};
 pub use state::{GroupState, HoleLayout, Layout, State};
@@ -58,14 +58,39 @@ pub struct LiveFill {
 }
 
 impl LiveFill {
-    /// Starts the fill of the given loops of a mesh. `wake` is called whenever there is something to
-    /// [poll](Self::poll), from the background thread.
+    /// Starts the fill of the given loops of a mesh, each with the islands in it. `wake` is called
+    /// whenever there is something to [poll](Self::poll), from the background thread.
     ///
     /// # Errors
     /// Mistaken controls, or no thread to be had.
     pub fn spawn(
         mesh: Arc<Mesh>,
+        loops: Vec<BoundaryLoop>,
+        controls: Controls,
+        settings: LiveSettings,
+        wake: Arc<dyn Fn() + Send + Sync>,
+    ) -> Result<Self, LiveError> {
+        Self::start(mesh, loops, false, controls, settings, wake)
+    }
+
+    /// Starts the blend of the given loops of a mesh: one patch joins them all.
+    ///
+    /// # Errors
+    /// As [`Self::spawn`].
+    pub fn spawn_blend(
+        mesh: Arc<Mesh>,
+        loops: Vec<BoundaryLoop>,
+        controls: Controls,
+        settings: LiveSettings,
+        wake: Arc<dyn Fn() + Send + Sync>,
+    ) -> Result<Self, LiveError> {
+        Self::start(mesh, loops, true, controls, settings, wake)
+    }
+
+    fn start(
+        mesh: Arc<Mesh>,
         mut loops: Vec<BoundaryLoop>,
+        together: bool,
         controls: Controls,
         settings: LiveSettings,
         wake: Arc<dyn Fn() + Send + Sync>,
@@ -88,6 +113,7 @@ impl LiveFill {
         let task = Task {
             mesh: Arc::clone(&mesh),
             loops,
+            together,
             course: Course::new(controls.clone()),
             playing: settings.playing,
             pace: settings.pace,

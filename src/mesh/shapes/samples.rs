@@ -1,6 +1,9 @@
 //! Samples to try the program on, by name.
 
-use super::{Hole, HoleShape, Shape, catenoid, cut_holes, demo, graph, sphere, torus};
+use super::{
+    Hole, HoleShape, Shape, catenoid, cut_holes, demo, four_cylinders, graph, sphere, three_y,
+    torus, tube_onto_plane,
+};
 use crate::mesh::{DVec3, Soup};
 
 /// A surface to try things on.
@@ -16,7 +19,7 @@ pub struct Sample {
 }
 
 /// All samples; the first is the one to begin with.
-pub const SAMPLES: [Sample; 5] = [
+pub static SAMPLES: [Sample; 8] = [
     Sample {
         name: "creature",
         title: "Creature with sixteen holes",
@@ -46,6 +49,24 @@ pub const SAMPLES: [Sample; 5] = [
         title: "Saddle with a hole",
         about: "negative curvature; H^2*K^2 is ill-posed on parts of it",
         make: saddle_with_hole,
+    },
+    Sample {
+        name: "four-cylinders",
+        title: "Four cylinders to blend",
+        about: "Fig. 2 of the paper: join the four mouths in the middle",
+        make: || four_cylinders(32),
+    },
+    Sample {
+        name: "three-y",
+        title: "Three tubes in a Y",
+        about: "join the three mouths in the middle",
+        make: || three_y(32),
+    },
+    Sample {
+        name: "tube-onto-plane",
+        title: "Tube above a plane",
+        about: "join the tube's lower end to the hole below it",
+        make: || tube_onto_plane(32),
     },
 ];
 
@@ -140,12 +161,21 @@ mod tests {
 
     #[test]
     fn samples_are_sound_and_have_the_holes_they_name() {
-        let holes = [16, 5, 4, 1, 1];
-        for (sample, holes) in SAMPLES.iter().zip(holes) {
+        let holes = [
+            (1, 16),
+            (1, 5),
+            (1, 4),
+            (1, 1),
+            (1, 1),
+            (4, 4),
+            (3, 3),
+            (2, 2),
+        ];
+        for (sample, (parts, holes)) in SAMPLES.iter().zip(holes) {
             let soup = sample.soup();
             let (mesh, report) = build(&soup).expect("sound");
             assert_eq!(report.defects, [], "{}", sample.name);
-            assert_eq!(report.components.len(), 1, "{}", sample.name);
+            assert_eq!(report.components.len(), parts, "{}", sample.name);
             let loops = boundary_loops(&mesh);
             let found = loops.iter().filter(|l| !l.outer_rim).count();
             assert_eq!(found, holes, "{}", sample.name);
