@@ -23,8 +23,8 @@
 //!
 //! Files are read by [`io::load`] and made into a [`mesh::Mesh`] by [`mesh::build()`], which repairs
 //! and reports; [`io::save`] writes. [`fill`] is the whole way from holes to a filled mesh, at once or
-//! watched and changed on the way ([`fill::LiveFill`]), [`solver`] a single flow. The mathematics and its signs are in
-//! `docs/formulation.md`, the way the modules hang together in `ARCHITECTURE.md`.
+//! watched and changed on the way ([`fill::LiveFill`]), [`solver`] a single flow. The mathematics and
+//! its signs are in `docs/formulation.md`, the way the modules hang together in `ARCHITECTURE.md`.
 
 pub mod app;
 pub mod cli;

@@ -9,6 +9,7 @@ use meniscus::fill::{
     Continuity, Controls, LiveEvent, LiveFill, LiveSettings, Schedule, State, TauChoice,
     fill_scheduled,
 };
+use meniscus::io::{open, save_mesh};
 use meniscus::mesh::shapes::{self, Hole, HoleShape};
 use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
 use meniscus::solver::{End, Mode, Scheme};
@@ -44,12 +45,21 @@ struct Watched {
 impl Watched {
     fn start(controls: &Controls, playing: bool) -> Self {
         let (mesh, loops) = mesh();
-        let (bell, woken) = channel();
         let settings = LiveSettings {
             playing,
             pace: None,
             timeline_bytes: 1 << 24,
         };
+        Self::of(mesh, loops, controls, settings)
+    }
+
+    fn of(
+        mesh: Arc<Mesh>,
+        loops: Vec<BoundaryLoop>,
+        controls: &Controls,
+        settings: LiveSettings,
+    ) -> Self {
+        let (bell, woken) = channel();
         let wake = Arc::new(move || {
             bell.send(()).ok();
         });
@@ -70,7 +80,7 @@ impl Watched {
             if there {
                 return;
             }
-            let waited = self.woken.recv_timeout(Duration::from_secs(60));
+            let waited = self.woken.recv_timeout(Duration::from_mins(1));
             assert!(waited.is_ok(), "{:?} {:?}", self.fill.groups(), self.events);
         }
     }
@@ -121,7 +131,7 @@ fn a_plain_run_ends_and_is_the_command_lines() {
     );
     assert_eq!(finished.count(), live.fill.groups().len());
     assert!(live.fill.schedule().rows.is_empty());
-    let filled = live.fill.mesh_at(&live.latest()).expect("manifold");
+    let filled = live.fill.mesh_at(&live.latest());
     assert_eq!(
         filled,
         repeated(&Controls::default(), &Schedule::default(), 1)
@@ -175,7 +185,7 @@ fn changes_on_the_way_are_repeated_to_the_bit() {
         let schedule = live.fill.schedule_to(state);
         let read = Schedule::parse(&schedule.to_csv()).expect("as written");
         assert_eq!(read, schedule);
-        let filled = live.fill.mesh_at(state).expect("manifold");
+        let filled = live.fill.mesh_at(state);
         for threads in [1, 2] {
             assert!(
                 filled == repeated(&start, &read, threads),
@@ -223,7 +233,7 @@ fn a_refused_change_leaves_the_flow_and_a_failed_start_can_be_mended() {
     live.fill.finish();
     live.until(|fill, _| fill.ended());
     let repeated = repeated(&undefined, &live.fill.schedule(), 2);
-    assert!(live.fill.mesh_at(&live.latest()).expect("manifold") == repeated);
+    assert!(live.fill.mesh_at(&live.latest()) == repeated);
     assert!(!Arc::ptr_eq(&first, &live.latest()));
 }
 
@@ -240,56 +250,59 @@ fn a_stopped_run_is_repeated_up_to_there() {
             .iter()
             .all(|g| g.end == Some(End::Cancelled) && g.step == 3)
     );
-    assert!(live.fill.groups()[0].warnings.is_empty());
+    let finished = |e: &&LiveEvent| matches!(e, LiveEvent::Finished { .. });
+    assert_eq!(live.events.iter().filter(finished).count(), 2);
     let rows = live.fill.schedule().rows;
     assert_eq!(
         (rows.len(), rows[0].attempt, rows[0].control.as_str()),
         (1, 3, "stop")
     );
-    let filled = live.fill.mesh_at(&live.latest()).expect("manifold");
+    let filled = live.fill.mesh_at(&live.latest());
     assert!(filled == repeated(&flow(), &live.fill.schedule(), 1));
     // a state in the middle, and on from it
     let early = Arc::clone(&live.fill.timeline().states[1]);
-    let filled = live.fill.mesh_at(&early).expect("manifold");
+    let filled = live.fill.mesh_at(&early);
     assert!(filled == repeated(&flow(), &live.fill.schedule_to(&early), 1));
     assert!(live.fill.rewind_to(early.index) && !live.fill.rewind_to(999));
+    live.until(|_, events| {
+        let rewound = |e: &LiveEvent| matches!(e, LiveEvent::Rewound { .. });
+        events.iter().any(rewound)
+    });
     live.steps(1);
     assert_eq!(live.fill.groups()[0].step, early.groups[0].step + 1);
 }
 
 #[test]
 fn the_timeline_keeps_its_bounds_and_both_ends() {
-    let (mesh, loops) = mesh();
-    let (bell, woken) = channel();
-    let wake = Arc::new(move || {
-        bell.send(()).ok();
-    });
-    let mut settings = LiveSettings {
-        playing: true,
-        pace: None,
-        timeline_bytes: 0,
+    let timeline = |timeline_bytes: usize| {
+        let (mesh, loops) = mesh();
+        let settings = LiveSettings {
+            playing: true,
+            pace: None,
+            timeline_bytes,
+        };
+        let mut live = Watched::of(mesh, loops, &flow(), settings);
+        live.until(|fill, _| fill.ended());
+        live.fill.timeline()
     };
-    let mut fill = LiveFill::spawn(mesh, loops, flow(), settings, wake.clone()).expect("thread");
-    while !fill.ended() {
-        woken.recv().expect("the fill goes on");
-        fill.poll();
-    }
     // what two states need cannot be saved
-    let timeline = fill.timeline();
-    let indices: Vec<usize> = timeline.states.iter().map(|s| s.index).collect();
+    let least = timeline(0);
+    let indices: Vec<usize> = least.states.iter().map(|s| s.index).collect();
     assert_eq!((indices.len(), indices[0]), (2, 0));
     assert!(indices[1] > 10);
-    settings.timeline_bytes = 2 * timeline.bytes;
-    let (mesh, loops) = self::mesh();
-    let mut fill = LiveFill::spawn(mesh, loops, flow(), settings, wake).expect("thread");
-    while !fill.ended() {
-        woken.recv().expect("the fill goes on");
-        fill.poll();
+    let some = timeline(2 * least.bytes);
+    assert!(some.bytes <= 2 * least.bytes && some.states.len() > 2);
+    assert_eq!(some.states[0].index, 0);
+    assert!(
+        some.latest()
+            .is_some_and(|s| s.ended && s.index == indices[1])
+    );
+    for state in &some.states {
+        assert!(
+            some.find(state.index)
+                .is_some_and(|s| Arc::ptr_eq(s, state))
+        );
     }
-    let timeline = fill.timeline();
-    assert!(timeline.bytes <= settings.timeline_bytes && timeline.states.len() > 2);
-    assert_eq!(timeline.states[0].index, 0);
-    assert!(timeline.latest().is_some_and(|s| s.ended));
 }
 
 #[test]
@@ -306,6 +319,72 @@ fn a_dropped_fill_ends() {
     });
     drop(LiveFill::spawn(mesh, loops, flow(), settings, wake).expect("thread"));
     // the thread gives up its end of the bell, though the next round is ten seconds away
-    while woken.recv_timeout(Duration::from_secs(60)).is_ok() {}
+    while woken.recv_timeout(Duration::from_mins(1)).is_ok() {}
     assert!(matches!(woken.try_recv(), Err(TryRecvError::Disconnected)));
+}
+
+/// The command line with the copied arguments and schedule writes the same bytes.
+#[test]
+fn the_command_line_repeats_a_run_to_the_byte() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let (given, loops) = mesh();
+    save_mesh(&at("in.obj"), &given, &[]).expect("written");
+    let opened = open(&at("in.obj")).expect("read back");
+    assert_eq!(boundary_loops(&opened.mesh), loops);
+    let (mesh, controls) = (Arc::new(opened.mesh), flow());
+    let settings = LiveSettings {
+        playing: false,
+        pace: None,
+        timeline_bytes: 1 << 24,
+    };
+    let mut live = Watched::of(Arc::clone(&mesh), loops, &controls, settings);
+    live.until(|_, events| events.iter().any(|e| matches!(e, LiveEvent::Planned)));
+    live.steps(3);
+    let mut changed = controls.clone();
+    changed.density = 1.4;
+    changed.energy = "max(H,-H)^2".into();
+    live.fill.set_controls(&changed).expect("fine");
+    live.steps(4);
+    let state = live.latest();
+    let filled = live.fill.mesh_at(&state);
+    save_mesh(&at("live.obj"), &filled, &[]).expect("written");
+    std::fs::write(at("s.csv"), live.fill.schedule_to(&state).to_csv()).expect("written");
+    let wanted = std::fs::read(at("live.obj")).expect("there");
+    for threads in ["1", "2"] {
+        let mut command = assert_cmd::Command::cargo_bin("meniscus").expect("the program");
+        command.env("RAYON_NUM_THREADS", threads);
+        command
+            .arg("fill")
+            .arg(at("in.obj"))
+            .arg("-o")
+            .arg(at("out.obj"));
+        command
+            .args(controls.to_arguments())
+            .args(["--loops", "1,2,3", "--quiet"]);
+        command.arg("--schedule").arg(at("s.csv"));
+        command.assert().success();
+        assert!(std::fs::read(at("out.obj")).expect("there") == wanted);
+    }
+    std::fs::write(at("s.csv"), "attempt,control,value\n3,enrgy,1\n").expect("written");
+    let mut command = assert_cmd::Command::cargo_bin("meniscus").expect("the program");
+    command
+        .arg("fill")
+        .arg(at("in.obj"))
+        .arg("-o")
+        .arg(at("no.obj"));
+    command.arg("--schedule").arg(at("s.csv"));
+    let output = command
+        .assert()
+        .failure()
+        .code(2)
+        .get_output()
+        .stderr
+        .clone();
+    let text = String::from_utf8_lossy(&output).into_owned();
+    assert!(
+        text.contains("s.csv") && text.contains("line 2: there is no control `enrgy`"),
+        "{text}"
+    );
+    assert!(!at("no.obj").exists());
 }

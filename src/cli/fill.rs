@@ -131,10 +131,9 @@ fn schedule(args: &FillArguments, controls: &Controls) -> Result<Schedule> {
     };
     let text = std::fs::read_to_string(path)
         .with_context(|| format!("cannot read the schedule {}", path.display()))?;
-    let place = || path.display().to_string();
-    let schedule = Schedule::parse(&text).with_context(place)?;
-    schedule.check(controls).with_context(place)?;
-    Ok(schedule)
+    let schedule = Schedule::parse(&text);
+    let checked = schedule.and_then(|s| s.check(controls).map(|()| s));
+    checked.map_err(|error| UsageError(format!("{}: {error}", path.display())).into())
 }
 
 /// Finds out before the work whether its results can be written, and over nothing that is needed.

@@ -127,18 +127,18 @@ impl GroupRun {
         match record {
             Ok(record) => record,
             Err(error) => {
-                let resting = self.positions();
-                self.fail(error, resting);
+                let (shape, resting) = (Arc::clone(&self.shape), self.positions());
+                self.fail(error, shape, resting);
                 None
             }
         }
     }
 
-    /// The flow cannot go on; the group stands still at `resting`.
-    pub fn fail(&mut self, error: SolverError, resting: Vec<DVec3>) {
+    /// The flow cannot go on; the group stands still at `resting`, positions of `shape`.
+    pub fn fail(&mut self, error: SolverError, shape: Arc<Shape>, resting: Vec<DVec3>) {
         self.keep_history();
         self.flow = None;
-        self.resting = resting;
+        (self.shape, self.resting) = (shape, resting);
         self.failed = Some(error);
     }
 

@@ -274,13 +274,7 @@ pub fn accept(model: &mut Model, index: usize) {
             .info("there is no patch yet: wait for the first one, or press Esc");
         return;
     };
-    let filled = match side.live.mesh_at(&state) {
-        Ok(mesh) => mesh,
-        Err(error) => {
-            model.log.error(error.to_string());
-            return;
-        }
-    };
+    let filled = side.live.mesh_at(&state);
     let faces = model.document.mesh.face_count()..filled.face_count();
     if faces.is_empty() {
         model

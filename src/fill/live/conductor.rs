@@ -182,9 +182,6 @@ struct Conductor<'a> {
 impl Conductor<'_> {
     fn run(mut self) -> Result<(), FillError> {
         self.show()?;
-        for g in 0..self.groups.len() {
-            self.report_end(g);
-        }
         self.lines.say(LiveEvent::Planned);
         self.tell();
         loop {
@@ -203,22 +200,19 @@ impl Conductor<'_> {
                 Some(self.until_next_round())
             };
             match self.wait(due) {
-                Some(Some(command)) => self.obey(command)?,
-                Some(None) => self.round()?,
-                None => return Ok(()),
+                Ok(command) => self.obey(command)?,
+                Err(RecvTimeoutError::Timeout) => self.round()?,
+                // the handle is gone
+                Err(RecvTimeoutError::Disconnected) => return Ok(()),
             }
         }
     }
 
-    /// The next command, or `Some(None)` when a round is due; `None` if the handle is gone.
-    fn wait(&self, due: Option<Duration>) -> Option<Option<Command>> {
-        let Some(due) = due else {
-            return self.lines.inbox.recv().ok().map(Some);
-        };
-        match self.lines.inbox.recv_timeout(due) {
-            Ok(command) => Some(Some(command)),
-            Err(RecvTimeoutError::Timeout) => Some(None),
-            Err(RecvTimeoutError::Disconnected) => None,
+    /// The next command; a timeout when a round is due, which without a time is never.
+    fn wait(&self, due: Option<Duration>) -> Result<Command, RecvTimeoutError> {
+        match due {
+            Some(due) => self.lines.inbox.recv_timeout(due),
+            None => Ok(self.lines.inbox.recv()?),
         }
     }
 
@@ -275,7 +269,7 @@ impl Conductor<'_> {
         let (rows, change) = match self.course.take(self.clock, item) {
             Ok(taken) => taken,
             Err(error) => {
-                // the handle has checked its own controls; those of a finish are theirs
+                // controls are checked by the handle before they get here
                 let text = error.to_string();
                 self.lines
                     .say(LiveEvent::ControlsRefused { group: None, text });
@@ -320,11 +314,10 @@ impl Conductor<'_> {
         if self.groups.iter().any(|g| g.fresh) {
             self.show()?;
         }
-        for (g, record) in records.into_iter().enumerate() {
+        for (group, record) in records.into_iter().enumerate() {
             if let Some(record) = record {
-                self.lines.say(LiveEvent::Step { group: g, record });
+                self.lines.say(LiveEvent::Step { group, record });
             }
-            self.report_end(g);
         }
         let seconds = self.last_round.elapsed().as_secs_f64();
         let period = self.pace.filter(|_| !self.hurry).map_or(0.0, |p| 1.0 / p);
@@ -336,14 +329,6 @@ impl Conductor<'_> {
         Ok(())
     }
 
-    /// Says once how a group's flow has ended.
-    fn report_end(&mut self, g: usize) {
-        let holes = self.holes(g);
-        if let Some(event) = self.groups[g].end_event(g, holes) {
-            self.lines.say(event);
-        }
-    }
-
     fn holes(&self, g: usize) -> Vec<usize> {
         let plan = self.ground.plan;
         let holes = plan.groups[g].holes.iter();
@@ -353,7 +338,7 @@ impl Conductor<'_> {
     /// Puts the present shapes into the timeline.
     fn show(&mut self) -> Result<(), FillError> {
         let mesh = self.ground.mesh;
-        let groups: Vec<Arc<GroupState>> = self.groups.iter_mut().map(LiveGroup::show).collect();
+        let groups: Vec<Arc<GroupState>> = self.groups.iter_mut().map(|g| g.show(mesh)).collect();
         if !self.layout.fits(&groups) {
             let shapes: Vec<_> = groups.iter().map(|g| Arc::clone(&g.shape)).collect();
             let borrowed: Vec<_> = shapes.iter().map(AsRef::as_ref).collect();
@@ -378,8 +363,15 @@ impl Conductor<'_> {
         Ok(())
     }
 
-    /// Tells the handle how the groups stand, and wakes whoever waits for that.
-    fn tell(&self) {
+    /// Tells the handle how the groups stand and, once, how they have ended, and wakes whoever
+    /// waits for that.
+    fn tell(&mut self) {
+        for g in 0..self.groups.len() {
+            let holes = self.holes(g);
+            if let Some(event) = self.groups[g].end_event(g, holes) {
+                self.lines.say(event);
+            }
+        }
         let groups = self.groups.iter().enumerate();
         let statuses = groups.map(|(g, group)| {
             let radius = self.ground.plan.groups[g].radius;

@@ -10,7 +10,7 @@ use crate::fill::schedule::Change;
 use crate::fill::scheduled::refusal;
 use crate::fill::shape::Shape;
 use crate::mesh::{DVec3, Mesh};
-use crate::solver::{STOP, SolverError, StepRecord, sharpest_cosine};
+use crate::solver::{Flow, STOP, SolverError, StepRecord, sharpest_cosine};
 
 /// A group, its latest state and what was said of it.
 pub(super) struct LiveGroup {
@@ -19,20 +19,15 @@ pub(super) struct LiveGroup {
     /// Whether its shape is another one than that of the latest state.
     pub fresh: bool,
     pub forecast: Forecast,
-    positions_of_rim: Rim,
     last: Option<(StepRecord, usize)>,
     rejected: usize,
     end_reported: bool,
 }
 
-/// The given mesh's vertices in the patches of a shape, for angles.
-type Rim = Vec<(u32, DVec3)>;
-
 impl LiveGroup {
     pub fn start(ground: Ground<'_>, group: usize, options: &FillOptions) -> Self {
         let run = guarded(|| GroupRun::start(ground, group, options));
         let run = run.unwrap_or_else(|error| GroupRun::still(ground, group, options, error));
-        let rim = rim_of(ground.mesh, run.shape());
         let state = GroupState {
             step: 0,
             attempt: 0,
@@ -40,7 +35,7 @@ impl LiveGroup {
             energy: run.flow().map_or(f64::NAN, |flow| flow.energy().value),
             residual: None,
             tau: 0.0,
-            worst_angle: worst_angle(&rim, run.shape(), &run.positions()),
+            worst_angle: worst_angle(ground.mesh, run.shape(), &run.positions()),
             shape: Arc::clone(run.shape()),
         };
         Self {
@@ -48,7 +43,6 @@ impl LiveGroup {
             state: Arc::new(state),
             fresh: false,
             forecast: Forecast::default(),
-            positions_of_rim: rim,
             last: None,
             rejected: 0,
             end_reported: false,
@@ -60,7 +54,7 @@ impl LiveGroup {
         let record = match guarded(|| self.run.attempt()) {
             Ok(record) => record?,
             Err(error) => {
-                self.run.fail(error, self.state.positions.to_vec());
+                self.fail(error);
                 return None;
             }
         };
@@ -100,7 +94,7 @@ impl LiveGroup {
             Ok(result) => result.map_err(|error| refusal(&error)),
             Err(error) => {
                 let text = error.to_string();
-                run.fail(error, self.state.positions.to_vec());
+                self.fail(error);
                 Err(text)
             }
         };
@@ -110,7 +104,6 @@ impl LiveGroup {
         let rewound = earlier.filter(|_| result.is_ok());
         if !Arc::ptr_eq(self.run.shape(), &self.state.shape) || rewound.is_some() {
             self.fresh = true;
-            self.positions_of_rim = rim_of(ground.mesh, self.run.shape());
         }
         if let Some(to) = rewound {
             self.state = Arc::clone(to);
@@ -122,8 +115,16 @@ impl LiveGroup {
         result
     }
 
+    /// The group stands still at its latest state.
+    fn fail(&mut self, error: SolverError) {
+        let state = &self.state;
+        let shape = Arc::clone(&state.shape);
+        self.run.fail(error, shape, state.positions.to_vec());
+        self.fresh = false;
+    }
+
     /// The state of the present shape.
-    pub fn show(&mut self) -> Arc<GroupState> {
+    pub fn show(&mut self, mesh: &Mesh) -> Arc<GroupState> {
         if std::mem::take(&mut self.fresh) {
             let positions = self.run.positions();
             let shape = self.run.shape();
@@ -134,7 +135,7 @@ impl LiveGroup {
                 energy: self.run.flow().map_or(f64::NAN, |flow| flow.energy().value),
                 residual: last.map(|(r, _)| r.residual),
                 tau: last.map_or(0.0, |(r, _)| r.tau),
-                worst_angle: worst_angle(&self.positions_of_rim, shape, &positions),
+                worst_angle: worst_angle(mesh, shape, &positions),
                 positions: positions.into(),
                 shape: Arc::clone(shape),
             });
@@ -165,8 +166,8 @@ impl LiveGroup {
             step: self.run.steps(),
             attempts,
             rejected: self.rejected,
-            tau: flow.map_or(0.0, |flow| flow.tau()),
-            tau_ref: flow.map_or(0.0, |flow| flow.tau_ref()),
+            tau: flow.map_or(0.0, Flow::tau),
+            tau_ref: flow.map_or(0.0, Flow::tau_ref),
             energy: flow.map_or(f64::NAN, |flow| flow.energy().value),
             residual: self.last.as_ref().map(|(r, _)| r.residual),
             end: self.run.end(),
@@ -182,39 +183,18 @@ fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, SolverError> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|panic| SolverError::from_panic(&*panic))
 }
 
-fn rim_of(mesh: &Mesh, shape: &Shape) -> Rim {
-    let corners = shape
-        .holes
-        .iter()
-        .flat_map(|h| h.triangles.iter().flatten());
-    let mut rim: Vec<u32> = corners
-        .copied()
-        .filter(|&v| (v as usize) < mesh.vertex_count())
-        .collect();
-    rim.sort_unstable();
-    rim.dedup();
-    rim.into_iter()
-        .map(|v| (v, mesh.positions[v as usize]))
-        .collect()
-}
-
 /// Smallest angle of a triangle of the patches, in degrees.
-fn worst_angle(rim: &Rim, shape: &Shape, positions: &[DVec3]) -> f64 {
+fn worst_angle(mesh: &Mesh, shape: &Shape, positions: &[DVec3]) -> f64 {
     let (mut sharpest, mut first) = (-1.0f64, 0);
     for hole in &shape.holes {
-        // corners that are not the rim's count on from the mesh's vertices
-        let own = hole
-            .triangles
-            .iter()
-            .flatten()
-            .filter(|v| rim.binary_search_by_key(*v, |r| r.0).is_err());
-        let old = own.min().copied().unwrap_or(0);
+        let new = &positions[first..first + hole.new_vertices];
+        let place = |v: u32| {
+            let at = v as usize;
+            let given = mesh.positions.get(at).copied();
+            given.unwrap_or_else(|| new[at - mesh.vertex_count()])
+        };
         for t in &hole.triangles {
-            let corners = t.map(|v| match rim.binary_search_by_key(&v, |r| r.0) {
-                Ok(at) => rim[at].1,
-                Err(_) => positions[first + (v - old) as usize],
-            });
-            sharpest = sharpest.max(sharpest_cosine(corners));
+            sharpest = sharpest.max(sharpest_cosine(t.map(place)));
         }
         first += hole.new_vertices;
     }

@@ -19,7 +19,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::fill::schedule::{Course, Item};
-use crate::fill::{Controls, ControlsError, FillError, Row, Schedule};
+use crate::fill::{Controls, ControlsError, Row, Schedule};
 use crate::mesh::{BoundaryLoop, Mesh};
 use crate::solver::StepRecord;
 
@@ -286,10 +286,7 @@ impl LiveFill {
     }
 
     /// The whole filled mesh at a state, the old part first.
-    ///
-    /// # Errors
-    /// If it is not manifold, which is a defect.
-    pub fn mesh_at(&self, state: &State) -> Result<Mesh, FillError> {
+    pub fn mesh_at(&self, state: &State) -> Mesh {
         state.mesh(&self.mesh)
     }
 }

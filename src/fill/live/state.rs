@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::fill::Plan;
 use crate::fill::schedule::Row;
 use crate::fill::shape::Shape;
-use crate::fill::{FillError, Plan};
 use crate::mesh::{DVec3, Mesh, Topology};
 
 /// One group's shape after an accepted step.
@@ -131,11 +131,11 @@ impl State {
     }
 
     /// The whole filled mesh with the attributes of the given one, the old part first.
-    pub(super) fn mesh(&self, given: &Mesh) -> Result<Mesh, FillError> {
+    pub(super) fn mesh(&self, given: &Mesh) -> Mesh {
         let mut plan = self.layout.plan.clone();
         for (g, state) in self.groups.iter().enumerate() {
             plan.place(g, &state.positions);
         }
-        Ok(plan.assemble(given, (*self.topology).clone()))
+        plan.assemble(given, (*self.topology).clone())
     }
 }
