@@ -32,6 +32,8 @@ pub enum Switch {
     Tint,
     /// Perspective or parallel projection.
     Projection,
+    /// Whether z points up instead of y.
+    ZUp,
     /// The load report.
     Report,
     /// The log.

@@ -41,7 +41,7 @@ pub use settings::Settings;
 pub use view_state::{Modal, Navigation};
 
 use crate::mesh::shapes::SAMPLES;
-use crate::render::Gpu;
+use crate::render::{Gpu, ViewportCallback};
 use jobs::Wake;
 use ui::UiState;
 
@@ -96,6 +96,7 @@ pub struct App {
     format: Option<wgpu::TextureFormat>,
     diagnostics: Option<PathBuf>,
     title: String,
+    trouble: Option<String>,
     scale: (f32, bool),
     window_pictures: (Sender<WindowPicture>, Receiver<WindowPicture>),
 }
@@ -116,6 +117,7 @@ impl App {
             format: None,
             diagnostics: None,
             title: String::new(),
+            trouble: None,
             scale: (0.0, false),
             window_pictures: channel(),
         };
@@ -211,8 +213,18 @@ impl App {
 }
 
 impl eframe::App for App {
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         let begun = Instant::now();
+        let trouble = frame.wgpu_render_state().and_then(|state| {
+            let renderer = state.renderer.read();
+            ViewportCallback::trouble(&renderer.callback_resources).map(str::to_owned)
+        });
+        if trouble != self.trouble {
+            if let Some(text) = &trouble {
+                self.model.log.error(text.clone());
+            }
+            self.trouble = trouble;
+        }
         let ctx = ui.ctx().clone();
         if ctx.input(|i| i.viewport().close_requested()) && self.model.must_ask_before_closing() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);

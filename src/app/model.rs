@@ -119,7 +119,9 @@ impl Model {
             mode: crate::render::ViewMode::Isophotes,
             ..ViewStyle::default()
         };
-        let view = ViewState::new(&document.origin.bounds, style);
+        let mut view = ViewState::new(&document.origin.bounds, style);
+        view.camera.z_up = settings.z_up;
+        view.camera.home();
         Self {
             view,
             history: History::default(),
@@ -152,7 +154,9 @@ impl Model {
     pub fn replace(&mut self, document: Document) {
         self.run = None;
         self.history = History::default();
-        self.view.camera = crate::render::Camera::fit(&document.origin.bounds);
+        let aspect = self.view.viewport_px[0] / self.view.viewport_px[1].max(1.0);
+        self.view.camera.home();
+        self.view.camera.fit_aspect(&document.origin.bounds, aspect);
         self.view.hover = None;
         self.view.energy_text.clone_from(&document.controls.energy);
         self.view.compare_energy = None;

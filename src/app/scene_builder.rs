@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::model::Model;
-use crate::mesh::{BoundaryLoop, DVec3, Mesh};
-use crate::render::{LineStyle, Overlay, Polyline, Scene};
+use crate::mesh::{BoundaryLoop, Mesh};
+use crate::render::{LineStyle, Overlay, Polyline, Scene, rim_points};
 
 /// Rim of a hole; told from the others by lightness too, for eyes that see no hues.
 const HOLE: [f32; 4] = [0.16, 0.71, 0.95, 1.0];
@@ -18,6 +18,7 @@ const HOVER: [f32; 4] = [1.0, 1.0, 0.62, 1.0];
 /// What overlays were made of, to make them again only when that changes.
 #[derive(Default)]
 pub struct OverlayCache {
+    limit: bool,
     rims: Option<(Arc<Mesh>, bool, Arc<Overlay>)>,
     selection: Option<(Arc<Mesh>, Vec<usize>, Arc<Overlay>)>,
     hover: Option<(Arc<Mesh>, usize, Arc<Overlay>)>,
@@ -37,12 +38,15 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
     let document = &model.document;
     let mesh = &document.mesh;
     let centre = model.centre();
+    let limit = model.view.limit_surface;
+    if cache.limit != limit {
+        *cache = OverlayCache {
+            limit,
+            ..OverlayCache::default()
+        };
+    }
     let line = |l: &BoundaryLoop, color, width_px, style| Polyline {
-        points: l
-            .vertices
-            .iter()
-            .map(|&v| relative(mesh.position(v), centre))
-            .collect(),
+        points: rim_points(&mesh.topology, &mesh.positions, l, centre, limit),
         closed: true,
         color,
         width_px,
@@ -102,8 +106,4 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
         surfaces,
         overlays,
     }
-}
-
-fn relative(p: DVec3, centre: DVec3) -> [f32; 3] {
-    (p - centre).as_vec3().to_array()
 }

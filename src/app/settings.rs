@@ -18,6 +18,8 @@ pub struct Settings {
     pub dark: bool,
     /// Scale of the interface; 1 is the system's.
     pub ui_scale: f32,
+    /// Whether z points up instead of y.
+    pub z_up: bool,
     /// How the mouse moves the camera.
     pub navigation: Navigation,
     /// Files opened lately, newest first.
@@ -32,6 +34,7 @@ impl Default for Settings {
         Self {
             dark: true,
             ui_scale: 1.0,
+            z_up: false,
             navigation: Navigation::default(),
             recent: Vec::new(),
             folder: None,

@@ -420,6 +420,10 @@ fn switches_flip_and_views_fit() {
     let before = m.view.style.wireframe;
     m.act(Action::Toggle(Switch::Wireframe));
     assert_ne!(m.view.style.wireframe, before);
+    m.act(Action::Toggle(Switch::ZUp));
+    assert!(m.view.camera.up().z > 0.5 && m.settings.z_up);
+    m.act(Action::Toggle(Switch::ZUp));
+    assert!(m.view.camera.up().y > 0.5);
     m.act(Action::FlyToLoop(0));
     let l = &m.document.loops[0];
     let [x, y] = m.view.camera.project(l.centroid, 1.6).expect("in front");

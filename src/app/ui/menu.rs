@@ -158,6 +158,7 @@ fn view_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             Switch::Projection,
             view.camera.orthographic,
         ),
+        ("Z is up", Switch::ZUp, view.camera.z_up),
         ("Limit surface", Switch::LimitSurface, view.limit_surface),
         ("Opened mesh", Switch::Original, view.show_original),
         ("Rims", Switch::Rims, view.show_rims),

@@ -66,6 +66,14 @@ fn face_loop(model: &mut Model, i: usize) {
     }
 }
 
+/// The other axis points up from now on.
+fn turn_up(model: &mut Model) {
+    model.settings.z_up = !model.settings.z_up;
+    model.settings.save();
+    model.view.camera.z_up = model.settings.z_up;
+    model.view.camera.home();
+}
+
 fn toggle(model: &mut Model, switch: Switch) {
     let view = &mut model.view;
     let flag = match switch {
@@ -74,6 +82,7 @@ fn toggle(model: &mut Model, switch: Switch) {
         Switch::Rims => &mut view.show_rims,
         Switch::Wireframe => &mut view.style.wireframe,
         Switch::Tint => &mut view.style.tint_patch,
+        Switch::ZUp => return turn_up(model),
         Switch::Projection => &mut view.camera.orthographic,
         Switch::Report => &mut view.windows.report,
         Switch::Log => &mut view.windows.log,
