@@ -44,7 +44,7 @@ const CRATES: [(&str, &[&str]); 10] = [
     ("tempfile", &["app", "io"]),
     ("egui", &["app", "render"]),
     ("eframe", &["app", "render"]),
-    ("wgpu", &["render"]),
+    ("wgpu", &["app", "render"]),
 ];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
