@@ -12,7 +12,7 @@ struct Frame {
     eye: vec4<f32>,
     // direction to the light of isophotes, in the world; w is the number of bands
     light: vec4<f32>,
-    // of the colour map: low end, one over the width; then brightness of the theme, faintness
+    // of the colour map: low end, one over the width; then opacity of hidden lines
     range: vec4<f32>,
     // of the whole picture in pixels; then factor on line widths, pull of lines towards the eye
     size: vec4<f32>,

@@ -120,7 +120,7 @@ fn fs_core(p: LinePoint) -> @location(0) vec4<f32> {
 // Behind the surface: thinner and faint.
 @fragment
 fn fs_hidden(p: LinePoint) -> @location(0) vec4<f32> {
-    let alpha = frame.range.w * p.colour.a * coverage(p, 0.6 * p.half_width);
+    let alpha = frame.range.z * p.colour.a * coverage(p, 0.6 * p.half_width);
     if alpha <= 0.0 {
         discard;
     }

@@ -5,8 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module of the library with the modules it may name.
-const MODULES: [(&str, &[&str]); 9] = [
+const MODULES: [(&str, &[&str]); 11] = [
     ("linear", &[]),
+    ("memory", &[]),
     ("mesh", &[]),
     ("subdivision", &["mesh"]),
     ("patch", &["mesh", "linear"]),
@@ -14,7 +15,11 @@ const MODULES: [(&str, &[&str]); 9] = [
     ("solver", &["mesh", "linear", "subdivision", "patch"]),
     ("fill", &["mesh", "patch", "solver"]),
     ("render", &["mesh", "io", "subdivision", "solver"]),
-    ("cli", &["mesh", "io", "patch", "solver", "fill", "render"]),
+    (
+        "cli",
+        &["memory", "mesh", "io", "patch", "solver", "fill", "render"],
+    ),
+    ("app", &["memory", "mesh", "io", "solver", "fill", "render"]),
 ];
 
 /// Crates only the named modules may use; `main` is the program. An empty list: nobody yet.
@@ -25,9 +30,9 @@ const CRATES: [(&str, &[&str]); 10] = [
     ("clap", &["cli", "main"]),
     ("anyhow", &["cli", "main"]),
     ("indicatif", &["cli"]),
-    ("tempfile", &["io"]),
-    ("egui", &["render"]),
-    ("eframe", &["render"]),
+    ("tempfile", &["app", "io"]),
+    ("egui", &["app", "render"]),
+    ("eframe", &["app", "render"]),
     ("wgpu", &["render"]),
 ];
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Duration;
 
 use meniscus::fill::{
@@ -183,4 +183,129 @@ fn changes_on_the_way_are_repeated_to_the_bit() {
             );
         }
     }
+}
+
+#[test]
+fn a_refused_change_leaves_the_flow_and_a_failed_start_can_be_mended() {
+    let undefined = Controls {
+        energy: "log(H^2-1e5)".into(),
+        ..flow()
+    };
+    let mut live = Watched::start(&undefined, true);
+    live.until(|fill, _| !fill.groups().is_empty());
+    assert!(live.fill.ended());
+    let failed = live.events.iter().filter(|e| matches!(e, LiveEvent::Failed { group: Some(_), text, .. } if text.contains("not finite")));
+    assert_eq!(failed.count(), 2);
+    let first = live.latest();
+    // playing, so that the mended flow starts by itself
+    live.fill.set_controls(&flow()).expect("fine");
+    live.until(|fill, _| fill.groups()[0].step >= 2);
+    live.fill.pause();
+    live.fill
+        .set_controls(&undefined)
+        .expect("an energy that parses");
+    live.fill.step();
+    live.until(|_, events| {
+        let refused =
+            |e: &LiveEvent| matches!(e, LiveEvent::ControlsRefused { group: Some(0), .. });
+        events.iter().any(refused)
+    });
+    assert!(live.fill.groups().iter().all(|g| g.failed.is_none()));
+    assert!(
+        live.fill
+            .set_controls(&Controls {
+                energy: "H^".into(),
+                ..flow()
+            })
+            .is_err()
+    );
+    live.fill.set_controls(&flow()).expect("fine");
+    live.fill.finish();
+    live.until(|fill, _| fill.ended());
+    let repeated = repeated(&undefined, &live.fill.schedule(), 2);
+    assert!(live.fill.mesh_at(&live.latest()).expect("manifold") == repeated);
+    assert!(!Arc::ptr_eq(&first, &live.latest()));
+}
+
+#[test]
+fn a_stopped_run_is_repeated_up_to_there() {
+    let mut live = Watched::start(&flow(), false);
+    live.until(|fill, _| !fill.groups().is_empty());
+    live.steps(3);
+    live.fill.stop();
+    live.until(|fill, _| fill.ended());
+    assert!(
+        live.fill
+            .groups()
+            .iter()
+            .all(|g| g.end == Some(End::Cancelled) && g.step == 3)
+    );
+    assert!(live.fill.groups()[0].warnings.is_empty());
+    let rows = live.fill.schedule().rows;
+    assert_eq!(
+        (rows.len(), rows[0].attempt, rows[0].control.as_str()),
+        (1, 3, "stop")
+    );
+    let filled = live.fill.mesh_at(&live.latest()).expect("manifold");
+    assert!(filled == repeated(&flow(), &live.fill.schedule(), 1));
+    // a state in the middle, and on from it
+    let early = Arc::clone(&live.fill.timeline().states[1]);
+    let filled = live.fill.mesh_at(&early).expect("manifold");
+    assert!(filled == repeated(&flow(), &live.fill.schedule_to(&early), 1));
+    assert!(live.fill.rewind_to(early.index) && !live.fill.rewind_to(999));
+    live.steps(1);
+    assert_eq!(live.fill.groups()[0].step, early.groups[0].step + 1);
+}
+
+#[test]
+fn the_timeline_keeps_its_bounds_and_both_ends() {
+    let (mesh, loops) = mesh();
+    let (bell, woken) = channel();
+    let wake = Arc::new(move || {
+        bell.send(()).ok();
+    });
+    let mut settings = LiveSettings {
+        playing: true,
+        pace: None,
+        timeline_bytes: 0,
+    };
+    let mut fill = LiveFill::spawn(mesh, loops, flow(), settings, wake.clone()).expect("thread");
+    while !fill.ended() {
+        woken.recv().expect("the fill goes on");
+        fill.poll();
+    }
+    // what two states need cannot be saved
+    let timeline = fill.timeline();
+    let indices: Vec<usize> = timeline.states.iter().map(|s| s.index).collect();
+    assert_eq!((indices.len(), indices[0]), (2, 0));
+    assert!(indices[1] > 10);
+    settings.timeline_bytes = 2 * timeline.bytes;
+    let (mesh, loops) = self::mesh();
+    let mut fill = LiveFill::spawn(mesh, loops, flow(), settings, wake).expect("thread");
+    while !fill.ended() {
+        woken.recv().expect("the fill goes on");
+        fill.poll();
+    }
+    let timeline = fill.timeline();
+    assert!(timeline.bytes <= settings.timeline_bytes && timeline.states.len() > 2);
+    assert_eq!(timeline.states[0].index, 0);
+    assert!(timeline.latest().is_some_and(|s| s.ended));
+}
+
+#[test]
+fn a_dropped_fill_ends() {
+    let (mesh, loops) = mesh();
+    let settings = LiveSettings {
+        playing: true,
+        pace: Some(0.1),
+        timeline_bytes: 1 << 20,
+    };
+    let (bell, woken) = channel::<()>();
+    let wake = Arc::new(move || {
+        bell.send(()).ok();
+    });
+    drop(LiveFill::spawn(mesh, loops, flow(), settings, wake).expect("thread"));
+    // the thread gives up its end of the bell, though the next round is ten seconds away
+    while woken.recv_timeout(Duration::from_secs(60)).is_ok() {}
+    assert!(matches!(woken.try_recv(), Err(TryRecvError::Disconnected)));
 }

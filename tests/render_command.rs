@@ -124,6 +124,25 @@ fn a_filled_hole_is_tinted() {
 }
 
 #[test]
+fn a_crease_shows_as_one() {
+    let desk = Desk::new();
+    let look = "--size 120x90 --no-tint";
+    let words =
+        format!("fill cup.obj -o flat.obj -q --energy 1 --continuity g0 --picture a.png {look}");
+    desk.run(&words.split_whitespace().collect::<Vec<_>>());
+    let words = format!("render flat.obj -o b.png {look}");
+    desk.run(&words.split_whitespace().collect::<Vec<_>>());
+    // the file says nothing of creases, so the second picture rounds the rim
+    let (sharp, round) = (desk.image("a.png"), desk.image("b.png"));
+    let differ = sharp
+        .pixels()
+        .zip(round.pixels())
+        .filter(|(a, b)| a[0].abs_diff(b[0]) > 60)
+        .count();
+    assert!((30..2000).contains(&differ), "{differ}");
+}
+
+#[test]
 fn turntables() {
     let desk = Desk::new();
     let turn = [

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::view_state::{Modal, Navigation, PictureSettings};
+use super::view_state::{Modal, Navigation, PictureSettings, Task};
 use crate::fill::Controls;
 use crate::render::{Camera, ViewStyle};
 
@@ -82,6 +82,8 @@ pub enum Action {
     SelectAllButLargest,
     /// None.
     SelectNone,
+    /// Fill or blend.
+    Task(Task),
     /// The cursor is over a loop.
     Hover(Option<usize>),
 
@@ -93,6 +95,8 @@ pub enum Action {
     EnergyText(String),
     /// Take the typed energy.
     ApplyEnergy,
+    /// Give a name of the typed energy a value.
+    AddParameter(String),
     /// Compare with another energy (or stop comparing).
     CompareEnergy(Option<String>),
 

@@ -15,6 +15,9 @@ use crate::solver::energy::{Energy, WellPosed, WellPosedScan, scan_well_posednes
 const COLLAR: usize = 3;
 /// A closed mesh with at most so many faces is drawn as a limit surface all over.
 const SMALL: usize = 20_000;
+/// Symbols smaller than this, relative to their scale, count as zero: the curvatures that are drawn
+/// are of single precision.
+const SINGLE: f64 = 1e-5;
 
 /// What is to be drawn.
 #[derive(Clone)]
@@ -281,7 +284,7 @@ impl Cache {
         let posed_at = request.energy.as_ref().map(|(energy, radius)| {
             let radius = *radius;
             move |h: f64, k: f64| {
-                let scan = scan_well_posedness(energy, &[[h, k]], radius, 1e-9);
+                let scan = scan_well_posedness(energy, &[[h, k]], radius, SINGLE);
                 scan.worst.is_some_and(|w| w.class >= WellPosed::IllPosed)
             }
         });
@@ -301,7 +304,7 @@ impl Cache {
             surfaces.push(Arc::new(moving));
         }
         let posed = request.energy.as_ref().map(|(energy, radius)| {
-            scan_well_posedness(energy, &curvatures(surfaces.last()), *radius, 1e-9)
+            scan_well_posedness(energy, &curvatures(surfaces.last()), *radius, SINGLE)
         });
         let bounds = Bounds::of(positions.iter().copied()).unwrap_or(request.bounds);
         Display {

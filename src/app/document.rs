@@ -5,7 +5,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::fill::{Continuity, Controls, Schedule};
+use super::view_state::Task;
+use crate::fill::{Controls, Schedule};
 use crate::io::Opened;
 use crate::mesh::{BoundaryLoop, DVec3, LoadReport, Mesh, boundary_loops};
 use crate::render::Bounds;
@@ -55,6 +56,8 @@ impl Origin {
 /// A fill that was accepted, with all that is needed to repeat it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AcceptedFill {
+    /// Whether each loop has a patch of its own, or one joins them all.
+    pub task: Task,
     /// Numbers of the loops, in the mesh it was run on.
     pub loops: Vec<usize>,
     /// Controls at its start.
@@ -185,12 +188,6 @@ impl Document {
 pub fn bounds_of(mesh: &Mesh) -> Bounds {
     let unit = DVec3::splat(0.5);
     Bounds::of(mesh.positions.iter().copied()).unwrap_or(Bounds::new(-unit, unit))
-}
-
-/// How a patch is to meet the rim of a loop.
-pub fn continuity_of(controls: &Controls, number: usize) -> Continuity {
-    let own = controls.loop_continuity.get(&number);
-    own.copied().unwrap_or(controls.continuity)
 }
 
 /// The window's defaults: the flow in true time, so that there is something to watch.

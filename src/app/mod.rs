@@ -50,7 +50,8 @@ pub enum WindowError {
     /// Neither X11 nor Wayland answers.
     #[error(
         "no display: {0}. Start it from a desktop, or give it a virtual one (`xvfb-run meniscus`); \
-         `meniscus fill` and `meniscus render` need none"
+         on Debian or Ubuntu a window needs libx11-6 libxcursor1 libxi6 libxrandr2 \
+         libxkbcommon-x11-0; `meniscus fill` and `meniscus render` need no window"
     )]
     NoDisplay(String),
     /// A library of the desktop is missing.
@@ -171,7 +172,11 @@ impl App {
             return;
         };
         let [width, height] = shot.size.map(|n| n as u32);
-        let bytes: Vec<u8> = shot.pixels.iter().flat_map(|p| p.to_array()).collect();
+        let bytes: Vec<u8> = shot
+            .pixels
+            .iter()
+            .flat_map(egui::Color32::to_array)
+            .collect();
         let saved = image::RgbaImage::from_raw(width, height, bytes)
             .ok_or_else(|| "the window gave no picture".to_owned())
             .and_then(|p| crate::render::save_png(&path, &p).map_err(|e| e.to_string()));
@@ -196,7 +201,7 @@ impl App {
             "frames": f.count,
             "longest_frame_ms": ms(f.longest),
             "mean_frame_ms": ms(f.total) / f.count.max(1) as f64,
-            "peak_memory_bytes": crate::cli::peak_memory(),
+            "peak_memory_bytes": crate::memory::peak_memory(),
         });
         if let Err(error) = crate::io::save_text(path, &format!("{text:#}\n")) {
             eprintln!("meniscus: {error}");
@@ -247,6 +252,24 @@ impl eframe::App for App {
     }
 }
 
+/// Why there is no display, in words; what winit says names its own sources.
+fn no_display(error: &eframe::Error) -> String {
+    let named = |name: &str| std::env::var(name).ok().filter(|v| !v.is_empty());
+    match (named("WAYLAND_DISPLAY"), named("DISPLAY")) {
+        (None, None) => "neither DISPLAY nor WAYLAND_DISPLAY is set".into(),
+        (Some(name), _) | (None, Some(name)) => match error {
+            eframe::Error::WinitEventLoop(inner) => {
+                let text = inner.to_string();
+                // after the place in winit's sources
+                let reason = text.split(".rs:").last().unwrap_or(&text);
+                let reason = reason.split_once(": ").map_or(reason, |(_, rest)| rest);
+                format!("the display {name} cannot be used ({reason})")
+            }
+            other => other.to_string(),
+        },
+    }
+}
+
 /// The document the window opens on when it is given none.
 ///
 /// # Errors
@@ -262,6 +285,7 @@ pub fn first_sample() -> Result<Document, WindowError> {
 /// # Errors
 /// There is no display, no graphics adapter, or a library is missing.
 pub fn run(startup: Startup) -> Result<(), WindowError> {
+    let started = Instant::now();
     let document = first_sample()?;
     let (settings, message) = Settings::load();
     let folder = settings::state_folder().map(|f| f.join("recovery"));
@@ -304,6 +328,7 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
                 }
                 let mut app = App::new(model, &cc.egui_ctx, cc.wgpu_render_state.as_ref());
                 app.diagnostics = diagnostics;
+                app.ui.frames.started = started;
                 Ok(Box::new(app))
             }),
         )
@@ -311,7 +336,7 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
     match opened {
         Ok(Ok(())) => Ok(()),
         Ok(Err(eframe::Error::Wgpu(error))) => Err(WindowError::NoAdapter(error.to_string())),
-        Ok(Err(error)) => Err(WindowError::NoDisplay(error.to_string())),
+        Ok(Err(error)) => Err(WindowError::NoDisplay(no_display(&error))),
         Err(panic) => {
             let text = jobs::panic_text(panic.as_ref());
             // winit panics where a library of X11 cannot be loaded

@@ -1,5 +1,6 @@
 //! Everything behind the window, without the window.
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -7,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::action::Action;
 use super::autosave::Autosave;
 use super::display::{DisplayWorker, Request};
-use super::document::{Document, Source, continuity_of};
+use super::document::{Document, Source};
 use super::history::History;
 use super::jobs::{Job, Wake};
 use super::log::Log;
@@ -114,7 +115,6 @@ impl Model {
     /// Opens on a document.
     pub fn new(document: Document, settings: Settings, autosave: Autosave, wake: Wake) -> Self {
         let style = ViewStyle {
-            dark: settings.dark,
             background: crate::render::Background::of_theme(settings.dark),
             mode: crate::render::ViewMode::Isophotes,
             ..ViewStyle::default()
@@ -177,7 +177,7 @@ impl Model {
             report.faces
         );
         if report.welded_vertices > 0 {
-            text += &format!("; {} vertices merged", report.welded_vertices);
+            let _ = write!(text, "; {} vertices merged", report.welded_vertices);
         }
         self.log.info(text);
         if !report.defects.is_empty() {
@@ -305,7 +305,7 @@ impl Model {
             .loops
             .iter()
             .copied()
-            .filter(|&n| continuity_of(&side.controls, n) == Continuity::G0)
+            .filter(|&n| side.controls.continuity_at(n) == Continuity::G0)
             .collect();
         if sharp != self.creases.0 {
             let mut edges = Vec::new();
@@ -315,8 +315,7 @@ impl Model {
                 .iter()
                 .filter(|l| sharp.contains(&l.number))
             {
-                let n = l.vertices.len();
-                edges.extend((0..n).map(|i| [l.vertices[i], l.vertices[(i + 1) % n]]));
+                edges.extend(l.edge_ends());
             }
             self.creases = (sharp, Arc::new(edges));
         }

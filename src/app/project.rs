@@ -3,13 +3,14 @@
 //! A TOML head, and after the line [`MESH`] the mesh as OBJ if it is no plain file or sample any
 //! more. The head holds the path of the mesh relative to the project file.
 
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::document::{AcceptedFill, Document, Source};
-use super::view_state::ViewState;
+use super::view_state::{Task, ViewState};
 use crate::fill::{Controls, Schedule};
 use crate::io::{self, Format, Opened};
 use crate::mesh::shapes::Sample;
@@ -58,6 +59,8 @@ pub struct ViewPart {
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct FillPart {
+    #[serde(default)]
+    task: Task,
     loops: Vec<usize>,
     faces: [usize; 2],
     /// As the rows of a schedule file.
@@ -98,6 +101,7 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
             .fills
             .iter()
             .map(|f| FillPart {
+                task: f.task,
                 loops: f.loops.clone(),
                 faces: [f.faces.start, f.faces.end],
                 schedule: f.schedule.to_csv(),
@@ -164,6 +168,35 @@ pub fn read(path: &Path) -> Result<(Document, Project), String> {
     Ok((document, project))
 }
 
+/// Name of the mesh a project file is about, for lists; the file's own if it does not say.
+pub fn title(path: &Path) -> String {
+    let own = || {
+        path.file_name()
+            .map_or_else(String::new, |n| n.to_string_lossy().into_owned())
+    };
+    let mut head = String::new();
+    let Ok(file) = std::fs::File::open(path) else {
+        return own();
+    };
+    // enough for the lines before the mesh; what follows may be large
+    if file.take(1 << 16).read_to_string(&mut head).is_err() {
+        return own();
+    }
+    let value = |line: &str| line.split('"').nth(1).map(str::to_owned);
+    head.lines()
+        .find_map(|line| {
+            if line.starts_with("mesh = ") {
+                let path = PathBuf::from(value(line)?);
+                Some(path.file_name()?.to_string_lossy().into_owned())
+            } else if line.starts_with("sample = ") {
+                Some(format!("sample {}", value(line)?))
+            } else {
+                None
+            }
+        })
+        .unwrap_or_else(own)
+}
+
 /// A sample, opened.
 ///
 /// # Errors
@@ -194,6 +227,7 @@ fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document
             .iter()
             .map(|f| {
                 Ok(Arc::new(AcceptedFill {
+                    task: f.task,
                     loops: f.loops.clone(),
                     controls: f.controls.clone(),
                     schedule: Schedule::parse(&f.schedule).map_err(|e| e.to_string())?,

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::document::{AcceptedFill, Source};
 use super::model::Model;
-use crate::fill::command_line;
+use super::view_state::Task;
+use crate::fill::{blend_command_line, command_line};
 use crate::io;
 
 /// Commands that repeat all accepted fills and the run that is shown, one after the other, in
@@ -23,6 +24,7 @@ pub fn command(model: &Model) -> Result<String, String> {
             None => side.live.schedule(),
         };
         fills.push(AcceptedFill {
+            task: run.task,
             loops: run.loops.clone(),
             controls: side.start.clone(),
             schedule,
@@ -67,7 +69,10 @@ pub fn command(model: &Model) -> Result<String, String> {
             io::save_text(&path, &fill.schedule.to_csv()).map_err(|e| e.to_string())?;
             Some(path)
         };
-        let line = command_line(
+        let line = match fill.task {
+            Task::Fill => command_line,
+            Task::Blend => blend_command_line,
+        }(
             &input,
             &output,
             &fill.loops,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::jobs::Wake;
+use super::view_state::Task;
 use crate::fill::{Controls, LiveEvent, LiveFill, LiveSettings, State};
 use crate::mesh::{BoundaryLoop, Mesh};
 
@@ -41,6 +42,8 @@ pub struct Curve {
 pub struct Run {
     /// The mesh it runs on.
     pub base: Arc<Mesh>,
+    /// Whether each loop has a patch of its own, or one joins them all.
+    pub task: Task,
     /// Numbers of the loops.
     pub loops: Vec<usize>,
     /// One side, or A and B.
@@ -57,6 +60,7 @@ impl Run {
     /// # Errors
     /// A message for the person.
     pub fn start(
+        task: Task,
         base: &Arc<Mesh>,
         loops: &[&BoundaryLoop],
         controls: &[Controls],
@@ -72,14 +76,13 @@ impl Run {
                     timeline_bytes: TIMELINE_BYTES,
                 };
                 let loops = loops.iter().map(|&l| l.clone()).collect();
-                let live = LiveFill::spawn(
-                    Arc::clone(base),
-                    loops,
-                    controls.clone(),
-                    settings,
-                    Arc::clone(wake),
-                )
-                .map_err(|error| error.to_string())?;
+                let spawn = match task {
+                    Task::Fill => LiveFill::spawn,
+                    Task::Blend => LiveFill::spawn_blend,
+                };
+                let (mesh, wake) = (Arc::clone(base), Arc::clone(wake));
+                let live = spawn(mesh, loops, controls.clone(), settings, wake)
+                    .map_err(|error| error.to_string())?;
                 Ok(Side {
                     live,
                     start: controls.clone(),
@@ -92,6 +95,7 @@ impl Run {
             .collect::<Result<_, String>>()?;
         Ok(Self {
             base: Arc::clone(base),
+            task,
             loops: loops.iter().map(|l| l.number).collect(),
             sides,
             playing: true,
@@ -149,11 +153,7 @@ impl Run {
 
     /// Number of kept states, of the longest side.
     pub fn state_count(&self) -> usize {
-        self.sides
-            .iter()
-            .map(|s| s.state_count())
-            .max()
-            .unwrap_or(0)
+        self.sides.iter().map(Side::state_count).max().unwrap_or(0)
     }
 
     /// Moves a replay of kept states on, `pace` states a second. Returns when it wants to be
@@ -183,6 +183,13 @@ impl Run {
 }
 
 impl Side {
+    /// The energy is another one: its curve begins anew.
+    pub fn new_energy(&mut self) {
+        for curve in &mut self.curves {
+            curve.energy.clear();
+        }
+    }
+
     fn book(&mut self, group: usize, record: &crate::solver::StepRecord) {
         if self.curves.len() <= group {
             self.curves.resize(group + 1, Curve::default());

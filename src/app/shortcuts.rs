@@ -55,7 +55,7 @@ pub enum Command {
     /// Picture to the clipboard.
     CopyPicture,
     /// Command line to the clipboard.
-    CopyCommand,
+    CopyLine,
 }
 
 /// Command, keys (the first one is shown), what it does.
@@ -239,8 +239,8 @@ pub const ROWS: &[Row] = &[
         "Make a picture or a sequence",
     ),
     (
-        Command::CopyCommand,
-        &[key(CTRL_SHIFT, Key::C)],
+        Command::CopyLine,
+        &[key(CTRL, Key::K)],
         "Copy the command line that repeats this",
     ),
     (
@@ -303,7 +303,7 @@ impl Command {
             Self::Fit => Action::FitAll,
             Self::Toggle(switch) => Action::Toggle(switch),
             Self::CopyPicture => Action::CopyPicture,
-            Self::CopyCommand => Action::CopyCommand,
+            Self::CopyLine => Action::CopyCommand,
             Self::StepBack
             | Self::View(_)
             | Self::NextMode(_)

@@ -10,7 +10,7 @@ use super::document::{Document, Source};
 use super::model::{Effect, Model};
 use super::project;
 use super::settings::Settings;
-use super::view_state::{AfterUnsaved, Modal};
+use super::view_state::{AfterUnsaved, Modal, Task};
 use crate::io;
 use crate::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
 use crate::mesh::{DVec3, Soup, check_mesh};
@@ -50,7 +50,7 @@ fn until(model: &mut Model, done: impl Fn(&Model) -> bool) {
     while !done(model) {
         model.tick(Instant::now());
         assert!(
-            begun.elapsed() < Duration::from_secs(120),
+            begun.elapsed() < Duration::from_mins(2),
             "nothing happens: {:?}",
             model.log.entries().last()
         );
@@ -377,6 +377,7 @@ fn a_recovery_file_survives_its_window() {
     std::fs::write(copy.join("window-1.lock"), "").expect("written");
     let left = autosave::left_behind(&copy);
     assert_eq!(left.len(), 1);
+    assert_eq!(project::title(&left[0]), "sample test");
     let (document, _) = project::read(&left[0]).expect("a project");
     assert_eq!(document.mesh.positions, m.document.mesh.positions);
     autosave::remove(&left[0]);
@@ -431,4 +432,27 @@ fn switches_flip_and_views_fit() {
         let [x, y] = m.view.camera.project(*p, 1280.0 / 800.0).expect("in front");
         assert!(x.abs() <= 1.0 && y.abs() <= 1.0);
     }
+}
+
+#[test]
+fn rims_of_a_blend_are_gathered_and_joined() {
+    let opened = project::sample_of("four-cylinders").expect("a sample");
+    let document = Document::new(opened, Source::Sample("four-cylinders".into()));
+    let mut m = Model::new(
+        document,
+        Settings::default(),
+        Autosave::off(),
+        Arc::new(|| ()),
+    );
+    m.act(Action::Task(Task::Blend));
+    m.act(Action::Fill);
+    assert!(
+        last_message(&m).contains("two rims"),
+        "{}",
+        last_message(&m)
+    );
+    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(1, SelectHow::Replace));
+    m.act(Action::Select(1, SelectHow::Replace));
+    assert_eq!(m.document.selection, [0].into());
 }

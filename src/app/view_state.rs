@@ -44,6 +44,17 @@ impl Navigation {
     }
 }
 
+/// What Enter does with the selected loops.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Task {
+    /// A patch of its own for each.
+    #[default]
+    Fill,
+    /// One surface that joins them all.
+    Blend,
+}
+
 /// A dialog over the window; only one at a time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Modal {
@@ -176,6 +187,8 @@ pub struct ViewState {
     pub camera: Camera,
     /// How it is drawn.
     pub style: ViewStyle,
+    /// What Enter does.
+    pub task: Task,
     /// Limit surface instead of control mesh.
     pub limit_surface: bool,
     /// Whether the opened mesh is shown, or the patches alone.
@@ -204,6 +217,7 @@ impl ViewState {
         Self {
             camera: Camera::fit(bounds),
             style,
+            task: Task::default(),
             limit_surface: true,
             show_original: true,
             show_rims: true,

@@ -82,13 +82,13 @@ const RENDER_EXAMPLES: &str = "Examples:
 pub enum Command {
     /// Fill holes of a mesh and write the result.
     #[command(after_help = FILL_EXAMPLES)]
-    Fill(FillArguments),
+    Fill(Box<FillArguments>),
     /// Join several rims, of one or more components, by one smooth surface.
     #[command(after_help = BLEND_EXAMPLES)]
-    Blend(BlendArguments),
+    Blend(Box<BlendArguments>),
     /// Erase part of a surface and fill it anew, or fair it in place.
     #[command(after_help = REFILL_EXAMPLES)]
-    Refill(RefillArguments),
+    Refill(Box<RefillArguments>),
     /// Build a strip of triangles across a hole, or from one hole to another.
     Bridge(BridgeArguments),
     /// Show counts, components, boundary loops and defects of a mesh.

@@ -33,7 +33,7 @@ pub struct ControlArguments {
     /// Time step: auto, or a fixed one.
     #[arg(long, value_name = "T", default_value = "auto", value_parser = tau, allow_negative_numbers = true)]
     pub tau: TauChoice,
-    /// Factor of an adaptive time step after an accepted step: 10 in fast mode, 1.6 in flow mode.
+    /// Factor of an adaptive time step after an accepted step: 10 in fast mode, 1.3 in flow mode.
     #[arg(long, value_name = "F", value_parser = growth, allow_negative_numbers = true)]
     pub growth: Option<f64>,
     /// Tangential relaxation after each accepted step: vertices slide towards the mean of their

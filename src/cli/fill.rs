@@ -6,7 +6,6 @@ use anyhow::{Context, Result, bail};
 
 use crate::cli::UsageError;
 use crate::cli::args::FillArguments;
-use crate::cli::memory::peak_memory;
 use crate::cli::picture::picture;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
@@ -14,11 +13,12 @@ use crate::cli::report::{
     FailedHole, FillReport, SkippedLoop, hole_reports, skipped, totals, trace,
 };
 use crate::fill::{
-    Choice, Controls, ControlsError, Filled, Gap, LoopChoice, Schedule, choose, fill_part,
-    fill_scheduled, nearest_loop, with_islands,
+    Choice, Continuity, Controls, ControlsError, Filled, Gap, LoopChoice, Schedule, choose,
+    fill_part, fill_scheduled, nearest_loop, with_islands,
 };
 use crate::io::{self, Opened, open};
-use crate::mesh::{BoundaryLoop, DVec3, Mesh, boundary_loops};
+use crate::memory::peak_memory;
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, VertexId, boundary_loops};
 
 /// Runs the command.
 pub fn fill(args: &FillArguments) -> Result<()> {
@@ -247,7 +247,14 @@ pub fn save_filled(
         write_text(path, &trace(filled))?;
     }
     if let Some(path) = &args.picture {
-        picture(path, &filled.mesh, opened.mesh.face_count(), &args.look)?;
+        let old_faces = filled.mesh.face_count() - filled.plan.triangles.len();
+        picture(
+            path,
+            &filled.mesh,
+            old_faces,
+            creases(args, filled),
+            &args.look,
+        )?;
     }
     if !args.quiet {
         summary(&report)?;
@@ -274,6 +281,22 @@ pub fn save_filled(
         );
     }
     Ok(())
+}
+
+/// Rims joined without continuous normals, which are drawn from either side by itself.
+fn creases(args: &FillArguments, filled: &Filled) -> Vec<[VertexId; 2]> {
+    let controls = args.controls.controls();
+    let rims = filled
+        .plan
+        .holes
+        .iter()
+        .flat_map(|hole| hole.loops.iter().zip(&hole.rims));
+    rims.filter(|(number, _)| controls.continuity_at(**number) == Continuity::G0)
+        .flat_map(|(_, rim)| {
+            let ends = |i: usize| [rim[i], rim[(i + 1) % rim.len()]];
+            (0..rim.len()).map(ends)
+        })
+        .collect()
 }
 
 fn summary(report: &FillReport<'_>) -> Result<()> {

@@ -7,7 +7,6 @@ mod controls;
 mod demo;
 mod fill;
 mod info;
-mod memory;
 mod picture;
 mod picture_args;
 mod print;
@@ -18,7 +17,6 @@ mod report;
 mod sample;
 
 pub use args::{Arguments, Command};
-pub use memory::peak_memory;
 
 use anyhow::Result;
 

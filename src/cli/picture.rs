@@ -7,7 +7,7 @@ use anyhow::Result;
 
 use crate::cli::UsageError;
 use crate::cli::picture_args::{PictureArguments, UpArgument};
-use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, boundary_loops};
+use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops};
 use crate::render::{
     self, Background, Bounds, Camera, DynamicSurface, Geometry, Gpu, LineStyle, Overlay, Polyline,
     Scene, StandardView, SurfaceOptions, Vertex, ViewMode, ViewStyle, rim_points, save_png,
@@ -25,14 +25,16 @@ const SMALL: usize = 20_000;
 /// Light core of the lines along rims; seen on any ground by its dark casing.
 const RIM_COLOR: [f32; 4] = [1.0, 0.78, 0.10, 1.0];
 
-/// Writes a picture of a mesh whose faces from `first_patch_face` on are patches.
+/// Writes a picture of a mesh whose faces from `first_patch_face` on are patches; `creases` are the
+/// edges where patches were joined without continuous normals.
 pub fn picture(
     path: &Path,
     mesh: &Mesh,
     first_patch_face: usize,
+    creases: Vec<[VertexId; 2]>,
     look: &PictureArguments,
 ) -> Result<()> {
-    let shot = Shot::new(mesh, first_patch_face, look)?;
+    let shot = Shot::new(mesh, first_patch_face, creases, look)?;
     let gpu = Gpu::new()?;
     Ok(save_png(path, &shot.take(&gpu, &shot.camera)?)?)
 }
@@ -48,8 +50,13 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Prepares pictures of a mesh whose faces from `first_patch_face` on are patches.
-    pub fn new(mesh: &Mesh, first_patch_face: usize, look: &PictureArguments) -> Result<Self> {
+    /// Prepares pictures of a mesh, as [`picture`] does.
+    pub fn new(
+        mesh: &Mesh,
+        first_patch_face: usize,
+        creases: Vec<[VertexId; 2]>,
+        look: &PictureArguments,
+    ) -> Result<Self> {
         let bounds = Bounds::of(mesh.positions.iter().copied()).unwrap_or_default();
         let size = look.size.unwrap_or(SIZE);
         let style = style(look, size);
@@ -64,7 +71,7 @@ impl Shot {
             scene: Scene {
                 centre,
                 bounds,
-                surfaces: surfaces(mesh, first_patch_face, centre, !look.control_mesh),
+                surfaces: surfaces(mesh, first_patch_face, creases, centre, !look.control_mesh),
                 overlays: rims,
             },
             style,
@@ -95,7 +102,6 @@ fn style(look: &PictureArguments, [_, height]: [u32; 2]) -> ViewStyle {
         tint_patch: !look.no_tint,
         background: Background::of_theme(look.dark),
         range: look.range,
-        dark: look.dark,
         line_scale: (height as f32 / LINE_HEIGHT).max(1.0),
         ..default
     }
@@ -125,6 +131,7 @@ fn camera(look: &PictureArguments, bounds: &Bounds, [w, h]: [u32; 2]) -> Result<
 fn surfaces(
     mesh: &Mesh,
     first_patch_face: usize,
+    creases: Vec<[VertexId; 2]>,
     centre: DVec3,
     limit: bool,
 ) -> Vec<Arc<Geometry>> {
@@ -142,6 +149,7 @@ fn surfaces(
         }
     };
     let options = SurfaceOptions {
+        creases,
         flags: moving.iter().map(flag).collect(),
         ..SurfaceOptions::default()
     };

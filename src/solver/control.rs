@@ -91,14 +91,40 @@ pub const STOP: f64 = 1e-6;
 const COLLAPSE: f64 = 1e-14;
 const SHRINK: f64 = 8.0;
 const FAST_GROWTH: f64 = 10.0;
-/// A watched flow starts with this part of the gentle τ: from a warm start, near the stationary
-/// shape, the gentle one gets there in a handful of steps.
-const FIRST: f64 = 1e-3;
-/// Growth of τ in flow mode: so slow that there are some thirty shapes to see on the way to the
-/// stationary one.
+/// Range of the first τ in flow mode, as multiples of `τ_ref`: from a warm start near the
+/// stationary shape the gentle one alone would get there in a handful of steps.
+const FIRST: [f64; 2] = [1e-9, 1e-4];
+/// Growth of τ in flow mode: so slow that the way from the upper end of [`FIRST`] to `τ_ref` takes
+/// over thirty steps, as many shapes to see.
 pub const FLOW_GROWTH: f64 = 1.3;
+/// Accepted steps after which an energy that has not fallen beyond rounding is taken for constant.
+const PATIENCE: usize = 10;
+/// What counts as rounding of an energy, relative to the sum of its absolute terms.
+const ROUNDING: f64 = 1e-11;
 /// Growth stops here (as a multiple of `τ_ref`): the step is Newton's by then.
 const CEILING: f64 = 1e12;
+
+/// Whether an energy still falls.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Descent {
+    start: EnergySum,
+    steps: usize,
+}
+
+impl Descent {
+    /// Takes the energy after an accepted step. Returns whether it has been constant to rounding
+    /// for so long that it will stay so.
+    pub fn has_stopped(&mut self, energy: EnergySum) -> bool {
+        self.steps += 1;
+        if self.start.value - energy.value > ROUNDING * energy.scale || self.steps == 1 {
+            *self = Self {
+                start: energy,
+                steps: 1,
+            };
+        }
+        self.steps > PATIENCE
+    }
+}
 
 /// The time step's law.
 #[derive(Clone, Copy, Debug)]
@@ -119,7 +145,10 @@ impl Control {
             (Tau::Fixed(t), _) => (t, Some(t)),
             (Tau::From(t), _) => (t, None),
             (Tau::Auto, Mode::Fast) => (2.0 * tau_ref, None),
-            (Tau::Auto, Mode::Flow) => (FIRST * gentle.clamp(1e-9 * tau_ref, tau_ref), None),
+            (Tau::Auto, Mode::Flow) => {
+                let [least, most] = FIRST.map(|part| part * tau_ref);
+                (gentle.clamp(least, most), None)
+            }
         };
         Self {
             tau: start,

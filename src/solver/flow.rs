@@ -2,7 +2,7 @@
 
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
-use crate::solver::control::{Attempt, Control, Mode, Progress, STOP, Tau};
+use crate::solver::control::{Attempt, Control, Descent, Mode, Progress, STOP, Tau};
 use crate::solver::energy::{Energy, Order};
 use crate::solver::mixed::MixedFlow;
 use crate::solver::normal::NormalFlow;
@@ -35,6 +35,7 @@ pub struct Flow {
     control: Control,
     report: Assembler,
     relaxation: Option<Relaxation>,
+    descent: Descent,
     local: Elements,
     pinch: PinchWatch,
     steps: usize,
@@ -87,6 +88,7 @@ impl Flow {
             ),
             relaxation: None,
             pinch: PinchWatch::new(&problem),
+            descent: Descent::default(),
             problem,
             options,
             energy,
@@ -140,6 +142,7 @@ impl Flow {
             gentle,
             self.options.growth,
         );
+        self.descent = Descent::default();
         self.factorized = 0;
         self.end = None;
     }
@@ -277,7 +280,7 @@ impl Flow {
         };
         let mut record = self.book(&attempt, tau);
         if attempt.accepted && relaxing {
-            self.relax(before);
+            self.relax(before, attempt.longest);
             record.energy = self.energy().value;
         }
         if attempt.accepted {
@@ -308,8 +311,9 @@ impl Flow {
         Ok(())
     }
 
-    /// Slides the vertices along the surface after a step from energy `before`.
-    fn relax(&mut self, before: EnergySum) {
+    /// Slides the vertices along the surface after a step from energy `before`, by no more than the
+    /// step moved any: so the sliding ends with the flow and does not keep it from converging.
+    fn relax(&mut self, before: EnergySum, longest: f64) {
         let relaxation = self
             .relaxation
             .get_or_insert_with(|| Relaxation::new(&self.problem));
@@ -319,7 +323,8 @@ impl Flow {
                 Stepper::Normal(flow) => (flow.positions(), flow.normals(), flow.moving()),
                 Stepper::Mixed(flow) => (flow.positions(), flow.normals(), flow.moving()),
             };
-            let Some(moved) = relaxation.propose(positions, vertices, normals, weight) else {
+            let moved = relaxation.propose(positions, vertices, normals, weight, longest);
+            let Some(moved) = moved else {
                 return;
             };
             let taken = match &mut self.stepper {
@@ -351,7 +356,12 @@ impl Flow {
                 // one fresh matrix, then quasi-Newton steps again
                 self.factorized = FACTORIZED_STEPS - 1;
             }
-            if residual < STOP {
+            // adaptive steps in true time may go on and off between a stable and an unstable τ where
+            // the shape is stationary to rounding
+            let adaptive =
+                self.options.mode == Mode::Flow && !matches!(self.options.tau, Tau::Fixed(_));
+            let energy = self.energy();
+            if residual < STOP || (adaptive && self.descent.has_stopped(energy)) {
                 self.end = Some(End::Converged);
             } else if self.steps >= self.options.max_steps {
                 self.end = Some(End::Steps);

@@ -14,12 +14,7 @@ pub fn ill_posed_faces(
     energy: &Energy,
     length: f64,
 ) -> Vec<WellPosed> {
-    let calm = if energy.is_uniformly_parabolic() {
-        WellPosed::Strict
-    } else {
-        WellPosed::Stationary
-    };
-    let mut classes = vec![calm; faces.len()];
+    let mut classes = vec![WellPosed::Strict; faces.len()];
     if energy.is_uniformly_parabolic() {
         return classes;
     }
@@ -41,3 +36,55 @@ pub fn ill_posed_faces(
 
 /// Symbols smaller than this, relative to their scale, count as zero.
 pub(super) const TOLERANCE: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::mesh::shapes::{self, Shape};
+
+    fn classes((positions, triangles): Shape, energy: &str) -> Vec<WellPosed> {
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("a manifold");
+        // backwards, so that an order of the elements' own would be found out
+        let faces: Vec<FaceId> = (0..topology.face_count()).rev().map(FaceId::from).collect();
+        let energy = Energy::parse(energy, &BTreeMap::new()).expect("an energy");
+        ill_posed_faces(&topology, &positions, &faces, &energy, 1.0)
+    }
+
+    #[test]
+    fn known_surfaces_have_known_classes() {
+        for (energy, wanted) in [
+            ("H^2", WellPosed::Strict),
+            ("K^2", WellPosed::Strict),
+            ("-H^2", WellPosed::IllPosed),
+            ("K", WellPosed::Stationary),
+            ("sqrt(-K)", WellPosed::Undefined),
+        ] {
+            let all = classes(shapes::icosphere(3), energy);
+            assert!(
+                all.iter().all(|&class| class == wanted),
+                "{energy}: {all:?}"
+            );
+        }
+        // K^2 does not smooth along the asymptotic directions of a saddle
+        let saddle = classes(shapes::catenoid(1.0, 1.0, 24, 1), "K^2");
+        assert!(saddle.iter().all(|&class| class == WellPosed::Degenerate));
+    }
+
+    /// A graph with convex and saddle-like parts: each face gets its own class.
+    #[test]
+    fn classes_belong_to_their_faces() {
+        let (positions, triangles) = shapes::graph(2.0, 16, |x, y| 0.5 * (x * x * x + y * y), 2);
+        let found = classes((positions.clone(), triangles.clone()), "K^2");
+        for (class, t) in found.iter().rev().zip(&triangles) {
+            let x = t.map(|v| positions[v as usize].x).iter().sum::<f64>() / 3.0;
+            // K has the sign of x; near the boundary ghosts flatten the surface
+            if x > 0.3 && x < 0.7 {
+                assert_eq!(*class, WellPosed::Strict);
+            } else if x < -0.3 && x > -0.7 {
+                assert_eq!(*class, WellPosed::Degenerate);
+            }
+        }
+    }
+}

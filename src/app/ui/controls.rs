@@ -4,7 +4,7 @@ use eframe::egui::{self, RichText, Ui};
 
 use super::side::short;
 use crate::app::action::Action;
-use crate::app::document::{continuity_of, window_controls};
+use crate::app::document::window_controls;
 use crate::app::model::Model;
 use crate::fill::{Continuity, Controls, Linear, TauChoice};
 use crate::solver::{FLOW_GROWTH, Mode, Scheme};
@@ -184,7 +184,7 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
             for l in selected {
                 ui.horizontal_wrapped(|ui| {
                     ui.label(RichText::new(format!("loop {}", l.number)));
-                    let mut own = continuity_of(next, l.number);
+                    let mut own = next.continuity_at(l.number);
                     let before = own;
                     ui.selectable_value(&mut own, Continuity::G1, "G1");
                     ui.selectable_value(&mut own, Continuity::G0, "G0");

@@ -4,6 +4,7 @@ use eframe::egui::{self, Context, Key, Modal as Over, RichText, Ui};
 
 use crate::app::action::Action;
 use crate::app::model::Model;
+use crate::app::project;
 use crate::app::view_state::{
     Modal, PathPrompt, PathUse, PictureFormat, PictureKind, PictureSettings,
 };
@@ -46,10 +47,10 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
     let field = ui
         .add(egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY))
         .labelled_by(label.id);
+    let entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
     if ui.memory(|m| m.focused().is_none()) {
         field.request_focus();
     }
-    let entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
     if field.changed() {
         actions.push(Action::Modal(Modal::Path(PathPrompt {
             text: text.clone(),
@@ -111,9 +112,7 @@ fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Actio
             .ok()
             .and_then(|t| t.elapsed().ok())
             .map_or_else(String::new, |d| format!("{} minutes old", d.as_secs() / 60));
-        let name = path
-            .file_name()
-            .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        let name = project::title(path);
         if ui.button(format!("Recover {name}, {when}")).clicked() {
             actions.push(Action::Recover(path.clone()));
         }
@@ -145,7 +144,9 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
             }
         }
     });
-    if next.kind != PictureKind::Still {
+    if next.kind == PictureKind::Still {
+        next.format = PictureFormat::Png;
+    } else {
         ui.horizontal(|ui| {
             for (format, title) in [
                 (PictureFormat::Png, "numbered PNG"),
@@ -163,8 +164,6 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
                     .labelled_by(label.id);
             }
         });
-    } else {
-        next.format = PictureFormat::Png;
     }
     size_ui(ui, model, &mut next);
     ui.checkbox(&mut next.transparent, "transparent background");

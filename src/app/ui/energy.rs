@@ -6,7 +6,7 @@ use crate::app::action::Action;
 use crate::app::model::Model;
 use crate::app::update::params_for;
 use crate::fill::Controls;
-use crate::solver::energy::{Energy, Preset};
+use crate::solver::energy::{Energy, ExprError, Preset};
 
 /// What a preset is called by people.
 fn about(preset: Preset) -> &'static str {
@@ -55,7 +55,7 @@ pub fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         "f(H, K) =",
         &view.energy_text,
         model,
-        |text| Action::EnergyText(text),
+        Action::EnergyText,
         Some(Action::ApplyEnergy),
         actions,
     );
@@ -97,13 +97,13 @@ fn expression_ui(
     let parsed = Energy::parse(&text, &params);
     match &parsed {
         Err(error) => {
-            let lines = error.render();
-            ui.label(
-                RichText::new(lines)
-                    .monospace()
-                    .small()
-                    .color(ui.visuals().error_fg_color),
-            );
+            error_ui(ui, error);
+            if let Some(name) = error.syntax().and_then(|e| e.unknown.as_ref())
+                && apply.is_some()
+                && ui.button(format!("Make {name} a parameter")).clicked()
+            {
+                actions.push(Action::AddParameter(name.clone()));
+            }
         }
         Ok(_) if response.lost_focus() => actions.extend(apply),
         Ok(_) => {
@@ -114,6 +114,27 @@ fn expression_ui(
         }
     }
     parsed.is_ok()
+}
+
+/// The caret under the character, the message below.
+fn error_ui(ui: &mut Ui, error: &ExprError) {
+    let color = super::bad(ui);
+    let Some(syntax) = error.syntax() else {
+        ui.label(RichText::new(error.to_string()).color(color));
+        return;
+    };
+    let carets = format!(
+        "{}{}",
+        " ".repeat(syntax.character),
+        "^".repeat(syntax.length.min(24))
+    );
+    ui.horizontal(|ui| {
+        // as far as the text in the field is from its edge
+        ui.add_space(ui.spacing().button_padding.x);
+        let carets = RichText::new(carets).monospace().strong().color(color);
+        ui.add(egui::Label::new(carets).truncate());
+    });
+    ui.label(RichText::new(syntax.to_string()).color(color));
 }
 
 fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -147,13 +168,13 @@ fn badge_ui(ui: &mut Ui, model: &Model) {
     let (text, color, tip) = if scan.undefined > 0 {
         (
             "undefined in places",
-            ui.visuals().error_fg_color,
+            super::bad(ui),
             "the energy has no finite second derivatives at curvatures that occur",
         )
     } else if scan.ill_posed > 0 {
         (
             "ill-posed in places",
-            ui.visuals().error_fg_color,
+            super::bad(ui),
             "where the patch is hatched short waves grow instead of fading",
         )
     } else if 1000 * scan.degenerate > scan.samples {
@@ -171,7 +192,7 @@ fn badge_ui(ui: &mut Ui, model: &Model) {
     } else {
         (
             "well-posed",
-            egui::Color32::from_rgb(70, 160, 90),
+            super::good(ui),
             "the flow is strictly parabolic on all that is shown",
         )
     };

@@ -12,8 +12,8 @@ use crate::render::StandardView;
 /// An entry with its key.
 fn entry(ui: &mut Ui, text: &str, command: Option<Command>) -> bool {
     let mut button = Button::new(text);
-    if let Some((_, keys, _)) = ROWS.iter().find(|(c, ..)| Some(*c) == command) {
-        button = button.shortcut_text(ui.ctx().format_shortcut(&keys[0]));
+    if let Some((_, [key, ..], _)) = ROWS.iter().find(|(c, ..)| Some(*c) == command) {
+        button = button.shortcut_text(ui.ctx().format_shortcut(key));
     }
     let clicked = ui.add(button).clicked();
     if clicked {
@@ -103,7 +103,7 @@ fn file_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ("Export the patches alone…", None, Action::AskExportPatch),
         (
             "Copy as command line",
-            Some(Command::CopyCommand),
+            Some(Command::CopyLine),
             Action::CopyCommand,
         ),
     ] {

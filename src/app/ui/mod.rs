@@ -99,6 +99,24 @@ pub fn window_ui(
     actions
 }
 
+/// Colour of errors, readable on the theme's ground.
+fn bad(ui: &egui::Ui) -> egui::Color32 {
+    if ui.visuals().dark_mode {
+        egui::Color32::from_rgb(255, 120, 110)
+    } else {
+        egui::Color32::from_rgb(185, 25, 25)
+    }
+}
+
+/// Colour of what went well.
+fn good(ui: &egui::Ui) -> egui::Color32 {
+    if ui.visuals().dark_mode {
+        egui::Color32::from_rgb(95, 190, 115)
+    } else {
+        egui::Color32::from_rgb(25, 120, 50)
+    }
+}
+
 fn keys(ctx: &egui::Context, model: &Model, actions: &mut Vec<Action>) {
     let modal = model.view.modal != Modal::None;
     for command in shortcuts::pressed(ctx) {

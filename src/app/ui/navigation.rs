@@ -42,7 +42,8 @@ pub fn motion(navigation: Navigation, button: PointerButton, keys: Modifiers) ->
                 Orbit
             })
         }
-        (Navigation::MeshLab | Navigation::Trackpad, Middle | Secondary) => Some(Pan),
+        (Navigation::MeshLab | Navigation::Trackpad, Middle | Secondary)
+        | (Navigation::Cad, Secondary) => Some(Pan),
         (Navigation::Blender, Middle) if keys.shift => Some(Pan),
         (Navigation::Blender | Navigation::Cad, Middle) if keys.command => Some(match navigation {
             Navigation::Blender => Zoom,
@@ -50,7 +51,6 @@ pub fn motion(navigation: Navigation, button: PointerButton, keys: Modifiers) ->
         }),
         (Navigation::Cad, Middle) if keys.shift => Some(Zoom),
         (Navigation::Blender | Navigation::Cad, Middle) => Some(Orbit),
-        (Navigation::Cad, Secondary) => Some(Pan),
         _ => None,
     }
 }

@@ -6,13 +6,38 @@ use egui_extras::{Column, TableBuilder};
 use crate::app::action::{Action, SelectHow};
 use crate::app::model::Model;
 use crate::app::shortcuts::{Command, hint};
+use crate::app::view_state::Task;
 
 /// Loops and the button that fills them.
 pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let document = &model.document;
     ui.add_space(4.0);
     ui.horizontal(|ui| {
-        ui.heading("Holes");
+        for (task, title, tip) in [
+            (
+                Task::Fill,
+                "Fill",
+                "each selected hole gets a patch of its own",
+            ),
+            (
+                Task::Blend,
+                "Blend",
+                "one surface joins all selected rims, of one component or several",
+            ),
+        ] {
+            let chosen = model.view.task == task;
+            let button = egui::Button::selectable(chosen, RichText::new(title).strong());
+            if ui
+                .add_enabled(model.run.is_none(), button)
+                .on_hover_text(tip)
+                .clicked()
+            {
+                actions.push(Action::Task(task));
+            }
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.heading("Loops");
         ui.weak(format!(
             "{} loops, {} selected",
             document.loops.len(),
@@ -63,10 +88,12 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let ctx = ui.ctx().clone();
     let Some(run) = &model.run else {
         let n = model.document.selection.len();
-        let text = match n {
-            0 => "Fill all holes".into(),
-            1 => "Fill the hole".into(),
-            n => format!("Fill {n} holes"),
+        let text = match (model.view.task, n) {
+            (Task::Fill, 0) => "Fill all holes".into(),
+            (Task::Fill, 1) => "Fill the hole".into(),
+            (Task::Fill, n) => format!("Fill {n} holes"),
+            (Task::Blend, 0 | 1) => "Blend (click two rims or more)".into(),
+            (Task::Blend, n) => format!("Blend {n} rims"),
         };
         let button = egui::Button::new(RichText::new(text).strong())
             .min_size(egui::vec2(ui.available_width(), 28.0));

@@ -37,21 +37,18 @@ pub fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 continue;
             }
             ui.separator();
-            match job.progress() {
-                Some(done) => {
-                    ui.add(
-                        egui::ProgressBar::new(done)
-                            .desired_width(160.0)
-                            .text(job.what.clone()),
-                    );
-                    if job.what.starts_with(WRITING) && ui.small_button("Cancel").clicked() {
-                        actions.push(Action::CancelPicture);
-                    }
+            if let Some(done) = job.progress() {
+                ui.add(
+                    egui::ProgressBar::new(done)
+                        .desired_width(160.0)
+                        .text(job.what.clone()),
+                );
+                if job.what.starts_with(WRITING) && ui.small_button("Cancel").clicked() {
+                    actions.push(Action::CancelPicture);
                 }
-                None => {
-                    ui.spinner();
-                    ui.label(&job.what);
-                }
+            } else {
+                ui.spinner();
+                ui.label(&job.what);
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -59,7 +56,7 @@ pub fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 .small_button("Copy command")
                 .on_hover_text(format!(
                     "the command line that repeats this, to the clipboard{}",
-                    hint(&ctx, Command::CopyCommand)
+                    hint(&ctx, Command::CopyLine)
                 ))
                 .clicked()
             {

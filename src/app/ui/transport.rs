@@ -13,6 +13,8 @@ use crate::solver::End;
 /// Everything about the run.
 pub fn transport_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let Some(run) = &model.run else { return };
+    // the panel is as high as it was drawn, whatever is in it
+    ui.take_available_height();
     ui.add_space(2.0);
     buttons_ui(ui, model, run, actions);
     timeline_ui(ui, run, actions);
@@ -204,11 +206,11 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &Side) {
         ui.label(shown.map_or_else(String::new, |s| format!("{:.0}°", s.worst_angle)));
         match (&group.failed, group.end) {
             (Some(text), _) => {
-                ui.label(RichText::new("failed").color(ui.visuals().error_fg_color))
+                ui.label(RichText::new("failed").color(super::bad(ui)))
                     .on_hover_text(text);
             }
             (None, Some(End::Converged)) => {
-                ui.label(RichText::new("converged").color(egui::Color32::from_rgb(70, 160, 90)));
+                ui.label(RichText::new("converged").color(super::good(ui)));
             }
             (None, Some(end)) => {
                 ui.label(RichText::new(end_words(end)).color(ui.visuals().warn_fg_color));
@@ -266,7 +268,7 @@ fn plots_ui(ui: &mut Ui, run: &Run) {
                 .allow_drag(false)
                 .allow_zoom(false)
                 .show_axes([true, true]);
-            if curves.len() > 1 {
+            if (2..5).contains(&curves.len()) {
                 plot = plot.legend(Legend::default());
             }
             // a curve that is constant but for rounding has no height to be drawn in

@@ -10,6 +10,8 @@ use super::side::{how, short};
 use crate::app::action::{Action, SelectHow};
 use crate::app::model::Model;
 use crate::app::scene_builder;
+use crate::app::view_state::Task;
+use crate::mesh::DVec3;
 use crate::render::{Scene, ViewMode, ViewportCallback, colormap, legend_ticks, robust_range};
 
 /// How near to a rim the cursor has to be, in points.
@@ -70,7 +72,7 @@ fn viewport_ui(
 ) {
     let response = ui.interact(
         rect,
-        ui.id().with(("viewport", side)),
+        ui.scope_id().with(("viewport", side)),
         Sense::click_and_drag(),
     );
     response.widget_info(|| {
@@ -122,6 +124,7 @@ fn viewport_ui(
         legend(ui, rect, style.mode, range);
     }
     if side == 0 {
+        rim_numbers(ui, model, rect);
         hover_figures(ui, model, rect);
         corner_words(ui, model, rect);
     }
@@ -218,13 +221,35 @@ fn pointer_in_no_list(ctx: &egui::Context) -> bool {
     })
 }
 
+/// The rims gathered for a blend, numbered.
+fn rim_numbers(ui: &Ui, model: &Model, rect: Rect) {
+    if model.view.task != Task::Blend || model.run.is_some() {
+        return;
+    }
+    for (n, l) in model.document.selected().iter().enumerate() {
+        if let Some(at) = on_screen(model, rect, l.centroid) {
+            text(ui, at, Align2::CENTER_CENTER, &(n + 1).to_string(), 17.0);
+        }
+    }
+}
+
+/// Where a point is in the window.
+fn on_screen(model: &Model, rect: Rect, point: DVec3) -> Option<Pos2> {
+    let aspect = f64::from(rect.width() / rect.height().max(1.0));
+    let [x, y] = model.view.camera.project(point, aspect)?;
+    let at = Pos2::new(
+        rect.left() + (x as f32 + 1.0) * 0.5 * rect.width(),
+        rect.top() + (1.0 - y as f32) * 0.5 * rect.height(),
+    );
+    rect.contains(at).then_some(at)
+}
+
 /// The figures of the loop under the cursor, beside its middle.
 fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
     let Some(l) = model.view.hover.and_then(|i| model.document.loops.get(i)) else {
         return;
     };
-    let aspect = f64::from(rect.width() / rect.height().max(1.0));
-    let Some([x, y]) = model.view.camera.project(l.centroid, aspect) else {
+    let Some(at) = on_screen(model, rect, l.centroid) else {
         return;
     };
     let rim = if l.outer_rim { ", outer rim?" } else { "" };
@@ -234,10 +259,6 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
         l.edges(),
         short(l.perimeter),
         short(l.diameter)
-    );
-    let at = Pos2::new(
-        rect.left() + (x as f32 + 1.0) * 0.5 * rect.width(),
-        rect.top() + (1.0 - y as f32) * 0.5 * rect.height(),
     );
     let inside = rect.shrink2(egui::vec2(150.0, 24.0));
     let at = if inside.is_positive() {
@@ -253,6 +274,12 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
     let document = &model.document;
     let words = if model.run.is_some() || document.is_filled() || document.loops.is_empty() {
         return;
+    } else if model.view.task == Task::Blend {
+        if document.selection.len() < 2 {
+            "Click the rims to be joined, one after the other."
+        } else {
+            "Press Enter to join them."
+        }
     } else if document.selection.is_empty() {
         "Click a hole (Shift adds), or press Enter to fill all of them. F1 shows the keys."
     } else {

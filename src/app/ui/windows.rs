@@ -9,7 +9,7 @@ use crate::app::action::{Action, Switch};
 use crate::app::log::Level;
 use crate::app::model::Model;
 use crate::app::shortcuts::ROWS;
-use crate::cli::peak_memory;
+use crate::memory::peak_memory;
 
 /// Times of the frames, without drawing on the graphics card.
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +69,7 @@ pub fn windows_ui(ctx: &Context, model: &Model, state: &mut UiState, actions: &m
         let mut stays = true;
         Window::new(title)
             .open(&mut stays)
+            .default_pos([300.0, 90.0])
             .default_width(420.0)
             .vscroll(false)
             .show(ctx, |ui| body(ui, actions));
@@ -85,7 +86,7 @@ pub fn windows_ui(ctx: &Context, model: &Model, state: &mut UiState, actions: &m
         },
     );
     one("Log", windows.log, Switch::Log, &mut |ui, _| {
-        log_ui(ui, model)
+        log_ui(ui, model);
     });
     one(
         "Keys and mouse",

@@ -54,7 +54,9 @@ pub fn update(model: &mut Model, action: Action) {
         }
         Action::DropRecovery => {
             if let Modal::Recover(paths) = std::mem::take(&mut model.view.modal) {
-                paths.iter().for_each(|p| autosave::remove(p));
+                for path in &paths {
+                    autosave::remove(path);
+                }
             }
         }
         _ => {}

@@ -10,7 +10,7 @@ pub use runs::params_for;
 
 use super::action::{Action, SelectHow};
 use super::model::Model;
-use super::view_state::Modal;
+use super::view_state::{Modal, Task};
 
 /// Carries out an action.
 pub fn update(model: &mut Model, action: Action) {
@@ -32,11 +32,13 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::SelectAll
         | Action::SelectAllButLargest
         | Action::SelectNone
+        | Action::Task(_)
         | Action::Hover(_) => select(model, &action),
         Action::Controls(_)
         | Action::Settle
         | Action::EnergyText(_)
         | Action::ApplyEnergy
+        | Action::AddParameter(_)
         | Action::CompareEnergy(_)
         | Action::Fill
         | Action::PlayPause
@@ -81,9 +83,20 @@ fn select(model: &mut Model, action: &Action) {
             .info("accept or reject the patch before selecting other holes");
         return;
     }
+    if let Action::Task(task) = action {
+        model.view.task = *task;
+        return;
+    }
     let mut selection = model.document.selection.clone();
     let label = match action {
         Action::Select(i, _) if *i >= model.document.loops.len() => return,
+        // the rims of a blend are gathered one by one
+        Action::Select(i, SelectHow::Replace) if model.view.task == Task::Blend => {
+            if !selection.remove(i) {
+                selection.insert(*i);
+            }
+            "gather a rim"
+        }
         Action::Select(i, SelectHow::Replace) => {
             selection = [*i].into();
             "select a loop"
@@ -97,6 +110,10 @@ fn select(model: &mut Model, action: &Action) {
                 selection.insert(*i);
             }
             "toggle a loop"
+        }
+        Action::SelectAll if model.view.task == Task::Blend => {
+            selection = (0..model.document.loops.len()).collect();
+            "select all rims"
         }
         Action::SelectAll => {
             selection = model.document.holes();

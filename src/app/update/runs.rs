@@ -5,6 +5,7 @@ use crate::app::document::{AcceptedFill, window_controls};
 use crate::app::model::{Effect, Model};
 use crate::app::repeat;
 use crate::app::run::Run;
+use crate::app::view_state::Task;
 use crate::fill::Controls;
 use crate::solver::energy::{Energy, Preset};
 
@@ -15,6 +16,15 @@ pub fn update(model: &mut Model, action: Action) {
         Action::Settle => model.history.seal(),
         Action::EnergyText(text) => model.view.energy_text = text,
         Action::ApplyEnergy => apply_energy(model),
+        Action::AddParameter(name) => {
+            let mut controls = model.document.controls.clone();
+            controls.params.insert(name, 1.0);
+            set_controls(model, controls);
+            let text = &model.view.energy_text;
+            if Energy::parse(text, &model.document.controls.params).is_ok() {
+                apply_energy(model);
+            }
+        }
         Action::CompareEnergy(energy) => {
             if model.run.is_some() {
                 model
@@ -50,13 +60,7 @@ pub fn update(model: &mut Model, action: Action) {
         Action::Accept(side) => {
             accept(model, side);
         }
-        Action::Reject => {
-            if model.run.take().is_some() {
-                model
-                    .log
-                    .info("the patch was dropped; the mesh is as before");
-            }
-        }
+        Action::Reject => reject(model),
         Action::CopyCommand => match repeat::command(model) {
             Ok(text) => {
                 model.effects.push(Effect::CopyText(text));
@@ -76,6 +80,14 @@ fn on_sides(model: &mut Model, f: impl Fn(&mut crate::app::run::Side)) {
     }
 }
 
+fn reject(model: &mut Model) {
+    if model.run.take().is_some() {
+        model
+            .log
+            .info("the patch was dropped; the mesh is as before");
+    }
+}
+
 /// New controls: for the next run, and for the one under way.
 fn set_controls(model: &mut Model, controls: Controls) {
     if controls == model.document.controls {
@@ -90,7 +102,13 @@ fn set_controls(model: &mut Model, controls: Controls) {
                 own.energy.clone_from(&side.controls.energy);
             }
             match side.live.set_controls(&own) {
-                Ok(()) => side.controls = own,
+                Ok(()) => {
+                    if (&own.energy, &own.params) != (&side.controls.energy, &side.controls.params)
+                    {
+                        side.new_energy();
+                    }
+                    side.controls = own;
+                }
                 Err(error) => {
                     model.log.error(error.to_string());
                     return;
@@ -151,7 +169,7 @@ fn fill(model: &mut Model) {
             return;
         }
     }
-    if model.document.selection.is_empty() {
+    if model.document.selection.is_empty() && model.view.task == Task::Fill {
         let holes = model.document.holes();
         if holes.is_empty() {
             model.log.warning(if model.document.loops.is_empty() {
@@ -163,6 +181,13 @@ fn fill(model: &mut Model) {
         }
         model.select(holes, "select all holes");
     }
+    let task = model.view.task;
+    if task == Task::Blend && model.document.selection.len() < 2 {
+        model
+            .log
+            .warning("a blend joins two rims or more: click them, or take all with Ctrl+A");
+        return;
+    }
     let a = model.document.controls.clone();
     let mut sides = vec![a.clone()];
     if let Some(energy) = &model.view.compare_energy {
@@ -173,6 +198,7 @@ fn fill(model: &mut Model) {
     }
     let loops = model.document.selected();
     match Run::start(
+        task,
         &model.document.mesh,
         &loops,
         &sides,
@@ -264,13 +290,16 @@ pub fn accept(model: &mut Model, index: usize) {
         return;
     }
     let fill = AcceptedFill {
+        task: run.task,
         loops: run.loops.clone(),
         controls: side.start.clone(),
         schedule: side.live.schedule_to(&state),
         faces,
     };
     let n = fill.loops.len();
-    let label = if n == 1 {
+    let label = if run.task == Task::Blend {
+        format!("blend of {n} rims")
+    } else if n == 1 {
         format!("fill of loop {}", fill.loops[0])
     } else {
         format!("fill of {n} loops")

@@ -31,7 +31,6 @@ pub fn update(model: &mut Model, action: &Action) {
         Action::Dark(dark) => {
             model.settings.dark = *dark;
             model.settings.save();
-            model.view.style.dark = *dark;
             model.view.style.background = Background::of_theme(*dark);
             model.effects.push(Effect::Appearance);
         }

@@ -158,4 +158,10 @@ impl Controls {
             loop_continuity: self.loop_continuity.clone(),
         })
     }
+
+    /// How the patch of a loop (by number) joins its rim.
+    pub fn continuity_at(&self, number: usize) -> Continuity {
+        let own = self.loop_continuity.get(&number);
+        own.copied().unwrap_or(self.continuity)
+    }
 }

@@ -1,6 +1,7 @@
 //! Copies of geometry and lines on the graphics card, kept as long as a view shows them.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use wgpu::util::DeviceExt as _;
 
@@ -59,7 +60,7 @@ impl Cache {
         geometry: &Geometry,
         wire: bool,
     ) -> Result<(), RenderError> {
-        if !self.surfaces.contains_key(&geometry.id) {
+        if let Entry::Vacant(place) = self.surfaces.entry(geometry.id) {
             let surface = if geometry.triangles.is_empty() {
                 None
             } else {
@@ -70,7 +71,7 @@ impl Cache {
                     wire: None,
                 })
             };
-            self.surfaces.insert(geometry.id, surface);
+            place.insert(surface);
         }
         if let Some(Some(surface)) = self.surfaces.get_mut(&geometry.id)
             && wire
@@ -94,7 +95,7 @@ impl Cache {
         device: &wgpu::Device,
         overlay: &Overlay,
     ) -> Result<(), RenderError> {
-        if !self.lines.contains_key(&overlay.id) {
+        if let Entry::Vacant(place) = self.lines.entry(overlay.id) {
             let (segments, ends) = segments(overlay);
             let lines = if segments.is_empty() {
                 None
@@ -104,7 +105,7 @@ impl Cache {
                     ends,
                 })
             };
-            self.lines.insert(overlay.id, lines);
+            place.insert(lines);
         }
         Ok(())
     }

@@ -96,6 +96,9 @@ impl Renderer {
     }
 
     /// [`Self::prepare`] for a part of a picture of `size_px` pixels.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`].
     pub fn draw(
         &mut self,
         device: &wgpu::Device,

@@ -6,10 +6,10 @@ use super::target::{COLOR, DEPTH};
 use super::uniforms::Frame;
 use crate::render::Vertex;
 
-const VERTEX: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
+pub const VERTEX: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
     0 => Float32x3, 1 => Float32x3, 2 => Float32, 3 => Float32, 4 => Float32, 5 => Uint32
 ];
-const SEGMENT: [wgpu::VertexAttribute; 4] =
+pub const SEGMENT: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32];
 const WIRE: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
 

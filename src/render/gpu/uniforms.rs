@@ -80,12 +80,7 @@ impl Frame {
                 light.try_normalize().unwrap_or(DVec3::Z),
                 f64::from(style.stripes.max(1)),
             ),
-            range: [
-                low,
-                1.0 / (high - low),
-                f32::from(u8::from(style.dark)),
-                FAINT,
-            ],
+            range: [low, 1.0 / (high - low), FAINT, 0.0],
             size: [width as f32, height as f32, style.line_scale, pull as f32],
             tile: [tile.corner[0], tile.corner[1], tile.size[0], tile.size[1]].map(|x| x as f32),
             ground_top: top,

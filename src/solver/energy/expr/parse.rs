@@ -217,7 +217,12 @@ impl<'a> Parser<'a> {
                     self.used.insert(name.to_owned(), value);
                     Op::Constant(value)
                 }
-                None => return Err(self.error(token, self.unknown(name))),
+                None => {
+                    let mut error = self.error(token, self.unknown(name));
+                    let called = self.peek().kind == Kind::Symbol('(');
+                    error.unknown = (!called).then(|| name.to_owned());
+                    return Err(error);
+                }
             },
         };
         if self.peek().kind == Kind::Symbol('(') {

@@ -3,10 +3,17 @@
 //! World coordinates are those of the file; `y` or `z` points up in the standard views. All of it is
 //! in `f64`; what the graphics card gets is relative to a centre near the surface.
 
+mod standard;
+#[cfg(test)]
+mod tests;
+mod text;
+
 use glam::{DMat4, DQuat, DVec2, DVec4};
 
 use super::Bounds;
 use crate::mesh::DVec3;
+pub use standard::StandardView;
+pub use text::CameraError;
 
 /// Room left around what is fitted into the picture.
 const MARGIN: f64 = 1.08;
@@ -36,87 +43,6 @@ pub struct Camera {
     /// Whether `z` is the vertical of the world, for standard views and the turntable, instead of
     /// `y`.
     pub z_up: bool,
-}
-
-/// Views along the axes, said for `y` up; with `z` up the world is turned so that Front is from −y.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StandardView {
-    /// From +z.
-    Front,
-    /// From −z.
-    Back,
-    /// From −x.
-    Left,
-    /// From +x.
-    Right,
-    /// From +y, with −z up.
-    Top,
-    /// From −y, with +z up.
-    Bottom,
-    /// From (1, 1, 1).
-    Isometric,
-}
-
-impl StandardView {
-    /// All of them.
-    pub const ALL: [Self; 7] = [
-        Self::Front,
-        Self::Back,
-        Self::Left,
-        Self::Right,
-        Self::Top,
-        Self::Bottom,
-        Self::Isometric,
-    ];
-
-    /// Its name, as [`Camera::parse`] takes it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Back => "back",
-            Self::Left => "left",
-            Self::Right => "right",
-            Self::Top => "top",
-            Self::Bottom => "bottom",
-            Self::Isometric => "iso",
-        }
-    }
-
-    /// The view of a [`Self::name`].
-    pub fn from_name(name: &str) -> Option<Self> {
-        let named = |view: &Self| view.name().eq_ignore_ascii_case(name.trim());
-        Self::ALL.into_iter().find(named)
-    }
-
-    fn orientation(self) -> DQuat {
-        use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
-        match self {
-            Self::Front => DQuat::IDENTITY,
-            Self::Back => DQuat::from_rotation_y(PI),
-            Self::Left => DQuat::from_rotation_y(-FRAC_PI_2),
-            Self::Right => DQuat::from_rotation_y(FRAC_PI_2),
-            Self::Top => DQuat::from_rotation_x(-FRAC_PI_2),
-            Self::Bottom => DQuat::from_rotation_x(FRAC_PI_2),
-            Self::Isometric => {
-                let down = 0.5f64.sqrt().atan();
-                DQuat::from_rotation_y(FRAC_PI_4) * DQuat::from_rotation_x(-down)
-            }
-        }
-    }
-}
-
-/// Why a text is no camera.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{text}` is no camera: {what}. It takes front, back, left, right, top, bottom or iso, or \
-     px,py,pz,qx,qy,qz,qw,distance,fov,persp (or ortho): the point looked at, a rotation, the \
-     distance in units of the file and the vertical field of view in degrees"
-)]
-pub struct CameraError {
-    /// The text.
-    pub text: String,
-    /// What is wrong with it.
-    pub what: String,
 }
 
 impl Camera {
@@ -371,86 +297,4 @@ impl Camera {
         let [x, y] = [seen.dot(self.right()), seen.dot(self.up())];
         Some([x / (half * aspect), y / half])
     }
-
-    /// As text that [`Self::parse`] reads back to the same picture; the point looked at becomes the
-    /// pivot.
-    pub fn to_text(&self) -> String {
-        let p = self.middle();
-        let q = self.orientation;
-        let kind = if self.orthographic { "ortho" } else { "persp" };
-        format!(
-            "{},{},{},{},{},{},{},{},{},{kind}",
-            p.x,
-            p.y,
-            p.z,
-            q.x,
-            q.y,
-            q.z,
-            q.w,
-            self.distance,
-            self.fov_y.to_degrees()
-        )
-    }
-
-    /// Reads [`Self::to_text`], or the name of a standard view, which is fitted to `bounds`.
-    ///
-    /// # Errors
-    /// What is wrong with the text, and what is allowed.
-    pub fn parse(text: &str, bounds: &Bounds) -> Result<Self, CameraError> {
-        let error = |what: &str| CameraError {
-            text: text.to_owned(),
-            what: what.to_owned(),
-        };
-        if let Some(view) = StandardView::from_name(text) {
-            let mut camera = Self::fit(bounds);
-            camera.standard_view(view);
-            return Ok(camera);
-        }
-        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
-        let [numbers @ .., kind] = &parts[..] else {
-            return Err(error("it is empty"));
-        };
-        if numbers.is_empty() {
-            return Err(error("no such view"));
-        }
-        let mut values = [0.0; 9];
-        if numbers.len() != values.len() {
-            return Err(error("it needs nine numbers and `persp` or `ortho`"));
-        }
-        for (value, number) in values.iter_mut().zip(numbers) {
-            match number.parse::<f64>() {
-                Ok(x) if x.is_finite() => *value = x,
-                _ => return Err(error(&format!("`{number}` is no number"))),
-            }
-        }
-        let orthographic = match *kind {
-            "persp" => false,
-            "ortho" => true,
-            _ => return Err(error("the last part is neither `persp` nor `ortho`")),
-        };
-        let [px, py, pz, qx, qy, qz, qw, distance, fov] = values;
-        let rotation = DQuat::from_xyzw(qx, qy, qz, qw);
-        if rotation.length() < 1e-6 {
-            return Err(error("the rotation is zero"));
-        }
-        if distance <= 0.0 {
-            return Err(error("the distance is not positive"));
-        }
-        if !(1.0..=170.0).contains(&fov) {
-            return Err(error("the field of view is not within 1 to 170 degrees"));
-        }
-        Ok(Self {
-            pivot: DVec3::new(px, py, pz),
-            orientation: rotation.normalize(),
-            distance,
-            offset: DVec2::ZERO,
-            fov_y: fov.to_radians(),
-            orthographic,
-            z_up: false,
-        })
-    }
 }
-
-#[cfg(test)]
-#[path = "camera_tests.rs"]
-mod tests;
