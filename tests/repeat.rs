@@ -5,7 +5,7 @@ use std::process::Command;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use meniscus::app::{Action, Autosave, Document, Effect, Model, SelectHow, Settings, Source};
+use meniscus::app::{Action, Autosave, Document, Effect, Model, Run, SelectHow, Settings, Source};
 use meniscus::fill::Continuity;
 use meniscus::io;
 use meniscus::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
@@ -21,11 +21,11 @@ fn until(model: &mut Model, what: &str, done: impl Fn(&Model) -> bool) {
 }
 
 fn states(model: &Model) -> usize {
-    model.run.as_ref().map_or(0, |r| r.state_count())
+    model.run.as_ref().map_or(0, Run::state_count)
 }
 
 fn ended(model: &Model) -> bool {
-    model.run.as_ref().is_some_and(|r| r.ended())
+    model.run.as_ref().is_some_and(Run::ended)
 }
 
 /// A sphere with three holes, as a file.

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Key, Modifiers, Pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
-use meniscus::app::{App, Autosave, Document, Model, Settings, Source};
+use meniscus::app::{App, Autosave, Document, Model, Run, Settings, Source};
 use meniscus::io;
 use meniscus::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
 use meniscus::mesh::{DVec3, Soup};
@@ -65,7 +65,7 @@ fn until(harness: &mut Harness<'_, App>, done: impl Fn(&App) -> bool) {
 }
 
 fn ended(app: &App) -> bool {
-    app.model.run.as_ref().is_some_and(|r| r.ended())
+    app.model.run.as_ref().is_some_and(Run::ended)
 }
 
 /// The front hole's number in the list, from 0.

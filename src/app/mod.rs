@@ -37,6 +37,7 @@ pub use action::{Action, SelectHow, Switch};
 pub use autosave::Autosave;
 pub use document::{Document, Source};
 pub use model::{Effect, Model};
+pub use run::Run;
 pub use settings::Settings;
 pub use view_state::{Modal, Navigation};
 

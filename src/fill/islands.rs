@@ -123,12 +123,13 @@ impl Opening {
         one.vertices.iter().step_by(step).all(|&v| {
             let nearest = patch.closest_point(mesh.position(v));
             nearest.is_some_and(|c| {
-                c.distance < NEAR * self.radius && self.from_rim(c.point) > BESIDE * self.radius
+                c.distance < NEAR * self.radius
+                    && self.distance_from_rim(c.point) > BESIDE * self.radius
             })
         })
     }
 
-    fn from_rim(&self, p: DVec3) -> f64 {
+    fn distance_from_rim(&self, p: DVec3) -> f64 {
         let n = self.rim.len();
         (0..n)
             .map(|i| closest_point_on_segment(p, self.rim[i], self.rim[(i + 1) % n]).distance(p))

@@ -84,9 +84,9 @@ pub fn refill(
     };
     let loops = opened.into_iter().map(|i| loops[i].clone()).collect();
     Ok(Refilled {
+        erased,
         loops,
         filled,
-        erased,
     })
 }
 

@@ -47,6 +47,9 @@ impl Mesh {
     /// The mesh with the faces of some components (numbers as in [`components`]) turned over: their
     /// second and third corners change places. Boundary loops keep their numbers and run the other
     /// way in them.
+    ///
+    /// # Panics
+    /// Never: turning components over leaves an oriented manifold one.
     #[must_use]
     pub fn turned_over(&self, turned: &[u32]) -> Self {
         let parts = components(&self.topology);

@@ -75,7 +75,8 @@ impl Polygon {
             let n = rims[k].points.len() as u32;
             let around = (0..=n).map(|s| start[k] + (b - start[k] + s) % n);
             let detour: Vec<u32> = around.chain([name[i]]).collect();
-            name.splice(i + 1..i + 1, detour);
+            let after = i + 1;
+            name.splice(after..after, detour);
         }
         let bridges = bridge_edges(&name, &ends);
         Self { name, bridges }

@@ -75,18 +75,15 @@ pub fn blend(gap: &Gap, options: &PatchOptions) -> Result<PatchMesh, PatchError>
     let frame = Frame::around(gap.rims.iter().flat_map(|r| &r.points));
     let rims: Vec<Rim> = gap.rims.iter().map(|r| frame.local(r)).collect();
     let chords = gap.chords();
-    let mut surface = match layout::triangulate(&rims) {
-        Some(triangles) => {
-            let points: Vec<DVec3> = rims.iter().flat_map(|r| r.points.clone()).collect();
-            let count = points.len();
-            Surface::new(points, vec![0.0; count], count, &triangles)
-        }
-        None => {
-            check_orientation(&gap.pieces, &rims)?;
-            bridges::surface(&rims, &chords)
-        }
+    let mut surface = if let Some(triangles) = layout::triangulate(&rims) {
+        let points: Vec<DVec3> = rims.iter().flat_map(|r| r.points.clone()).collect();
+        let count = points.len();
+        Surface::new(points, vec![0.0; count], count, &triangles)
+    } else {
+        check_orientation(&gap.pieces, &rims)?;
+        bridges::surface(&rims, &chords)
     };
-    surface.size = sizes(&rims, options);
+    surface.size = sizes(&rims, *options);
     let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
     let wanted = rim_valences(&surface, &loose);
     split_chords(&mut surface, &chords);
@@ -103,7 +100,7 @@ pub fn reblend(gap: &Gap, patch: &PatchMesh, options: &PatchOptions) -> PatchMes
     let frame = Frame::around(gap.rims.iter().flat_map(|r| &r.points));
     let rims: Vec<Rim> = gap.rims.iter().map(|r| frame.local(r)).collect();
     let points: Vec<DVec3> = patch.points.iter().map(|&p| frame.to_local(p)).collect();
-    let mut size = sizes(&rims, options);
+    let mut size = sizes(&rims, *options);
     let middle = size.iter().sum::<f64>() / size.len() as f64;
     size.resize(points.len(), middle);
     let mut surface = Surface::new(points, size, gap.len(), &patch.triangles);
@@ -114,7 +111,7 @@ pub fn reblend(gap: &Gap, patch: &PatchMesh, options: &PatchOptions) -> PatchMes
 }
 
 /// Wanted edge lengths at all rim vertices.
-fn sizes(rims: &[Rim], options: &PatchOptions) -> Vec<f64> {
+fn sizes(rims: &[Rim], options: PatchOptions) -> Vec<f64> {
     let count = rims.iter().map(|r| r.points.len()).sum();
     rims.iter()
         .flat_map(|r| rim_sizes(&r.points, options.density * fineness(count)))
