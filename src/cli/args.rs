@@ -27,7 +27,7 @@ pub struct Arguments {
     #[command(subcommand)]
     pub command: Option<Command>,
     /// Mesh or project to open in the window; a sample if none is given.
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", value_parser = file)]
     pub file: Option<PathBuf>,
     /// Write frame times and memory as JSON when the window closes.
     #[arg(long, value_name = "FILE.json")]
@@ -250,6 +250,16 @@ pub struct DemoArguments {
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// A word that is no command and does not look like a file is more likely a mistyped command.
+fn file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path.exists() || path.extension().is_some() || path.components().count() > 1 {
+        Ok(path)
+    } else {
+        Err("it is neither a command nor a file; `meniscus --help` lists the commands".into())
+    }
 }
 
 pub(crate) fn point(text: &str) -> Result<DVec3, String> {
