@@ -170,7 +170,8 @@ fn words(line: &str) -> Vec<String> {
 fn examples(text: &str) -> Vec<&str> {
     text.lines()
         .map(str::trim)
-        .filter(|line| line.starts_with("meniscus "))
+        // the grammar of a usage line is no example
+        .filter(|line| line.starts_with("meniscus ") && !line.contains(['<', '[']))
         .map(|line| line.split(" #").next().unwrap_or(line).trim())
         .collect()
 }
