@@ -19,7 +19,18 @@ const MODULES: [(&str, &[&str]); 11] = [
         "cli",
         &["memory", "mesh", "io", "patch", "solver", "fill", "render"],
     ),
-    ("app", &["memory", "mesh", "io", "solver", "fill", "render"]),
+    (
+        "app",
+        &[
+            "memory",
+            "mesh",
+            "io",
+            "subdivision",
+            "solver",
+            "fill",
+            "render",
+        ],
+    ),
 ];
 
 /// Crates only the named modules may use; `main` is the program. An empty list: nobody yet.

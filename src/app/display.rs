@@ -4,6 +4,7 @@
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use super::jobs::Wake;
+use super::seam::{Seam, seam};
 use crate::fill::State;
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId};
 use crate::render::{
@@ -78,6 +79,8 @@ pub struct Display {
     pub bounds: Bounds,
     /// How the flow is posed on the patch and its collar.
     pub posed: Option<WellPosedScan>,
+    /// How the patch of the run meets the mesh.
+    pub seam: Option<Seam>,
 }
 
 #[derive(Default)]
@@ -307,10 +310,16 @@ impl Cache {
             scan_well_posedness(energy, &curvatures(surfaces.last()), *radius, SINGLE)
         });
         let bounds = Bounds::of(positions.iter().copied()).unwrap_or(request.bounds);
+        let first = request.mesh.face_count();
+        let seam = request
+            .state
+            .is_some()
+            .then(|| seam(topology, &positions, first, &request.creases));
         Display {
             surfaces,
             bounds,
             posed,
+            seam,
         }
     }
 }

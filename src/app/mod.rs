@@ -16,6 +16,7 @@ mod project;
 mod repeat;
 mod run;
 mod scene_builder;
+mod seam;
 mod settings;
 mod shortcuts;
 #[cfg(test)]

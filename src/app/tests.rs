@@ -13,7 +13,7 @@ use super::settings::Settings;
 use super::view_state::{AfterUnsaved, Modal, Task};
 use crate::io;
 use crate::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
-use crate::mesh::{DVec3, Soup, check_mesh};
+use crate::mesh::{DVec3, Soup, check_mesh, components};
 use crate::solver::Mode;
 
 /// A sphere with two small holes.
@@ -455,4 +455,20 @@ fn rims_of_a_blend_are_gathered_and_joined() {
     m.act(Action::Select(1, SelectHow::Replace));
     m.act(Action::Select(1, SelectHow::Replace));
     assert_eq!(m.document.selection, [0].into());
+    m.act(Action::SelectAll);
+    assert_eq!(
+        m.document.selection.len(),
+        4,
+        "the rims that face each other"
+    );
+    filled(&mut m);
+    m.act(Action::Accept(0));
+    check_mesh(&m.document.mesh).expect("sound");
+    assert_eq!(components(&m.document.mesh.topology).count, 1);
+    assert_eq!(m.document.loops.len(), 4);
+    m.act(Action::CopyCommand);
+    let Some(Effect::CopyText(text)) = m.effects.pop() else {
+        panic!("no text");
+    };
+    assert!(text.contains("meniscus blend four-cylinders.obj"), "{text}");
 }

@@ -53,6 +53,7 @@ const FILL_EXAMPLES: &str = "Examples:
   meniscus fill scan.obj -o out.obj --energy 'H^2 + a*K^2' --param a=0.3 --trace steps.csv
   meniscus fill scan.obj -o out.obj --mode flow --tau 1e-5 --steps 1000
   meniscus fill pipe.obj -o out.obj --energy 1 --loop-continuity 2=g0
+  meniscus fill scan.obj -o out.obj --part 0,0,1 0,1,0
 
 Energies: 1, H^2, K^2, H^2+K^2, H^2*K^2, k1^4+k2^4, K, (H-H0)^2, k1^2+k2^2, (k1-k2)^2, or any
 expression in H, K, k1, k2 and parameters with + - * / ^, abs, sqrt, exp, log, sin, cos, tanh,
@@ -88,6 +89,8 @@ pub enum Command {
     /// Erase part of a surface and fill it anew, or fair it in place.
     #[command(after_help = REFILL_EXAMPLES)]
     Refill(Box<RefillArguments>),
+    /// Build a strip of triangles across a hole, or from one hole to another.
+    Bridge(BridgeArguments),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
     /// Draw a mesh into a picture.
@@ -120,6 +123,17 @@ pub struct FillArguments {
         conflicts_with = "loop_at"
     )]
     pub loops: LoopChoice,
+    /// Fill only part of one hole: along its rim from the vertex nearest to the first point to the
+    /// one nearest to the second, the shorter way. A later fill does the rest.
+    #[arg(
+        long,
+        num_args = 2,
+        value_names = ["X,Y,Z", "X,Y,Z"],
+        value_parser = point,
+        allow_hyphen_values = true,
+        conflicts_with_all = ["loops", "loop_at", "schedule"]
+    )]
+    pub part: Vec<DVec3>,
     /// Fill holes as if no loose pieces lay in them; without it patches pass through the rims of
     /// islands.
     #[arg(long)]
@@ -150,6 +164,7 @@ pub struct FillArguments {
 
 /// `meniscus blend`.
 #[derive(Debug, Args)]
+#[command(mut_arg("part", |a| a.hide(true)), mut_arg("no_islands", |a| a.hide(true)))]
 pub struct BlendArguments {
     /// The rims and the flow, as for `fill`.
     #[command(flatten)]
@@ -159,9 +174,36 @@ pub struct BlendArguments {
     pub flip: Vec<usize>,
 }
 
+/// `meniscus bridge`.
+#[derive(Debug, Args)]
+pub struct BridgeArguments {
+    /// Mesh to read (.obj, .ply, .stl).
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// Mesh to write (.obj, .ply, .stl). The vertices of IN come first, untouched.
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// One end: at the rim vertex nearest to this point.
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub from: DVec3,
+    /// The other end.
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub to: DVec3,
+    /// Rim edges it is wide.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub width: usize,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
 /// `meniscus refill`.
 #[derive(Debug, Args)]
-#[command(mut_arg("loops", |a| a.hide(true)), mut_arg("loop_at", |a| a.hide(true)))]
+#[command(
+    mut_arg("loops", |a| a.hide(true)),
+    mut_arg("loop_at", |a| a.hide(true)),
+    mut_arg("part", |a| a.hide(true))
+)]
 pub struct RefillArguments {
     /// Files and flow, as for `fill`.
     #[command(flatten)]

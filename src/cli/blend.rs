@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 
+use crate::cli::UsageError;
 use crate::cli::args::BlendArguments;
 use crate::cli::fill::{Task, fill_opened, start};
 use crate::fill::NoSuchLoop;
@@ -9,6 +10,9 @@ use crate::mesh::boundary_loops;
 
 /// Runs the command.
 pub fn blend(args: &BlendArguments) -> Result<()> {
+    if !args.fill.part.is_empty() {
+        return Err(UsageError("a blend joins whole rims: leave --part out".into()).into());
+    }
     let mut start = start(&args.fill)?;
     let opened = &mut start.opened;
     if !args.flip.is_empty() {

@@ -43,6 +43,17 @@ pub struct ControlArguments {
     /// Most steps to take.
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub steps: usize,
+    /// Weight of the area beside the energy, in units of 1/r^2, r the hole radius: more draws the
+    /// surface together.
+    #[arg(long, value_name = "W", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
+    pub tension: f64,
+    /// Spontaneous curvature in units of 1/r: 1 favours spheres of the hole's radius that bulge along
+    /// the normals, -1 such that sink in.
+    #[arg(long, value_name = "C", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
+    pub bulge: f64,
+    /// Noise on the surface the flow starts from, in mean edge lengths along the normals.
+    #[arg(long, value_name = "A", default_value_t = 0.0, value_parser = amplitude, allow_negative_numbers = true)]
+    pub noise: f64,
     /// Density of the patch relative to the rim: 2 halves the edge length.
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = density, allow_negative_numbers = true)]
     pub density: f64,
@@ -66,6 +77,9 @@ impl ControlArguments {
             tau: self.tau,
             growth: self.growth,
             relaxation: self.relaxation,
+            tension: self.tension,
+            bulge: self.bulge,
+            noise: self.noise,
             density: self.density,
             continuity: self.continuity,
             loop_continuity: self.loop_continuity.iter().copied().collect(),
@@ -100,6 +114,20 @@ fn weight(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(w) if (0.0..=1.0).contains(&w) => Ok(w),
         _ => Err("give a number from 0 to 1".into()),
+    }
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err("give a number".into()),
+    }
+}
+
+fn amplitude(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(a) if a.is_finite() && a >= 0.0 => Ok(a),
+        _ => Err("give a number of edge lengths, 0 for none".into()),
     }
 }
 
@@ -157,6 +185,9 @@ mod tests {
             tau: TauChoice::Fixed(1e-7),
             growth: Some(1.3),
             relaxation: 0.5,
+            tension: 0.125,
+            bulge: -0.5,
+            noise: 0.25,
             density: 0.8,
             continuity: Continuity::G0,
             loop_continuity: [(1, Continuity::G1), (12, Continuity::G0)].into(),

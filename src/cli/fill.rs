@@ -9,18 +9,57 @@ use crate::cli::args::FillArguments;
 use crate::cli::picture::picture;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
-use crate::cli::report::{FailedHole, FillReport, hole_reports, skipped, totals, trace};
+use crate::cli::report::{
+    FailedHole, FillReport, SkippedLoop, hole_reports, skipped, totals, trace,
+};
 use crate::fill::{
     Choice, Continuity, Controls, ControlsError, Filled, Gap, LoopChoice, Schedule, choose,
-    fill_scheduled, nearest_loop, with_islands,
+    fill_part, fill_scheduled, nearest_loop, with_islands,
 };
 use crate::io::{self, Opened, open};
 use crate::memory::peak_memory;
-use crate::mesh::{BoundaryLoop, Mesh, boundary_loops};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, VertexId, boundary_loops};
 
 /// Runs the command.
 pub fn fill(args: &FillArguments) -> Result<()> {
-    fill_opened(args, &start(args)?, Task::Holes)
+    let start = start(args)?;
+    match args.part[..] {
+        [from, to] => part(args, &start, from, to),
+        _ => fill_opened(args, &start, Task::Holes),
+    }
+}
+
+/// Fills part of a hole.
+fn part(args: &FillArguments, start: &Start, from: DVec3, to: DVec3) -> Result<()> {
+    let mesh = &start.opened.mesh;
+    let loops = boundary_loops(mesh);
+    let Some(hole) = nearest_loop(mesh, &loops, from).map(|i| &loops[i]) else {
+        bail!("--part: the mesh has no boundary loop");
+    };
+    let [from, to] = [from, to].map(|point| nearest_index(mesh, hole, point));
+    let n = hole.edges();
+    // the shorter way
+    let [from, to] = if (to + n - from) % n <= n / 2 {
+        [from, to]
+    } else {
+        [to, from]
+    };
+    let progress = Progress::new(1, args.quiet);
+    let options = start.controls.options()?;
+    let filled = fill_part(mesh, hole, from, to, &options, &|group, record| {
+        progress.step(group, record);
+        true
+    })?;
+    progress.finish();
+    save_filled(args, &start.opened, &filled, Vec::new(), Vec::new())
+}
+
+/// Index along the loop of the vertex nearest to a point.
+fn nearest_index(mesh: &Mesh, hole: &BoundaryLoop, point: DVec3) -> usize {
+    let distance = |i: &usize| mesh.position(hole.vertices[*i]).distance_squared(point);
+    (0..hole.edges())
+        .min_by(|i, j| distance(i).total_cmp(&distance(j)))
+        .unwrap_or(0)
 }
 
 /// What is known before the work.
@@ -163,26 +202,29 @@ pub fn fill_opened(args: &FillArguments, start: &Start, task: Task) -> Result<()
         true
     })?;
     progress.finish();
-
-    io::save_mesh(&args.output, &filled.mesh, &opened.material_libraries)?;
-    if let Some(path) = &args.picture {
-        // rims joined without continuous normals are drawn from either side by itself
-        let sharp = gaps
-            .iter()
-            .flatten()
-            .filter(|l| controls.continuity_at(l.number) == Continuity::G0);
-        let creases = sharp.flat_map(|l| l.edge_ends()).collect();
-        picture(path, &filled.mesh, mesh.face_count(), creases, &args.look)?;
-    }
-    write_records(args, opened, &filled, skipped)
+    // rims joined without continuous normals are drawn from either side by itself
+    let sharp = gaps
+        .iter()
+        .flatten()
+        .filter(|l| controls.continuity_at(l.number) == Continuity::G0);
+    let creases = sharp.flat_map(|l| l.edge_ends()).collect();
+    save_filled(args, opened, &filled, skipped, creases)
 }
 
-pub fn write_records(
+/// Writes the mesh and everything else asked for, and says what was done. `creases` are the edges
+/// of rims that a picture shows from either side by itself.
+pub fn save_filled(
     args: &FillArguments,
     opened: &Opened,
     filled: &Filled,
-    skipped: Vec<crate::cli::report::SkippedLoop>,
+    skipped: Vec<SkippedLoop>,
+    creases: Vec<[VertexId; 2]>,
 ) -> Result<()> {
+    io::save_mesh(&args.output, &filled.mesh, &opened.material_libraries)?;
+    if let Some(path) = &args.picture {
+        let first = filled.mesh.face_count() - filled.plan.triangles.len();
+        picture(path, &filled.mesh, first, creases, &args.look)?;
+    }
     let holes = hole_reports(filled);
     let failed: Vec<FailedHole> = filled
         .plan

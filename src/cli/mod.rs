@@ -2,6 +2,7 @@
 
 mod args;
 mod blend;
+mod bridge;
 mod controls;
 mod demo;
 mod fill;
@@ -33,6 +34,7 @@ pub fn run(command: Command) -> Result<()> {
     match command {
         Command::Fill(args) => fill::fill(&args),
         Command::Blend(args) => blend::blend(&args),
+        Command::Bridge(args) => bridge::bridge(&args),
         Command::Refill(args) => refill::refill(&args),
         Command::Info(args) => info::info(&args),
         Command::Demo(args) => demo::demo(&args),

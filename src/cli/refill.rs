@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::cli::UsageError;
 use crate::cli::args::RefillArguments;
-use crate::cli::fill::{Start, start, write_records, write_text};
+use crate::cli::fill::{Start, save_filled, start, write_text};
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::step_lines;
@@ -16,7 +16,8 @@ use crate::solver::End;
 
 /// Runs the command.
 pub fn refill(args: &RefillArguments) -> Result<()> {
-    if !args.fill.loop_at.is_empty() || args.fill.loops != LoopChoice::Auto {
+    let by_loop = !args.fill.loop_at.is_empty() || args.fill.loops != LoopChoice::Auto;
+    if by_loop || !args.fill.part.is_empty() {
         let what = "refill fills what it erases: choose a place with --ball, not loops";
         return Err(UsageError(what.into()).into());
     }
@@ -61,7 +62,6 @@ fn replace(
     })?;
     progress.finish();
     let output = &args.fill.output;
-    save_mesh(output, &new.filled.mesh, &opened.material_libraries)?;
     if !args.fill.quiet {
         print(&format!(
             "{}: {} faces and {} vertices erased\n",
@@ -70,7 +70,7 @@ fn replace(
             opened.mesh.vertex_count() - new.erased.old_vertex.len(),
         ))?;
     }
-    write_records(&args.fill, opened, &new.filled, Vec::new())
+    save_filled(&args.fill, opened, &new.filled, Vec::new(), Vec::new())
 }
 
 /// What `--fair` did.

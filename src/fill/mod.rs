@@ -5,10 +5,14 @@
 //! [`fill_holes`] does all of it, groups in parallel.
 
 mod blend;
+mod bridge;
 mod controls;
 mod group;
 mod islands;
 mod live;
+mod noise;
+mod partial;
+mod rail;
 mod refill;
 mod region;
 mod rim;
@@ -34,6 +38,7 @@ use schedule::TimedChange;
 use scheduled::run_group;
 use shape::Shape;
 
+pub use bridge::{BridgeError, Stretch, bridge, stretch_at};
 pub use controls::{Choice, Continuity, Controls, ControlsError, Linear, TauChoice};
 pub use group::Group;
 pub use islands::with_islands;
@@ -41,6 +46,7 @@ pub use live::{
     GroupState, GroupStatus, HoleLayout, Layout, LiveError, LiveEvent, LiveFill, LiveSettings,
     State, Timeline, blend_command_line, command_line,
 };
+pub use partial::{PartialError, fill_part};
 pub use refill::{Faired, RefillError, Refilled, fair, refill};
 pub use rim::{gap_of, rim_of};
 pub use schedule::{Row, Schedule, ScheduleError};
@@ -52,6 +58,8 @@ pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};
 pub struct FillOptions {
     /// The first patch.
     pub patch: PatchOptions,
+    /// Noise on the surface the flow starts from, in mean edge lengths along the normals.
+    pub noise: f64,
     /// The flow.
     pub flow: FlowOptions,
     /// How patches meet the mesh.
@@ -65,6 +73,7 @@ impl Default for FillOptions {
     fn default() -> Self {
         Self {
             patch: PatchOptions::default(),
+            noise: 0.0,
             flow: FlowOptions::new(Energy::preset(Preset::H2)),
             continuity: Continuity::default(),
             loop_continuity: BTreeMap::new(),
@@ -372,7 +381,22 @@ fn fill_changing(
     observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
 ) -> Result<Filled, FillError> {
     let start = Instant::now();
-    let mut plan = prepare_gaps(mesh, gaps, options);
+    let plan = prepare_gaps(mesh, gaps, options);
+    let mut filled = run_plan(mesh, gaps, plan, options, changes, observe)?;
+    filled.milliseconds = milliseconds(start);
+    Ok(filled)
+}
+
+/// Runs the flows of a plan and puts the patches into the mesh.
+fn run_plan(
+    mesh: &Mesh,
+    gaps: &[Gap<'_>],
+    mut plan: Plan,
+    options: &FillOptions,
+    changes: &[TimedChange],
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Filled, FillError> {
+    let start = Instant::now();
     let ground = Ground {
         mesh,
         gaps,

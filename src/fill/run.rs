@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::fill::noise::roughened;
 use crate::fill::shape::{HoleShape, Shape};
 use crate::fill::{FillOptions, Gap, Plan, Timings, gap_of, milliseconds, region, warm_start};
 use crate::mesh::{DVec3, Mesh};
@@ -102,7 +103,7 @@ impl GroupRun {
             options,
         )?;
         split(&mut self.timings.setup);
-        let problem = warm_start(problem)?;
+        let problem = roughened(warm_start(problem)?, options.noise);
         self.resting = problem.to_world(problem.positions());
         split(&mut self.timings.warm_start);
         self.flow = Self::flow_of(problem, options)?;

@@ -7,6 +7,7 @@ use crate::solver::energy::{Energy, Order};
 use crate::solver::mixed::MixedFlow;
 use crate::solver::normal::NormalFlow;
 use crate::solver::options::{FlowOptions, Scheme};
+use crate::solver::pinch::PinchWatch;
 use crate::solver::record::{End, Outcome, StepRecord};
 use crate::solver::relax::Relaxation;
 use crate::solver::survey::{Survey, survey};
@@ -28,12 +29,15 @@ const FACTORIZED_STEPS: usize = 2;
 pub struct Flow {
     problem: FlowProblem,
     options: FlowOptions,
+    /// The options' energy with tension and bulge.
+    energy: Energy,
     stepper: Stepper,
     control: Control,
     report: Assembler,
     relaxation: Option<Relaxation>,
     descent: Descent,
     local: Elements,
+    pinch: PinchWatch,
     steps: usize,
     rejected: usize,
     factorized: usize,
@@ -49,6 +53,7 @@ impl Flow {
     /// A bad option, an energy that is not finite at the start, a failed symbolic factorization.
     pub fn new(problem: FlowProblem, options: FlowOptions) -> Result<Self, SolverError> {
         options.validate()?;
+        let energy = options.energy_at(problem.radius());
         let (topology, faces) = (problem.topology(), problem.active_faces());
         // the reported energies' twelve points beside the steps' own
         let ((report, energy_start), prepared) = rayon::join(
@@ -57,19 +62,14 @@ impl Flow {
                 let fine = elements(topology, faces, rule, &mut TableCache::default());
                 let nothing = Unknowns::none(problem.positions().len());
                 let mut report = Assembler::new(&fine, rule, nothing);
-                let start = report.gradient(problem.positions(), &options.energy, &mut Vec::new());
+                let start = report.gradient(problem.positions(), &energy, &mut Vec::new());
                 (report, start.value)
             },
             || {
                 let rule = options.quadrature;
                 let local = elements(topology, faces, rule, &mut TableCache::default());
-                let start = survey(
-                    &local,
-                    problem.positions(),
-                    &options.energy,
-                    problem.radius(),
-                );
-                let stepper = Self::stepper(&problem, &options, &local)?;
+                let start = survey(&local, problem.positions(), &energy, problem.radius());
+                let stepper = Self::stepper(&problem, &options, &energy, &local)?;
                 Ok::<_, SolverError>((local, start, stepper))
             },
         );
@@ -77,7 +77,7 @@ impl Flow {
         if !energy_start.is_finite() {
             return Err(start.not_finite());
         }
-        let warnings = warnings(&problem, &options.energy, &start);
+        let warnings = warnings(&problem, &energy, &start);
         let mut flow = Self {
             control: Control::new(
                 options.mode,
@@ -88,8 +88,10 @@ impl Flow {
             ),
             relaxation: None,
             descent: Descent::default(),
+            pinch: PinchWatch::new(&problem),
             problem,
             options,
+            energy,
             stepper,
             report,
             local,
@@ -107,6 +109,7 @@ impl Flow {
     fn stepper(
         problem: &FlowProblem,
         options: &FlowOptions,
+        energy: &Energy,
         local: &Elements,
     ) -> Result<Stepper, SolverError> {
         Ok(match options.scheme {
@@ -114,12 +117,12 @@ impl Flow {
                 problem,
                 local,
                 options.quadrature,
-                &options.energy,
+                energy,
                 options.mode == Mode::Flow,
             )?)),
             Scheme::Mixed | Scheme::MixedCorrected => Stepper::Mixed(Box::new(MixedFlow::new(
                 problem,
-                &options.energy,
+                energy,
                 options.linear,
                 options.scheme == Scheme::MixedCorrected,
             )?)),
@@ -218,6 +221,7 @@ impl Flow {
     /// The new options are refused and the old ones stay in force.
     pub fn set_options(&mut self, options: FlowOptions) -> Result<(), SolverError> {
         options.validate()?;
+        let energy = options.energy_at(self.problem.radius());
         let problem = self.problem.clone().with_positions(self.positions());
         let fresh = (options.quadrature != self.options.quadrature).then(|| {
             elements(
@@ -228,19 +232,14 @@ impl Flow {
             )
         });
         let local = fresh.as_ref().unwrap_or(&self.local);
-        let now = survey(
-            local,
-            problem.positions(),
-            &options.energy,
-            problem.radius(),
-        );
-        self.stepper = Self::stepper(&problem, &options, local)?;
+        let now = survey(local, problem.positions(), &energy, problem.radius());
+        self.stepper = Self::stepper(&problem, &options, &energy, local)?;
         if let Some(fresh) = fresh {
             self.local = fresh;
         }
-        self.warnings
-            .extend(warnings(&problem, &options.energy, &now));
+        self.warnings.extend(warnings(&problem, &energy, &now));
         self.options = options;
+        self.energy = energy;
         self.restart_control(&now);
         Ok(())
     }
@@ -255,8 +254,8 @@ impl Flow {
         }
         // a multiple of K is stationary everywhere (Gauss-Bonnet): what is left of its gradient is
         // the quadrature's error, and an adaptive τ would grow until that error moves the surface
-        let still = self.options.energy.order() == Order::Stationary
-            && !matches!(self.options.tau, Tau::Fixed(_));
+        let still =
+            self.energy.order() == Order::Stationary && !matches!(self.options.tau, Tau::Fixed(_));
         if still || self.problem.interior().is_empty() {
             self.end = Some(End::Converged);
             return Ok(None);
@@ -284,7 +283,32 @@ impl Flow {
             self.relax(before, attempt.longest);
             record.energy = self.energy().value;
         }
+        if attempt.accepted {
+            self.watch_necks()?;
+        }
         Ok(Some(record))
+    }
+
+    /// Ends the flow at the last shape with open necks if one is closing.
+    fn watch_necks(&mut self) -> Result<(), SolverError> {
+        let positions = match &self.stepper {
+            Stepper::Normal(flow) => flow.positions(),
+            Stepper::Mixed(flow) => flow.positions(),
+        };
+        let Some(place) = self.pinch.look(&self.problem, positions) else {
+            return Ok(());
+        };
+        let open = self.problem.clone().with_positions(self.pinch.last_open());
+        self.stepper = Self::stepper(&open, &self.options, &self.energy, &self.local)?;
+        self.end = Some(End::Pinched);
+        let at = place + self.problem.centre();
+        self.warnings.push(format!(
+            "not converged: the surface pinches off near ({:.6}, {:.6}, {:.6}), since this energy has no \
+             minimum between rims so far apart; the last shape with an open neck is kept (take a \
+             fourth-order energy such as H^2, or bring the rims nearer)",
+            at.x, at.y, at.z
+        ));
+        Ok(())
     }
 
     /// Slides the vertices along the surface after a step from energy `before`, by no more than the
@@ -387,7 +411,7 @@ impl Flow {
         };
         let energy_end = self
             .report
-            .gradient(positions, &self.options.energy, &mut Vec::new())
+            .gradient(positions, &self.energy, &mut Vec::new())
             .value;
         let mut warnings = self.warnings.clone();
         match self.end {

@@ -24,6 +24,12 @@ pub enum Scheme {
 pub struct FlowOptions {
     /// f(H, K).
     pub energy: Energy,
+    /// Weight of the area beside f, in units of 1 / r², r the hole radius (f of the dimension of
+    /// `H²`); 0 for f alone.
+    pub tension: f64,
+    /// Spontaneous curvature, in units of 1 / r, positive along the normals: 1 favours spheres of the
+    /// hole's radius.
+    pub bulge: f64,
     /// The method.
     pub scheme: Scheme,
     /// Stationary shape or true time.
@@ -48,6 +54,8 @@ impl FlowOptions {
     pub fn new(energy: Energy) -> Self {
         Self {
             energy,
+            tension: 0.0,
+            bulge: 0.0,
             scheme: Scheme::default(),
             mode: Mode::default(),
             tau: Tau::default(),
@@ -57,6 +65,13 @@ impl FlowOptions {
             linear: LinearSolver::default(),
             quadrature: Rule::Three,
         }
+    }
+
+    /// The energy with tension and bulge for a hole of that radius. On a sphere with outward normals
+    /// H is negative, so a positive bulge is a negative spontaneous curvature.
+    pub fn energy_at(&self, radius: f64) -> Energy {
+        self.energy
+            .shifted(self.tension / (radius * radius), -self.bulge / radius)
     }
 
     /// # Errors
@@ -79,6 +94,15 @@ impl FlowOptions {
                 value: growth.to_string(),
                 expected: "the factor of the time step after an accepted step is at least 1",
             });
+        }
+        for (option, value) in [("tension", self.tension), ("bulge", self.bulge)] {
+            if !value.is_finite() {
+                return Err(SolverError::BadOption {
+                    option,
+                    value: value.to_string(),
+                    expected: "a finite number, 0 for none",
+                });
+            }
         }
         if !(0.0..=1.0).contains(&self.relaxation) {
             return Err(SolverError::BadOption {

@@ -32,6 +32,8 @@ pub enum End {
     Steps,
     /// τ collapsed: no step lowers the energy.
     Stuck,
+    /// The surface was pinching off; the shape is the last one with an open neck.
+    Pinched,
     /// It was told to.
     Cancelled,
 }

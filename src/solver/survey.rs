@@ -76,6 +76,13 @@ pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius:
     }
 }
 
+/// Mean curvature of the limit surface on a face: the average over the points of its table.
+pub fn mean_curvature(elements: &Elements, element: usize, positions: &[DVec3]) -> f64 {
+    let mut sum = 0.0;
+    each_point(elements, element, positions, |_, p| sum += p.mean);
+    sum / elements.table(element).points as f64
+}
+
 /// Calls `look` with the place and the geometry at every quadrature point of an element.
 pub(super) fn each_point(
     elements: &Elements,

@@ -7,7 +7,9 @@ use super::side::short;
 use crate::app::action::Action;
 use crate::app::model::Model;
 use crate::app::run::{Run, Side};
+use crate::app::seam::Seam;
 use crate::app::shortcuts::{Command, hint};
+use crate::app::view_state::Task;
 use crate::solver::End;
 
 /// Everything about the run.
@@ -19,7 +21,7 @@ pub fn transport_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     buttons_ui(ui, model, run, actions);
     timeline_ui(ui, run, actions);
     ui.columns(2, |columns| {
-        numbers_ui(&mut columns[0], run);
+        numbers_ui(&mut columns[0], model, run);
         plots_ui(&mut columns[1], run);
     });
 }
@@ -134,11 +136,12 @@ fn end_words(end: End) -> &'static str {
         End::Converged => "converged",
         End::Steps => "most steps taken",
         End::Stuck => "stuck: no step lowers the energy",
+        End::Pinched => "pinched off: the last open shape is kept",
         End::Cancelled => "stopped",
     }
 }
 
-fn numbers_ui(ui: &mut Ui, run: &Run) {
+fn numbers_ui(ui: &mut Ui, model: &Model, run: &Run) {
     egui::ScrollArea::both().id_salt("numbers").show(ui, |ui| {
         egui::Grid::new("groups")
             .striped(true)
@@ -164,6 +167,11 @@ fn numbers_ui(ui: &mut Ui, run: &Run) {
                     groups_ui(ui, run, s, side);
                 }
             });
+        for (s, display) in model.displays.iter().take(run.sides.len()).enumerate() {
+            if let Some(seam) = display.latest().and_then(|d| d.seam) {
+                seam_ui(ui, run, s, seam);
+            }
+        }
         for side in &run.sides {
             for warning in &side.warnings {
                 ui.label(
@@ -174,6 +182,34 @@ fn numbers_ui(ui: &mut Ui, run: &Run) {
             }
         }
     });
+}
+
+/// How the patch meets the mesh, at the worst places.
+fn seam_ui(ui: &mut Ui, run: &Run, s: usize, seam: Seam) {
+    let mut words = Vec::new();
+    if let Some(angle) = seam.angle {
+        words.push(format!("seam angle {angle:.1}°"));
+    }
+    if let Some(jump) = seam.jump {
+        words.push(format!("curvature jump {}", short(jump)));
+    }
+    if !words.is_empty() {
+        ui.label(format!("{}{}", side_name(run, s), words.join(", ")))
+            .on_hover_text(
+                "at the worst place of the rims: angle between the normals of either side \
+                 (G0; it is 0 by construction where G1), difference of mean curvature between \
+                 the faces of either side (G1)",
+            );
+    }
+}
+
+/// A or B before what belongs to one side of a comparison.
+fn side_name(run: &Run, s: usize) -> &'static str {
+    match (run.sides.len(), s) {
+        (0 | 1, _) => "",
+        (_, 0) => "A ",
+        _ => "B ",
+    }
 }
 
 fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &Side) {
@@ -188,14 +224,14 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &Side) {
     }
     let state = side.state();
     for (g, group) in groups.iter().enumerate() {
-        let numbers: Vec<String> = group.holes.iter().map(usize::to_string).collect();
-        let prefix = if run.sides.len() > 1 {
-            ["A ", "B "][s.min(1)]
-        } else {
-            ""
+        let (holes, between) = match run.task {
+            Task::Fill => (&group.holes, ", "),
+            Task::Blend => (&run.loops, "+"),
         };
+        let numbers: Vec<String> = holes.iter().map(usize::to_string).collect();
+        let prefix = side_name(run, s);
         let shown = state.as_ref().and_then(|s| s.groups.get(g));
-        ui.label(format!("{prefix}{}", numbers.join(", ")));
+        ui.label(format!("{prefix}{}", numbers.join(between)));
         ui.label(shown.map_or_else(String::new, |s| s.step.to_string()));
         ui.label(short(group.tau / group.tau_ref));
         ui.label(shown.map_or_else(String::new, |s| format!("{:.6}", Sig(s.energy))));

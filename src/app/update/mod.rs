@@ -111,7 +111,7 @@ fn select(model: &mut Model, action: &Action) {
             }
             "toggle a loop"
         }
-        Action::SelectAll if model.view.task == Task::Blend => {
+        Action::SelectAll if model.view.task == Task::Blend && model.document.holes().len() < 2 => {
             selection = (0..model.document.loops.len()).collect();
             "select all rims"
         }

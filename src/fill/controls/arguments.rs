@@ -33,6 +33,15 @@ impl Controls {
         if self.relaxation != plain.relaxation {
             flag("relaxation", number(self.relaxation));
         }
+        if self.tension != plain.tension {
+            flag("tension", number(self.tension));
+        }
+        if self.bulge != plain.bulge {
+            flag("bulge", number(self.bulge));
+        }
+        if self.noise != plain.noise {
+            flag("noise", number(self.noise));
+        }
         if self.density != plain.density {
             flag("density", number(self.density));
         }

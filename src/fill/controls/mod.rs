@@ -51,8 +51,17 @@ pub struct Controls {
     pub growth: Option<f64>,
     /// Weight of tangential relaxation after each accepted step, 0 to 1.
     pub relaxation: f64,
+    /// Weight of the area beside the energy, in units of 1 / r², r the hole radius: more draws the
+    /// surface together.
+    pub tension: f64,
+    /// Spontaneous curvature, in units of 1 / r, positive along the normals: 1 favours spheres of the
+    /// hole's radius.
+    pub bulge: f64,
     /// Density of the patch relative to the rim: 2 halves the edge length.
     pub density: f64,
+    /// Noise on the surface the flow starts from, in mean edge lengths along the normals. It only
+    /// acts at the start.
+    pub noise: f64,
     /// How patches meet the mesh.
     pub continuity: Continuity,
     /// The same for single loops, by their numbers.
@@ -72,7 +81,10 @@ impl Default for Controls {
             tau: TauChoice::default(),
             growth: None,
             relaxation: 0.0,
+            tension: 0.0,
+            bulge: 0.0,
             density: 1.0,
+            noise: 0.0,
             continuity: Continuity::default(),
             loop_continuity: BTreeMap::new(),
             max_steps: 200,
@@ -92,6 +104,9 @@ pub enum ControlsError {
     /// The density is not a positive number.
     #[error("density must be a positive number, not {0}")]
     Density(f64),
+    /// The noise is not a non-negative number.
+    #[error("noise must be a number of edge lengths, 0 for none, not {0}")]
+    Noise(f64),
 }
 
 impl ControlsError {
@@ -113,6 +128,9 @@ impl Controls {
         if !(self.density.is_finite() && self.density > 0.0) {
             return Err(ControlsError::Density(self.density));
         }
+        if !(self.noise.is_finite() && self.noise >= 0.0) {
+            return Err(ControlsError::Noise(self.noise));
+        }
         let mut flow = FlowOptions::new(Energy::parse(&self.energy, &self.params)?);
         flow.scheme = self.scheme;
         flow.mode = self.mode;
@@ -124,6 +142,8 @@ impl Controls {
             TauChoice::Auto => Tau::Auto,
             TauChoice::Fixed(tau) => Tau::Fixed(tau),
         };
+        flow.tension = self.tension;
+        flow.bulge = self.bulge;
         flow.growth = self.growth;
         flow.relaxation = self.relaxation;
         flow.max_steps = self.max_steps;
@@ -132,6 +152,7 @@ impl Controls {
             patch: PatchOptions {
                 density: self.density,
             },
+            noise: self.noise,
             flow,
             continuity: self.continuity,
             loop_continuity: self.loop_continuity.clone(),

@@ -50,6 +50,15 @@ pub(super) fn difference(attempt: usize, from: &Controls, to: &Controls) -> Vec<
     if from.relaxation != to.relaxation {
         row("relaxation", number(to.relaxation));
     }
+    if from.tension != to.tension {
+        row("tension", number(to.tension));
+    }
+    if from.bulge != to.bulge {
+        row("bulge", number(to.bulge));
+    }
+    if from.noise != to.noise {
+        row("noise", number(to.noise));
+    }
     if from.density != to.density {
         row("density", number(to.density));
     }
@@ -102,6 +111,9 @@ pub(super) fn set(controls: &mut Controls, control: &str, value: &str) -> Result
             }
         }
         "relaxation" => controls.relaxation = parse(value)?,
+        "tension" => controls.tension = parse(value)?,
+        "bulge" => controls.bulge = parse(value)?,
+        "noise" => controls.noise = parse(value)?,
         "density" => controls.density = parse(value)?,
         "continuity" => controls.continuity = choice(value)?,
         "loop-continuity" => {
@@ -125,7 +137,7 @@ pub(super) fn set(controls: &mut Controls, control: &str, value: &str) -> Result
     Ok(())
 }
 
-const NAMES: [&str; 15] = [
+const NAMES: [&str; 18] = [
     "energy",
     "param",
     "scheme",
@@ -134,6 +146,9 @@ const NAMES: [&str; 15] = [
     "tau",
     "growth",
     "relaxation",
+    "tension",
+    "bulge",
+    "noise",
     "density",
     "continuity",
     "loop-continuity",
