@@ -112,7 +112,9 @@ fn the_nearer_of_two_openings_is_picked() {
             let picker = |i: usize| -> bool {
                 // guessed to be outer rims or not, they are holes here
                 let mut loops = pipe.loops.clone();
-                loops.iter_mut().for_each(|l| l.outer_rim = false);
+                for l in &mut loops {
+                    l.outer_rim = false;
+                }
                 let picker = Picker::new(&pipe.mesh.positions, &pipe.mesh.topology, &loops);
                 let at = pixel(&camera, DVec3::ZERO);
                 picker.pick_loop(&camera, SIZE, at, TOLERANCE) == Some(i)

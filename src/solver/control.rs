@@ -94,7 +94,7 @@ const FAST_GROWTH: f64 = 10.0;
 /// Range of the first τ in flow mode, as multiples of `τ_ref`: from a warm start near the
 /// stationary shape the gentle one alone would get there in a handful of steps.
 const FIRST: [f64; 2] = [1e-9, 1e-4];
-/// Growth of τ in flow mode: so slow that the way from the upper end of [`FIRST`] to `τ_ref` takes
+/// Growth of τ in flow mode: so slow that the way from the upper end of `FIRST` to `τ_ref` takes
 /// over thirty steps, as many shapes to see.
 pub const FLOW_GROWTH: f64 = 1.3;
 /// Accepted steps after which an energy that has not fallen beyond rounding is taken for constant.

@@ -171,6 +171,33 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
             0.25..=4.0,
         );
     });
+    for (name, tip, value, range) in [
+        (
+            "Tension",
+            "weight of the area beside the energy, in units of 1/r²: more draws the surface together",
+            &mut next.tension,
+            0.0..=20.0,
+        ),
+        (
+            "Bulge",
+            "spontaneous curvature in units of 1/r, outwards where positive",
+            &mut next.bulge,
+            -2.0..=2.0,
+        ),
+        (
+            "Noise",
+            "noise on the surface the next run starts from, in mean edge lengths",
+            &mut next.noise,
+            0.0..=1.0,
+        ),
+    ] {
+        ui.horizontal_wrapped(|ui| {
+            let label = ui.label(name);
+            ui.add(egui::Slider::new(value, range).max_decimals(3))
+                .labelled_by(label.id)
+                .on_hover_text(tip);
+        });
+    }
     ui.horizontal_wrapped(|ui| {
         ui.label("At the rim");
         ui.selectable_value(&mut next.continuity, Continuity::G1, "G1 smooth")

@@ -33,7 +33,7 @@ impl StandardView {
         Self::Isometric,
     ];
 
-    /// Its name, as [`Camera::parse`] takes it.
+    /// Its name, as [`Camera::parse`](super::Camera::parse) takes it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Front => "front",
