@@ -89,7 +89,6 @@ fn a_crease_with_spontaneous_curvature_is_a_cap() {
                 worst = worst.max((p.distance(centre) - 2.0).abs());
             }
         }
-        println!("{scheme:?} {mode:?}: {worst:e}");
         assert!(worst < 5e-3, "{scheme:?} {mode:?}: {worst:e}");
     }
 }
@@ -148,7 +147,6 @@ fn a_group_may_mix_creases_and_smooth_rims() {
         };
         // f = H² with a free normal is 0 on a flat disc, which lies below the sphere
         let (flat, round) = (sagitta(creased), sagitta(3 - creased));
-        println!("{flat} {round}");
         assert!(flat > 0.01 && round < 5e-3, "{flat} {round}");
     }
 }
@@ -186,12 +184,6 @@ fn relaxed_flows_fall_and_converge_and_keep_their_triangles() {
                 let rounding = 1e-11 * energies[0].abs();
                 assert!(energies.windows(2).all(|e| e[1] <= e[0] + rounding));
                 angles.push(worst_angle(&filled));
-                println!(
-                    "{scheme:?} {mode:?} {relaxation}: {} steps, E {:e}, {:?}",
-                    energies.len(),
-                    group.outcome.energy_end,
-                    angles.last()
-                );
             }
             assert!(
                 angles[1] >= angles[0] - 0.5 && angles[2] >= angles[0] - 0.5,

@@ -180,7 +180,6 @@ fn changes_on_the_way_are_repeated_to_the_bit() {
     let middle = live.latest();
     live.fill.finish();
     live.until(|fill, _| fill.ended());
-    println!("{}", live.fill.schedule().to_csv());
     for state in [&marked, &middle, &live.latest()] {
         let schedule = live.fill.schedule_to(state);
         let read = Schedule::parse(&schedule.to_csv()).expect("as written");
