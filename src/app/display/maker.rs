@@ -1,16 +1,15 @@
-//! Makes what is drawn of a mesh on a thread of its own, so that the window never waits: the
-//! newest request wins, results come when they are ready.
+//! What is drawn of a mesh and a state, made from scratch or from what is kept.
 
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::Arc;
 
-use super::jobs::Wake;
-use super::seam::{Seam, seam};
+use super::{Display, Request};
+use crate::app::seam::seam;
 use crate::fill::State;
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId};
 use crate::render::{
     Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex, static_surface,
 };
-use crate::solver::energy::{Energy, WellPosed, WellPosedScan, scan_well_posedness};
+use crate::solver::energy::{WellPosed, scan_well_posedness};
 
 /// Rings of faces around a patch that are drawn as the limit surface, as the patch is.
 const COLLAR: usize = 3;
@@ -20,177 +19,9 @@ const SMALL: usize = 20_000;
 /// are of single precision.
 const SINGLE: f64 = 1e-5;
 
-/// What is to be drawn.
-#[derive(Clone)]
-pub struct Request {
-    /// The mesh the run works on, or the document's.
-    pub mesh: Arc<Mesh>,
-    /// The state of the run, if there is one.
-    pub state: Option<Arc<State>>,
-    /// The first state, to measure the deviation from.
-    pub start: Option<Arc<State>>,
-    /// Faces of the mesh from here on are patches.
-    pub first_patch_face: usize,
-    /// Rims joined with a crease: their vertices in order.
-    pub creases: Arc<Vec<[VertexId; 2]>>,
-    /// Limit surface or control mesh.
-    pub limit: bool,
-    /// Whether the opened mesh is drawn.
-    pub original: bool,
-    /// What positions are relative to.
-    pub centre: DVec3,
-    /// The box of a mesh without vertices.
-    pub bounds: Bounds,
-    /// Energy whose well-posedness is shown, and the hole radius.
-    pub energy: Option<(Energy, f64)>,
-}
-
-impl Request {
-    /// Whether both give the same picture.
-    fn same(&self, other: &Self) -> bool {
-        let same = |a: &Option<Arc<State>>, b: &Option<Arc<State>>| match (a, b) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
-        };
-        let energy = |r: &Self| {
-            r.energy
-                .as_ref()
-                .map(|(e, l)| (e.text().to_owned(), e.params().clone(), *l))
-        };
-        Arc::ptr_eq(&self.mesh, &other.mesh)
-            && same(&self.state, &other.state)
-            && same(&self.start, &other.start)
-            && Arc::ptr_eq(&self.creases, &other.creases)
-            && self.first_patch_face == other.first_patch_face
-            && self.limit == other.limit
-            && self.original == other.original
-            && self.centre == other.centre
-            && energy(self) == energy(other)
-    }
-}
-
-/// What came of a request.
-#[derive(Clone)]
-pub struct Display {
-    /// Surfaces, the still part first.
-    pub surfaces: Vec<Arc<Geometry>>,
-    /// Their box.
-    pub bounds: Bounds,
-    /// How the flow is posed on the patch and its collar.
-    pub posed: Option<WellPosedScan>,
-    /// How the patch of the run meets the mesh.
-    pub seam: Option<Seam>,
-}
-
-#[derive(Default)]
-struct Slot {
-    wanted: Option<Request>,
-    ready: Option<Display>,
-    quit: bool,
-}
-
-type Shared = (Mutex<Slot>, Condvar);
-
-/// The thread and the newest result.
-pub struct DisplayWorker {
-    shared: Arc<Shared>,
-    asked: Option<Request>,
-    latest: Option<Display>,
-}
-
-impl Drop for DisplayWorker {
-    fn drop(&mut self) {
-        lock(&self.shared.0).quit = true;
-        self.shared.1.notify_all();
-    }
-}
-
-fn lock(slot: &Mutex<Slot>) -> std::sync::MutexGuard<'_, Slot> {
-    slot.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl DisplayWorker {
-    /// Starts the thread; `wake` is called after every result.
-    pub fn new(wake: &Wake) -> Self {
-        let shared: Arc<Shared> = Arc::default();
-        let (inner, wake) = (Arc::clone(&shared), Arc::clone(wake));
-        std::thread::Builder::new()
-            .name("meniscus-display".into())
-            .spawn(move || work(&inner, &wake))
-            .ok();
-        Self {
-            shared,
-            asked: None,
-            latest: None,
-        }
-    }
-
-    /// Asks for a picture; nothing happens if it was asked for last.
-    pub fn ask(&mut self, request: Request) {
-        if self
-            .asked
-            .as_ref()
-            .is_some_and(|asked| asked.same(&request))
-        {
-            return;
-        }
-        self.asked = Some(request.clone());
-        lock(&self.shared.0).wanted = Some(request);
-        self.shared.1.notify_all();
-    }
-
-    /// Takes in a new result. Returns whether there was one.
-    pub fn poll(&mut self) -> bool {
-        let ready = lock(&self.shared.0).ready.take();
-        let new = ready.is_some();
-        if new {
-            self.latest = ready;
-        }
-        new
-    }
-
-    /// What was asked for last.
-    pub fn asked(&self) -> Option<&Request> {
-        self.asked.as_ref()
-    }
-
-    /// Answers requests at once, on the calling thread, for pictures of many states.
-    pub fn maker() -> impl FnMut(&Request) -> Display {
-        let mut cache = Cache::default();
-        move |request| cache.make(request)
-    }
-
-    /// The newest result.
-    pub fn latest(&self) -> Option<&Display> {
-        self.latest.as_ref()
-    }
-}
-
-fn work(shared: &Shared, wake: &Wake) {
-    let mut cache = Cache::default();
-    loop {
-        let request = {
-            let mut slot = lock(&shared.0);
-            loop {
-                if slot.quit {
-                    return;
-                }
-                if let Some(request) = slot.wanted.take() {
-                    break request;
-                }
-                slot = shared.1.wait(slot).unwrap_or_else(PoisonError::into_inner);
-            }
-        };
-        let display = cache.make(&request);
-        lock(&shared.0).ready = Some(display);
-        wake();
-    }
-}
-
 /// What stays from one request to the next.
 #[derive(Default)]
-struct Cache {
+pub(super) struct Maker {
     split: Option<Split>,
     still: Option<(StillKey, Arc<Geometry>)>,
 }
@@ -238,8 +69,9 @@ impl TopologyKey {
 
 type StillKey = (usize, usize, bool, [u64; 3]);
 
-impl Cache {
-    fn make(&mut self, request: &Request) -> Display {
+impl Maker {
+    /// Answers a request.
+    pub(super) fn make(&mut self, request: &Request) -> Display {
         let key = TopologyKey::of(request);
         let fits = self.split.as_ref().is_some_and(|s| {
             s.topology.same(&key)
