@@ -14,10 +14,10 @@ pub fn toasts_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>) {
     if shown.is_empty() {
         return;
     }
-    let bottom = if model.run.is_some() { -250.0 } else { -64.0 };
     Area::new(Id::unique("toasts"))
         .order(Order::Foreground)
-        .anchor(Align2::RIGHT_BOTTOM, egui::vec2(-310.0, bottom))
+        // beside the controls, where neither legend nor transport is
+        .anchor(Align2::RIGHT_TOP, egui::vec2(-310.0, 64.0))
         .interactable(true)
         .show(ctx, |ui| {
             ui.set_max_width(420.0);
