@@ -104,6 +104,10 @@ fn model(folder: &Path) -> (PathBuf, Mesh) {
 fn a_hole_is_clicked_filled_and_saved() {
     let folder = tempfile::tempdir().expect("a folder");
     let (path, before) = model(folder.path());
+    // another scale of the interface than the one of the first frame
+    let config = folder.path().join("config/meniscus");
+    std::fs::create_dir_all(&config).expect("made");
+    std::fs::write(config.join("settings.toml"), "ui_scale = 1.25\n").expect("written");
     let display = Display::new();
     let program = Command::new(env!("CARGO_BIN_EXE_meniscus"))
         .arg(&path)
@@ -126,13 +130,14 @@ fn a_hole_is_clicked_filled_and_saved() {
     display.hand(&["windowfocus", "--sync", &window]);
     let title = || display.hand(&["getwindowname", &window]);
 
-    // the middle of the view: between the left panel of 270 and the right one of 290 points
+    // the middle of the view: between the left panel of 270 and the right one of 290 points, each of
+    // 1.25 pixels
     let geometry = display.hand(&["getwindowgeometry", "--shell", &window]);
     let size = |name: &str| -> i32 {
         let line = geometry.lines().find_map(|l| l.strip_prefix(name));
         line.and_then(|l| l.parse().ok()).expect("a size")
     };
-    let (x, y) = ((size("WIDTH=") - 20) / 2, size("HEIGHT=") / 2);
+    let (x, y) = ((size("WIDTH=") - 25) / 2, size("HEIGHT=") / 2);
     let (x, y) = (x.to_string(), y.to_string());
     wait_for("the patch, accepted", || {
         if title().contains("holes.obj*") {

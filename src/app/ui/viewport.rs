@@ -12,7 +12,9 @@ use crate::app::model::Model;
 use crate::app::scene_builder;
 use crate::app::view_state::Task;
 use crate::mesh::DVec3;
-use crate::render::{Scene, ViewMode, ViewportCallback, colormap, legend_ticks, robust_range};
+use crate::render::{
+    MAX_SIDE, Scene, ViewMode, ViewportCallback, colormap, legend_ticks, robust_range,
+};
 
 /// How near to a rim the cursor has to be, in points.
 const REACH: f32 = 9.0;
@@ -105,8 +107,10 @@ fn viewport_ui(
             .unwrap_or_else(|| shared_range(model, &scene, style.mode))
     });
     style.range = range;
-    if let Some(target_format) = format {
-        let size = rect.size() * points;
+    let size = rect.size() * points;
+    // before the window's size is known egui lays out for an endless screen
+    let drawable = size.max_elem() <= MAX_SIDE as f32 && size.min_elem() >= 1.0;
+    if let Some(target_format) = format.filter(|_| drawable) {
         let callback = ViewportCallback {
             scene,
             camera,
