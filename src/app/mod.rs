@@ -244,6 +244,11 @@ impl eframe::App for App {
             f64::from(rect.width() * points),
             f64::from(rect.height() * points),
         ];
+        if self.model.view.fit && rect.is_positive() && self.ui.frames.count > 0 {
+            self.model.view.fit = false;
+            self.model.act(Action::FitAll);
+            ctx.request_repaint();
+        }
         self.carry_out(&ctx);
         let title = self.model.title();
         if title != self.title {

@@ -154,9 +154,9 @@ impl Model {
     pub fn replace(&mut self, document: Document) {
         self.run = None;
         self.history = History::default();
-        let aspect = self.view.viewport_px[0] / self.view.viewport_px[1].max(1.0);
         self.view.camera.home();
-        self.view.camera.fit_aspect(&document.origin.bounds, aspect);
+        self.view.camera.fit_to(&document.origin.bounds);
+        self.view.fit = true;
         self.view.hover = None;
         self.view.energy_text.clone_from(&document.controls.energy);
         self.view.compare_energy = None;

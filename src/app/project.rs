@@ -275,6 +275,7 @@ impl ViewPart {
     pub fn restore(&self, view: &mut ViewState, bounds: &crate::render::Bounds) {
         if let Ok(camera) = Camera::parse(&self.camera, bounds) {
             view.camera = camera;
+            view.fit = false;
         }
         if let Some(mode) = ViewMode::ALL.into_iter().find(|m| m.name() == self.mode) {
             view.style.mode = mode;

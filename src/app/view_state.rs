@@ -207,6 +207,8 @@ pub struct ViewState {
     pub modal: Modal,
     /// Side windows.
     pub windows: Windows,
+    /// Whether everything is to be fitted into the next frame, whose size is not known yet.
+    pub fit: bool,
     /// Size of the viewport at the last frame, physical pixels.
     pub viewport_px: [f64; 2],
 }
@@ -227,6 +229,7 @@ impl ViewState {
             pace: 12.0,
             modal: Modal::None,
             windows: Windows::default(),
+            fit: true,
             viewport_px: [1280.0, 800.0],
         }
     }
