@@ -100,7 +100,7 @@ fn expression_ui(
             error_ui(ui, error);
             if let Some(name) = error.syntax().and_then(|e| e.unknown.as_ref())
                 && apply.is_some()
-                && ui.button(format!("Make {name} a parameter")).clicked()
+                && ui.button(format!("Make \"{name}\" a parameter")).clicked()
             {
                 actions.push(Action::AddParameter(name.clone()));
             }
@@ -143,9 +143,15 @@ fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.horizontal(|ui| {
             let mut value = value;
             let label = ui.monospace(name);
-            let speed = 0.01 * value.abs().max(0.1);
+            // beyond the ends of the slider a value can be typed
+            let reach = (4.0 * value.abs()).max(1.0).log2().ceil().exp2();
             let slider = ui
-                .add(egui::DragValue::new(&mut value).speed(speed))
+                .add(
+                    egui::Slider::new(&mut value, -reach..=reach)
+                        .clamping(egui::SliderClamping::Never)
+                        .logarithmic(true)
+                        .smallest_positive(1e-3),
+                )
                 .labelled_by(label.id)
                 .on_hover_text("drag or type; acts at the next step");
             if slider.changed() {
