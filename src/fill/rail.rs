@@ -36,8 +36,19 @@ impl Place {
     }
 }
 
-/// The cubic from `a` to `b` whose derivatives there are `leave` and `arrive`, at `t` in 0..=1.
-pub(super) fn hermite(a: DVec3, leave: DVec3, b: DVec3, arrive: DVec3, t: f64) -> DVec3 {
+/// The curve from `a` to `b`, at t in 0..=1, that leaves in the unit direction `leave` and comes in
+/// along `arrive`: a cubic Hermite curve. Its end derivatives are as long as those of the circular arc that
+/// turns from the one direction to the other, which it follows closely (the error of a quarter
+/// circle is 3e-4 of its radius).
+pub(super) fn rail(a: DVec3, leave: DVec3, b: DVec3, arrive: DVec3) -> impl Fn(f64) -> DVec3 {
+    let turn = leave.angle_between(arrive);
+    // not a number where a direction is missing: max drops it
+    let reach = a.distance(b) / (0.25 * turn).cos().powi(2).max(0.5);
+    move |t| hermite(a, reach * leave, b, reach * arrive, t)
+}
+
+/// The cubic from `a` to `b` whose derivatives there are `leave` and `arrive`.
+fn hermite(a: DVec3, leave: DVec3, b: DVec3, arrive: DVec3, t: f64) -> DVec3 {
     let s = 1.0 - t;
     let ends = (1.0 + 2.0 * t) * s * s * a + (3.0 - 2.0 * t) * t * t * b;
     ends + t * s * s * leave - t * t * s * arrive
@@ -78,6 +89,12 @@ mod tests {
             let p = hermite(cubic(0.0), slope(0.0), cubic(1.0), slope(1.0), t);
             assert!(p.distance(cubic(t)) < 1e-15);
         }
+        let arc = rail(DVec3::X, DVec3::Y, DVec3::new(0.0, 1.0, 0.0), -DVec3::X);
+        for i in 0..=20 {
+            assert!((arc(f64::from(i) / 20.0).length() - 1.0).abs() < 3e-4);
+        }
+        let straight = rail(DVec3::ZERO, DVec3::X, 0.7 * DVec3::X, DVec3::X);
+        assert!(straight(0.5).distance(0.35 * DVec3::X) < 1e-15);
         let line = |t: f64| DVec3::new(3.0 * t, 4.0 * t, 1.0);
         assert!((length(line) - 5.0).abs() < 1e-14);
     }

@@ -1,0 +1,210 @@
+//! Blends, parts of holes, bridges and refilling from end to end, on the built-in samples.
+
+mod common;
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use common::judge::{Keep, Verdict, judge};
+use common::raw::{self, RawMesh};
+use serde_json::Value;
+use tempfile::TempDir;
+
+struct Desk(TempDir);
+
+impl Desk {
+    /// A folder with a sample in it.
+    fn with(sample: &str) -> Self {
+        let desk = Self(tempfile::tempdir().expect("a temporary folder"));
+        desk.runs(&["sample", sample, "-o", "in.obj"]);
+        desk
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn run(&self, words: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_meniscus"))
+            .current_dir(self.0.path())
+            .args(words)
+            .output()
+            .expect("the program starts")
+    }
+
+    #[track_caller]
+    fn runs(&self, words: &[&str]) {
+        let output = self.run(words);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{words:?}: {error}");
+    }
+
+    /// The message of a command that fails with this exit code.
+    #[track_caller]
+    fn fails(&self, code: i32, words: &[&str]) -> String {
+        let output = self.run(words);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "{words:?}: {error}");
+        assert!(!error.contains("panicked"), "{error}");
+        error
+    }
+
+    fn mesh(&self, name: &str) -> RawMesh {
+        raw::read(&self.path(name)).expect("a mesh")
+    }
+
+    fn json(&self, name: &str) -> Value {
+        let text = std::fs::read_to_string(self.path(name)).expect("a report");
+        serde_json::from_str(&text).expect("JSON")
+    }
+
+    /// `out.obj` judged as a change of `in.obj`.
+    #[track_caller]
+    fn verdict(&self, keep: Keep) -> Verdict {
+        let v = judge(&self.mesh("in.obj"), &self.mesh("out.obj"), keep, &[], None);
+        assert!(v.failures.is_empty(), "{:?}", v.failures);
+        v
+    }
+}
+
+#[test]
+fn samples_are_blended() {
+    for (sample, outer, rims) in [
+        ("four-cylinders", 4, 4),
+        ("three-y", 3, 3),
+        ("tube-onto-plane", 2, 2),
+    ] {
+        let desk = Desk::with(sample);
+        desk.runs(&["blend", "in.obj", "-o", "out.obj", "--report", "r.json"]);
+        let verdict = desk.verdict(Keep::Everything);
+        assert_eq!(
+            (verdict.loops_left, verdict.components),
+            (outer, 1),
+            "{sample}"
+        );
+        let report = desk.json("r.json");
+        let holes = report["holes"].as_array().expect("holes");
+        assert_eq!(holes.len(), 1);
+        assert_eq!(holes[0]["loops"].as_array().expect("loops").len(), rims);
+        assert_eq!(holes[0]["converged"], true);
+        assert!(holes[0]["steps"].as_u64().expect("steps") <= 40, "{sample}");
+    }
+}
+
+/// Twice the edges, half the angle across the rim: the join is smooth.
+#[test]
+fn joins_get_smoother_with_density() {
+    let angle = |around: usize| {
+        let (positions, triangles) = meniscus::mesh::shapes::four_cylinders(around);
+        let topology =
+            meniscus::mesh::Topology::from_triangles(positions.len(), &triangles).expect("tubes");
+        let mesh = meniscus::mesh::Mesh::new(positions, topology);
+        let desk = Desk(tempfile::tempdir().expect("a temporary folder"));
+        meniscus::io::save_mesh(&desk.path("in.obj"), &mesh, &[]).expect("written");
+        desk.runs(&["blend", "in.obj", "-o", "out.obj"]);
+        desk.verdict(Keep::Everything).rim_angle
+    };
+    assert!(angle(40) < 0.6 * angle(20));
+}
+
+#[test]
+fn noise_is_smoothed_out_again() {
+    let desk = Desk::with("three-y");
+    let energy = |words: &[&str]| {
+        let all = [
+            &["blend", "in.obj", "-o", "out.obj", "--report", "r.json"],
+            words,
+        ]
+        .concat();
+        desk.runs(&all);
+        let report = desk.json("r.json");
+        let value = |key: &str| report["holes"][0][key].as_f64().expect("an energy");
+        (value("energy_start"), value("energy_end"))
+    };
+    let (smooth, rough) = (energy(&[]), energy(&["--noise", "0.3"]));
+    assert!(rough.0 > 2.0 * smooth.0, "{smooth:?} {rough:?}");
+    assert!(
+        (rough.1 / smooth.1 - 1.0).abs() < 0.01,
+        "{smooth:?} {rough:?}"
+    );
+}
+
+#[test]
+fn the_area_pinches_and_says_so() {
+    let desk = Desk::with("four-cylinders");
+    let words = [
+        "blend", "in.obj", "-o", "out.obj", "--energy", "1", "--report", "r.json",
+    ];
+    desk.runs(&words);
+    let report = desk.json("r.json");
+    let hole = &report["holes"][0];
+    assert_eq!(hole["converged"], false);
+    let warnings = hole["warnings"].to_string();
+    assert!(warnings.contains("pinches off near"), "{warnings}");
+    desk.verdict(Keep::Everything);
+}
+
+#[test]
+fn an_inside_out_component_is_named_and_turned_over() {
+    let desk = Desk::with("four-cylinders");
+    let loops = ["--loops", "1,3"];
+    let flipped = ["--flip", "3"];
+    let start = ["blend", "in.obj", "-o", "out.obj"];
+    let error = desk.fails(1, &[&start[..], &loops, &flipped].concat());
+    assert!(error.contains("flip"), "{error}");
+    // turned over twice is as it was
+    desk.runs(&[&start[..], &loops].concat());
+    let error = desk.fails(1, &[&start[..], &["--loops", "1"]].concat());
+    assert!(error.contains("at least two"), "{error}");
+}
+
+#[test]
+fn parts_and_bridges_leave_smaller_holes() {
+    let desk = Desk::with("catenoid");
+    let holes = |name: &str| {
+        let mesh = desk.mesh(name);
+        common::judge::loops_of(&mesh).expect("loops").len()
+    };
+    let before = holes("in.obj");
+    let mesh = desk.mesh("in.obj");
+    let loops = common::judge::loops_of(&mesh).expect("loops");
+    let window = loops
+        .iter()
+        .min_by(|a, b| a.radius.total_cmp(&b.radius))
+        .expect("a hole");
+    let at = |k: usize| {
+        let p = mesh.positions[window.vertices[k % window.edges] as usize];
+        format!("{},{},{}", p.x, p.y, p.z)
+    };
+    let half = at(window.edges / 2);
+    let first = at(0);
+    desk.runs(&["fill", "in.obj", "-o", "out.obj", "--part", &first, &half]);
+    desk.verdict(Keep::Everything);
+    assert_eq!(holes("out.obj"), before);
+    desk.runs(&[
+        "bridge", "in.obj", "-o", "out.obj", "--from", &first, "--to", &half,
+    ]);
+    desk.verdict(Keep::Everything);
+    assert_eq!(holes("out.obj"), before + 1);
+}
+
+#[test]
+fn refilling_erases_and_fills_and_fairing_keeps_the_triangles() {
+    let desk = Desk::with("torus");
+    let ball = ["--ball", "2.4142,0,0,0.5"];
+    desk.runs(&[&["refill", "in.obj", "-o", "out.obj"], &ball[..]].concat());
+    let (before, after) = (desk.mesh("in.obj"), desk.mesh("out.obj"));
+    assert_ne!(before.faces.len(), after.faces.len());
+    desk.runs(&[&["refill", "in.obj", "-o", "out.obj", "--fair"], &ball[..]].concat());
+    let faired = desk.mesh("out.obj");
+    assert_eq!(before.faces, faired.faces);
+    let moved = |p: &meniscus::mesh::DVec3, q: &meniscus::mesh::DVec3| p.distance(*q) > 1e-9;
+    let count = before.positions.iter().zip(&faired.positions);
+    assert!(count.filter(|(p, q)| moved(p, q)).count() > 50);
+    let error = desk.fails(
+        1,
+        &["refill", "in.obj", "-o", "out.obj", "--ball", "0,0,0,0.1"],
+    );
+    assert!(error.contains("no face is selected"), "{error}");
+    desk.fails(2, &["refill", "in.obj", "-o", "out.obj", "--ball", "0,0,0"]);
+}
