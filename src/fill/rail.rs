@@ -2,6 +2,9 @@
 
 use crate::mesh::{BoundaryLoop, DVec3, Mesh};
 
+/// Edges to either side of a vertex over which its directions are averaged.
+const SMOOTHED: usize = 4;
+
 /// A place on a rim: a vertex and how the surface lies there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
@@ -14,12 +17,15 @@ pub(super) struct Place {
 
 impl Place {
     /// At the vertex of that index along the loop. The directions are means over the faces at the
-    /// two rim edges there.
+    /// rim edges around it: those of the nearest two alone follow every tooth of a ragged rim, and
+    /// neighbouring curves would cross.
     pub fn of(mesh: &Mesh, hole: &BoundaryLoop, index: usize) -> Self {
         let topology = &mesh.topology;
         let n = hole.edges();
         let (mut ahead, mut normal) = (DVec3::ZERO, DVec3::ZERO);
-        for e in [(index + n - 1) % n, index] {
+        // as far to either side as evens a ragged rim out
+        let side = SMOOTHED.min(n / 2);
+        for e in (0..2 * side).map(|k| (index + n - side + k) % n) {
             let inner = hole.halfedges[e].twin();
             let apex = topology.target(topology.next(inner));
             // the face runs through the rim edge from b to a
