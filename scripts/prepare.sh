@@ -20,12 +20,16 @@ has_library() {
     PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep -q "[[:space:]]$1 "
 }
 
-# Is there a Vulkan or OpenGL driver, in software at least?
+# Is there a Vulkan driver, in software at least?
+has_vulkan() {
+    has_library libvulkan.so.1 || return 1
+    compgen -G '/usr/share/vulkan/icd.d/*.json' >/dev/null ||
+        compgen -G '/etc/vulkan/icd.d/*.json' >/dev/null
+}
+
+# Is there a Vulkan or OpenGL driver?
 has_graphics() {
-    if has_library libvulkan.so.1; then
-        compgen -G '/usr/share/vulkan/icd.d/*.json' >/dev/null && return 0
-        compgen -G '/etc/vulkan/icd.d/*.json' >/dev/null && return 0
-    fi
+    has_vulkan && return 0
     has_library libEGL.so.1 && compgen -G '/usr/share/glvnd/egl_vendor.d/*.json' >/dev/null
 }
 
@@ -74,9 +78,13 @@ prepare_window() {
     [ ${#missing[@]} -eq 0 ] || install "${missing[@]}"
 }
 
-# What the tests need besides: a virtual display and a hand for its mouse and keys.
+# What the tests need besides: Vulkan, whose pictures they compare, a virtual display and a hand for
+# its mouse and keys.
 prepare_tests() {
     local missing=()
+    has_vulkan || missing+=(libvulkan1 mesa-vulkan-drivers)
+    [ ${#missing[@]} -eq 0 ] || install "${missing[@]}"
+    missing=()
     prepare_window
     command -v Xvfb >/dev/null 2>&1 || missing+=(xvfb)
     command -v xdotool >/dev/null 2>&1 || missing+=(xdotool)
