@@ -32,5 +32,6 @@ pub mod io;
 pub mod linear;
 pub mod mesh;
 pub mod patch;
+pub mod refine;
 pub mod solver;
 pub mod subdivision;

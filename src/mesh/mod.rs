@@ -10,6 +10,7 @@ mod outer_rim;
 pub mod shapes;
 mod soup;
 mod spatial;
+mod split;
 mod topology;
 pub(crate) mod union_find;
 
@@ -22,4 +23,5 @@ pub use ids::{FaceId, HalfedgeId, VertexId};
 pub use intersect::{folded_edges, self_intersections, triangles_meet};
 pub use soup::{FaceTag, Soup};
 pub use spatial::{ClosestPoint, TriangleBvh, closest_point_on_segment, closest_point_on_triangle};
+pub use split::{Split, edge_diamond, split_all, split_faces};
 pub use topology::{Topology, TopologyError};

@@ -11,7 +11,9 @@ use crate::mesh::{DVec3, Topology, VertexId};
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Progress};
 use crate::solver::energy::Energy;
+use crate::solver::interpolation::Interpolation;
 use crate::solver::normals::LimitNormals;
+use crate::solver::penalty::Penalty;
 use crate::solver::survey::survey;
 use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
@@ -40,6 +42,30 @@ pub struct NormalFlow {
     trial_gradient: Vec<DVec3>,
     quasi_newton: Option<QuasiNewton>,
     w: Vec<f64>,
+    held: Option<Held>,
+}
+
+/// Vertices whose limit positions are given.
+struct Held {
+    interpolation: Arc<Interpolation>,
+    penalty: Penalty,
+    /// Their unknowns.
+    unknowns: Vec<u32>,
+}
+
+impl Held {
+    fn new(interpolation: &Arc<Interpolation>, assembler: &mut Assembler) -> Self {
+        let unknown = assembler.unknowns().of_vertex.clone();
+        Self {
+            penalty: Penalty::new(interpolation, &unknown, assembler.pattern()),
+            unknowns: interpolation.held().iter().map(|&v| unknown[v as usize]).collect(),
+            interpolation: Arc::clone(interpolation),
+        }
+    }
+
+    fn pull_back(&self, unknowns: &Unknowns, gradient: &mut [DVec3]) {
+        self.interpolation.pull_back(&unknowns.of_vertex, gradient);
+    }
 }
 
 /// Steps with the frozen factor.
@@ -62,13 +88,16 @@ impl NormalFlow {
         energy: &Energy,
         membrane: bool,
     ) -> Result<Self, SolverError> {
-        let unknowns = Unknowns::new(local, problem.positions(), problem.interior());
+        let unknowns = Unknowns::new(local, problem.positions(), &problem.moving());
         let ring = LimitNormals::new(problem.topology(), &unknowns.vertex);
         let mut assembler = Assembler::new(local, rule, unknowns);
         if !membrane {
             assembler.drop_membrane();
         }
         let symbolic = Arc::new(CholeskySymbolic::new(assembler.pattern())?);
+        let held = problem
+            .interpolation()
+            .map(|interpolation| Held::new(interpolation, &mut assembler));
         let count = assembler.unknowns().len();
         let mut flow = Self {
             assembler,
@@ -87,11 +116,15 @@ impl NormalFlow {
             trial_gradient: Vec::new(),
             quasi_newton: None,
             w: vec![0.0; count],
+            held,
         };
         flow.ring.evaluate(&flow.positions, &mut flow.normals);
         flow.current = flow
             .assembler
             .gradient(&flow.positions, energy, &mut flow.gradient);
+        if let Some(held) = &flow.held {
+            held.pull_back(flow.assembler.unknowns(), &mut flow.gradient);
+        }
         if !flow.current.value.is_finite() {
             return Err(survey(local, &flow.positions, energy, flow.radius).not_finite());
         }
@@ -153,6 +186,10 @@ impl NormalFlow {
                 &mut self.gradient,
                 &mut self.values,
             );
+            if let Some(held) = &self.held {
+                held.pull_back(self.assembler.unknowns(), &mut self.gradient);
+                held.penalty.add(&self.normals, &mut self.values);
+            }
             self.matrix_tau = Some(tau);
         }
         if let Err(error) = self.cholesky.factorize(&self.values) {
@@ -161,6 +198,7 @@ impl NormalFlow {
         }
         project(&self.gradient, &self.normals, -1.0, &mut self.w);
         self.cholesky.solve_in_place(&mut self.w, 1);
+        self.free_only();
         let longest = self.displace();
         if !longest.is_finite() {
             return Attempt::rejected(None);
@@ -171,6 +209,7 @@ impl NormalFlow {
             sum = self
                 .assembler
                 .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
+            self.pull_back_trial();
         } else {
             self.ring.evaluate(&self.trial, &mut self.trial_normals);
             sum = self.assembler.matrix(
@@ -182,6 +221,10 @@ impl NormalFlow {
                 &mut self.trial_gradient,
                 &mut self.values,
             );
+            if let Some(held) = &self.held {
+                held.pull_back(self.assembler.unknowns(), &mut self.trial_gradient);
+                held.penalty.add(&self.trial_normals, &mut self.values);
+            }
             self.matrix_tau = None;
         }
         if !self.current.admits(&sum) {
@@ -212,10 +255,12 @@ impl NormalFlow {
         state
             .memory
             .direction(&mut self.w, |q| cholesky.solve_in_place(q, 1));
+        self.free_only();
         let longest = self.displace();
         let sum = self
             .assembler
             .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
+        self.pull_back_trial();
         if !longest.is_finite() || !self.current.admits(&sum) {
             // back to a fresh matrix at the current point
             self.leave_quasi_newton();
@@ -272,7 +317,23 @@ impl NormalFlow {
             // f64::max would hide a NaN
             longest = if w.abs() <= longest { longest } else { w.abs() };
         }
+        if let Some(held) = &self.held {
+            held.interpolation.settle(&mut self.trial);
+        }
         longest
+    }
+
+    /// Held vertices follow and have no step of their own.
+    fn free_only(&mut self) {
+        for &u in self.held.iter().flat_map(|held| &held.unknowns) {
+            self.w[u as usize] = 0.0;
+        }
+    }
+
+    fn pull_back_trial(&mut self) {
+        if let Some(held) = &self.held {
+            held.pull_back(self.assembler.unknowns(), &mut self.trial_gradient);
+        }
     }
 
     fn accept(&mut self, sum: EnergySum) {

@@ -1,0 +1,3 @@
+//! Refinement.
+#![allow(warnings)]
+pub mod proto;
