@@ -26,6 +26,7 @@
 //! a single flow, to be stepped or run on its own thread. The mathematics and its signs are in
 //! `docs/formulation.md`, the way the modules hang together in `ARCHITECTURE.md`.
 
+pub mod analysis;
 pub mod cli;
 pub mod fill;
 pub mod io;

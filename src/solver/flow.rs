@@ -4,6 +4,7 @@ use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Control, Mode, Progress, STOP, Tau};
 use crate::solver::energy::{Energy, Order};
+use crate::solver::guarded::GuardedFlow;
 use crate::solver::mixed::{LinearSolver, MixedFlow};
 use crate::solver::normal::NormalFlow;
 use crate::solver::survey::{Survey, survey};
@@ -17,6 +18,9 @@ pub enum Scheme {
     /// Scheme B, the linearly implicit normal flow.
     #[default]
     Normal,
+    /// Descent of all three components in scheme B's metric, guarded against folds: for coarse
+    /// irregular meshes, on which vertices have to slide along the surface as well.
+    Guarded,
     /// Scheme A, the paper's mixed finite elements (21)-(23).
     Mixed,
     /// Scheme A with the exact gradient as right-hand side: the same matrix, another fixed point.
@@ -126,6 +130,7 @@ pub struct Outcome {
 
 enum Stepper {
     Normal(Box<NormalFlow>),
+    Guarded(Box<GuardedFlow>),
     Mixed(Box<MixedFlow>),
 }
 
@@ -207,6 +212,14 @@ impl Flow {
         options: &FlowOptions,
         local: &Elements,
     ) -> Result<Stepper, SolverError> {
+        let is_mixed = matches!(options.scheme, Scheme::Mixed | Scheme::MixedCorrected);
+        if is_mixed && problem.interpolation().is_some() {
+            return Err(SolverError::BadOption {
+                option: "scheme",
+                value: "mixed".into(),
+                expected: "a surface held at given points needs the scheme `normal`",
+            });
+        }
         Ok(match options.scheme {
             Scheme::Normal => Stepper::Normal(Box::new(NormalFlow::new(
                 problem,
@@ -214,6 +227,12 @@ impl Flow {
                 options.quadrature,
                 &options.energy,
                 options.mode == Mode::Flow,
+            )?)),
+            Scheme::Guarded => Stepper::Guarded(Box::new(GuardedFlow::new(
+                problem,
+                local,
+                options.quadrature,
+                &options.energy,
             )?)),
             Scheme::Mixed | Scheme::MixedCorrected => Stepper::Mixed(Box::new(MixedFlow::new(
                 problem,
@@ -249,6 +268,7 @@ impl Flow {
     pub fn positions(&self) -> &[DVec3] {
         match &self.stepper {
             Stepper::Normal(flow) => flow.positions(),
+            Stepper::Guarded(flow) => flow.positions(),
             Stepper::Mixed(flow) => flow.positions(),
         }
     }
@@ -257,6 +277,7 @@ impl Flow {
     pub fn energy(&self) -> EnergySum {
         match &self.stepper {
             Stepper::Normal(flow) => flow.energy(),
+            Stepper::Guarded(flow) => flow.energy(),
             Stepper::Mixed(flow) => flow.energy(),
         }
     }
@@ -336,6 +357,7 @@ impl Flow {
             Stepper::Normal(flow) => {
                 flow.attempt(tau, next, quick && self.factorized + 1 >= FACTORIZED_STEPS)
             }
+            Stepper::Guarded(flow) => flow.attempt(tau),
             Stepper::Mixed(flow) => flow.attempt(tau),
         };
         Ok(Some(self.book(&attempt, tau)))
@@ -405,6 +427,7 @@ impl Flow {
     pub fn outcome(&mut self) -> Outcome {
         let positions = match &self.stepper {
             Stepper::Normal(flow) => flow.positions(),
+            Stepper::Guarded(flow) => flow.positions(),
             Stepper::Mixed(flow) => flow.positions(),
         };
         let energy_end = self

@@ -11,9 +11,9 @@ use crate::mesh::{DVec3, Topology, VertexId};
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Progress};
 use crate::solver::energy::Energy;
-use crate::solver::interpolation::Interpolation;
+use crate::solver::fold_guard::FoldState;
+use crate::solver::held::Held;
 use crate::solver::normals::LimitNormals;
-use crate::solver::penalty::Penalty;
 use crate::solver::survey::survey;
 use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
@@ -43,29 +43,15 @@ pub struct NormalFlow {
     quasi_newton: Option<QuasiNewton>,
     w: Vec<f64>,
     held: Option<Held>,
+    guard: Option<Guard>,
 }
 
-/// Vertices whose limit positions are given.
-struct Held {
-    interpolation: Arc<Interpolation>,
-    penalty: Penalty,
-    /// Their unknowns.
-    unknowns: Vec<u32>,
-}
-
-impl Held {
-    fn new(interpolation: &Arc<Interpolation>, assembler: &mut Assembler) -> Self {
-        let unknown = assembler.unknowns().of_vertex.clone();
-        Self {
-            penalty: Penalty::new(interpolation, &unknown, assembler.pattern()),
-            unknowns: interpolation.held().iter().map(|&v| unknown[v as usize]).collect(),
-            interpolation: Arc::clone(interpolation),
-        }
-    }
-
-    fn pull_back(&self, unknowns: &Unknowns, gradient: &mut [DVec3]) {
-        self.interpolation.pull_back(&unknowns.of_vertex, gradient);
-    }
+/// The watch over folds, on the coarse meshes of a refinement.
+struct Guard {
+    topology: Topology,
+    elements: Elements,
+    folds: FoldState,
+    next: FoldState,
 }
 
 /// Steps with the frozen factor.
@@ -95,9 +81,7 @@ impl NormalFlow {
             assembler.drop_membrane();
         }
         let symbolic = Arc::new(CholeskySymbolic::new(assembler.pattern())?);
-        let held = problem
-            .interpolation()
-            .map(|interpolation| Held::new(interpolation, &mut assembler));
+        let held = Held::of(problem, &mut assembler);
         let count = assembler.unknowns().len();
         let mut flow = Self {
             assembler,
@@ -116,6 +100,12 @@ impl NormalFlow {
             trial_gradient: Vec::new(),
             quasi_newton: None,
             w: vec![0.0; count],
+            guard: problem.interpolation().map(|_| Guard {
+                topology: problem.topology().clone(),
+                elements: local.clone(),
+                folds: FoldState::new(problem.topology(), local, problem.positions()),
+                next: FoldState::default(),
+            }),
             held,
         };
         flow.ring.evaluate(&flow.positions, &mut flow.normals);
@@ -188,7 +178,7 @@ impl NormalFlow {
             );
             if let Some(held) = &self.held {
                 held.pull_back(self.assembler.unknowns(), &mut self.gradient);
-                held.penalty.add(&self.normals, &mut self.values);
+                held.hold(&self.normals, &mut self.values);
             }
             self.matrix_tau = Some(tau);
         }
@@ -200,7 +190,7 @@ impl NormalFlow {
         self.cholesky.solve_in_place(&mut self.w, 1);
         self.free_only();
         let longest = self.displace();
-        if !longest.is_finite() {
+        if !longest.is_finite() || self.would_fold() {
             return Attempt::rejected(None);
         }
         let sum;
@@ -223,7 +213,7 @@ impl NormalFlow {
             );
             if let Some(held) = &self.held {
                 held.pull_back(self.assembler.unknowns(), &mut self.trial_gradient);
-                held.penalty.add(&self.trial_normals, &mut self.values);
+                held.hold(&self.trial_normals, &mut self.values);
             }
             self.matrix_tau = None;
         }
@@ -261,7 +251,7 @@ impl NormalFlow {
             .assembler
             .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
         self.pull_back_trial();
-        if !longest.is_finite() || !self.current.admits(&sum) {
+        if !longest.is_finite() || !self.current.admits(&sum) || self.would_fold() {
             // back to a fresh matrix at the current point
             self.leave_quasi_newton();
             return Attempt {
@@ -318,16 +308,24 @@ impl NormalFlow {
             longest = if w.abs() <= longest { longest } else { w.abs() };
         }
         if let Some(held) = &self.held {
-            held.interpolation.settle(&mut self.trial);
+            held.settle(&mut self.trial);
         }
         longest
     }
 
     /// Held vertices follow and have no step of their own.
     fn free_only(&mut self) {
-        for &u in self.held.iter().flat_map(|held| &held.unknowns) {
-            self.w[u as usize] = 0.0;
+        if let Some(held) = &self.held {
+            held.clear(&mut self.w);
         }
+    }
+
+    /// Whether the trial point is folded where the current one is not.
+    fn would_fold(&mut self) -> bool {
+        self.guard.as_mut().is_some_and(|g| {
+            g.next = FoldState::new(&g.topology, &g.elements, &self.trial);
+            !g.folds.admits(&g.next, &g.topology, &g.elements)
+        })
     }
 
     fn pull_back_trial(&mut self) {
@@ -338,6 +336,9 @@ impl NormalFlow {
 
     fn accept(&mut self, sum: EnergySum) {
         self.current = sum;
+        if let Some(guard) = &mut self.guard {
+            std::mem::swap(&mut guard.folds, &mut guard.next);
+        }
         std::mem::swap(&mut self.positions, &mut self.trial);
         std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
     }

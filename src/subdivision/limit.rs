@@ -80,6 +80,23 @@ pub fn limit_position(topology: &Topology, positions: &[DVec3], v: VertexId) -> 
     position_with(topology, positions, v, &mut Vec::new())
 }
 
+/// Fills `points` with the neighbours of `v` counter-clockwise from its neighbour `first` on; at an
+/// open boundary with ghosts. Empty for a vertex without triangles.
+pub fn ring_points(
+    topology: &Topology,
+    positions: &[DVec3],
+    v: VertexId,
+    first: VertexId,
+    points: &mut Vec<DVec3>,
+) {
+    let mut ring = Vec::new();
+    extended_ring(topology, v, &mut ring);
+    let turn = ring.iter().position(|&n| n == Neighbour::Real(first));
+    ring.rotate_left(turn.unwrap_or(0));
+    points.clear();
+    points.extend(ring.iter().map(|n| n.position(positions)));
+}
+
 /// Appends the weights of the limit position of a vertex as `(vertex, weight)`: first its own, then
 /// those of its neighbours, ghosts given to the vertices they are made of. A vertex may occur
 /// several times.

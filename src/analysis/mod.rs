@@ -1,0 +1,5 @@
+//! Measures of surfaces.
+
+mod distance;
+
+pub use distance::{Deviation, Distances, distances};
