@@ -55,8 +55,12 @@ fn steps(c: &mut Criterion) {
         let loops = boundary_loops(&mesh);
         let options = FillOptions::default();
         let plan = prepare(&mesh, &[&loops[0]], &options);
-        let problem =
-            warm_start(plan.groups[0].problem(&mesh, &plan).expect("region")).expect("start");
+        let problem = warm_start(
+            plan.groups[0]
+                .problem(&mesh, &plan, &FillOptions::default())
+                .expect("region"),
+        )
+        .expect("start");
         let mut timed = FlowOptions::new(options.flow.energy.clone());
         timed.mode = Mode::Flow;
         group.bench_function(BenchmarkId::new("set-up", missing), |b| {

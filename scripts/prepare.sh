@@ -1,5 +1,5 @@
-# Sourced by run.sh, test.sh and .ci/run: makes sure that a Rust project can be built here.
-# Needs: a Rust toolchain (cargo), a C linker and the C library's development files.
+# Sourced by run.sh, test.sh and .ci/run: makes sure that Meniscus can be built and run here.
+# Needs a Rust toolchain (cargo); everything else comes from apt where it is missing.
 
 say() { printf '%s\n' "meniscus: $*" >&2; }
 die() { say "$*"; exit 1; }
@@ -15,6 +15,20 @@ can_link() {
     return "$status"
 }
 
+# Is a shared library there? ldconfig may be outside the path of an ordinary user.
+has_library() {
+    PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep -q "[[:space:]]$1 "
+}
+
+# Is there a Vulkan or OpenGL driver, in software at least?
+has_graphics() {
+    if has_library libvulkan.so.1; then
+        compgen -G '/usr/share/vulkan/icd.d/*.json' >/dev/null && return 0
+        compgen -G '/etc/vulkan/icd.d/*.json' >/dev/null && return 0
+    fi
+    has_library libEGL.so.1 && compgen -G '/usr/share/glvnd/egl_vendor.d/*.json' >/dev/null
+}
+
 as_root() {
     if [ "$(id -u)" -eq 0 ]; then
         "$@"
@@ -25,6 +39,17 @@ as_root() {
     fi
 }
 
+# install PACKAGE...: from apt, with a word about each run.
+install() {
+    command -v apt-get >/dev/null 2>&1 ||
+        die "missing here: $*. Install them (these are the names on Debian and Ubuntu), then start again"
+    say "installing with apt: $*"
+    as_root apt-get update -qq || die "apt-get update failed: is there a network?"
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >&2 ||
+        die "apt-get could not install: $*"
+}
+
+# What the build needs.
 prepare() {
     if ! command -v cargo >/dev/null 2>&1 && [ -f "${CARGO_HOME:-$HOME/.cargo}/env" ]; then
         # shellcheck disable=SC1091
@@ -32,12 +57,28 @@ prepare() {
     fi
     command -v cargo >/dev/null 2>&1 ||
         die "no cargo found: install Rust from https://rustup.rs, then start again"
-    can_link && return 0
-    command -v apt-get >/dev/null 2>&1 ||
-        die "no working C linker (cc): install a C compiler and the C library's headers, then start again"
-    say "installing gcc and libc6-dev (the linker and C library files that Rust programs need)"
-    as_root apt-get update -qq || die "apt-get update failed: is there a network?"
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends gcc libc6-dev >&2 ||
-        die "apt-get could not install gcc and libc6-dev"
+    can_link || install gcc libc6-dev
     can_link || die "gcc and libc6-dev are installed, but \`cc\` still cannot link a program"
+}
+
+# What the window needs: libraries of the desktop, and a graphics driver where there is none.
+prepare_window() {
+    local missing=()
+    has_library libX11.so.6 || missing+=(libx11-6)
+    has_library libX11-xcb.so.1 || missing+=(libx11-xcb1)
+    has_library libXcursor.so.1 || missing+=(libxcursor1)
+    has_library libXi.so.6 || missing+=(libxi6)
+    has_library libXrandr.so.2 || missing+=(libxrandr2)
+    has_library libxkbcommon-x11.so.0 || missing+=(libxkbcommon-x11-0)
+    has_graphics || missing+=(libvulkan1 mesa-vulkan-drivers)
+    [ ${#missing[@]} -eq 0 ] || install "${missing[@]}"
+}
+
+# What the tests need besides: a virtual display and a hand for its mouse and keys.
+prepare_tests() {
+    local missing=()
+    prepare_window
+    command -v Xvfb >/dev/null 2>&1 || missing+=(xvfb)
+    command -v xdotool >/dev/null 2>&1 || missing+=(xdotool)
+    [ ${#missing[@]} -eq 0 ] || install "${missing[@]}"
 }

@@ -22,17 +22,20 @@
 //! ```
 //!
 //! Files are read by [`io::load`] and made into a [`mesh::Mesh`] by [`mesh::build()`], which repairs
-//! and reports; [`io::save`] writes. [`fill`] is the whole way from holes to a filled mesh, [`solver`]
-//! a single flow, to be stepped or run on its own thread. The mathematics and its signs are in
-//! `docs/formulation.md`, the way the modules hang together in `ARCHITECTURE.md`.
+//! and reports; [`io::save`] writes. [`fill`] is the whole way from holes to a filled mesh, at once or
+//! watched and changed on the way ([`fill::LiveFill`]), [`solver`] a single flow. The mathematics and
+//! its signs are in `docs/formulation.md`, the way the modules hang together in `ARCHITECTURE.md`.
 
 pub mod analysis;
+pub mod app;
 pub mod cli;
 pub mod fill;
 pub mod io;
 pub mod linear;
+pub mod memory;
 pub mod mesh;
 pub mod patch;
 pub mod refine;
+pub mod render;
 pub mod solver;
 pub mod subdivision;

@@ -3,12 +3,21 @@
 use std::process::ExitCode;
 
 use clap::Parser;
+use meniscus::app::{Startup, run as open_window};
 use meniscus::cli::{Arguments, UsageError, run};
 
 fn main() -> ExitCode {
     // wrong usage ends here with exit code 2, --help and --version with 0
     let arguments = Arguments::parse();
-    match run(arguments) {
+    let result = match arguments.command {
+        Some(command) => run(command),
+        None => open_window(Startup {
+            file: arguments.file,
+            diagnostics: arguments.diagnostics,
+        })
+        .map_err(Into::into),
+    };
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("meniscus: {error:#}");

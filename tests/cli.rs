@@ -170,7 +170,8 @@ fn words(line: &str) -> Vec<String> {
 fn examples(text: &str) -> Vec<&str> {
     text.lines()
         .map(str::trim)
-        .filter(|line| line.starts_with("meniscus "))
+        // the grammar of a usage line is no example
+        .filter(|line| line.starts_with("meniscus ") && !line.contains(['<', '[']))
         .map(|line| line.split(" #").next().unwrap_or(line).trim())
         .collect()
 }
@@ -235,7 +236,11 @@ fn wrong_usage_ends_with_2() {
         desk.run(&words)
     };
     desk.run(&["fill", "in.obj"]).fails(2, &["--output"]);
-    desk.run(&["mend", "in.obj"]).fails(2, &["mend"]);
+    desk.run(&["mend"])
+        .fails(2, &["mend", "neither a command nor a file"]);
+    desk.run(&["mend", "in.obj"]).fails(2, &["in.obj"]);
+    desk.run(&["sample", "cube", "-o", "out.obj"])
+        .fails(2, &["cube", "creature"]);
     fill(&["--frobnicate"]).fails(2, &["--frobnicate"]);
     fill(&["--loops", "two"]).fails(2, &["two", "all-but-largest"]);
     fill(&["--loops", "0"]).fails(2, &["not a loop number"]);
@@ -748,10 +753,17 @@ fn colours_and_groups_survive() {
 }
 
 #[test]
-fn without_a_command_the_demo_runs() {
+fn without_a_display_the_window_says_what_to_do() {
     let desk = Desk::new();
-    let run = desk.run(&[]).ends(0);
-    assert!(run.stderr.contains("No command given"), "{}", run.stderr);
+    let mut command = desk.command(&[]);
+    command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+    Run::of(command).fails(1, &["DISPLAY", "xvfb-run", "meniscus fill"]);
+}
+
+#[test]
+fn the_demo_fills_its_sample() {
+    let desk = Desk::new();
+    desk.run(&["demo"]).ends(0);
     let folder = Path::new("meniscus-demo");
     let name = |file: &str| folder.join(file).to_string_lossy().into_owned();
     assert_eq!(desk.loops(&name("holed.obj")), 16);

@@ -33,7 +33,12 @@ fn region() -> Region {
     let mesh = holed(0.55, 5);
     let loops = boundary_loops(&mesh);
     let plan = prepare(&mesh, &[&loops[0]], &FillOptions::default());
-    let problem = warm_start(plan.groups[0].problem(&mesh, &plan).expect("region")).expect("start");
+    let problem = warm_start(
+        plan.groups[0]
+            .problem(&mesh, &plan, &FillOptions::default())
+            .expect("region"),
+    )
+    .expect("start");
     let centre = problem.centre();
     Region {
         shape: (

@@ -204,6 +204,7 @@ fn flow_reaches_the_reference_minimum() {
         options.mode = Mode::Flow;
         // quadrature, first step and growth as the reference was computed
         options.tau = Tau::From(1e-6);
+        options.growth = Some(4.0);
         options.quadrature = Rule::Twelve;
         let mut flow = Flow::new(problem, options).expect("start");
         let outcome = flow.run(|_, _| true).expect("flow");

@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
+use crate::cli::controls::ControlArguments;
+use crate::cli::picture_args::PictureArguments;
+use crate::cli::render::RenderArguments;
 use crate::fill::LoopChoice;
 use crate::mesh::DVec3;
 
@@ -12,18 +15,33 @@ use crate::mesh::DVec3;
 /// Every hole gets a patch that joins its surroundings smoothly (G1) and makes the integral of an
 /// energy f(H,K) stationary, H the mean and K the Gaussian curvature.
 #[derive(Debug, Parser)]
-#[command(name = "meniscus", version, about, after_help = EXAMPLES)]
+#[command(
+    name = "meniscus",
+    version,
+    about,
+    after_help = EXAMPLES,
+    args_conflicts_with_subcommands = true
+)]
 pub struct Arguments {
-    /// What to do; without a command the built-in demo is run.
+    /// What to do without a window; without a command the window opens.
     #[command(subcommand)]
     pub command: Option<Command>,
+    /// Mesh or project to open in the window; a sample if none is given.
+    #[arg(value_name = "FILE", value_parser = file)]
+    pub file: Option<PathBuf>,
+    /// Write frame times and memory as JSON when the window closes.
+    #[arg(long, value_name = "FILE.json")]
+    pub diagnostics: Option<PathBuf>,
 }
 
 const EXAMPLES: &str = "Examples:
+  meniscus
+  meniscus scan.obj
   meniscus info scan.obj
   meniscus fill scan.obj -o filled.obj
   meniscus fill scan.stl -o filled.ply --loops 1,4 --energy 'H^2+K^2'
   meniscus fill scan.obj -o filled.obj --loop-at 0.1,0.2,0.3 --energy '(H-H0)^2' --param H0=-1
+  meniscus blend pipes.obj -o joined.obj --loops 1,3
   meniscus demo --out demo
 
 Exit codes: 0 done, 1 failed with a message, 2 wrong usage.";
@@ -34,20 +52,52 @@ const FILL_EXAMPLES: &str = "Examples:
   meniscus fill scan.obj -o out.obj --energy 'k1^4+k2^4' --scheme mixed --linear lu
   meniscus fill scan.obj -o out.obj --energy 'H^2 + a*K^2' --param a=0.3 --trace steps.csv
   meniscus fill scan.obj -o out.obj --mode flow --tau 1e-5 --steps 1000
+  meniscus fill pipe.obj -o out.obj --energy 1 --loop-continuity 2=g0
+  meniscus fill scan.obj -o out.obj --part 0,0,1 0,1,0
 
 Energies: 1, H^2, K^2, H^2+K^2, H^2*K^2, k1^4+k2^4, K, (H-H0)^2, k1^2+k2^2, (k1-k2)^2, or any
 expression in H, K, k1, k2 and parameters with + - * / ^, abs, sqrt, exp, log, sin, cos, tanh,
 min and max. It must be symmetric in k1 and k2. H is negative on a sphere with outward normals.
 A typed energy is in the units of the file.";
 
+const BLEND_EXAMPLES: &str = "Examples:
+  meniscus blend pipes.obj -o joined.obj
+  meniscus blend pipes.obj -o joined.obj --loops 1,3,5 --energy 'H^2+K^2'
+  meniscus blend pipes.obj -o joined.obj --loop-at 1,0,0 --loop-at 0,1,0
+  meniscus blend tubes.obj -o joined.obj --energy '(H-H0)^2' --param H0=-1
+  meniscus blend pipes.obj -o joined.obj --loops 1,3 --flip 3";
+
+const REFILL_EXAMPLES: &str = "Examples:
+  meniscus refill scan.obj -o out.obj --ball 0.1,0.2,0.3,0.05
+  meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --ball 0,0.1,1,0.2 --grow 2
+  meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --fair --energy 'H^2+K^2'";
+
+const RENDER_EXAMPLES: &str = "Examples:
+  meniscus render scan.obj -o scan.png
+  meniscus render filled.obj -o map.png --view H --camera top --size 1920x1080
+  meniscus render filled.obj -o turn.gif --turntable 60 --size 480x360";
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Fill holes of a mesh and write the result.
     #[command(after_help = FILL_EXAMPLES)]
-    Fill(FillArguments),
+    Fill(Box<FillArguments>),
+    /// Join several rims, of one or more components, by one smooth surface.
+    #[command(after_help = BLEND_EXAMPLES)]
+    Blend(Box<BlendArguments>),
+    /// Erase part of a surface and fill it anew, or fair it in place.
+    #[command(after_help = REFILL_EXAMPLES)]
+    Refill(Box<RefillArguments>),
+    /// Build a strip of triangles across a hole, or from one hole to another.
+    Bridge(BridgeArguments),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
+    /// Draw a mesh into a picture.
+    #[command(after_help = RENDER_EXAMPLES)]
+    Render(RenderArguments),
+    /// Write a built-in sample as a mesh file.
+    Sample(SampleArguments),
     /// Fill a built-in sample riddled with holes and write both meshes and the report.
     Demo(DemoArguments),
 }
@@ -61,7 +111,7 @@ pub struct FillArguments {
     /// Mesh to write (.obj, .ply, .stl). The vertices of IN come first, untouched.
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// Fill the loop with the vertex nearest to this point (repeatable; replaces --loops).
+    /// Take the loop with the vertex nearest to this point (repeatable; replaces --loops).
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub loop_at: Vec<DVec3>,
     /// Which loops: auto (all that are not guessed outer rims), all, all-but-largest, or numbers
@@ -73,45 +123,100 @@ pub struct FillArguments {
         conflicts_with = "loop_at"
     )]
     pub loops: LoopChoice,
-    /// Energy f(H,K): a preset or an expression.
+    /// Fill only part of one hole: along its rim from the vertex nearest to the first point to the
+    /// one nearest to the second, the shorter way. A later fill does the rest.
     #[arg(
         long,
-        value_name = "F",
-        default_value = "H^2",
-        allow_hyphen_values = true
+        num_args = 2,
+        value_names = ["X,Y,Z", "X,Y,Z"],
+        value_parser = point,
+        allow_hyphen_values = true,
+        conflicts_with_all = ["loops", "loop_at", "schedule"]
     )]
-    pub energy: String,
-    /// Value of a parameter of the energy (repeatable).
-    #[arg(long, value_name = "NAME=VALUE", value_parser = parameter)]
-    pub param: Vec<(String, f64)>,
-    /// Method: `normal` is the fast linearly implicit normal flow, `mixed` the paper's mixed finite
-    /// elements, `mixed-corrected` the same matrix with the exact gradient.
-    #[arg(long, value_enum, default_value = "normal")]
-    pub scheme: SchemeArgument,
-    /// `fast` goes for the stationary shape, `flow` follows the flow in true time.
-    #[arg(long, value_enum, default_value = "fast")]
-    pub mode: ModeArgument,
-    /// Linear solver of the mixed scheme.
-    #[arg(long, value_enum, default_value = "gmres")]
-    pub linear: LinearArgument,
-    /// Time step: auto, or a fixed one.
-    #[arg(long, value_name = "T", default_value = "auto", value_parser = tau, allow_negative_numbers = true)]
-    pub tau: TauArgument,
-    /// Most steps to take.
-    #[arg(long, value_name = "N", default_value_t = 200)]
-    pub steps: usize,
-    /// Density of the patch relative to the rim: 2 halves the edge length.
-    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = density, allow_negative_numbers = true)]
-    pub density: f64,
+    pub part: Vec<DVec3>,
+    /// Fill holes as if no loose pieces lay in them; without it patches pass through the rims of
+    /// islands.
+    #[arg(long)]
+    pub no_islands: bool,
+    /// Energy, method, time step and the like.
+    #[command(flatten)]
+    pub controls: ControlArguments,
+    /// Repeat the changes on the way of an earlier fill: CSV with the columns
+    /// attempt,control,value, as the window copies it.
+    #[arg(long, value_name = "FILE.csv")]
+    pub schedule: Option<PathBuf>,
     /// Write a report as JSON.
     #[arg(long, value_name = "FILE.json")]
     pub report: Option<PathBuf>,
     /// Write every step as CSV.
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
+    /// Write a picture of the result as PNG, patches tinted.
+    #[arg(long, value_name = "FILE.png")]
+    pub picture: Option<PathBuf>,
+    /// How the picture looks.
+    #[command(flatten)]
+    pub look: PictureArguments,
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// `meniscus blend`.
+#[derive(Debug, Args)]
+#[command(mut_arg("part", |a| a.hide(true)), mut_arg("no_islands", |a| a.hide(true)))]
+pub struct BlendArguments {
+    /// The rims and the flow, as for `fill`.
+    #[command(flatten)]
+    pub fill: FillArguments,
+    /// Turn the faces of this loop's component over first (repeatable).
+    #[arg(long, value_name = "LOOP")]
+    pub flip: Vec<usize>,
+}
+
+/// `meniscus bridge`.
+#[derive(Debug, Args)]
+pub struct BridgeArguments {
+    /// Mesh to read (.obj, .ply, .stl).
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// Mesh to write (.obj, .ply, .stl). The vertices of IN come first, untouched.
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// One end: at the rim vertex nearest to this point.
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub from: DVec3,
+    /// The other end.
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub to: DVec3,
+    /// Rim edges it is wide.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub width: usize,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// `meniscus refill`.
+#[derive(Debug, Args)]
+#[command(
+    mut_arg("loops", |a| a.hide(true)),
+    mut_arg("loop_at", |a| a.hide(true)),
+    mut_arg("part", |a| a.hide(true))
+)]
+pub struct RefillArguments {
+    /// Files and flow, as for `fill`.
+    #[command(flatten)]
+    pub fill: FillArguments,
+    /// Select the faces whose corners lie within this distance of this point (repeatable).
+    #[arg(long, value_name = "X,Y,Z,R", required = true, value_parser = ball, allow_hyphen_values = true)]
+    pub ball: Vec<(DVec3, f64)>,
+    /// Widen the selection by this many rings of faces.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub grow: usize,
+    /// Keep the triangles and let their vertices flow, instead of erasing and filling.
+    #[arg(long)]
+    pub fair: bool,
 }
 
 /// `meniscus info`.
@@ -125,6 +230,17 @@ pub struct InfoArguments {
     pub json: bool,
 }
 
+/// `meniscus sample`.
+#[derive(Debug, Args)]
+pub struct SampleArguments {
+    /// Which: creature, sphere, torus, catenoid or saddle.
+    #[arg(value_name = "NAME")]
+    pub name: String,
+    /// Mesh to write (.obj, .ply, .stl).
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+}
+
 /// `meniscus demo`.
 #[derive(Debug, Args)]
 pub struct DemoArguments {
@@ -136,71 +252,17 @@ pub struct DemoArguments {
     pub quiet: bool,
 }
 
-impl Default for DemoArguments {
-    fn default() -> Self {
-        Self {
-            out: "meniscus-demo".into(),
-            quiet: false,
-        }
+/// A word that is no command and does not look like a file is more likely a mistyped command.
+fn file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path.exists() || path.extension().is_some() || path.components().count() > 1 {
+        Ok(path)
+    } else {
+        Err("it is neither a command nor a file; `meniscus --help` lists the commands".into())
     }
 }
 
-/// `--scheme`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum SchemeArgument {
-    /// Scheme B.
-    Normal,
-    /// Scheme A.
-    Mixed,
-    /// Scheme A, residual-corrected.
-    MixedCorrected,
-}
-
-/// `--mode`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ModeArgument {
-    /// Stationary shape.
-    Fast,
-    /// True time.
-    Flow,
-}
-
-/// `--linear`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LinearArgument {
-    /// Restarted GMRES.
-    Gmres,
-    /// Sparse LU.
-    Lu,
-}
-
-/// `--tau`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TauArgument {
-    /// Adaptive.
-    Auto,
-    /// Fixed.
-    Fixed(f64),
-}
-
-fn tau(text: &str) -> Result<TauArgument, String> {
-    if text == "auto" {
-        return Ok(TauArgument::Auto);
-    }
-    match text.parse::<f64>() {
-        Ok(t) if t.is_finite() && t > 0.0 => Ok(TauArgument::Fixed(t)),
-        _ => Err("give `auto` or a positive number".into()),
-    }
-}
-
-fn density(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(d) if d.is_finite() && d > 0.0 => Ok(d),
-        _ => Err("give a positive number".into()),
-    }
-}
-
-fn point(text: &str) -> Result<DVec3, String> {
+pub(crate) fn point(text: &str) -> Result<DVec3, String> {
     let numbers: Vec<f64> = text
         .split(',')
         .map(|word| word.trim().parse::<f64>())
@@ -212,11 +274,12 @@ fn point(text: &str) -> Result<DVec3, String> {
     }
 }
 
-fn parameter(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("give NAME=VALUE, as in a=0.3")?;
-    let value = value
-        .trim()
-        .parse::<f64>()
-        .map_err(|_| format!("`{value}` is not a number"))?;
-    Ok((name.trim().to_owned(), value))
+fn ball(text: &str) -> Result<(DVec3, f64), String> {
+    let mistaken = || "give centre and radius, as in 0.1,-2,3.5,0.25".to_owned();
+    let (centre, radius) = text.rsplit_once(',').ok_or_else(mistaken)?;
+    let centre = point(centre).map_err(|_| mistaken())?;
+    match radius.trim().parse::<f64>() {
+        Ok(r) if r.is_finite() && r > 0.0 => Ok((centre, r)),
+        _ => Err(mistaken()),
+    }
 }

@@ -1,39 +1,150 @@
 //! `meniscus fill`.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Result, bail};
-use clap::ValueEnum;
+use anyhow::{Context, Result, bail};
 
 use crate::cli::UsageError;
-use crate::cli::args::{FillArguments, LinearArgument, ModeArgument, SchemeArgument, TauArgument};
-use crate::cli::memory::peak_memory;
+use crate::cli::args::FillArguments;
+use crate::cli::picture::picture;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
-use crate::cli::report::{FailedHole, FillReport, hole_reports, skipped, totals, trace};
-use crate::fill::{FillOptions, Filled, LoopChoice, choose, fill_holes, nearest_loop};
+use crate::cli::report::{
+    FailedHole, FillReport, SkippedLoop, hole_reports, skipped, totals, trace,
+};
+use crate::fill::{
+    Choice, Continuity, Controls, ControlsError, Filled, Gap, LoopChoice, Schedule, choose,
+    fill_part, fill_scheduled, nearest_loop, with_islands,
+};
 use crate::io::{self, Opened, open};
-use crate::mesh::{BoundaryLoop, boundary_loops};
-use crate::patch::PatchOptions;
-use crate::solver::energy::{Energy, ExprError};
-use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, Tau};
+use crate::memory::peak_memory;
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, VertexId, boundary_loops};
 
 /// Runs the command.
 pub fn fill(args: &FillArguments) -> Result<()> {
-    let options = options(args)?;
+    let start = start(args)?;
+    match args.part[..] {
+        [from, to] => part(args, &start, from, to),
+        _ => fill_opened(args, &start, Task::Holes),
+    }
+}
+
+/// Fills part of a hole.
+fn part(args: &FillArguments, start: &Start, from: DVec3, to: DVec3) -> Result<()> {
+    let mesh = &start.opened.mesh;
+    let loops = boundary_loops(mesh);
+    let Some(hole) = nearest_loop(mesh, &loops, from).map(|i| &loops[i]) else {
+        bail!("--part: the mesh has no boundary loop");
+    };
+    let [from, to] = [from, to].map(|point| nearest_index(mesh, hole, point));
+    let n = hole.edges();
+    // the shorter way
+    let [from, to] = if (to + n - from) % n <= n / 2 {
+        [from, to]
+    } else {
+        [to, from]
+    };
+    let progress = Progress::new(1, args.quiet);
+    let options = start.controls.options()?;
+    let filled = fill_part(mesh, hole, from, to, &options, &|group, record| {
+        progress.step(group, record);
+        true
+    })?;
+    progress.finish();
+    save_filled(args, &start.opened, &filled, Vec::new(), Vec::new())
+}
+
+/// Index along the loop of the vertex nearest to a point.
+fn nearest_index(mesh: &Mesh, hole: &BoundaryLoop, point: DVec3) -> usize {
+    let distance = |i: &usize| mesh.position(hole.vertices[*i]).distance_squared(point);
+    (0..hole.edges())
+        .min_by(|i, j| distance(i).total_cmp(&distance(j)))
+        .unwrap_or(0)
+}
+
+/// What is known before the work.
+pub struct Start {
+    /// The controls to start with, found to be valid.
+    pub controls: Controls,
+    /// What is changed on the way.
+    pub schedule: Schedule,
+    /// The mesh.
+    pub opened: Opened,
+}
+
+/// Everything before the work: controls, targets, the mesh.
+pub fn start(args: &FillArguments) -> Result<Start> {
+    let controls = args.controls.controls();
+    controls.options().map_err(|e| mistaken(&e))?;
+    if args.picture.is_none() && args.look.given() {
+        let message = "the options of pictures need --picture FILE.png";
+        return Err(UsageError(message.into()).into());
+    }
     check_targets(args)?;
+    let schedule = schedule(args, &controls)?;
     // the pool's threads start while the file is read
     rayon::spawn(|| ());
-    let opened = open(&args.input)?;
-    fill_opened(args, &options, &opened)
+    Ok(Start {
+        controls,
+        schedule,
+        opened: open(&args.input)?,
+    })
+}
+
+/// What to do with the loops chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Task {
+    /// Fill each.
+    Holes,
+    /// Join them all by one surface.
+    Blend,
+}
+
+impl Task {
+    fn gaps<'a>(
+        self,
+        args: &FillArguments,
+        mesh: &Mesh,
+        loops: &'a [BoundaryLoop],
+        chosen: &[usize],
+    ) -> Result<Vec<Gap<'a>>> {
+        let rims: Gap<'a> = chosen.iter().map(|&i| &loops[i]).collect();
+        match self {
+            Self::Holes if args.no_islands => Ok(rims.into_iter().map(|rim| vec![rim]).collect()),
+            Self::Holes => Ok(with_islands(mesh, loops, chosen)),
+            Self::Blend if rims.len() > 1 => Ok(vec![rims]),
+            Self::Blend => bail!(
+                "a blend joins at least two loops, and {} of {} {} chosen; name them with --loops or \
+                 --loop-at (`meniscus info` lists them)",
+                rims.len(),
+                loops.len(),
+                if rims.len() == 1 { "is" } else { "are" }
+            ),
+        }
+    }
+}
+
+/// The schedule asked for, found to be one that can be followed.
+fn schedule(args: &FillArguments, controls: &Controls) -> Result<Schedule> {
+    let Some(path) = &args.schedule else {
+        return Ok(Schedule::default());
+    };
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("cannot read the schedule {}", path.display()))?;
+    let schedule = Schedule::parse(&text);
+    let checked = schedule.and_then(|s| s.check(controls).map(|()| s));
+    checked.map_err(|error| UsageError(format!("{}: {error}", path.display())).into())
 }
 
 /// Finds out before the work whether its results can be written, and over nothing that is needed.
 fn check_targets(args: &FillArguments) -> Result<()> {
-    let input = ("IN", args.input.as_path());
-    let mut taken = vec![input];
-    let records = [("--report", &args.report), ("--trace", &args.trace)];
+    let mut taken = vec![("IN", args.input.as_path())];
+    taken.extend(args.schedule.as_deref().map(|path| ("--schedule", path)));
+    let records = [
+        ("--report", &args.report),
+        ("--trace", &args.trace),
+        ("--picture", &args.picture),
+    ];
     let records = records
         .iter()
         .filter_map(|&(name, path)| Some((name, path.as_deref()?)));
@@ -58,12 +169,19 @@ fn check_targets(args: &FillArguments) -> Result<()> {
 }
 
 /// Fills an opened mesh and writes everything asked for.
-pub fn fill_opened(args: &FillArguments, options: &FillOptions, opened: &Opened) -> Result<()> {
+pub fn fill_opened(args: &FillArguments, start: &Start, task: Task) -> Result<()> {
+    let Start {
+        controls,
+        schedule,
+        opened,
+    } = start;
     let mesh = &opened.mesh;
     let loops = boundary_loops(mesh);
     let chosen = chosen_loops(args, opened, &loops)?;
     let auto = args.loop_at.is_empty() && args.loops == LoopChoice::Auto;
-    let skipped = skipped(&loops, &chosen, auto);
+    let gaps = task.gaps(args, mesh, &loops, &chosen)?;
+    let joined: Vec<usize> = gaps.iter().flatten().map(|l| l.number - 1).collect();
+    let skipped = skipped(&loops, &joined, auto);
     if !args.quiet {
         for note in &opened.report.notes {
             eprintln!("{}: {note}", args.input.display());
@@ -78,24 +196,35 @@ pub fn fill_opened(args: &FillArguments, options: &FillOptions, opened: &Opened)
             eprintln!("{}", nothing_to_do(loops.len()));
         }
     }
-    let targets: Vec<&BoundaryLoop> = chosen.iter().map(|&i| &loops[i]).collect();
-    let progress = Progress::new(targets.len(), args.quiet);
-    let filled = fill_holes(mesh, &targets, options, &|group, record| {
+    let progress = Progress::new(gaps.len(), args.quiet);
+    let filled = fill_scheduled(mesh, &gaps, controls, schedule, &|group, record| {
         progress.step(group, record);
         true
     })?;
     progress.finish();
-
-    io::save_mesh(&args.output, &filled.mesh, &opened.material_libraries)?;
-    write_records(args, opened, &filled, skipped)
+    // rims joined without continuous normals are drawn from either side by itself
+    let sharp = gaps
+        .iter()
+        .flatten()
+        .filter(|l| controls.continuity_at(l.number) == Continuity::G0);
+    let creases = sharp.flat_map(|l| l.edge_ends()).collect();
+    save_filled(args, opened, &filled, skipped, creases)
 }
 
-fn write_records(
+/// Writes the mesh and everything else asked for, and says what was done. `creases` are the edges
+/// of rims that a picture shows from either side by itself.
+pub fn save_filled(
     args: &FillArguments,
     opened: &Opened,
     filled: &Filled,
-    skipped: Vec<crate::cli::report::SkippedLoop>,
+    skipped: Vec<SkippedLoop>,
+    creases: Vec<[VertexId; 2]>,
 ) -> Result<()> {
+    io::save_mesh(&args.output, &filled.mesh, &opened.material_libraries)?;
+    if let Some(path) = &args.picture {
+        let first = filled.mesh.face_count() - filled.plan.triangles.len();
+        picture(path, &filled.mesh, first, creases, &args.look)?;
+    }
     let holes = hole_reports(filled);
     let failed: Vec<FailedHole> = filled
         .plan
@@ -110,9 +239,9 @@ fn write_records(
         version: env!("CARGO_PKG_VERSION"),
         input: args.input.display().to_string(),
         output: args.output.display().to_string(),
-        energy: args.energy.clone(),
-        scheme: name(&args.scheme),
-        mode: name(&args.mode),
+        energy: args.controls.energy.clone(),
+        scheme: args.controls.scheme.name(),
+        mode: args.controls.mode.name(),
         load: &opened.report,
         totals: totals(filled, &holes),
         holes,
@@ -173,13 +302,6 @@ fn summary(report: &FillReport<'_>) -> Result<()> {
     ))
 }
 
-/// A choice as it is written on the command line.
-fn name(choice: &impl ValueEnum) -> String {
-    choice
-        .to_possible_value()
-        .map_or_else(String::new, |v| v.get_name().to_owned())
-}
-
 fn nothing_to_do(loops: usize) -> String {
     if loops == 0 {
         "no boundary loops: the mesh is closed and is written as it is".into()
@@ -211,40 +333,15 @@ fn chosen_loops(
     Ok(chosen)
 }
 
-fn options(args: &FillArguments) -> Result<FillOptions> {
-    let params: BTreeMap<String, f64> = args.param.iter().cloned().collect();
-    let energy = Energy::parse(&args.energy, &params).map_err(|e| expression_error(&e))?;
-    let mut flow = FlowOptions::new(energy);
-    flow.scheme = match args.scheme {
-        SchemeArgument::Normal => Scheme::Normal,
-        SchemeArgument::Mixed => Scheme::Mixed,
-        SchemeArgument::MixedCorrected => Scheme::MixedCorrected,
+/// Controls that the grammar lets through but that are none.
+fn mistaken(error: &ControlsError) -> anyhow::Error {
+    let text = match error.expression() {
+        Some(expression) => format!("--energy\n{}", expression.render()),
+        None => error.to_string(),
     };
-    flow.mode = match args.mode {
-        ModeArgument::Fast => Mode::Fast,
-        ModeArgument::Flow => Mode::Flow,
-    };
-    flow.linear = match args.linear {
-        LinearArgument::Gmres => LinearSolver::default(),
-        LinearArgument::Lu => LinearSolver::Lu,
-    };
-    flow.tau = match args.tau {
-        TauArgument::Auto => Tau::Auto,
-        TauArgument::Fixed(t) => Tau::Fixed(t),
-    };
-    flow.max_steps = args.steps;
-    Ok(FillOptions {
-        patch: PatchOptions {
-            density: args.density,
-        },
-        flow,
-    })
+    UsageError(text).into()
 }
 
-fn expression_error(error: &ExprError) -> anyhow::Error {
-    UsageError(format!("--energy\n{}", error.render())).into()
-}
-
-fn write_text(path: &Path, text: &str) -> Result<()> {
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
     Ok(io::save_text(path, text)?)
 }

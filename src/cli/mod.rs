@@ -1,13 +1,20 @@
 //! The headless commands.
 
 mod args;
+mod blend;
+mod bridge;
+mod controls;
 mod demo;
 mod fill;
 mod info;
-mod memory;
+mod picture;
+mod picture_args;
 mod print;
 mod progress;
+mod refill;
+mod render;
 mod report;
+mod sample;
 
 pub use args::{Arguments, Command};
 
@@ -18,22 +25,20 @@ use anyhow::Result;
 #[error("{0}")]
 pub struct UsageError(pub String);
 
-/// Runs a parsed command line.
+/// Runs a command.
 ///
 /// # Errors
 /// Anything that keeps the command from doing its job; the message is for the person at the
 /// terminal. It is a [`UsageError`] if the command line is to blame.
-pub fn run(arguments: Arguments) -> Result<()> {
-    match arguments.command {
-        Some(Command::Fill(args)) => fill::fill(&args),
-        Some(Command::Info(args)) => info::info(&args),
-        Some(Command::Demo(args)) => demo::demo(&args),
-        None => {
-            eprintln!(
-                "No command given: running `meniscus demo` in the current folder \
-                 (see `meniscus --help`)."
-            );
-            demo::demo(&args::DemoArguments::default())
-        }
+pub fn run(command: Command) -> Result<()> {
+    match command {
+        Command::Fill(args) => fill::fill(&args),
+        Command::Blend(args) => blend::blend(&args),
+        Command::Bridge(args) => bridge::bridge(&args),
+        Command::Refill(args) => refill::refill(&args),
+        Command::Info(args) => info::info(&args),
+        Command::Demo(args) => demo::demo(&args),
+        Command::Render(args) => render::render(&args),
+        Command::Sample(args) => sample::sample(&args),
     }
 }

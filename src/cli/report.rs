@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::fill::{Filled, Timings};
 use crate::mesh::{BoundaryLoop, LoadReport};
-use crate::solver::End;
+use crate::solver::{End, StepRecord};
 
 /// Everything a fill did.
 #[derive(Debug, Serialize)]
@@ -20,9 +20,9 @@ pub struct FillReport<'a> {
     /// Energy, as given.
     pub energy: String,
     /// Method.
-    pub scheme: String,
+    pub scheme: &'static str,
     /// Mode.
-    pub mode: String,
+    pub mode: &'static str,
     /// Counts, repairs and the index map of the input.
     pub load: &'a LoadReport,
     /// Filled holes.
@@ -43,9 +43,11 @@ pub struct HoleReport {
     /// Number of the loop.
     #[serde(rename = "loop")]
     pub number: usize,
-    /// Edges of the rim.
+    /// Numbers of all loops its patch joins.
+    pub loops: Vec<usize>,
+    /// Edges of the rims.
     pub edges: usize,
-    /// RMS distance of the rim's vertices from their mean.
+    /// RMS distance of the rim's vertices from their mean, the largest of several rims.
     pub radius: f64,
     /// New vertices.
     pub vertices_added: usize,
@@ -138,6 +140,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
         .map(|hole| {
             let mut report = HoleReport {
                 number: hole.number,
+                loops: hole.loops.clone(),
                 edges: hole.edges,
                 radius: hole.radius,
                 vertices_added: hole.new_vertices.len(),
@@ -228,11 +231,19 @@ pub fn skipped(loops: &[BoundaryLoop], chosen: &[usize], auto: bool) -> Vec<Skip
 
 /// One line a step attempted: loop (the first of its group), step, τ, energy, residual, rejected.
 pub fn trace(filled: &Filled) -> String {
+    let plan = &filled.plan;
+    let groups = filled.groups.iter().enumerate();
+    step_lines(groups.filter_map(|(g, group)| {
+        let number = plan.holes[plan.groups[g].holes[0]].number;
+        Some((number, &group.as_ref().ok()?.records[..]))
+    }))
+}
+
+/// The CSV of several flows, each with the number of its loop (0 for none).
+pub fn step_lines<'a>(flows: impl IntoIterator<Item = (usize, &'a [StepRecord])>) -> String {
     let mut csv = String::from("loop,step,tau,energy,residual,rejected\n");
-    for (g, group) in filled.groups.iter().enumerate() {
-        let Ok(group) = group else { continue };
-        let number = filled.plan.holes[filled.plan.groups[g].holes[0]].number;
-        for r in &group.records {
+    for (number, records) in flows {
+        for r in records {
             let residual = if r.rejected {
                 String::new()
             } else {

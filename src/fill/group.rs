@@ -1,11 +1,12 @@
-//! Holes that have to be solved together, and the region of each group.
+//! Holes that have to be solved together.
 
-use crate::fill::{Plan, sheets};
+use crate::fill::{FillOptions, Plan, region};
 use crate::mesh::union_find::{find, unite};
-use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, TopologyError, VertexId};
+use crate::mesh::{BoundaryLoop, FaceId, Mesh, VertexId};
 use crate::solver::{COLLAR_RINGS, FlowProblem, SolverError};
 
-/// Holes whose collars share vertices.
+/// Holes whose collars share vertices. Creases (G0) are not asked for: they have no collar, but may
+/// get one while the flow runs.
 #[derive(Clone, Debug)]
 pub struct Group {
     /// Indices into [`Plan::holes`].
@@ -14,25 +15,26 @@ pub struct Group {
     pub new_vertices: Vec<u32>,
     /// Hole radius: the largest of the group.
     pub radius: f64,
-    /// Faces of the mesh in the collar.
-    faces: Vec<FaceId>,
+    /// Faces of the mesh in the collar of each hole, sorted.
+    pub(super) collars: Vec<Vec<FaceId>>,
 }
 
 /// Collars are found around every rim by breadth-first search; holes whose collars meet are one
 /// group. Holes without interior vertices need no flow and belong to none.
-pub(super) fn groups(mesh: &Mesh, loops: &[&BoundaryLoop], plan: &Plan) -> Vec<Group> {
-    let count = loops.len();
+pub(super) fn groups(mesh: &Mesh, gaps: &[&[&BoundaryLoop]], plan: &Plan) -> Vec<Group> {
+    let count = gaps.len();
     let mut owner = vec![u32::MAX; mesh.positions.len()];
     let mut parent: Vec<u32> = (0..count as u32).collect();
     let mut collars: Vec<Vec<FaceId>> = Vec::with_capacity(count);
     let mut face_owner = vec![u32::MAX; mesh.topology.face_count()];
-    for (h, hole) in loops.iter().enumerate() {
+    for (h, gap) in gaps.iter().enumerate() {
         if plan.holes[h].new_vertices.is_empty() {
             collars.push(Vec::new());
             continue;
         }
         let mut faces = Vec::new();
-        let mut front: Vec<VertexId> = hole.vertices.clone();
+        let rims = gap.iter().flat_map(|l| l.vertices.iter().copied());
+        let mut front: Vec<VertexId> = rims.collect();
         let mut claim = |v: VertexId, parent: &mut [u32]| -> bool {
             match owner[v.index()] {
                 u32::MAX => {
@@ -67,6 +69,7 @@ pub(super) fn groups(mesh: &Mesh, loops: &[&BoundaryLoop], plan: &Plan) -> Vec<G
             }
             front = next;
         }
+        faces.sort_unstable();
         collars.push(faces);
     }
 
@@ -83,7 +86,7 @@ pub(super) fn groups(mesh: &Mesh, loops: &[&BoundaryLoop], plan: &Plan) -> Vec<G
                 holes: Vec::new(),
                 new_vertices: Vec::new(),
                 radius: 0.0,
-                faces: Vec::new(),
+                collars: Vec::new(),
             });
         }
         let group = &mut groups[group_of_root[root]];
@@ -93,11 +96,7 @@ pub(super) fn groups(mesh: &Mesh, loops: &[&BoundaryLoop], plan: &Plan) -> Vec<G
         group
             .new_vertices
             .extend(hole.new_vertices.clone().map(|v| v as u32));
-        group.faces.append(&mut collars[h]);
-    }
-    for group in &mut groups {
-        group.faces.sort_unstable();
-        group.faces.dedup();
+        group.collars.push(std::mem::take(&mut collars[h]));
     }
     groups
 }
@@ -107,56 +106,13 @@ impl Group {
     ///
     /// # Errors
     /// As [`FlowProblem::new`].
-    pub fn problem(&self, mesh: &Mesh, plan: &Plan) -> Result<FlowProblem, SolverError> {
-        let old = mesh.positions.len();
-        let mut local = vec![u32::MAX; old + plan.new_positions.len()];
-        let mut positions: Vec<DVec3> = Vec::new();
-        let mut triangles: Vec<[u32; 3]> = Vec::new();
-        for (i, &v) in self.new_vertices.iter().enumerate() {
-            local[old + v as usize] = i as u32;
-            positions.push(plan.new_positions[v as usize]);
-        }
-        let mut collar: Vec<VertexId> = self
-            .faces
-            .iter()
-            .flat_map(|&f| mesh.topology.face_vertices(f))
-            .collect();
-        collar.sort_unstable();
-        collar.dedup();
-        let interior: Vec<u32> = (0..positions.len() as u32).collect();
-        let mut number = |v: u32| {
-            let slot = &mut local[v as usize];
-            if *slot == u32::MAX {
-                *slot = positions.len() as u32;
-                positions.push(mesh.positions[v as usize]);
-            }
-            *slot
-        };
-        for &h in &self.holes {
-            for t in &plan.triangles[plan.holes[h].new_faces.clone()] {
-                triangles.push(t.map(&mut number));
-            }
-        }
-        // patches without interior vertices close holes in this collar
-        for hole in plan.holes.iter().filter(|h| h.new_vertices.is_empty()) {
-            let faces = &plan.triangles[hole.new_faces.clone()];
-            let touches = |t: &[u32; 3]| {
-                t.iter()
-                    .any(|v| collar.binary_search(&VertexId(*v)).is_ok())
-            };
-            if faces.iter().any(touches) {
-                triangles.extend(faces.iter().map(|t| t.map(&mut number)));
-            }
-        }
-        for &f in &self.faces {
-            triangles.push(mesh.topology.face_vertices(f).map(|v| number(v.0)));
-        }
-        match FlowProblem::new(&positions, &triangles, &interior, self.radius) {
-            Err(SolverError::Topology(TopologyError::NonManifoldVertex { .. })) => {
-                sheets::separate(&mut positions, &mut triangles);
-                FlowProblem::new(&positions, &triangles, &interior, self.radius)
-            }
-            problem => problem,
-        }
+    pub fn problem(
+        &self,
+        mesh: &Mesh,
+        plan: &Plan,
+        options: &FillOptions,
+    ) -> Result<FlowProblem, SolverError> {
+        let (shape, positions) = plan.shape_of(self);
+        region::problem(mesh, plan, self, &shape, &positions, options)
     }
 }

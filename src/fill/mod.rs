@@ -4,11 +4,26 @@
 //! that share collar vertices; [`Plan::finish`] puts the flowed positions into the mesh.
 //! [`fill_holes`] does all of it, groups in parallel.
 
+mod blend;
+mod bridge;
+mod controls;
 mod group;
+mod islands;
+mod live;
+mod noise;
+mod partial;
+mod rail;
+mod refill;
+mod region;
 mod rim;
+mod run;
+mod schedule;
+mod scheduled;
 mod select;
+mod shape;
 mod sheets;
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -16,10 +31,26 @@ use rayon::prelude::*;
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError, VertexId};
 use crate::patch::{self, PatchError, PatchMesh, PatchOptions};
 use crate::solver::energy::{Energy, Preset};
-use crate::solver::{End, Flow, FlowOptions, FlowProblem, Outcome, SolverError, StepRecord};
+use crate::solver::{End, FlowOptions, FlowProblem, Outcome, SolverError, StepRecord};
 
+use run::Ground;
+use schedule::TimedChange;
+use scheduled::run_group;
+use shape::Shape;
+
+pub use bridge::{BridgeError, Stretch, bridge, stretch_at};
+pub use controls::{Choice, Continuity, Controls, ControlsError, Linear, TauChoice};
 pub use group::Group;
-pub use rim::rim_of;
+pub use islands::with_islands;
+pub use live::{
+    GroupState, GroupStatus, HoleLayout, Layout, LiveError, LiveEvent, LiveFill, LiveSettings,
+    State, Timeline, blend_command_line, command_line,
+};
+pub use partial::{PartialError, fill_part};
+pub use refill::{Faired, RefillError, Refilled, fair, refill};
+pub use rim::{gap_of, rim_of};
+pub use schedule::{Row, Schedule, ScheduleError};
+pub use scheduled::{ScheduledFillError, fill_scheduled};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};
 
 /// What can be chosen about a fill.
@@ -27,22 +58,39 @@ pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};
 pub struct FillOptions {
     /// The first patch.
     pub patch: PatchOptions,
+    /// Noise on the surface the flow starts from, in mean edge lengths along the normals.
+    pub noise: f64,
     /// The flow.
     pub flow: FlowOptions,
+    /// How patches meet the mesh.
+    pub continuity: Continuity,
+    /// The same for single loops, by their numbers.
+    pub loop_continuity: BTreeMap<usize, Continuity>,
 }
 
 impl Default for FillOptions {
-    /// Rim density, `f = H²`, scheme B, fast mode.
+    /// Rim density, `f = H²`, scheme B, fast mode, G1.
     fn default() -> Self {
         Self {
             patch: PatchOptions::default(),
+            noise: 0.0,
             flow: FlowOptions::new(Energy::preset(Preset::H2)),
+            continuity: Continuity::default(),
+            loop_continuity: BTreeMap::new(),
         }
     }
 }
 
+impl FillOptions {
+    /// How the patch meets the mesh at a loop.
+    pub fn continuity_at(&self, number: usize) -> Continuity {
+        let own = self.loop_continuity.get(&number);
+        own.copied().unwrap_or(self.continuity)
+    }
+}
+
 /// Why a hole, or a whole fill, failed.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum FillError {
     /// No first patch could be made.
     #[error("hole {hole}: no first patch: {source}")]
@@ -90,11 +138,15 @@ impl Timings {
 /// One hole of a plan.
 #[derive(Clone, Debug)]
 pub struct PlannedHole {
-    /// Number of the loop (1-based).
+    /// Number of the loop (1-based), of the first of its loops for a blend.
     pub number: usize,
-    /// Edges of the rim.
+    /// Numbers of all loops its patch joins: one, or several for a blend.
+    pub loops: Vec<usize>,
+    /// Vertices of each of these loops.
+    pub rims: Vec<Vec<VertexId>>,
+    /// Edges of the rims.
     pub edges: usize,
-    /// Hole radius: RMS distance of the rim from its mean.
+    /// Hole radius: RMS distance of the rim from its mean, the largest of a blend's rims.
     pub radius: f64,
     /// New vertices: this range of [`Plan::new_positions`].
     pub new_vertices: std::ops::Range<usize>,
@@ -109,8 +161,10 @@ pub struct PlannedHole {
 }
 
 /// First patches of all holes, and the flows to run on them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Plan {
+    /// Vertices of the mesh.
+    pub old_vertices: usize,
     /// Holes with a patch, in the order asked for.
     pub holes: Vec<PlannedHole>,
     /// Holes that could not be given one.
@@ -123,69 +177,95 @@ pub struct Plan {
     pub groups: Vec<Group>,
 }
 
+/// Rims to be joined by one patch: one for a hole, several for a blend or a hole with islands.
+pub type Gap<'a> = Vec<&'a BoundaryLoop>;
+
 /// Builds first patches (in parallel) and groups the holes that share collar vertices.
 pub fn prepare(mesh: &Mesh, loops: &[&BoundaryLoop], options: &FillOptions) -> Plan {
-    let patches: Vec<(Result<PatchMesh, PatchError>, f64)> = loops
+    let gaps: Vec<Gap<'_>> = loops.iter().map(|&hole| vec![hole]).collect();
+    prepare_gaps(mesh, &gaps, options)
+}
+
+/// [`prepare`] for gaps of any number of rims.
+pub fn prepare_gaps(mesh: &Mesh, gaps: &[Gap<'_>], options: &FillOptions) -> Plan {
+    let patches: Vec<FirstPatch> = gaps
         .par_iter()
-        .map(|hole| {
+        .map(|gap| {
             let start = Instant::now();
-            let patch = patch::fill(&rim_of(mesh, hole), &options.patch);
+            let patch = match gap[..] {
+                [hole] => patch::fill(&rim_of(mesh, hole), &options.patch),
+                _ => patch::blend(&gap_of(mesh, gap), &options.patch),
+            };
             (patch, milliseconds(start))
         })
         .collect();
-    let mut plan = Plan {
-        holes: Vec::new(),
-        failed: Vec::new(),
-        new_positions: Vec::new(),
-        triangles: Vec::new(),
-        groups: Vec::new(),
-    };
-    let mut filled = Vec::new();
-    for (hole, (patch, patch_ms)) in loops.iter().zip(patches) {
-        match patch {
-            Ok(patch) => {
-                plan.add(mesh, hole, &patch, patch_ms);
-                filled.push(*hole);
-            }
-            Err(source) => plan.failed.push(FillError::Patch {
-                hole: hole.number,
-                source,
-            }),
-        }
-    }
-    plan.groups = group::groups(mesh, &filled, &plan);
-    for (g, group) in plan.groups.iter().enumerate() {
-        for &h in &group.holes {
-            plan.holes[h].group = Some(g);
-        }
+    let mut plan = Plan::new(mesh, gaps, &patches);
+    if plan.holes.iter().any(|hole| hole.loops.len() > 1) {
+        plan = blend::reshape(mesh, gaps, patches, &mut plan, options);
     }
     plan
 }
 
+/// The first patch of a gap and the milliseconds it took.
+type FirstPatch = (Result<PatchMesh, PatchError>, f64);
+
 impl Plan {
-    fn add(&mut self, mesh: &Mesh, hole: &BoundaryLoop, patch: &PatchMesh, patch_ms: f64) {
-        let rim = hole.vertices.len();
-        let first = mesh.positions.len() + self.new_positions.len();
-        let global = |v: u32| {
-            let v = v as usize;
-            if v < rim {
-                hole.vertices[v].0
-            } else {
-                (first + v - rim) as u32
+    fn new(mesh: &Mesh, gaps: &[Gap<'_>], patches: &[FirstPatch]) -> Self {
+        let mut plan = Self {
+            old_vertices: mesh.positions.len(),
+            holes: Vec::new(),
+            failed: Vec::new(),
+            new_positions: Vec::new(),
+            triangles: Vec::new(),
+            groups: Vec::new(),
+        };
+        let mut filled = Vec::new();
+        for (gap, (patch, patch_ms)) in gaps.iter().zip(patches) {
+            match patch {
+                Ok(patch) => {
+                    plan.add(mesh, gap, patch, *patch_ms);
+                    filled.push(&gap[..]);
+                }
+                Err(source) => plan.failed.push(FillError::Patch {
+                    hole: gap[0].number,
+                    source: *source,
+                }),
             }
+        }
+        plan.groups = group::groups(mesh, &filled, &plan);
+        for (g, group) in plan.groups.iter().enumerate() {
+            for &h in &group.holes {
+                plan.holes[h].group = Some(g);
+            }
+        }
+        plan
+    }
+
+    fn add(&mut self, mesh: &Mesh, gap: &[&BoundaryLoop], patch: &PatchMesh, patch_ms: f64) {
+        let rim: Vec<VertexId> = gap
+            .iter()
+            .flat_map(|l| l.vertices.iter().copied())
+            .collect();
+        let first = mesh.positions.len() + self.new_positions.len();
+        let global = |v: u32| match rim.get(v as usize) {
+            Some(old) => old.0,
+            None => (first + v as usize - rim.len()) as u32,
         };
         let (points, faces) = (self.new_positions.len(), self.triangles.len());
-        self.new_positions.extend_from_slice(&patch.points[rim..]);
+        self.new_positions
+            .extend_from_slice(&patch.points[rim.len()..]);
         self.triangles
             .extend(patch.triangles.iter().map(|t| t.map(global)));
         self.holes.push(PlannedHole {
-            number: hole.number,
-            edges: rim,
-            radius: hole.radius,
+            number: gap[0].number,
+            loops: gap.iter().map(|l| l.number).collect(),
+            rims: gap.iter().map(|l| l.vertices.clone()).collect(),
+            edges: rim.len(),
+            radius: gap.iter().map(|l| l.radius).fold(0.0, f64::max),
             new_vertices: points..self.new_positions.len(),
             new_faces: faces..self.triangles.len(),
             group: None,
-            tag: rim::tag_of(mesh, hole),
+            tag: rim::tag_of(mesh, gap[0]),
             patch_ms,
         });
     }
@@ -239,8 +319,6 @@ pub struct GroupResult {
     pub records: Vec<StepRecord>,
     /// Stage times, patches excluded.
     pub timings: Timings,
-    /// Positions of the group's interior vertices.
-    pub positions: Vec<DVec3>,
 }
 
 /// A filled mesh and how it came about.
@@ -277,67 +355,77 @@ pub fn fill_holes(
     options: &FillOptions,
     observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
 ) -> Result<Filled, FillError> {
+    let gaps: Vec<Gap<'_>> = loops.iter().map(|&hole| vec![hole]).collect();
+    fill_gaps(mesh, &gaps, options, observe)
+}
+
+/// Fills gaps of any number of rims, each with one patch, as [`fill_holes`] does.
+///
+/// # Errors
+/// As [`fill_holes`].
+pub fn fill_gaps(
+    mesh: &Mesh,
+    gaps: &[Gap<'_>],
+    options: &FillOptions,
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Filled, FillError> {
+    fill_changing(mesh, gaps, options, &[], observe)
+}
+
+/// Fills gaps with changes on the way.
+fn fill_changing(
+    mesh: &Mesh,
+    gaps: &[Gap<'_>],
+    options: &FillOptions,
+    changes: &[TimedChange],
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Filled, FillError> {
     let start = Instant::now();
-    let mut plan = prepare(mesh, loops, options);
-    let run = |g: usize| {
-        run_group(&plan.groups[g], mesh, &plan, options, &|record| {
-            observe(g, record)
-        })
+    let plan = prepare_gaps(mesh, gaps, options);
+    let mut filled = run_plan(mesh, gaps, plan, options, changes, observe)?;
+    filled.milliseconds = milliseconds(start);
+    Ok(filled)
+}
+
+/// Runs the flows of a plan and puts the patches into the mesh.
+fn run_plan(
+    mesh: &Mesh,
+    gaps: &[Gap<'_>],
+    mut plan: Plan,
+    options: &FillOptions,
+    changes: &[TimedChange],
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Filled, FillError> {
+    let start = Instant::now();
+    let ground = Ground {
+        mesh,
+        gaps,
+        plan: &plan,
     };
-    let (groups, topology) = rayon::join(
+    let (runs, topology) = rayon::join(
         || {
             (0..plan.groups.len())
                 .into_par_iter()
-                .map(run)
+                .map(|g| run_group(ground, g, options, changes, &|record| observe(g, record)))
                 .collect::<Vec<_>>()
         },
         || plan.topology(mesh),
     );
-    let topology = topology?;
-    for (g, result) in groups.iter().enumerate() {
-        if let Ok(result) = result {
-            plan.place(g, &result.positions);
-        }
+    let mut topology = topology?;
+    if runs.iter().any(|run| run.remeshed) {
+        let shapes: Vec<&Shape> = runs.iter().map(|run| run.shape.as_ref()).collect();
+        plan = plan.reshaped(&shapes);
+        topology = plan.topology(mesh)?;
+    }
+    for (g, run) in runs.iter().enumerate() {
+        plan.place(g, &run.positions);
     }
     let filled = plan.assemble(mesh, topology);
     Ok(Filled {
         mesh: filled,
         plan,
-        groups,
+        groups: runs.into_iter().map(|run| run.result).collect(),
         milliseconds: milliseconds(start),
-    })
-}
-
-fn run_group(
-    group: &Group,
-    mesh: &Mesh,
-    plan: &Plan,
-    options: &FillOptions,
-    observe: &dyn Fn(&StepRecord) -> bool,
-) -> Result<GroupResult, SolverError> {
-    let mut timings = Timings::default();
-    let mut lap = Instant::now();
-    let mut split = |slot: &mut f64| {
-        *slot += milliseconds(lap);
-        lap = Instant::now();
-    };
-    let problem = group.problem(mesh, plan)?;
-    split(&mut timings.setup);
-    let problem = warm_start(problem)?;
-    split(&mut timings.warm_start);
-    let mut flow = Flow::new(problem, options.flow.clone())?;
-    split(&mut timings.setup);
-    let mut records = Vec::new();
-    let outcome = flow.run(|_, record| {
-        records.push(record.clone());
-        observe(record)
-    })?;
-    split(&mut timings.flow);
-    Ok(GroupResult {
-        outcome,
-        records,
-        timings,
-        positions: flow.problem().to_world(flow.positions()),
     })
 }
 
@@ -348,7 +436,8 @@ fn run_group(
 pub fn warm_start(problem: FlowProblem) -> Result<FlowProblem, SolverError> {
     let mut positions = problem.positions().to_vec();
     let interior: Vec<VertexId> = problem.interior().iter().map(|&v| VertexId(v)).collect();
-    patch::warm_start(problem.topology(), &mut positions, &interior)?;
+    let creases: Vec<VertexId> = problem.creases().iter().map(|&v| VertexId(v)).collect();
+    patch::warm_start_with_creases(problem.topology(), &mut positions, &interior, &creases)?;
     Ok(problem.with_positions(&positions))
 }
 

@@ -1,8 +1,8 @@
 //! Rims of holes, and the attributes new vertices and faces inherit from them.
 
 use crate::fill::Plan;
-use crate::mesh::{BoundaryLoop, DVec3, Mesh};
-use crate::patch::Rim;
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, VertexId};
+use crate::patch::{Gap, Rim};
 
 /// The rim of a hole as the patch construction wants it.
 pub fn rim_of(mesh: &Mesh, hole: &BoundaryLoop) -> Rim {
@@ -13,32 +13,52 @@ pub fn rim_of(mesh: &Mesh, hole: &BoundaryLoop) -> Rim {
         .iter()
         .map(|&h| mesh.position(topology.target(topology.next(h.twin()))))
         .collect();
-    // edges of the mesh between two rim vertices that are not rim edges
-    let mut index: Vec<(u32, u32)> = hole
-        .vertices
-        .iter()
-        .enumerate()
-        .map(|(i, v)| (v.0, i as u32))
-        .collect();
-    index.sort_unstable();
     let n = hole.vertices.len() as u32;
-    let mut forbidden = Vec::new();
-    for (i, &v) in hole.vertices.iter().enumerate() {
-        let i = i as u32;
-        for w in topology.neighbours(v) {
-            if let Ok(at) = index.binary_search_by_key(&w.0, |e| e.0) {
-                let j = index[at].1;
-                if i < j && j - i != 1 && (i + n) - j != 1 {
-                    forbidden.push([i, j]);
-                }
-            }
-        }
-    }
+    let mut forbidden = joined_pairs(mesh, &hole.vertices);
+    forbidden.retain(|&[i, j]| j - i != 1 && (i + n) - j != 1);
     Rim {
         points,
         opposite,
         forbidden,
     }
+}
+
+/// Several rims as the construction of one patch between them wants them.
+pub fn gap_of(mesh: &Mesh, rims: &[&BoundaryLoop]) -> Gap {
+    let mut vertices = Vec::new();
+    let mut rim = Vec::new();
+    for (k, one) in rims.iter().enumerate() {
+        vertices.extend_from_slice(&one.vertices);
+        rim.resize(vertices.len(), k);
+    }
+    let mut forbidden = joined_pairs(mesh, &vertices);
+    forbidden.retain(|&[i, j]| rim[i as usize] != rim[j as usize]);
+    Gap {
+        rims: rims.iter().map(|one| rim_of(mesh, one)).collect(),
+        forbidden,
+        pieces: rims.iter().map(|one| one.component).collect(),
+    }
+}
+
+/// Pairs (i < j) of indices into `vertices` that an edge of the mesh joins.
+fn joined_pairs(mesh: &Mesh, vertices: &[VertexId]) -> Vec<[u32; 2]> {
+    let indices = vertices.iter().enumerate();
+    let mut index: Vec<(u32, u32)> = indices.map(|(i, v)| (v.0, i as u32)).collect();
+    index.sort_unstable();
+    let mut pairs = Vec::new();
+    for (i, &v) in vertices.iter().enumerate() {
+        for w in mesh.topology.neighbours(v) {
+            let mut at = index.partition_point(|e| e.0 < w.0);
+            // a vertex that several rims run through is there several times
+            while at < index.len() && index[at].0 == w.0 {
+                if (i as u32) < index[at].1 {
+                    pairs.push([i as u32, index[at].1]);
+                }
+                at += 1;
+            }
+        }
+    }
+    pairs
 }
 
 /// The tag of the face across the rim's first edge.

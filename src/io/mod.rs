@@ -186,6 +186,17 @@ pub fn save_text(path: &Path, text: &str) -> Result<(), SaveError> {
     atomic::replace(path, |out| out.write_all(text.as_bytes()))
 }
 
+/// Lets `fill` write a file, which replaces `path` whole when it is done, or not at all.
+///
+/// # Errors
+/// [`SaveError`], also for what `fill` returns; a file that was there before is untouched.
+pub fn save_with(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<(), SaveError> {
+    atomic::replace(path, fill)
+}
+
 /// Checks, before a long computation, that [`save`] could write to `path`: a known extension, an
 /// existing directory, no write-protected file in the way.
 /// The directory must also take a new file.
@@ -198,10 +209,10 @@ pub fn check_target(path: &Path) -> Result<Format, SaveError> {
     Ok(format)
 }
 
-/// Checks, before a long computation, that [`save_text`] could write to `path`.
+/// Checks, before a long computation, that [`save_text`] or [`save_with`] could write to `path`.
 ///
 /// # Errors
-/// The [`SaveError`] that [`save_text`] would give.
+/// The [`SaveError`] that they would give.
 pub fn check_text_target(path: &Path) -> Result<(), SaveError> {
     atomic::probe(path)
 }

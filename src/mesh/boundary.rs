@@ -33,6 +33,12 @@ impl BoundaryLoop {
     pub fn edges(&self) -> usize {
         self.halfedges.len()
     }
+
+    /// The two ends of each edge, in the loop's direction.
+    pub fn edge_ends(&self) -> impl Iterator<Item = [VertexId; 2]> + '_ {
+        let following = self.vertices.iter().cycle().skip(1);
+        self.vertices.iter().zip(following).map(|(&a, &b)| [a, b])
+    }
 }
 
 /// All boundary loops of a mesh, numbered by their lowest vertex.

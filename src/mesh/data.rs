@@ -44,6 +44,35 @@ impl Mesh {
         }
     }
 
+    /// The mesh with the faces of some components (numbers as in [`components`]) turned over: their
+    /// second and third corners change places. Boundary loops keep their numbers and run the other
+    /// way in them.
+    ///
+    /// # Panics
+    /// Never: turning components over leaves an oriented manifold one.
+    #[must_use]
+    pub fn turned_over(&self, turned: &[u32]) -> Self {
+        let parts = components(&self.topology);
+        let faces: Vec<[u32; 3]> = self
+            .topology
+            .triangles()
+            .zip(&parts.of_face)
+            .map(|([a, b, c], part)| {
+                if turned.contains(part) {
+                    [a, c, b]
+                } else {
+                    [a, b, c]
+                }
+            })
+            .collect();
+        let topology = Topology::from_triangles(self.positions.len(), &faces)
+            .expect("an oriented manifold stays one when whole components are turned over");
+        Self {
+            topology,
+            ..self.clone()
+        }
+    }
+
     /// Number of vertices, isolated ones included.
     pub fn vertex_count(&self) -> usize {
         self.positions.len()

@@ -4,9 +4,11 @@ mod boundary;
 mod build;
 mod check;
 mod data;
+mod erase;
 mod ids;
 mod intersect;
 mod outer_rim;
+mod selection;
 pub mod shapes;
 mod soup;
 mod spatial;
@@ -18,10 +20,16 @@ pub use boundary::{BoundaryLoop, boundary_loops};
 pub use build::{BuildError, ComponentReport, Defect, DefectKind, LoadReport, build};
 pub use check::{Fault, check_filled, check_mesh, check_topology};
 pub use data::{Components, Mesh, components};
+pub use erase::{Erased, erase};
 pub use glam::DVec3;
 pub use ids::{FaceId, HalfedgeId, VertexId};
 pub use intersect::{folded_edges, self_intersections, triangles_meet};
+pub use selection::{
+    connected_faces, faces_in_ball, grow, inner_vertices, invert, shrink, smooth_border,
+};
 pub use soup::{FaceTag, Soup};
-pub use spatial::{ClosestPoint, TriangleBvh, closest_point_on_segment, closest_point_on_triangle};
+pub use spatial::{
+    ClosestPoint, RayHit, TriangleBvh, closest_point_on_segment, closest_point_on_triangle,
+};
 pub use split::{Split, edge_diamond, split_all, split_faces};
 pub use topology::{Topology, TopologyError};

@@ -1,6 +1,10 @@
 //! A bounding-volume hierarchy over triangles, and closest-point queries.
 
+#[path = "ray.rs"]
+mod ray;
+
 use super::DVec3;
+pub use ray::RayHit;
 
 /// Triangles at most in a leaf; smaller leaves cost memory, larger ones tests.
 const LEAF: usize = 4;

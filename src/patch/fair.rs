@@ -37,6 +37,23 @@ pub fn warm_start(
     positions: &mut [DVec3],
     interior: &[VertexId],
 ) -> Result<(), LinearError> {
+    warm_start_with_creases(topology, positions, interior, &[])
+}
+
+/// The same where the surface ends in a crease at some fixed vertices: the sum leaves their rows
+/// out, so that no direction is preferred there (with creases all around the result is harmonic).
+///
+/// # Errors
+/// As [`warm_start`].
+///
+/// # Panics
+/// As [`warm_start`].
+pub fn warm_start_with_creases(
+    topology: &Topology,
+    positions: &mut [DVec3],
+    interior: &[VertexId],
+    creases: &[VertexId],
+) -> Result<(), LinearError> {
     assert!(
         positions.len() >= topology.vertex_count(),
         "one position per vertex"
@@ -45,14 +62,24 @@ pub fn warm_start(
     if n == 0 {
         return Ok(());
     }
-    let rows = squared_laplacian(topology, positions, interior);
+    let rows = squared_laplacian(topology, positions, interior, creases);
     if !rows.is_anchored {
         return Err(LinearError::NotPositiveDefinite { index: 0 });
     }
     let points: Vec<DVec3> = interior.iter().map(|v| positions[v.index()]).collect();
-    let perm = nested_dissection(&points, &rows.offsets, &rows.columns);
+    let solution = solve(&rows, &points)?;
+    for (v, x) in interior.iter().zip(solution) {
+        positions[v.index()] = rows.origin + x;
+    }
+    Ok(())
+}
+
+/// The solution for each unknown; `points` tell the elimination order where the unknowns are.
+pub(super) fn solve(rows: &Rows, points: &[DVec3]) -> Result<Vec<DVec3>, LinearError> {
+    let n = points.len();
+    let perm = nested_dissection(points, &rows.offsets, &rows.columns);
     let pattern = SymmetricPattern::of_permuted_graph(&rows.offsets, &rows.columns, &perm);
-    let values = permuted_values(&rows, &pattern, &perm);
+    let values = permuted_values(rows, &pattern, &perm);
     let mut factor = Cholesky::new(Arc::new(CholeskySymbolic::new(&pattern)?));
     factor.factorize(&values)?;
 
@@ -62,27 +89,32 @@ pub fn warm_start(
         (solution[new], solution[n + new], solution[2 * n + new]) = (b.x, b.y, b.z);
     }
     factor.solve_in_place(&mut solution, 3);
+    let mut out = vec![DVec3::ZERO; n];
     for (new, &old) in perm.iter().enumerate() {
-        positions[interior[old as usize].index()] =
-            rows.origin + DVec3::new(solution[new], solution[n + new], solution[2 * n + new]);
+        out[old as usize] = DVec3::new(solution[new], solution[n + new], solution[2 * n + new]);
     }
-    Ok(())
+    Ok(out)
 }
 
 /// Rows of L M⁻¹ L for the interior vertices over the interior vertices (the diagonal entry first), and
 /// what the fixed vertices contribute to the right-hand side.
-struct Rows {
-    offsets: Vec<u32>,
-    columns: Vec<u32>,
-    values: Vec<f64>,
-    rhs: Vec<DVec3>,
+pub(super) struct Rows {
+    pub offsets: Vec<u32>,
+    pub columns: Vec<u32>,
+    pub values: Vec<f64>,
+    pub rhs: Vec<DVec3>,
     /// Subtracted from all positions, so that a mesh far from the origin loses no digits.
-    origin: DVec3,
+    pub origin: DVec3,
     /// Whether any fixed vertex takes part; otherwise the matrix is singular, which rounding may hide.
-    is_anchored: bool,
+    pub is_anchored: bool,
 }
 
-fn squared_laplacian(topology: &Topology, positions: &[DVec3], interior: &[VertexId]) -> Rows {
+fn squared_laplacian(
+    topology: &Topology,
+    positions: &[DVec3],
+    interior: &[VertexId],
+    creases: &[VertexId],
+) -> Rows {
     const FIXED: u32 = u32::MAX;
     let n = interior.len();
     let mut unknown = vec![FIXED; topology.vertex_count()];
@@ -90,7 +122,10 @@ fn squared_laplacian(topology: &Topology, positions: &[DVec3], interior: &[Verte
         assert_eq!(unknown[v.index()], FIXED, "interior vertices are distinct");
         unknown[v.index()] = i as u32;
     }
-    let rings = Rings::around(topology, positions, interior);
+    let mut rings = Rings::around(topology, positions, interior);
+    for v in creases {
+        rings.per_mass[v.index()] = 0.0;
+    }
     let origin = positions[interior[0].index()];
 
     let mut rows = Rows {
@@ -149,7 +184,7 @@ fn squared_laplacian(topology: &Topology, positions: &[DVec3], interior: &[Verte
 
 /// Neighbours of the interior vertices and of the vertices around them with their weights, in one
 /// array.
-struct Rings {
+pub(super) struct Rings {
     /// Start and end per vertex of the mesh, zero where not asked for.
     range: Vec<[u32; 2]>,
     neighbours: Vec<(VertexId, f64)>,
@@ -160,7 +195,7 @@ struct Rings {
 }
 
 impl Rings {
-    fn around(topology: &Topology, positions: &[DVec3], interior: &[VertexId]) -> Self {
+    pub fn around(topology: &Topology, positions: &[DVec3], interior: &[VertexId]) -> Self {
         let mut rings = Self {
             range: vec![[0; 2]; topology.vertex_count()],
             neighbours: Vec::with_capacity(7 * interior.len() + 64),
@@ -201,7 +236,7 @@ impl Rings {
     }
 
     /// Neighbours with weights, sum of the weights, 1 / m.
-    fn of(&self, v: VertexId) -> (&[(VertexId, f64)], f64, f64) {
+    pub fn of(&self, v: VertexId) -> (&[(VertexId, f64)], f64, f64) {
         let [begin, end] = self.range[v.index()];
         (
             &self.neighbours[begin as usize..end as usize],

@@ -90,6 +90,39 @@ pub enum PatchError {
         /// Number of rim edges.
         edges: usize,
     },
+    /// Two rims to be joined have a vertex in common.
+    #[error(
+        "rims {} and {} of the group meet at vertex {index} of the first; fill them apart",
+        rims[0] + 1,
+        rims[1] + 1
+    )]
+    RimsTouch {
+        /// Numbers of the rims in the group, from 0.
+        rims: [usize; 2],
+        /// Index along the first of them.
+        index: usize,
+    },
+    /// The faces at some rims of a group look to the other side than those at the others.
+    #[error(
+        "the faces at rim {} of the group look to the other side than those at rim 1: a surface that \
+         joins them would have to pass through itself; flip that component",
+        rim + 1
+    )]
+    InsideOut {
+        /// Number of the first such rim in the group, from 0.
+        rim: usize,
+    },
+    /// The rims of a group run around each other so that no orientable surface fits.
+    #[error(
+        "no orientable surface joins these rims without passing through itself: rim {} of the group \
+         runs the wrong way around it, as the edge of a Moebius strip would, and its faces cannot be \
+         flipped alone; leave it out, or fill it by itself",
+        rim + 1
+    )]
+    OneSided {
+        /// Number of the first such rim in the group, from 0.
+        rim: usize,
+    },
     /// The density is not a positive number.
     #[error("density must be a positive number, not {density}")]
     BadDensity {
@@ -146,7 +179,7 @@ pub fn fill(rim: &Rim, options: &PatchOptions) -> Result<PatchMesh, PatchError> 
     Ok(PatchMesh { points, triangles })
 }
 
-fn validate(rim: &Rim, density: f64) -> Result<(), PatchError> {
+pub(super) fn validate(rim: &Rim, density: f64) -> Result<(), PatchError> {
     let n = rim.points.len();
     if !(density.is_finite() && density > 0.0) {
         return Err(PatchError::BadDensity { density });
@@ -205,7 +238,7 @@ fn is_collinear(points: &[DVec3]) -> bool {
 }
 
 /// The angle of the existing face at each rim vertex that has only one, 0 elsewhere.
-fn loose_angles(rim: &Rim) -> Vec<f64> {
+pub(super) fn loose_angles(rim: &Rim) -> Vec<f64> {
     let n = rim.points.len();
     (0..n)
         .map(|i| {
@@ -252,7 +285,7 @@ fn mean_curvature(rim: &Rim) -> f64 {
 const FLATTEST: f64 = 0.15;
 
 /// Wanted edge length at every rim vertex: the mean of the lengths of the rim edges near it.
-fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
+pub(super) fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
     let n = points.len();
     let mut size: Vec<f64> = (0..n)
         .map(|i| {
@@ -276,7 +309,7 @@ fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
 /// end of the flow: with this the mean edge of a large patch ends at the rim's length. A hole of few
 /// edges, all of them near the rim, gains accuracy from up to 15 % more (measured on the analytic
 /// test surfaces after the flow).
-fn fineness(edges: usize) -> f64 {
+pub(super) fn fineness(edges: usize) -> f64 {
     (0.97 + 4.0 / edges as f64).min(1.15)
 }
 

@@ -4,9 +4,10 @@
 //! weight, or constrained Delaunay in a plane, see `triangulate`), then splits, collapses, flips and
 //! relaxation to the rim's density (`remesh`). A film of constant mean curvature that continues the
 //! existing faces stands in for the final surface meanwhile, so that triangles are equilateral there
-//! and not in a flat projection. [`warm_start`] then spreads the new vertices smoothly across the
+//! and not in a flat projection. [`blend()`] does the same between several rims. [`warm_start`] then spreads the new vertices smoothly across the
 //! rim, which is where a flow starts.
 
+mod blend;
 mod fair;
 mod fill;
 mod planar;
@@ -14,7 +15,11 @@ mod remesh;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod transfer;
 mod triangulate;
 
-pub use fair::warm_start;
+pub use blend::{Gap, blend, reblend};
+pub use fair::{warm_start, warm_start_with_creases};
 pub use fill::{PatchError, PatchMesh, PatchOptions, Rim, fill};
+pub use planar::vector_area;
+pub use transfer::{TransferError, transfer};

@@ -1,4 +1,4 @@
-//! Triangulation of a loop that projects simply onto a plane.
+//! Triangulations of loops that are simple in a plane.
 
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
@@ -6,7 +6,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use crate::mesh::DVec3;
 
 /// Half the integral of x × dx along the closed polygon: the vector area of every surface over it.
-pub(super) fn vector_area(points: &[DVec3]) -> DVec3 {
+pub fn vector_area(points: &[DVec3]) -> DVec3 {
     let origin = points[0];
     let mut area = DVec3::ZERO;
     for i in 0..points.len() {
@@ -20,26 +20,45 @@ pub(super) fn vector_area(points: &[DVec3]) -> DVec3 {
 /// is a simple polygon (decided with exact predicates) whose perimeter is at least `least_length`
 /// of the loop's own. Triangles contain the edges `i → i + 1`.
 pub(super) fn constrained_delaunay(points: &[DVec3], least_length: f64) -> Option<Vec<[u32; 3]>> {
+    delaunay_between(project(points, least_length)?, &[points.len()])
+}
+
+/// The constrained Delaunay triangulation of the part of the plane to the left of closed polygons,
+/// whose vertices follow each other in `points`, `lengths` of each. `None` if they cross themselves or
+/// each other (decided with exact predicates), or do not bound one bounded connected part.
+pub(super) fn delaunay_between(
+    points: Vec<Point2<f64>>,
+    lengths: &[usize],
+) -> Option<Vec<[u32; 3]>> {
     let n = points.len();
-    let flat = project(points, least_length)?;
-    let edges = (0..n).map(|i| [i, (i + 1) % n]).collect();
+    let mut edges = Vec::with_capacity(n);
+    for &length in lengths {
+        let first = edges.len();
+        edges.extend((0..length).map(|i| [first + i, first + (i + 1) % length]));
+    }
     let mut is_simple = true;
     let cdt: ConstrainedDelaunayTriangulation<Point2<f64>> =
-        ConstrainedDelaunayTriangulation::try_bulk_load_cdt(flat, edges, |_| is_simple = false)
-            .ok()?;
+        ConstrainedDelaunayTriangulation::try_bulk_load_cdt(points, edges.clone(), |_| {
+            is_simple = false;
+        })
+        .ok()?;
     if !is_simple || cdt.num_vertices() != n || cdt.num_constraints() != n {
         return None;
     }
-    // Flood the inside from the left of the rim edges.
+    // Flood the inside from the left of the edges.
     let mut seen = vec![false; cdt.num_all_faces()];
     let mut stack = Vec::new();
-    for i in 0..n {
-        let [from, to] = [i, (i + 1) % n].map(FixedVertexHandle::from_index);
+    let mut outside = Vec::new();
+    for ends in edges {
+        let [from, to] = ends.map(FixedVertexHandle::from_index);
         // a missing edge: the constraint runs through another vertex
         let edge = cdt.get_edge_from_neighbors(from, to)?;
         stack.push(edge.face().as_inner()?);
+        outside.push(edge.rev().face());
     }
-    let mut triangles = Vec::with_capacity(n - 2);
+    // a sphere with as many holes: Euler's formula
+    let expected = (n + 2 * lengths.len()).checked_sub(4)?;
+    let mut triangles = Vec::with_capacity(expected);
     stack.reverse();
     while let Some(face) = stack.pop() {
         if std::mem::replace(&mut seen[face.index()], true) {
@@ -57,7 +76,8 @@ pub(super) fn constrained_delaunay(points: &[DVec3], least_length: f64) -> Optio
             }
         }
     }
-    (triangles.len() == n - 2).then_some(triangles)
+    let fits = outside.iter().all(|face| !seen[face.index()]);
+    (fits && triangles.len() == expected).then_some(triangles)
 }
 
 /// Coordinates in the plane across the vector area, the loop running counter-clockwise; none if

@@ -49,6 +49,22 @@ pub(super) fn remesh(s: &mut Surface, wanted: &[i32], bulge: f64) {
     film.relax(s, 1);
 }
 
+/// Brings a patch to its `size` without changing its shape: vertices move along it only.
+pub(super) fn refit(s: &mut Surface, wanted: &[i32]) {
+    smooth_sizes(s, REFIT_SMOOTHING);
+    refine(s, &mut Film::flat());
+    for _ in 0..ROUNDS {
+        collapse_short(s);
+        split_long(s);
+        flip_for_valence(s, wanted);
+        relax_along(s, SWEEPS);
+        flip_to_delaunay(s);
+    }
+}
+
+/// Passes that carry the rims' sizes into a patch whose inner vertices have none of their own.
+const REFIT_SMOOTHING: usize = 100;
+
 /// What the patch is relaxed towards.
 struct Film {
     bulge: f64,
@@ -56,6 +72,14 @@ struct Film {
 }
 
 impl Film {
+    /// No pressure: a membrane.
+    const fn flat() -> Self {
+        Self {
+            bulge: 0.0,
+            largest_area: f64::INFINITY,
+        }
+    }
+
     /// Relaxes; a film that is running away loses some of its pressure.
     fn relax(&mut self, s: &mut Surface, sweeps: usize) {
         relax(s, sweeps, self.bulge);
@@ -291,11 +315,34 @@ fn relax(s: &mut Surface, sweeps: usize, bulge: f64) {
             s.points[v] += step;
         }
     }
-    for v in s.rim..s.points.len() {
-        if s.out[v] != NONE {
-            let mut sum = 0.0;
-            s.for_neighbours(v as u32, |w| sum += s.size[w as usize]);
-            s.size[v] = sum / f64::from(s.valence[v]);
+    smooth_sizes(s, 1);
+}
+
+/// Moves interior vertices along the patch only: the part of the step of [`relax`] across the
+/// vertex normal is left out.
+fn relax_along(s: &mut Surface, sweeps: usize) {
+    let metric: Vec<f64> = s.size.iter().map(|size| 1.0 / (size * size)).collect();
+    for _ in 0..sweeps {
+        for v in s.rim..s.points.len() {
+            if s.out[v] != NONE {
+                let step = star_step::<false>(s, v, &metric, 0.0);
+                let normal = s.vertex_normal(v as u32).normalize_or_zero();
+                s.points[v] += step - normal * step.dot(normal);
+            }
+        }
+    }
+    smooth_sizes(s, 1);
+}
+
+/// Sets wanted sizes of interior vertices to the mean of their neighbours', in place.
+fn smooth_sizes(s: &mut Surface, passes: usize) {
+    for _ in 0..passes {
+        for v in s.rim..s.points.len() {
+            if s.out[v] != NONE {
+                let mut sum = 0.0;
+                s.for_neighbours(v as u32, |w| sum += s.size[w as usize]);
+                s.size[v] = sum / f64::from(s.valence[v]);
+            }
         }
     }
 }

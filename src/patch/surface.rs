@@ -10,7 +10,8 @@ pub(super) const NONE: u32 = u32::MAX;
 const WORTH_ORDERING: usize = 4000;
 
 /// Triangles with twin links. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the next
-/// one. The first `rim` vertices are the rim in order and never move; rim edges have no twin.
+/// one. The first `rim` vertices are those of the rim (or of several rims, one after the other), in
+/// order, and never move; rim edges have no twin.
 /// Removed triangles stay in the arrays with their corners set to [`NONE`].
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
@@ -37,7 +38,8 @@ pub(super) fn prev(h: u32) -> u32 {
 }
 
 impl Surface {
-    /// Links `triangles` (a disc whose boundary is `0 → 1 → … → rim−1 → 0`) over `points`.
+    /// Links `triangles` (a disc whose boundary is `0 → 1 → … → rim−1 → 0`, or a sphere with several
+    /// holes whose rims are numbered one after the other) over `points`.
     pub fn new(points: Vec<DVec3>, size: Vec<f64>, rim: usize, triangles: &[[u32; 3]]) -> Self {
         let n = points.len();
         let corner: Vec<u32> = triangles.iter().flatten().copied().collect();
@@ -89,7 +91,12 @@ impl Surface {
                 }
             }
         }
-        for h in 0..count as u32 {
+        self.index_edges();
+    }
+
+    /// Finds a half-edge for every vertex and counts its edges.
+    fn index_edges(&mut self) {
+        for h in 0..self.corner.len() as u32 {
             let v = self.from(h) as usize;
             let is_rim = self.twin[h as usize] == NONE;
             self.valence[v] += 1;
@@ -102,6 +109,26 @@ impl Surface {
                 self.out[v] = h;
             }
         }
+    }
+
+    /// Joins the sides of a disc: corner `i` of its rim becomes the vertex `name[i]` of `points`, all
+    /// of which are rim vertices, and the rim edges that start at the two corners of each of
+    /// `bridges` become two sides of one edge.
+    pub fn sew(&mut self, name: &[u32], points: Vec<DVec3>, bridges: &[[u32; 2]]) {
+        for &[i, j] in bridges {
+            let (h, g) = (self.out[i as usize], self.out[j as usize]);
+            self.pair(h, g);
+        }
+        for corner in &mut self.corner {
+            *corner = name[*corner as usize];
+        }
+        let n = points.len();
+        self.points = points;
+        self.size = vec![0.0; n];
+        self.out = vec![NONE; n];
+        self.valence = vec![0; n];
+        self.rim = n;
+        self.index_edges();
     }
 
     #[inline]
@@ -200,6 +227,19 @@ impl Surface {
             self.point(self.apex(h)),
         );
         (b - a).cross(c - a)
+    }
+
+    /// Sum of the normals of the triangles at an interior vertex, each twice its area long.
+    pub fn vertex_normal(&self, v: u32) -> DVec3 {
+        let first = self.out[v as usize];
+        let (mut h, mut sum) = (first, DVec3::ZERO);
+        loop {
+            sum += self.normal(h);
+            h = self.twin(prev(h));
+            if h == first || h == NONE {
+                return sum;
+            }
+        }
     }
 
     fn pair(&mut self, a: u32, b: u32) {

@@ -309,7 +309,7 @@ impl Refinement {
         let problem =
             FlowProblem::new(&self.control, &triangles, &free, self.radius)?.holding(&held)?;
         let problem = if self.level == 1 && self.region.is_none() {
-            best_start(problem, &self.options.flow.energy)
+            best_start(problem, &self.options.flow.energy_at(self.radius))
         } else {
             problem
         };
@@ -420,7 +420,7 @@ impl Refinement {
             end: match outcome.end {
                 End::Converged => "converged",
                 End::Steps => "steps",
-                End::Stuck => "stuck",
+                End::Stuck | End::Pinched => "stuck",
                 End::Cancelled => "cancelled",
             },
             energy_start: outcome.energy_start,
@@ -434,7 +434,7 @@ impl Refinement {
     }
 
     fn scheme_report(&self, start: Instant) -> LevelReport {
-        let energy = surface_energy(&self.topology, &self.control, &self.options.flow.energy);
+        let energy = surface_energy(&self.topology, &self.control, &self.options.flow.energy_at(self.radius));
         LevelReport {
             level: self.level,
             vertices: self.points.len(),
@@ -522,6 +522,7 @@ fn level_options(flow: &FlowOptions) -> FlowOptions {
             Mode::Flow => Scheme::Normal,
         },
         quadrature: Rule::Twelve,
+        relaxation: 0.0,
         ..flow.clone()
     }
 }
@@ -535,8 +536,9 @@ pub fn surface_energy(topology: &Topology, control: &[DVec3], energy: &Energy) -
         .value
 }
 
-/// RMS distance of the vertices of triangles from their mean; 1 if they coincide.
-fn radius(mesh: &Mesh) -> f64 {
+/// RMS distance of the vertices of triangles from their mean, the unit of length of a refinement; 1
+/// if they coincide.
+pub fn radius(mesh: &Mesh) -> f64 {
     let used: Vec<DVec3> = (0..mesh.vertex_count())
         .filter(|&v| mesh.topology.halfedge_of_vertex(VertexId::from(v)).is_some())
         .map(|v| mesh.positions[v])

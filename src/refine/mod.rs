@@ -13,6 +13,6 @@ mod schemes;
 mod start;
 
 pub use boundary::BoundaryRule;
-pub use levels::{LevelReport, Progress, Refined, Refinement, surface_energy};
-pub use options::{Hold, MAX_LEVELS, Method, RefineError, RefineOptions, TENSION, natural_energy};
+pub use levels::{LevelReport, Progress, Refined, Refinement, radius, surface_energy};
+pub use options::{Hold, MAX_LEVELS, Method, RefineError, RefineOptions, TENSION, natural_tension};
 pub use schemes::{butterfly_step, loop_step};

@@ -2,7 +2,8 @@
 
 use crate::mesh::{HalfedgeId, Mesh};
 use crate::refine::BoundaryRule;
-use crate::solver::energy::{Energy, ExprError};
+use crate::refine::levels::radius;
+use crate::solver::energy::Energy;
 use crate::solver::{FlowOptions, SolverError};
 
 /// How new vertices are placed.
@@ -49,7 +50,7 @@ pub struct RefineOptions {
 
 /// Most levels: 4^12 triangles of each.
 pub const MAX_LEVELS: usize = 12;
-/// Weight of the area in [`natural_energy`], in units of the inverse squared edge length.
+/// Weight of the area in [`natural_tension`], in units of the inverse squared edge length.
 pub const TENSION: f64 = 2.0;
 
 impl RefineOptions {
@@ -97,13 +98,10 @@ impl RefineOptions {
     }
 }
 
-/// `H² + c` with `c = 2/h²`, `h` the mean edge length: bending with so much tension that the surface
-/// does not bulge between sparse vertices. `H²` alone knows no scale and inflates what the mesh
-/// leaves open.
-///
-/// # Errors
-/// If the mesh is so small or large that `c` is not a finite number.
-pub fn natural_energy(mesh: &Mesh) -> Result<Energy, ExprError> {
+/// The tension ([`FlowOptions::tension`]) that makes bending and area balance over the mesh's own edge
+/// length, `2 r²/h²` with `h` the mean edge length and `r` the [`radius`]: the surface does not bulge
+/// between sparse vertices. `H²` alone knows no scale and inflates what the mesh leaves open.
+pub fn natural_tension(mesh: &Mesh) -> f64 {
     let topology = &mesh.topology;
     let lengths = (0..topology.halfedge_count()).step_by(2).map(|h| {
         let h = HalfedgeId::from(h);
@@ -112,8 +110,8 @@ pub fn natural_energy(mesh: &Mesh) -> Result<Energy, ExprError> {
     });
     let edges = (topology.halfedge_count() / 2).max(1);
     let mean = lengths.sum::<f64>() / edges as f64;
-    let tension = if mean > 0.0 { TENSION / (mean * mean) } else { 0.0 };
-    Energy::parse("H^2 + tension", &[("tension".to_owned(), tension)].into())
+    let tension = TENSION * (radius(mesh) / mean).powi(2);
+    if tension.is_finite() { tension } else { 0.0 }
 }
 
 /// Why a mesh cannot be refined.

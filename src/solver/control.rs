@@ -4,7 +4,8 @@ use crate::linear::GmresReport;
 use crate::solver::assembly::EnergySum;
 
 /// What the flow is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// The stationary shape in as few steps as possible.
     #[default]
@@ -89,8 +90,41 @@ pub const STOP: f64 = 1e-6;
 /// τ below this fraction of `τ_ref` means that the flow is stuck.
 const COLLAPSE: f64 = 1e-14;
 const SHRINK: f64 = 8.0;
+const FAST_GROWTH: f64 = 10.0;
+/// Range of the first τ in flow mode, as multiples of `τ_ref`: from a warm start near the
+/// stationary shape the gentle one alone would get there in a handful of steps.
+const FIRST: [f64; 2] = [1e-9, 1e-4];
+/// Growth of τ in flow mode: so slow that the way from the upper end of `FIRST` to `τ_ref` takes
+/// over thirty steps, as many shapes to see.
+pub const FLOW_GROWTH: f64 = 1.3;
+/// Accepted steps after which an energy that has not fallen beyond rounding is taken for constant.
+const PATIENCE: usize = 10;
+/// What counts as rounding of an energy, relative to the sum of its absolute terms.
+const ROUNDING: f64 = 1e-11;
 /// Growth stops here (as a multiple of `τ_ref`): the step is Newton's by then.
 const CEILING: f64 = 1e12;
+
+/// Whether an energy still falls.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Descent {
+    start: EnergySum,
+    steps: usize,
+}
+
+impl Descent {
+    /// Takes the energy after an accepted step. Returns whether it has been constant to rounding
+    /// for so long that it will stay so.
+    pub fn has_stopped(&mut self, energy: EnergySum) -> bool {
+        self.steps += 1;
+        if self.start.value - energy.value > ROUNDING * energy.scale || self.steps == 1 {
+            *self = Self {
+                start: energy,
+                steps: 1,
+            };
+        }
+        self.steps > PATIENCE
+    }
+}
 
 /// The time step's law.
 #[derive(Clone, Copy, Debug)]
@@ -104,19 +138,25 @@ pub struct Control {
 }
 
 impl Control {
-    /// The law for a mode; `gentle` is a τ at which no vertex moves by more than an edge.
-    pub fn new(mode: Mode, tau: Tau, tau_ref: f64, gentle: f64) -> Self {
-        let (start, growth, wanted) = match (tau, mode) {
-            (Tau::Fixed(t), _) => (t, 1.0, Some(t)),
-            (Tau::From(t), Mode::Fast) => (t, 10.0, None),
-            (Tau::From(t), Mode::Flow) => (t, 4.0, None),
-            (Tau::Auto, Mode::Fast) => (2.0 * tau_ref, 10.0, None),
-            (Tau::Auto, Mode::Flow) => (gentle.clamp(1e-9 * tau_ref, tau_ref), 4.0, None),
+    /// The law for a mode; `gentle` is a τ at which no vertex moves by more than an edge, `growth`
+    /// the factor after an accepted step if it is not to be the mode's own.
+    pub fn new(mode: Mode, tau: Tau, tau_ref: f64, gentle: f64, growth: Option<f64>) -> Self {
+        let (start, wanted) = match (tau, mode) {
+            (Tau::Fixed(t), _) => (t, Some(t)),
+            (Tau::From(t), _) => (t, None),
+            (Tau::Auto, Mode::Fast) => (2.0 * tau_ref, None),
+            (Tau::Auto, Mode::Flow) => {
+                let [least, most] = FIRST.map(|part| part * tau_ref);
+                (gentle.clamp(least, most), None)
+            }
         };
         Self {
             tau: start,
             tau_ref,
-            growth,
+            growth: growth.unwrap_or(match mode {
+                Mode::Fast => FAST_GROWTH,
+                Mode::Flow => FLOW_GROWTH,
+            }),
             wanted,
         }
     }

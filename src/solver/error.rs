@@ -16,7 +16,7 @@ pub enum SolverError {
         vertex: usize,
     },
     /// A vertex index is out of range.
-    #[error("interior vertex {vertex} does not exist")]
+    #[error("vertex {vertex} of the region does not exist")]
     NoSuchVertex {
         /// The local vertex.
         vertex: usize,
@@ -72,4 +72,15 @@ pub enum SolverError {
     /// The solver thread died.
     #[error("the solver stopped unexpectedly: {0}")]
     Panic(String),
+}
+
+impl SolverError {
+    /// The error of a caught panic.
+    pub fn from_panic(panic: &(dyn std::any::Any + Send)) -> Self {
+        let text = panic
+            .downcast_ref::<&str>()
+            .map(|s| (*s).to_owned())
+            .or_else(|| panic.downcast_ref::<String>().cloned());
+        Self::Panic(text.unwrap_or_else(|| "unknown panic".into()))
+    }
 }

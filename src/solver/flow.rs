@@ -2,131 +2,19 @@
 
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
-use crate::solver::control::{Attempt, Control, Mode, Progress, STOP, Tau};
+use crate::solver::control::{Attempt, Control, Descent, Mode, Progress, STOP, Tau};
 use crate::solver::energy::{Energy, Order};
 use crate::solver::guarded::GuardedFlow;
-use crate::solver::mixed::{LinearSolver, MixedFlow};
+use crate::solver::mixed::MixedFlow;
 use crate::solver::normal::NormalFlow;
+use crate::solver::options::{FlowOptions, Scheme};
+use crate::solver::pinch::PinchWatch;
+use crate::solver::record::{End, Outcome, StepRecord};
+use crate::solver::relax::Relaxation;
 use crate::solver::survey::{Survey, survey};
 use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule, TableCache, elements};
-
-/// Which of the two methods computes the steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Scheme {
-    /// Scheme B, the linearly implicit normal flow.
-    #[default]
-    Normal,
-    /// Descent of all three components in scheme B's metric, guarded against folds: for coarse
-    /// irregular meshes, on which vertices have to slide along the surface as well.
-    Guarded,
-    /// Scheme A, the paper's mixed finite elements (21)-(23).
-    Mixed,
-    /// Scheme A with the exact gradient as right-hand side: the same matrix, another fixed point.
-    MixedCorrected,
-}
-
-/// Everything about a flow that may be chosen.
-#[derive(Clone, Debug)]
-pub struct FlowOptions {
-    /// f(H, K).
-    pub energy: Energy,
-    /// The method.
-    pub scheme: Scheme,
-    /// Stationary shape or true time.
-    pub mode: Mode,
-    /// Time step.
-    pub tau: Tau,
-    /// Steps after which the flow ends, converged or not.
-    pub max_steps: usize,
-    /// Scheme A's linear solver.
-    pub linear: LinearSolver,
-    /// Quadrature of scheme B's steps. Three interior points give the same errors as twelve on
-    /// scans (measured) at a third of the cost; scheme A and reported energies always use twelve.
-    pub quadrature: Rule,
-}
-
-impl FlowOptions {
-    /// The defaults with the given energy: scheme B, fast mode, adaptive τ, at most 200 steps.
-    pub fn new(energy: Energy) -> Self {
-        Self {
-            energy,
-            scheme: Scheme::default(),
-            mode: Mode::default(),
-            tau: Tau::default(),
-            max_steps: 200,
-            linear: LinearSolver::default(),
-            quadrature: Rule::Three,
-        }
-    }
-
-    /// # Errors
-    /// [`SolverError::BadOption`] naming the option that is out of range.
-    pub fn validate(&self) -> Result<(), SolverError> {
-        if let Tau::Fixed(t) | Tau::From(t) = self.tau
-            && !(t.is_finite() && t > 0.0)
-        {
-            return Err(SolverError::BadOption {
-                option: "tau",
-                value: t.to_string(),
-                expected: "a time step is a positive number (or `auto`)",
-            });
-        }
-        Ok(())
-    }
-}
-
-/// One line of the record of a flow.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StepRecord {
-    /// Accepted steps so far, this one included if it was accepted.
-    pub step: usize,
-    /// Its time step (for quasi-Newton steps that of the factor).
-    pub tau: f64,
-    /// Energy after it, by the quadrature rule of the steps.
-    pub energy: f64,
-    /// Displacement brought to `τ_ref`, over the hole radius; NaN if rejected.
-    pub residual: f64,
-    /// Whether it was rejected.
-    pub rejected: bool,
-    /// How it was computed.
-    pub progress: Progress,
-    /// Scheme A: iterations of GMRES.
-    pub iterations: Option<usize>,
-    /// Scheme A: relative residual of the linear solve.
-    pub linear_residual: Option<f64>,
-}
-
-/// Why a flow ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// The stopping rule was met.
-    Converged,
-    /// `max_steps` were taken.
-    Steps,
-    /// τ collapsed: no step lowers the energy.
-    Stuck,
-    /// It was told to.
-    Cancelled,
-}
-
-/// How a flow went.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// Why it ended.
-    pub end: End,
-    /// Accepted steps.
-    pub steps: usize,
-    /// Rejected steps.
-    pub rejected: usize,
-    /// Energy at the start, by the 12-point rule.
-    pub energy_start: f64,
-    /// Energy at the end, by the 12-point rule.
-    pub energy_end: f64,
-    /// Warnings in plain words.
-    pub warnings: Vec<String>,
-}
 
 enum Stepper {
     Normal(Box<NormalFlow>),
@@ -134,6 +22,8 @@ enum Stepper {
     Mixed(Box<MixedFlow>),
 }
 
+/// Attempts at relaxing after a step, each half as far as the one before.
+const RELAXATION_TRIES: usize = 3;
 /// Factorized steps before fast mode goes over to the frozen factor.
 const FACTORIZED_STEPS: usize = 2;
 
@@ -141,10 +31,15 @@ const FACTORIZED_STEPS: usize = 2;
 pub struct Flow {
     problem: FlowProblem,
     options: FlowOptions,
+    /// The options' energy with tension and bulge.
+    energy: Energy,
     stepper: Stepper,
     control: Control,
     report: Assembler,
+    relaxation: Option<Relaxation>,
+    descent: Descent,
     local: Elements,
+    pinch: PinchWatch,
     steps: usize,
     rejected: usize,
     factorized: usize,
@@ -160,6 +55,7 @@ impl Flow {
     /// A bad option, an energy that is not finite at the start, a failed symbolic factorization.
     pub fn new(problem: FlowProblem, options: FlowOptions) -> Result<Self, SolverError> {
         options.validate()?;
+        let energy = options.energy_at(problem.radius());
         let (topology, faces) = (problem.topology(), problem.active_faces());
         // the reported energies' twelve points beside the steps' own
         let ((report, energy_start), prepared) = rayon::join(
@@ -168,19 +64,14 @@ impl Flow {
                 let fine = elements(topology, faces, rule, &mut TableCache::default());
                 let nothing = Unknowns::none(problem.positions().len());
                 let mut report = Assembler::new(&fine, rule, nothing);
-                let start = report.gradient(problem.positions(), &options.energy, &mut Vec::new());
+                let start = report.gradient(problem.positions(), &energy, &mut Vec::new());
                 (report, start.value)
             },
             || {
                 let rule = options.quadrature;
                 let local = elements(topology, faces, rule, &mut TableCache::default());
-                let start = survey(
-                    &local,
-                    problem.positions(),
-                    &options.energy,
-                    problem.radius(),
-                );
-                let stepper = Self::stepper(&problem, &options, &local)?;
+                let start = survey(&local, problem.positions(), &energy, problem.radius());
+                let stepper = Self::stepper(&problem, &options, &energy, &local)?;
                 Ok::<_, SolverError>((local, start, stepper))
             },
         );
@@ -188,11 +79,21 @@ impl Flow {
         if !energy_start.is_finite() {
             return Err(start.not_finite());
         }
-        let warnings = warnings(&problem, &options.energy, &start);
+        let warnings = warnings(&problem, &energy, &start);
         let mut flow = Self {
-            control: Control::new(options.mode, options.tau, start.tau_ref, start.tau_ref),
+            control: Control::new(
+                options.mode,
+                options.tau,
+                start.tau_ref,
+                start.tau_ref,
+                options.growth,
+            ),
+            relaxation: None,
+            descent: Descent::default(),
+            pinch: PinchWatch::new(&problem),
             problem,
             options,
+            energy,
             stepper,
             report,
             local,
@@ -210,6 +111,7 @@ impl Flow {
     fn stepper(
         problem: &FlowProblem,
         options: &FlowOptions,
+        energy: &Energy,
         local: &Elements,
     ) -> Result<Stepper, SolverError> {
         let is_mixed = matches!(options.scheme, Scheme::Mixed | Scheme::MixedCorrected);
@@ -225,18 +127,18 @@ impl Flow {
                 problem,
                 local,
                 options.quadrature,
-                &options.energy,
+                energy,
                 options.mode == Mode::Flow,
             )?)),
             Scheme::Guarded => Stepper::Guarded(Box::new(GuardedFlow::new(
                 problem,
                 local,
                 options.quadrature,
-                &options.energy,
+                energy,
             )?)),
             Scheme::Mixed | Scheme::MixedCorrected => Stepper::Mixed(Box::new(MixedFlow::new(
                 problem,
-                &options.energy,
+                energy,
                 options.linear,
                 options.scheme == Scheme::MixedCorrected,
             )?)),
@@ -249,7 +151,14 @@ impl Flow {
             (Stepper::Mixed(_), _) => 1e-3 * survey.tau_ref,
             _ => survey.tau_ref,
         };
-        self.control = Control::new(self.options.mode, self.options.tau, survey.tau_ref, gentle);
+        self.control = Control::new(
+            self.options.mode,
+            self.options.tau,
+            survey.tau_ref,
+            gentle,
+            self.options.growth,
+        );
+        self.descent = Descent::default();
         self.factorized = 0;
         self.end = None;
     }
@@ -287,6 +196,33 @@ impl Flow {
         self.control.tau_ref
     }
 
+    /// The time step of the next attempt.
+    pub fn tau(&self) -> f64 {
+        self.control.tau
+    }
+
+    /// Warnings so far, in plain words.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Energy where this flow started, by the 12-point rule.
+    pub fn energy_start(&self) -> f64 {
+        self.energy_start
+    }
+
+    /// Accepted and rejected steps.
+    pub fn counts(&self) -> (usize, usize) {
+        (self.steps, self.rejected)
+    }
+
+    /// Counts on from earlier steps of the same shape.
+    #[must_use]
+    pub fn counting_from(mut self, steps: usize, rejected: usize) -> Self {
+        (self.steps, self.rejected) = (steps, rejected);
+        self
+    }
+
     /// Why the flow ended, if it has.
     pub fn end(&self) -> Option<End> {
         self.end
@@ -303,6 +239,7 @@ impl Flow {
     /// The new options are refused and the old ones stay in force.
     pub fn set_options(&mut self, options: FlowOptions) -> Result<(), SolverError> {
         options.validate()?;
+        let energy = options.energy_at(self.problem.radius());
         let problem = self.problem.clone().with_positions(self.positions());
         let fresh = (options.quadrature != self.options.quadrature).then(|| {
             elements(
@@ -313,19 +250,14 @@ impl Flow {
             )
         });
         let local = fresh.as_ref().unwrap_or(&self.local);
-        let now = survey(
-            local,
-            problem.positions(),
-            &options.energy,
-            problem.radius(),
-        );
-        self.stepper = Self::stepper(&problem, &options, local)?;
+        let now = survey(local, problem.positions(), &energy, problem.radius());
+        self.stepper = Self::stepper(&problem, &options, &energy, local)?;
         if let Some(fresh) = fresh {
             self.local = fresh;
         }
-        self.warnings
-            .extend(warnings(&problem, &options.energy, &now));
+        self.warnings.extend(warnings(&problem, &energy, &now));
         self.options = options;
+        self.energy = energy;
         self.restart_control(&now);
         Ok(())
     }
@@ -340,8 +272,8 @@ impl Flow {
         }
         // a multiple of K is stationary everywhere (Gauss-Bonnet): what is left of its gradient is
         // the quadrature's error, and an adaptive τ would grow until that error moves the surface
-        let still = self.options.energy.order() == Order::Stationary
-            && !matches!(self.options.tau, Tau::Fixed(_));
+        let still =
+            self.energy.order() == Order::Stationary && !matches!(self.options.tau, Tau::Fixed(_));
         if still || self.problem.interior().is_empty() {
             self.end = Some(End::Converged);
             return Ok(None);
@@ -352,7 +284,13 @@ impl Flow {
         }
         let tau = self.control.tau;
         let next = self.control.next();
-        let quick = self.options.mode == Mode::Fast && !matches!(self.options.tau, Tau::Fixed(_));
+        // held vertices follow the others, and the guarded descent slides by itself
+        let relaxing = self.options.relaxation > 0.0 && self.problem.interpolation().is_none();
+        // relaxation moves the vertices for which the factor was made
+        let quick = self.options.mode == Mode::Fast
+            && !matches!(self.options.tau, Tau::Fixed(_))
+            && !relaxing;
+        let before = self.energy();
         let attempt = match &mut self.stepper {
             Stepper::Normal(flow) => {
                 flow.attempt(tau, next, quick && self.factorized + 1 >= FACTORIZED_STEPS)
@@ -360,7 +298,67 @@ impl Flow {
             Stepper::Guarded(flow) => flow.attempt(tau),
             Stepper::Mixed(flow) => flow.attempt(tau),
         };
-        Ok(Some(self.book(&attempt, tau)))
+        let mut record = self.book(&attempt, tau);
+        if attempt.accepted && relaxing {
+            self.relax(before, attempt.longest);
+            record.energy = self.energy().value;
+        }
+        if attempt.accepted && self.problem.interpolation().is_none() {
+            self.watch_necks()?;
+        }
+        Ok(Some(record))
+    }
+
+    /// Ends the flow at the last shape with open necks if one is closing.
+    fn watch_necks(&mut self) -> Result<(), SolverError> {
+        let positions = match &self.stepper {
+            Stepper::Normal(flow) => flow.positions(),
+            Stepper::Guarded(flow) => flow.positions(),
+            Stepper::Mixed(flow) => flow.positions(),
+        };
+        let Some(place) = self.pinch.look(&self.problem, positions) else {
+            return Ok(());
+        };
+        let open = self.problem.clone().with_positions(self.pinch.last_open());
+        self.stepper = Self::stepper(&open, &self.options, &self.energy, &self.local)?;
+        self.end = Some(End::Pinched);
+        let at = place + self.problem.centre();
+        self.warnings.push(format!(
+            "not converged: the surface pinches off near ({:.6}, {:.6}, {:.6}), since this energy has no \
+             minimum between rims so far apart; the last shape with an open neck is kept (take a \
+             fourth-order energy such as H^2, or bring the rims nearer)",
+            at.x, at.y, at.z
+        ));
+        Ok(())
+    }
+
+    /// Slides the vertices along the surface after a step from energy `before`, by no more than the
+    /// step moved any: so the sliding ends with the flow and does not keep it from converging.
+    fn relax(&mut self, before: EnergySum, longest: f64) {
+        let relaxation = self
+            .relaxation
+            .get_or_insert_with(|| Relaxation::new(&self.problem));
+        let mut weight = self.options.relaxation;
+        for _ in 0..RELAXATION_TRIES {
+            let (positions, normals, vertices) = match &self.stepper {
+                Stepper::Guarded(_) => return, // it slides by itself
+                Stepper::Normal(flow) => (flow.positions(), flow.normals(), flow.moving()),
+                Stepper::Mixed(flow) => (flow.positions(), flow.normals(), flow.moving()),
+            };
+            let moved = relaxation.propose(positions, vertices, normals, weight, longest);
+            let Some(moved) = moved else {
+                return;
+            };
+            let taken = match &mut self.stepper {
+                Stepper::Guarded(_) => return,
+                Stepper::Normal(flow) => flow.slide(moved, before),
+                Stepper::Mixed(flow) => flow.slide(moved, before),
+            };
+            if taken {
+                return;
+            }
+            weight *= 0.5;
+        }
     }
 
     /// Counts an attempt, moves τ and decides whether the flow has ended.
@@ -381,7 +379,12 @@ impl Flow {
                 // one fresh matrix, then quasi-Newton steps again
                 self.factorized = FACTORIZED_STEPS - 1;
             }
-            if residual < STOP {
+            // adaptive steps in true time may go on and off between a stable and an unstable τ where
+            // the shape is stationary to rounding
+            let adaptive =
+                self.options.mode == Mode::Flow && !matches!(self.options.tau, Tau::Fixed(_));
+            let energy = self.energy();
+            if residual < STOP || (adaptive && self.descent.has_stopped(energy)) {
                 self.end = Some(End::Converged);
             } else if self.steps >= self.options.max_steps {
                 self.end = Some(End::Steps);
@@ -432,7 +435,7 @@ impl Flow {
         };
         let energy_end = self
             .report
-            .gradient(positions, &self.options.energy, &mut Vec::new())
+            .gradient(positions, &self.energy, &mut Vec::new())
             .value;
         let mut warnings = self.warnings.clone();
         match self.end {

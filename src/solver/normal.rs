@@ -14,6 +14,7 @@ use crate::solver::energy::Energy;
 use crate::solver::fold_guard::FoldState;
 use crate::solver::held::Held;
 use crate::solver::normals::LimitNormals;
+use crate::solver::relax::may_slide;
 use crate::solver::survey::survey;
 use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
@@ -129,6 +130,31 @@ impl NormalFlow {
     /// Energy at the current positions, by the rule of the steps.
     pub fn energy(&self) -> EnergySum {
         self.current
+    }
+
+    /// The vertices that move.
+    pub fn moving(&self) -> &[u32] {
+        &self.assembler.unknowns().vertex
+    }
+
+    /// Limit normals at the moving vertices (those of the factor in a quasi-Newton phase).
+    pub fn normals(&self) -> &[DVec3] {
+        &self.normals
+    }
+
+    /// Takes other positions, such as a slide along the surface after a step from energy `before`,
+    /// if they do not give back too much of it. Returns whether it did.
+    pub fn slide(&mut self, positions: &[DVec3], before: EnergySum) -> bool {
+        self.trial.copy_from_slice(positions);
+        let sum = self
+            .assembler
+            .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
+        if !may_slide(before, self.current, sum) {
+            return false;
+        }
+        self.accept(sum);
+        self.leave_quasi_newton();
+        true
     }
 
     /// Exact gradient of the energy at the moving vertices, with the vertex of each.

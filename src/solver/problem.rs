@@ -21,6 +21,7 @@ pub struct FlowProblem {
     interior: Vec<u32>,
     active: Vec<FaceId>,
     radius: f64,
+    creases: Vec<u32>,
     interpolation: Option<Arc<Interpolation>>,
 }
 
@@ -80,8 +81,38 @@ impl FlowProblem {
             interior: interior.to_vec(),
             active,
             radius,
+            creases: Vec::new(),
             interpolation: None,
         })
+    }
+
+    /// The same problem with fixed vertices at which the surface ends in a crease (G0): its normal
+    /// there is free.
+    ///
+    /// # Errors
+    /// [`SolverError::NoSuchVertex`].
+    pub fn with_creases(mut self, creases: Vec<u32>) -> Result<Self, SolverError> {
+        let count = self.positions.len();
+        if let Some(&vertex) = creases.iter().find(|&&v| v as usize >= count) {
+            let vertex = vertex as usize;
+            return Err(SolverError::NoSuchVertex { vertex });
+        }
+        self.creases = creases;
+        Ok(self)
+    }
+
+    /// Vertices at which the surface ends in a crease.
+    pub fn creases(&self) -> &[u32] {
+        &self.creases
+    }
+
+    /// For each vertex whether it is one of [`Self::creases`].
+    pub fn crease_marks(&self) -> Vec<bool> {
+        let mut marks = vec![false; self.positions.len()];
+        for &v in &self.creases {
+            marks[v as usize] = true;
+        }
+        marks
     }
 
     /// The same problem with the limit surface held at given points (in the given mesh's own
@@ -164,10 +195,10 @@ impl FlowProblem {
     }
 
     /// The same problem from other starting positions (of all vertices, relative to
-    /// [`Self::centre`]); only those of [`Self::moving`] vertices are taken.
+    /// [`Self::centre`]); only those of the interior are taken.
     #[must_use]
     pub fn with_positions(mut self, positions: &[DVec3]) -> Self {
-        for v in self.moving() {
+        for &v in &self.interior {
             self.positions[v as usize] = positions[v as usize];
         }
         self

@@ -4,6 +4,7 @@ use crate::mesh::DVec3;
 use crate::solver::SolverError;
 use crate::solver::energy::{Energy, WellPosedScan, scan_well_posedness};
 use crate::solver::forms::PointGeometry;
+use crate::solver::posed::TOLERANCE;
 use crate::subdivision::Elements;
 
 /// What a survey found.
@@ -42,18 +43,7 @@ pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius:
     let (mut samples, mut places) = (Vec::new(), Vec::new());
     let r = radius;
     for e in (0..count).step_by(stride) {
-        let table = &elements.tables[elements.table_of[e] as usize];
-        let vertices =
-            &elements.vertices[elements.offset[e] as usize..elements.offset[e + 1] as usize];
-        for point in 0..table.points {
-            let at = |d: usize| {
-                let row = table.row(point, d);
-                vertices
-                    .iter()
-                    .zip(row)
-                    .fold(DVec3::ZERO, |sum, (&v, &b)| sum + positions[v as usize] * b)
-            };
-            let p = PointGeometry::new(at(1), at(2), at(3), at(4), at(5));
+        each_point(elements, e, positions, |place, p| {
             let jet = energy.jet(p.mean, p.gauss);
             let eta = jet.f - jet.h * p.mean - jet.k * p.gauss;
             let size = eta
@@ -66,10 +56,10 @@ pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius:
             mean = [mean[0].min(p.mean), mean[1].max(p.mean)];
             gauss = [gauss[0].min(p.gauss), gauss[1].max(p.gauss)];
             samples.push([p.mean, p.gauss]);
-            places.push(at(0));
-        }
+            places.push(place);
+        });
     }
-    let posed = scan_well_posedness(energy, &samples, r, 1e-9);
+    let posed = scan_well_posedness(energy, &samples, r, TOLERANCE);
     // an energy without scale (f = K) leaves any τ as good as another
     let f_hat = weighted / area;
     let tau_ref = if f_hat.is_finite() && f_hat > 0.0 {
@@ -83,6 +73,37 @@ pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius:
         gauss,
         worst_place: posed.worst.map_or(DVec3::ZERO, |w| places[w.index]),
         posed,
+    }
+}
+
+/// Mean curvature of the limit surface on a face: the average over the points of its table.
+pub fn mean_curvature(elements: &Elements, element: usize, positions: &[DVec3]) -> f64 {
+    let mut sum = 0.0;
+    each_point(elements, element, positions, |_, p| sum += p.mean);
+    sum / elements.table(element).points as f64
+}
+
+/// Calls `look` with the place and the geometry at every quadrature point of an element.
+pub(super) fn each_point(
+    elements: &Elements,
+    element: usize,
+    positions: &[DVec3],
+    mut look: impl FnMut(DVec3, &PointGeometry),
+) {
+    let table = elements.table(element);
+    let vertices = elements.vertices_of(element);
+    for point in 0..table.points {
+        let at = |d: usize| {
+            let row = table.row(point, d);
+            vertices
+                .iter()
+                .zip(row)
+                .fold(DVec3::ZERO, |sum, (&v, &b)| sum + positions[v as usize] * b)
+        };
+        look(
+            at(0),
+            &PointGeometry::new(at(1), at(2), at(3), at(4), at(5)),
+        );
     }
 }
 

@@ -15,7 +15,7 @@ pub const DERIVATIVES: usize = 6;
 const MAX_STEPS: usize = 100;
 
 /// Values and derivatives of the basis functions of a triangle's control vertices at the points of
-/// a quadrature rule.
+/// a quadrature rule or other fixed points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BasisTable {
     /// Number of control vertices.
@@ -34,7 +34,11 @@ impl BasisTable {
     /// # Panics
     /// If a valence is less than 3.
     pub fn new(valences: [usize; 3], rule: Rule) -> Self {
-        let points = rule.points();
+        Self::at_points(valences, rule.points())
+    }
+
+    /// The same at any points `(v, w)`; derivatives at irregular corners are NaN, see [`basis_at`].
+    pub(super) fn at_points(valences: [usize; 3], points: &[[f64; 2]]) -> Self {
         let n = Patch::new(valences).len();
         let mut data = vec![0.0; points.len() * DERIVATIVES * n];
         let mut scratch = Scratch::default();
@@ -54,15 +58,15 @@ impl BasisTable {
     }
 
     /// The table of a flat triangle, controlled by its corners alone.
-    fn flat(rule: Rule) -> Self {
+    pub(super) fn flat(points: &[[f64; 2]]) -> Self {
         let rows = |&[v, w]: &[f64; 2]| {
             let derivatives = [[1.0 - v - w, v, w], [-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]];
             derivatives.into_iter().chain([[0.0; 3]; 3])
         };
         Self {
             n: 3,
-            points: rule.points().len(),
-            data: rule.points().iter().flat_map(rows).flatten().collect(),
+            points: points.len(),
+            data: points.iter().flat_map(rows).flatten().collect(),
         }
     }
 
@@ -189,7 +193,7 @@ impl TableCache {
         let key = (rule, folding.clone());
         if !self.folded.contains_key(&key) {
             let table = if folding.is_flat() {
-                BasisTable::flat(rule)
+                BasisTable::flat(rule.points())
             } else {
                 folding.apply(self.table(folding.valences, rule))
             };

@@ -1,7 +1,7 @@
 //! Control vertices and basis tables of a list of faces.
 
 use super::basis::{BasisTable, TableCache};
-use super::folding::fold;
+use super::folding::{Folding, fold};
 use super::gather::gather;
 use super::rule::Rule;
 use crate::mesh::{FaceId, Topology};
@@ -64,6 +64,35 @@ pub fn elements(
     rule: Rule,
     cache: &mut TableCache,
 ) -> Elements {
+    collect(topology, faces, |class| match class {
+        Class::Valences(valences) => cache.table(valences, rule).clone(),
+        Class::Folded(folding) => cache.folded_table(folding, rule).clone(),
+    })
+}
+
+/// [`elements()`] with tables for any `points` `(v, w)` of the closed parameter triangle, which need
+/// not be those of a rule. Derivatives at corners of valence other than 6 are NaN.
+pub fn elements_at(topology: &Topology, faces: &[FaceId], points: &[[f64; 2]]) -> Elements {
+    collect(topology, faces, |class| match class {
+        Class::Valences(valences) => BasisTable::at_points(valences, points),
+        Class::Folded(folding) if folding.is_flat() => BasisTable::flat(points),
+        Class::Folded(folding) => folding.apply(&BasisTable::at_points(folding.valences, points)),
+    })
+}
+
+/// Faces with the same table.
+enum Class<'a> {
+    /// Their control vertices are distinct real vertices.
+    Valences([usize; 3]),
+    /// They are not.
+    Folded(&'a Folding),
+}
+
+fn collect(
+    topology: &Topology,
+    faces: &[FaceId],
+    mut table_of: impl FnMut(Class<'_>) -> BasisTable,
+) -> Elements {
     let gathered = gather(topology, faces);
     let mut out = Elements {
         tables: Vec::with_capacity(gathered.classes.len()),
@@ -76,13 +105,13 @@ pub fn elements(
     out.offset.push(end);
     for (valences, count) in gathered.classes {
         let table = out.tables.len() as u32;
-        out.tables.push(cache.table(valences, rule).clone());
+        out.tables.push(table_of(Class::Valences(valences)));
         out.table_of.extend(std::iter::repeat_n(table, count));
         let n = stencil_size(valences) as u32;
         out.offset.extend((1..=count as u32).map(|i| end + i * n));
         end += count as u32 * n;
     }
-    push_folded(topology, &gathered.to_fold, rule, cache, &mut out);
+    push_folded(topology, &gathered.to_fold, &mut table_of, &mut out);
     out
 }
 
@@ -90,8 +119,7 @@ pub fn elements(
 fn push_folded(
     topology: &Topology,
     faces: &[FaceId],
-    rule: Rule,
-    cache: &mut TableCache,
+    table_of: &mut impl FnMut(Class<'_>) -> BasisTable,
     out: &mut Elements,
 ) {
     let mut folded: Vec<_> = faces.iter().map(|&f| (fold(topology, f), f)).collect();
@@ -99,7 +127,7 @@ fn push_folded(
     for group in folded.chunk_by(|((a, _), _), ((b, _), _)| a == b) {
         let table = out.tables.len() as u32;
         let ((folding, _), _) = &group[0];
-        out.tables.push(cache.folded_table(folding, rule).clone());
+        out.tables.push(table_of(Class::Folded(folding)));
         for ((_, vertices), f) in group {
             out.vertices.extend_from_slice(vertices);
             out.table_of.push(table);

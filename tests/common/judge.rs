@@ -7,7 +7,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use meniscus::mesh::{DVec3, HalfedgeId, Topology, VertexId, folded_edges, self_intersections};
+use meniscus::mesh::{
+    DVec3, FaceId, HalfedgeId, Topology, VertexId, components, folded_edges, self_intersections,
+};
 
 use super::manifest::Loop;
 use super::raw::RawMesh;
@@ -35,6 +37,11 @@ pub struct Verdict {
     pub loops_left: usize,
     pub intersections: usize,
     pub folds: usize,
+    /// Connected pieces of the whole.
+    pub components: usize,
+    /// Mean angle between the normals of old and new faces across the rims, in degrees, edges counted
+    /// alike.
+    pub rim_angle: f64,
     /// RMS of error / hole radius over new vertices with a truth; NaN if there are none.
     pub rms: f64,
     /// The largest of them.
@@ -82,6 +89,8 @@ pub fn judge(
         Err(error) => verdict.failures.push(error.to_string()),
         Ok(topology) => {
             verdict.loops_left = topology.boundary_loops().len();
+            verdict.components = components(&topology).count;
+            verdict.rim_angle = rim_angle(output, &topology, &new_faces);
             count_folds(output, &topology, &new_faces, &mut verdict);
             if let Some(truth) = truth {
                 measure(output, &topology, &is_new, loops, truth, &mut verdict);
@@ -167,6 +176,24 @@ fn added_faces(
     (0..triangles.len() as u32)
         .filter(|&f| !before.contains(&key(&output.positions, &triangles[f as usize])))
         .collect()
+}
+
+fn rim_angle(output: &RawMesh, topology: &Topology, new_faces: &[u32]) -> f64 {
+    let new: HashSet<u32> = new_faces.iter().copied().collect();
+    let normal = |f: FaceId| {
+        let corners = topology.face_vertices(f);
+        let [a, b, c] = corners.map(|v| output.positions[v.index()]);
+        (b - a).cross(c - a)
+    };
+    let (mut sum, mut count) = (0.0, 0usize);
+    for h in (0..topology.halfedge_count()).map(HalfedgeId::from) {
+        let (f, g) = (topology.face(h), topology.face(h.twin()));
+        if f.is_some() && g.is_some() && new.contains(&f.0) && !new.contains(&g.0) {
+            sum += normal(f).angle_between(normal(g)).to_degrees();
+            count += 1;
+        }
+    }
+    sum / count as f64
 }
 
 fn count_folds(output: &RawMesh, topology: &Topology, new_faces: &[u32], verdict: &mut Verdict) {

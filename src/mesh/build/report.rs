@@ -104,6 +104,22 @@ pub enum DefectKind {
     OneSidedComponent,
 }
 
+impl DefectKind {
+    /// What it is, for a list.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::DuplicateFace => "duplicate face, dropped",
+            Self::DegenerateFace => "face with a repeated corner, dropped",
+            Self::ZeroAreaFace => "triangle of zero area, kept",
+            Self::FlippedFace => "face turned over",
+            Self::NonManifoldEdge => "edge of more than two faces, cut apart",
+            Self::NonManifoldVertex => "vertex joining several sheets, split",
+            Self::PinchedHole => "hole touching itself",
+            Self::OneSidedComponent => "component without orientation, left alone",
+        }
+    }
+}
+
 fn as_array<S: Serializer>(p: &DVec3, serializer: S) -> Result<S::Ok, S::Error> {
     p.to_array().serialize(serializer)
 }

@@ -4,6 +4,7 @@
 //! everywhere. Faces are oriented outwards (open surfaces: as said), triangles are near to
 //! equilateral, and, unless said otherwise, meshes are irregular: jittered, then evened out.
 
+mod blends;
 mod closed;
 mod cut;
 mod demo;
@@ -13,13 +14,16 @@ mod open;
 mod outline;
 mod random;
 mod relax;
+mod samples;
 
+pub use blends::{Tube, four_cylinders, three_y, tube_onto_plane, tubes};
 pub use closed::{ellipsoid, icosphere, sphere, torus};
 pub use cut::{Hole, HoleShape, cut_holes, cut_where};
 pub use demo::{demo, demo_body};
 pub use implicit::implicit_surface;
 pub use open::{catenoid, cylinder, graph, plane};
 pub use random::SplitMix;
+pub use samples::{SAMPLES, Sample};
 
 use super::DVec3;
 
@@ -135,6 +139,33 @@ mod tests {
                 .all(|p| (p.x.hypot(p.y) - 0.5 * (p.z / 0.5).cosh()).abs() < 1e-14)
         );
         assert!(volume(&tube) > 0.0 && volume(&neck) > 0.0);
+    }
+
+    #[test]
+    fn surfaces_to_be_blended_have_facing_mouths() {
+        for (shape, parts, loops) in [
+            (four_cylinders(32), 4, 8),
+            (three_y(24), 3, 6),
+            (tube_onto_plane(24), 2, 4),
+        ] {
+            let t = check(&shape, 20.0);
+            assert_eq!(crate::mesh::components(&t).count, parts);
+            assert_eq!(t.boundary_loops().len(), loops);
+        }
+        let (positions, triangles) = four_cylinders(32);
+        assert_eq!(positions.len(), 4 * 32 * 20);
+        let radius = |p: &DVec3| p.z.hypot(if p.x.abs() < p.y.abs() { p.x } else { p.y });
+        assert!(positions.iter().all(|p| (radius(p) - 0.5).abs() < 1e-15));
+        for t in triangles {
+            let [a, b, c] = t.map(|v| positions[v as usize]);
+            let mut outwards = (a + b + c) / 3.0;
+            if outwards.x.abs() > outwards.y.abs() {
+                outwards.x = 0.0;
+            } else {
+                outwards.y = 0.0;
+            }
+            assert!((b - a).cross(c - a).dot(outwards) > 0.0);
+        }
     }
 
     #[test]

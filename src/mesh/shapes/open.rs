@@ -90,17 +90,25 @@ pub fn plane(size: f64, across: usize, seed: u64) -> Shape {
     graph(size, across, |_, _| 0.0, seed)
 }
 
+/// A regular lattice closed to a ring of `around` edges, `height` edges high; `at` is given both
+/// coordinates as fractions.
+pub(super) fn tube_lattice(around: usize, height: f64, at: impl Fn(f64, f64) -> DVec3) -> Shape {
+    let rows = rows_for(height);
+    lattice(around, rows, true, |x, y| {
+        at(x / around as f64, y / rows as f64)
+    })
+}
+
 /// Side of a cylinder about the z axis, centred at the origin, open at both ends; `around` edges
 /// to a turn.
 pub fn cylinder(radius: f64, height: f64, around: usize, seed: u64) -> Shape {
     let around = around.max(3);
     let edge = TAU * radius / around as f64;
-    let rows = rows_for(height / edge);
     let at = |x: f64, y: f64| {
-        let (s, c) = (TAU * x / around as f64).sin_cos();
-        DVec3::new(radius * c, radius * s, height * (y / rows as f64 - 0.5))
+        let (s, c) = (TAU * x).sin_cos();
+        DVec3::new(radius * c, radius * s, height * (y - 0.5))
     };
-    let shape = lattice(around, rows, true, at);
+    let shape = tube_lattice(around, height / edge, at);
     irregular(shape, seed, |p| {
         let scale = radius / p.x.hypot(p.y);
         DVec3::new(p.x * scale, p.y * scale, p.z)
@@ -111,14 +119,13 @@ pub fn cylinder(radius: f64, height: f64, around: usize, seed: u64) -> Shape {
 /// `around` edges to a turn. The lattice is a conformal one: its edges grow with r.
 pub fn catenoid(c: f64, half_height: f64, around: usize, seed: u64) -> Shape {
     let around = around.max(3);
-    let rows = rows_for(2.0 * half_height / c * around as f64 / TAU);
     let at = |x: f64, y: f64| {
-        let z = half_height * (2.0 * y / rows as f64 - 1.0);
-        let (sin, cos) = (TAU * x / around as f64).sin_cos();
+        let z = half_height * (2.0 * y - 1.0);
+        let (sin, cos) = (TAU * x).sin_cos();
         let r = c * (z / c).cosh();
         DVec3::new(r * cos, r * sin, z)
     };
-    let shape = lattice(around, rows, true, at);
+    let shape = tube_lattice(around, 2.0 * half_height / c * around as f64 / TAU, at);
     irregular(shape, seed, |p| {
         let scale = c * (p.z / c).cosh() / p.x.hypot(p.y);
         DVec3::new(p.x * scale, p.y * scale, p.z)

@@ -15,6 +15,7 @@
 mod expr;
 mod jet;
 mod preset;
+mod shift;
 mod wellposed;
 
 use std::collections::BTreeMap;
@@ -54,6 +55,8 @@ enum Density {
     Plain(Arc<expr::Program>),
     /// An expression with κ1 or κ2; the flag says that it is even in `κ1 − κ2`.
     Principal(Arc<expr::Program>, bool),
+    /// Another energy with tension and spontaneous curvature.
+    Shifted(shift::Shift),
 }
 
 impl Energy {
@@ -187,6 +190,7 @@ impl Energy {
             Density::Preset(preset, h0) => preset.jet(*h0, h, k),
             Density::Plain(program) => program.eval(&expr::JetAlgebra::plain(h, k)),
             Density::Principal(program, even) => expr::PairAlgebra::jet(program, *even, h, k),
+            Density::Shifted(shift) => shift.jet(h, k),
         }
     }
 
@@ -214,6 +218,18 @@ impl Energy {
         } else {
             Order::Fourth
         }
+    }
+}
+
+/// Energies written alike, with the same parameters and shifts.
+impl PartialEq for Energy {
+    fn eq(&self, other: &Self) -> bool {
+        let shifts = match (&self.density, &other.density) {
+            (Density::Shifted(a), Density::Shifted(b)) => a.same(b),
+            (Density::Shifted(_), _) | (_, Density::Shifted(_)) => false,
+            _ => true,
+        };
+        shifts && self.text == other.text && self.params == other.params
     }
 }
 

@@ -32,7 +32,7 @@ pub struct Units {
 pub struct Numbering {
     /// Positions: the interior.
     pub x: Unknowns,
-    /// Curvature normals h and k: rings 0 and 1.
+    /// Curvature normals h and k: rings 0 and 1 without creases.
     pub h: Unknowns,
 }
 
@@ -122,7 +122,9 @@ impl Numbering {
     /// (two vertices are neighbours in it if they meet the same `ψ`).
     fn new(problem: &FlowProblem, elements: &Elements) -> Self {
         let positions = problem.positions();
-        let near = (0..positions.len() as u32).filter(|&v| problem.ring()[v as usize] <= 1);
+        let is_crease = problem.crease_marks();
+        let near = (0..positions.len() as u32)
+            .filter(|&v| problem.ring()[v as usize] <= 1 && !is_crease[v as usize]);
         let h = Unknowns::numbered(positions.len(), near.collect());
         let h = dissected(&h, &corner_lists(elements, &h), positions);
         let x = Unknowns::numbered(positions.len(), problem.interior().to_vec());

@@ -2,7 +2,8 @@
 //!
 //! The curvature normals `h = 2Hn` and `k = 2Kn` are unknowns of their own, in piecewise linears on
 //! rings 0 and 1, beside the positions of ring 0. All matrices are those of the present surface;
-//! one linear system gives all unknowns at the new time. `assembly` has the system, `splitting`
+//! one linear system gives all unknowns at the new time. At creases, where the surface ends in a rim
+//! without a collar, `h` and `k` are data taken from the present surface. `assembly` has the system, `splitting`
 //! what is taken implicitly, `precond` the preconditioner.
 //!
 //! The system is solved for increments. With `h(x)`, `k(x)` the solutions of the second and third
@@ -23,22 +24,25 @@
 //! `f` has only such terms (`f = K`, under which the corrected variant stands still as it should).
 
 mod assembly;
+mod fixed;
 mod kernel;
 mod pattern;
 mod precond;
 mod splitting;
 
 use crate::linear::{GmresOptions, GmresReport, LinearError, SparseLu, gmres};
-use crate::mesh::{DVec3, FaceId};
+use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Progress};
 use crate::solver::energy::Energy;
 use crate::solver::normals::LimitNormals;
+use crate::solver::relax::may_slide;
 use crate::solver::survey::survey;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Rule, TableCache, elements};
 
 use assembly::{System, Units};
+use fixed::Projected;
 use precond::BlockElimination;
 
 /// How the linear system (23) is solved.
@@ -85,6 +89,8 @@ pub struct MixedFlow {
     /// Curvature normals per vertex of the region: fixed ones on ring 2, zero beyond.
     h: Vec<DVec3>,
     k: Vec<DVec3>,
+    /// What renews them at creases, where they are data of the present surface.
+    creases: Option<Projected>,
     /// The same, with `h(x)` and `k(x)` on rings 0 and 1.
     lifted_h: Vec<DVec3>,
     lifted_k: Vec<DVec3>,
@@ -116,7 +122,13 @@ impl MixedFlow {
         let (topology, faces) = (problem.topology(), problem.active_faces());
         let fine = elements(topology, faces, Rule::Twelve, &mut tables);
         let start = survey(&fine, problem.positions(), energy, problem.radius());
-        let (h, k) = fixed_curvatures(problem, &mut tables);
+        let count = problem.positions().len();
+        let (mut h, mut k) = (vec![DVec3::ZERO; count], vec![DVec3::ZERO; count]);
+        let is_crease = problem.crease_marks();
+        let data = |v: usize| is_crease[v] || problem.ring()[v] == 2;
+        Projected::new(problem, data, &mut tables).evaluate(problem.positions(), &mut h, &mut k);
+        let creases = (!problem.creases().is_empty())
+            .then(|| Projected::new(problem, |v| is_crease[v], &mut tables));
         let length = problem.radius();
         let units = Units {
             length,
@@ -151,6 +163,7 @@ impl MixedFlow {
             lifted_k: k.clone(),
             h,
             k,
+            creases,
             assembled: false,
             force: Vec::new(),
             trial: problem.positions().to_vec(),
@@ -167,6 +180,30 @@ impl MixedFlow {
     /// Energy at the current positions, by the 12-point rule.
     pub fn energy(&self) -> EnergySum {
         self.current
+    }
+
+    /// The vertices that move.
+    pub fn moving(&self) -> &[u32] {
+        &self.system.numbering.x.vertex
+    }
+
+    /// Limit normals at the moving vertices.
+    pub fn normals(&self) -> &[DVec3] {
+        &self.normals
+    }
+
+    /// Takes other positions, such as a slide along the surface after a step from energy `before`,
+    /// if they do not give back too much of it. Returns whether it did.
+    pub fn slide(&mut self, positions: &[DVec3], before: EnergySum) -> bool {
+        self.trial.copy_from_slice(positions);
+        let sum = self
+            .assembler
+            .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
+        if !may_slide(before, self.current, sum) {
+            return false;
+        }
+        self.take_trial(sum);
+        true
     }
 
     /// The curvature normals `2Hn` and `2Kn` of all vertices of the region: on rings 0 and 1 as the
@@ -240,6 +277,9 @@ impl MixedFlow {
     /// Matrices, `h(x)`, `k(x)` and the force at the present positions.
     fn assemble(&mut self) -> Result<(), String> {
         let system = &mut self.system;
+        if let Some(creases) = &self.creases {
+            creases.evaluate(&self.positions, &mut self.lifted_h, &mut self.lifted_k);
+        }
         system.assemble(
             &self.positions,
             &self.lifted_h,
@@ -360,52 +400,16 @@ impl MixedFlow {
             self.h[v] = self.lifted_h[v] + get(3 * n) / r;
             self.k[v] = self.lifted_k[v] + get(3 * n + 3 * m) / (r * r);
         }
+        self.take_trial(sum);
+    }
+
+    fn take_trial(&mut self, sum: EnergySum) {
         self.current = sum;
         std::mem::swap(&mut self.positions, &mut self.trial);
         std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
         self.ring.evaluate(&self.positions, &mut self.normals);
         self.assembled = false;
     }
-}
-
-/// `2Hn` and `2Kn` of the starting surface at ring 2, by the L2 projection with lumped mass over all
-/// faces around; zero elsewhere.
-fn fixed_curvatures(problem: &FlowProblem, tables: &mut TableCache) -> (Vec<DVec3>, Vec<DVec3>) {
-    let (topology, ring) = (problem.topology(), problem.ring());
-    let faces: Vec<FaceId> = (0..topology.face_count())
-        .map(FaceId::from)
-        .filter(|&f| {
-            topology
-                .face_vertices(f)
-                .iter()
-                .any(|v| ring[v.index()] == 2)
-        })
-        .collect();
-    let around = elements(topology, &faces, Rule::Twelve, tables);
-    let count = problem.positions().len();
-    let (mut h, mut k) = (vec![DVec3::ZERO; count], vec![DVec3::ZERO; count]);
-    let mut area = vec![0.0; count];
-    let mut x = Vec::new();
-    for e in 0..around.len() {
-        let vertices = around.vertices_of(e);
-        x.clear();
-        x.extend(vertices.iter().map(|&v| problem.positions()[v as usize]));
-        let moments = kernel::curvature_moments(around.table(e), &x);
-        for (&v, (a, mh, mk)) in vertices.iter().zip(moments) {
-            if ring[v as usize] == 2 {
-                area[v as usize] += a;
-                h[v as usize] += mh;
-                k[v as usize] += mk;
-            }
-        }
-    }
-    for v in 0..count {
-        if area[v] > 0.0 {
-            h[v] /= area[v];
-            k[v] /= area[v];
-        }
-    }
-    (h, k)
 }
 
 #[cfg(test)]

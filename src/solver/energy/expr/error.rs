@@ -84,6 +84,8 @@ pub struct SyntaxError {
     pub length: usize,
     /// What is wrong and what was expected.
     pub message: String,
+    /// A name that has no meaning yet: giving it a value as a parameter would mend the error.
+    pub unknown: Option<String>,
 }
 
 impl SyntaxError {
@@ -97,6 +99,7 @@ impl SyntaxError {
             character: count(0..start),
             length: count(start..end.max(start)).max(1),
             message: message.into(),
+            unknown: None,
         }
     }
 

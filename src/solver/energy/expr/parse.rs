@@ -212,13 +212,16 @@ impl<'a> Parser<'a> {
             "k1" => Op::Variable(Variable::Kappa1),
             "k2" => Op::Variable(Variable::Kappa2),
             "pi" => Op::Constant(std::f64::consts::PI),
-            _ => match self.params.get(name) {
-                Some(&value) => {
-                    self.used.insert(name.to_owned(), value);
-                    Op::Constant(value)
-                }
-                None => return Err(self.error(token, self.unknown(name))),
-            },
+            _ => {
+                let Some(&value) = self.params.get(name) else {
+                    let mut error = self.error(token, self.unknown(name));
+                    let called = self.peek().kind == Kind::Symbol('(');
+                    error.unknown = (!called).then(|| name.to_owned());
+                    return Err(error);
+                };
+                self.used.insert(name.to_owned(), value);
+                Op::Constant(value)
+            }
         };
         if self.peek().kind == Kind::Symbol('(') {
             let message =

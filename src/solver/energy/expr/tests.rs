@@ -348,3 +348,14 @@ proptest::proptest! {
         }
     }
 }
+
+#[test]
+fn an_unknown_name_is_offered_as_a_parameter() {
+    let unknown = |text: &str| {
+        let error = Energy::parse(text, &BTreeMap::new()).expect_err("unknown");
+        error.syntax().and_then(|e| e.unknown.clone())
+    };
+    assert_eq!(unknown("H^2 + a*K").as_deref(), Some("a"));
+    assert_eq!(unknown("foo(H)"), None);
+    assert_eq!(unknown("H^2 +"), None);
+}

@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# Makes the pictures of the README but the one of the window, with the program itself.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+. scripts/prepare.sh
+prepare
+prepare_window
+cargo build --release --locked --bin meniscus
+meniscus=target/release/meniscus
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+mkdir -p docs/pictures
+"$meniscus" sample creature -o "$scratch/creature.obj"
+"$meniscus" fill "$scratch/creature.obj" -o "$scratch/filled.obj" --quiet \
+    --picture docs/pictures/filled.png --size 640x480
+"$meniscus" render "$scratch/creature.obj" -o docs/pictures/holed.png --size 640x480 --view shaded --rims
+"$meniscus" render "$scratch/filled.obj" -o docs/pictures/curvature.png --size 640x480 --view H

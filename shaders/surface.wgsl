@@ -1,0 +1,151 @@
+// Surfaces: light, isophotes, zebra, maps of curvature and deviation.
+
+const SHADED = 0u;
+const ISOPHOTES = 1u;
+const ZEBRA = 2u;
+const MEAN = 3u;
+const GAUSS = 4u;
+const K1 = 5u;
+const K2 = 6u;
+const DEVIATION = 7u;
+
+const PATCH = 1u;
+const ILL_POSED = 2u;
+const SELECTED = 4u;
+const CURVATURE = 8u;
+const DEVIATION_KNOWN = 16u;
+
+struct SurfaceVertex {
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) mean: f32,
+    @location(3) gauss: f32,
+    @location(4) deviation: f32,
+    @location(5) flags: u32,
+}
+
+struct SurfacePoint {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    // number to map, 1 where it is known, 1 where the flow is ill-posed
+    @location(2) value: vec3<f32>,
+    @location(3) @interpolate(flat) flags: u32,
+}
+
+@vertex
+fn vs_surface(v: SurfaceVertex) -> SurfacePoint {
+    var out: SurfacePoint;
+    out.position = v.position * frame.eye.w;
+    out.clip = to_tile(frame.clip_from_scaled * vec4(out.position, 1.0));
+    out.normal = v.normal;
+    let mode = frame.choice.x;
+    // principal curvatures at the vertices: interpolating H and K first would give a root of noise
+    let spread = sqrt(max(v.mean * v.mean - v.gauss, 0.0));
+    var value = v.mean;
+    if mode == GAUSS {
+        value = v.gauss;
+    } else if mode == K1 {
+        value = v.mean + spread;
+    } else if mode == K2 {
+        value = v.mean - spread;
+    } else if mode == DEVIATION {
+        value = v.deviation;
+    }
+    let needed = select(CURVATURE, DEVIATION_KNOWN, mode == DEVIATION);
+    let known = select(0.0, 1.0, (v.flags & needed) != 0u);
+    let ill = select(0.0, 1.0, (v.flags & ILL_POSED) != 0u);
+    // in parts of the range, so that no exponent is lost on the way
+    out.value = vec3((value - frame.range.x) * frame.range.y, known, ill);
+    out.flags = v.flags;
+    return out;
+}
+
+// Mean of a square wave of period 1 (1 on the first half) over an interval of the given width.
+fn bands(phase: f32, width: f32) -> f32 {
+    let w = max(width, 1e-4);
+    let low = phase - 0.5 * w;
+    let high = phase + 0.5 * w;
+    let integral_low = 0.5 * floor(low) + min(fract(low), 0.5);
+    let integral_high = 0.5 * floor(high) + min(fract(high), 0.5);
+    return (integral_high - integral_low) / w;
+}
+
+fn change(x: f32) -> f32 {
+    return length(vec2(dpdx(x), dpdy(x)));
+}
+
+// The colour map by its stops, which are inserted here.
+//MAP
+
+fn colormap(t: f32) -> vec3<f32> {
+    let at = clamp(t, 0.0, 1.0) * f32(MAP_STOPS - 1u);
+    let i = min(u32(at), MAP_STOPS - 2u);
+    var map = MAP;
+    return mix(map[i], map[i + 1u], at - f32(i));
+}
+
+// Light on a surface of unit colour, linear: a key and a fill light that move with the camera, and
+// light from all around, more from above.
+fn light(n: vec3<f32>, towards_eye: vec3<f32>) -> vec2<f32> {
+    let key = normalize(-0.45 * frame.right.xyz + 0.65 * frame.up.xyz + 0.75 * frame.back.xyz);
+    let fill = normalize(0.8 * frame.right.xyz - 0.1 * frame.up.xyz + 0.5 * frame.back.xyz);
+    let around = 0.30 + 0.10 * dot(n, frame.up.xyz);
+    let diffuse = 0.62 * max(dot(n, key), 0.0) + 0.18 * max(dot(n, fill), 0.0) + around;
+    let half_way = normalize(key + towards_eye);
+    let gloss = 0.16 * pow(max(dot(n, half_way), 0.0), 40.0);
+    return vec2(diffuse, gloss);
+}
+
+@fragment
+fn fs_surface(
+    p: SurfacePoint,
+    @builtin(front_facing) front: bool,
+) -> @location(0) vec4<f32> {
+    // both sides are lit; the back has colours of its own
+    let outward = normalize(p.normal + vec3(0.0, 0.0, 1e-20));
+    let n = select(-outward, outward, front);
+    let sight = select(frame.back.xyz, normalize(frame.eye.xyz - p.position), frame.back.w > 0.5);
+    let lit = light(n, sight);
+    let mode = frame.choice.x;
+    let stripes = frame.light.w;
+
+    let mirrored = reflect(-sight, n);
+    let to_light = dot(n, frame.light.xyz);
+    let to_sky = dot(mirrored, frame.up.xyz);
+    // a quarter more: both ends of the range are in the middle of a light band
+    let phase = 0.5 * (select(to_light, to_sky, mode == ZEBRA) + 1.0) * stripes + 0.25;
+    let band = bands(phase, change(phase));
+
+    let in_patch = (p.flags & PATCH) != 0u && frame.choice.y != 0u;
+    let selected = (p.flags & SELECTED) != 0u;
+    var base = select(vec3(0.44, 0.33, 0.40), vec3(0.70, 0.73, 0.77), front);
+    if in_patch {
+        base = select(vec3(0.45, 0.24, 0.10), vec3(0.93, 0.58, 0.20), front);
+    }
+    if selected {
+        base = mix(base, vec3(0.20, 0.45, 0.95), 0.5);
+    }
+    var colour = vec3(0.0);
+    if mode == SHADED {
+        colour = linear_from_srgb(base) * lit.x + lit.y;
+    } else if mode == ISOPHOTES || mode == ZEBRA {
+        // light bands in the colour of the surface, brightened; dark ones of the same hue
+        let bright = mix(vec3(1.0), base, select(0.75, 0.35, front && !in_patch && !selected));
+        let dark = base * select(0.15, 0.24, in_patch);
+        let stripe = mix(linear_from_srgb(dark), linear_from_srgb(bright), band);
+        colour = stripe * mix(1.0, min(lit.x, 1.1), 0.45);
+    } else {
+        let unknown = vec3(0.55);
+        let mapped = mix(unknown, colormap(p.value.x), step(0.999, p.value.y));
+        // the number must stay legible: little light, and the back darker
+        colour = linear_from_srgb(mapped) * mix(1.0, min(lit.x, 1.05), 0.35) * select(0.55, 1.0, front);
+    }
+    if frame.choice.z != 0u && p.value.z > 0.5 {
+        // hatching, in pixels of the picture
+        let across = (frame.tile.x + p.clip.x + frame.tile.y + p.clip.y) / (9.0 * frame.size.z);
+        let hatch = bands(across, 0.35);
+        colour = mix(colour, linear_from_srgb(vec3(0.80, 0.05, 0.45)), 0.8 * hatch);
+    }
+    return vec4(srgb_from_linear(colour), 1.0);
+}

@@ -1,0 +1,191 @@
+//! The recovery file: written while there is work no file holds, gone after a regular end.
+//!
+//! Each window holds a lock on a file beside its recovery file; the system lets go of it however
+//! the program ends. A recovery file whose lock is free was left behind.
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::document::Document;
+use super::jobs::{Job, Wake};
+use super::project;
+use super::view_state::ViewState;
+use crate::io;
+
+/// How long after a change it is written.
+const DELAY: Duration = Duration::from_secs(2);
+
+/// What a recovery file holds: revision of the mesh, selection, controls.
+type Print = (u64, Vec<usize>, crate::fill::Controls);
+
+/// The recovery file of this window.
+pub struct Autosave {
+    file: Option<PathBuf>,
+    lock: Option<(PathBuf, File)>,
+    written: Option<Print>,
+    seen: Option<(Print, Instant)>,
+    job: Option<Job<Result<(), String>>>,
+    errors: Vec<String>,
+    told: bool,
+}
+
+impl Autosave {
+    /// Writes nothing.
+    pub fn off() -> Self {
+        Self {
+            file: None,
+            lock: None,
+            written: None,
+            seen: None,
+            job: None,
+            errors: Vec::new(),
+            told: false,
+        }
+    }
+
+    /// Takes a name of its own in `folder`. Where that fails nothing is written, and it is said.
+    pub fn in_folder(folder: &Path) -> Self {
+        let mut autosave = Self::off();
+        match claim(folder) {
+            Ok((lock, path)) => {
+                autosave.file = Some(path.with_extension(project::EXTENSION));
+                autosave.lock = Some((path, lock));
+            }
+            Err(error) => autosave.errors.push(format!(
+                "no recovery file can be kept in {}: {error}",
+                folder.display()
+            )),
+        }
+        autosave
+    }
+
+    /// What is to be said.
+    pub fn take_errors(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.errors)
+    }
+
+    /// Writes what has changed, a while after the last change. Returns when to look again.
+    pub fn tick(
+        &mut self,
+        now: Instant,
+        revision: u64,
+        dirty: bool,
+        document: &Document,
+        view: &ViewState,
+        wake: &Wake,
+    ) -> Option<Duration> {
+        let file = self.file.clone()?;
+        if let Some(job) = &self.job {
+            let result = job.poll()?;
+            self.job = None;
+            if let Err(text) | Ok(Err(text)) = result
+                && !std::mem::replace(&mut self.told, true)
+            {
+                self.errors
+                    .push(format!("no recovery file was kept: {text}"));
+            }
+        }
+        let selection: Vec<usize> = document.selection.iter().copied().collect();
+        if !dirty && selection.is_empty() {
+            return None;
+        }
+        let print = (revision, selection, document.controls.clone());
+        if self.written.as_ref() == Some(&print) {
+            return None;
+        }
+        match &self.seen {
+            Some((seen, since)) if *seen == print => {
+                let wait = (*since + DELAY).saturating_duration_since(now);
+                if !wait.is_zero() {
+                    return Some(wait);
+                }
+            }
+            _ => {
+                self.seen = Some((print, now));
+                return Some(DELAY);
+            }
+        }
+        let (document, view) = (document.clone(), view.clone());
+        self.job = Some(Job::spawn("recovery file", wake, move |_| {
+            let folder = file.parent().unwrap_or(Path::new("."));
+            io::save_text(&file, &project::write(&document, &view, folder))
+                .map_err(|e| e.to_string())
+        }));
+        self.written = Some(print);
+        None
+    }
+
+    /// Nothing needs to be recovered any more.
+    pub fn discard(&mut self) {
+        // a write under way must not come after the removal
+        if let Some(job) = self.job.take() {
+            while job.poll().is_none() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        }
+        if let Some(file) = &self.file {
+            fs::remove_file(file).ok();
+        }
+        self.written = None;
+        self.seen = None;
+    }
+}
+
+impl Drop for Autosave {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            // what there is stays for the next session
+            return;
+        }
+        self.discard();
+        if let Some((path, lock)) = self.lock.take() {
+            drop(lock);
+            fs::remove_file(path).ok();
+        }
+    }
+}
+
+/// Makes and locks a file no other window has.
+fn claim(folder: &Path) -> std::io::Result<(File, PathBuf)> {
+    fs::create_dir_all(folder)?;
+    let mut number = std::process::id();
+    loop {
+        let path = folder.join(format!("window-{number}.lock"));
+        let file = File::options()
+            .create(true)
+            .truncate(false)
+            .write(true)
+            .open(&path)?;
+        if file.try_lock().is_ok() && !path.with_extension(project::EXTENSION).exists() {
+            return Ok((file, path));
+        }
+        number = number.wrapping_add(1);
+    }
+}
+
+/// Recovery files in `folder` that were left behind, newest first.
+pub fn left_behind(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let mut found: Vec<(std::time::SystemTime, PathBuf)> = entries
+        .filter_map(|entry| {
+            let path = entry.ok()?.path();
+            let lock = path.with_extension("lock");
+            let is_ours = path.extension().is_some_and(|e| e == project::EXTENSION);
+            // a lock that cannot be had belongs to a window that is open
+            let free = File::open(&lock).map_or(true, |f| f.try_lock().is_ok());
+            let time = fs::metadata(&path).and_then(|m| m.modified()).ok()?;
+            (is_ours && free).then_some((time, path))
+        })
+        .collect();
+    found.sort_by(|a, b| b.cmp(a));
+    found.into_iter().map(|(_, path)| path).collect()
+}
+
+/// Deletes a recovery file with its lock.
+pub fn remove(path: &Path) {
+    fs::remove_file(path).ok();
+    fs::remove_file(path.with_extension("lock")).ok();
+}

@@ -1,0 +1,146 @@
+//! Work on threads of their own, with a handle that cancels when it is dropped.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+/// Called after something happened that the window should look at.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// What a job sees of its handle.
+#[derive(Clone, Default)]
+pub struct Reporter {
+    cancelled: Arc<AtomicBool>,
+    done: Arc<AtomicU32>,
+    total: Arc<AtomicU32>,
+}
+
+impl Reporter {
+    /// Whether the result is still wanted.
+    pub fn wanted(&self) -> bool {
+        !self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Says how far the work is; returns [`Self::wanted`].
+    pub fn progress(&self, done: usize, total: usize) -> bool {
+        self.done.store(done as u32, Ordering::Relaxed);
+        self.total.store(total as u32, Ordering::Relaxed);
+        self.wanted()
+    }
+}
+
+/// Work in the background; dropping it cancels.
+pub struct Job<T> {
+    /// What it is, for the status bar.
+    pub what: String,
+    reporter: Reporter,
+    result: Receiver<Result<T, String>>,
+}
+
+impl<T: Send + 'static> Job<T> {
+    /// Starts `work` on a thread; `wake` is called when its result is there.
+    pub fn spawn(
+        what: impl Into<String>,
+        wake: &Wake,
+        work: impl FnOnce(&Reporter) -> T + Send + 'static,
+    ) -> Self {
+        let what = what.into();
+        let (sender, result) = channel();
+        let reporter = Reporter::default();
+        let (inner, wake, name) = (reporter.clone(), Arc::clone(wake), what.clone());
+        let failed = sender.clone();
+        let started = std::thread::Builder::new()
+            .name("meniscus-job".into())
+            .spawn(move || {
+                let outcome = catch_unwind(AssertUnwindSafe(|| work(&inner)));
+                let outcome = outcome.map_err(|panic| {
+                    format!(
+                        "{name}: a defect of the program ended this ({}); the open document is \
+                         unharmed",
+                        panic_text(panic.as_ref())
+                    )
+                });
+                // nobody listening means that it was cancelled
+                sender.send(outcome).ok();
+                wake();
+            });
+        if let Err(error) = started {
+            let text =
+                format!("{what}: the system gives no thread ({error}); close other programs");
+            failed.send(Err(text)).ok();
+        }
+        Self {
+            what,
+            reporter,
+            result,
+        }
+    }
+
+    /// The result, once it is there; an `Err` is a message for the person.
+    pub fn poll(&self) -> Option<Result<T, String>> {
+        match self.result.try_recv() {
+            Ok(result) => Some(result),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(Err(format!("{}: ended early", self.what))),
+        }
+    }
+
+    /// How far it is, in 0..=1, if it says so.
+    pub fn progress(&self) -> Option<f32> {
+        let total = self.reporter.total.load(Ordering::Relaxed);
+        (total > 0).then(|| self.reporter.done.load(Ordering::Relaxed) as f32 / total as f32)
+    }
+}
+
+impl<T> Drop for Job<T> {
+    fn drop(&mut self) {
+        self.reporter.cancelled.store(true, Ordering::Relaxed);
+    }
+}
+
+/// The message of a panic.
+pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+    panic
+        .downcast_ref::<&str>()
+        .map(|s| (*s).to_owned())
+        .or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "unknown panic".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wait<T: Send + 'static>(job: &Job<T>) -> Result<T, String> {
+        loop {
+            if let Some(result) = job.poll() {
+                return result;
+            }
+            std::thread::yield_now();
+        }
+    }
+
+    #[test]
+    fn results_panics_and_cancellation_come_back() {
+        let wake: Wake = Arc::new(|| ());
+        assert_eq!(wait(&Job::spawn("add", &wake, |_| 1 + 1)), Ok(2));
+        let broken = Job::<()>::spawn("count", &wake, |_| panic!("seven"));
+        let text = wait(&broken).expect_err("it panics");
+        assert!(
+            text.contains("seven") && text.contains("unharmed"),
+            "{text}"
+        );
+
+        let (sender, receiver) = channel();
+        let job = Job::spawn("loop", &wake, move |reporter| {
+            let mut round = 0;
+            while reporter.progress(round % 8, 8) {
+                round += 1;
+            }
+            sender.send(()).ok();
+        });
+        drop(job);
+        receiver.recv().expect("it ends when its handle is gone");
+    }
+}

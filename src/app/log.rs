@@ -1,0 +1,147 @@
+//! What the program tells the person: toasts that pass and a log that stays.
+
+use std::time::{Duration, Instant};
+
+/// How much a message matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// Something was done.
+    Info,
+    /// It was done, but look at it.
+    Warning,
+    /// It was not done.
+    Error,
+}
+
+/// One message.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// How much it matters.
+    pub level: Level,
+    /// What happened and what to do, in plain words.
+    pub text: String,
+    /// When.
+    pub at: Instant,
+    /// Whether its toast was closed by hand.
+    pub dismissed: bool,
+}
+
+impl Entry {
+    /// How long its toast stays.
+    fn lifetime(&self) -> Duration {
+        match self.level {
+            Level::Info => Duration::from_secs(5),
+            Level::Warning => Duration::from_secs(9),
+            Level::Error => Duration::from_secs(15),
+        }
+    }
+}
+
+/// All messages of a session, oldest first.
+#[derive(Debug, Default)]
+pub struct Log {
+    entries: Vec<Entry>,
+}
+
+/// Messages kept.
+const LIMIT: usize = 1000;
+
+impl Log {
+    /// Notes something that was done.
+    pub fn info(&mut self, text: impl Into<String>) {
+        self.push(Level::Info, text.into());
+    }
+
+    /// Notes something to look at.
+    pub fn warning(&mut self, text: impl Into<String>) {
+        self.push(Level::Warning, text.into());
+    }
+
+    /// Notes something that was not done.
+    pub fn error(&mut self, text: impl Into<String>) {
+        self.push(Level::Error, text.into());
+    }
+
+    fn push(&mut self, level: Level, text: String) {
+        // the same words again refresh the toast instead of stacking up
+        if let Some(last) = self.entries.last_mut()
+            && last.text == text
+            && last.level == level
+        {
+            last.at = Instant::now();
+            last.dismissed = false;
+            return;
+        }
+        if self.entries.len() == LIMIT {
+            self.entries.remove(0);
+        }
+        self.entries.push(Entry {
+            level,
+            text,
+            at: Instant::now(),
+            dismissed: false,
+        });
+    }
+
+    /// All of them.
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// Indices of those whose toast is still up, at most the newest four.
+    pub fn toasts(&self, now: Instant) -> Vec<usize> {
+        let mut shown: Vec<usize> = self
+            .entries
+            .iter()
+            .enumerate()
+            .rev()
+            .filter(|(_, e)| !e.dismissed && now.duration_since(e.at) < e.lifetime())
+            .map(|(i, _)| i)
+            .take(4)
+            .collect();
+        shown.reverse();
+        shown
+    }
+
+    /// When the next toast goes away, so that the window can sleep until then.
+    pub fn next_change(&self, now: Instant) -> Option<Duration> {
+        self.toasts(now)
+            .iter()
+            .map(|&i| {
+                let e = &self.entries[i];
+                e.lifetime().saturating_sub(now.duration_since(e.at))
+            })
+            .min()
+    }
+
+    /// Closes a toast.
+    pub fn dismiss(&mut self, index: usize) {
+        if let Some(entry) = self.entries.get_mut(index) {
+            entry.dismissed = true;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn toasts_pass_and_the_log_stays() {
+        let mut log = Log::default();
+        log.info("saved");
+        log.info("saved");
+        log.error("no such file");
+        assert_eq!(log.entries().len(), 2);
+        let now = Instant::now();
+        assert_eq!(log.toasts(now), [0, 1]);
+        assert_eq!(log.toasts(now + Duration::from_secs(7)), [1]);
+        log.dismiss(1);
+        assert_eq!(log.toasts(now), [0]);
+        assert!(
+            log.next_change(now)
+                .is_some_and(|d| d <= Duration::from_secs(5))
+        );
+        assert_eq!(log.entries().len(), 2);
+    }
+}

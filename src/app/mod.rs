@@ -1,0 +1,364 @@
+//! The window.
+//!
+//! A [`Model`] holds the document, how it is looked at and what runs; panels are functions of it
+//! that collect [`Action`]s, and [`Model::act`] carries these out. Nothing but this file and `ui`
+//! needs a window.
+
+mod action;
+mod autosave;
+mod display;
+mod document;
+mod history;
+mod jobs;
+mod log;
+mod model;
+mod project;
+mod repeat;
+mod run;
+mod scene_builder;
+mod seam;
+mod settings;
+mod shortcuts;
+#[cfg(test)]
+mod tests;
+mod ui;
+mod update;
+mod view_state;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::Instant;
+
+use eframe::egui;
+
+pub use action::{Action, SelectHow, Switch};
+pub use autosave::Autosave;
+pub use document::{Document, Source};
+pub use model::{Effect, Model};
+pub use run::Run;
+pub use settings::Settings;
+pub use view_state::{Modal, Navigation};
+
+use crate::mesh::shapes::SAMPLES;
+use crate::render::{Gpu, ViewportCallback};
+use jobs::Wake;
+use ui::UiState;
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+pub enum WindowError {
+    /// Neither X11 nor Wayland answers.
+    #[error(
+        "no display: {0}. Start it from a desktop, or give it a virtual one (`xvfb-run meniscus`); \
+         on Debian or Ubuntu a window needs libx11-6 libxcursor1 libxi6 libxrandr2 \
+         libxkbcommon-x11-0; `meniscus fill` and `meniscus render` need no window"
+    )]
+    NoDisplay(String),
+    /// A library of the desktop is missing.
+    #[error(
+        "a library of the desktop is missing: {0}. On Debian or Ubuntu: apt install libx11-6 \
+         libxcursor1 libxi6 libxrandr2 libxkbcommon-x11-0"
+    )]
+    NoLibrary(String),
+    /// No graphics adapter.
+    #[error(
+        "no graphics adapter can be used: {0}. Install a driver; without a graphics card a \
+         software one does. On Debian or Ubuntu: apt install libvulkan1 mesa-vulkan-drivers \
+         libegl1 libgl1-mesa-dri"
+    )]
+    NoAdapter(String),
+    /// A defect of the program ended it.
+    #[error(
+        "a defect of the program ended it: {0}. What was not saved is offered when it is started \
+         again"
+    )]
+    Defect(String),
+    /// The sample the window opens on could not be made.
+    #[error("{0}")]
+    Sample(String),
+}
+
+/// What the window is opened with.
+#[derive(Clone, Debug, Default)]
+pub struct Startup {
+    /// A mesh or project to open; the first sample otherwise.
+    pub file: Option<PathBuf>,
+    /// Where frame times and memory are written when the window closes, as JSON.
+    pub diagnostics: Option<PathBuf>,
+}
+
+/// The application as eframe runs it.
+pub struct App {
+    /// Everything but the window.
+    pub model: Model,
+    ui: UiState,
+    format: Option<wgpu::TextureFormat>,
+    diagnostics: Option<PathBuf>,
+    title: String,
+    trouble: Option<String>,
+    scale: (f32, bool),
+    window_pictures: (Sender<WindowPicture>, Receiver<WindowPicture>),
+}
+
+/// Where a picture of the window is to be saved, and the picture.
+type WindowPicture = (PathBuf, Arc<egui::ColorImage>);
+
+impl App {
+    /// On a given model; `render_state` is the window's.
+    pub fn new(
+        model: Model,
+        ctx: &egui::Context,
+        render_state: Option<&egui_wgpu::RenderState>,
+    ) -> Self {
+        let mut app = Self {
+            model,
+            ui: UiState::default(),
+            format: None,
+            diagnostics: None,
+            title: String::new(),
+            trouble: None,
+            scale: (0.0, false),
+            window_pictures: channel(),
+        };
+        if let Some(state) = render_state {
+            let (device, queue) = (state.device.clone(), state.queue.clone());
+            app.model.gpu = Some(Arc::new(Gpu::from_device(device, queue)));
+            app.format = Some(state.target_format);
+            let info = state.adapter.get_info();
+            app.ui.adapter = format!("{} ({:?})", info.name, info.backend);
+        }
+        app.dress(ctx);
+        app
+    }
+
+    /// Theme and scale.
+    fn dress(&mut self, ctx: &egui::Context) {
+        let settings = &self.model.settings;
+        let wanted = (settings.ui_scale, settings.dark);
+        if self.scale != wanted {
+            self.scale = wanted;
+            ctx.set_theme(if settings.dark {
+                egui::Theme::Dark
+            } else {
+                egui::Theme::Light
+            });
+            ctx.set_zoom_factor(settings.ui_scale);
+        }
+    }
+
+    fn carry_out(&mut self, ctx: &egui::Context) {
+        for effect in std::mem::take(&mut self.model.effects) {
+            match effect {
+                Effect::CopyText(text) => ctx.copy_text(text),
+                Effect::CopyImage(picture) => {
+                    let size = [picture.width() as usize, picture.height() as usize];
+                    let image = egui::ColorImage::from_rgba_unmultiplied(size, picture.as_raw());
+                    ctx.copy_image(image);
+                }
+                Effect::Close => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+                Effect::WindowPicture(path) => {
+                    let (sender, wake) = (self.window_pictures.0.clone(), ctx.clone());
+                    ctx.request_screenshot(move |picture| {
+                        sender.send((path, picture)).ok();
+                        wake.request_repaint();
+                    });
+                }
+                Effect::Appearance => self.dress(ctx),
+            }
+        }
+    }
+
+    /// Pictures of the window come some frames after they were asked for.
+    fn take_window_picture(&mut self) {
+        let Ok((path, shot)) = self.window_pictures.1.try_recv() else {
+            return;
+        };
+        let [width, height] = shot.size.map(|n| n as u32);
+        let bytes: Vec<u8> = shot
+            .pixels
+            .iter()
+            .flat_map(egui::Color32::to_array)
+            .collect();
+        let saved = image::RgbaImage::from_raw(width, height, bytes)
+            .ok_or_else(|| "the window gave no picture".to_owned())
+            .and_then(|p| crate::render::save_png(&path, &p).map_err(|e| e.to_string()));
+        match saved {
+            Ok(()) => self
+                .model
+                .log
+                .info(format!("picture saved: {}", path.display())),
+            Err(text) => self.model.log.error(text),
+        }
+    }
+
+    fn write_diagnostics(&self) {
+        let Some(path) = &self.diagnostics else {
+            return;
+        };
+        let f = &self.ui.frames;
+        let ms = |d: std::time::Duration| d.as_secs_f64() * 1e3;
+        let text = serde_json::json!({
+            "adapter": self.ui.adapter,
+            "first_frame_ms": f.first.map(ms),
+            "frames": f.count,
+            "longest_frame_ms": ms(f.longest),
+            "mean_frame_ms": ms(f.total) / f.count.max(1) as f64,
+            "peak_memory_bytes": crate::memory::peak_memory(),
+        });
+        if let Err(error) = crate::io::save_text(path, &format!("{text:#}\n")) {
+            eprintln!("meniscus: {error}");
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        let begun = Instant::now();
+        let trouble = frame.wgpu_render_state().and_then(|state| {
+            let renderer = state.renderer.read();
+            ViewportCallback::trouble(&renderer.callback_resources).map(str::to_owned)
+        });
+        if trouble != self.trouble {
+            if let Some(text) = &trouble {
+                self.model.log.error(text.clone());
+            }
+            self.trouble = trouble;
+        }
+        let ctx = ui.ctx().clone();
+        if ctx.input(|i| i.viewport().close_requested()) && self.model.must_ask_before_closing() {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.model.act(Action::Close);
+        }
+        self.take_window_picture();
+        let wait = self.model.tick(begun);
+        let actions = ui::window_ui(ui, &self.model, &mut self.ui, self.format);
+        let acted = !actions.is_empty();
+        for action in actions {
+            self.model.act(action);
+        }
+        let rect = self.ui.viewport;
+        let points = ctx.pixels_per_point();
+        self.model.view.viewport_px = [
+            f64::from(rect.width() * points),
+            f64::from(rect.height() * points),
+        ];
+        self.carry_out(&ctx);
+        let title = self.model.title();
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+        if acted {
+            // what was asked for shows in the next frame
+            ctx.request_repaint();
+        } else if let Some(wait) = wait {
+            ctx.request_repaint_after(wait);
+        }
+        self.ui.frames.book(begun.elapsed());
+    }
+
+    fn on_exit(&mut self) {
+        self.model.run = None;
+        self.model.autosave.discard();
+        self.write_diagnostics();
+    }
+}
+
+/// Why there is no display, in words; what winit says names its own sources.
+fn no_display(error: &eframe::Error) -> String {
+    let named = |name: &str| std::env::var(name).ok().filter(|v| !v.is_empty());
+    match (named("WAYLAND_DISPLAY"), named("DISPLAY")) {
+        (None, None) => "neither DISPLAY nor WAYLAND_DISPLAY is set".into(),
+        (Some(name), _) | (None, Some(name)) => match error {
+            eframe::Error::WinitEventLoop(inner) => {
+                let text = inner.to_string();
+                // after the place in winit's sources
+                let reason = text.split(".rs:").last().unwrap_or(&text);
+                let reason = reason.split_once(": ").map_or(reason, |(_, rest)| rest);
+                format!("the display {name} cannot be used ({reason})")
+            }
+            other => other.to_string(),
+        },
+    }
+}
+
+/// The document the window opens on when it is given none.
+///
+/// # Errors
+/// A defect of the generator.
+pub fn first_sample() -> Result<Document, WindowError> {
+    let sample = &SAMPLES[0];
+    let opened = project::sample_of(sample.name).map_err(WindowError::Sample)?;
+    Ok(Document::new(opened, Source::Sample(sample.name.into())))
+}
+
+/// Opens the window and stays until it is closed.
+///
+/// # Errors
+/// There is no display, no graphics adapter, or a library is missing.
+pub fn run(startup: Startup) -> Result<(), WindowError> {
+    let started = Instant::now();
+    let document = first_sample()?;
+    let (settings, message) = Settings::load();
+    let folder = settings::state_folder().map(|f| f.join("recovery"));
+    let left = folder
+        .as_deref()
+        .map_or_else(Vec::new, autosave::left_behind);
+    let autosave = folder
+        .as_deref()
+        .map_or_else(Autosave::off, Autosave::in_folder);
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("Meniscus")
+            .with_app_id("meniscus")
+            .with_inner_size([1360.0, 860.0])
+            .with_min_inner_size([760.0, 480.0])
+            .with_drag_and_drop(true),
+        renderer: eframe::Renderer::Wgpu,
+        ..Default::default()
+    };
+    let diagnostics = startup.diagnostics.clone();
+    let began = Arc::new(AtomicBool::new(false));
+    let begins = Arc::clone(&began);
+    let opened = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        eframe::run_native(
+            "Meniscus",
+            options,
+            Box::new(move |cc| {
+                begins.store(true, Ordering::Relaxed);
+                let ctx = cc.egui_ctx.clone();
+                let wake: Wake = Arc::new(move || ctx.request_repaint());
+                let mut model = Model::new(document, settings, autosave, wake);
+                if let Some(text) = message {
+                    model.log.warning(text);
+                }
+                if !left.is_empty() {
+                    model.view.modal = Modal::Recover(left);
+                }
+                if let Some(file) = startup.file {
+                    model.act(Action::Open(file));
+                }
+                let mut app = App::new(model, &cc.egui_ctx, cc.wgpu_render_state.as_ref());
+                app.diagnostics = diagnostics;
+                app.ui.frames.started = started;
+                Ok(Box::new(app))
+            }),
+        )
+    }));
+    match opened {
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(eframe::Error::Wgpu(error))) => Err(WindowError::NoAdapter(error.to_string())),
+        Ok(Err(error)) => Err(WindowError::NoDisplay(no_display(&error))),
+        Err(panic) => {
+            let text = jobs::panic_text(panic.as_ref());
+            // winit panics where a library of X11 cannot be loaded
+            Err(if began.load(Ordering::Relaxed) {
+                WindowError::Defect(text)
+            } else {
+                WindowError::NoLibrary(text)
+            })
+        }
+    }
+}

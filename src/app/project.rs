@@ -1,0 +1,292 @@
+//! The project file: what is worked on, how, and how it is looked at.
+//!
+//! A TOML head, and after the line [`MESH`] the mesh as OBJ if it is no plain file or sample any
+//! more. The head holds the path of the mesh relative to the project file.
+
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::document::{AcceptedFill, Document, Source};
+use super::view_state::{Task, ViewState};
+use crate::fill::{Controls, Schedule};
+use crate::io::{self, Format, Opened};
+use crate::mesh::shapes::Sample;
+use crate::mesh::{Mesh, Topology, boundary_loops};
+use crate::render::{Camera, ViewMode};
+
+/// Extension of project files.
+pub const EXTENSION: &str = "meniscus";
+/// The line between head and mesh.
+const MESH: &str = "#--- mesh (OBJ) ---";
+const VERSION: u32 = 1;
+
+/// The head.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Project {
+    version: u32,
+    /// Mesh file, relative to the project file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mesh: Option<PathBuf>,
+    /// Built-in sample.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sample: Option<String>,
+    /// Counts of the opened mesh, `[vertices, faces]`: a check, and where patches begin.
+    opened: [usize; 2],
+    /// Indices of the selected loops.
+    selection: Vec<usize>,
+    /// The view.
+    pub view: ViewPart,
+    controls: Controls,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    fills: Vec<FillPart>,
+}
+
+/// What is kept of the view.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ViewPart {
+    camera: String,
+    mode: String,
+    stripes: u32,
+    light: [f64; 3],
+    wireframe: bool,
+    tint: bool,
+    limit_surface: bool,
+    rims: bool,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct FillPart {
+    #[serde(default)]
+    task: Task,
+    loops: Vec<usize>,
+    faces: [usize; 2],
+    /// As the rows of a schedule file.
+    schedule: String,
+    controls: Controls,
+}
+
+/// The text of a project file that is to lie in `folder`; with `reference` the mesh may be named
+/// instead of embedded where it is a file or sample unchanged.
+pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
+    let origin = &document.origin;
+    let (mut mesh, mut sample) = (None, None);
+    match &origin.source {
+        Source::File(path) => mesh = Some(relative(path, folder)),
+        Source::Sample(name) => sample = Some(name.clone()),
+        Source::Embedded(path) => mesh = path.as_ref().map(|p| relative(p, folder)),
+    }
+    let embed = document.is_filled() || matches!(origin.source, Source::Embedded(_));
+    let style = &view.style;
+    let head = Project {
+        version: VERSION,
+        mesh,
+        sample,
+        opened: [origin.mesh.vertex_count(), origin.mesh.face_count()],
+        selection: document.selection.iter().copied().collect(),
+        view: ViewPart {
+            camera: view.camera.to_text(),
+            mode: style.mode.name().into(),
+            stripes: style.stripes,
+            light: style.light.to_array(),
+            wireframe: style.wireframe,
+            tint: style.tint_patch,
+            limit_surface: view.limit_surface,
+            rims: view.show_rims,
+        },
+        controls: document.controls.clone(),
+        fills: document
+            .fills
+            .iter()
+            .map(|f| FillPart {
+                task: f.task,
+                loops: f.loops.clone(),
+                faces: [f.faces.start, f.faces.end],
+                schedule: f.schedule.to_csv(),
+                controls: f.controls.clone(),
+            })
+            .collect(),
+    };
+    let mut text = String::from("# Meniscus project\n");
+    // every value is of a kind TOML has
+    text += &toml::to_string(&head).expect("a project is plain data");
+    if embed {
+        text.push_str(MESH);
+        text.push('\n');
+        let mut bytes = Vec::new();
+        io::with_output(&document.mesh, &origin.material_libraries, |output| {
+            // a vector takes everything
+            io::write(Format::Obj, output, &mut bytes).ok();
+        });
+        text += &String::from_utf8_lossy(&bytes);
+    }
+    text
+}
+
+/// Reads a project file.
+///
+/// # Errors
+/// What is wrong with it or with the mesh it names, for the person.
+pub fn read(path: &Path) -> Result<(Document, Project), String> {
+    let name = path.display();
+    let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}; check the path"))?;
+    let separator = format!("\n{MESH}\n");
+    let (head, body) = match text.split_once(&separator) {
+        Some((head, body)) => (head, Some(body)),
+        None => (text.as_str(), None),
+    };
+    let project: Project =
+        toml::from_str(head).map_err(|e| format!("{name} is no project file, or damaged: {e}"))?;
+    if project.version > VERSION {
+        return Err(format!(
+            "{name} was written by a newer version ({}); this one reads up to {VERSION}",
+            project.version
+        ));
+    }
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mesh_path = project.mesh.as_ref().map(|p| folder.join(p));
+    let (opened, source) = if let Some(body) = body {
+        let soup = io::read(Format::Obj, body.as_bytes(), path).map_err(|e| e.to_string())?;
+        let opened = io::from_soup(soup, path).map_err(|e| e.to_string())?;
+        let source = match (&mesh_path, &project.sample) {
+            (Some(path), _) => Source::File(path.clone()),
+            (None, Some(sample)) => Source::Sample(sample.clone()),
+            (None, None) => Source::Embedded(None),
+        };
+        (opened, source)
+    } else if let Some(mesh_path) = mesh_path {
+        let opened = io::open(&mesh_path).map_err(|e| format!("{name} names a mesh: {e}"))?;
+        (opened, Source::File(mesh_path))
+    } else if let Some(sample) = &project.sample {
+        (sample_of(sample)?, Source::Sample(sample.clone()))
+    } else {
+        return Err(format!("{name} names no mesh and holds none"));
+    };
+    let document = restore(opened, source, &project).map_err(|e| format!("{name}: {e}"))?;
+    Ok((document, project))
+}
+
+/// Name of the mesh a project file is about, for lists; the file's own if it does not say.
+pub fn title(path: &Path) -> String {
+    let own = || {
+        path.file_name()
+            .map_or_else(String::new, |n| n.to_string_lossy().into_owned())
+    };
+    let mut head = String::new();
+    let Ok(file) = std::fs::File::open(path) else {
+        return own();
+    };
+    // enough for the lines before the mesh; what follows may be large
+    if file.take(1 << 16).read_to_string(&mut head).is_err() {
+        return own();
+    }
+    let value = |line: &str| line.split('"').nth(1).map(str::to_owned);
+    head.lines()
+        .find_map(|line| {
+            if line.starts_with("mesh = ") {
+                let path = PathBuf::from(value(line)?);
+                Some(path.file_name()?.to_string_lossy().into_owned())
+            } else if line.starts_with("sample = ") {
+                Some(format!("sample {}", value(line)?))
+            } else {
+                None
+            }
+        })
+        .unwrap_or_else(own)
+}
+
+/// A sample, opened.
+///
+/// # Errors
+/// There is none of that name.
+pub fn sample_of(name: &str) -> Result<Opened, String> {
+    let sample = Sample::named(name).ok_or_else(|| format!("there is no sample `{name}`"))?;
+    io::from_soup(sample.soup(), Path::new(name)).map_err(|e| e.to_string())
+}
+
+fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document, String> {
+    let mesh = opened.mesh.clone();
+    let mut document = Document::new(opened, source);
+    let [vertices, faces] = project.opened;
+    if mesh.vertex_count() < vertices || mesh.face_count() < faces {
+        return Err(format!(
+            "the mesh has {} vertices and {} faces now, but had {vertices} and {faces} when the \
+             project was saved; open the mesh itself",
+            mesh.vertex_count(),
+            mesh.face_count()
+        ));
+    }
+    if !project.fills.is_empty() {
+        let original = first_part(&mesh, vertices, faces)?;
+        let origin = Arc::make_mut(&mut document.origin);
+        origin.mesh = Arc::new(original);
+        document.fills = project
+            .fills
+            .iter()
+            .map(|f| {
+                Ok(Arc::new(AcceptedFill {
+                    task: f.task,
+                    loops: f.loops.clone(),
+                    controls: f.controls.clone(),
+                    schedule: Schedule::parse(&f.schedule).map_err(|e| e.to_string())?,
+                    faces: f.faces[0]..f.faces[1],
+                }))
+            })
+            .collect::<Result<_, String>>()?;
+    }
+    document.loops = Arc::new(boundary_loops(&document.mesh));
+    let count = document.loops.len();
+    document.selection = project
+        .selection
+        .iter()
+        .copied()
+        .filter(|&i| i < count)
+        .collect();
+    document.controls = project.controls.clone();
+    Ok(document)
+}
+
+/// The mesh as it was before anything was appended.
+fn first_part(mesh: &Mesh, vertices: usize, faces: usize) -> Result<Mesh, String> {
+    let triangles: Vec<[u32; 3]> = mesh.topology.triangles().take(faces).collect();
+    let topology = Topology::from_triangles(vertices, &triangles)
+        .map_err(|e| format!("the mesh does not fit the project ({e})"))?;
+    let mut part = Mesh::new(mesh.positions[..vertices].to_vec(), topology);
+    part.colors = mesh.colors.get(..vertices).unwrap_or(&[]).to_vec();
+    part.face_tags = mesh.face_tags.get(..faces).unwrap_or(&[]).to_vec();
+    part.tags.clone_from(&mesh.tags);
+    part.one_sided.clone_from(&mesh.one_sided);
+    part.one_sided_tags.clone_from(&mesh.one_sided_tags);
+    Ok(part)
+}
+
+/// `path` as seen from `folder` where it lies in it or below, else absolute.
+fn relative(path: &Path, folder: &Path) -> PathBuf {
+    let absolute = |p: &Path| std::path::absolute(p).unwrap_or_else(|_| p.to_owned());
+    let (path, folder) = (absolute(path), absolute(folder));
+    path.strip_prefix(&folder)
+        .map_or_else(|_| path.clone(), Path::to_owned)
+}
+
+impl ViewPart {
+    /// Looks as when the project was saved.
+    pub fn restore(&self, view: &mut ViewState, bounds: &crate::render::Bounds) {
+        if let Ok(camera) = Camera::parse(&self.camera, bounds) {
+            view.camera = camera;
+        }
+        if let Some(mode) = ViewMode::ALL.into_iter().find(|m| m.name() == self.mode) {
+            view.style.mode = mode;
+        }
+        view.style.stripes = self.stripes.clamp(1, 100);
+        let light = crate::mesh::DVec3::from_array(self.light);
+        if light.is_finite() && light != crate::mesh::DVec3::ZERO {
+            view.style.light = light;
+        }
+        view.style.wireframe = self.wireframe;
+        view.style.tint_patch = self.tint;
+        view.limit_surface = self.limit_surface;
+        view.show_rims = self.rims;
+    }
+}

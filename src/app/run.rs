@@ -1,0 +1,222 @@
+//! A fill in progress: the live flow, what of it is shown, and what it was started with.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::jobs::Wake;
+use super::view_state::Task;
+use crate::fill::{Controls, LiveEvent, LiveFill, LiveSettings, State};
+use crate::mesh::{BoundaryLoop, Mesh};
+
+/// Bytes of kept states for each side; beyond it every other state is dropped.
+pub const TIMELINE_BYTES: usize = 512 << 20;
+
+/// One flow on the selected holes.
+pub struct Side {
+    /// The flow.
+    pub live: LiveFill,
+    /// Controls at its start.
+    pub start: Controls,
+    /// Controls in force.
+    pub controls: Controls,
+    /// State that is shown; `None` for the newest.
+    pub shown: Option<usize>,
+    /// Energy of each accepted step and residual, one pair of curves a group.
+    pub curves: Vec<Curve>,
+    /// What it warned of, without repetition.
+    pub warnings: Vec<String>,
+}
+
+/// Points of the plots of one group: `[attempt, value]`.
+#[derive(Clone, Debug, Default)]
+pub struct Curve {
+    /// Energy.
+    pub energy: Vec<[f64; 2]>,
+    /// Residual, decadic logarithm.
+    pub residual: Vec<[f64; 2]>,
+    /// Attempts so far.
+    attempts: usize,
+}
+
+/// One fill, or two that are compared.
+pub struct Run {
+    /// The mesh it runs on.
+    pub base: Arc<Mesh>,
+    /// Whether each loop has a patch of its own, or one joins them all.
+    pub task: Task,
+    /// Numbers of the loops.
+    pub loops: Vec<usize>,
+    /// One side, or A and B.
+    pub sides: Vec<Side>,
+    /// Whether it plays.
+    pub playing: bool,
+    /// When the replay of kept states moves on.
+    next_frame: Option<Instant>,
+}
+
+impl Run {
+    /// Starts flows on the same loops, one for each set of controls.
+    ///
+    /// # Errors
+    /// A message for the person.
+    pub fn start(
+        task: Task,
+        base: &Arc<Mesh>,
+        loops: &[&BoundaryLoop],
+        controls: &[Controls],
+        pace: f64,
+        wake: &Wake,
+    ) -> Result<Self, String> {
+        let sides = controls
+            .iter()
+            .map(|controls| {
+                let settings = LiveSettings {
+                    playing: true,
+                    pace: Some(pace),
+                    timeline_bytes: TIMELINE_BYTES,
+                };
+                let loops = loops.iter().map(|&l| l.clone()).collect();
+                let spawn = match task {
+                    Task::Fill => LiveFill::spawn,
+                    Task::Blend => LiveFill::spawn_blend,
+                };
+                let (mesh, wake) = (Arc::clone(base), Arc::clone(wake));
+                let live = spawn(mesh, loops, controls.clone(), settings, wake)
+                    .map_err(|error| error.to_string())?;
+                Ok(Side {
+                    live,
+                    start: controls.clone(),
+                    controls: controls.clone(),
+                    shown: None,
+                    curves: Vec::new(),
+                    warnings: Vec::new(),
+                })
+            })
+            .collect::<Result<_, String>>()?;
+        Ok(Self {
+            base: Arc::clone(base),
+            task,
+            loops: loops.iter().map(|l| l.number).collect(),
+            sides,
+            playing: true,
+            next_frame: None,
+        })
+    }
+
+    /// Takes in what the flows have said. Returns messages for the log: `(is an error, text)`.
+    pub fn poll(&mut self) -> Vec<(bool, String)> {
+        let mut messages = Vec::new();
+        for side in &mut self.sides {
+            for event in side.live.poll() {
+                match event {
+                    LiveEvent::Step { group, record } => side.book(group, &record),
+                    LiveEvent::Finished { outcome, .. } => {
+                        for warning in outcome.warnings {
+                            if !side.warnings.contains(&warning) {
+                                messages.push((false, warning.clone()));
+                                side.warnings.push(warning);
+                            }
+                        }
+                    }
+                    LiveEvent::ControlsRefused { text, .. } | LiveEvent::Failed { text, .. } => {
+                        messages.push((true, text));
+                    }
+                    LiveEvent::Planned
+                    | LiveEvent::ControlsChanged { .. }
+                    | LiveEvent::Rewound { .. } => {}
+                }
+            }
+        }
+        if self.playing && self.ended() {
+            self.playing = false;
+        }
+        messages
+    }
+
+    /// Whether every flow has ended.
+    pub fn ended(&self) -> bool {
+        self.sides.iter().all(|s| s.live.ended())
+    }
+
+    /// Whether older states than the newest are shown.
+    pub fn scrubbed(&self) -> bool {
+        self.sides.iter().any(|s| s.shown.is_some())
+    }
+
+    /// Shows the state at a place of the timeline (of the longest side); `None` for the newest.
+    pub fn scrub(&mut self, at: Option<usize>) {
+        for side in &mut self.sides {
+            let last = side.state_count().saturating_sub(1);
+            side.shown = at.filter(|&i| i < last);
+        }
+    }
+
+    /// Number of kept states, of the longest side.
+    pub fn state_count(&self) -> usize {
+        self.sides.iter().map(Side::state_count).max().unwrap_or(0)
+    }
+
+    /// Moves a replay of kept states on, `pace` states a second. Returns when it wants to be
+    /// called again, `None` while nothing is replayed.
+    pub fn replay(&mut self, pace: f64, now: Instant) -> Option<Duration> {
+        if !(self.playing && self.scrubbed()) {
+            self.next_frame = None;
+            return None;
+        }
+        let interval = Duration::from_secs_f64(1.0 / pace.clamp(0.5, 240.0));
+        let due = *self.next_frame.get_or_insert(now + interval);
+        if now >= due {
+            let at = self.sides.iter().filter_map(|s| s.shown).min();
+            self.scrub(at.map(|i| i + 1));
+            self.next_frame = Some(now + interval);
+            if !self.scrubbed() {
+                // the replay has caught up with the flow
+                self.playing = !self.ended();
+                for side in &self.sides {
+                    side.live.play();
+                }
+            }
+        }
+        self.next_frame
+            .map(|due| due.saturating_duration_since(now))
+    }
+}
+
+impl Side {
+    /// The energy is another one: its curve begins anew.
+    pub fn new_energy(&mut self) {
+        for curve in &mut self.curves {
+            curve.energy.clear();
+        }
+    }
+
+    fn book(&mut self, group: usize, record: &crate::solver::StepRecord) {
+        if self.curves.len() <= group {
+            self.curves.resize(group + 1, Curve::default());
+        }
+        let curve = &mut self.curves[group];
+        curve.attempts += 1;
+        if record.rejected {
+            return;
+        }
+        let x = curve.attempts as f64;
+        curve.energy.push([x, record.energy]);
+        if record.residual > 0.0 {
+            curve.residual.push([x, record.residual.log10()]);
+        }
+    }
+
+    /// Number of kept states.
+    pub fn state_count(&self) -> usize {
+        self.live.timeline().states.len()
+    }
+
+    /// The state that is shown; `None` before the first.
+    pub fn state(&self) -> Option<Arc<State>> {
+        let states = &self.live.timeline().states;
+        match self.shown {
+            Some(i) => states.get(i).or(states.last()).cloned(),
+            None => states.last().cloned(),
+        }
+    }
+}

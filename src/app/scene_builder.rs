@@ -1,0 +1,109 @@
+//! From the model to what is drawn.
+
+use std::sync::Arc;
+
+use super::model::Model;
+use crate::mesh::{BoundaryLoop, Mesh};
+use crate::render::{LineStyle, Overlay, Polyline, Scene, rim_points};
+
+/// Rim of a hole; told from the others by lightness too, for eyes that see no hues.
+const HOLE: [f32; 4] = [0.16, 0.71, 0.95, 1.0];
+/// Rim that looks like the border of an open surface.
+const OUTER: [f32; 4] = [0.62, 0.64, 0.67, 1.0];
+/// Selected.
+const SELECTED: [f32; 4] = [1.0, 0.66, 0.10, 1.0];
+/// Under the cursor.
+const HOVER: [f32; 4] = [1.0, 1.0, 0.62, 1.0];
+
+/// What overlays were made of, to make them again only when that changes.
+#[derive(Default)]
+pub struct OverlayCache {
+    limit: bool,
+    rims: Option<(Arc<Mesh>, bool, Arc<Overlay>)>,
+    selection: Option<(Arc<Mesh>, Vec<usize>, Arc<Overlay>)>,
+    hover: Option<(Arc<Mesh>, usize, Arc<Overlay>)>,
+}
+
+/// The scene of the document or of one side of the run.
+pub fn scene(model: &Model, side: usize) -> Scene {
+    scene_with(model, side, &mut OverlayCache::default())
+}
+
+/// [`scene`], keeping overlays that have not changed.
+pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene {
+    let display = model.displays[side].latest();
+    let surfaces = display.map_or_else(Vec::new, |d| d.surfaces.clone());
+    let bounds = display.map_or(model.document.origin.bounds, |d| d.bounds);
+    let mut overlays = Vec::new();
+    let document = &model.document;
+    let mesh = &document.mesh;
+    let centre = model.centre();
+    let limit = model.view.limit_surface;
+    if cache.limit != limit {
+        *cache = OverlayCache {
+            limit,
+            ..OverlayCache::default()
+        };
+    }
+    let line = |l: &BoundaryLoop, color, width_px, style| Polyline {
+        points: rim_points(&mesh.topology, &mesh.positions, l, centre, limit),
+        closed: true,
+        color,
+        width_px,
+        style,
+    };
+    let running = model.run.is_some();
+    if model.view.show_rims {
+        let fits =
+            |(m, r, _): &(Arc<Mesh>, bool, Arc<Overlay>)| Arc::ptr_eq(m, mesh) && *r == running;
+        if !cache.rims.as_ref().is_some_and(fits) {
+            let lines = document
+                .loops
+                .iter()
+                .enumerate()
+                // the rims of a fill under way would hide how it joins
+                .filter(|(i, _)| !(running && document.selection.contains(i)))
+                .map(|(_, l)| {
+                    let color = if l.outer_rim { OUTER } else { HOLE };
+                    line(l, color, 2.0, LineStyle::OnTopFaintWhenHidden)
+                })
+                .collect();
+            let overlay = Arc::new(Overlay::new(lines, Vec::new()));
+            cache.rims = Some((Arc::clone(mesh), running, overlay));
+        }
+        overlays.extend(cache.rims.as_ref().map(|(_, _, o)| Arc::clone(o)));
+    }
+    if !running {
+        let selected: Vec<usize> = document.selection.iter().copied().collect();
+        let fits = |(m, s, _): &(Arc<Mesh>, Vec<usize>, Arc<Overlay>)| {
+            Arc::ptr_eq(m, mesh) && *s == selected
+        };
+        if !cache.selection.as_ref().is_some_and(fits) {
+            let lines = document
+                .selected()
+                .into_iter()
+                .map(|l| line(l, SELECTED, 3.5, LineStyle::OnTop))
+                .collect();
+            let overlay = Arc::new(Overlay::new(lines, Vec::new()));
+            cache.selection = Some((Arc::clone(mesh), selected, overlay));
+        }
+        overlays.extend(cache.selection.as_ref().map(|(_, _, o)| Arc::clone(o)));
+    }
+    if let Some(i) = model.view.hover
+        && let Some(l) = document.loops.get(i)
+    {
+        let fits = |(m, h, _): &(Arc<Mesh>, usize, Arc<Overlay>)| Arc::ptr_eq(m, mesh) && *h == i;
+        if !cache.hover.as_ref().is_some_and(fits) {
+            let lines = vec![line(l, HOVER, 5.0, LineStyle::OnTop)];
+            let overlay = Arc::new(Overlay::new(lines, Vec::new()));
+            cache.hover = Some((Arc::clone(mesh), i, overlay));
+        }
+        overlays.extend(cache.hover.as_ref().map(|(_, _, o)| Arc::clone(o)));
+    }
+    Scene {
+        centre,
+        bounds,
+        surfaces,
+        overlays,
+    }
+}

@@ -1,0 +1,478 @@
+//! What actions do, without a window.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::action::{Action, SelectHow, Switch};
+use super::autosave::{self, Autosave};
+use super::document::{Document, Source};
+use super::model::{Effect, Model};
+use super::project;
+use super::settings::Settings;
+use super::view_state::{AfterUnsaved, Modal, Task};
+use crate::io;
+use crate::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
+use crate::mesh::{DVec3, Soup, check_mesh, components};
+use crate::solver::Mode;
+
+/// A sphere with two small holes.
+fn opened() -> io::Opened {
+    let hole = |x: f64, seed| Hole {
+        centre: DVec3::new(x, 0.2, 0.1),
+        shape: HoleShape::Disc { radius: 0.4 },
+        turn: 0.0,
+        seed,
+    };
+    let (positions, triangles) = cut_holes(&sphere(600, 5), &[hole(1.0, 1), hole(-1.0, 2)]);
+    let soup = Soup {
+        positions,
+        offsets: (0..=triangles.len() as u32).map(|i| 3 * i).collect(),
+        corners: triangles.into_iter().flatten().collect(),
+        ..Soup::default()
+    };
+    io::from_soup(soup, Path::new("test")).expect("sound")
+}
+
+fn model() -> Model {
+    let document = Document::new(opened(), Source::Sample("test".into()));
+    Model::new(
+        document,
+        Settings::default(),
+        Autosave::off(),
+        Arc::new(|| ()),
+    )
+}
+
+/// Lets the background work go on until `done`.
+fn until(model: &mut Model, done: impl Fn(&Model) -> bool) {
+    let begun = Instant::now();
+    while !done(model) {
+        model.tick(Instant::now());
+        assert!(
+            begun.elapsed() < Duration::from_mins(2),
+            "nothing happens: {:?}",
+            model.log.entries().last()
+        );
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn filled(model: &mut Model) {
+    model.act(Action::Pace(240.0));
+    model.act(Action::Fill);
+    until(model, |m| {
+        m.run.as_ref().is_some_and(super::run::Run::ended)
+    });
+}
+
+fn last_message(model: &Model) -> &str {
+    model.log.entries().last().map_or("", |e| e.text.as_str())
+}
+
+#[test]
+fn selection_by_click_keys_and_lists() {
+    let mut m = model();
+    assert_eq!(m.document.loops.len(), 2);
+    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(1, SelectHow::Replace));
+    assert_eq!(m.document.selection, [1].into());
+    m.act(Action::Select(0, SelectHow::Add));
+    assert_eq!(m.document.selection, [0, 1].into());
+    m.act(Action::Select(1, SelectHow::Toggle));
+    assert_eq!(m.document.selection, [0].into());
+    m.act(Action::Select(7, SelectHow::Replace));
+    assert_eq!(m.document.selection, [0].into());
+    m.act(Action::SelectAllButLargest);
+    assert_eq!(m.document.selection.len(), 1);
+    m.act(Action::SelectAll);
+    assert_eq!(m.document.selection.len(), 2);
+    m.act(Action::Escape);
+    assert!(m.document.selection.is_empty());
+    // each was an entry of its own
+    m.act(Action::Undo);
+    assert_eq!(m.document.selection.len(), 2);
+    m.act(Action::Undo);
+    assert_eq!(m.document.selection.len(), 1);
+    m.act(Action::Redo);
+    assert_eq!(m.document.selection.len(), 2);
+    assert!(!m.is_dirty() || m.document.fills.is_empty());
+}
+
+#[test]
+fn fill_accept_undo_redo() {
+    let mut m = model();
+    let before = Arc::clone(&m.document.mesh);
+    m.act(Action::Select(0, SelectHow::Replace));
+    filled(&mut m);
+    assert!(Arc::ptr_eq(&before, &m.document.mesh), "not before accept");
+    let run = m.run.as_ref().expect("it waits");
+    assert!(
+        run.state_count() >= 30,
+        "{} states to watch",
+        run.state_count()
+    );
+    m.act(Action::Accept(0));
+    assert!(m.run.is_none() && m.is_dirty());
+    let after = Arc::clone(&m.document.mesh);
+    assert_eq!(m.document.loops.len(), 1);
+    check_mesh(&after).expect("sound");
+    assert_eq!(after.positions[..before.vertex_count()], before.positions);
+    let fill = &m.document.fills[0];
+    assert_eq!(fill.faces, before.face_count()..after.face_count());
+    let patches = m.document.patches().expect("one");
+    assert_eq!(patches.face_count(), fill.faces.len());
+    m.act(Action::Undo);
+    assert!(Arc::ptr_eq(&before, &m.document.mesh));
+    m.act(Action::Redo);
+    assert!(Arc::ptr_eq(&after, &m.document.mesh));
+}
+
+#[test]
+fn undo_in_the_middle_of_a_run_and_redo_brings_it_back() {
+    let mut m = model();
+    let before = Arc::clone(&m.document.mesh);
+    m.act(Action::SelectAll);
+    m.act(Action::Fill);
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(|r| r.state_count() > 2)
+    });
+    m.act(Action::Undo);
+    assert!(m.run.is_none() && Arc::ptr_eq(&before, &m.document.mesh));
+    m.act(Action::Redo);
+    assert_eq!(m.document.loops.len(), 0);
+    assert!(m.document.mesh.face_count() > before.face_count());
+}
+
+#[test]
+fn pause_step_scrub_and_replay() {
+    let mut m = model();
+    m.act(Action::Select(1, SelectHow::Replace));
+    m.act(Action::Fill);
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(|r| r.state_count() > 4)
+    });
+    m.act(Action::PlayPause);
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(|r| !r.sides[0].live.playing())
+    });
+    let settle = |m: &mut Model| {
+        let mut last = 0;
+        loop {
+            for _ in 0..20 {
+                m.tick(Instant::now());
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            let now = m.run.as_ref().map_or(0, super::run::Run::state_count);
+            if now == last {
+                return now;
+            }
+            last = now;
+        }
+    };
+    let paused = settle(&mut m);
+    m.act(Action::Step);
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(|r| r.state_count() > paused)
+    });
+    assert_eq!(settle(&mut m), paused + 1, "one step, then it waits");
+    m.act(Action::Scrub(Some(1)));
+    let run = m.run.as_ref().expect("still there");
+    let shown = run.sides[0].state().expect("a state");
+    assert!(run.scrubbed() && shown.groups[0].step == 1);
+    // play: the kept states first, then the flow itself
+    m.act(Action::Pace(240.0));
+    m.act(Action::PlayPause);
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(super::run::Run::ended)
+    });
+    assert!(!m.run.as_ref().expect("still there").scrubbed());
+    // a scrubbed state is what accept takes
+    m.act(Action::Scrub(Some(2)));
+    let positions = m
+        .run
+        .as_ref()
+        .and_then(|r| r.sides[0].state())
+        .expect("a state")
+        .new_positions();
+    m.act(Action::Accept(0));
+    let mesh = &m.document.mesh;
+    assert_eq!(
+        mesh.positions[mesh.vertex_count() - positions.len()..],
+        positions
+    );
+}
+
+#[test]
+fn controls_act_while_it_runs_and_mistakes_are_told() {
+    let mut m = model();
+    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Fill);
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(|r| r.state_count() > 3)
+    });
+    m.act(Action::EnergyText("H^2 + )".into()));
+    m.act(Action::ApplyEnergy);
+    assert!(
+        last_message(&m).contains("character 7"),
+        "{}",
+        last_message(&m)
+    );
+    assert_eq!(m.document.controls.energy, "H^2");
+    m.act(Action::EnergyText("(H-H0)^2".into()));
+    m.act(Action::ApplyEnergy);
+    assert_eq!(m.document.controls.params.get("H0"), Some(&0.0));
+    let mut controls = m.document.controls.clone();
+    controls.params.insert("H0".into(), -1.0);
+    controls.mode = Mode::Fast;
+    m.act(Action::Controls(Box::new(controls)));
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(super::run::Run::ended)
+    });
+    let side = &m.run.as_ref().expect("there").sides[0];
+    let rows = side.live.schedule().rows;
+    let named = |name: &str| rows.iter().any(|r| r.control == name);
+    assert!(
+        named("energy") && named("param") && named("mode"),
+        "{rows:?}"
+    );
+    // the sphere of radius 1 is where (H + 1)^2 vanishes
+    m.act(Action::Accept(0));
+    let worst = m
+        .document
+        .mesh
+        .positions
+        .iter()
+        .map(|p| (p.length() - 1.0).abs());
+    assert!(worst.fold(0.0, f64::max) < 0.02);
+}
+
+#[test]
+fn two_energies_are_compared_and_one_is_taken() {
+    let mut m = model();
+    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::CompareEnergy(Some("1".into())));
+    filled(&mut m);
+    let run = m.run.as_ref().expect("there");
+    assert_eq!(run.sides.len(), 2);
+    let [a, b] = [0, 1].map(|i| run.sides[i].state().expect("a state").new_positions());
+    let difference = a
+        .iter()
+        .zip(&b)
+        .map(|(p, q)| p.distance(*q))
+        .fold(0.0, f64::max);
+    assert!(
+        difference > 1e-3,
+        "the area's surface is flatter: {difference}"
+    );
+    m.act(Action::Accept(1));
+    let mesh = &m.document.mesh;
+    assert_eq!(mesh.positions[mesh.vertex_count() - b.len()..], b);
+    assert_eq!(m.document.controls.energy, "1");
+}
+
+#[test]
+fn files_are_saved_reopened_and_never_overwritten() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let source = folder.path().join("in.obj");
+    io::save_mesh(&source, &opened().mesh, &[]).expect("written");
+    let bytes = std::fs::read(&source).expect("there");
+    let mut m = model();
+    m.act(Action::Open(source.clone()));
+    until(&mut m, |m| {
+        m.document.origin.source == Source::File(source.clone())
+    });
+    m.act(Action::Select(0, SelectHow::Replace));
+    filled(&mut m);
+    m.act(Action::Accept(0));
+    m.act(Action::SaveAs(source.clone()));
+    assert!(
+        last_message(&m).contains("never overwritten"),
+        "{}",
+        last_message(&m)
+    );
+    assert_eq!(std::fs::read(&source).expect("there"), bytes);
+
+    // a project brings everything back
+    let project_path = folder.path().join("work.meniscus");
+    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::SaveAs(project_path.clone()));
+    until(&mut m, |m| !m.is_dirty());
+    let (document, _) = project::read(&project_path).expect("a project");
+    assert_eq!(document.mesh.positions, m.document.mesh.positions);
+    assert_eq!(document.first_patch_face(), m.document.first_patch_face());
+    assert_eq!(document.selection, m.document.selection);
+    assert_eq!(document.controls, m.document.controls);
+    assert_eq!(document.fills, m.document.fills);
+
+    // damaged or missing files leave everything as it is
+    let nonsense = folder.path().join("nonsense.obj");
+    std::fs::write(&nonsense, "v 1 2 x\n").expect("written");
+    let mesh = Arc::clone(&m.document.mesh);
+    for path in [
+        nonsense,
+        folder.path().join("nothing.ply"),
+        folder.path().join("no.meniscus"),
+    ] {
+        let before = m.log.entries().len();
+        m.act(Action::Open(path));
+        until(&mut m, |m| m.log.entries().len() > before);
+        assert!(
+            last_message(&m).contains("left alone"),
+            "{}",
+            last_message(&m)
+        );
+        assert!(Arc::ptr_eq(&mesh, &m.document.mesh));
+    }
+}
+
+#[test]
+fn unsaved_work_is_asked_about() {
+    let mut m = model();
+    m.act(Action::Close);
+    assert!(matches!(m.effects.pop(), Some(Effect::Close)));
+    m.act(Action::Select(0, SelectHow::Replace));
+    filled(&mut m);
+    m.act(Action::Accept(0));
+    m.act(Action::Close);
+    assert_eq!(m.view.modal, Modal::Unsaved(AfterUnsaved::Close));
+    m.act(Action::Escape);
+    assert!(m.effects.is_empty() && m.view.modal == Modal::None);
+    let folder = tempfile::tempdir().expect("a folder");
+    m.saved_to = Some(folder.path().join("out.ply"));
+    m.act(Action::Close);
+    m.act(Action::SaveThenGoOn);
+    until(&mut m, |m| !m.effects.is_empty());
+    assert!(matches!(m.effects.pop(), Some(Effect::Close)));
+    let saved = io::open(&folder.path().join("out.ply")).expect("saved");
+    assert_eq!(saved.mesh.positions, m.document.mesh.positions);
+}
+
+#[test]
+fn a_recovery_file_survives_its_window() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut m = model();
+    m.autosave = Autosave::in_folder(folder.path());
+    m.act(Action::Select(0, SelectHow::Replace));
+    filled(&mut m);
+    m.act(Action::Accept(0));
+    let written = || {
+        std::fs::read_dir(folder.path())
+            .expect("a folder")
+            .filter_map(Result::ok)
+            .map(|e| e.path())
+            .find(|p| p.extension().is_some_and(|e| e == "meniscus"))
+    };
+    until(&mut m, |_| written().is_some());
+    let path = written().expect("there");
+    // the window is open: nothing was left behind
+    assert_eq!(
+        autosave::left_behind(folder.path()),
+        Vec::<std::path::PathBuf>::new()
+    );
+    let copy = folder.path().join("copy");
+    std::fs::create_dir(&copy).expect("made");
+    // as after kill -9: the file is there and nobody holds its lock
+    std::fs::copy(&path, copy.join("window-1.meniscus")).expect("copied");
+    std::fs::write(copy.join("window-1.lock"), "").expect("written");
+    let left = autosave::left_behind(&copy);
+    assert_eq!(left.len(), 1);
+    assert_eq!(project::title(&left[0]), "sample test");
+    let (document, _) = project::read(&left[0]).expect("a project");
+    assert_eq!(document.mesh.positions, m.document.mesh.positions);
+    autosave::remove(&left[0]);
+    assert!(autosave::left_behind(&copy).is_empty());
+    // a regular end leaves nothing
+    drop(m);
+    assert_eq!(written(), None);
+}
+
+#[test]
+fn the_command_repeats_the_work() {
+    let mut m = model();
+    m.act(Action::CopyCommand);
+    assert!(
+        last_message(&m).contains("nothing was filled"),
+        "{}",
+        last_message(&m)
+    );
+    m.act(Action::Select(1, SelectHow::Replace));
+    filled(&mut m);
+    m.act(Action::Accept(0));
+    m.act(Action::CopyCommand);
+    let Some(Effect::CopyText(text)) = m.effects.pop() else {
+        panic!("no text");
+    };
+    assert!(
+        text.starts_with("meniscus sample test -o test.obj\n"),
+        "{text}"
+    );
+    assert!(
+        text.contains("meniscus fill test.obj") && text.contains("--loops 2"),
+        "{text}"
+    );
+    assert!(text.contains("--mode flow"), "{text}");
+}
+
+#[test]
+fn switches_flip_and_views_fit() {
+    let mut m = model();
+    let before = m.view.style.wireframe;
+    m.act(Action::Toggle(Switch::Wireframe));
+    assert_ne!(m.view.style.wireframe, before);
+    m.act(Action::Toggle(Switch::ZUp));
+    assert!(m.view.camera.up().z > 0.5 && m.settings.z_up);
+    m.act(Action::Toggle(Switch::ZUp));
+    assert!(m.view.camera.up().y > 0.5);
+    m.act(Action::FlyToLoop(0));
+    let l = &m.document.loops[0];
+    let [x, y] = m.view.camera.project(l.centroid, 1.6).expect("in front");
+    assert!(x.abs() < 1e-9 && y.abs() < 1e-9, "in the middle");
+    // seen from outside: the hole is nearer than the centre of the sphere
+    let eye = m.view.camera.eye();
+    assert!(eye.distance(l.centroid) < eye.length());
+    m.act(Action::FitAll);
+    for p in &m.document.mesh.positions {
+        let [x, y] = m.view.camera.project(*p, 1280.0 / 800.0).expect("in front");
+        assert!(x.abs() <= 1.0 && y.abs() <= 1.0);
+    }
+}
+
+#[test]
+fn rims_of_a_blend_are_gathered_and_joined() {
+    let opened = project::sample_of("four-cylinders").expect("a sample");
+    let document = Document::new(opened, Source::Sample("four-cylinders".into()));
+    let mut m = Model::new(
+        document,
+        Settings::default(),
+        Autosave::off(),
+        Arc::new(|| ()),
+    );
+    m.act(Action::Task(Task::Blend));
+    m.act(Action::Fill);
+    assert!(
+        last_message(&m).contains("two rims"),
+        "{}",
+        last_message(&m)
+    );
+    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(1, SelectHow::Replace));
+    m.act(Action::Select(1, SelectHow::Replace));
+    assert_eq!(m.document.selection, [0].into());
+    m.act(Action::SelectAll);
+    assert_eq!(
+        m.document.selection.len(),
+        4,
+        "the rims that face each other"
+    );
+    filled(&mut m);
+    m.act(Action::Accept(0));
+    check_mesh(&m.document.mesh).expect("sound");
+    assert_eq!(components(&m.document.mesh.topology).count, 1);
+    assert_eq!(m.document.loops.len(), 4);
+    m.act(Action::CopyCommand);
+    let Some(Effect::CopyText(text)) = m.effects.pop() else {
+        panic!("no text");
+    };
+    assert!(text.contains("meniscus blend four-cylinders.obj"), "{text}");
+}

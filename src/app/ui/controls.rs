@@ -1,0 +1,229 @@
+//! The right panel: energy, scheme, time step, patch.
+
+use eframe::egui::{self, RichText, Ui};
+
+use super::side::short;
+use crate::app::action::Action;
+use crate::app::document::window_controls;
+use crate::app::model::Model;
+use crate::fill::{Continuity, Controls, Linear, TauChoice};
+use crate::solver::{FLOW_GROWTH, Mode, Scheme};
+
+/// All controls of a run; each acts at the next step.
+pub fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    egui::ScrollArea::vertical().show(ui, |ui| {
+        ui.add_space(4.0);
+        ui.heading("Energy");
+        super::energy::energy_ui(ui, model, actions);
+        let mut next = model.document.controls.clone();
+        ui.separator();
+        ui.heading("Flow");
+        scheme_ui(ui, &mut next);
+        tau_ui(ui, model, &mut next);
+        ui.separator();
+        ui.heading("Patch");
+        patch_ui(ui, model, &mut next);
+        if next != model.document.controls {
+            actions.push(Action::Controls(Box::new(next)));
+        }
+        ui.separator();
+        if ui
+            .button("Defaults")
+            .on_hover_text("H^2, normal flow, automatic time step, density of the rim, G1")
+            .clicked()
+        {
+            let defaults = window_controls();
+            actions.push(Action::EnergyText(defaults.energy.clone()));
+            actions.push(Action::Controls(Box::new(defaults)));
+        }
+    });
+}
+
+fn scheme_ui(ui: &mut Ui, next: &mut Controls) {
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Scheme");
+        for (scheme, title, tip) in [
+            (
+                Scheme::Normal,
+                "normal",
+                "linearly implicit normal flow: fast",
+            ),
+            (Scheme::Mixed, "mixed", "the paper's mixed finite elements"),
+            (
+                Scheme::MixedCorrected,
+                "corrected",
+                "mixed, with the exact gradient: does not creep along the surface",
+            ),
+        ] {
+            ui.selectable_value(&mut next.scheme, scheme, title)
+                .on_hover_text(tip);
+        }
+    });
+    if next.scheme != Scheme::Normal {
+        ui.horizontal_wrapped(|ui| {
+            ui.label("Linear solver");
+            ui.selectable_value(&mut next.linear, Linear::Gmres, "GMRES")
+                .on_hover_text("restarted, preconditioned by a Schur complement");
+            ui.selectable_value(&mut next.linear, Linear::Lu, "LU")
+                .on_hover_text("sparse direct");
+        });
+    }
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Mode");
+        ui.selectable_value(&mut next.mode, Mode::Flow, "flow")
+            .on_hover_text("true time: watch it move");
+        ui.selectable_value(&mut next.mode, Mode::Fast, "fast")
+            .on_hover_text("the stationary shape in as few steps as possible");
+    });
+}
+
+/// A logarithmic slider with its name.
+fn slider(
+    ui: &mut Ui,
+    name: &str,
+    tip: &str,
+    value: &mut f64,
+    range: std::ops::RangeInclusive<f64>,
+) -> bool {
+    let label = ui.label(name);
+    ui.add(
+        egui::Slider::new(value, range)
+            .logarithmic(true)
+            .custom_formatter(|x, _| short(x)),
+    )
+    .labelled_by(label.id)
+    .on_hover_text(tip)
+    .changed()
+}
+
+fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
+    let reference = model
+        .run
+        .as_ref()
+        .and_then(|r| r.sides.first())
+        .and_then(|s| s.live.groups().first())
+        .map(|g| (g.tau, g.tau_ref));
+    let mut fixed = matches!(next.tau, TauChoice::Fixed(_));
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Time step τ");
+        ui.selectable_value(&mut fixed, false, "auto")
+            .on_hover_text("grown after accepted, shrunk after rejected steps");
+        ui.selectable_value(&mut fixed, true, "fixed")
+            .on_hover_text("length² / unit of f; in multiples of the hole's natural time");
+    });
+    let unit = reference.map_or(1.0, |(_, tau_ref)| tau_ref);
+    match (fixed, next.tau) {
+        (false, TauChoice::Fixed(_)) => next.tau = TauChoice::Auto,
+        (true, TauChoice::Auto) => {
+            let start = reference.map_or(1e-4, |(tau, tau_ref)| tau.min(1e-2 * tau_ref));
+            next.tau = TauChoice::Fixed(start);
+        }
+        _ => {}
+    }
+    if let TauChoice::Fixed(tau) = next.tau {
+        ui.horizontal_wrapped(|ui| {
+            let mut relative = tau / unit;
+            let name = if reference.is_some() {
+                "τ / τ_ref"
+            } else {
+                "τ"
+            };
+            let tip = format!("τ = {tau:.3e} length² / unit of f");
+            if slider(ui, name, &tip, &mut relative, 1e-8..=1e4) {
+                next.tau = TauChoice::Fixed(relative * unit);
+            }
+        });
+    } else if next.mode == Mode::Flow {
+        ui.horizontal_wrapped(|ui| {
+            let mut growth = next.growth.unwrap_or(FLOW_GROWTH);
+            if slider(
+                ui,
+                "Growth",
+                "factor of τ after an accepted step; nearer to 1: more states to watch",
+                &mut growth,
+                1.0..=10.0,
+            ) {
+                next.growth = Some(growth);
+            }
+        });
+    }
+    ui.horizontal_wrapped(|ui| {
+        let label = ui.label("Most steps");
+        ui.add(egui::DragValue::new(&mut next.max_steps).range(1..=100_000))
+            .labelled_by(label.id)
+            .on_hover_text("the flow ends after so many, converged or not");
+    });
+    ui.horizontal_wrapped(|ui| {
+        let label = ui.label("Relaxation");
+        ui.add(egui::Slider::new(&mut next.relaxation, 0.0..=1.0).max_decimals(2))
+            .labelled_by(label.id)
+            .on_hover_text("evens the triangles out along the surface after each step");
+    });
+}
+
+fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
+    ui.horizontal_wrapped(|ui| {
+        slider(
+            ui,
+            "Density",
+            "edges of the rim for each edge of the patch: 2 halves the triangles' edges",
+            &mut next.density,
+            0.25..=4.0,
+        );
+    });
+    for (name, tip, value, range) in [
+        (
+            "Tension",
+            "weight of the area beside the energy, in units of 1/r²: more draws the surface together",
+            &mut next.tension,
+            0.0..=20.0,
+        ),
+        (
+            "Bulge",
+            "spontaneous curvature in units of 1/r, outwards where positive",
+            &mut next.bulge,
+            -2.0..=2.0,
+        ),
+        (
+            "Noise",
+            "noise on the surface the next run starts from, in mean edge lengths",
+            &mut next.noise,
+            0.0..=1.0,
+        ),
+    ] {
+        ui.horizontal_wrapped(|ui| {
+            let label = ui.label(name);
+            ui.add(egui::Slider::new(value, range).max_decimals(3))
+                .labelled_by(label.id)
+                .on_hover_text(tip);
+        });
+    }
+    ui.horizontal_wrapped(|ui| {
+        ui.label("At the rim");
+        ui.selectable_value(&mut next.continuity, Continuity::G1, "G1 smooth")
+            .on_hover_text("normals are continuous across the rim");
+        ui.selectable_value(&mut next.continuity, Continuity::G0, "G0 crease")
+            .on_hover_text("the rim is a crease");
+    });
+    let selected = model.document.selected();
+    if selected.len() > 1 {
+        ui.collapsing("Each rim", |ui| {
+            for l in selected {
+                ui.horizontal_wrapped(|ui| {
+                    ui.label(RichText::new(format!("loop {}", l.number)));
+                    let mut own = next.continuity_at(l.number);
+                    let before = own;
+                    ui.selectable_value(&mut own, Continuity::G1, "G1");
+                    ui.selectable_value(&mut own, Continuity::G0, "G0");
+                    if own != before {
+                        if own == next.continuity {
+                            next.loop_continuity.remove(&l.number);
+                        } else {
+                            next.loop_continuity.insert(l.number, own);
+                        }
+                    }
+                });
+            }
+        });
+    }
+}

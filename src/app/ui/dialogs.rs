@@ -1,0 +1,223 @@
+//! Dialogs over the window.
+
+use eframe::egui::{self, Context, Key, Modal as Over, RichText, Ui};
+
+use crate::app::action::Action;
+use crate::app::model::Model;
+use crate::app::project;
+use crate::app::view_state::{
+    Modal, PathPrompt, PathUse, PictureFormat, PictureKind, PictureSettings,
+};
+use crate::render::MAX_SIDE;
+
+/// The one that is open.
+pub fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>) {
+    let closed = match &model.view.modal {
+        Modal::None => return,
+        Modal::Path(prompt) => over(ctx, |ui| path_ui(ui, prompt, actions)),
+        Modal::Unsaved(_) => over(ctx, |ui| unsaved_ui(ui, model, actions)),
+        Modal::Recover(paths) => over(ctx, |ui| recover_ui(ui, paths, actions)),
+        Modal::Picture(settings) => over(ctx, |ui| picture_ui(ui, model, settings, actions)),
+    };
+    // a recovery file is not to be lost by a click beside it
+    if closed && !matches!(model.view.modal, Modal::Recover(_)) {
+        actions.push(Action::Escape);
+    }
+}
+
+fn over(ctx: &Context, body: impl FnOnce(&mut Ui)) -> bool {
+    Over::new(egui::Id::unique("dialog"))
+        .show(ctx, |ui| {
+            ui.set_width(440.0);
+            body(ui);
+        })
+        .should_close()
+}
+
+fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
+    let title = match prompt.purpose {
+        PathUse::Open => "Open a mesh or project",
+        PathUse::SaveAs => "Save the mesh (.obj, .ply, .stl) or the project (.meniscus)",
+        PathUse::ExportPatch => "Export the patches alone (.obj, .ply, .stl)",
+    };
+    ui.heading(title);
+    ui.weak("This system has no file dialog: type a path.");
+    let mut text = prompt.text.clone();
+    let label = ui.label("Path");
+    let field = ui
+        .add(egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY))
+        .labelled_by(label.id);
+    let entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
+    if ui.memory(|m| m.focused().is_none()) {
+        field.request_focus();
+    }
+    if field.changed() {
+        actions.push(Action::Modal(Modal::Path(PathPrompt {
+            text: text.clone(),
+            ..prompt.clone()
+        })));
+    }
+    ui.horizontal(|ui| {
+        let done = ui.button("OK").clicked() || entered;
+        if done && !text.trim().is_empty() {
+            let path = expand(text.trim());
+            actions.push(Action::Modal(Modal::None));
+            actions.push(match prompt.purpose {
+                PathUse::Open => Action::Open(path),
+                PathUse::SaveAs => Action::SaveAs(path),
+                PathUse::ExportPatch => Action::ExportPatch(path),
+            });
+        }
+        if ui.button("Cancel").clicked() {
+            actions.push(Action::Escape);
+        }
+    });
+}
+
+/// `~/` as in a shell.
+fn expand(text: &str) -> std::path::PathBuf {
+    match (text.strip_prefix("~/"), std::env::var_os("HOME")) {
+        (Some(rest), Some(home)) => std::path::Path::new(&home).join(rest),
+        _ => text.into(),
+    }
+}
+
+fn unsaved_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    ui.heading("There are changes that are not saved");
+    if model.run.is_some() {
+        ui.label("A patch was not accepted yet.");
+    }
+    ui.horizontal(|ui| {
+        if ui.button(RichText::new("Save").strong()).clicked() {
+            if model.run.is_some() {
+                actions.push(Action::Accept(0));
+            }
+            actions.push(Action::SaveThenGoOn);
+        }
+        if ui.button("Discard changes").clicked() {
+            actions.push(Action::Discard);
+        }
+        if ui.button("Cancel").clicked() {
+            actions.push(Action::Modal(Modal::None));
+        }
+    });
+}
+
+fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Action>) {
+    ui.heading("Work of an earlier session was left behind");
+    ui.label("The program did not end regularly. The work can be recovered:");
+    for path in paths {
+        let when = std::fs::metadata(path)
+            .and_then(|m| m.modified())
+            .ok()
+            .and_then(|t| t.elapsed().ok())
+            .map_or_else(String::new, |d| format!("{} minutes old", d.as_secs() / 60));
+        let name = project::title(path);
+        if ui.button(format!("Recover {name}, {when}")).clicked() {
+            actions.push(Action::Recover(path.clone()));
+        }
+    }
+    ui.horizontal(|ui| {
+        if ui.button("Keep for later").clicked() {
+            actions.push(Action::Modal(Modal::None));
+        }
+        if ui.button("Delete").clicked() {
+            actions.push(Action::DropRecovery);
+        }
+    });
+}
+
+fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &mut Vec<Action>) {
+    let mut next = settings.clone();
+    ui.heading("Picture");
+    ui.horizontal(|ui| {
+        for (kind, title, enabled) in [
+            (PictureKind::Still, "one picture", true),
+            (PictureKind::Turntable, "turntable", true),
+            (PictureKind::Flow, "states of the flow", model.run.is_some()),
+        ] {
+            if ui
+                .add_enabled(enabled, egui::Button::selectable(next.kind == kind, title))
+                .clicked()
+            {
+                next.kind = kind;
+            }
+        }
+    });
+    if next.kind == PictureKind::Still {
+        next.format = PictureFormat::Png;
+    } else {
+        ui.horizontal(|ui| {
+            for (format, title) in [
+                (PictureFormat::Png, "numbered PNG"),
+                (PictureFormat::Gif, "GIF"),
+                (PictureFormat::Apng, "APNG"),
+            ] {
+                ui.selectable_value(&mut next.format, format, title);
+            }
+            let label = ui.label("pictures a second");
+            ui.add(egui::DragValue::new(&mut next.fps).range(1.0..=60.0))
+                .labelled_by(label.id);
+            if next.kind == PictureKind::Turntable {
+                let label = ui.label("pictures");
+                ui.add(egui::DragValue::new(&mut next.frames).range(2..=2000))
+                    .labelled_by(label.id);
+            }
+        });
+    }
+    size_ui(ui, model, &mut next);
+    ui.checkbox(&mut next.transparent, "transparent background");
+    ui.checkbox(&mut next.overlays, "with rims and selection");
+    if next.format != settings.format || next.kind != settings.kind {
+        let extension = if next.format == PictureFormat::Gif {
+            "gif"
+        } else {
+            "png"
+        };
+        let path = std::path::Path::new(&next.path).with_extension(extension);
+        next.path = path.display().to_string();
+    }
+    let label = ui.label("File");
+    ui.add(egui::TextEdit::singleline(&mut next.path).desired_width(f32::INFINITY))
+        .labelled_by(label.id);
+    if next != *settings {
+        actions.push(Action::Modal(Modal::Picture(next.clone())));
+    }
+    ui.horizontal(|ui| {
+        if ui.button(RichText::new("Write").strong()).clicked() {
+            actions.push(Action::Picture(Box::new(next)));
+        }
+        if ui.button("Copy to the clipboard").clicked() {
+            actions.push(Action::CopyPicture);
+            actions.push(Action::Modal(Modal::None));
+        }
+        if ui.button("Cancel").clicked() {
+            actions.push(Action::Modal(Modal::None));
+        }
+    });
+}
+
+fn size_ui(ui: &mut Ui, model: &Model, next: &mut PictureSettings) {
+    ui.horizontal(|ui| {
+        for (name, value) in [("Width", &mut next.width), ("Height", &mut next.height)] {
+            let label = ui.label(name);
+            ui.add(
+                egui::DragValue::new(value)
+                    .range(1..=MAX_SIDE)
+                    .suffix(" px"),
+            )
+            .labelled_by(label.id);
+        }
+        for factor in [1.0, 2.0, 4.0] {
+            let [w, h] = model.view.viewport_px.map(|x| (x * factor) as u32);
+            let fits = w.max(h) <= MAX_SIDE && w.min(h) > 0;
+            if ui
+                .add_enabled(fits, egui::Button::new(format!("{factor}×")).small())
+                .on_hover_text("multiple of the view")
+                .clicked()
+            {
+                (next.width, next.height) = (w, h);
+            }
+        }
+    });
+}

@@ -1,0 +1,232 @@
+//! The energy: presets, a typed expression with its error, its parameters, how its flow is posed.
+
+use eframe::egui::{self, RichText, Ui};
+
+use crate::app::action::Action;
+use crate::app::model::Model;
+use crate::app::update::params_for;
+use crate::fill::Controls;
+use crate::solver::energy::{Energy, ExprError, Preset};
+
+/// What a preset is called by people.
+fn about(preset: Preset) -> &'static str {
+    match preset {
+        Preset::One => "area: soap films, second order",
+        Preset::H2 => "Willmore energy: round, the usual choice",
+        Preset::K2 => "squared Gaussian curvature: hardly smooths flat directions",
+        Preset::H2PlusK2 => "mixes units: the size of the model matters",
+        Preset::H2K2 => "ill-posed on parts of saddles: fine wiggles are real",
+        Preset::K1P4PlusK2P4 => "punishes strong curvature most",
+        Preset::K => "Gauss-Bonnet: every surface is stationary",
+        Preset::HMinusH0Squared => "Helfrich energy: wants mean curvature H0",
+        Preset::K1SqPlusK2Sq => "thin-plate like total curvature",
+        Preset::K1MinusK2Squared => "wants umbilics: spheres",
+    }
+}
+
+/// Choice and expression.
+pub fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let view = &model.view;
+    ui.horizontal(|ui| {
+        let label = ui.label("Preset");
+        let current = Energy::parse(&view.energy_text, &model.document.controls.params)
+            .ok()
+            .and_then(|e| e.as_preset());
+        egui::ComboBox::from_id_salt("preset")
+            .selected_text(current.map_or("typed", Preset::text))
+            .width(ui.available_width())
+            .show_ui(ui, |ui| {
+                for preset in Preset::ALL {
+                    if ui
+                        .selectable_label(current == Some(preset), preset.text())
+                        .on_hover_text(about(preset))
+                        .clicked()
+                    {
+                        actions.push(Action::EnergyText(preset.text().into()));
+                        actions.push(Action::ApplyEnergy);
+                    }
+                }
+            })
+            .response
+            .labelled_by(label.id);
+    });
+    let parsed = expression_ui(
+        ui,
+        "f(H, K) =",
+        &view.energy_text,
+        model,
+        Action::EnergyText,
+        Some(Action::ApplyEnergy),
+        actions,
+    );
+    if parsed {
+        parameters_ui(ui, model, actions);
+    }
+    badge_ui(ui, model);
+    compare_ui(ui, model, actions);
+}
+
+/// A field for an expression with the error under its character. Returns whether it is one.
+fn expression_ui(
+    ui: &mut Ui,
+    name: &str,
+    current: &str,
+    model: &Model,
+    typed: impl Fn(String) -> Action,
+    apply: Option<Action>,
+    actions: &mut Vec<Action>,
+) -> bool {
+    let label = ui.label(name);
+    let mut text = current.to_owned();
+    let response = ui
+        .add(
+            egui::TextEdit::singleline(&mut text)
+                .font(egui::TextStyle::Monospace)
+                .desired_width(f32::INFINITY)
+                .hint_text("an expression in H, K, k1, k2"),
+        )
+        .labelled_by(label.id)
+        .on_hover_text(
+            "H, K, k1, k2, numbers and parameters with + - * / ^, abs, sqrt, exp, log, sin, cos, \
+             tanh, min, max; Enter takes it",
+        );
+    if response.changed() {
+        actions.push(typed(text.clone()));
+    }
+    let params = params_for(text.trim(), &model.document.controls.params);
+    let parsed = Energy::parse(&text, &params);
+    match &parsed {
+        Err(error) => {
+            error_ui(ui, error);
+            if let Some(name) = error.syntax().and_then(|e| e.unknown.as_ref())
+                && apply.is_some()
+                && ui.button(format!("Make {name} a parameter")).clicked()
+            {
+                actions.push(Action::AddParameter(name.clone()));
+            }
+        }
+        Ok(_) if response.lost_focus() => actions.extend(apply),
+        Ok(_) => {
+            let unused = apply.is_some() && text.trim() != model.document.controls.energy;
+            if unused && !response.changed() {
+                ui.weak("Enter takes this energy");
+            }
+        }
+    }
+    parsed.is_ok()
+}
+
+/// The caret under the character, the message below.
+fn error_ui(ui: &mut Ui, error: &ExprError) {
+    let color = super::bad(ui);
+    let Some(syntax) = error.syntax() else {
+        ui.label(RichText::new(error.to_string()).color(color));
+        return;
+    };
+    let carets = format!(
+        "{}{}",
+        " ".repeat(syntax.character),
+        "^".repeat(syntax.length.min(24))
+    );
+    ui.horizontal(|ui| {
+        // as far as the text in the field is from its edge
+        ui.add_space(ui.spacing().button_padding.x);
+        let carets = RichText::new(carets).monospace().strong().color(color);
+        ui.add(egui::Label::new(carets).truncate());
+    });
+    ui.label(RichText::new(syntax.to_string()).color(color));
+}
+
+fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let controls = &model.document.controls;
+    for (name, &value) in &controls.params {
+        ui.horizontal(|ui| {
+            let mut value = value;
+            let label = ui.monospace(name);
+            let speed = 0.01 * value.abs().max(0.1);
+            let slider = ui
+                .add(egui::DragValue::new(&mut value).speed(speed))
+                .labelled_by(label.id)
+                .on_hover_text("drag or type; acts at the next step");
+            if slider.changed() {
+                let mut next = controls.clone();
+                next.params.insert(name.clone(), value);
+                actions.push(Action::Controls(Box::new(next)));
+            }
+        });
+    }
+}
+
+/// How the flow is posed on what is shown.
+fn badge_ui(ui: &mut Ui, model: &Model) {
+    let Some(scan) = model.displays[0].latest().and_then(|d| d.posed) else {
+        return;
+    };
+    if scan.samples == 0 {
+        return;
+    }
+    let (text, color, tip) = if scan.undefined > 0 {
+        (
+            "undefined in places",
+            super::bad(ui),
+            "the energy has no finite second derivatives at curvatures that occur",
+        )
+    } else if scan.ill_posed > 0 {
+        (
+            "ill-posed in places",
+            super::bad(ui),
+            "where the patch is hatched short waves grow instead of fading",
+        )
+    } else if 1000 * scan.degenerate > scan.samples {
+        (
+            "degenerate in places",
+            ui.visuals().warn_fg_color,
+            "in some directions nothing is smoothed",
+        )
+    } else if scan.stationary == scan.samples {
+        (
+            "nothing moves",
+            ui.visuals().warn_fg_color,
+            "a multiple of K: its integral depends on the rim alone",
+        )
+    } else {
+        (
+            "well-posed",
+            super::good(ui),
+            "the flow is strictly parabolic on all that is shown",
+        )
+    };
+    ui.horizontal(|ui| {
+        ui.label("Flow:");
+        ui.label(RichText::new(text).color(color).strong())
+            .on_hover_text(tip);
+    });
+}
+
+fn compare_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let mut on = model.view.compare_energy.is_some();
+    if ui
+        .checkbox(&mut on, "Compare with another energy (A/B)")
+        .on_hover_text("fills the same holes twice, side by side, with linked cameras")
+        .changed()
+    {
+        let energy = on.then(|| "k1^4+k2^4".to_owned());
+        actions.push(Action::CompareEnergy(energy));
+    }
+    if let Some(energy) = &model.view.compare_energy {
+        expression_ui(
+            ui,
+            "B: f(H, K) =",
+            energy,
+            model,
+            |text| Action::CompareEnergy(Some(text)),
+            None,
+            actions,
+        );
+    }
+}
+
+/// The energies that are compared, for titles.
+pub fn side_title(controls: &Controls, side: usize) -> String {
+    format!("{}: f = {}", ["A", "B"][side.min(1)], controls.energy)
+}

@@ -1,0 +1,147 @@
+//! From mouse and trackpad to the camera.
+
+use eframe::egui::{Modifiers, PointerButton, Pos2, Rect, Response};
+
+use crate::app::view_state::Navigation;
+use crate::render::Camera;
+
+/// A click that moved farther than this, in points, is a drag.
+pub const CLICK: f32 = 5.0;
+/// Radians a point of movement turns.
+const TURN: f64 = 0.008;
+
+/// What a drag does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// Around the pivot.
+    Orbit,
+    /// Along the picture.
+    Pan,
+    /// Nearer and farther.
+    Zoom,
+}
+
+/// A button held down.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Drag {
+    /// Where the primary button went down and how far it has come since.
+    pub press: Option<(Pos2, f32)>,
+}
+
+/// What a button does in a preset.
+pub fn motion(navigation: Navigation, button: PointerButton, keys: Modifiers) -> Option<Motion> {
+    use Motion::{Orbit, Pan, Zoom};
+    use PointerButton::{Middle, Primary, Secondary};
+    match (navigation, button) {
+        (Navigation::MeshLab, Primary) if keys.command => Some(Pan),
+        (Navigation::MeshLab, Primary) if keys.shift => Some(Zoom),
+        (Navigation::MeshLab | Navigation::Trackpad, Primary) => {
+            Some(if keys.command || keys.shift {
+                Pan
+            } else {
+                Orbit
+            })
+        }
+        (Navigation::MeshLab | Navigation::Trackpad, Middle | Secondary)
+        | (Navigation::Cad, Secondary) => Some(Pan),
+        (Navigation::Blender, Middle) if keys.shift => Some(Pan),
+        (Navigation::Blender | Navigation::Cad, Middle) if keys.command => Some(match navigation {
+            Navigation::Blender => Zoom,
+            _ => Pan,
+        }),
+        (Navigation::Cad, Middle) if keys.shift => Some(Zoom),
+        (Navigation::Blender | Navigation::Cad, Middle) => Some(Orbit),
+        _ => None,
+    }
+}
+
+/// Moves the camera by what happened over the viewport. Returns whether it moved.
+pub fn navigate(
+    camera: &mut Camera,
+    navigation: Navigation,
+    response: &Response,
+    rect: Rect,
+) -> bool {
+    let before = *camera;
+    let keys = response.ctx.input(|i| i.modifiers);
+    let aspect = f64::from(rect.width() / rect.height().max(1.0));
+    let ndc = |p: Pos2| {
+        [
+            f64::from(2.0 * (p.x - rect.left()) / rect.width() - 1.0),
+            f64::from(1.0 - 2.0 * (p.y - rect.top()) / rect.height()),
+        ]
+    };
+    for button in [
+        PointerButton::Primary,
+        PointerButton::Middle,
+        PointerButton::Secondary,
+    ] {
+        if !response.dragged_by(button) {
+            continue;
+        }
+        let moved = response.drag_delta();
+        let (dx, dy) = (f64::from(moved.x), f64::from(moved.y));
+        match motion(navigation, button, keys) {
+            Some(Motion::Orbit) => camera.orbit(dx * TURN, dy * TURN, true),
+            Some(Motion::Pan) => camera.pan(dx, dy, f64::from(rect.height())),
+            Some(Motion::Zoom) => camera.zoom_to((-dy * 0.01).exp(), [0.0, 0.0], aspect),
+            None => {}
+        }
+    }
+    if let Some(at) = response.hover_pos() {
+        let (scroll, pinch) = response
+            .ctx
+            .input(|i| (i.smooth_scroll_delta(), i.zoom_delta()));
+        if (pinch - 1.0).abs() > 1e-6 {
+            camera.zoom_to(f64::from(pinch), ndc(at), aspect);
+        } else if navigation == Navigation::Trackpad {
+            let (dx, dy) = (f64::from(scroll.x), f64::from(scroll.y));
+            if keys.shift {
+                camera.pan(dx, dy, f64::from(rect.height()));
+            } else if dx != 0.0 || dy != 0.0 {
+                camera.orbit(dx * TURN, dy * TURN, true);
+            }
+        } else if scroll.y != 0.0 {
+            camera.zoom_to((f64::from(scroll.y) * 0.004).exp(), ndc(at), aspect);
+        }
+    }
+    *camera != before
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_turns_and_moves() {
+        let sets = [Modifiers::NONE, Modifiers::SHIFT, Modifiers::COMMAND];
+        let buttons = [
+            PointerButton::Primary,
+            PointerButton::Middle,
+            PointerButton::Secondary,
+        ];
+        for navigation in Navigation::ALL {
+            for wanted in [Motion::Orbit, Motion::Pan] {
+                let found = buttons.iter().any(|&b| {
+                    sets.iter()
+                        .any(|&k| motion(navigation, b, k) == Some(wanted))
+                });
+                assert!(found, "{navigation:?} has no {wanted:?}");
+            }
+        }
+        // without a middle button
+        assert_eq!(
+            motion(
+                Navigation::Trackpad,
+                PointerButton::Primary,
+                Modifiers::NONE
+            ),
+            Some(Motion::Orbit)
+        );
+        // Blender's left button is for picking alone
+        assert_eq!(
+            motion(Navigation::Blender, PointerButton::Primary, Modifiers::NONE),
+            None
+        );
+    }
+}

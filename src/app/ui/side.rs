@@ -1,0 +1,257 @@
+//! The left panel: the loops, and what to do with the selected ones.
+
+use eframe::egui::{self, RichText, Ui};
+use egui_extras::{Column, TableBuilder};
+
+use crate::app::action::{Action, SelectHow};
+use crate::app::model::Model;
+use crate::app::shortcuts::{Command, hint};
+use crate::app::view_state::Task;
+
+/// Loops and the button that fills them.
+pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let document = &model.document;
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        for (task, title, tip) in [
+            (
+                Task::Fill,
+                "Fill",
+                "each selected hole gets a patch of its own",
+            ),
+            (
+                Task::Blend,
+                "Blend",
+                "one surface joins all selected rims, of one component or several",
+            ),
+        ] {
+            let chosen = model.view.task == task;
+            let button = egui::Button::selectable(chosen, RichText::new(title).strong());
+            if ui
+                .add_enabled(model.run.is_none(), button)
+                .on_hover_text(tip)
+                .clicked()
+            {
+                actions.push(Action::Task(task));
+            }
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.heading("Loops");
+        ui.weak(format!(
+            "{} loops, {} selected",
+            document.loops.len(),
+            document.selection.len()
+        ));
+    });
+    ui.horizontal_wrapped(|ui| {
+        let ctx = ui.ctx().clone();
+        for (text, tip, command, action) in [
+            (
+                "All",
+                "all loops that are no outer rims",
+                Command::SelectAll,
+                Action::SelectAll,
+            ),
+            (
+                "All but largest",
+                "all loops but the one with the largest perimeter",
+                Command::SelectAllButLargest,
+                Action::SelectAllButLargest,
+            ),
+            (
+                "None",
+                "clear the selection",
+                Command::Escape,
+                Action::SelectNone,
+            ),
+        ] {
+            if ui
+                .add_enabled(model.run.is_none(), egui::Button::new(text).small())
+                .on_hover_text(format!("{tip}{}", hint(&ctx, command)))
+                .clicked()
+            {
+                actions.push(action);
+            }
+        }
+    });
+    run_ui(ui, model, actions);
+    ui.separator();
+    if document.loops.is_empty() {
+        ui.weak("The mesh is closed: it has no holes.");
+        return;
+    }
+    loops_ui(ui, model, actions);
+}
+
+fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let ctx = ui.ctx().clone();
+    let Some(run) = &model.run else {
+        let n = model.document.selection.len();
+        let text = match (model.view.task, n) {
+            (Task::Fill, 0) => "Fill all holes".into(),
+            (Task::Fill, 1) => "Fill the hole".into(),
+            (Task::Fill, n) => format!("Fill {n} holes"),
+            (Task::Blend, 0 | 1) => "Blend (click two rims or more)".into(),
+            (Task::Blend, n) => format!("Blend {n} rims"),
+        };
+        let button = egui::Button::new(RichText::new(text).strong())
+            .min_size(egui::vec2(ui.available_width(), 28.0));
+        if ui
+            .add_enabled(!model.document.loops.is_empty(), button)
+            .on_hover_text(format!(
+                "grow a smooth patch into what is selected{}",
+                hint(&ctx, Command::Fill)
+            ))
+            .clicked()
+        {
+            actions.push(Action::Fill);
+        }
+        return;
+    };
+    ui.horizontal_wrapped(|ui| {
+        let names: &[&str] = if run.sides.len() > 1 {
+            &["Accept A", "Accept B"]
+        } else {
+            &["Accept"]
+        };
+        for (i, name) in names.iter().enumerate() {
+            if ui
+                .button(RichText::new(*name).strong())
+                .on_hover_text(format!(
+                    "take in the patch as it is shown{}",
+                    hint(&ctx, Command::Accept)
+                ))
+                .clicked()
+            {
+                actions.push(Action::Accept(i));
+            }
+        }
+        if ui
+            .button("Reject")
+            .on_hover_text("drop the patch; the mesh is as before")
+            .clicked()
+        {
+            actions.push(Action::Reject);
+        }
+    });
+}
+
+fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let loops = &model.document.loops;
+    let mut hovered = None;
+    TableBuilder::new(ui)
+        .striped(true)
+        .sense(egui::Sense::click())
+        .column(Column::auto().at_least(26.0))
+        .column(Column::auto().at_least(40.0))
+        .column(Column::auto().at_least(60.0))
+        .column(Column::remainder())
+        .header(18.0, |mut header| {
+            for (title, tip) in [
+                ("#", "number on the command line"),
+                ("edges", "edges of the rim"),
+                ("length", "perimeter, in units of the file"),
+                ("width", "largest distance across, in units of the file"),
+            ] {
+                header.col(|ui| {
+                    ui.strong(title).on_hover_text(tip);
+                });
+            }
+        })
+        .body(|body| {
+            body.rows(18.0, loops.len(), |mut row| {
+                let i = row.index();
+                let l = &loops[i];
+                row.set_selected(model.document.selection.contains(&i));
+                row.set_hovered(model.view.hover == Some(i));
+                row.col(|ui| {
+                    let mut text = RichText::new(l.number.to_string());
+                    if l.outer_rim {
+                        text = text.weak();
+                    }
+                    ui.label(text);
+                });
+                row.col(|ui| {
+                    ui.label(l.edges().to_string());
+                });
+                row.col(|ui| {
+                    ui.label(short(l.perimeter));
+                });
+                row.col(|ui| {
+                    let rim = if l.outer_rim { "  outer rim" } else { "" };
+                    ui.label(format!("{}{rim}", short(l.diameter)));
+                });
+                let mut response = row.response();
+                if l.outer_rim {
+                    response =
+                        response.on_hover_text(format!("guessed an outer rim: {}", l.reason));
+                }
+                response.widget_info(|| {
+                    let name = format!("loop {}, {} edges", l.number, l.edges());
+                    egui::WidgetInfo::selected(
+                        egui::Role::Button,
+                        true,
+                        model.document.selection.contains(&i),
+                        name,
+                    )
+                });
+                if response.hovered() {
+                    hovered = Some(i);
+                }
+                if response.double_clicked() {
+                    actions.push(Action::FlyToLoop(i));
+                } else if response.clicked() {
+                    let modifiers = response.ctx.input(|input| input.modifiers);
+                    actions.push(Action::Select(i, how(modifiers)));
+                }
+            });
+        });
+    if hovered.is_some() && hovered != model.view.hover {
+        actions.push(Action::Hover(hovered));
+    }
+}
+
+/// What a click does with these keys held.
+pub fn how(modifiers: egui::Modifiers) -> SelectHow {
+    if modifiers.command {
+        SelectHow::Toggle
+    } else if modifiers.shift {
+        SelectHow::Add
+    } else {
+        SelectHow::Replace
+    }
+}
+
+/// A number in four digits.
+pub fn short(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 {
+        "0".into()
+    } else if (1e-3..1e5).contains(&size) {
+        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        format!("{x:.digits$}")
+    } else {
+        format!("{x:.3e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn numbers_in_four_digits() {
+        for (x, text) in [
+            (0.0, "0"),
+            (1.0, "1.000"),
+            (12.345_67, "12.35"),
+            (-0.012_345, "-0.01235"),
+            (12_345.6, "12346"),
+            (1.5e-7, "1.500e-7"),
+            (2.5e9, "2.500e9"),
+        ] {
+            assert_eq!(short(x), text);
+        }
+    }
+}

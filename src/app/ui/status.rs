@@ -1,0 +1,81 @@
+//! The line at the bottom: what is open, what goes on.
+
+use eframe::egui::{self, Ui};
+
+use crate::app::action::{Action, Switch};
+use crate::app::log::Level;
+use crate::app::model::Model;
+use crate::app::shortcuts::{Command, hint};
+use crate::app::update::WRITING;
+
+/// Document, background work, last message.
+pub fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let ctx = ui.ctx().clone();
+    ui.horizontal(|ui| {
+        let document = &model.document;
+        let star = if model.is_dirty() { " *" } else { "" };
+        let words = format!(
+            "{}{star}   {} vertices   {} faces   {} loops",
+            document.origin.name(),
+            document.mesh.vertex_count(),
+            document.mesh.face_count(),
+            document.loops.len()
+        );
+        if ui
+            .add(egui::Label::new(words).sense(egui::Sense::click()))
+            .on_hover_text(format!(
+                "load report{}",
+                hint(&ctx, Command::Toggle(Switch::Report))
+            ))
+            .clicked()
+        {
+            actions.push(Action::Toggle(Switch::Report));
+        }
+        for job in &model.jobs {
+            // picking is ready in no time; a dialog shows itself
+            if matches!(job.what.as_str(), "picking" | "file dialog") {
+                continue;
+            }
+            ui.separator();
+            if let Some(done) = job.progress() {
+                ui.add(
+                    egui::ProgressBar::new(done)
+                        .desired_width(160.0)
+                        .text(job.what.clone()),
+                );
+                if job.what.starts_with(WRITING) && ui.small_button("Cancel").clicked() {
+                    actions.push(Action::CancelPicture);
+                }
+            } else {
+                ui.spinner();
+                ui.label(&job.what);
+            }
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui
+                .small_button("Copy command")
+                .on_hover_text(format!(
+                    "the command line that repeats this, to the clipboard{}",
+                    hint(&ctx, Command::CopyLine)
+                ))
+                .clicked()
+            {
+                actions.push(Action::CopyCommand);
+            }
+            if let Some(entry) = model.log.entries().last() {
+                let color = match entry.level {
+                    Level::Info => ui.visuals().weak_text_color(),
+                    Level::Warning => ui.visuals().warn_fg_color,
+                    Level::Error => ui.visuals().error_fg_color,
+                };
+                let line = entry.text.lines().next().unwrap_or_default();
+                let label = egui::Label::new(egui::RichText::new(line).color(color))
+                    .truncate()
+                    .sense(egui::Sense::click());
+                if ui.add(label).on_hover_text("open the log").clicked() {
+                    actions.push(Action::Toggle(Switch::Log));
+                }
+            }
+        });
+    });
+}

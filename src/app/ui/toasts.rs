@@ -1,0 +1,46 @@
+//! Messages that pass, in the corner.
+
+use std::time::Instant;
+
+use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Order, Stroke};
+
+use crate::app::action::{Action, Switch};
+use crate::app::log::Level;
+use crate::app::model::Model;
+
+/// Those that are up.
+pub fn toasts_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>) {
+    let shown = model.log.toasts(Instant::now());
+    if shown.is_empty() {
+        return;
+    }
+    let bottom = if model.run.is_some() { -250.0 } else { -64.0 };
+    Area::new(Id::unique("toasts"))
+        .order(Order::Foreground)
+        .anchor(Align2::RIGHT_BOTTOM, egui::vec2(-310.0, bottom))
+        .interactable(true)
+        .show(ctx, |ui| {
+            ui.set_max_width(420.0);
+            for i in shown {
+                let entry = &model.log.entries()[i];
+                let color = match entry.level {
+                    Level::Info => Color32::from_rgb(70, 130, 180),
+                    Level::Warning => ui.visuals().warn_fg_color,
+                    Level::Error => ui.visuals().error_fg_color,
+                };
+                let frame = Frame::popup(ui.style()).stroke(Stroke::new(1.5, color));
+                let inner = frame.show(ui, |ui| {
+                    ui.set_max_width(400.0);
+                    ui.label(&entry.text);
+                });
+                let response = inner.response.interact(egui::Sense::click());
+                if response.on_hover_text("click to open the log").clicked() {
+                    if !model.view.windows.log {
+                        actions.push(Action::Toggle(Switch::Log));
+                    }
+                    actions.push(Action::DismissToast(i));
+                }
+                ui.add_space(6.0);
+            }
+        });
+}

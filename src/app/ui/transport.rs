@@ -1,0 +1,364 @@
+//! The bottom panel of a run: transport, timeline, numbers, plots.
+
+use eframe::egui::{self, RichText, Ui};
+use egui_plot::{Legend, Line, Plot, PlotPoints, VLine};
+
+use super::side::short;
+use crate::app::action::Action;
+use crate::app::model::Model;
+use crate::app::run::{Run, Side};
+use crate::app::seam::Seam;
+use crate::app::shortcuts::{Command, hint};
+use crate::app::view_state::Task;
+use crate::solver::End;
+
+/// Everything about the run.
+pub fn transport_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let Some(run) = &model.run else { return };
+    // the panel is as high as it was drawn, whatever is in it
+    ui.take_available_height();
+    ui.add_space(2.0);
+    buttons_ui(ui, model, run, actions);
+    timeline_ui(ui, run, actions);
+    ui.columns(2, |columns| {
+        numbers_ui(&mut columns[0], model, run);
+        plots_ui(&mut columns[1], run);
+    });
+}
+
+fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) {
+    let ctx = ui.ctx().clone();
+    ui.horizontal_wrapped(|ui| {
+        let ended = run.ended();
+        let play = if run.playing { "Pause" } else { "Play" };
+        let tip = if ended {
+            "play the kept states again"
+        } else {
+            "go on or wait"
+        };
+        for (text, tip, command, action, enabled) in [
+            (
+                "Rewind",
+                "show the first state",
+                Command::Rewind,
+                Action::Scrub(Some(0)),
+                true,
+            ),
+            (play, tip, Command::PlayPause, Action::PlayPause, true),
+            (
+                "Step",
+                "one step, then wait",
+                Command::Step,
+                Action::Step,
+                !ended || run.scrubbed(),
+            ),
+            (
+                "Finish",
+                "jump to the converged shape in fast mode",
+                Command::Finish,
+                Action::Finish,
+                !ended,
+            ),
+            (
+                "Stop",
+                "end the flow here",
+                Command::Escape,
+                Action::Stop,
+                !ended,
+            ),
+        ] {
+            if ui
+                .add_enabled(enabled, egui::Button::new(text))
+                .on_hover_text(format!("{tip}{}", hint(&ctx, command)))
+                .clicked()
+            {
+                actions.push(action);
+            }
+        }
+        if run.scrubbed()
+            && ui
+                .button("Go on from here")
+                .on_hover_text(
+                    "the flow goes on from the state that is shown, with the present controls",
+                )
+                .clicked()
+        {
+            actions.push(Action::GoOnFromHere);
+        }
+        ui.separator();
+        let label = ui.label("Pace");
+        let mut pace = model.view.pace;
+        if ui
+            .add(
+                egui::DragValue::new(&mut pace)
+                    .speed(0.5)
+                    .range(1.0..=240.0)
+                    .suffix(" states/s"),
+            )
+            .labelled_by(label.id)
+            .on_hover_text("states a second, at most")
+            .changed()
+        {
+            actions.push(Action::Pace(pace));
+        }
+    });
+}
+
+fn timeline_ui(ui: &mut Ui, run: &Run, actions: &mut Vec<Action>) {
+    let count = run.state_count();
+    let last = count.saturating_sub(1);
+    let mut at = run
+        .sides
+        .iter()
+        .filter_map(|s| s.shown)
+        .min()
+        .unwrap_or(last);
+    ui.horizontal(|ui| {
+        let label = ui.label("Timeline");
+        ui.spacing_mut().slider_width = (ui.available_width() - 170.0).max(80.0);
+        let slider = ui
+            .add_enabled(
+                last > 0,
+                egui::Slider::new(&mut at, 0..=last.max(1)).show_value(false),
+            )
+            .labelled_by(label.id)
+            .on_hover_text("kept states of the flow");
+        if slider.changed() {
+            actions.push(Action::Scrub((at < last).then_some(at)));
+        }
+        ui.weak(format!("state {} of {count}", (at + 1).min(count)));
+    });
+}
+
+/// Words for how a flow ended.
+fn end_words(end: End) -> &'static str {
+    match end {
+        End::Converged => "converged",
+        End::Steps => "most steps taken",
+        End::Stuck => "stuck: no step lowers the energy",
+        End::Pinched => "pinched off: the last open shape is kept",
+        End::Cancelled => "stopped",
+    }
+}
+
+fn numbers_ui(ui: &mut Ui, model: &Model, run: &Run) {
+    egui::ScrollArea::both().id_salt("numbers").show(ui, |ui| {
+        egui::Grid::new("groups")
+            .striped(true)
+            .num_columns(8)
+            .show(ui, |ui| {
+                for (title, tip) in [
+                    ("holes", "solved together where their surroundings overlap"),
+                    ("step", "accepted steps"),
+                    ("τ/τ_ref", "time step over the hole's natural time"),
+                    ("energy", "integral of f over patch and collar"),
+                    (
+                        "residual",
+                        "movement to come, over the hole radius; done below 1e-6",
+                    ),
+                    ("rejected", "steps taken back"),
+                    ("angle", "smallest angle of the patch's triangles"),
+                    ("", ""),
+                ] {
+                    ui.strong(title).on_hover_text(tip);
+                }
+                ui.end_row();
+                for (s, side) in run.sides.iter().enumerate() {
+                    groups_ui(ui, run, s, side);
+                }
+            });
+        for (s, display) in model.displays.iter().take(run.sides.len()).enumerate() {
+            if let Some(seam) = display.latest().and_then(|d| d.seam) {
+                seam_ui(ui, run, s, seam);
+            }
+        }
+        for side in &run.sides {
+            for warning in &side.warnings {
+                ui.label(
+                    RichText::new(warning)
+                        .small()
+                        .color(ui.visuals().warn_fg_color),
+                );
+            }
+        }
+    });
+}
+
+/// How the patch meets the mesh, at the worst places.
+fn seam_ui(ui: &mut Ui, run: &Run, s: usize, seam: Seam) {
+    let mut words = Vec::new();
+    if let Some(angle) = seam.angle {
+        words.push(format!("seam angle {angle:.1}°"));
+    }
+    if let Some(jump) = seam.jump {
+        words.push(format!("curvature jump {}", short(jump)));
+    }
+    if !words.is_empty() {
+        ui.label(format!("{}{}", side_name(run, s), words.join(", ")))
+            .on_hover_text(
+                "at the worst place of the rims: angle between the normals of either side \
+                 (G0; it is 0 by construction where G1), difference of mean curvature between \
+                 the faces of either side (G1)",
+            );
+    }
+}
+
+/// A or B before what belongs to one side of a comparison.
+fn side_name(run: &Run, s: usize) -> &'static str {
+    match (run.sides.len(), s) {
+        (0 | 1, _) => "",
+        (_, 0) => "A ",
+        _ => "B ",
+    }
+}
+
+fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &Side) {
+    let groups = side.live.groups();
+    if groups.is_empty() {
+        ui.label(if side.live.ended() {
+            "no flow: the holes needed no new vertex"
+        } else {
+            "first patches…"
+        });
+        ui.end_row();
+    }
+    let state = side.state();
+    for (g, group) in groups.iter().enumerate() {
+        let (holes, between) = match run.task {
+            Task::Fill => (&group.holes, ", "),
+            Task::Blend => (&run.loops, "+"),
+        };
+        let numbers: Vec<String> = holes.iter().map(usize::to_string).collect();
+        let prefix = side_name(run, s);
+        let shown = state.as_ref().and_then(|s| s.groups.get(g));
+        ui.label(format!("{prefix}{}", numbers.join(between)));
+        ui.label(shown.map_or_else(String::new, |s| s.step.to_string()));
+        ui.label(short(group.tau / group.tau_ref));
+        ui.label(shown.map_or_else(String::new, |s| format!("{:.6}", Sig(s.energy))));
+        let residual = shown.and_then(|s| s.residual).or(group.residual);
+        ui.label(residual.map_or_else(String::new, |r| format!("{r:.1e}")));
+        ui.label(group.rejected.to_string());
+        ui.label(shown.map_or_else(String::new, |s| format!("{:.0}°", s.worst_angle)));
+        match (&group.failed, group.end) {
+            (Some(text), _) => {
+                ui.label(RichText::new("failed").color(super::bad(ui)))
+                    .on_hover_text(text);
+            }
+            (None, Some(End::Converged)) => {
+                ui.label(RichText::new("converged").color(super::good(ui)));
+            }
+            (None, Some(end)) => {
+                ui.label(RichText::new(end_words(end)).color(ui.visuals().warn_fg_color));
+            }
+            (None, None) => {
+                let iterations = side
+                    .live
+                    .records(g)
+                    .last()
+                    .and_then(|r| r.iterations)
+                    .map_or_else(String::new, |n| format!("GMRES {n}  "));
+                let eta = group
+                    .eta
+                    .map_or_else(String::new, |s| format!("about {} s to go", s.ceil()));
+                ui.weak(format!("{iterations}{eta}"));
+            }
+        }
+        ui.end_row();
+    }
+}
+
+/// A number with six significant digits.
+struct Sig(f64);
+
+impl std::fmt::Display for Sig {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let x = self.0;
+        let size = x.abs();
+        if x == 0.0 || (1e-3..1e6).contains(&size) {
+            let digits = if x == 0.0 {
+                5
+            } else {
+                (5 - size.log10().floor() as i32).clamp(0, 9) as usize
+            };
+            write!(f, "{x:.digits$}")
+        } else {
+            write!(f, "{x:.5e}")
+        }
+    }
+}
+
+fn plots_ui(ui: &mut Ui, run: &Run) {
+    let height = ui.available_height().max(60.0);
+    ui.columns(2, |columns| {
+        for (column, (name, title)) in columns.iter_mut().zip([
+            ("energy", "energy by attempt"),
+            ("residual", "log10 of the residual by attempt"),
+        ]) {
+            column.small(title);
+            let energy = name == "energy";
+            let curves = curves(run, energy);
+            let mut plot = Plot::new(name)
+                .height((height - 22.0).max(40.0))
+                .allow_scroll(false)
+                .allow_drag(false)
+                .allow_zoom(false)
+                .show_axes([true, true]);
+            if (2..5).contains(&curves.len()) {
+                plot = plot.legend(Legend::default());
+            }
+            // a curve that is constant but for rounding has no height to be drawn in
+            if let Some([low, high]) = extent(&curves)
+                && high - low <= 1e-6 * high.abs().max(low.abs())
+            {
+                let pad = (0.01 * high.abs()).max(1e-12);
+                plot = plot.include_y(low - pad).include_y(high + pad);
+            }
+            plot.show(column, |plot| {
+                for (name, points) in curves {
+                    plot.line(Line::new(name, PlotPoints::from(points)).width(1.8));
+                }
+                for side in run.sides.iter().filter(|s| s.shown.is_some()) {
+                    if let Some(state) = side.state() {
+                        plot.vline(VLine::new("", state.attempt as f64).width(1.0));
+                    }
+                }
+            });
+        }
+    });
+}
+
+/// Least and greatest value.
+fn extent(curves: &[(String, Vec<[f64; 2]>)]) -> Option<[f64; 2]> {
+    let values = curves.iter().flat_map(|(_, points)| points);
+    values.map(|p| p[1]).fold(None, |range, y| match range {
+        None => Some([y, y]),
+        Some([low, high]) => Some([low.min(y), high.max(y)]),
+    })
+}
+
+/// One curve for each group of each side, with its name.
+fn curves(run: &Run, energy: bool) -> Vec<(String, Vec<[f64; 2]>)> {
+    let mut all = Vec::new();
+    for (s, side) in run.sides.iter().enumerate() {
+        for (g, curve) in side.curves.iter().enumerate() {
+            let points = if energy {
+                &curve.energy
+            } else {
+                &curve.residual
+            };
+            let name = match (run.sides.len(), side.curves.len()) {
+                (1, 1) => String::new(),
+                (1, _) => format!("{}", g + 1),
+                (_, 1) => ["A", "B"][s.min(1)].into(),
+                _ => format!("{}{}", ["A", "B"][s.min(1)], g + 1),
+            };
+            // energies of different holes in one plot: each relative to its start
+            let scale = match (energy, side.curves.len(), points.first()) {
+                (true, 2.., Some(first)) if first[1] != 0.0 => first[1].recip(),
+                _ => 1.0,
+            };
+            all.push((name, points.iter().map(|p| [p[0], p[1] * scale]).collect()));
+        }
+    }
+    all
+}

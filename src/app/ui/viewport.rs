@@ -1,0 +1,368 @@
+//! The view of the surface: drawing, picking, the camera, the legend.
+
+use std::sync::Arc;
+
+use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sense, Ui};
+
+use super::UiState;
+use super::navigation::{CLICK, navigate};
+use super::side::{how, short};
+use crate::app::action::{Action, SelectHow};
+use crate::app::model::Model;
+use crate::app::scene_builder;
+use crate::app::view_state::Task;
+use crate::mesh::DVec3;
+use crate::render::{Scene, ViewMode, ViewportCallback, colormap, legend_ticks, robust_range};
+
+/// How near to a rim the cursor has to be, in points.
+const REACH: f32 = 9.0;
+
+/// One view, or two beside each other.
+pub fn viewports_ui(
+    ui: &mut Ui,
+    model: &Model,
+    state: &mut UiState,
+    format: Option<wgpu::TextureFormat>,
+    actions: &mut Vec<Action>,
+) {
+    let whole = ui.available_rect_before_wrap();
+    let sides = model.run.as_ref().map_or(1, |r| r.sides.len());
+    for side in 0..sides {
+        let mut rect = whole;
+        if sides > 1 {
+            let width = whole.width() / sides as f32;
+            rect.min.x = whole.left() + width * side as f32;
+            rect.max.x = rect.min.x + width - if side + 1 < sides { 1.0 } else { 0.0 };
+        }
+        viewport_ui(ui, model, state, format, side, rect, actions);
+        if let Some(run) = model.run.as_ref().filter(|r| r.sides.len() > 1) {
+            let title = super::energy::side_title(&run.sides[side].controls, side);
+            text(
+                ui,
+                rect.left_top() + egui::vec2(10.0, 8.0),
+                Align2::LEFT_TOP,
+                &title,
+                15.0,
+            );
+        }
+    }
+    ui.advance_cursor_after_rect(whole);
+}
+
+/// Text that can be read on any ground.
+fn text(ui: &Ui, at: Pos2, align: Align2, text: &str, size: f32) -> Rect {
+    let painter = ui.painter();
+    let font = FontId::proportional(size);
+    let galley = painter.layout_no_wrap(text.to_owned(), font, ui.visuals().strong_text_color());
+    let rect = align.anchor_size(at, galley.size());
+    let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.72);
+    painter.rect_filled(rect.expand2(egui::vec2(5.0, 2.0)), 4.0, ground);
+    painter.galley(rect.min, galley, Color32::PLACEHOLDER);
+    rect
+}
+
+fn viewport_ui(
+    ui: &mut Ui,
+    model: &Model,
+    state: &mut UiState,
+    format: Option<wgpu::TextureFormat>,
+    side: usize,
+    rect: Rect,
+    actions: &mut Vec<Action>,
+) {
+    let response = ui.interact(
+        rect,
+        ui.scope_id().with(("viewport", side)),
+        Sense::click_and_drag(),
+    );
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(
+            egui::Role::Canvas,
+            true,
+            if side == 0 { "view" } else { "view B" },
+        )
+    });
+    let points = ui.ctx().pixels_per_point();
+    if side == 0 {
+        state.viewport = rect;
+    }
+    let mut camera = model.view.camera;
+    if navigate(&mut camera, model.settings.navigation, &response, rect) {
+        actions.push(Action::Camera(camera));
+    }
+    pick(model, state, &response, rect, actions);
+
+    let scene = Arc::new(scene_builder::scene_with(
+        model,
+        side,
+        &mut state.overlays[side],
+    ));
+    let mut style = model.view.style;
+    style.line_scale = points;
+    let range = style.mode.is_map().then(|| {
+        style
+            .range
+            .unwrap_or_else(|| shared_range(model, &scene, style.mode))
+    });
+    style.range = range;
+    if let Some(target_format) = format {
+        let size = rect.size() * points;
+        let callback = ViewportCallback {
+            scene,
+            camera,
+            style,
+            slot: side as u32,
+            size_px: [
+                (size.x.round() as u32).max(1),
+                (size.y.round() as u32).max(1),
+            ],
+            target_format,
+        };
+        ui.painter().add(callback.shape(rect));
+    }
+    if let Some(range) = range {
+        legend(ui, rect, style.mode, range);
+    }
+    if side == 0 {
+        rim_numbers(ui, model, rect);
+        hover_figures(ui, model, rect);
+        corner_words(ui, model, rect);
+    }
+}
+
+/// One range for both sides of a comparison.
+fn shared_range(model: &Model, scene: &Scene, mode: ViewMode) -> [f32; 2] {
+    let mut all = scene.clone();
+    for display in &model.displays[1..] {
+        if model.run.as_ref().is_some_and(|r| r.sides.len() > 1)
+            && let Some(display) = display.latest()
+        {
+            all.surfaces.extend(display.surfaces.iter().cloned());
+        }
+    }
+    robust_range(&all, mode)
+}
+
+/// Hover, click, double click.
+fn pick(
+    model: &Model,
+    state: &mut UiState,
+    response: &egui::Response,
+    rect: Rect,
+    actions: &mut Vec<Action>,
+) {
+    let ctx = &response.ctx;
+    let (pressed, down, at) = ctx.input(|i| {
+        let p = &i.pointer;
+        (
+            p.button_pressed(PointerButton::Primary),
+            p.primary_down(),
+            p.latest_pos(),
+        )
+    });
+    if pressed && response.contains_pointer() {
+        state.drag.press = at.map(|p| (p, 0.0));
+    }
+    if let (true, Some((from, far)), Some(at)) = (down, &mut state.drag.press, at) {
+        *far = far.max(from.distance(at));
+    }
+    let Some((mesh, picker)) = &model.picker else {
+        return;
+    };
+    if !Arc::ptr_eq(mesh, &model.document.mesh) {
+        return;
+    }
+    let size = [f64::from(rect.width()), f64::from(rect.height())];
+    let place = |p: Pos2| [f64::from(p.x - rect.left()), f64::from(p.y - rect.top())];
+    let camera = &model.view.camera;
+    if let Some(at) = response.hover_pos()
+        && !down
+    {
+        let over = if model.run.is_none() {
+            picker.pick_loop(camera, size, place(at), f64::from(REACH))
+        } else {
+            None
+        };
+        if over != model.view.hover {
+            actions.push(Action::Hover(over));
+        }
+    } else if !response.contains_pointer() && pointer_in_no_list(ctx) && model.view.hover.is_some()
+    {
+        actions.push(Action::Hover(None));
+    }
+    let Some(at) = response.interact_pointer_pos() else {
+        return;
+    };
+    if response.double_clicked() {
+        if let Some(hit) = picker.surface(camera, size, place(at)) {
+            let mut turned = *camera;
+            turned.set_pivot(hit.point);
+            actions.push(Action::Camera(turned));
+        }
+    } else if response.clicked() && model.run.is_none() {
+        let far = state.drag.press.map_or(0.0, |(_, far)| far);
+        if far > CLICK {
+            return;
+        }
+        let modifiers = ctx.input(|i| i.modifiers);
+        match picker.pick_loop(camera, size, place(at), f64::from(REACH)) {
+            Some(i) => actions.push(Action::Select(i, how(modifiers))),
+            None if how(modifiers) == SelectHow::Replace => actions.push(Action::SelectNone),
+            None => {}
+        }
+    }
+}
+
+/// The list of loops sets the hover itself while the pointer is over it.
+fn pointer_in_no_list(ctx: &egui::Context) -> bool {
+    ctx.pointer_latest_pos().is_none_or(|p| {
+        ctx.layer_id_at(p)
+            .is_none_or(|l| l.order != egui::Order::Background)
+    })
+}
+
+/// The rims gathered for a blend, numbered.
+fn rim_numbers(ui: &Ui, model: &Model, rect: Rect) {
+    if model.view.task != Task::Blend || model.run.is_some() {
+        return;
+    }
+    for (n, l) in model.document.selected().iter().enumerate() {
+        if let Some(at) = on_screen(model, rect, l.centroid) {
+            text(ui, at, Align2::CENTER_CENTER, &(n + 1).to_string(), 17.0);
+        }
+    }
+}
+
+/// Where a point is in the window.
+fn on_screen(model: &Model, rect: Rect, point: DVec3) -> Option<Pos2> {
+    let aspect = f64::from(rect.width() / rect.height().max(1.0));
+    let [x, y] = model.view.camera.project(point, aspect)?;
+    let at = Pos2::new(
+        rect.left() + (x as f32 + 1.0) * 0.5 * rect.width(),
+        rect.top() + (1.0 - y as f32) * 0.5 * rect.height(),
+    );
+    rect.contains(at).then_some(at)
+}
+
+/// The figures of the loop under the cursor, beside its middle.
+fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
+    let Some(l) = model.view.hover.and_then(|i| model.document.loops.get(i)) else {
+        return;
+    };
+    let Some(at) = on_screen(model, rect, l.centroid) else {
+        return;
+    };
+    let rim = if l.outer_rim { ", outer rim?" } else { "" };
+    let words = format!(
+        "loop {}: {} edges, length {}, width {}{rim}",
+        l.number,
+        l.edges(),
+        short(l.perimeter),
+        short(l.diameter)
+    );
+    let inside = rect.shrink2(egui::vec2(150.0, 24.0));
+    let at = if inside.is_positive() {
+        inside.clamp(at)
+    } else {
+        rect.center()
+    };
+    text(ui, at, Align2::CENTER_CENTER, &words, 14.0);
+}
+
+/// What to do, while nothing was done yet.
+fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
+    let document = &model.document;
+    let words = if model.run.is_some() || document.is_filled() || document.loops.is_empty() {
+        return;
+    } else if model.view.task == Task::Blend {
+        if document.selection.len() < 2 {
+            "Click the rims to be joined, one after the other."
+        } else {
+            "Press Enter to join them."
+        }
+    } else if document.selection.is_empty() {
+        "Click a hole (Shift adds), or press Enter to fill all of them. F1 shows the keys."
+    } else {
+        "Press Enter to fill what is selected."
+    };
+    text(
+        ui,
+        rect.center_bottom() - egui::vec2(0.0, 16.0),
+        Align2::CENTER_BOTTOM,
+        words,
+        14.0,
+    );
+}
+
+/// Colours, ticks and name of a map.
+fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
+    let height = (rect.height() * 0.4).clamp(80.0, 260.0);
+    let bar = Rect::from_min_size(
+        Pos2::new(rect.right() - 92.0, rect.bottom() - height - 40.0),
+        egui::vec2(16.0, height),
+    );
+    let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.72);
+    let around = Rect::from_min_max(
+        bar.min - egui::vec2(10.0, 30.0),
+        Pos2::new(rect.right() - 8.0, bar.max.y + 12.0),
+    );
+    let painter = ui.painter();
+    painter.rect_filled(around, 6.0, ground);
+    let (name, _) = super::toolbar::mode_words(mode);
+    let font = FontId::proportional(13.0);
+    let ink = ui.visuals().strong_text_color();
+    painter.text(
+        Pos2::new(bar.left(), bar.top() - 8.0),
+        Align2::LEFT_BOTTOM,
+        name,
+        font.clone(),
+        ink,
+    );
+    let mut mesh = egui::Mesh::default();
+    let steps = 48;
+    for i in 0..=steps {
+        let t = i as f32 / steps as f32;
+        let [r, g, b] = colormap(t).map(|c| (c * 255.0).round() as u8);
+        let y = bar.bottom() - t * bar.height();
+        let color = Color32::from_rgb(r, g, b);
+        mesh.colored_vertex(Pos2::new(bar.left(), y), color);
+        mesh.colored_vertex(Pos2::new(bar.right(), y), color);
+        if i > 0 {
+            let k = 2 * i;
+            mesh.add_triangle(k - 2, k - 1, k);
+            mesh.add_triangle(k - 1, k + 1, k);
+        }
+    }
+    painter.add(mesh);
+    for tick in legend_ticks(range) {
+        let t = (tick - range[0]) / (range[1] - range[0]);
+        let y = bar.bottom() - t * bar.height();
+        painter.hline(
+            bar.right()..=bar.right() + 4.0,
+            y,
+            egui::Stroke::new(1.0, ink),
+        );
+        let words = if tick == 0.0 {
+            "0".into()
+        } else {
+            trimmed(f64::from(tick))
+        };
+        painter.text(
+            Pos2::new(bar.right() + 7.0, y),
+            Align2::LEFT_CENTER,
+            words,
+            font.clone(),
+            ink,
+        );
+    }
+}
+
+/// A round number without the zeros at its end.
+fn trimmed(x: f64) -> String {
+    let text = short(x);
+    if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}

@@ -1,0 +1,295 @@
+//! Side windows: load report, log, keys, settings, frame times.
+
+use std::time::{Duration, Instant};
+
+use eframe::egui::{self, Context, Grid, RichText, ScrollArea, Ui, Window};
+
+use super::UiState;
+use crate::app::action::{Action, Switch};
+use crate::app::log::Level;
+use crate::app::model::Model;
+use crate::app::shortcuts::ROWS;
+use crate::memory::peak_memory;
+
+/// Times of the frames, without drawing on the graphics card.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameStats {
+    /// When the program started.
+    pub started: Instant,
+    /// From there to the end of the first frame.
+    pub first: Option<Duration>,
+    /// Frames so far.
+    pub count: u64,
+    /// The last one.
+    pub last: Duration,
+    /// The longest since the run began or the counter was reset.
+    pub longest: Duration,
+    /// Sum, for the mean.
+    pub total: Duration,
+}
+
+impl Default for FrameStats {
+    fn default() -> Self {
+        Self {
+            started: Instant::now(),
+            first: None,
+            count: 0,
+            last: Duration::ZERO,
+            longest: Duration::ZERO,
+            total: Duration::ZERO,
+        }
+    }
+}
+
+impl FrameStats {
+    /// Books a frame; the first ones, which lay everything out, do not count as longest.
+    pub fn book(&mut self, took: Duration) {
+        if self.first.is_none() {
+            self.first = Some(self.started.elapsed());
+        }
+        self.count += 1;
+        self.last = took;
+        self.total += took;
+        if self.count > 3 {
+            self.longest = self.longest.max(took);
+        }
+    }
+}
+
+/// All that are open.
+pub fn windows_ui(ctx: &Context, model: &Model, state: &mut UiState, actions: &mut Vec<Action>) {
+    let windows = model.view.windows;
+    let mut one = |title: &str,
+                   open: bool,
+                   switch: Switch,
+                   body: &mut dyn FnMut(&mut Ui, &mut Vec<Action>)| {
+        if !open {
+            return;
+        }
+        let mut stays = true;
+        Window::new(title)
+            .open(&mut stays)
+            .default_pos([300.0, 90.0])
+            .default_width(420.0)
+            .vscroll(false)
+            .show(ctx, |ui| body(ui, actions));
+        if !stays {
+            actions.push(Action::Toggle(switch));
+        }
+    };
+    one(
+        "Load report",
+        windows.report,
+        Switch::Report,
+        &mut |ui, actions| {
+            report_ui(ui, model, actions);
+        },
+    );
+    one("Log", windows.log, Switch::Log, &mut |ui, _| {
+        log_ui(ui, model);
+    });
+    one(
+        "Keys and mouse",
+        windows.help,
+        Switch::Help,
+        &mut |ui, _| help_ui(ui, model),
+    );
+    one(
+        "Settings",
+        windows.settings,
+        Switch::Settings,
+        &mut |ui, actions| {
+            settings_ui(ui, model, actions);
+        },
+    );
+    one(
+        "Frame times and memory",
+        windows.diagnostics,
+        Switch::Diagnostics,
+        &mut |ui, _| {
+            diagnostics_ui(ui, model, state);
+        },
+    );
+}
+
+fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let document = &model.document;
+    let r = &document.origin.report;
+    ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+        Grid::new("counts")
+            .striped(true)
+            .num_columns(2)
+            .show(ui, |ui| {
+                for (name, count, always) in [
+                    ("vertices in the file", r.file_vertices, true),
+                    ("faces in the file", r.file_faces, true),
+                    ("vertices", r.vertices, true),
+                    ("triangles", r.faces, true),
+                    ("components", r.components.len(), true),
+                    ("boundary loops", document.loops.len(), true),
+                    ("vertices merged", r.welded_vertices, false),
+                    (
+                        "polygons cut into triangles",
+                        r.polygons_triangulated,
+                        false,
+                    ),
+                    ("duplicate faces dropped", r.duplicate_faces, false),
+                    ("degenerate faces dropped", r.degenerate_faces, false),
+                    ("triangles of zero area", r.zero_area_faces, false),
+                    ("isolated vertices", r.isolated_vertices, false),
+                    ("faces turned over", r.flipped_faces, false),
+                    (
+                        "edges of more than two faces, cut",
+                        r.non_manifold_edges,
+                        false,
+                    ),
+                    (
+                        "vertices joining several sheets, split",
+                        r.split_vertices,
+                        false,
+                    ),
+                    (
+                        "vertices where a hole touches itself",
+                        r.pinched_vertices,
+                        false,
+                    ),
+                    ("faces of one-sided components", r.one_sided_faces, false),
+                ] {
+                    if always || count > 0 {
+                        ui.label(name);
+                        ui.label(count.to_string());
+                        ui.end_row();
+                    }
+                }
+            });
+        for note in &r.notes {
+            ui.label(RichText::new(note).weak());
+        }
+        if r.defects.is_empty() {
+            ui.label("No defects.");
+            return;
+        }
+        ui.separator();
+        ui.strong("Defects (click to look at one)");
+        for defect in &r.defects {
+            let p = defect.position;
+            let words = format!(
+                "{}  at {:.4}, {:.4}, {:.4}",
+                defect.kind.words(),
+                p.x,
+                p.y,
+                p.z
+            );
+            if ui.link(words).clicked() {
+                actions.push(Action::FlyTo(p));
+            }
+        }
+    });
+}
+
+fn log_ui(ui: &mut Ui, model: &Model) {
+    ScrollArea::vertical()
+        .max_height(360.0)
+        .stick_to_bottom(true)
+        .show(ui, |ui| {
+            for entry in model.log.entries() {
+                let color = match entry.level {
+                    Level::Info => ui.visuals().text_color(),
+                    Level::Warning => ui.visuals().warn_fg_color,
+                    Level::Error => ui.visuals().error_fg_color,
+                };
+                let ago = entry.at.elapsed().as_secs();
+                ui.horizontal_wrapped(|ui| {
+                    ui.weak(format!("{}:{:02} ago", ago / 60, ago % 60));
+                    ui.label(RichText::new(&entry.text).color(color));
+                });
+            }
+        });
+}
+
+fn help_ui(ui: &mut Ui, model: &Model) {
+    let navigation = model.settings.navigation;
+    ui.label(format!(
+        "Mouse ({}): {}",
+        navigation.title(),
+        navigation.about()
+    ));
+    ui.label("Click selects a hole, Shift adds, Ctrl toggles; double click sets the pivot.");
+    ui.separator();
+    ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+        Grid::new("keys")
+            .striped(true)
+            .num_columns(2)
+            .show(ui, |ui| {
+                for (_, keys, about) in ROWS {
+                    let names: Vec<String> =
+                        keys.iter().map(|k| ui.ctx().format_shortcut(k)).collect();
+                    ui.monospace(names.join(" or "));
+                    ui.label(*about);
+                    ui.end_row();
+                }
+            });
+    });
+}
+
+fn settings_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let settings = &model.settings;
+    ui.horizontal(|ui| {
+        ui.label("Theme");
+        for (dark, name) in [(true, "dark"), (false, "light")] {
+            if ui.selectable_label(settings.dark == dark, name).clicked() {
+                actions.push(Action::Dark(dark));
+            }
+        }
+    });
+    ui.horizontal(|ui| {
+        let label = ui.label("Scale of the interface");
+        let mut scale = settings.ui_scale;
+        let slider = ui
+            .add(egui::Slider::new(&mut scale, 0.5..=3.0).step_by(0.05))
+            .labelled_by(label.id);
+        // while it is dragged the window would change under the cursor
+        if slider.drag_stopped() || (slider.changed() && !slider.dragged()) {
+            actions.push(Action::UiScale(scale));
+        }
+    });
+    ui.label("Mouse");
+    super::menu::navigation_ui(ui, model, actions);
+}
+
+fn diagnostics_ui(ui: &mut Ui, model: &Model, state: &UiState) {
+    let f = &state.frames;
+    let ms = |d: Duration| format!("{:.2} ms", d.as_secs_f64() * 1e3);
+    let mib = |bytes: usize| format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20));
+    let kept = model
+        .run
+        .iter()
+        .flat_map(|r| &r.sides)
+        .map(|s| s.live.timeline().bytes)
+        .sum();
+    Grid::new("frames")
+        .striped(true)
+        .num_columns(2)
+        .show(ui, |ui| {
+            for (name, value) in [
+                ("graphics adapter", state.adapter.clone()),
+                (
+                    "from start to first frame",
+                    f.first.map_or_else(String::new, ms),
+                ),
+                ("frames", f.count.to_string()),
+                ("last frame, without drawing", ms(f.last)),
+                (
+                    "mean",
+                    ms(f.total / u32::try_from(f.count.max(1)).unwrap_or(u32::MAX)),
+                ),
+                ("longest", ms(f.longest)),
+                ("kept states", mib(kept)),
+                ("peak memory of the process", mib(peak_memory() as usize)),
+            ] {
+                ui.label(name);
+                ui.label(value);
+                ui.end_row();
+            }
+        });
+}

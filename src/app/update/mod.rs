@@ -1,0 +1,185 @@
+//! What each action does.
+
+mod files;
+mod pictures;
+mod runs;
+mod view;
+
+pub use pictures::WRITING;
+pub use runs::params_for;
+
+use super::action::{Action, SelectHow};
+use super::model::Model;
+use super::view_state::{Modal, Task};
+
+/// Carries out an action.
+pub fn update(model: &mut Model, action: Action) {
+    match action {
+        Action::AskOpen
+        | Action::Open(_)
+        | Action::Sample(_)
+        | Action::Save
+        | Action::AskSaveAs
+        | Action::SaveAs(_)
+        | Action::AskExportPatch
+        | Action::ExportPatch(_)
+        | Action::Close
+        | Action::Discard
+        | Action::SaveThenGoOn
+        | Action::Recover(_)
+        | Action::DropRecovery => files::update(model, action),
+        Action::Select(..)
+        | Action::SelectAll
+        | Action::SelectAllButLargest
+        | Action::SelectNone
+        | Action::Task(_)
+        | Action::Hover(_) => select(model, &action),
+        Action::Controls(_)
+        | Action::Settle
+        | Action::EnergyText(_)
+        | Action::ApplyEnergy
+        | Action::AddParameter(_)
+        | Action::CompareEnergy(_)
+        | Action::Fill
+        | Action::PlayPause
+        | Action::Step
+        | Action::Finish
+        | Action::Stop
+        | Action::Scrub(_)
+        | Action::GoOnFromHere
+        | Action::Pace(_)
+        | Action::Accept(_)
+        | Action::Reject
+        | Action::CopyCommand => runs::update(model, action),
+        Action::Escape => escape(model),
+        Action::Undo => undo(model),
+        Action::Redo => redo(model),
+        Action::Camera(_)
+        | Action::FitAll
+        | Action::FlyToLoop(_)
+        | Action::FlyTo(_)
+        | Action::Style(_)
+        | Action::Toggle(_)
+        | Action::Navigation(_)
+        | Action::Dark(_)
+        | Action::UiScale(_) => view::update(model, &action),
+        Action::DismissToast(i) => model.log.dismiss(i),
+        Action::Modal(modal) => model.view.modal = modal,
+        Action::Picture(_)
+        | Action::CopyPicture
+        | Action::WindowPicture
+        | Action::CancelPicture => pictures::update(model, action),
+    }
+}
+
+fn select(model: &mut Model, action: &Action) {
+    if let Action::Hover(hover) = action {
+        model.view.hover = *hover;
+        return;
+    }
+    if model.run.is_some() {
+        model
+            .log
+            .info("accept or reject the patch before selecting other holes");
+        return;
+    }
+    if let Action::Task(task) = action {
+        model.view.task = *task;
+        return;
+    }
+    let mut selection = model.document.selection.clone();
+    let label = match action {
+        Action::Select(i, _) if *i >= model.document.loops.len() => return,
+        // the rims of a blend are gathered one by one
+        Action::Select(i, SelectHow::Replace) if model.view.task == Task::Blend => {
+            if !selection.remove(i) {
+                selection.insert(*i);
+            }
+            "gather a rim"
+        }
+        Action::Select(i, SelectHow::Replace) => {
+            selection = [*i].into();
+            "select a loop"
+        }
+        Action::Select(i, SelectHow::Add) => {
+            selection.insert(*i);
+            "add a loop"
+        }
+        Action::Select(i, SelectHow::Toggle) => {
+            if !selection.remove(i) {
+                selection.insert(*i);
+            }
+            "toggle a loop"
+        }
+        Action::SelectAll if model.view.task == Task::Blend && model.document.holes().len() < 2 => {
+            selection = (0..model.document.loops.len()).collect();
+            "select all rims"
+        }
+        Action::SelectAll => {
+            selection = model.document.holes();
+            "select all holes"
+        }
+        Action::SelectAllButLargest => {
+            selection = model.document.all_but_largest();
+            "select all but the largest"
+        }
+        _ => {
+            selection.clear();
+            "clear the selection"
+        }
+    };
+    model.select(selection, label);
+}
+
+/// Closes what is open, else stops what runs, else clears the selection.
+fn escape(model: &mut Model) {
+    if model.view.modal != Modal::None {
+        model.view.modal = Modal::None;
+        model.after_save = None;
+    } else if model.view.windows.help {
+        model.view.windows.help = false;
+    } else if let Some(run) = &model.run {
+        if run.ended() {
+            update(model, Action::Reject);
+        } else {
+            update(model, Action::Stop);
+        }
+    } else {
+        update(model, Action::SelectNone);
+    }
+}
+
+/// In the middle of a run what there is of it is taken in first, so that a redo brings it back.
+fn undo(model: &mut Model) {
+    if model.run.is_some() {
+        runs::accept(model, 0);
+        model.run = None;
+    }
+    match model.history.undo(&mut model.document) {
+        Some(label) => after_travel(model, &format!("undone: {label}")),
+        None => model.log.info("nothing to undo"),
+    }
+}
+
+fn redo(model: &mut Model) {
+    if model.run.is_some() {
+        model
+            .log
+            .info("accept or reject the patch before doing things again");
+        return;
+    }
+    match model.history.redo(&mut model.document) {
+        Some(label) => after_travel(model, &format!("done again: {label}")),
+        None => model.log.info("nothing to do again"),
+    }
+}
+
+fn after_travel(model: &mut Model, message: &str) {
+    model.revision += 1;
+    model
+        .view
+        .energy_text
+        .clone_from(&model.document.controls.energy);
+    model.view.hover = None;
+    model.log.info(message);
+}

@@ -1,0 +1,200 @@
+//! Pictures and sequences of pictures.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::app::action::Action;
+use crate::app::display::{DisplayWorker, Request};
+use crate::app::jobs::{Job, Reporter};
+use crate::app::model::{Done, Effect, Model};
+use crate::app::scene_builder;
+use crate::app::view_state::{Modal, PictureFormat, PictureKind, PictureSettings};
+use crate::render::{
+    Camera, Gpu, RenderError, Scene, SequenceEnd, SequenceFormat, ViewStyle, picture, save_png,
+    turntable, write_sequence,
+};
+
+/// Name of the jobs that write pictures.
+pub const WRITING: &str = "pictures";
+
+/// Carries out the actions of this kind.
+pub fn update(model: &mut Model, action: Action) {
+    match action {
+        Action::Picture(settings) => make(model, &settings),
+        Action::CopyPicture => copy(model),
+        Action::WindowPicture => {
+            let path = model
+                .source_path()
+                .unwrap_or_else(|| PathBuf::from("meniscus.obj"))
+                .with_extension("window.png");
+            model.effects.push(Effect::WindowPicture(path));
+        }
+        Action::CancelPicture => {
+            model.jobs.retain(|job| !job.what.starts_with(WRITING));
+            model
+                .log
+                .info("the sequence was cancelled; no file of it is left");
+        }
+        _ => {}
+    }
+}
+
+fn gpu(model: &mut Model) -> Option<Arc<Gpu>> {
+    if model.gpu.is_none() {
+        match Gpu::new() {
+            Ok(gpu) => model.gpu = Some(Arc::new(gpu)),
+            Err(error) => model.log.error(error.to_string()),
+        }
+    }
+    model.gpu.clone()
+}
+
+fn style_for(model: &Model, settings: &PictureSettings) -> ViewStyle {
+    let scale = settings.height as f32 / model.view.viewport_px[1].max(1.0) as f32;
+    ViewStyle {
+        show_overlays: settings.overlays,
+        line_scale: model.view.style.line_scale * scale.max(0.25),
+        ..model.view.style
+    }
+}
+
+fn copy(model: &mut Model) {
+    let Some(gpu) = gpu(model) else { return };
+    let [width, height] = model.view.viewport_px.map(|x| (x.max(1.0) as u32).max(1));
+    let scene = scene_builder::scene(model, 0);
+    let (camera, style) = (model.view.camera, model.view.style);
+    model
+        .jobs
+        .push(Job::spawn("picture", &model.wake, move |_| {
+            let result = picture(&gpu, &scene, &camera, &style, width, height, false);
+            Done::Picture(result.map(Arc::new).map_err(|e| e.to_string()))
+        }));
+}
+
+fn make(model: &mut Model, settings: &PictureSettings) {
+    if settings.path.trim().is_empty() {
+        model.log.error("give the picture a file name");
+        return;
+    }
+    let Some(gpu) = gpu(model) else { return };
+    let shot = Shot {
+        gpu,
+        camera: model.view.camera,
+        style: style_for(model, settings),
+        settings: settings.clone(),
+    };
+    let scene = scene_builder::scene(model, 0);
+    let states = match (settings.kind, &model.run) {
+        (PictureKind::Flow, Some(run)) => run.sides[0].live.timeline().states.clone(),
+        (PictureKind::Flow, None) => {
+            model
+                .log
+                .warning("there is no flow to show: fill a hole first, accept it later");
+            return;
+        }
+        _ => Vec::new(),
+    };
+    let request = model.displays[0].asked().cloned();
+    model.view.modal = Modal::None;
+    let what = format!("{WRITING}: {}", settings.path);
+    model
+        .jobs
+        .push(Job::spawn(what, &model.wake, move |reporter| {
+            let result = match shot.settings.kind {
+                PictureKind::Still => shot.still(&scene),
+                PictureKind::Turntable => shot.turntable(&scene, reporter),
+                PictureKind::Flow => shot.flow(&scene, request, &states, reporter),
+            };
+            Done::Pictures(result.map_err(|e| e.to_string()))
+        }));
+}
+
+/// All that a picture needs, away from the window.
+struct Shot {
+    gpu: Arc<Gpu>,
+    camera: Camera,
+    style: ViewStyle,
+    settings: PictureSettings,
+}
+
+impl Shot {
+    fn one(&self, scene: &Scene, camera: &Camera) -> Result<image::RgbaImage, RenderError> {
+        let s = &self.settings;
+        picture(
+            &self.gpu,
+            scene,
+            camera,
+            &self.style,
+            s.width,
+            s.height,
+            s.transparent,
+        )
+    }
+
+    fn still(&self, scene: &Scene) -> Result<String, RenderError> {
+        let path = PathBuf::from(&self.settings.path);
+        save_png(&path, &self.one(scene, &self.camera)?)?;
+        Ok(format!("picture saved: {}", path.display()))
+    }
+
+    fn turntable(&self, scene: &Scene, reporter: &Reporter) -> Result<String, RenderError> {
+        let count = self.settings.frames.max(1);
+        self.sequence(count, reporter, |i| {
+            self.one(scene, &turntable(&self.camera, i, count))
+        })
+    }
+
+    fn flow(
+        &self,
+        scene: &Scene,
+        request: Option<Request>,
+        states: &[Arc<crate::fill::State>],
+        reporter: &Reporter,
+    ) -> Result<String, RenderError> {
+        let Some(request) = request else {
+            return self.still(scene);
+        };
+        let mut maker = DisplayWorker::maker();
+        self.sequence(states.len(), reporter, |i| {
+            let display = maker(&Request {
+                state: Some(Arc::clone(&states[i])),
+                ..request.clone()
+            });
+            let frame = Scene {
+                surfaces: display.surfaces,
+                ..scene.clone()
+            };
+            self.one(&frame, &self.camera)
+        })
+    }
+
+    fn sequence(
+        &self,
+        count: usize,
+        reporter: &Reporter,
+        frames: impl FnMut(usize) -> Result<image::RgbaImage, RenderError>,
+    ) -> Result<String, RenderError> {
+        let s = &self.settings;
+        let format = match s.format {
+            PictureFormat::Png => SequenceFormat::Png,
+            PictureFormat::Gif => SequenceFormat::Gif,
+            PictureFormat::Apng => SequenceFormat::Apng,
+        };
+        let path = PathBuf::from(&s.path);
+        let progress = |done, total| reporter.progress(done, total);
+        Ok(
+            match write_sequence(&path, format, frames, count, s.fps, &progress)? {
+                SequenceEnd::Written(files) if files.len() == 1 => {
+                    format!("{count} pictures saved: {}", files[0].display())
+                }
+                SequenceEnd::Written(files) => format!(
+                    "{count} pictures saved: {} and following",
+                    files
+                        .first()
+                        .map_or_else(String::new, |f| f.display().to_string())
+                ),
+                SequenceEnd::Cancelled => "the sequence was cancelled".into(),
+            },
+        )
+    }
+}

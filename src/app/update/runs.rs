@@ -1,0 +1,313 @@
+//! Controls and runs.
+
+use crate::app::action::Action;
+use crate::app::document::{AcceptedFill, window_controls};
+use crate::app::model::{Effect, Model};
+use crate::app::repeat;
+use crate::app::run::Run;
+use crate::app::view_state::Task;
+use crate::fill::Controls;
+use crate::solver::energy::{Energy, Preset};
+
+/// Carries out the actions of this kind.
+pub fn update(model: &mut Model, action: Action) {
+    match action {
+        Action::Controls(controls) => set_controls(model, *controls),
+        Action::Settle => model.history.seal(),
+        Action::EnergyText(text) => model.view.energy_text = text,
+        Action::ApplyEnergy => apply_energy(model),
+        Action::AddParameter(name) => {
+            let mut controls = model.document.controls.clone();
+            controls.params.insert(name, 1.0);
+            set_controls(model, controls);
+            let text = &model.view.energy_text;
+            if Energy::parse(text, &model.document.controls.params).is_ok() {
+                apply_energy(model);
+            }
+        }
+        Action::CompareEnergy(energy) => {
+            if model.run.is_some() {
+                model
+                    .log
+                    .info("accept or reject the patch before comparing other energies");
+            } else {
+                model.view.compare_energy = energy;
+            }
+        }
+        Action::Fill => fill(model),
+        Action::PlayPause => play_pause(model),
+        Action::Step => step(model),
+        Action::Finish => on_sides(model, |side| {
+            side.shown = None;
+            side.live.finish();
+        }),
+        Action::Stop => {
+            on_sides(model, |side| side.live.stop());
+            if let Some(run) = &mut model.run {
+                run.playing = false;
+            }
+        }
+        Action::Scrub(at) => {
+            if let Some(run) = &mut model.run {
+                run.scrub(at);
+            }
+        }
+        Action::GoOnFromHere => go_on_from_here(model),
+        Action::Pace(pace) => {
+            model.view.pace = pace;
+            on_sides(model, |side| side.live.set_pace(Some(pace)));
+        }
+        Action::Accept(side) => {
+            accept(model, side);
+        }
+        Action::Reject => reject(model),
+        Action::CopyCommand => match repeat::command(model) {
+            Ok(text) => {
+                model.effects.push(Effect::CopyText(text));
+                model.log.info("command copied to the clipboard");
+            }
+            Err(text) => model.log.warning(text),
+        },
+        _ => {}
+    }
+}
+
+fn on_sides(model: &mut Model, f: impl Fn(&mut crate::app::run::Side)) {
+    if let Some(run) = &mut model.run {
+        for side in &mut run.sides {
+            f(side);
+        }
+    }
+}
+
+fn reject(model: &mut Model) {
+    if model.run.take().is_some() {
+        model
+            .log
+            .info("the patch was dropped; the mesh is as before");
+    }
+}
+
+/// New controls: for the next run, and for the one under way.
+fn set_controls(model: &mut Model, controls: Controls) {
+    if controls == model.document.controls {
+        return;
+    }
+    if let Some(run) = &mut model.run {
+        let compared = run.sides.len() > 1;
+        for side in &mut run.sides {
+            let mut own = controls.clone();
+            if compared {
+                // the energies are what differs
+                own.energy.clone_from(&side.controls.energy);
+            }
+            match side.live.set_controls(&own) {
+                Ok(()) => {
+                    if (&own.energy, &own.params) != (&side.controls.energy, &side.controls.params)
+                    {
+                        side.new_energy();
+                    }
+                    side.controls = own;
+                }
+                Err(error) => {
+                    model.log.error(error.to_string());
+                    return;
+                }
+            }
+        }
+        if run.ended() {
+            // a changed control wakes a flow that has come to its end
+            run.playing = true;
+            for side in &run.sides {
+                side.live.play();
+            }
+        }
+    }
+    model
+        .history
+        .record(&model.document, "change the controls", Some("controls"));
+    model.document.controls = controls;
+}
+
+/// Takes the typed energy, if it is one, with a value for each of its parameters.
+fn apply_energy(model: &mut Model) {
+    let mut controls = model.document.controls.clone();
+    let text = model.view.energy_text.trim().to_owned();
+    controls.params = params_for(&text, &controls.params);
+    match Energy::parse(&text, &controls.params) {
+        Ok(energy) => {
+            controls.params = energy.params().clone();
+            controls.energy = text;
+            model.history.seal();
+            set_controls(model, controls);
+            model.history.seal();
+        }
+        Err(error) => model.log.error(format!("energy: {error}")),
+    }
+}
+
+/// The known parameters, with 0 for those that the text names besides.
+pub fn params_for(
+    text: &str,
+    known: &std::collections::BTreeMap<String, f64>,
+) -> std::collections::BTreeMap<String, f64> {
+    let mut params = known.clone();
+    if text.replace(' ', "") == Preset::HMinusH0Squared.text().replace(' ', "") {
+        params.entry("H0".into()).or_insert(0.0);
+    }
+    params
+}
+
+/// Fills what is selected; with nothing selected all holes that are no outer rims.
+fn fill(model: &mut Model) {
+    if model.run.is_some() {
+        accept(model, 0);
+        if model.run.is_some() {
+            return;
+        }
+        if model.document.selection.is_empty() {
+            return;
+        }
+    }
+    if model.document.selection.is_empty() && model.view.task == Task::Fill {
+        let holes = model.document.holes();
+        if holes.is_empty() {
+            model.log.warning(if model.document.loops.is_empty() {
+                "the mesh is closed: there is nothing to fill"
+            } else {
+                "all open loops look like outer rims: click one to fill it all the same"
+            });
+            return;
+        }
+        model.select(holes, "select all holes");
+    }
+    let task = model.view.task;
+    if task == Task::Blend && model.document.selection.len() < 2 {
+        model
+            .log
+            .warning("a blend joins two rims or more: click them, or take all with Ctrl+A");
+        return;
+    }
+    let a = model.document.controls.clone();
+    let mut sides = vec![a.clone()];
+    if let Some(energy) = &model.view.compare_energy {
+        let mut b = a;
+        b.params = params_for(energy, &b.params);
+        b.energy.clone_from(energy);
+        sides.push(b);
+    }
+    let loops = model.document.selected();
+    match Run::start(
+        task,
+        &model.document.mesh,
+        &loops,
+        &sides,
+        model.view.pace,
+        &model.wake,
+    ) {
+        Ok(run) => model.run = Some(run),
+        Err(text) => model.log.error(text),
+    }
+}
+
+fn play_pause(model: &mut Model) {
+    let Some(run) = &mut model.run else {
+        return;
+    };
+    run.playing = !run.playing;
+    if run.playing && run.ended() && !run.scrubbed() {
+        // at the end: play the kept states again
+        run.scrub(Some(0));
+    }
+    for side in &run.sides {
+        if run.playing && !run.scrubbed() {
+            side.live.play();
+        } else {
+            side.live.pause();
+        }
+    }
+}
+
+/// One state on: of the kept ones, or of the flow.
+fn step(model: &mut Model) {
+    let Some(run) = &mut model.run else {
+        return;
+    };
+    run.playing = false;
+    if run.scrubbed() {
+        let at = run.sides.iter().filter_map(|s| s.shown).min();
+        run.scrub(at.map(|i| i + 1));
+    } else {
+        for side in &run.sides {
+            side.live.step();
+        }
+    }
+}
+
+fn go_on_from_here(model: &mut Model) {
+    let Some(run) = &mut model.run else {
+        return;
+    };
+    for side in &mut run.sides {
+        if let (Some(state), Some(_)) = (side.state(), side.shown.take()) {
+            side.live.rewind_to(state.index);
+        }
+        side.live.play();
+    }
+    run.playing = true;
+}
+
+/// Takes in the shown state of a side.
+pub fn accept(model: &mut Model, index: usize) {
+    let Some(run) = &mut model.run else {
+        return;
+    };
+    let Some(side) = run.sides.get_mut(index) else {
+        return;
+    };
+    if !side.live.ended() {
+        side.live.stop();
+    }
+    let Some(state) = side.state() else {
+        model
+            .log
+            .info("there is no patch yet: wait for the first one, or press Esc");
+        return;
+    };
+    let filled = side.live.mesh_at(&state);
+    let faces = model.document.mesh.face_count()..filled.face_count();
+    if faces.is_empty() {
+        model
+            .log
+            .error("no hole could be filled; the mesh is as before");
+        model.run = None;
+        return;
+    }
+    let fill = AcceptedFill {
+        task: run.task,
+        loops: run.loops.clone(),
+        controls: side.start.clone(),
+        schedule: side.live.schedule_to(&state),
+        faces,
+    };
+    let n = fill.loops.len();
+    let label = if run.task == Task::Blend {
+        format!("blend of {n} rims")
+    } else if n == 1 {
+        format!("fill of loop {}", fill.loops[0])
+    } else {
+        format!("fill of {n} loops")
+    };
+    let controls = side.controls.clone();
+    model.history.record(&model.document, label.clone(), None);
+    model.document.accept(filled, fill);
+    model.document.controls = Controls {
+        // numbers of loops mean other loops from now on
+        loop_continuity: window_controls().loop_continuity,
+        ..controls
+    };
+    model.run = None;
+    model.revision += 1;
+    model.view.hover = None;
+    model.log.info(format!("{label} accepted"));
+}

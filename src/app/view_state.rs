@@ -1,0 +1,233 @@
+//! What is looked at and how; never saved as work, never undone.
+
+use crate::render::{Camera, ViewStyle};
+
+/// How the mouse moves the camera.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Navigation {
+    /// Left drag turns, middle or Ctrl+left drag moves, wheel zooms.
+    #[default]
+    MeshLab,
+    /// Middle drag turns, Shift+middle moves, Ctrl+middle and wheel zoom.
+    Blender,
+    /// Middle drag turns, right or Ctrl+middle drag moves, wheel zooms.
+    Cad,
+    /// Two fingers turn, with Shift they move, with Ctrl or a pinch they zoom; left drag turns.
+    Trackpad,
+}
+
+impl Navigation {
+    /// All presets.
+    pub const ALL: [Self; 4] = [Self::MeshLab, Self::Blender, Self::Cad, Self::Trackpad];
+
+    /// Name in the menu.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::MeshLab => "MeshLab",
+            Self::Blender => "Blender",
+            Self::Cad => "CAD",
+            Self::Trackpad => "Trackpad",
+        }
+    }
+
+    /// What the mouse does, in one sentence.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::MeshLab => "left drag turns, middle (or Ctrl+left) drag moves, wheel zooms",
+            Self::Blender => "middle drag turns, with Shift moves, with Ctrl zooms; wheel zooms",
+            Self::Cad => "middle drag turns, right (or Ctrl+middle) drag moves, wheel zooms",
+            Self::Trackpad => {
+                "two fingers turn, with Shift move, pinch or Ctrl zooms; left drag turns"
+            }
+        }
+    }
+}
+
+/// What Enter does with the selected loops.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Task {
+    /// A patch of its own for each.
+    #[default]
+    Fill,
+    /// One surface that joins them all.
+    Blend,
+}
+
+/// A dialog over the window; only one at a time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Modal {
+    /// None.
+    #[default]
+    None,
+    /// Asks for a path to open or to write.
+    Path(PathPrompt),
+    /// Unsaved changes: save, discard or stay?
+    Unsaved(AfterUnsaved),
+    /// A recovery file was found.
+    Recover(Vec<std::path::PathBuf>),
+    /// Settings of a picture.
+    Picture(PictureSettings),
+}
+
+/// What a path is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathUse {
+    /// A mesh or project to open.
+    Open,
+    /// Where to save the mesh or project.
+    SaveAs,
+    /// Where to write the patches alone.
+    ExportPatch,
+}
+
+/// A typed path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathPrompt {
+    /// What for.
+    pub purpose: PathUse,
+    /// As typed so far.
+    pub text: String,
+}
+
+/// What was about to happen when unsaved changes were found.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AfterUnsaved {
+    /// The window was to close.
+    Close,
+    /// Another file was to be opened.
+    Open(std::path::PathBuf),
+    /// A sample was to be opened.
+    Sample(String),
+    /// Files were to be chosen from.
+    AskOpen,
+}
+
+/// What is to be pictured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureKind {
+    /// One picture of the viewport.
+    Still,
+    /// A full turn around the pivot.
+    Turntable,
+    /// The kept states of the run.
+    Flow,
+}
+
+/// How a sequence is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// PNG; sequences are numbered.
+    Png,
+    /// Animated GIF.
+    Gif,
+    /// Animated PNG.
+    Apng,
+}
+
+/// Settings of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PictureSettings {
+    /// What.
+    pub kind: PictureKind,
+    /// How it is stored.
+    pub format: PictureFormat,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Without a background.
+    pub transparent: bool,
+    /// With rims and selection.
+    pub overlays: bool,
+    /// Pictures of a turntable.
+    pub frames: usize,
+    /// Pictures a second.
+    pub fps: f64,
+    /// Where to.
+    pub path: String,
+}
+
+impl Default for PictureSettings {
+    fn default() -> Self {
+        Self {
+            kind: PictureKind::Still,
+            format: PictureFormat::Png,
+            width: 1920,
+            height: 1200,
+            transparent: false,
+            overlays: false,
+            frames: 72,
+            fps: 24.0,
+            path: "meniscus.png".into(),
+        }
+    }
+}
+
+/// Side windows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Windows {
+    /// The load report.
+    pub report: bool,
+    /// The log.
+    pub log: bool,
+    /// The shortcut sheet.
+    pub help: bool,
+    /// Frame times and memory.
+    pub diagnostics: bool,
+    /// Theme, scale, navigation.
+    pub settings: bool,
+}
+
+/// All of it.
+#[derive(Clone, Debug)]
+pub struct ViewState {
+    /// Where one looks from; shared by both sides of a comparison.
+    pub camera: Camera,
+    /// How it is drawn.
+    pub style: ViewStyle,
+    /// What Enter does.
+    pub task: Task,
+    /// Limit surface instead of control mesh.
+    pub limit_surface: bool,
+    /// Whether the opened mesh is shown, or the patches alone.
+    pub show_original: bool,
+    /// Whether rims are outlined.
+    pub show_rims: bool,
+    /// Loop under the cursor, in the view or in the list.
+    pub hover: Option<usize>,
+    /// Text of the energy as typed, not always a valid one.
+    pub energy_text: String,
+    /// Energy of the second side of a comparison; `None` without comparison.
+    pub compare_energy: Option<String>,
+    /// States of the flow a second.
+    pub pace: f64,
+    /// The dialog.
+    pub modal: Modal,
+    /// Side windows.
+    pub windows: Windows,
+    /// Size of the viewport at the last frame, physical pixels.
+    pub viewport_px: [f64; 2],
+}
+
+impl ViewState {
+    /// Looks at a box, with the defaults of the window.
+    pub fn new(bounds: &crate::render::Bounds, style: ViewStyle) -> Self {
+        Self {
+            camera: Camera::fit(bounds),
+            style,
+            task: Task::default(),
+            limit_surface: true,
+            show_original: true,
+            show_rims: true,
+            hover: None,
+            energy_text: "H^2".into(),
+            compare_energy: None,
+            pace: 12.0,
+            modal: Modal::None,
+            windows: Windows::default(),
+            viewport_px: [1280.0, 800.0],
+        }
+    }
+}

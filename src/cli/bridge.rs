@@ -1,0 +1,42 @@
+//! `meniscus bridge`.
+
+use anyhow::{Result, bail};
+
+use crate::cli::args::BridgeArguments;
+use crate::cli::print::print;
+use crate::fill::{self, stretch_at};
+use crate::io::{check_target, open, same_file, save_mesh};
+use crate::mesh::boundary_loops;
+
+/// Runs the command.
+pub fn bridge(args: &BridgeArguments) -> Result<()> {
+    if same_file(&args.output, &args.input) {
+        bail!("OUT is the same file as IN; give another name, nothing was overwritten");
+    }
+    check_target(&args.output)?;
+    let opened = open(&args.input)?;
+    let mesh = &opened.mesh;
+    let loops = boundary_loops(mesh);
+    let end = |point| stretch_at(mesh, &loops, point, args.width);
+    let (Some(from), Some(to)) = (end(args.from), end(args.to)) else {
+        bail!("the mesh has no boundary loop, so there is nothing to bridge");
+    };
+    let bridged = fill::bridge(mesh, &loops, from, to)?;
+    save_mesh(&args.output, &bridged, &opened.material_libraries)?;
+    if args.quiet {
+        return Ok(());
+    }
+    let ends = if from.hole == to.hole {
+        format!("across loop {}", loops[from.hole].number)
+    } else {
+        let [a, b] = [from, to].map(|s| loops[s.hole].number);
+        format!("from loop {a} to loop {b}")
+    };
+    print(&format!(
+        "{}: a bridge {ends}, {} vertices and {} faces added; {} loops now\n",
+        args.output.display(),
+        bridged.vertex_count() - mesh.vertex_count(),
+        bridged.face_count() - mesh.face_count(),
+        bridged.topology.boundary_loops().len(),
+    ))
+}

@@ -1,0 +1,194 @@
+//! Pictures of meshes for commands.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::Result;
+
+use crate::cli::UsageError;
+use crate::cli::picture_args::{PictureArguments, UpArgument};
+use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops};
+use crate::render::{
+    self, Background, Bounds, Camera, DynamicSurface, Geometry, Gpu, LineStyle, Overlay, Polyline,
+    Scene, StandardView, SurfaceOptions, Vertex, ViewMode, ViewStyle, rim_points, save_png,
+    static_surface,
+};
+
+/// Default size of a picture.
+const SIZE: [u32; 2] = [1280, 960];
+/// Height for which the widths of lines are meant.
+const LINE_HEIGHT: f32 = 960.0;
+/// Rings of faces around patches that are drawn as finely as these.
+const FINE_RINGS: usize = 4;
+/// Faces up to which a mesh is drawn finely everywhere.
+const SMALL: usize = 20_000;
+/// Light core of the lines along rims; seen on any ground by its dark casing.
+const RIM_COLOR: [f32; 4] = [1.0, 0.78, 0.10, 1.0];
+
+/// Writes a picture of a mesh whose faces from `first_patch_face` on are patches; `creases` are the
+/// edges where patches were joined without continuous normals.
+pub fn picture(
+    path: &Path,
+    mesh: &Mesh,
+    first_patch_face: usize,
+    creases: Vec<[VertexId; 2]>,
+    look: &PictureArguments,
+) -> Result<()> {
+    let shot = Shot::new(mesh, first_patch_face, creases, look)?;
+    let gpu = Gpu::new()?;
+    Ok(save_png(path, &shot.take(&gpu, &shot.camera)?)?)
+}
+
+/// Everything a picture needs but the device.
+pub struct Shot {
+    scene: Scene,
+    style: ViewStyle,
+    /// From where.
+    pub camera: Camera,
+    size: [u32; 2],
+    transparent: bool,
+}
+
+impl Shot {
+    /// Prepares pictures of a mesh, as [`picture`] does.
+    pub fn new(
+        mesh: &Mesh,
+        first_patch_face: usize,
+        creases: Vec<[VertexId; 2]>,
+        look: &PictureArguments,
+    ) -> Result<Self> {
+        let bounds = Bounds::of(mesh.positions.iter().copied()).unwrap_or_default();
+        let size = look.size.unwrap_or(SIZE);
+        let style = style(look, size);
+        let centre = bounds.centre();
+        let rims = if look.rims {
+            vec![Arc::new(rims(mesh, centre, !look.control_mesh))]
+        } else {
+            Vec::new()
+        };
+        Ok(Self {
+            camera: camera(look, &bounds, size)?,
+            scene: Scene {
+                centre,
+                bounds,
+                surfaces: surfaces(mesh, first_patch_face, creases, centre, !look.control_mesh),
+                overlays: rims,
+            },
+            style,
+            size,
+            transparent: look.transparent,
+        })
+    }
+
+    /// Draws the picture from a camera.
+    pub fn take(
+        &self,
+        gpu: &Gpu,
+        camera: &Camera,
+    ) -> Result<image::RgbaImage, render::RenderError> {
+        let [width, height] = self.size;
+        let (scene, style) = (&self.scene, &self.style);
+        render::picture(gpu, scene, camera, style, width, height, self.transparent)
+    }
+}
+
+fn style(look: &PictureArguments, [_, height]: [u32; 2]) -> ViewStyle {
+    let default = ViewStyle::default();
+    ViewStyle {
+        mode: look.view.unwrap_or(ViewMode::Isophotes),
+        stripes: look.stripes.unwrap_or(default.stripes),
+        light: look.light.unwrap_or(default.light),
+        wireframe: look.wireframe,
+        tint_patch: !look.no_tint,
+        background: Background::of_theme(look.dark),
+        range: look.range,
+        line_scale: (height as f32 / LINE_HEIGHT).max(1.0),
+        ..default
+    }
+}
+
+fn camera(look: &PictureArguments, bounds: &Bounds, [w, h]: [u32; 2]) -> Result<Camera> {
+    let mut camera = Camera::fit(bounds);
+    camera.orthographic = look.orthographic;
+    camera.z_up = look.up == Some(UpArgument::Z);
+    camera.home();
+    if let Some(text) = &look.camera {
+        if let Some(view) = StandardView::from_name(text) {
+            camera.standard_view(view);
+        } else {
+            let exact = Camera::parse(text, bounds);
+            let mut exact = exact.map_err(|e| UsageError(format!("--camera: {e}")))?;
+            exact.orthographic |= look.orthographic;
+            exact.z_up = camera.z_up;
+            return Ok(exact);
+        }
+    }
+    camera.fit_aspect(bounds, f64::from(w) / f64::from(h));
+    Ok(camera)
+}
+
+/// Patches and the faces around them finely, the rest with a vertex for each of the mesh's.
+fn surfaces(
+    mesh: &Mesh,
+    first_patch_face: usize,
+    creases: Vec<[VertexId; 2]>,
+    centre: DVec3,
+    limit: bool,
+) -> Vec<Arc<Geometry>> {
+    let fine = around_patches(mesh, first_patch_face);
+    let faces = |wanted: bool| -> Vec<FaceId> {
+        let chosen = (0..fine.len()).filter(|&f| fine[f] == wanted);
+        chosen.map(FaceId::from).collect()
+    };
+    let (moving, rest) = (faces(true), faces(false));
+    let flag = |f: &FaceId| {
+        if f.index() >= first_patch_face {
+            Vertex::PATCH
+        } else {
+            0
+        }
+    };
+    let options = SurfaceOptions {
+        creases,
+        flags: moving.iter().map(flag).collect(),
+        ..SurfaceOptions::default()
+    };
+    let near = DynamicSurface::new(&mesh.topology, &moving, &options);
+    let near = near.evaluate(&mesh.positions, centre, limit, None);
+    let far = static_surface(&mesh.topology, &mesh.positions, &rest, centre, limit, 0);
+    vec![Arc::new(near), Arc::new(far)]
+}
+
+/// For each face whether it is of a patch or within some rings of one; all of them on a mesh that
+/// is small or has no patch.
+fn around_patches(mesh: &Mesh, first_patch_face: usize) -> Vec<bool> {
+    let faces = mesh.face_count();
+    if faces <= SMALL || first_patch_face >= faces {
+        return vec![true; faces];
+    }
+    let mut fine: Vec<bool> = (0..faces).map(|f| f >= first_patch_face).collect();
+    for _ in 0..FINE_RINGS {
+        let mut touched = vec![false; mesh.vertex_count()];
+        for f in (0..faces).filter(|&f| fine[f]) {
+            for v in mesh.topology.face_vertices(FaceId::from(f)) {
+                touched[v.index()] = true;
+            }
+        }
+        for f in 0..faces {
+            let corners = mesh.topology.face_vertices(FaceId::from(f));
+            fine[f] |= corners.iter().any(|v| touched[v.index()]);
+        }
+    }
+    fine
+}
+
+fn rims(mesh: &Mesh, centre: DVec3, limit: bool) -> Overlay {
+    let line = |one: &BoundaryLoop| Polyline {
+        points: rim_points(&mesh.topology, &mesh.positions, one, centre, limit),
+        closed: true,
+        color: RIM_COLOR,
+        width_px: 2.5,
+        style: LineStyle::OnTopFaintWhenHidden,
+    };
+    Overlay::new(boundary_loops(mesh).iter().map(line).collect(), Vec::new())
+}

@@ -1,0 +1,114 @@
+//! How pictures look: the options that `render` and `fill` share.
+
+use clap::{Args, ValueEnum};
+
+use crate::cli::args::point;
+use crate::mesh::DVec3;
+use crate::render::{MAX_SIDE, ViewMode};
+
+/// Options of pictures.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Picture")]
+pub struct PictureArguments {
+    /// What colours show: shaded, isophotes (the default), zebra, H, K, k1 or k2.
+    #[arg(long, value_name = "VIEW", value_parser = view)]
+    pub view: Option<ViewMode>,
+    /// Pixels across and down, up to 8192 each [default: 1280x960].
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// Where to look from: front, back, left, right, top, bottom, iso, or the text of a camera as the
+    /// window copies it.
+    #[arg(long, value_name = "CAMERA", allow_hyphen_values = true)]
+    pub camera: Option<String>,
+    /// Which axis points up in these views [default: y].
+    #[arg(long, value_enum, value_name = "AXIS")]
+    pub up: Option<UpArgument>,
+    /// Parallel projection.
+    #[arg(long)]
+    pub orthographic: bool,
+    /// No background.
+    #[arg(long)]
+    pub transparent: bool,
+    /// Number of light and dark pairs of isophotes or zebra bands [default: 12].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub stripes: Option<u32>,
+    /// Direction to the light of the isophotes [default: 0.3,1,0.5].
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub light: Option<DVec3>,
+    /// Values at the ends of the colours of H, K, k1 and k2 [default: most of those that occur].
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
+    pub range: Option<[f32; 2]>,
+    /// Draw the edges of the control mesh.
+    #[arg(long)]
+    pub wireframe: bool,
+    /// Draw the boundary loops.
+    #[arg(long)]
+    pub rims: bool,
+    /// Draw the flat triangles of the control mesh instead of its limit surface.
+    #[arg(long)]
+    pub control_mesh: bool,
+    /// Patches in the colour of the rest.
+    #[arg(long)]
+    pub no_tint: bool,
+    /// Dark background.
+    #[arg(long)]
+    pub dark: bool,
+}
+
+/// `--up`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UpArgument {
+    /// The second coordinate.
+    Y,
+    /// The third coordinate.
+    Z,
+}
+
+impl PictureArguments {
+    /// Whether any of them was given.
+    pub fn given(&self) -> bool {
+        self.view.is_some()
+            || self.size.is_some()
+            || self.camera.is_some()
+            || self.up.is_some()
+            || self.stripes.is_some()
+            || self.light.is_some()
+            || self.range.is_some()
+            || self.orthographic
+            || self.transparent
+            || self.wireframe
+            || self.rims
+            || self.control_mesh
+            || self.no_tint
+            || self.dark
+    }
+}
+
+fn view(text: &str) -> Result<ViewMode, String> {
+    let shown = |mode: &ViewMode| *mode != ViewMode::Deviation;
+    ViewMode::from_name(text)
+        .filter(shown)
+        .ok_or_else(|| "give shaded, isophotes, zebra, H, K, k1 or k2".into())
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let error = || format!("give pixels across and down from 1 to {MAX_SIDE}, as in 1920x1080");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(error)?;
+    let side = |text: &str| match text.trim().parse::<u32>() {
+        Ok(n) if (1..=MAX_SIDE).contains(&n) => Ok(n),
+        _ => Err(error()),
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+fn range(text: &str) -> Result<[f32; 2], String> {
+    let error = || "give two numbers, the lower first, as in -2,2".to_owned();
+    let (low, high) = text.split_once(',').ok_or_else(error)?;
+    let number = |text: &str| text.trim().parse::<f32>().map_err(|_| error());
+    let [low, high] = [number(low)?, number(high)?];
+    if low < high && low.is_finite() && high.is_finite() {
+        Ok([low, high])
+    } else {
+        Err(error())
+    }
+}

@@ -1,0 +1,123 @@
+//! `meniscus render`.
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+
+use crate::cli::picture::Shot;
+use crate::cli::picture_args::PictureArguments;
+use crate::io::{self, open};
+use crate::render::{Gpu, SequenceFormat, save_png, turntable, write_sequence};
+
+/// `meniscus render`.
+#[derive(Debug, Args)]
+pub struct RenderArguments {
+    /// Mesh to read (.obj, .ply, .stl).
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// Picture to write.
+    #[arg(short, long, value_name = "OUT.png")]
+    pub output: PathBuf,
+    /// How the picture looks.
+    #[command(flatten)]
+    pub look: PictureArguments,
+    /// Pictures on a full turn around the vertical, instead of a single one.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=3600))]
+    pub turntable: Option<u32>,
+    /// How the turn is stored: png (numbered files), gif or apng [default: by the extension].
+    #[arg(long, value_enum, requires = "turntable")]
+    pub format: Option<FormatArgument>,
+    /// Pictures a second.
+    #[arg(long, value_name = "FPS", default_value_t = 25.0, requires = "turntable", value_parser = fps)]
+    pub fps: f64,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// `--format`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FormatArgument {
+    /// Numbered files.
+    Png,
+    /// Animated GIF.
+    Gif,
+    /// Animated PNG.
+    Apng,
+}
+
+fn fps(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(f) if (0.1..=100.0).contains(&f) => Ok(f),
+        _ => Err("give a number from 0.1 to 100".into()),
+    }
+}
+
+/// Runs the command.
+pub fn render(args: &RenderArguments) -> Result<()> {
+    let format = format(args)?;
+    if io::same_file(&args.output, &args.input) {
+        bail!("OUT is the same file as IN; give another name, nothing was overwritten");
+    }
+    io::check_text_target(&args.output)?;
+    // before the mesh is read: without an adapter there is nothing to wait for
+    let gpu = Gpu::new()?;
+    let opened = open(&args.input)?;
+    if !args.quiet {
+        for note in &opened.report.notes {
+            eprintln!("{}: {note}", args.input.display());
+        }
+    }
+    let shot = Shot::new(
+        &opened.mesh,
+        opened.mesh.face_count(),
+        Vec::new(),
+        &args.look,
+    )?;
+    let Some(count) = args.turntable else {
+        return Ok(save_png(&args.output, &shot.take(&gpu, &shot.camera)?)?);
+    };
+    let count = count as usize;
+    let frame = |i| shot.take(&gpu, &turntable(&shot.camera, i, count));
+    let progress = |_, _| true;
+    write_sequence(&args.output, format, frame, count, args.fps, &progress)?;
+    Ok(())
+}
+
+/// The format asked for, or that of the extension.
+fn format(args: &RenderArguments) -> Result<SequenceFormat> {
+    let extension = args.output.extension().unwrap_or_default();
+    let is = |name: &str| extension.eq_ignore_ascii_case(name);
+    let turns = args.turntable.is_some();
+    let by_extension = if turns && is("gif") {
+        FormatArgument::Gif
+    } else if turns && is("apng") {
+        FormatArgument::Apng
+    } else {
+        FormatArgument::Png
+    };
+    let format = match args.format.unwrap_or(by_extension) {
+        FormatArgument::Png => SequenceFormat::Png,
+        FormatArgument::Gif => SequenceFormat::Gif,
+        FormatArgument::Apng => SequenceFormat::Apng,
+    };
+    let fits = match format {
+        SequenceFormat::Png => is("png"),
+        SequenceFormat::Gif => is("gif"),
+        SequenceFormat::Apng => is("png") || is("apng"),
+    };
+    if fits {
+        return Ok(format);
+    }
+    let wanted = match format {
+        SequenceFormat::Png => ".png (or .gif and .apng with --turntable)",
+        SequenceFormat::Gif => ".gif",
+        SequenceFormat::Apng => ".png or .apng",
+    };
+    let message = format!(
+        "{}: a picture needs the extension {wanted}",
+        args.output.display()
+    );
+    Err(crate::cli::UsageError(message).into())
+}

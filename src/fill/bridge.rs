@@ -1,0 +1,233 @@
+//! A strip of triangles across a hole, or from one hole to another.
+
+use crate::fill::rail::{Place, hermite, length, pieces};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError};
+
+/// A stretch of a rim: `edges` of them from the vertex `start` on, in the loop's direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stretch {
+    /// Index of the loop.
+    pub hole: usize,
+    /// Index of the first vertex along the loop.
+    pub start: usize,
+    /// Number of edges.
+    pub edges: usize,
+}
+
+/// Why there can be no bridge.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BridgeError {
+    /// The stretches have no or not the same number of edges.
+    #[error(
+        "a bridge needs as many rim edges at one end as at the other, at least one: {0} and {1}"
+    )]
+    Widths(usize, usize),
+    /// The stretches meet, or leave no rim beside the bridge.
+    #[error(
+        "the two ends of the bridge meet; choose places farther apart on the rim, or a narrower bridge"
+    )]
+    Meet,
+    /// There is no such loop.
+    #[error("there is no loop {hole}: this mesh has {loops} (see `meniscus info`)")]
+    NoSuchLoop {
+        /// Number of the loop.
+        hole: usize,
+        /// How many there are.
+        loops: usize,
+    },
+    /// The mesh with the bridge is not a manifold.
+    #[error("the bridged mesh would not be manifold ({0}); choose other places on the rims")]
+    NotManifold(#[from] TopologyError),
+}
+
+/// The stretch of `edges` edges in the middle of which the rim vertex nearest to `point` lies;
+/// `None` if the mesh has no loops.
+pub fn stretch_at(
+    mesh: &Mesh,
+    loops: &[BoundaryLoop],
+    point: DVec3,
+    edges: usize,
+) -> Option<Stretch> {
+    let hole = crate::fill::nearest_loop(mesh, loops, point)?;
+    let rim = &loops[hole].vertices;
+    let distance = |i: &usize| mesh.position(rim[*i]).distance_squared(point);
+    let middle = (0..rim.len()).min_by(|i, j| distance(i).total_cmp(&distance(j)))?;
+    Some(Stretch {
+        hole,
+        start: (middle + rim.len() - (edges / 2) % rim.len()) % rim.len(),
+        edges,
+    })
+}
+
+/// The mesh with a strip of triangles between two stretches of its rims, `edges` wide: a hole with a
+/// bridge across is two holes, two holes with a bridge between them are one.
+///
+/// The strip leaves both rims in the direction of the surface there (a cubic Hermite curve from each
+/// rim vertex); along it triangles are as long as the rim's edges. Old vertices and faces come first,
+/// untouched.
+///
+/// # Errors
+/// [`BridgeError`].
+pub fn bridge(
+    mesh: &Mesh,
+    loops: &[BoundaryLoop],
+    from: Stretch,
+    to: Stretch,
+) -> Result<Mesh, BridgeError> {
+    check(loops, from, to)?;
+    let (near, far) = (&loops[from.hole], &loops[to.hole]);
+    let width = from.edges;
+    // the far rim runs the other way: its last vertex is opposite our first
+    let at = |k: usize| (from.start + k) % near.edges();
+    let across = |k: usize| (to.start + width - k) % far.edges();
+    let rails: Vec<[Place; 2]> = (0..=width)
+        .map(|k| {
+            [
+                Place::of(mesh, near, at(k)),
+                Place::of(mesh, far, across(k)),
+            ]
+        })
+        .collect();
+    let curve = |k: usize, t: f64| {
+        let [a, b] = rails[k];
+        let reach = a.point.distance(b.point);
+        hermite(a.point, reach * a.ahead, b.point, -reach * b.ahead, t)
+    };
+    let size = near.perimeter / near.edges() as f64 + far.perimeter / far.edges() as f64;
+    // two rows at least, so that no edge of the mesh is there twice
+    let rows = pieces(length(|t| curve(width / 2, t)), 0.5 * size, 2);
+
+    let first = mesh.vertex_count();
+    let mut positions = mesh.positions.clone();
+    let mut colors = mesh.colors.clone();
+    for row in 1..rows {
+        let t = row as f64 / rows as f64;
+        for k in 0..=width {
+            positions.push(curve(k, t));
+            if let (Some(a), Some(b)) = (
+                mesh.colors.get(near.vertices[at(k)].index()),
+                mesh.colors.get(far.vertices[across(k)].index()),
+            ) {
+                let mix = |c: usize| a[c] + (b[c] - a[c]) * t as f32;
+                colors.push([0, 1, 2, 3].map(mix));
+            }
+        }
+    }
+    let vertex = |row: usize, k: usize| -> u32 {
+        match row {
+            0 => near.vertices[at(k)].0,
+            _ if row == rows => far.vertices[across(k)].0,
+            _ => (first + (row - 1) * (width + 1) + k) as u32,
+        }
+    };
+    let mut faces: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+    for row in 0..rows {
+        for k in 0..width {
+            let quad = [(row, k), (row, k + 1), (row + 1, k + 1), (row + 1, k)];
+            let [a, b, c, d] = quad.map(|(row, k)| vertex(row, k));
+            let span = |u: u32, v: u32| positions[u as usize].distance(positions[v as usize]);
+            if span(a, c) <= span(b, d) {
+                faces.extend([[a, b, c], [a, c, d]]);
+            } else {
+                faces.extend([[a, b, d], [b, c, d]]);
+            }
+        }
+    }
+    let mut face_tags = mesh.face_tags.clone();
+    if !face_tags.is_empty() {
+        let beside = mesh.topology.face(near.halfedges[from.start].twin());
+        face_tags.resize(faces.len(), mesh.face_tags[beside.index()]);
+    }
+    Ok(Mesh {
+        topology: Topology::from_triangles(positions.len(), &faces)?,
+        positions,
+        colors,
+        face_tags,
+        ..mesh.clone()
+    })
+}
+
+fn check(loops: &[BoundaryLoop], from: Stretch, to: Stretch) -> Result<(), BridgeError> {
+    for stretch in [from, to] {
+        if stretch.hole >= loops.len() {
+            return Err(BridgeError::NoSuchLoop {
+                hole: stretch.hole + 1,
+                loops: loops.len(),
+            });
+        }
+    }
+    if from.edges == 0 || from.edges != to.edges {
+        return Err(BridgeError::Widths(from.edges, to.edges));
+    }
+    let vertices = |s: Stretch| {
+        let rim = &loops[s.hole].vertices;
+        (0..=s.edges).map(move |k| rim[(s.start + k) % rim.len()])
+    };
+    let fits = |s: Stretch| s.edges < loops[s.hole].edges();
+    let apart = vertices(from).all(|v| vertices(to).all(|w| v != w));
+    if apart && fits(from) && fits(to) {
+        Ok(())
+    } else {
+        Err(BridgeError::Meet)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{boundary_loops, check_mesh, self_intersections, shapes};
+
+    fn holed() -> Mesh {
+        let ball = shapes::sphere(2000, 7);
+        let (positions, triangles) = shapes::cut_where(&ball, |p| p.z > 0.7 || p.z < -0.8);
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
+        Mesh::new(positions, topology)
+    }
+
+    #[test]
+    fn a_bridge_cuts_a_hole_in_two_and_joins_two_to_one() {
+        let mesh = holed();
+        let loops = boundary_loops(&mesh);
+        assert_eq!(loops.len(), 2);
+        let at = |x: f64, z: f64, edges: usize| {
+            stretch_at(&mesh, &loops, DVec3::new(x, 0.0, z), edges).expect("loops")
+        };
+        for width in 1..5 {
+            let across = bridge(&mesh, &loops, at(-1.0, 0.7, width), at(1.0, 0.7, width));
+            let across = across.expect("a bridge");
+            check_mesh(&across).expect("sound");
+            assert_eq!(across.topology.boundary_loops().len(), 3);
+            let triangles: Vec<_> = across.topology.triangles().collect();
+            assert!(self_intersections(&across.positions, &triangles, None, 1).is_empty());
+            // leaves along the sphere: over the top of the hole it stays near it
+            let new = &across.positions[mesh.vertex_count()..];
+            let off = new.iter().map(|p| (p.length() - 1.0).abs());
+            assert!(off.fold(0.0, f64::max) < 0.05);
+            let joined = bridge(&mesh, &loops, at(1.0, 0.7, width), at(1.0, -0.8, width));
+            assert_eq!(joined.expect("a bridge").topology.boundary_loops().len(), 1);
+        }
+    }
+
+    #[test]
+    fn ends_that_meet_are_refused() {
+        let mesh = holed();
+        let loops = boundary_loops(&mesh);
+        let stretch = |start, edges| Stretch {
+            hole: 0,
+            start,
+            edges,
+        };
+        let error = |a, b| bridge(&mesh, &loops, a, b).err();
+        assert_eq!(error(stretch(0, 2), stretch(2, 2)), Some(BridgeError::Meet));
+        assert_eq!(
+            error(stretch(0, 2), stretch(9, 1)),
+            Some(BridgeError::Widths(2, 1))
+        );
+        let missing = Stretch {
+            hole: 2,
+            ..stretch(0, 1)
+        };
+        let no = BridgeError::NoSuchLoop { hole: 3, loops: 2 };
+        assert_eq!(error(stretch(0, 1), missing), Some(no));
+    }
+}

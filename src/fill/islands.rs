@@ -1,0 +1,222 @@
+//! Loose pieces of the mesh inside a hole: its patch has to pass through their rims.
+
+use crate::fill::{Gap, rim_of};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, TriangleBvh, closest_point_on_segment};
+use crate::patch::{self, PatchOptions};
+
+/// An island lies no farther from the first patch of its hole than this, in hole radii.
+const NEAR: f64 = 0.5;
+/// Nearer to the rim than this, in hole radii, the nearest point of the patch is on the rim: the
+/// piece lies beside the hole.
+const BESIDE: f64 = 1e-6;
+/// Vertices of a rim that are looked at, about.
+const SAMPLES: usize = 64;
+
+/// The chosen loops as gaps, each with the islands in it.
+///
+/// A loop of another component that lies within a hole, near its first patch, belongs to an island.
+/// If it runs around the other way than the hole it is the island's outer rim and one of the rims
+/// of the hole's patch; if it runs the same way it is a hole in the island, and filled too (with
+/// what lies in it in turn). A rim within several holes belongs to the smallest.
+pub fn with_islands<'a>(mesh: &Mesh, loops: &'a [BoundaryLoop], chosen: &[usize]) -> Vec<Gap<'a>> {
+    let mut holes: Vec<Opening> = chosen
+        .iter()
+        .map(|&i| Opening::new(mesh, loops, i))
+        .collect();
+    let first = loops.first().map_or(0, |l| l.component);
+    if loops.iter().all(|l| l.component == first) {
+        return chosen.iter().map(|&i| vec![&loops[i]]).collect();
+    }
+    let mut kind: Vec<Option<Kind>> = vec![None; loops.len()];
+    // holes of islands are opened in turn, each once
+    let mut next = 0;
+    while next < holes.len() {
+        for (i, one) in loops.iter().enumerate() {
+            let hole = &holes[next];
+            if one.component == loops[hole.index].component || !hole.holds(mesh, one) {
+                continue;
+            }
+            if hole.normal.dot(area(mesh, one)) < 0.0 {
+                let smaller = |other: &Kind| match *other {
+                    Kind::Island(h) => {
+                        loops[holes[h].index].perimeter > loops[hole.index].perimeter
+                    }
+                    Kind::Hole => true,
+                };
+                if kind[i].as_ref().is_none_or(smaller) {
+                    kind[i] = Some(Kind::Island(next));
+                }
+            } else if kind[i].is_none() && !holes.iter().any(|h| h.index == i) {
+                kind[i] = Some(Kind::Hole);
+            }
+        }
+        next += 1;
+        if next == holes.len() {
+            let opened = |i: usize| holes.iter().any(|h| h.index == i);
+            let is_island = |component: u32| {
+                let outer = |k: &Option<Kind>| matches!(k, Some(Kind::Island(_)));
+                loops
+                    .iter()
+                    .zip(&kind)
+                    .any(|(l, k)| l.component == component && outer(k))
+            };
+            let more: Vec<usize> = (0..loops.len())
+                .filter(|&i| matches!(kind[i], Some(Kind::Hole)) && !opened(i))
+                .filter(|&i| is_island(loops[i].component))
+                .collect();
+            holes.extend(more.into_iter().map(|i| Opening::new(mesh, loops, i)));
+        }
+    }
+    let is_island = |i: usize| matches!(kind[i], Some(Kind::Island(_)));
+    let mut gaps = Vec::new();
+    for (h, hole) in holes.iter().enumerate() {
+        if is_island(hole.index) {
+            continue;
+        }
+        let mut gap = vec![&loops[hole.index]];
+        let mine = |i: &usize| matches!(kind[*i], Some(Kind::Island(owner)) if owner == h);
+        gap.extend((0..loops.len()).filter(mine).map(|i| &loops[i]));
+        gaps.push(gap);
+    }
+    gaps
+}
+
+/// What a loop within a hole is.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    /// The outer rim of an island in the hole of that number.
+    Island(usize),
+    /// A hole in an island.
+    Hole,
+}
+
+/// A hole with a first patch to measure by.
+struct Opening {
+    index: usize,
+    normal: DVec3,
+    radius: f64,
+    rim: Vec<DVec3>,
+    patch: Option<TriangleBvh>,
+}
+
+impl Opening {
+    fn new(mesh: &Mesh, loops: &[BoundaryLoop], index: usize) -> Self {
+        let one = &loops[index];
+        let patch = patch::fill(&rim_of(mesh, one), &PatchOptions { density: 0.5 });
+        Self {
+            index,
+            normal: area(mesh, one),
+            radius: one.radius,
+            rim: one.vertices.iter().map(|&v| mesh.position(v)).collect(),
+            patch: patch
+                .ok()
+                .map(|p| TriangleBvh::new(&p.points, &p.triangles)),
+        }
+    }
+
+    /// Whether the loop lies over the inside of the hole.
+    fn holds(&self, mesh: &Mesh, one: &BoundaryLoop) -> bool {
+        let Some(patch) = &self.patch else {
+            return false;
+        };
+        let step = one.vertices.len().div_ceil(SAMPLES);
+        one.vertices.iter().step_by(step).all(|&v| {
+            let nearest = patch.closest_point(mesh.position(v));
+            nearest.is_some_and(|c| {
+                c.distance < NEAR * self.radius
+                    && self.distance_from_rim(c.point) > BESIDE * self.radius
+            })
+        })
+    }
+
+    fn distance_from_rim(&self, p: DVec3) -> f64 {
+        let n = self.rim.len();
+        (0..n)
+            .map(|i| closest_point_on_segment(p, self.rim[i], self.rim[(i + 1) % n]).distance(p))
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Vector area of a loop, along the normal of a patch over it.
+fn area(mesh: &Mesh, one: &BoundaryLoop) -> DVec3 {
+    let points: Vec<DVec3> = one.vertices.iter().map(|&v| mesh.position(v)).collect();
+    patch::vector_area(&points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fill::{FillOptions, fill_gaps};
+    use crate::mesh::{Topology, boundary_loops, check_filled, components, erase, shapes};
+
+    /// A sphere of radius 1 with a wide hole at its top, in which the faces that `stays` says float.
+    fn islands(stays: impl Fn(DVec3) -> bool) -> Mesh {
+        let (positions, triangles) = shapes::sphere(3000, 7);
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
+        let ball = Mesh::new(positions, topology);
+        let selected: Vec<bool> = (0..ball.face_count())
+            .map(|f| ball.corners(f.into()).iter().sum::<DVec3>() / 3.0)
+            .map(|middle| middle.z > 0.5 && !stays(middle))
+            .collect();
+        erase(&ball, &selected).mesh
+    }
+
+    fn filled(mesh: &Mesh) -> (Vec<usize>, f64) {
+        let loops = boundary_loops(mesh);
+        let hole = loops
+            .iter()
+            .max_by(|a, b| a.perimeter.total_cmp(&b.perimeter))
+            .expect("a hole");
+        let gaps = with_islands(mesh, &loops, &[hole.number - 1]);
+        let result = fill_gaps(mesh, &gaps, &FillOptions::default(), &|_, _| true);
+        let result = result.expect("filled");
+        assert!(result.complete());
+        check_filled(mesh, &result.mesh, &[]).expect("closed");
+        assert_eq!(components(&result.mesh.topology).count, 1);
+        let off = result
+            .plan
+            .new_positions
+            .iter()
+            .map(|p| (p.length() - 1.0).abs());
+        (gaps.iter().map(Vec::len).collect(), off.fold(0.0, f64::max))
+    }
+
+    #[test]
+    fn patches_pass_through_islands() {
+        let at = |x: f64, y: f64| DVec3::new(x, y, (1.0 - x * x - y * y).sqrt());
+        let mesh = islands(|p| p.distance(at(0.2, 0.1)) < 0.2 || p.distance(at(-0.4, -0.2)) < 0.12);
+        let (gaps, off) = filled(&mesh);
+        assert_eq!(gaps, [3]);
+        assert!(off < 5e-3, "{off}");
+    }
+
+    #[test]
+    fn rings_are_filled_inside_and_out() {
+        let mesh = islands(|p| (0.25..0.4).contains(&p.x.hypot(p.y)));
+        let (mut gaps, off) = filled(&mesh);
+        gaps.sort_unstable();
+        assert_eq!(gaps, [1, 2]);
+        assert!(off < 5e-3, "{off}");
+    }
+
+    #[test]
+    fn what_lies_beside_or_far_away_is_no_island() {
+        let mut shape = shapes::cut_where(&shapes::sphere(2000, 7), |p| p.z > 0.7);
+        let first = shape.0.len() as u32;
+        for lift in [DVec3::new(1.6, 0.0, 1.0), 2.5 * DVec3::Z] {
+            let (positions, triangles) = shapes::plane(0.2, 4, 1);
+            let start = shape.0.len() as u32;
+            shape.0.extend(positions.iter().map(|&p| p + lift));
+            shape
+                .1
+                .extend(triangles.iter().map(|t| t.map(|v| v + start)));
+        }
+        assert!(shape.0.len() as u32 > first);
+        let topology = Topology::from_triangles(shape.0.len(), &shape.1).expect("manifold");
+        let mesh = Mesh::new(shape.0, topology);
+        let loops = boundary_loops(&mesh);
+        assert_eq!(loops.len(), 3);
+        let gaps = with_islands(&mesh, &loops, &[0]);
+        assert_eq!(gaps.iter().map(Vec::len).collect::<Vec<_>>(), [1]);
+    }
+}

@@ -1,0 +1,236 @@
+//! One group of a live fill.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use crate::fill::FillOptions;
+use crate::fill::live::{GroupState, GroupStatus, LiveEvent};
+use crate::fill::run::{Ground, GroupRun};
+use crate::fill::schedule::Change;
+use crate::fill::scheduled::refusal;
+use crate::fill::shape::Shape;
+use crate::mesh::{DVec3, Mesh};
+use crate::solver::{Flow, STOP, SolverError, StepRecord, sharpest_cosine};
+
+/// A group, its latest state and what was said of it.
+pub(super) struct LiveGroup {
+    pub run: GroupRun,
+    pub state: Arc<GroupState>,
+    /// Whether its shape is another one than that of the latest state.
+    pub fresh: bool,
+    pub forecast: Forecast,
+    last: Option<(StepRecord, usize)>,
+    rejected: usize,
+    end_reported: bool,
+}
+
+impl LiveGroup {
+    pub fn start(ground: Ground<'_>, group: usize, options: &FillOptions) -> Self {
+        let run = guarded(|| GroupRun::start(ground, group, options));
+        let run = run.unwrap_or_else(|error| GroupRun::still(ground, group, options, error));
+        let state = GroupState {
+            step: 0,
+            attempt: 0,
+            positions: run.positions().into(),
+            energy: run.flow().map_or(f64::NAN, |flow| flow.energy().value),
+            residual: None,
+            tau: 0.0,
+            worst_angle: worst_angle(ground.mesh, run.shape(), &run.positions()),
+            shape: Arc::clone(run.shape()),
+        };
+        Self {
+            run,
+            state: Arc::new(state),
+            fresh: false,
+            forecast: Forecast::default(),
+            last: None,
+            rejected: 0,
+            end_reported: false,
+        }
+    }
+
+    /// Attempts a step, the fill's `attempt`-th.
+    pub fn attempt(&mut self, attempt: usize) -> Option<StepRecord> {
+        let record = match guarded(|| self.run.attempt()) {
+            Ok(record) => record?,
+            Err(error) => {
+                self.fail(error);
+                return None;
+            }
+        };
+        if record.rejected {
+            self.rejected += 1;
+        } else {
+            self.fresh = true;
+            self.forecast.add(record.residual);
+            self.last = Some((record.clone(), attempt));
+        }
+        Some(record)
+    }
+
+    /// Makes a change; `earlier` is where a rewind goes to.
+    ///
+    /// # Errors
+    /// What is to be said if the group does not take part in it.
+    pub fn change(
+        &mut self,
+        ground: Ground<'_>,
+        change: &Change,
+        earlier: Option<&Arc<GroupState>>,
+    ) -> Result<(), String> {
+        let run = &mut self.run;
+        let changed = guarded(|| match (change, earlier) {
+            (Change::Options(options), _) => run.change(ground, options),
+            (Change::Rewind { options, .. }, Some(to)) => {
+                run.rewind(ground, &to.shape, &to.positions, to.step, options)
+            }
+            (Change::Rewind { .. }, None) => Ok(()),
+            (Change::Stop, _) => {
+                run.stop();
+                Ok(())
+            }
+        });
+        let result = match changed {
+            Ok(result) => result.map_err(|error| refusal(&error)),
+            Err(error) => {
+                let text = error.to_string();
+                self.fail(error);
+                Err(text)
+            }
+        };
+        if let Err(text) = &result {
+            self.run.warn(text.clone());
+        }
+        let rewound = earlier.filter(|_| result.is_ok());
+        if !Arc::ptr_eq(self.run.shape(), &self.state.shape) || rewound.is_some() {
+            self.fresh = true;
+        }
+        if let Some(to) = rewound {
+            self.state = Arc::clone(to);
+            self.fresh = false;
+            self.last = None;
+        }
+        self.forecast.forget();
+        self.end_reported &= self.run.ended();
+        result
+    }
+
+    /// The group stands still at its latest state.
+    fn fail(&mut self, error: SolverError) {
+        let state = &self.state;
+        let shape = Arc::clone(&state.shape);
+        self.run.fail(error, shape, state.positions.to_vec());
+        self.fresh = false;
+    }
+
+    /// The state of the present shape.
+    pub fn show(&mut self, mesh: &Mesh) -> Arc<GroupState> {
+        if std::mem::take(&mut self.fresh) {
+            let positions = self.run.positions();
+            let shape = self.run.shape();
+            let last = self.last.as_ref();
+            self.state = Arc::new(GroupState {
+                step: self.run.steps(),
+                attempt: last.map_or(self.state.attempt, |(_, attempt)| *attempt),
+                energy: self.run.flow().map_or(f64::NAN, |flow| flow.energy().value),
+                residual: last.map(|(r, _)| r.residual),
+                tau: last.map_or(0.0, |(r, _)| r.tau),
+                worst_angle: worst_angle(mesh, shape, &positions),
+                positions: positions.into(),
+                shape: Arc::clone(shape),
+            });
+        }
+        Arc::clone(&self.state)
+    }
+
+    /// How the flow has ended, once.
+    pub fn end_event(&mut self, group: usize, holes: Vec<usize>) -> Option<LiveEvent> {
+        if self.end_reported || !self.run.ended() {
+            return None;
+        }
+        self.end_reported = true;
+        let outcome = match guarded(|| self.run.outcome()) {
+            Ok(Ok((outcome, _))) => return Some(LiveEvent::Finished { group, outcome }),
+            Ok(Err(error)) | Err(error) => error,
+        };
+        let (group, text) = (Some(group), outcome.to_string());
+        Some(LiveEvent::Failed { group, holes, text })
+    }
+
+    pub fn status(&self, holes: Vec<usize>, radius: f64, attempts: usize) -> GroupStatus {
+        let flow = self.run.flow();
+        GroupStatus {
+            holes,
+            radius,
+            vertices: self.run.shape().new_vertices(),
+            step: self.run.steps(),
+            attempts,
+            rejected: self.rejected,
+            tau: flow.map_or(0.0, Flow::tau),
+            tau_ref: flow.map_or(0.0, Flow::tau_ref),
+            energy: flow.map_or(f64::NAN, |flow| flow.energy().value),
+            residual: self.last.as_ref().map(|(r, _)| r.residual),
+            end: self.run.end(),
+            failed: self.run.failed().map(ToString::to_string),
+            warnings: self.run.warnings(),
+            eta: self.forecast.eta().filter(|_| !self.run.ended()),
+        }
+    }
+}
+
+/// Runs what may panic; the state it leaves behind is only used to be replaced.
+fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, SolverError> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| SolverError::from_panic(&*panic))
+}
+
+/// Smallest angle of a triangle of the patches, in degrees.
+fn worst_angle(mesh: &Mesh, shape: &Shape, positions: &[DVec3]) -> f64 {
+    let (mut sharpest, mut first) = (-1.0f64, 0);
+    for hole in &shape.holes {
+        let new = &positions[first..first + hole.new_vertices];
+        let place = |v: u32| {
+            let at = v as usize;
+            let given = mesh.positions.get(at).copied();
+            given.unwrap_or_else(|| new[at - mesh.vertex_count()])
+        };
+        for t in &hole.triangles {
+            sharpest = sharpest.max(sharpest_cosine(t.map(place)));
+        }
+        first += hole.new_vertices;
+    }
+    sharpest.clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+/// Tells the time to the end from the last residuals.
+#[derive(Debug, Default)]
+pub(super) struct Forecast {
+    residuals: Vec<f64>,
+    /// Seconds the last round took.
+    pub seconds: f64,
+}
+
+/// Steps over which the rate is taken.
+const WINDOW: usize = 4;
+
+impl Forecast {
+    fn add(&mut self, residual: f64) {
+        if self.residuals.len() > WINDOW {
+            self.residuals.remove(0);
+        }
+        self.residuals.push(residual);
+    }
+
+    fn forget(&mut self) {
+        self.residuals.clear();
+    }
+
+    fn eta(&self) -> Option<f64> {
+        if self.residuals.len() <= WINDOW {
+            return None;
+        }
+        let last = self.residuals[WINDOW];
+        let rate = (self.residuals[0] / last).ln() / WINDOW as f64;
+        let steps = (last / STOP).ln() / rate;
+        (rate > 0.0 && steps.is_finite()).then_some(steps.max(0.0) * self.seconds)
+    }
+}

@@ -1,0 +1,193 @@
+//! Part of a hole: from one vertex of its rim to another.
+
+use std::time::Instant;
+
+use crate::fill::rail::{Place, hermite, length, pieces};
+use crate::fill::{FillError, FillOptions, Filled, Plan, milliseconds, rim_of, run_plan};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, VertexId};
+use crate::patch::{self, Rim};
+use crate::solver::StepRecord;
+
+/// Why part of a hole cannot be filled.
+#[derive(Debug, thiserror::Error)]
+pub enum PartialError {
+    /// Fewer than two edges lie between the ends.
+    #[error(
+        "between the two ends lie {edges} edges of the rim; a part of a hole needs at least two"
+    )]
+    TooShort {
+        /// How many.
+        edges: usize,
+    },
+    /// The patch or the mesh with it cannot be made.
+    #[error(transparent)]
+    Fill(#[from] FillError),
+}
+
+/// Fills the part of a hole along its rim from the vertex of index `from` to that of index `to`, in the
+/// loop's direction. The patch ends at a curve that joins the two through the hole and is smooth with
+/// the surface at both; its vertices are new and stay where they are made.
+///
+/// # Errors
+/// [`PartialError`].
+///
+/// # Panics
+/// If an index is not one of the loop's.
+pub fn fill_part(
+    mesh: &Mesh,
+    hole: &BoundaryLoop,
+    from: usize,
+    to: usize,
+    options: &FillOptions,
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Filled, PartialError> {
+    let start = Instant::now();
+    let n = hole.edges();
+    let edges = (to + n - from) % n;
+    if edges < 2 {
+        return Err(PartialError::TooShort { edges });
+    }
+    let chord = chord(mesh, hole, from, to, options.patch.density);
+    let along: Vec<usize> = (0..edges).map(|k| (from + k) % n).collect();
+    let rim = part_of_rim(mesh, hole, &along, to, &chord);
+    let longer = with_vertices(mesh, &chord, hole.vertices[to])?;
+    let part = part_of_loop(mesh, hole, &along, to, &rim);
+    let patch = patch::fill(&rim, &options.patch);
+    let gaps = [vec![&part]];
+    let plan = Plan::new(&longer, &gaps, &[(patch, milliseconds(start))]);
+    if let Some(error) = plan.failed.first() {
+        return Err(error.clone().into());
+    }
+    Ok(run_plan(&longer, &gaps, plan, options, &[], observe)?)
+}
+
+/// New vertices from `to` back to `from`, both left out.
+fn chord(mesh: &Mesh, hole: &BoundaryLoop, from: usize, to: usize, density: f64) -> Vec<DVec3> {
+    let (a, b) = (Place::of(mesh, hole, to), Place::of(mesh, hole, from));
+    let straight = b.point - a.point;
+    let reach = straight.length();
+    // in the tangent plane, as straight on as it can be
+    let tangent = |place: &Place| {
+        let along = straight.reject_from(place.normal).normalize_or_zero();
+        reach * along
+    };
+    let curve = |t: f64| hermite(a.point, tangent(&a), b.point, tangent(&b), t);
+    let size = hole.perimeter / hole.edges() as f64 / density;
+    // at least one vertex, so that no edge of the mesh is there twice
+    let count = pieces(length(curve), size, 2);
+    (1..count).map(|i| curve(i as f64 / count as f64)).collect()
+}
+
+/// The rim of the part: that of the hole from `along` to `to`, then the chord, which has no faces.
+fn part_of_rim(
+    mesh: &Mesh,
+    hole: &BoundaryLoop,
+    along: &[usize],
+    to: usize,
+    chord: &[DVec3],
+) -> Rim {
+    let whole = rim_of(mesh, hole);
+    let mut points: Vec<DVec3> = along.iter().map(|&i| whole.points[i]).collect();
+    let mut opposite: Vec<DVec3> = along.iter().map(|&i| whole.opposite[i]).collect();
+    points.push(whole.points[to]);
+    points.extend_from_slice(chord);
+    // on the edge: a degenerate face, which has no say
+    opposite.extend_from_slice(&points[along.len()..]);
+    let mut place = vec![u32::MAX; whole.points.len()];
+    for (k, &i) in along.iter().chain([&to]).enumerate() {
+        place[i] = k as u32;
+    }
+    let forbidden = whole
+        .forbidden
+        .iter()
+        .map(|pair| pair.map(|i| place[i as usize]))
+        .filter(|pair| !pair.contains(&u32::MAX))
+        .map(|[i, j]| [i.min(j), i.max(j)])
+        .collect();
+    Rim {
+        points,
+        opposite,
+        forbidden,
+    }
+}
+
+/// The part as a loop: its vertices, the chord's after those of the mesh, and the half-edges it has.
+fn part_of_loop(
+    mesh: &Mesh,
+    hole: &BoundaryLoop,
+    along: &[usize],
+    to: usize,
+    rim: &Rim,
+) -> BoundaryLoop {
+    let new = rim.points.len() - along.len() - 1;
+    let old = mesh.vertex_count();
+    let mut vertices: Vec<VertexId> = along.iter().map(|&i| hole.vertices[i]).collect();
+    vertices.push(hole.vertices[to]);
+    vertices.extend((old..old + new).map(VertexId::from));
+    let centroid = rim.points.iter().sum::<DVec3>() / rim.points.len() as f64;
+    let square = |p: &DVec3| p.distance_squared(centroid);
+    let mean = rim.points.iter().map(square).sum::<f64>() / rim.points.len() as f64;
+    BoundaryLoop {
+        halfedges: along.iter().map(|&i| hole.halfedges[i]).collect(),
+        vertices,
+        centroid,
+        radius: mean.sqrt(),
+        ..hole.clone()
+    }
+}
+
+/// The mesh with more vertices, without faces so far, of the colour of `like`.
+fn with_vertices(mesh: &Mesh, new: &[DVec3], like: VertexId) -> Result<Mesh, FillError> {
+    let mut longer = mesh.clone();
+    longer.positions.extend_from_slice(new);
+    if let Some(&color) = mesh.colors.get(like.index()) {
+        longer.colors.resize(longer.positions.len(), color);
+    }
+    let faces: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+    longer.topology = Topology::from_triangles(longer.positions.len(), &faces)?;
+    Ok(longer)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{boundary_loops, check_mesh, self_intersections, shapes};
+
+    #[test]
+    fn a_part_and_the_rest_make_the_whole() {
+        let ball = shapes::sphere(2500, 7);
+        let (positions, triangles) = shapes::cut_where(&ball, |p| p.z > 0.6);
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
+        let mesh = Mesh::new(positions, topology);
+        let options = FillOptions::default();
+        let loops = boundary_loops(&mesh);
+        let n = loops[0].edges();
+        let part = fill_part(&mesh, &loops[0], 3, 3 + n / 2, &options, &|_, _| true);
+        let part = part.expect("filled");
+        assert!(part.complete());
+        check_mesh(&part.mesh).expect("sound");
+        assert_eq!(part.mesh.positions[..mesh.vertex_count()], mesh.positions);
+        let rest = boundary_loops(&part.mesh);
+        assert_eq!(rest.len(), 1);
+        assert!(rest[0].perimeter < loops[0].perimeter);
+        let whole = crate::fill::fill_holes(&part.mesh, &[&rest[0]], &options, &|_, _| true);
+        let whole = whole.expect("filled").mesh;
+        assert!(whole.topology.boundary_loops().is_empty());
+        let triangles: Vec<_> = whole.topology.triangles().collect();
+        assert!(self_intersections(&whole.positions, &triangles, None, 1).is_empty());
+        let off = whole.positions.iter().map(|p| (p.length() - 1.0).abs());
+        assert!(off.fold(0.0, f64::max) < 0.06);
+    }
+
+    #[test]
+    fn an_edge_is_no_part() {
+        let (positions, triangles) = shapes::cut_where(&shapes::sphere(500, 7), |p| p.z > 0.6);
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
+        let mesh = Mesh::new(positions, topology);
+        let loops = boundary_loops(&mesh);
+        let error = fill_part(&mesh, &loops[0], 3, 4, &FillOptions::default(), &|_, _| {
+            true
+        });
+        assert!(matches!(error, Err(PartialError::TooShort { edges: 1 })));
+    }
+}

@@ -1,0 +1,84 @@
+//! Curves from one place of a rim to another that leave the mesh smoothly.
+
+use crate::mesh::{BoundaryLoop, DVec3, Mesh};
+
+/// A place on a rim: a vertex and how the surface lies there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub point: DVec3,
+    /// Unit vector into the hole, in the tangent plane and across the rim.
+    pub ahead: DVec3,
+    /// Unit normal.
+    pub normal: DVec3,
+}
+
+impl Place {
+    /// At the vertex of that index along the loop. The directions are means over the faces at the
+    /// two rim edges there.
+    pub fn of(mesh: &Mesh, hole: &BoundaryLoop, index: usize) -> Self {
+        let topology = &mesh.topology;
+        let n = hole.edges();
+        let (mut ahead, mut normal) = (DVec3::ZERO, DVec3::ZERO);
+        for e in [(index + n - 1) % n, index] {
+            let inner = hole.halfedges[e].twin();
+            let apex = topology.target(topology.next(inner));
+            // the face runs through the rim edge from b to a
+            let [b, a] = [topology.origin(inner), topology.target(inner)].map(|v| mesh.position(v));
+            let c = mesh.position(apex);
+            ahead += (a - c).reject_from(b - a).normalize_or_zero();
+            normal += (a - b).cross(c - b).normalize_or_zero();
+        }
+        Self {
+            point: mesh.position(hole.vertices[index]),
+            ahead: ahead.normalize_or_zero(),
+            normal: normal.normalize_or_zero(),
+        }
+    }
+}
+
+/// The cubic from `a` to `b` whose derivatives there are `leave` and `arrive`, at `t` in 0..=1.
+pub(super) fn hermite(a: DVec3, leave: DVec3, b: DVec3, arrive: DVec3, t: f64) -> DVec3 {
+    let s = 1.0 - t;
+    let ends = (1.0 + 2.0 * t) * s * s * a + (3.0 - 2.0 * t) * t * t * b;
+    ends + t * s * s * leave - t * t * s * arrive
+}
+
+/// Length of the curve, by chords.
+pub(super) fn length(curve: impl Fn(f64) -> DVec3) -> f64 {
+    const PIECES: i32 = 32;
+    (0..PIECES)
+        .map(|i| {
+            let at = |i: i32| curve(f64::from(i) / f64::from(PIECES));
+            at(i).distance(at(i + 1))
+        })
+        .sum()
+}
+
+/// Into how many pieces of about `size` a length falls, at least `least`.
+#[allow(clippy::cast_sign_loss)] // lengths and sizes are positive
+pub(super) fn pieces(length: f64, size: f64, least: usize) -> usize {
+    ((length / size).round().min(1e6) as usize).max(least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cubics_are_reproduced() {
+        let cubic = |t: f64| {
+            DVec3::new(
+                1.0 - t + t * t * t,
+                2.0 * t * t,
+                0.5 - 3.0 * t + t * t - 2.0 * t * t * t,
+            )
+        };
+        let slope = |t: f64| DVec3::new(-1.0 + 3.0 * t * t, 4.0 * t, -3.0 + 2.0 * t - 6.0 * t * t);
+        for t in [0.0, 0.2, 0.5, 0.9, 1.0] {
+            let p = hermite(cubic(0.0), slope(0.0), cubic(1.0), slope(1.0), t);
+            assert!(p.distance(cubic(t)) < 1e-15);
+        }
+        let line = |t: f64| DVec3::new(3.0 * t, 4.0 * t, 1.0);
+        assert!((length(line) - 5.0).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,406 @@
+//! One group of holes on its way: a flow with its patches, which may be changed between steps.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::fill::noise::roughened;
+use crate::fill::shape::{HoleShape, Shape};
+use crate::fill::{FillOptions, Gap, Plan, Timings, gap_of, milliseconds, region, warm_start};
+use crate::mesh::{DVec3, Mesh};
+use crate::patch::{self, PatchError, TransferError};
+use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord};
+
+/// What all groups of a fill share.
+#[derive(Clone, Copy)]
+pub(super) struct Ground<'a> {
+    pub mesh: &'a Mesh,
+    pub gaps: &'a [Gap<'a>],
+    pub plan: &'a Plan,
+}
+
+/// Why a change cannot be made; the group is as before.
+#[derive(Clone, Debug, thiserror::Error)]
+pub(super) enum ChangeError {
+    #[error(transparent)]
+    Flow(#[from] SolverError),
+    #[error("hole {hole}: no patch of that density: {source}")]
+    Patch { hole: usize, source: PatchError },
+    #[error("hole {hole}: {source}")]
+    Transfer { hole: usize, source: TransferError },
+}
+
+/// A group of holes on its way.
+pub(super) struct GroupRun {
+    group: usize,
+    options: FillOptions,
+    shape: Arc<Shape>,
+    /// The flow; without one the group stands still at `resting`.
+    flow: Option<Flow>,
+    resting: Vec<DVec3>,
+    failed: Option<SolverError>,
+    /// Accepted and rejected steps where there is no flow.
+    past: (usize, usize),
+    energy_start: Option<f64>,
+    warnings: Vec<String>,
+    timings: Timings,
+}
+
+impl GroupRun {
+    /// Sets the group's flow up at the warm start. If that fails the group stands still at the
+    /// furthest it has come to.
+    pub fn start(ground: Ground<'_>, group: usize, options: &FillOptions) -> Self {
+        let mut run = Self::at_rest(ground, group, options);
+        if let Err(error) = run.set_up(ground) {
+            run.failed = Some(error);
+        }
+        run
+    }
+
+    /// The group at its first patches, without a flow because of `error`.
+    pub fn still(
+        ground: Ground<'_>,
+        group: usize,
+        options: &FillOptions,
+        error: SolverError,
+    ) -> Self {
+        let failed = Some(error);
+        Self {
+            failed,
+            ..Self::at_rest(ground, group, options)
+        }
+    }
+
+    fn at_rest(ground: Ground<'_>, group: usize, options: &FillOptions) -> Self {
+        let (shape, resting) = ground.plan.shape_of(&ground.plan.groups[group]);
+        Self {
+            group,
+            options: options.clone(),
+            shape: Arc::new(shape),
+            flow: None,
+            resting,
+            failed: None,
+            past: (0, 0),
+            energy_start: None,
+            warnings: Vec::new(),
+            timings: Timings::default(),
+        }
+    }
+
+    fn set_up(&mut self, ground: Ground<'_>) -> Result<(), SolverError> {
+        let mut lap = Instant::now();
+        let mut split = |slot: &mut f64| {
+            *slot += milliseconds(lap);
+            lap = Instant::now();
+        };
+        let group = &ground.plan.groups[self.group];
+        let options = &self.options;
+        let problem = region::problem(
+            ground.mesh,
+            ground.plan,
+            group,
+            &self.shape,
+            &self.resting,
+            options,
+        )?;
+        split(&mut self.timings.setup);
+        let problem = roughened(warm_start(problem)?, options.noise);
+        self.resting = problem.to_world(problem.positions());
+        split(&mut self.timings.warm_start);
+        self.flow = Self::flow_of(problem, options)?;
+        split(&mut self.timings.setup);
+        Ok(())
+    }
+
+    /// `None` where nothing can move.
+    fn flow_of(problem: FlowProblem, options: &FillOptions) -> Result<Option<Flow>, SolverError> {
+        if problem.interior().is_empty() {
+            return Ok(None);
+        }
+        Flow::new(problem, options.flow.clone()).map(Some)
+    }
+
+    /// Attempts one step; `None` if the group stands still.
+    pub fn attempt(&mut self) -> Option<StepRecord> {
+        let start = Instant::now();
+        let record = self.flow.as_mut()?.step();
+        self.timings.flow += milliseconds(start);
+        match record {
+            Ok(record) => record,
+            Err(error) => {
+                let (shape, resting) = (Arc::clone(&self.shape), self.positions());
+                self.fail(error, shape, resting);
+                None
+            }
+        }
+    }
+
+    /// The flow cannot go on; the group stands still at `resting`, positions of `shape`.
+    pub fn fail(&mut self, error: SolverError, shape: Arc<Shape>, resting: Vec<DVec3>) {
+        self.keep_history();
+        self.flow = None;
+        (self.shape, self.resting) = (shape, resting);
+        self.failed = Some(error);
+    }
+
+    /// Ends the flow at the present shape.
+    pub fn stop(&mut self) {
+        if let Some(flow) = &mut self.flow {
+            flow.cancel();
+        }
+    }
+
+    /// Goes on with other options from the present shape.
+    ///
+    /// # Errors
+    /// The options are refused and the group is as before.
+    pub fn change(&mut self, ground: Ground<'_>, options: &FillOptions) -> Result<(), ChangeError> {
+        let group = &ground.plan.groups[self.group];
+        let holes = group.holes.iter().map(|&h| &ground.plan.holes[h]);
+        let remeshed = options.patch != self.options.patch;
+        let recut = holes.clone().any(|hole| {
+            let differs = |&n: &usize| options.continuity_at(n) != self.options.continuity_at(n);
+            hole.loops.iter().any(differs)
+        });
+        if remeshed || recut || self.flow.is_none() {
+            let mut positions = self.positions();
+            let mut shape = Arc::clone(&self.shape);
+            if remeshed {
+                let remeshed = remesh(ground, self.group, &shape, &positions, options)?;
+                (shape, positions) = (Arc::new(remeshed.0), remeshed.1);
+            }
+            let (steps, rejected) = self.counts();
+            let flow = self.build(ground, &shape, &positions, options, steps, rejected)?;
+            self.take(shape, positions, flow);
+        } else if options.flow != self.options.flow
+            && let Some(flow) = &mut self.flow
+        {
+            flow.set_options(options.flow.clone())?;
+        }
+        self.options = options.clone();
+        Ok(())
+    }
+
+    /// Goes on from another shape of the group, `steps` accepted steps from its start.
+    ///
+    /// # Errors
+    /// No flow can start there with these options; the group is as before.
+    pub fn rewind(
+        &mut self,
+        ground: Ground<'_>,
+        shape: &Arc<Shape>,
+        positions: &[DVec3],
+        steps: usize,
+        options: &FillOptions,
+    ) -> Result<(), ChangeError> {
+        let (_, rejected) = self.counts();
+        let flow = self.build(ground, shape, positions, options, steps, rejected)?;
+        self.take(Arc::clone(shape), positions.to_vec(), flow);
+        self.options = options.clone();
+        Ok(())
+    }
+
+    fn build(
+        &self,
+        ground: Ground<'_>,
+        shape: &Shape,
+        positions: &[DVec3],
+        options: &FillOptions,
+        steps: usize,
+        rejected: usize,
+    ) -> Result<Option<Flow>, SolverError> {
+        let group = &ground.plan.groups[self.group];
+        let problem = region::problem(ground.mesh, ground.plan, group, shape, positions, options)?;
+        let flow = Self::flow_of(problem, options)?;
+        Ok(flow.map(|flow| flow.counting_from(steps, rejected)))
+    }
+
+    fn take(&mut self, shape: Arc<Shape>, positions: Vec<DVec3>, flow: Option<Flow>) {
+        self.keep_history();
+        self.shape = shape;
+        self.resting = positions;
+        self.failed = None;
+        self.flow = flow;
+    }
+
+    /// What is to be remembered of a flow that is about to be replaced.
+    fn keep_history(&mut self) {
+        if let Some(flow) = &self.flow {
+            self.energy_start.get_or_insert(flow.energy_start());
+            self.warnings = self.warnings();
+            self.past = flow.counts();
+        }
+    }
+
+    fn counts(&self) -> (usize, usize) {
+        self.flow.as_ref().map_or(self.past, Flow::counts)
+    }
+
+    /// Accepted steps from the start to the present shape.
+    pub fn steps(&self) -> usize {
+        self.counts().0
+    }
+
+    /// Positions of the new vertices, those of `shape`.
+    pub fn positions(&self) -> Vec<DVec3> {
+        match &self.flow {
+            Some(flow) => flow.problem().to_world(flow.positions()),
+            None => self.resting.clone(),
+        }
+    }
+
+    /// The patches.
+    pub fn shape(&self) -> &Arc<Shape> {
+        &self.shape
+    }
+
+    /// The flow, unless the group cannot go on.
+    pub fn flow(&self) -> Option<&Flow> {
+        self.flow.as_ref()
+    }
+
+    /// Whether it stands still.
+    pub fn ended(&self) -> bool {
+        self.flow.as_ref().is_none_or(|flow| flow.end().is_some())
+    }
+
+    /// Why it has ended, if it has and did not fail.
+    pub fn end(&self) -> Option<End> {
+        match &self.flow {
+            Some(flow) => flow.end(),
+            None => self.failed.is_none().then_some(End::Converged),
+        }
+    }
+
+    /// Why it cannot go on.
+    pub fn failed(&self) -> Option<&SolverError> {
+        self.failed.as_ref()
+    }
+
+    /// Something a person has to know about this group.
+    pub fn warn(&mut self, text: String) {
+        self.warnings.push(text);
+    }
+
+    /// Warnings so far, each once.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut all = self.warnings.clone();
+        for text in self.flow.iter().flat_map(Flow::warnings) {
+            if !all.contains(text) {
+                all.push(text.clone());
+            }
+        }
+        all
+    }
+
+    /// How the flow went, and the stage times.
+    ///
+    /// # Errors
+    /// Why it could not go on.
+    pub fn outcome(&mut self) -> Result<(Outcome, Timings), SolverError> {
+        let before = std::mem::take(&mut self.warnings);
+        let result = match (&mut self.flow, &self.failed) {
+            (Some(flow), _) => {
+                let mut outcome = flow.outcome();
+                if let Some(start) = self.energy_start {
+                    outcome.energy_start = start;
+                }
+                let own = std::mem::take(&mut outcome.warnings);
+                outcome.warnings.clone_from(&before);
+                outcome
+                    .warnings
+                    .extend(own.into_iter().filter(|text| !before.contains(text)));
+                Ok((outcome, self.timings))
+            }
+            (None, Some(error)) => Err(error.clone()),
+            (None, None) => Ok((nothing_to_do(), self.timings)),
+        };
+        self.warnings = before;
+        result
+    }
+}
+
+/// The outcome of a group without vertices to move.
+fn nothing_to_do() -> Outcome {
+    Outcome {
+        end: End::Converged,
+        steps: 0,
+        rejected: 0,
+        energy_start: 0.0,
+        energy_end: 0.0,
+        warnings: Vec::new(),
+    }
+}
+
+/// New triangulations of a group's holes that take over the present shape.
+fn remesh(
+    ground: Ground<'_>,
+    group: usize,
+    shape: &Shape,
+    positions: &[DVec3],
+    options: &FillOptions,
+) -> Result<(Shape, Vec<DVec3>), ChangeError> {
+    let mut first = 0;
+    let mut out = Shape { holes: Vec::new() };
+    let mut moved = Vec::new();
+    for (&h, hole) in ground.plan.groups[group].holes.iter().zip(&shape.holes) {
+        let number = ground.plan.holes[h].number;
+        let end = first + hole.new_vertices;
+        let hole = remesh_hole(ground, number, hole, &positions[first..end], options)?;
+        out.holes.push(hole.0);
+        moved.extend(hole.1);
+        first = end;
+    }
+    Ok((out, moved))
+}
+
+fn remesh_hole(
+    ground: Ground<'_>,
+    number: usize,
+    hole: &HoleShape,
+    positions: &[DVec3],
+    options: &FillOptions,
+) -> Result<(HoleShape, Vec<DVec3>), ChangeError> {
+    let old = ground.mesh.positions.len() as u32;
+    let found = ground.gaps.iter().find(|gap| gap[0].number == number);
+    let gap = gap_of(ground.mesh, found.expect("a planned hole has rims"));
+    let rims = found.into_iter().flatten();
+    let rim: Vec<u32> = rims.flat_map(|l| l.vertices.iter().map(|v| v.0)).collect();
+    let count = rim.len() as u32;
+    // the present patch with the rims first
+    let mut place: Vec<(u32, u32)> = (0..).zip(&rim).map(|(i, &v)| (v, i)).collect();
+    place.sort_unstable();
+    let local = |v: u32| match place.binary_search_by_key(&v, |p| p.0) {
+        Ok(at) => place[at].1,
+        Err(_) => count + (v - old),
+    };
+    let mut present = patch::PatchMesh {
+        points: gap.rims.iter().flat_map(|r| r.points.clone()).collect(),
+        triangles: hole.triangles.iter().map(|t| t.map(local)).collect(),
+    };
+    present.points.extend_from_slice(positions);
+    let mut fresh = match &gap.rims[..] {
+        [rim] => {
+            let patch = |source| ChangeError::Patch {
+                hole: number,
+                source,
+            };
+            let transfer = |source| ChangeError::Transfer {
+                hole: number,
+                source,
+            };
+            let mut fresh = patch::fill(rim, &options.patch).map_err(patch)?;
+            patch::transfer(&present, &mut fresh, count as usize).map_err(transfer)?;
+            fresh
+        }
+        _ => patch::reblend(&gap, &present, &options.patch),
+    };
+    let global = |v: u32| match rim.get(v as usize) {
+        Some(&v) => v,
+        None => old + (v - count),
+    };
+    let shape = HoleShape {
+        triangles: fresh.triangles.iter().map(|t| t.map(global)).collect(),
+        new_vertices: fresh.points.len() - count as usize,
+    };
+    Ok((shape, fresh.points.split_off(count as usize)))
+}

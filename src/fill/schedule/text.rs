@@ -1,0 +1,79 @@
+//! Schedules as CSV text.
+
+use std::fmt::Write as _;
+
+use super::{Fault, Row, Schedule, ScheduleError};
+
+const HEADER: &str = "attempt,control,value";
+
+impl Schedule {
+    /// Reads a schedule. A value with a comma or a quote may be quoted.
+    ///
+    /// # Errors
+    /// The first line that is no row, with its number.
+    pub fn parse(text: &str) -> Result<Self, ScheduleError> {
+        let mut lines = (1..).zip(text.trim_end().lines());
+        if lines.next().is_none_or(|(_, l)| l.trim() != HEADER) {
+            let remedy = format!("the first line is `{HEADER}`");
+            return Err(Fault::new("the header is missing", remedy).at(1));
+        }
+        let mut rows: Vec<Row> = Vec::new();
+        for (line, text) in lines {
+            let row = row(text).map_err(|fault| fault.at(line))?;
+            if let Some(last) = rows.last()
+                && row.attempt < last.attempt
+            {
+                let problem = format!("attempt {} comes after {}", row.attempt, last.attempt);
+                return Err(Fault::new(problem, "sort the rows by attempt").at(line));
+            }
+            rows.push(row);
+        }
+        Ok(Self { rows })
+    }
+
+    /// The text that reads back as this schedule.
+    pub fn to_csv(&self) -> String {
+        let mut out = format!("{HEADER}\n");
+        for row in &self.rows {
+            let value = quoted(&row.value);
+            let _ = writeln!(out, "{},{},{value}", row.attempt, row.control);
+        }
+        out
+    }
+}
+
+fn row(text: &str) -> Result<Row, Fault> {
+    let mut parts = text.splitn(3, ',');
+    let (Some(attempt), Some(control), Some(value)) = (parts.next(), parts.next(), parts.next())
+    else {
+        let problem = format!("`{}` has no three columns", text.trim());
+        return Err(Fault::new(problem, "write ATTEMPT,CONTROL,VALUE"));
+    };
+    let attempt = attempt.trim();
+    let Ok(number) = attempt.parse::<usize>() else {
+        let problem = format!("`{attempt}` is no count of attempts");
+        return Err(Fault::new(problem, "write a whole number"));
+    };
+    Ok(Row {
+        attempt: number,
+        control: control.trim().to_owned(),
+        value: unquoted(value.trim()),
+    })
+}
+
+fn quoted(value: &str) -> String {
+    // a typed energy may hold line breaks; to its grammar they are spaces
+    let value = value.replace(['\r', '\n'], " ");
+    if value.contains([',', '"']) || value.trim() != value {
+        format!("\"{}\"", value.replace('"', "\"\""))
+    } else {
+        value
+    }
+}
+
+fn unquoted(value: &str) -> String {
+    match value.strip_prefix('"').and_then(|v| v.strip_suffix('"')) {
+        Some(inside) => inside.replace("\"\"", "\""),
+        None => value.to_owned(),
+    }
+}

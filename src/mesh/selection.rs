@@ -1,0 +1,197 @@
+//! Selections of faces: one flag per face.
+
+use super::{DVec3, FaceId, HalfedgeId, Mesh, Topology, VertexId};
+
+/// Faces all of whose corners lie in the ball, its surface included.
+pub fn faces_in_ball(mesh: &Mesh, centre: DVec3, radius: f64) -> Vec<bool> {
+    let inside = |p: DVec3| p.distance(centre) <= radius;
+    (0..mesh.face_count())
+        .map(|f| mesh.corners(FaceId::from(f)).into_iter().all(inside))
+        .collect()
+}
+
+/// The faces that are reached from `seed` across edges within `limit` (all of its component if every
+/// face is within).
+pub fn connected_faces(topology: &Topology, seed: FaceId, limit: &[bool]) -> Vec<bool> {
+    let mut reached = vec![false; topology.face_count()];
+    let mut stack = vec![seed];
+    while let Some(f) = stack.pop() {
+        if !limit[f.index()] || std::mem::replace(&mut reached[f.index()], true) {
+            continue;
+        }
+        for h in halfedges(topology, f) {
+            let g = topology.face(h.twin());
+            if g.is_some() && !reached[g.index()] {
+                stack.push(g);
+            }
+        }
+    }
+    reached
+}
+
+/// Adds all faces that share a vertex with a selected one.
+pub fn grow(topology: &Topology, selected: &mut [bool]) {
+    let touched = touched_vertices(topology, selected);
+    for (f, flag) in selected.iter_mut().enumerate() {
+        let corners = topology.face_vertices(FaceId::from(f));
+        *flag |= corners.iter().any(|v| touched[v.index()]);
+    }
+}
+
+/// Takes off all faces that share a vertex with one that is not selected.
+pub fn shrink(topology: &Topology, selected: &mut [bool]) {
+    invert(selected);
+    grow(topology, selected);
+    invert(selected);
+}
+
+/// Selects what is not selected and the other way around.
+pub fn invert(selected: &mut [bool]) {
+    for flag in selected {
+        *flag = !*flag;
+    }
+}
+
+/// Smooths the border by majority: a face with two or more neighbours on the other side changes
+/// sides, until none is left or `passes` are over. Ears and notches one face wide go; so do
+/// lone faces.
+pub fn smooth_border(topology: &Topology, selected: &mut [bool], passes: usize) {
+    for _ in 0..passes {
+        let before = selected.to_vec();
+        let mut any = false;
+        for (f, flag) in selected.iter_mut().enumerate() {
+            let (mut same, mut other) = (0, 0);
+            for h in halfedges(topology, FaceId::from(f)) {
+                let g = topology.face(h.twin());
+                if g.is_some() {
+                    if before[g.index()] == before[f] {
+                        same += 1;
+                    } else {
+                        other += 1;
+                    }
+                }
+            }
+            if other > same && other >= 2 {
+                *flag = !before[f];
+                any = true;
+            }
+        }
+        if !any {
+            return;
+        }
+    }
+}
+
+/// Vertices all of whose faces are selected and that lie on no boundary: what may move while the
+/// rest stays. Ascending.
+pub fn inner_vertices(topology: &Topology, selected: &[bool]) -> Vec<VertexId> {
+    (0..topology.vertex_count())
+        .map(VertexId::from)
+        .filter(|&v| {
+            topology.halfedge_of_vertex(v).is_some()
+                && topology.outgoing(v).all(|h| {
+                    let f = topology.face(h);
+                    f.is_some() && selected[f.index()]
+                })
+        })
+        .collect()
+}
+
+fn halfedges(topology: &Topology, f: FaceId) -> [HalfedgeId; 3] {
+    let h = topology.halfedge_of_face(f);
+    let n = topology.next(h);
+    [h, n, topology.next(n)]
+}
+
+pub(super) fn touched_vertices(topology: &Topology, selected: &[bool]) -> Vec<bool> {
+    let mut touched = vec![false; topology.vertex_count()];
+    for (f, _) in selected.iter().enumerate().filter(|(_, flag)| **flag) {
+        for v in topology.face_vertices(FaceId::from(f)) {
+            touched[v.index()] = true;
+        }
+    }
+    touched
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes;
+
+    fn ball() -> Mesh {
+        let (positions, triangles) = shapes::icosphere(8);
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
+        Mesh::new(positions, topology)
+    }
+
+    fn count(selected: &[bool]) -> usize {
+        selected.iter().filter(|&&flag| flag).count()
+    }
+
+    #[test]
+    fn growing_and_shrinking_go_ring_by_ring() {
+        let mesh = ball();
+        let t = &mesh.topology;
+        // around a regular vertex of the lattice: 6, then 24, then 54 triangles
+        let v = (0..t.vertex_count())
+            .map(VertexId::from)
+            .find(|&v| t.valence(v) == 6 && t.neighbours(v).all(|w| t.valence(w) == 6))
+            .expect("inside a face of the icosahedron");
+        let mut selected = vec![false; t.face_count()];
+        for h in t.outgoing(v) {
+            selected[t.face(h).index()] = true;
+        }
+        let first = selected.clone();
+        grow(t, &mut selected);
+        assert_eq!(count(&selected), 24);
+        let border = inner_vertices(t, &selected);
+        assert_eq!(border.len(), 7);
+        assert!(border.contains(&v));
+        shrink(t, &mut selected);
+        assert_eq!(selected, first);
+        invert(&mut selected);
+        assert_eq!(count(&selected), t.face_count() - 6);
+    }
+
+    #[test]
+    fn smoothing_takes_off_ears_and_fills_notches() {
+        let mesh = ball();
+        let t = &mesh.topology;
+        let smooth = faces_in_ball(&mesh, DVec3::Z, 0.7);
+        let mut rough = smooth.clone();
+        smooth_border(t, &mut rough, 20);
+        let smooth = rough.clone();
+        // a lone face well inside and one outside
+        let mut deep = smooth.clone();
+        shrink(t, &mut deep);
+        shrink(t, &mut deep);
+        let inside = deep.iter().position(|&flag| flag).expect("an inner face");
+        let low = |f: &usize| mesh.corners(FaceId::from(*f))[0].z;
+        let far = (0..t.face_count())
+            .min_by(|f, g| low(f).total_cmp(&low(g)))
+            .expect("a face at the bottom");
+        rough[inside] = false;
+        rough[far] = true;
+        smooth_border(t, &mut rough, 20);
+        assert_eq!(rough, smooth);
+    }
+
+    #[test]
+    fn connected_faces_stop_at_the_limit() {
+        let mesh = ball();
+        let t = &mesh.topology;
+        let all = vec![true; t.face_count()];
+        assert_eq!(connected_faces(t, FaceId(3), &all), all);
+        let mut halves = vec![false; t.face_count()];
+        for (f, flag) in halves.iter_mut().enumerate() {
+            let z: f64 = mesh.corners(FaceId::from(f)).iter().map(|p| p.z).sum();
+            *flag = z.abs() > 0.6;
+        }
+        let top = (0..t.face_count())
+            .find(|&f| halves[f] && mesh.corners(FaceId::from(f))[0].z > 0.0)
+            .expect("a face");
+        let reached = connected_faces(t, FaceId::from(top), &halves);
+        assert!(reached.iter().zip(&halves).all(|(r, h)| !r || *h));
+        assert_eq!(2 * count(&reached), count(&halves));
+    }
+}

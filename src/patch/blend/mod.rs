@@ -1,0 +1,254 @@
+//! The first patch over several rims: a sphere with as many holes as there are rims.
+//!
+//! [`blend`] triangulates between the rims without new vertices, then refines and relaxes as for a
+//! single hole. The triangulation is the constrained Delaunay triangulation of the rims as seen
+//! from a point (`layout`), if there is a point from which they do not overlap; else the rims are cut
+//! open along bridges into one polygon, which is triangulated with least weight (`bridges`).
+
+mod bridges;
+mod layout;
+#[cfg(test)]
+mod tests;
+
+use super::fill::{fineness, loose_angles, rim_sizes, validate};
+use super::remesh::{refit, rim_valences, split_chords};
+use super::surface::Surface;
+use super::{PatchError, PatchMesh, PatchOptions, Rim};
+use crate::mesh::DVec3;
+
+/// Rims that one patch is to join.
+///
+/// Indices of rim vertices count through all rims in order: those of the second follow the last of
+/// the first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gap {
+    /// The rims, at least one.
+    pub rims: Vec<Rim>,
+    /// Pairs (i < j) of vertices of different rims that are joined by an edge of the mesh already.
+    pub forbidden: Vec<[u32; 2]>,
+    /// For each rim the connected piece of the mesh it belongs to: rims of one piece can only be
+    /// turned over together.
+    pub pieces: Vec<u32>,
+}
+
+impl Gap {
+    /// Number of rim vertices.
+    fn len(&self) -> usize {
+        self.rims.iter().map(|r| r.points.len()).sum()
+    }
+
+    /// All forbidden pairs that are not rim edges.
+    fn chords(&self) -> Vec<[u32; 2]> {
+        let mut chords = self.forbidden.clone();
+        let mut first = 0;
+        for rim in &self.rims {
+            let n = rim.points.len() as u32;
+            let inner = rim.forbidden.iter();
+            chords.extend(
+                inner
+                    .filter(|&&[i, j]| j != i + 1 && (i != 0 || j != n - 1))
+                    .map(|pair| pair.map(|v| v + first)),
+            );
+            first += n;
+        }
+        chords
+    }
+}
+
+/// The first surface that joins the rims of a gap: triangulated between them, refined to their
+/// densities (graded from one rim to the other), flipped and evened out.
+///
+/// The result is a sphere with a hole for every rim: Euler characteristic 2 − n, the rims as
+/// its only boundary, rim points unchanged and first. With one rim this is [`super::fill()`].
+///
+/// # Errors
+/// What makes a rim unusable; rims that touch ([`PatchError::RimsTouch`]); rims whose faces look to
+/// different sides ([`PatchError::InsideOut`]).
+pub fn blend(gap: &Gap, options: &PatchOptions) -> Result<PatchMesh, PatchError> {
+    if let [rim] = &gap.rims[..] {
+        return super::fill(rim, options);
+    }
+    for rim in &gap.rims {
+        validate(rim, options.density)?;
+    }
+    check_apart(gap)?;
+    let frame = Frame::around(gap.rims.iter().flat_map(|r| &r.points));
+    let rims: Vec<Rim> = gap.rims.iter().map(|r| frame.local(r)).collect();
+    let chords = gap.chords();
+    let mut surface = if let Some(triangles) = layout::triangulate(&rims) {
+        let points: Vec<DVec3> = rims.iter().flat_map(|r| r.points.clone()).collect();
+        let count = points.len();
+        Surface::new(points, vec![0.0; count], count, &triangles)
+    } else {
+        check_orientation(&gap.pieces, &rims)?;
+        bridges::surface(&rims, &chords)
+    };
+    surface.size = sizes(&rims, *options);
+    let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
+    let wanted = rim_valences(&surface, &loose);
+    split_chords(&mut surface, &chords);
+    split_double_edges(&mut surface);
+    // a film would pinch off between distant rims
+    refit(&mut surface, &wanted);
+    Ok(frame.world(surface, gap))
+}
+
+/// Brings a patch whose shape has changed (by a warm start) back to the rims' density: splits,
+/// collapses and flips, vertices moving along the surface only. `patch` is a result of [`blend`] over
+/// the same gap, its positions those of the new shape.
+pub fn reblend(gap: &Gap, patch: &PatchMesh, options: &PatchOptions) -> PatchMesh {
+    let frame = Frame::around(gap.rims.iter().flat_map(|r| &r.points));
+    let rims: Vec<Rim> = gap.rims.iter().map(|r| frame.local(r)).collect();
+    let points: Vec<DVec3> = patch.points.iter().map(|&p| frame.to_local(p)).collect();
+    let mut size = sizes(&rims, *options);
+    let middle = size.iter().sum::<f64>() / size.len() as f64;
+    size.resize(points.len(), middle);
+    let mut surface = Surface::new(points, size, gap.len(), &patch.triangles);
+    let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
+    let wanted = rim_valences(&surface, &loose);
+    refit(&mut surface, &wanted);
+    frame.world(surface, gap)
+}
+
+/// Wanted edge lengths at all rim vertices.
+fn sizes(rims: &[Rim], options: PatchOptions) -> Vec<f64> {
+    let count = rims.iter().map(|r| r.points.len()).sum();
+    rims.iter()
+        .flat_map(|r| rim_sizes(&r.points, options.density * fineness(count)))
+        .collect()
+}
+
+/// Coordinates near the origin at unit scale: squared areas of tiny or huge meshes stay in range.
+struct Frame {
+    centre: DVec3,
+    radius: f64,
+}
+
+impl Frame {
+    fn around<'a>(points: impl Iterator<Item = &'a DVec3> + Clone) -> Self {
+        let count = points.clone().count();
+        let centre = points.clone().sum::<DVec3>() / count as f64;
+        let radius = points.map(|p| p.distance(centre)).fold(0.0, f64::max);
+        Self { centre, radius }
+    }
+
+    fn to_local(&self, p: DVec3) -> DVec3 {
+        (p - self.centre) / self.radius
+    }
+
+    fn local(&self, rim: &Rim) -> Rim {
+        Rim {
+            points: rim.points.iter().map(|&p| self.to_local(p)).collect(),
+            opposite: rim.opposite.iter().map(|&p| self.to_local(p)).collect(),
+            forbidden: rim.forbidden.clone(),
+        }
+    }
+
+    /// The patch in the mesh's coordinates, rim points bit-identical.
+    fn world(&self, surface: Surface, gap: &Gap) -> PatchMesh {
+        let (mut points, triangles) = surface.compact();
+        for p in &mut points {
+            *p = *p * self.radius + self.centre;
+        }
+        for (p, &rim) in points
+            .iter_mut()
+            .zip(gap.rims.iter().flat_map(|r| &r.points))
+        {
+            *p = rim;
+        }
+        PatchMesh { points, triangles }
+    }
+}
+
+/// No two rims may have a vertex at the same place.
+fn check_apart(gap: &Gap) -> Result<(), PatchError> {
+    let mut all: Vec<([u64; 3], usize, usize)> = Vec::with_capacity(gap.len());
+    for (r, rim) in gap.rims.iter().enumerate() {
+        let keys = rim.points.iter().enumerate();
+        // adding 0.0 turns -0.0 into 0.0
+        all.extend(keys.map(|(i, &p)| ((p + DVec3::ZERO).to_array().map(f64::to_bits), r, i)));
+    }
+    all.sort_unstable();
+    match all
+        .windows(2)
+        .find(|w| w[0].0 == w[1].0 && w[0].1 != w[1].1)
+    {
+        Some(pair) => Err(PatchError::RimsTouch {
+            rims: [pair[0].1, pair[1].1],
+            index: pair[0].2,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Things of which every combination is turned over; of more, one at a time.
+const COMBINED: u32 = 6;
+
+/// Whether rims that are seen from nowhere would be if some of them were turned over: then they run
+/// around the gap in directions that fit no orientable surface without passing through itself.
+fn check_orientation(pieces: &[u32], rims: &[Rim]) -> Result<(), PatchError> {
+    let mut names = pieces.to_vec();
+    names.sort_unstable();
+    names.dedup();
+    let piece_of = |k: usize| names.binary_search(&pieces[k]).unwrap_or(0);
+    if let Some(rim) = mistaken(rims, names.len() as u32, piece_of) {
+        return Err(PatchError::InsideOut { rim });
+    }
+    match mistaken(rims, rims.len() as u32, |k| k) {
+        Some(rim) => Err(PatchError::OneSided { rim }),
+        None => Ok(()),
+    }
+}
+
+/// The first rim that has to be turned over so that all are seen from somewhere, if that helps; rims of
+/// one class (of `count`) are turned over together, those of the first class not at all.
+fn mistaken(rims: &[Rim], count: u32, class: impl Fn(usize) -> usize) -> Option<usize> {
+    let free = count - 1;
+    let choices: Vec<u32> = if free < COMBINED {
+        (1..1 << free).collect()
+    } else {
+        (0..free.min(31)).map(|k| 1 << k).collect()
+    };
+    choices.into_iter().find_map(|choice| {
+        let is_turned = |k: usize| class(k) > 0 && choice >> (class(k) - 1) & 1 == 1;
+        let mut candidate: Vec<Rim> = rims.to_vec();
+        for (k, rim) in candidate.iter_mut().enumerate() {
+            if is_turned(k) {
+                rim.points.reverse();
+            }
+        }
+        layout::triangulate(&candidate)?;
+        (0..rims.len()).find(|&k| is_turned(k))
+    })
+}
+
+/// Splits edges that join the same two vertices as another one, until there are none: around a gap
+/// an edge may run on either side of a bridge.
+fn split_double_edges(s: &mut Surface) {
+    loop {
+        let mut edges: Vec<([u32; 2], u32)> = (0..s.corner.len() as u32)
+            .filter(|&h| s.twin(h) == super::surface::NONE || h < s.twin(h))
+            .map(|h| {
+                let (a, b) = (s.from(h), s.to(h));
+                ([a.min(b), a.max(b)], h)
+            })
+            .collect();
+        edges.sort_unstable();
+        let mut any = false;
+        for same in edges.chunk_by(|a, b| a.0 == b.0) {
+            if same.len() == 1 && same[0].0[0] != same[0].0[1] {
+                continue;
+            }
+            for &(_, h) in same {
+                if s.twin(h) != super::surface::NONE {
+                    let middle = s.point(s.from(h)).midpoint(s.point(s.to(h)));
+                    s.split(h, middle);
+                    any = true;
+                }
+            }
+        }
+        if !any {
+            return;
+        }
+    }
+}

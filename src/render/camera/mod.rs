@@ -1,0 +1,300 @@
+//! The camera: where one looks from, and how the mouse moves that.
+//!
+//! World coordinates are those of the file; `y` or `z` points up in the standard views. All of it is
+//! in `f64`; what the graphics card gets is relative to a centre near the surface.
+
+mod standard;
+#[cfg(test)]
+mod tests;
+mod text;
+
+use glam::{DMat4, DQuat, DVec2, DVec4};
+
+use super::Bounds;
+use crate::mesh::DVec3;
+pub use standard::StandardView;
+pub use text::CameraError;
+
+/// Room left around what is fitted into the picture.
+const MARGIN: f64 = 1.08;
+/// Least distance of the near plane, as a part of the far one's.
+const NEAR_OVER_FAR: f64 = 1e-5;
+
+/// A view of the world.
+///
+/// The camera looks along `forward` at the plane through `pivot`. The pivot, around which it turns,
+/// need not be in the middle of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// The point the camera turns around.
+    pub pivot: DVec3,
+    /// Rotates the camera's axes (right `x`, up `y`, backward `z`) into the world.
+    pub orientation: DQuat,
+    /// Depth of the pivot in front of the eye, in units of the file.
+    pub distance: f64,
+    /// Where the pivot is from the middle of the picture, to the right and up, in units of the
+    /// file.
+    pub offset: DVec2,
+    /// Vertical field of view in radians; with a parallel projection it says what height is seen at
+    /// the depth of the pivot.
+    pub fov_y: f64,
+    /// Parallel instead of perspective projection.
+    pub orthographic: bool,
+    /// Whether `z` is the vertical of the world, for standard views and the turntable, instead of
+    /// `y`.
+    pub z_up: bool,
+}
+
+impl Camera {
+    /// Looks at all of `bounds` from the front, a little from the right and above.
+    pub fn fit(bounds: &Bounds) -> Self {
+        let mut camera = Self {
+            pivot: DVec3::ZERO,
+            orientation: DQuat::IDENTITY,
+            distance: 1.0,
+            offset: DVec2::ZERO,
+            fov_y: 35f64.to_radians(),
+            orthographic: false,
+            z_up: false,
+        };
+        camera.home();
+        camera.fit_to(bounds);
+        camera
+    }
+
+    /// Turns to look from the front, a little from the right and above.
+    pub fn home(&mut self) {
+        let turn = DQuat::from_rotation_y(0.5) * DQuat::from_rotation_x(-0.35);
+        self.orientation = self.upright() * turn;
+    }
+
+    /// From a world with `y` up into this one.
+    fn upright(&self) -> DQuat {
+        if self.z_up {
+            DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2)
+        } else {
+            DQuat::IDENTITY
+        }
+    }
+
+    /// Moves so that all of `bounds` is seen in a square picture, with the pivot at its centre; the
+    /// orientation stays.
+    pub fn fit_to(&mut self, bounds: &Bounds) {
+        self.fit_aspect(bounds, 1.0);
+    }
+
+    /// [`Self::fit_to`] for a picture `aspect` times as wide as high: nothing is cut off on any
+    /// side.
+    pub fn fit_aspect(&mut self, bounds: &Bounds, aspect: f64) {
+        self.pivot = bounds.centre();
+        self.offset = DVec2::ZERO;
+        let t = self.tan_half();
+        // the sphere is seen under the angle of the smaller side
+        let smaller = t * aspect.min(1.0);
+        let sphere = if self.orthographic {
+            bounds.radius() / smaller
+        } else {
+            bounds.radius() / smaller.atan().sin()
+        };
+        // each corner must be within both pairs of sides
+        let box_distance = (0..8)
+            .map(|i| {
+                let end = |k: usize| {
+                    if i >> k & 1 == 0 {
+                        bounds.low[k]
+                    } else {
+                        bounds.high[k]
+                    }
+                };
+                let p = DVec3::new(end(0), end(1), end(2)) - self.pivot;
+                let towards_eye = if self.orthographic {
+                    0.0
+                } else {
+                    -p.dot(self.forward())
+                };
+                let [x, y] = [p.dot(self.right()).abs(), p.dot(self.up()).abs()];
+                towards_eye + (x / aspect).max(y) / t
+            })
+            .fold(0.0, f64::max);
+        let distance = if box_distance > 0.0 {
+            sphere.min(box_distance)
+        } else {
+            sphere
+        };
+        self.distance = MARGIN * distance;
+    }
+
+    /// Turns around the pivot: `dx` to the right and `dy` downwards, in radians, as the mouse drags
+    /// the surface. On a turntable the vertical of the world stays vertical in the picture.
+    pub fn orbit(&mut self, dx: f64, dy: f64, turntable: bool) {
+        let about_right = DQuat::from_rotation_x(-dy);
+        let turned = if turntable {
+            // upside down the table turns the other way, so that the surface follows the mouse
+            let vertical = self.vertical();
+            let side = if self.up().dot(vertical) < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
+            DQuat::from_axis_angle(vertical, -side * dx) * self.orientation * about_right
+        } else {
+            self.orientation * DQuat::from_rotation_y(-dx) * about_right
+        };
+        self.orientation = turned.normalize();
+    }
+
+    /// Turns the picture counter-clockwise by `angle` radians around the pivot's place in it.
+    pub fn roll(&mut self, angle: f64) {
+        self.orientation = (self.orientation * DQuat::from_rotation_z(-angle)).normalize();
+    }
+
+    /// Moves the surface with the mouse, by pixels to the right and down, in a viewport of height
+    /// `height_px`: what is at the depth of the pivot follows exactly.
+    pub fn pan(&mut self, dx_px: f64, dy_px: f64, height_px: f64) {
+        let unit = 2.0 * self.half_height() / height_px.max(1.0);
+        let to = self.right() * (dx_px * unit) - self.up() * (dy_px * unit);
+        self.pivot -= to;
+    }
+
+    /// Magnifies by `factor` (above 1: nearer). The point of the pivot's plane under the cursor
+    /// stays under it.
+    pub fn zoom_to(&mut self, factor: f64, cursor_ndc: [f64; 2], aspect: f64) {
+        if !(factor.is_finite() && factor > 0.0) {
+            return;
+        }
+        let cursor = DVec2::new(cursor_ndc[0] * aspect, cursor_ndc[1]) * self.half_height();
+        // From the cursor's point everything comes nearer by the factor, as the eye moves along
+        // the ray; the pivot is carried along so that it keeps its place in the picture.
+        let middle = self.middle();
+        let fixed = middle + self.right() * cursor.x + self.up() * cursor.y;
+        self.offset /= factor;
+        self.distance /= factor;
+        let middle = fixed + (middle - fixed) / factor;
+        self.pivot = middle + self.right() * self.offset.x + self.up() * self.offset.y;
+    }
+
+    /// Makes `point` the pivot without a change of the picture. A point behind the eye is ignored.
+    pub fn set_pivot(&mut self, point: DVec3) {
+        let seen = point - self.eye();
+        let depth = seen.dot(self.forward());
+        if !point.is_finite() || (!self.orthographic && depth <= 0.0) {
+            return;
+        }
+        self.offset = DVec2::new(seen.dot(self.right()), seen.dot(self.up()));
+        self.pivot = point;
+        if !self.orthographic {
+            self.distance = depth;
+        }
+    }
+
+    /// Turns to a standard view around the pivot.
+    pub fn standard_view(&mut self, view: StandardView) {
+        self.orientation = (self.upright() * view.orientation()).normalize();
+    }
+
+    /// The direction that is up in the world.
+    pub fn vertical(&self) -> DVec3 {
+        if self.z_up { DVec3::Z } else { DVec3::Y }
+    }
+
+    /// Where the eye is.
+    pub fn eye(&self) -> DVec3 {
+        self.middle() - self.forward() * self.distance
+    }
+
+    /// The point in the middle of the picture at the depth of the pivot.
+    fn middle(&self) -> DVec3 {
+        self.pivot - self.right() * self.offset.x - self.up() * self.offset.y
+    }
+
+    /// To the right in the picture, of length 1.
+    pub fn right(&self) -> DVec3 {
+        self.orientation * DVec3::X
+    }
+
+    /// Upwards in the picture, of length 1.
+    pub fn up(&self) -> DVec3 {
+        self.orientation * DVec3::Y
+    }
+
+    /// Into the picture, of length 1.
+    pub fn forward(&self) -> DVec3 {
+        self.orientation * DVec3::NEG_Z
+    }
+
+    fn tan_half(&self) -> f64 {
+        (0.5 * self.fov_y).tan()
+    }
+
+    /// Half the height seen at the depth of the pivot, in units of the file.
+    pub fn half_height(&self) -> f64 {
+        self.distance * self.tan_half()
+    }
+
+    /// Depths along `forward` that hold a sphere around `bounds`; the near one is positive in
+    /// perspective.
+    pub fn near_far(&self, bounds: &Bounds) -> [f64; 2] {
+        let depth = (bounds.centre() - self.eye()).dot(self.forward());
+        let reach = 1.01 * bounds.radius();
+        let (near, far) = (depth - reach, depth + reach);
+        if self.orthographic {
+            return [near, far];
+        }
+        // nothing in front of the eye: any slab will do
+        let far = if far > 0.0 { far } else { self.distance };
+        [near.max(NEAR_OVER_FAR * far), far]
+    }
+
+    /// From positions relative to `centre` to the clip space of wgpu, with reversed depth: 1 at the
+    /// near plane, 0 at the far one, both from `bounds`.
+    pub fn view_projection(&self, aspect: f64, bounds: &Bounds, centre: DVec3) -> DMat4 {
+        let [near, far] = self.near_far(bounds);
+        let view = DMat4::from_quat(self.orientation.inverse())
+            * DMat4::from_translation(centre - self.eye());
+        let projection = if self.orthographic {
+            let h = self.half_height();
+            let scale = DVec4::new(1.0 / (h * aspect), 1.0 / h, 1.0 / (far - near), 1.0);
+            let mut m = DMat4::from_diagonal(scale);
+            // depth d = -z: 1 at near, 0 at far
+            m.w_axis.z = far / (far - near);
+            m
+        } else {
+            let t = self.tan_half();
+            DMat4::from_cols(
+                DVec4::X / (t * aspect),
+                DVec4::Y / t,
+                DVec4::new(0.0, 0.0, near / (far - near), -1.0),
+                DVec4::new(0.0, 0.0, near * far / (far - near), 0.0),
+            )
+        };
+        projection * view
+    }
+
+    /// The line of sight through a point of the picture (`ndc` from −1 at the left and bottom to 1):
+    /// origin in the plane of the eye, direction of length 1. In a parallel projection the line goes
+    /// on behind its origin.
+    pub fn ray(&self, ndc: [f64; 2], aspect: f64) -> (DVec3, DVec3) {
+        let at = DVec2::new(ndc[0] * aspect, ndc[1]) * self.tan_half();
+        let sideways = self.right() * at.x + self.up() * at.y;
+        if self.orthographic {
+            (self.eye() + sideways * self.distance, self.forward())
+        } else {
+            (self.eye(), (self.forward() + sideways).normalize())
+        }
+    }
+
+    /// Where a point is in the picture, from −1 to 1 within it; `None` behind the eye.
+    pub fn project(&self, point: DVec3, aspect: f64) -> Option<[f64; 2]> {
+        let seen = point - self.eye();
+        let depth = seen.dot(self.forward());
+        let half = if self.orthographic {
+            self.half_height()
+        } else if depth > 0.0 {
+            depth * self.tan_half()
+        } else {
+            return None;
+        };
+        let [x, y] = [seen.dot(self.right()), seen.dot(self.up())];
+        Some([x / (half * aspect), y / half])
+    }
+}

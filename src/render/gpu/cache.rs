@@ -1,0 +1,181 @@
+//! Copies of geometry and lines on the graphics card, kept as long as a view shows them.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use wgpu::util::DeviceExt as _;
+
+use crate::render::{Geometry, LineStyle, Overlay, RenderError};
+
+/// A segment of a line as the graphics card gets it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Segment {
+    pub start: [f32; 3],
+    pub end: [f32; 3],
+    pub color: [f32; 4],
+    pub width: f32,
+}
+
+/// A segment of a wireframe: its two ends.
+pub type WireSegment = [[f32; 3]; 2];
+
+/// Buffers of a [`Geometry`].
+pub struct Surface {
+    pub vertices: wgpu::Buffer,
+    pub triangles: wgpu::Buffer,
+    pub corners: u32,
+    wire: Option<(wgpu::Buffer, u32)>,
+}
+
+/// Segments of an [`Overlay`], by style.
+pub struct Lines {
+    pub segments: wgpu::Buffer,
+    /// Ends of the parts drawn by depth, faintly when hidden, and always.
+    pub ends: [u32; 3],
+}
+
+/// What is on the graphics card, by the number of its content.
+#[derive(Default)]
+pub struct Cache {
+    surfaces: BTreeMap<u64, Option<Surface>>,
+    lines: BTreeMap<u64, Option<Lines>>,
+}
+
+impl Cache {
+    /// The buffers of a surface, if it has any triangles; they must have been loaded.
+    pub fn surface(&self, id: u64) -> Option<&Surface> {
+        self.surfaces.get(&id)?.as_ref()
+    }
+
+    /// The buffers of an overlay, if it has any segments; they must have been loaded.
+    pub fn lines(&self, id: u64) -> Option<&Lines> {
+        self.lines.get(&id)?.as_ref()
+    }
+
+    /// Loads a surface, with its wireframe if that is wanted.
+    pub fn load_surface(
+        &mut self,
+        device: &wgpu::Device,
+        geometry: &Geometry,
+        wire: bool,
+    ) -> Result<(), RenderError> {
+        if let Entry::Vacant(place) = self.surfaces.entry(geometry.id) {
+            let surface = if geometry.triangles.is_empty() {
+                None
+            } else {
+                Some(Surface {
+                    vertices: buffer(device, &geometry.vertices, wgpu::BufferUsages::VERTEX)?,
+                    triangles: buffer(device, &geometry.triangles, wgpu::BufferUsages::INDEX)?,
+                    corners: 3 * geometry.triangles.len() as u32,
+                    wire: None,
+                })
+            };
+            place.insert(surface);
+        }
+        if let Some(Some(surface)) = self.surfaces.get_mut(&geometry.id)
+            && wire
+            && surface.wire.is_none()
+            && !geometry.edges.is_empty()
+        {
+            let at = |v: u32| geometry.vertices[v as usize].position;
+            let segments: Vec<WireSegment> = geometry.edges.iter().map(|e| e.map(at)).collect();
+            let count = segments.len() as u32;
+            surface.wire = Some((
+                buffer(device, &segments, wgpu::BufferUsages::VERTEX)?,
+                count,
+            ));
+        }
+        Ok(())
+    }
+
+    /// Loads the lines of an overlay.
+    pub fn load_lines(
+        &mut self,
+        device: &wgpu::Device,
+        overlay: &Overlay,
+    ) -> Result<(), RenderError> {
+        if let Entry::Vacant(place) = self.lines.entry(overlay.id) {
+            let (segments, ends) = segments(overlay);
+            let lines = if segments.is_empty() {
+                None
+            } else {
+                Some(Lines {
+                    segments: buffer(device, &segments, wgpu::BufferUsages::VERTEX)?,
+                    ends,
+                })
+            };
+            place.insert(lines);
+        }
+        Ok(())
+    }
+
+    /// Forgets everything whose number is not among those given.
+    pub fn retain(&mut self, used: &[u64]) {
+        self.surfaces.retain(|id, _| used.contains(id));
+        self.lines.retain(|id, _| used.contains(id));
+    }
+}
+
+impl Surface {
+    /// The wireframe and its number of segments, once loaded.
+    pub fn wire(&self) -> Option<(&wgpu::Buffer, u32)> {
+        self.wire.as_ref().map(|(b, n)| (b, *n))
+    }
+}
+
+/// All segments of an overlay by style, and where each style ends.
+fn segments(overlay: &Overlay) -> (Vec<Segment>, [u32; 3]) {
+    let mut out = Vec::new();
+    let styles = [
+        LineStyle::Depth,
+        LineStyle::OnTopFaintWhenHidden,
+        LineStyle::OnTop,
+    ];
+    let ends = styles.map(|style| {
+        for line in overlay.lines.iter().filter(|l| l.style == style) {
+            let segment = |start: [f32; 3], end: [f32; 3]| Segment {
+                start,
+                end,
+                color: line.color,
+                width: line.width_px,
+            };
+            out.extend(line.points.windows(2).map(|w| segment(w[0], w[1])));
+            if let [first, .., last] = line.points[..]
+                && line.closed
+            {
+                out.push(segment(last, first));
+            }
+        }
+        for marker in overlay.markers.iter().filter(|m| m.style == style) {
+            out.push(Segment {
+                start: marker.position,
+                end: marker.position,
+                color: marker.color,
+                width: 2.0 * marker.radius_px,
+            });
+        }
+        out.len() as u32
+    });
+    (out, ends)
+}
+
+fn buffer<T: bytemuck::Pod>(
+    device: &wgpu::Device,
+    data: &[T],
+    usage: wgpu::BufferUsages,
+) -> Result<wgpu::Buffer, RenderError> {
+    let needed = size_of_val(data) as u64;
+    let allowed = device.limits().max_buffer_size;
+    if needed > allowed {
+        return Err(RenderError::TooLarge { needed, allowed });
+    }
+    let contents = bytemuck::cast_slice(data);
+    Ok(
+        device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("meniscus geometry"),
+            contents,
+            usage,
+        }),
+    )
+}

@@ -1,0 +1,33 @@
+//! Drawing surfaces, picking on them, and pictures. It takes plain data and knows no document.
+//!
+//! A [`Scene`] is made of [`Geometry`] (from [`DynamicSurface`] for what moves and
+//! [`static_surface`] for the rest) and overlays of lines, seen by a [`Camera`] in a [`ViewStyle`].
+//! [`ViewportCallback`] draws it in a window, [`picture`] without one.
+
+mod bounds;
+mod callback;
+mod camera;
+mod colormap;
+mod error;
+mod export;
+mod gpu;
+mod headless;
+mod picking;
+mod rims;
+mod scene;
+mod surface;
+
+pub use bounds::Bounds;
+pub use callback::ViewportCallback;
+pub use camera::{Camera, CameraError, StandardView};
+pub use colormap::{colormap, legend_ticks, robust_range};
+pub use error::RenderError;
+pub use export::{SequenceEnd, SequenceFormat, save_png, turntable, write_sequence};
+pub use gpu::{Renderer, Tile};
+pub use headless::{Gpu, MAX_SIDE, picture};
+pub use picking::{Hit, Picker};
+pub use rims::rim_points;
+pub use scene::{
+    Background, Geometry, LineStyle, Marker, Overlay, Polyline, Scene, Vertex, ViewMode, ViewStyle,
+};
+pub use surface::{DynamicSurface, Evaluation, SurfaceOptions, static_surface};

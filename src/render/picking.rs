@@ -1,0 +1,262 @@
+//! What is under the cursor.
+
+use glam::DVec2;
+
+use super::Camera;
+use crate::mesh::{BoundaryLoop, DVec3, FaceId, Topology, TriangleBvh};
+
+/// Sight lines to a rim end this much before it, in lengths of the edge and of the line: the faces
+/// at the rim do not hide it.
+const SHORTER: [f64; 2] = [0.01, 1e-9];
+
+/// A point of the surface under the cursor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The face.
+    pub face: FaceId,
+    /// The point.
+    pub point: DVec3,
+    /// Its distance from the eye (from the plane of the eye in a parallel projection, where it may
+    /// be negative), in units of the file.
+    pub distance: f64,
+}
+
+/// Answers what is under the cursor for a mesh that stays as it is.
+#[derive(Clone, Debug)]
+pub struct Picker {
+    surface: TriangleBvh,
+    rims: Vec<Rim>,
+}
+
+/// A boundary loop.
+#[derive(Clone, Debug)]
+struct Rim {
+    points: Vec<DVec3>,
+    centroid: DVec3,
+    /// An outer rim has no opening to click into.
+    open: bool,
+}
+
+/// A view of certain size with a cursor in it.
+struct View<'a> {
+    camera: &'a Camera,
+    size: DVec2,
+    aspect: f64,
+    cursor: DVec2,
+    origin: DVec3,
+    direction: DVec3,
+    /// Where lines of sight begin.
+    start: f64,
+}
+
+impl<'a> View<'a> {
+    fn new(camera: &'a Camera, size_px: [f64; 2], cursor_px: [f64; 2]) -> Self {
+        let size = DVec2::from(size_px).max(DVec2::ONE);
+        let cursor = DVec2::from(cursor_px);
+        let aspect = size.x / size.y;
+        let ndc = cursor / size * 2.0 - 1.0;
+        let (origin, direction) = camera.ray([ndc.x, -ndc.y], aspect);
+        let start = if camera.orthographic {
+            f64::NEG_INFINITY
+        } else {
+            0.0
+        };
+        Self {
+            camera,
+            size,
+            aspect,
+            cursor,
+            origin,
+            direction,
+            start,
+        }
+    }
+
+    /// Pixels from the upper left; `None` behind the eye.
+    fn pixel(&self, p: DVec3) -> Option<DVec2> {
+        let [x, y] = self.camera.project(p, self.aspect)?;
+        Some(DVec2::new(x + 1.0, 1.0 - y) * 0.5 * self.size)
+    }
+}
+
+/// A point of a rim near the cursor.
+struct Near {
+    distance_px: f64,
+    rim: usize,
+    edge: [DVec3; 2],
+    /// Place on the edge.
+    at: f64,
+}
+
+impl Picker {
+    /// Prepares a mesh with its boundary loops: `n log n` for `n` faces, so for a large mesh not on
+    /// the thread of the window.
+    pub fn new(positions: &[DVec3], topology: &Topology, loops: &[BoundaryLoop]) -> Self {
+        let triangles: Vec<[u32; 3]> = topology.triangles().collect();
+        let rims = loops.iter().map(|one| Rim {
+            points: one.vertices.iter().map(|v| positions[v.index()]).collect(),
+            centroid: one.centroid,
+            open: !one.outer_rim,
+        });
+        Self {
+            surface: TriangleBvh::new(positions, &triangles),
+            rims: rims.collect(),
+        }
+    }
+
+    /// The nearest point of the surface under the cursor (pixels from the upper left).
+    pub fn surface(&self, camera: &Camera, size_px: [f64; 2], cursor_px: [f64; 2]) -> Option<Hit> {
+        let view = View::new(camera, size_px, cursor_px);
+        let within = [view.start, f64::INFINITY];
+        let hit = self
+            .surface
+            .first_hit(view.origin, view.direction, within)?;
+        Some(Hit {
+            face: FaceId(hit.face),
+            point: view.origin + view.direction * hit.t,
+            distance: hit.t,
+        })
+    }
+
+    /// The loop under the cursor, as index into the loops given: the one whose rim is nearest to the
+    /// cursor, at most `tolerance_px` away and not hidden by the surface; or else the hole into
+    /// whose opening the cursor points, from either side, with no surface before it. Outer rims have
+    /// no opening.
+    pub fn pick_loop(
+        &self,
+        camera: &Camera,
+        size_px: [f64; 2],
+        cursor_px: [f64; 2],
+        tolerance_px: f64,
+    ) -> Option<usize> {
+        let view = View::new(camera, size_px, cursor_px);
+        self.rim_at(&view, tolerance_px)
+            .or_else(|| self.opening_at(&view))
+    }
+
+    fn rim_at(&self, view: &View<'_>, tolerance: f64) -> Option<usize> {
+        let mut near: Vec<Near> = Vec::new();
+        for (rim, r) in self.rims.iter().enumerate() {
+            let Some(&last) = r.points.last() else {
+                continue;
+            };
+            let mut from = (last, view.pixel(last));
+            for &p in &r.points {
+                let to = (p, view.pixel(p));
+                if let (Some(a), Some(b)) = (from.1, to.1) {
+                    let (at, distance_px) = nearest_on_segment(view.cursor, a, b);
+                    if distance_px <= tolerance {
+                        near.push(Near {
+                            distance_px,
+                            rim,
+                            edge: [from.0, to.0],
+                            at,
+                        });
+                    }
+                }
+                from = to;
+            }
+        }
+        near.sort_by(|a, b| a.distance_px.total_cmp(&b.distance_px));
+        near.iter()
+            .find(|n| self.is_visible(view, n))
+            .map(|n| n.rim)
+    }
+
+    /// Whether no surface is before the point of the rim that is nearest to the cursor.
+    fn is_visible(&self, view: &View<'_>, near: &Near) -> bool {
+        let [a, b] = near.edge;
+        // on a line that is seen at an angle, equal parts of pixels are not equal parts of length
+        let point = if view.camera.orthographic {
+            a + (b - a) * near.at
+        } else {
+            let depth = |p: DVec3| (p - view.camera.eye()).dot(view.camera.forward());
+            let (da, db) = (depth(a), depth(b));
+            a + (b - a) * (near.at * da / (db + near.at * (da - db)))
+        };
+        let (origin, direction) = if view.camera.orthographic {
+            let forward = view.camera.forward();
+            let depth = (point - view.camera.eye()).dot(forward);
+            (point - forward * depth, forward)
+        } else {
+            let eye = view.camera.eye();
+            (eye, (point - eye).normalize_or_zero())
+        };
+        let length = (point - origin).dot(direction);
+        let end = length - SHORTER[0] * a.distance(b) - SHORTER[1] * length.abs();
+        let hit = self.surface.first_hit(origin, direction, [view.start, end]);
+        hit.is_none()
+    }
+
+    /// The nearest opening before any surface.
+    fn opening_at(&self, view: &View<'_>) -> Option<usize> {
+        let within = [view.start, f64::INFINITY];
+        let surface = self
+            .surface
+            .first_hit(view.origin, view.direction, within)
+            .map_or(f64::INFINITY, |hit| hit.t);
+        self.rims
+            .iter()
+            .enumerate()
+            .filter(|(_, rim)| rim.open)
+            .filter_map(|(i, rim)| Some((i, rim.opening(view)?)))
+            .filter(|&(_, t)| t < surface)
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(i, _)| i)
+    }
+}
+
+impl Rim {
+    /// Where the line of sight goes through the opening: through the cone from the centroid over
+    /// the rim, if it winds around the line. However the rim lies, the signed number of times that
+    /// the line goes through the cone is the number of turns of the rim around the line.
+    fn opening(&self, view: &View<'_>) -> Option<f64> {
+        let d = view.direction;
+        let centre = self.centroid - view.origin;
+        let (mut turns, mut first) = (0, f64::INFINITY);
+        let mut a = *self.points.last()? - view.origin;
+        for p in &self.points {
+            let b = *p - view.origin;
+            let (u, v, w) = (
+                d.dot(a.cross(b)),
+                d.dot(b.cross(centre)),
+                d.dot(centre.cross(a)),
+            );
+            // half-open, so that a spoke between two triangles counts once
+            let side = if u >= 0.0 && v >= 0.0 && w > 0.0 {
+                1
+            } else if u <= 0.0 && v < 0.0 && w <= 0.0 {
+                -1
+            } else {
+                0
+            };
+            let volume = u + v + w;
+            if side != 0 && volume != 0.0 {
+                let at = (centre * u + a * v + b * w) / volume;
+                let t = at.dot(d);
+                if t > view.start {
+                    turns += side;
+                    first = first.min(t);
+                }
+            }
+            a = b;
+        }
+        (turns != 0).then_some(first)
+    }
+}
+
+/// Place on the segment and distance of the point nearest to `p`.
+fn nearest_on_segment(p: DVec2, a: DVec2, b: DVec2) -> (f64, f64) {
+    let d = b - a;
+    let length = d.length_squared();
+    let at = if length > 0.0 {
+        ((p - a).dot(d) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (at, p.distance(a + d * at))
+}
+
+#[cfg(test)]
+#[path = "picking_tests.rs"]
+mod tests;

@@ -1,0 +1,310 @@
+//! What is to be drawn, as plain data.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::Bounds;
+use crate::mesh::DVec3;
+
+/// Numbers for content that the graphics card keeps a copy of; never given twice.
+static NEXT_ID: AtomicU64 = AtomicU64::new(1);
+
+fn next_id() -> u64 {
+    NEXT_ID.fetch_add(1, Ordering::Relaxed)
+}
+
+/// A vertex as the graphics card gets it; the shaders know the same layout.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Vertex {
+    /// Relative to [`Scene::centre`], in units of the file.
+    pub position: [f32; 3],
+    /// Unit normal of the limit surface, on the side from which faces run counter-clockwise.
+    pub normal: [f32; 3],
+    /// Mean curvature, negative on a sphere with outward normal.
+    pub mean: f32,
+    /// Gaussian curvature.
+    pub gauss: f32,
+    /// Signed distance along the normal from a start or reference surface, in units of the file.
+    pub deviation: f32,
+    /// Sum of the constants of [`Vertex`].
+    pub flags: u32,
+}
+
+impl Vertex {
+    /// The vertex belongs to a face of a patch.
+    pub const PATCH: u32 = 1;
+    /// The flow is ill-posed here.
+    pub const ILL_POSED: u32 = 2;
+    /// The vertex belongs to a selected face.
+    pub const SELECTED: u32 = 4;
+    /// `mean` and `gauss` are known.
+    pub const CURVATURE: u32 = 8;
+    /// `deviation` is known.
+    pub const DEVIATION: u32 = 16;
+}
+
+/// Triangles to draw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Geometry {
+    /// Unique for the content: a renderer keeps its copy by this number.
+    pub id: u64,
+    /// Vertices.
+    pub vertices: Vec<Vertex>,
+    /// Corners of the triangles, counter-clockwise from the side of the normal.
+    pub triangles: Vec<[u32; 3]>,
+    /// Segments of the wireframe: edges of the control mesh, along the surface that is drawn.
+    pub edges: Vec<[u32; 2]>,
+    /// Whether a vertex is of a patch.
+    has_patch: bool,
+}
+
+impl Geometry {
+    /// Geometry with a number of its own.
+    pub fn new(vertices: Vec<Vertex>, triangles: Vec<[u32; 3]>, edges: Vec<[u32; 2]>) -> Self {
+        Self {
+            id: next_id(),
+            has_patch: vertices.iter().any(|v| v.flags & Vertex::PATCH != 0),
+            vertices,
+            triangles,
+            edges,
+        }
+    }
+
+    /// Whether a vertex was of a patch when this was made.
+    pub fn has_patch(&self) -> bool {
+        self.has_patch
+    }
+}
+
+/// When a line is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineStyle {
+    /// Where no surface is in front of it.
+    Depth,
+    /// Always.
+    OnTop,
+    /// Clearly where no surface is in front of it, faintly elsewhere.
+    OnTopFaintWhenHidden,
+}
+
+/// A line through points, with a dark casing that keeps it visible on any ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polyline {
+    /// Relative to [`Scene::centre`].
+    pub points: Vec<[f32; 3]>,
+    /// Whether the last point is joined to the first.
+    pub closed: bool,
+    /// Red, green, blue (sRGB) and opacity, 0 to 1.
+    pub color: [f32; 4],
+    /// Width of the core; the casing comes on either side of it.
+    pub width_px: f32,
+    /// When it is seen.
+    pub style: LineStyle,
+}
+
+/// A round spot on top of everything, with the casing of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Marker {
+    /// Relative to [`Scene::centre`].
+    pub position: [f32; 3],
+    /// As for [`Polyline::color`].
+    pub color: [f32; 4],
+    /// Radius in pixels.
+    pub radius_px: f32,
+    /// When it is seen.
+    pub style: LineStyle,
+}
+
+/// Lines and markers, with a number for the copy on the graphics card.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overlay {
+    /// Unique for the content.
+    pub id: u64,
+    /// Lines; later ones over earlier ones.
+    pub lines: Vec<Polyline>,
+    /// Markers, over the lines.
+    pub markers: Vec<Marker>,
+}
+
+impl Overlay {
+    /// An overlay with a number of its own.
+    pub fn new(lines: Vec<Polyline>, markers: Vec<Marker>) -> Self {
+        Self {
+            id: next_id(),
+            lines,
+            markers,
+        }
+    }
+}
+
+/// All that is drawn in one view.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// What positions are relative to; near the surface, so that `f32` loses no digits.
+    pub centre: DVec3,
+    /// Around all surfaces and lines; near and far planes come from it.
+    pub bounds: Bounds,
+    /// Surfaces.
+    pub surfaces: Vec<Arc<Geometry>>,
+    /// Groups of lines and markers, drawn in this order (rims, then selection, then hover, so that
+    /// hovering uploads little).
+    pub overlays: Vec<Arc<Overlay>>,
+}
+
+/// What the colour of a surface shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ViewMode {
+    /// A plain material.
+    Shaded,
+    /// Bands of equal `n·l`, fixed to the surface unless the light moves with the view.
+    Isophotes,
+    /// Reflected bands of a striped environment, moving with the view.
+    Zebra,
+    /// Mean curvature `H`.
+    Mean,
+    /// Gaussian curvature `K`.
+    Gauss,
+    /// Greater principal curvature `H + √(H² − K)`.
+    K1,
+    /// Smaller principal curvature.
+    K2,
+    /// Distance from the start of the flow or from a reference.
+    Deviation,
+}
+
+impl ViewMode {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::Shaded,
+        Self::Isophotes,
+        Self::Zebra,
+        Self::Mean,
+        Self::Gauss,
+        Self::K1,
+        Self::K2,
+        Self::Deviation,
+    ];
+
+    /// The mode of a [`Self::name`], upper or lower case (`H` and `K` are no others' names).
+    pub fn from_name(name: &str) -> Option<Self> {
+        let named = |mode: &Self| mode.name().eq_ignore_ascii_case(name);
+        Self::ALL.into_iter().find(named)
+    }
+
+    /// Short name, as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Shaded => "shaded",
+            Self::Isophotes => "isophotes",
+            Self::Zebra => "zebra",
+            Self::Mean => "H",
+            Self::Gauss => "K",
+            Self::K1 => "k1",
+            Self::K2 => "k2",
+            Self::Deviation => "deviation",
+        }
+    }
+
+    /// Whether the colour stands for a number, so that a legend and a range make sense.
+    pub fn is_map(self) -> bool {
+        !matches!(self, Self::Shaded | Self::Isophotes | Self::Zebra)
+    }
+
+    /// The number shown at a vertex; `None` in modes without, and where it is not known.
+    pub fn value(self, v: &Vertex) -> Option<f32> {
+        let needed = match self {
+            Self::Shaded | Self::Isophotes | Self::Zebra => return None,
+            Self::Deviation => Vertex::DEVIATION,
+            _ => Vertex::CURVATURE,
+        };
+        let spread = (v.mean * v.mean - v.gauss).max(0.0).sqrt();
+        let value = match self {
+            Self::Mean => v.mean,
+            Self::Gauss => v.gauss,
+            Self::K1 => v.mean + spread,
+            Self::K2 => v.mean - spread,
+            _ => v.deviation,
+        };
+        (v.flags & needed != 0).then_some(value)
+    }
+}
+
+/// What is behind the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Background {
+    /// From top to bottom, sRGB, 0 to 1.
+    Gradient {
+        /// Colour of the upper edge.
+        top: [f32; 3],
+        /// Colour of the lower edge.
+        bottom: [f32; 3],
+    },
+    /// Nothing: the picture has an alpha channel.
+    Transparent,
+}
+
+impl Background {
+    /// The ground of the dark or light theme.
+    pub fn of_theme(dark: bool) -> Self {
+        if dark {
+            Self::Gradient {
+                top: [0.20, 0.22, 0.25],
+                bottom: [0.09, 0.10, 0.12],
+            }
+        } else {
+            Self::Gradient {
+                top: [0.97, 0.975, 0.985],
+                bottom: [0.82, 0.84, 0.87],
+            }
+        }
+    }
+}
+
+/// How a scene is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViewStyle {
+    /// What colours show.
+    pub mode: ViewMode,
+    /// Number of dark and light pairs of bands between `n·l = −1` and 1, or all around in the zebra
+    /// environment; at least 1.
+    pub stripes: u32,
+    /// Direction to the light of isophotes, in world coordinates or, with `light_follows_view`,
+    /// in those of the camera (right, up, towards the eye).
+    pub light: DVec3,
+    /// See `light`.
+    pub light_follows_view: bool,
+    /// Edges of the control mesh over the surface.
+    pub wireframe: bool,
+    /// Patches in a colour of their own.
+    pub tint_patch: bool,
+    /// Hatching where the flow is ill-posed.
+    pub show_ill_posed: bool,
+    /// Whether the lines and markers of the scene are drawn.
+    pub show_overlays: bool,
+    /// What is behind.
+    pub background: Background,
+    /// Values at the ends of the colour map; `None` for [`super::robust_range`].
+    pub range: Option<[f32; 2]>,
+    /// Factor on the widths of all lines: pixels per point of the screen, or the enlargement of a
+    /// picture.
+    pub line_scale: f32,
+}
+
+impl Default for ViewStyle {
+    fn default() -> Self {
+        Self {
+            mode: ViewMode::Shaded,
+            stripes: 12,
+            light: DVec3::new(0.3, 1.0, 0.5),
+            light_follows_view: false,
+            wireframe: false,
+            tint_patch: true,
+            show_ill_posed: true,
+            show_overlays: true,
+            background: Background::of_theme(true),
+            range: None,
+            line_scale: 1.0,
+        }
+    }
+}

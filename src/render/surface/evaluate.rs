@@ -1,0 +1,228 @@
+//! Positions, normals and curvatures at the samples.
+
+use rayon::prelude::*;
+
+use super::samples::Inner;
+use super::{DynamicSurface, Evaluation};
+use crate::mesh::{DVec3, VertexId};
+use crate::render::{Geometry, Vertex};
+use crate::solver::forms::PointGeometry;
+use crate::subdivision::{Elements, Rule, limit_normal, limit_position};
+
+/// Mean and Gaussian curvature.
+type Curvature = [f64; 2];
+
+/// A sample of the surface.
+#[derive(Clone, Copy)]
+struct Sample {
+    position: DVec3,
+    normal: DVec3,
+    curvature: Curvature,
+}
+
+impl DynamicSurface {
+    /// The surface at `positions` (one per vertex of the mesh), with all that an evaluation can
+    /// show.
+    pub fn evaluate_with(&self, positions: &[DVec3], what: &Evaluation<'_>) -> Geometry {
+        let local = self.cut.positions(positions, what.centre);
+        let curvature = self.vertex_curvatures(&local);
+        let mut samples: Vec<Sample> = self
+            .samples
+            .corners
+            .par_iter()
+            .map(|&v| self.corner_sample(v, &local, curvature[v as usize], what.limit))
+            .collect();
+        samples.par_extend(
+            self.samples
+                .inner
+                .par_iter()
+                .map(|&at| self.inner_sample(at, &local, &curvature, what.limit)),
+        );
+        let deviation = what.start.map(|start| {
+            let start = self.cut.positions(start, what.centre);
+            self.positions_at_samples(&start, what.limit)
+        });
+        let vertex = |(&s, &flags): (&u32, &u32)| {
+            let sample = &samples[s as usize];
+            let from = deviation.as_ref().map(|d| d[s as usize]);
+            as_vertex(sample, from, flags, what)
+        };
+        let of = &self.samples;
+        let vertices = of
+            .sample_of
+            .par_iter()
+            .zip(&of.flags_of)
+            .map(vertex)
+            .collect();
+        Geometry::new(vertices, of.triangles.clone(), of.edges.clone())
+    }
+
+    /// Lumped L2 projection of the curvatures at quadrature points, by vertex of the cut mesh; NaN
+    /// where there is no face.
+    fn vertex_curvatures(&self, positions: &[DVec3]) -> Vec<Curvature> {
+        let rule = Rule::Three.points();
+        let at_points: Vec<[[f64; 3]; 3]> = (0..self.elements.len())
+            .into_par_iter()
+            .map(|e| {
+                [0, 1, 2].map(|q| {
+                    weighted_curvature(&self.elements, e, self.lattice.inner + q, positions)
+                })
+            })
+            .collect();
+        let mut sums = vec![[0.0; 3]; positions.len()];
+        for (e, points) in at_points.iter().enumerate() {
+            let corners = &self.elements.vertices_of(e)[..3];
+            for (&[v, w], point) in rule.iter().zip(points) {
+                for (&corner, psi) in corners.iter().zip([1.0 - v - w, v, w]) {
+                    let sum = &mut sums[corner as usize];
+                    for k in 0..3 {
+                        sum[k] += psi * point[k];
+                    }
+                }
+            }
+        }
+        sums.into_iter()
+            .map(|[area, h, k]| [h / area, k / area])
+            .collect()
+    }
+
+    fn corner_sample(&self, v: u32, at: &[DVec3], curvature: Curvature, limit: bool) -> Sample {
+        let topology = &self.cut.topology;
+        let v = VertexId(v);
+        let mut normal = limit_normal(topology, at, v);
+        if normal == DVec3::ZERO {
+            // the tangents vanish (a fold, two triangles back to back): what the faces say
+            normal = topology
+                .outgoing(v)
+                .map(|h| topology.face(h))
+                .filter(|f| f.is_some())
+                .map(|f| {
+                    let [a, b, c] = topology.face_vertices(f).map(|v| at[v.index()]);
+                    (b - a).cross(c - a)
+                })
+                .sum::<DVec3>()
+                .normalize_or_zero();
+        }
+        let position = if limit {
+            limit_position(topology, at, v)
+        } else {
+            at[v.index()]
+        };
+        Sample {
+            position,
+            normal,
+            curvature,
+        }
+    }
+
+    fn inner_sample(
+        &self,
+        inner: Inner,
+        at: &[DVec3],
+        curvature: &[Curvature],
+        limit: bool,
+    ) -> Sample {
+        let (e, q) = (inner.element as usize, inner.point as usize);
+        let [v, w] = self.lattice.points[q];
+        let weights = [1.0 - v - w, v, w];
+        let corners = [0, 1, 2].map(|k| self.elements.vertices_of(e)[k]);
+        let between = |f: &dyn Fn(u32) -> f64| (0..3).map(|k| weights[k] * f(corners[k])).sum();
+        let curvature = [0, 1].map(|k| between(&|c| curvature[c as usize][k]));
+        if inner.straight {
+            let ends = corners.map(|c| self.corner_sample(c, at, [0.0; 2], limit));
+            let mix = |f: fn(&Sample) -> DVec3| (0..3).map(|k| weights[k] * f(&ends[k])).sum();
+            let (position, normal): (DVec3, DVec3) = (mix(|s| s.position), mix(|s| s.normal));
+            return Sample {
+                position,
+                normal: normal.normalize_or_zero(),
+                curvature,
+            };
+        }
+        let (table, vertices) = (self.elements.table(e), self.elements.vertices_of(e));
+        let x = |d| combine(table.row(q, d), vertices, at);
+        Sample {
+            position: if limit { x(0) } else { self.flat(e, q, at) },
+            normal: x(1).cross(x(2)).normalize_or_zero(),
+            curvature,
+        }
+    }
+
+    /// The point of the control triangle.
+    fn flat(&self, element: usize, point: usize, at: &[DVec3]) -> DVec3 {
+        let corners = &self.elements.vertices_of(element)[..3];
+        let [a, b, c] = [0, 1, 2].map(|k| at[corners[k] as usize]);
+        let [v, w] = self.lattice.points[point];
+        a + v * (b - a) + w * (c - a)
+    }
+
+    /// Positions only.
+    fn positions_at_samples(&self, at: &[DVec3], limit: bool) -> Vec<DVec3> {
+        let corner = |v: u32| {
+            if limit {
+                limit_position(&self.cut.topology, at, VertexId(v))
+            } else {
+                at[v as usize]
+            }
+        };
+        let corners = self.samples.corners.par_iter().map(|&v| corner(v));
+        let mut out: Vec<DVec3> = corners.collect();
+        out.par_extend(self.samples.inner.par_iter().map(|inner| {
+            let (e, q) = (inner.element as usize, inner.point as usize);
+            let vertices = self.elements.vertices_of(e);
+            if inner.straight {
+                let [v, w] = self.lattice.points[q];
+                let weights = [1.0 - v - w, v, w];
+                (0..3).map(|k| weights[k] * corner(vertices[k])).sum()
+            } else if limit {
+                combine(self.elements.table(e).row(q, 0), vertices, at)
+            } else {
+                self.flat(e, q, at)
+            }
+        }));
+        out
+    }
+}
+
+fn combine(row: &[f64], vertices: &[u32], positions: &[DVec3]) -> DVec3 {
+    row.iter()
+        .zip(vertices)
+        .fold(DVec3::ZERO, |sum, (&b, &v)| sum + b * positions[v as usize])
+}
+
+/// Area, and area times `H` and `K`, at a point of an element; zeros where it is degenerate.
+fn weighted_curvature(elements: &Elements, e: usize, point: usize, at: &[DVec3]) -> [f64; 3] {
+    let table = elements.table(e);
+    let vertices = elements.vertices_of(e);
+    let x = |d| combine(table.row(point, d), vertices, at);
+    let p = PointGeometry::new(x(1), x(2), x(3), x(4), x(5));
+    let sums = [p.sqrt_g, p.sqrt_g * p.mean, p.sqrt_g * p.gauss];
+    if sums.into_iter().all(f64::is_finite) {
+        sums
+    } else {
+        [0.0; 3]
+    }
+}
+
+fn as_vertex(sample: &Sample, from: Option<DVec3>, flags: u32, what: &Evaluation<'_>) -> Vertex {
+    let [mean, gauss] = sample.curvature;
+    let narrow = |x: DVec3| x.to_array().map(|c| c as f32);
+    let mut vertex = Vertex {
+        position: narrow(sample.position),
+        normal: narrow(sample.normal),
+        flags,
+        ..Vertex::default()
+    };
+    let [h, k] = [mean as f32, gauss as f32];
+    if h.is_finite() && k.is_finite() {
+        (vertex.mean, vertex.gauss) = (h, k);
+        vertex.flags |= Vertex::CURVATURE;
+        if what.ill_posed.is_some_and(|is| is(mean, gauss)) {
+            vertex.flags |= Vertex::ILL_POSED;
+        }
+    }
+    if let Some(from) = from {
+        vertex.deviation = (sample.position - from).dot(sample.normal) as f32;
+        vertex.flags |= Vertex::DEVIATION;
+    }
+    vertex
+}

@@ -1,0 +1,304 @@
+//! Where the surface is sampled, and the triangles between the samples.
+
+use super::cut::{Cut, halfedges};
+use crate::mesh::{FaceId, Topology, VertexId};
+use crate::subdivision::{Elements, Rule};
+
+/// "Not numbered yet".
+const NONE: u32 = u32::MAX;
+
+/// The points of a face's basis table: a lattice of `pieces` a side without its corners, then the
+/// quadrature points of the curvatures.
+#[derive(Clone, Debug)]
+pub(super) struct Lattice {
+    pub(super) pieces: u32,
+    pub(super) points: Vec<[f64; 2]>,
+    /// How many of `points` are of the lattice.
+    pub(super) inner: usize,
+}
+
+impl Lattice {
+    pub(super) fn new(pieces: u32) -> Self {
+        let side = f64::from(pieces);
+        let mut points: Vec<[f64; 2]> = places(pieces)
+            .filter(|&at| corner(pieces, at).is_none())
+            .map(|[i, j]| [f64::from(i) / side, f64::from(j) / side])
+            .collect();
+        let inner = points.len();
+        points.extend(Rule::Three.points());
+        Self {
+            pieces,
+            points,
+            inner,
+        }
+    }
+}
+
+/// Lattice points `(i, j)`, at `v = i / pieces`, `w = j / pieces`.
+fn places(pieces: u32) -> impl Iterator<Item = [u32; 2]> {
+    (0..=pieces).flat_map(move |i| (0..=pieces - i).map(move |j| [i, j]))
+}
+
+/// Which corner a lattice point is.
+fn corner(pieces: u32, [i, j]: [u32; 2]) -> Option<usize> {
+    match (i, j) {
+        (0, 0) => Some(0),
+        (i, 0) if i == pieces => Some(1),
+        (0, j) if j == pieces => Some(2),
+        _ => None,
+    }
+}
+
+/// A sample that is not at a corner.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inner {
+    pub(super) element: u32,
+    /// Point of the element's table.
+    pub(super) point: u32,
+    /// It is on the straight line between the ends of its edge: beyond the edge the surface goes on
+    /// with faces that are not sampled here and may be drawn with one piece an edge, and there must
+    /// be no gap between.
+    pub(super) straight: bool,
+}
+
+/// Samples of the faces, shared between neighbours, and the triangles between them.
+///
+/// Samples at corners come first. A sample has several vertices where faces of different flags meet,
+/// since the flags of a triangle are those of its vertices.
+#[derive(Clone, Debug)]
+pub(super) struct Samples {
+    /// The corner samples: vertices of the cut mesh.
+    pub(super) corners: Vec<u32>,
+    /// The other samples.
+    pub(super) inner: Vec<Inner>,
+    /// Triangles between samples, those of a face together.
+    sample_triangles: Vec<[u32; 3]>,
+    /// Segments of the wireframe, between samples.
+    sample_edges: Vec<[u32; 2]>,
+    triangles_per_face: usize,
+    /// For each vertex its sample.
+    pub(super) sample_of: Vec<u32>,
+    /// For each vertex its flags.
+    pub(super) flags_of: Vec<u32>,
+    /// Triangles and wireframe between vertices.
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) edges: Vec<[u32; 2]>,
+}
+
+impl Samples {
+    pub(super) fn new(cut: &Cut, elements: &Elements, lattice: &Lattice, flags: &[u32]) -> Self {
+        let mut numbering = Numbering::new(cut, elements, lattice);
+        for &f in &cut.faces {
+            numbering.add_corners(f);
+        }
+        let mut sample_triangles = Vec::new();
+        for &f in &cut.faces {
+            numbering.add_face(f);
+            sample_triangles.extend_from_slice(&numbering.triangles);
+        }
+        let mut samples = Self {
+            triangles_per_face: (lattice.pieces * lattice.pieces) as usize,
+            sample_edges: numbering.wireframe(&cut.faces),
+            corners: numbering.corners,
+            inner: numbering.inner,
+            sample_triangles,
+            sample_of: Vec::new(),
+            flags_of: Vec::new(),
+            triangles: Vec::new(),
+            edges: Vec::new(),
+        };
+        samples.set_flags(flags);
+        samples
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.corners.len() + self.inner.len()
+    }
+
+    /// Gives each sample a vertex for each of the flags of its faces.
+    pub(super) fn set_flags(&mut self, flags: &[u32]) {
+        let faces = self.sample_triangles.len() / self.triangles_per_face;
+        assert!(
+            flags.is_empty() || flags.len() == faces,
+            "{} flags for {faces} faces",
+            flags.len()
+        );
+        let mut first = vec![NONE; self.len()];
+        // the next vertex of the same sample
+        let mut next: Vec<u32> = Vec::new();
+        self.sample_of.clear();
+        self.flags_of.clear();
+        let (sample_of, flags_of) = (&mut self.sample_of, &mut self.flags_of);
+        let mut vertex = |sample: u32, flags: u32| {
+            let mut at = first[sample as usize];
+            while at != NONE && flags_of[at as usize] != flags {
+                at = next[at as usize];
+            }
+            if at == NONE {
+                at = next.len() as u32;
+                next.push(std::mem::replace(&mut first[sample as usize], at));
+                sample_of.push(sample);
+                flags_of.push(flags);
+            }
+            at
+        };
+        self.triangles = self
+            .sample_triangles
+            .iter()
+            .enumerate()
+            .map(|(i, t)| {
+                let of_face = flags.get(i / self.triangles_per_face).copied();
+                t.map(|s| vertex(s, of_face.unwrap_or(0)))
+            })
+            .collect();
+        let any = |s: u32| first[s as usize];
+        self.edges = self.sample_edges.iter().map(|e| e.map(any)).collect();
+    }
+}
+
+/// Numbers samples as faces are added.
+struct Numbering<'a> {
+    topology: &'a Topology,
+    lattice: &'a Lattice,
+    element_of: Vec<u32>,
+    corners: Vec<u32>,
+    inner: Vec<Inner>,
+    listed: Vec<bool>,
+    corner_sample: Vec<u32>,
+    /// For each edge its first sample; the others follow from the origin of the even half-edge.
+    edge_sample: Vec<u32>,
+    /// Samples of the last face, by rows of the lattice.
+    face: Vec<u32>,
+    /// Triangles of the last face.
+    triangles: Vec<[u32; 3]>,
+}
+
+impl<'a> Numbering<'a> {
+    fn new(cut: &'a Cut, elements: &Elements, lattice: &'a Lattice) -> Self {
+        let topology = &cut.topology;
+        let mut listed = vec![false; topology.face_count()];
+        for f in &cut.faces {
+            listed[f.index()] = true;
+        }
+        let mut element_of = vec![NONE; topology.face_count()];
+        for (e, &f) in elements.faces.iter().enumerate() {
+            element_of[f as usize] = e as u32;
+        }
+        Self {
+            topology,
+            lattice,
+            element_of,
+            corners: Vec::new(),
+            inner: Vec::new(),
+            listed,
+            corner_sample: vec![NONE; topology.vertex_count()],
+            edge_sample: vec![NONE; topology.halfedge_count() / 2],
+            face: Vec::new(),
+            triangles: Vec::new(),
+        }
+    }
+
+    fn add_corners(&mut self, f: FaceId) {
+        for VertexId(v) in self.topology.face_vertices(f) {
+            let sample = &mut self.corner_sample[v as usize];
+            if *sample == NONE {
+                *sample = self.corners.len() as u32;
+                self.corners.push(v);
+            }
+        }
+    }
+
+    /// Numbers the samples of a face, after the corners of all faces, and triangulates it.
+    fn add_face(&mut self, f: FaceId) {
+        let n = self.lattice.pieces;
+        let around = halfedges(self.topology, f);
+        let corners = self.topology.face_vertices(f);
+        let element = self.element_of[f.index()];
+        let first = (self.corners.len() + self.inner.len()) as u32;
+        let mut point = 0;
+        // new samples of an edge are numbered from the origin of its even half-edge
+        for h in around {
+            let edge = &mut self.edge_sample[h.edge()];
+            if *edge == NONE && n > 1 {
+                *edge = (self.corners.len() + self.inner.len()) as u32;
+                let beyond = self.topology.face(h.twin());
+                let new = Inner {
+                    element,
+                    point: NONE,
+                    straight: beyond.is_some() && !self.listed[beyond.index()],
+                };
+                self.inner.extend((1..n).map(|_| new));
+            }
+        }
+        self.face.clear();
+        for [i, j] in places(n) {
+            if let Some(c) = corner(n, [i, j]) {
+                self.face.push(self.corner_sample[corners[c].index()]);
+                continue;
+            }
+            let along = match (i, j) {
+                (i, 0) => Some((around[0], i)),
+                (0, j) => Some((around[2], n - j)),
+                (i, j) if i + j == n => Some((around[1], j)),
+                _ => None,
+            };
+            let sample = if let Some((h, t)) = along {
+                let t = if h.0 % 2 == 0 { t } else { n - t };
+                self.edge_sample[h.edge()] + t - 1
+            } else {
+                self.inner.push(Inner {
+                    element,
+                    point,
+                    straight: false,
+                });
+                (self.corners.len() + self.inner.len()) as u32 - 1
+            };
+            if sample >= first {
+                self.inner[sample as usize - self.corners.len()].point = point;
+            }
+            point += 1;
+            self.face.push(sample);
+        }
+        self.triangulate();
+    }
+
+    fn triangulate(&mut self) {
+        let n = self.lattice.pieces as usize;
+        // row i of the lattice starts after the longer rows before it
+        let start = |i: usize| i * (n + 1) - i * i.saturating_sub(1) / 2;
+        let at = |i: usize, j: usize| self.face[start(i) + j];
+        self.triangles.clear();
+        for i in 0..n {
+            for j in 0..n - i {
+                self.triangles.push([at(i, j), at(i + 1, j), at(i, j + 1)]);
+                if i + j + 1 < n {
+                    self.triangles
+                        .push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+                }
+            }
+        }
+    }
+
+    /// The edges of the faces, each once, as chains of samples.
+    fn wireframe(&self, faces: &[FaceId]) -> Vec<[u32; 2]> {
+        let mut done = vec![false; self.edge_sample.len()];
+        let mut segments = Vec::new();
+        for &f in faces {
+            for h in halfedges(self.topology, f) {
+                if std::mem::replace(&mut done[h.edge()], true) {
+                    continue;
+                }
+                let even = if h.0 % 2 == 0 { h } else { h.twin() };
+                let end = |v: VertexId| self.corner_sample[v.index()];
+                let mut last = end(self.topology.origin(even));
+                for t in 1..self.lattice.pieces {
+                    let here = self.edge_sample[h.edge()] + t - 1;
+                    segments.push([last, here]);
+                    last = here;
+                }
+                segments.push([last, end(self.topology.target(even))]);
+            }
+        }
+        segments
+    }
+}

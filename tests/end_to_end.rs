@@ -1,0 +1,178 @@
+//! The program itself, in a real window on a virtual display, worked with mouse and keys.
+//! `scripts/test.sh` installs Xvfb and xdotool.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use meniscus::io;
+use meniscus::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
+use meniscus::mesh::{DVec3, Mesh, Topology, boundary_loops, check_mesh};
+use meniscus::render::{Bounds, Camera};
+
+/// Ended when the test is, however it ends.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        self.0.kill().ok();
+        self.0.wait().ok();
+    }
+}
+
+/// A virtual display of its own, with a free number.
+struct Display {
+    _server: Process,
+    name: String,
+}
+
+impl Display {
+    fn new() -> Self {
+        let mut server = Command::new("Xvfb")
+            .args([
+                "-displayfd",
+                "1",
+                "-screen",
+                "0",
+                "1400x900x24",
+                "-nolisten",
+                "tcp",
+            ])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb is not installed: run scripts/test.sh, which installs it");
+        let out = server.stdout.take().expect("a pipe");
+        let server = Process(server);
+        let mut number = String::new();
+        BufReader::new(out)
+            .read_line(&mut number)
+            .expect("Xvfb says its number");
+        let number = number.trim();
+        assert!(!number.is_empty(), "Xvfb did not start");
+        Self {
+            _server: server,
+            name: format!(":{number}"),
+        }
+    }
+
+    /// Runs xdotool; what it prints.
+    fn hand(&self, args: &[&str]) -> String {
+        let out = Command::new("xdotool")
+            .args(args)
+            .env("DISPLAY", &self.name)
+            .output()
+            .expect("xdotool is not installed: run scripts/test.sh, which installs it");
+        String::from_utf8_lossy(&out.stdout).trim().to_owned()
+    }
+}
+
+fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
+    let begun = Instant::now();
+    loop {
+        if let Some(found) = found() {
+            return found;
+        }
+        assert!(
+            begun.elapsed() < Duration::from_secs(90),
+            "waited in vain for {what}"
+        );
+        std::thread::sleep(Duration::from_millis(150));
+    }
+}
+
+/// A sphere with a hole towards the first camera and one on the far side, as a file.
+fn model(folder: &Path) -> (PathBuf, Mesh) {
+    let one = DVec3::ONE;
+    let towards = -Camera::fit(&Bounds::new(-one, one)).forward();
+    let hole = |centre, seed| Hole {
+        centre,
+        shape: HoleShape::Disc { radius: 0.4 },
+        turn: 0.0,
+        seed,
+    };
+    let (positions, triangles) = cut_holes(&sphere(900, 3), &[hole(towards, 1), hole(-towards, 2)]);
+    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
+    let mesh = Mesh::new(positions, topology);
+    let path = folder.join("holes.obj");
+    io::save_mesh(&path, &mesh, &[]).expect("written");
+    (path, mesh)
+}
+
+#[test]
+fn a_hole_is_clicked_filled_and_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, before) = model(folder.path());
+    let display = Display::new();
+    let program = Command::new(env!("CARGO_BIN_EXE_meniscus"))
+        .arg(&path)
+        .env("DISPLAY", &display.name)
+        .env_remove("WAYLAND_DISPLAY")
+        .env("HOME", folder.path())
+        .env("XDG_CONFIG_HOME", folder.path().join("config"))
+        .env("XDG_STATE_HOME", folder.path().join("state"))
+        .env("XDG_RUNTIME_DIR", folder.path())
+        // no file dialog: the path is typed
+        .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent")
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let mut program = Process(program);
+    let window = wait_for("the window", || {
+        let found = display.hand(&["search", "--name", "holes.obj - Meniscus"]);
+        found.lines().next().map(str::to_owned)
+    });
+    display.hand(&["windowfocus", "--sync", &window]);
+    let title = || display.hand(&["getwindowname", &window]);
+
+    // the middle of the view: between the left panel of 270 and the right one of 290 points
+    let geometry = display.hand(&["getwindowgeometry", "--shell", &window]);
+    let size = |name: &str| -> i32 {
+        let line = geometry.lines().find_map(|l| l.strip_prefix(name));
+        line.and_then(|l| l.parse().ok()).expect("a size")
+    };
+    let (x, y) = ((size("WIDTH=") - 20) / 2, size("HEIGHT=") / 2);
+    let (x, y) = (x.to_string(), y.to_string());
+    wait_for("the patch, accepted", || {
+        if title().contains("holes.obj*") {
+            return Some(());
+        }
+        display.hand(&["mousemove", "--window", &window, &x, &y]);
+        std::thread::sleep(Duration::from_millis(300));
+        // a click does nothing during a run, Enter accepts a finished one
+        display.hand(&["click", "1"]);
+        std::thread::sleep(Duration::from_millis(300));
+        display.hand(&["key", "Return"]);
+        std::thread::sleep(Duration::from_millis(1500));
+        display.hand(&["key", "ctrl+period"]);
+        std::thread::sleep(Duration::from_millis(1500));
+        display.hand(&["key", "ctrl+Return"]);
+        None
+    });
+
+    let target = folder.path().join("closed.obj");
+    display.hand(&["key", "ctrl+s"]);
+    std::thread::sleep(Duration::from_millis(1500));
+    display.hand(&["key", "ctrl+a"]);
+    display.hand(&["type", "--delay", "15", &target.display().to_string()]);
+    display.hand(&["key", "Return"]);
+    wait_for("the file", || target.exists().then_some(()));
+    wait_for("the title without star", || {
+        (!title().contains('*')).then_some(())
+    });
+    let saved = io::open(&target).expect("a mesh").mesh;
+    check_mesh(&saved).expect("sound");
+    assert_eq!(saved.positions[..before.vertex_count()], before.positions);
+    let loops = boundary_loops(&saved);
+    assert_eq!(loops.len(), 1, "the hole behind the surface was not picked");
+    let eye = -Camera::fit(&Bounds::new(-DVec3::ONE, DVec3::ONE)).forward();
+    assert!(
+        loops[0].centroid.dot(eye) < 0.0,
+        "it is the one behind that is open"
+    );
+
+    display.hand(&["key", "ctrl+q"]);
+    let status = wait_for("the end", || program.0.try_wait().ok().flatten());
+    assert!(status.success());
+}

@@ -1,0 +1,121 @@
+//! What was done in the window is done again by the command line it copies, to the bit.
+
+use std::path::Path;
+use std::process::Command;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use meniscus::app::{Action, Autosave, Document, Effect, Model, Run, SelectHow, Settings, Source};
+use meniscus::fill::Continuity;
+use meniscus::io;
+use meniscus::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
+use meniscus::mesh::{DVec3, Mesh, Topology};
+
+fn until(model: &mut Model, what: &str, done: impl Fn(&Model) -> bool) {
+    let begun = Instant::now();
+    while !done(model) {
+        model.tick(Instant::now());
+        assert!(begun.elapsed() < Duration::from_mins(2), "{what}: in vain");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn states(model: &Model) -> usize {
+    model.run.as_ref().map_or(0, Run::state_count)
+}
+
+fn ended(model: &Model) -> bool {
+    model.run.as_ref().is_some_and(Run::ended)
+}
+
+/// A sphere with three holes, as a file.
+fn scan(path: &Path) {
+    let hole = |centre: [f64; 3], radius, seed| Hole {
+        centre: DVec3::from_array(centre),
+        shape: HoleShape::Ragged { radius },
+        turn: 0.0,
+        seed,
+    };
+    let holes = [
+        hole([1.0, 0.2, 0.1], 0.4, 1),
+        hole([-1.0, 0.3, 0.2], 0.35, 2),
+        hole([0.0, 1.0, 0.1], 0.3, 3),
+    ];
+    let (positions, triangles) = cut_holes(&sphere(900, 8), &holes);
+    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
+    io::save_mesh(path, &Mesh::new(positions, topology), &[]).expect("written");
+}
+
+#[test]
+fn the_copied_command_gives_the_same_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("a scan.obj");
+    let output = folder.path().join("done.obj");
+    scan(&input);
+    let opened = io::open(&input).expect("a mesh");
+    let document = Document::new(opened, Source::File(input));
+    let mut m = Model::new(
+        document,
+        Settings::default(),
+        Autosave::off(),
+        Arc::new(|| ()),
+    );
+    m.act(Action::Pace(240.0));
+
+    // first run: two holes, everything changed on the way
+    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(2, SelectHow::Add));
+    m.act(Action::Fill);
+    until(&mut m, "states", |m| states(m) > 4);
+    m.act(Action::EnergyText("H^2 + 0.1*K^2".into()));
+    m.act(Action::ApplyEnergy);
+    until(&mut m, "more states", |m| states(m) > 8);
+    let mut controls = m.document.controls.clone();
+    controls.density = 1.4;
+    controls.relaxation = 0.3;
+    m.act(Action::Controls(Box::new(controls)));
+    until(&mut m, "states at the new density", |m| states(m) > 12);
+    m.act(Action::Scrub(Some(6)));
+    m.act(Action::GoOnFromHere);
+    until(&mut m, "states after the rewind", |m| states(m) > 16);
+    m.act(Action::Finish);
+    until(&mut m, "the end", ended);
+    m.act(Action::Accept(0));
+    // second run: a crease, stopped before its end
+    m.act(Action::SelectAll);
+    let mut controls = m.document.controls.clone();
+    controls.continuity = Continuity::G0;
+    m.act(Action::Controls(Box::new(controls)));
+    m.act(Action::Fill);
+    until(&mut m, "states", |m| states(m) > 5);
+    m.act(Action::Stop);
+    until(&mut m, "the stop", ended);
+    m.act(Action::Accept(0));
+    assert!(m.document.loops.is_empty());
+    m.act(Action::SaveAs(output.clone()));
+    until(&mut m, "the file", |m| !m.is_dirty());
+    let saved = std::fs::read(&output).expect("saved");
+
+    m.act(Action::CopyCommand);
+    let Some(Effect::CopyText(script)) = m.effects.pop() else {
+        panic!("nothing copied: {:?}", m.log.entries().last());
+    };
+    std::fs::remove_file(&output).expect("there");
+    let program = Path::new(env!("CARGO_BIN_EXE_meniscus"));
+    let bin = program.parent().expect("a folder").display().to_string();
+    let path = std::env::var("PATH").unwrap_or_default();
+    for threads in ["1", "2"] {
+        let status = Command::new("sh")
+            .args(["-e", "-c", &script])
+            .env("PATH", format!("{bin}:{path}"))
+            .env("RAYON_NUM_THREADS", threads)
+            .current_dir(folder.path())
+            .status()
+            .expect("a shell");
+        assert!(status.success(), "{script}");
+        assert!(
+            std::fs::read(&output).expect("made") == saved,
+            "{threads} threads:\n{script}"
+        );
+    }
+}

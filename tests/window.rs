@@ -1,0 +1,225 @@
+//! The window driven by its accessible labels, drawn in software where there is no graphics card.
+//! Without any adapter these tests fail: `scripts/test.sh` installs one.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use eframe::egui::{self, Key, Modifiers, Pos2};
+use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::{Harness, SnapshotOptions};
+use meniscus::app::{App, Autosave, Document, Model, Run, Settings, Source};
+use meniscus::io;
+use meniscus::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
+use meniscus::mesh::{DVec3, Soup};
+use meniscus::render::{Bounds, Camera};
+
+/// A sphere with a hole towards the first camera and one on the other side.
+fn document() -> Document {
+    let one = DVec3::ONE;
+    let towards = -Camera::fit(&Bounds::new(-one, one)).forward();
+    let hole = |centre: DVec3, radius: f64, seed| Hole {
+        centre,
+        shape: HoleShape::Disc { radius },
+        turn: 0.0,
+        seed,
+    };
+    let holes = [hole(towards, 0.45, 1), hole(-towards, 0.3, 2)];
+    let (positions, triangles) = cut_holes(&sphere(900, 3), &holes);
+    let soup = Soup {
+        positions,
+        offsets: (0..=triangles.len() as u32).map(|i| 3 * i).collect(),
+        corners: triangles.into_iter().flatten().collect(),
+        ..Soup::default()
+    };
+    let opened = io::from_soup(soup, Path::new("sphere")).expect("sound");
+    Document::new(opened, Source::Sample("sphere".into()))
+}
+
+fn window() -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size([900.0, 600.0])
+        .with_max_steps(40)
+        .wgpu()
+        .build_eframe(|cc| {
+            let ctx = cc.egui_ctx.clone();
+            let wake = Arc::new(move || ctx.request_repaint());
+            let model = Model::new(document(), Settings::default(), Autosave::off(), wake);
+            App::new(model, &cc.egui_ctx, cc.wgpu_render_state.as_ref())
+        });
+    until(&mut harness, |app| {
+        app.model.picker.is_some() && app.model.displays[0].latest().is_some()
+    });
+    harness
+}
+
+/// Frames until `done`.
+fn until(harness: &mut Harness<'_, App>, done: impl Fn(&App) -> bool) {
+    let begun = Instant::now();
+    while !done(harness.state()) {
+        harness.step();
+        assert!(begun.elapsed() < Duration::from_mins(2), "nothing happens");
+        std::thread::sleep(Duration::from_millis(3));
+    }
+    harness.run_steps(3);
+}
+
+fn ended(app: &App) -> bool {
+    app.model.run.as_ref().is_some_and(Run::ended)
+}
+
+/// The front hole's number in the list, from 0.
+fn front(app: &App) -> usize {
+    let loops = &app.model.document.loops;
+    usize::from(loops[1].radius > loops[0].radius)
+}
+
+/// Where the front hole is in the window.
+fn middle(harness: &Harness<'_, App>) -> Pos2 {
+    harness.get_by_label("view").rect().center()
+}
+
+#[test]
+fn the_hole_under_the_cursor_is_the_one_that_is_picked() {
+    let mut harness = window();
+    let i = front(harness.state());
+    let at = middle(&harness);
+    harness.hover_at(at);
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.view.hover, Some(i));
+    harness.drag_at(at);
+    harness.step();
+    harness.drop_at(at);
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.document.selection, [i].into());
+
+    // a drag turns the camera and picks nothing
+    let before = harness.state().model.view.camera;
+    harness.drag_at(at);
+    harness.step();
+    for n in 1..=6 {
+        harness.hover_at(at + egui::vec2(5.0 * n as f32, 0.0));
+        harness.step();
+    }
+    harness.drop_at(at + egui::vec2(30.0, 0.0));
+    harness.run_steps(3);
+    assert_ne!(harness.state().model.view.camera, before);
+    assert_eq!(harness.state().model.document.selection, [i].into());
+
+    // the list and the view are one selection
+    let other = 1 - i;
+    let l = &harness.state().model.document.loops[other];
+    let name = format!("loop {}, {} edges", l.number, l.edges());
+    harness.get_by_label(&name).click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.document.selection, [other].into());
+}
+
+#[test]
+fn enter_fills_space_pauses_the_timeline_scrubs_and_undo_takes_it_back() {
+    let mut harness = window();
+    let i = front(harness.state());
+    harness.get_by_label("view").rect();
+    let l = &harness.state().model.document.loops[i];
+    let name = format!("loop {}, {} edges", l.number, l.edges());
+    harness.get_by_label(&name).click();
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    until(&mut harness, |app| {
+        app.model.run.as_ref().is_some_and(|r| r.state_count() > 3)
+    });
+    harness.get_by_label("Pause").click();
+    harness.run_steps(2);
+    assert!(!harness.state().model.run.as_ref().expect("runs").playing);
+    harness.key_press(Key::Space);
+    until(&mut harness, ended);
+    let count = harness
+        .state()
+        .model
+        .run
+        .as_ref()
+        .expect("there")
+        .state_count();
+
+    harness
+        .get_all_by_label("Timeline")
+        .find(|n| n.accesskit_node().numeric_value().is_some())
+        .expect("a slider")
+        .set_value_accesskit(2.0);
+    harness.run_steps(3);
+    let run = harness.state().model.run.as_ref().expect("there");
+    assert_eq!(run.sides[0].shown, Some(2), "of {count}");
+    harness.get_by_label("Accept").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.document.loops.len(), 1);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.document.loops.len(), 2);
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.document.loops.len(), 1);
+}
+
+#[test]
+fn a_mistyped_energy_is_shown_at_its_character_and_keys_stay_text() {
+    let mut harness = window();
+    let wire = harness.state().model.view.style.wireframe;
+    let field = |harness: &Harness<'_, App>| {
+        harness
+            .get_all_by_label("f(H, K) =")
+            .find(|n| n.value().is_some())
+            .expect("a field")
+            .rect()
+            .center()
+    };
+    let at = field(&harness);
+    harness.drag_at(at);
+    harness.drop_at(at);
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.event(egui::Event::Text("H^2 + w".into()));
+    harness.key_press(Key::W);
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.view.energy_text, "H^2 + w");
+    assert_eq!(
+        harness.state().model.view.style.wireframe,
+        wire,
+        "W was typed"
+    );
+    assert!(harness.query_by_label_contains("at character 7").is_some());
+    assert_eq!(harness.state().model.document.controls.energy, "H^2");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.event(egui::Event::Text("H^2+K^2".into()));
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.document.controls.energy, "H^2+K^2");
+    assert!(
+        harness.state().model.run.is_none(),
+        "Enter belonged to the field"
+    );
+}
+
+#[test]
+fn pictures_of_the_window() {
+    let mut harness = window();
+    // other drivers round other edges of triangles and letters
+    let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(40);
+    harness.remove_cursor();
+    harness.run_steps(3);
+    harness.snapshot_options("window_open", &options);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.state_mut().model.view.pace = 240.0;
+    harness.key_press(Key::Enter);
+    until(&mut harness, ended);
+    harness.get_by_label("H").click();
+    harness.run_steps(5);
+    let run = harness.state().model.run.as_ref().expect("there");
+    assert!(
+        run.sides[0]
+            .live
+            .groups()
+            .iter()
+            .all(|g| g.failed.is_none())
+    );
+    harness.snapshot_options("window_filled", &options);
+}
