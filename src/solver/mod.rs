@@ -44,5 +44,5 @@ pub use posed::ill_posed_faces;
 pub use problem::{COLLAR_RINGS, FlowProblem};
 pub use record::{End, Outcome, StepRecord};
 pub use relax::sharpest_cosine;
-pub use survey::{Survey, mean_curvature, survey};
+pub use survey::{Survey, each_point, mean_curvature, survey};
 pub use unknowns::Unknowns;
