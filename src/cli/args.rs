@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::cli::controls::ControlArguments;
 use crate::cli::picture_args::PictureArguments;
-use crate::cli::refine_args::RefineArguments;
+use crate::cli::refine_args::{AnalyzeArguments, RefineArguments};
 use crate::cli::render::RenderArguments;
 use crate::fill::LoopChoice;
 use crate::mesh::DVec3;
@@ -79,6 +79,12 @@ const REFINE_EXAMPLES: &str = "Examples:
   meniscus refine coarse.obj -o fine.obj --method butterfly --against original.obj
   meniscus refine coarse.obj -o fine.obj --ball 0,0,1,0.3 --boundary straight";
 
+const ANALYZE_EXAMPLES: &str = "Examples:
+  meniscus analyze part.obj
+  meniscus analyze fine.obj --on-surface --against original.obj --json
+  meniscus analyze filled.obj --first-faces 5000 --csv curvatures.csv
+  meniscus analyze part.obj --edge-angle 40 --energy 'H^2+K^2'";
+
 const RENDER_EXAMPLES: &str = "Examples:
   meniscus render scan.obj -o scan.png
   meniscus render filled.obj -o map.png --view H --camera top --size 1920x1080
@@ -104,6 +110,9 @@ pub enum Command {
     Bridge(BridgeArguments),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
+    /// Measure a surface: energies, curvatures, continuity, triangles, distances.
+    #[command(after_help = ANALYZE_EXAMPLES)]
+    Analyze(AnalyzeArguments),
     /// Draw a mesh into a picture.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArguments),

@@ -1,5 +1,6 @@
 //! The headless commands.
 
+mod analyze;
 mod args;
 mod blend;
 mod bridge;
@@ -39,6 +40,7 @@ pub fn run(command: Command) -> Result<()> {
         Command::Bridge(args) => bridge::bridge(&args),
         Command::Refill(args) => refill::refill(&args),
         Command::Refine(args) => refine::refine(&args),
+        Command::Analyze(args) => analyze::analyze(&args),
         Command::Info(args) => info::info(&args),
         Command::Demo(args) => demo::demo(&args),
         Command::Render(args) => render::render(&args),
