@@ -26,6 +26,7 @@
 //! watched and changed on the way ([`fill::LiveFill`]), [`solver`] a single flow. The mathematics and
 //! its signs are in `docs/formulation.md`, the way the modules hang together in `ARCHITECTURE.md`.
 
+pub mod analysis;
 pub mod app;
 pub mod cli;
 pub mod fill;
@@ -34,6 +35,7 @@ pub mod linear;
 pub mod memory;
 pub mod mesh;
 pub mod patch;
+pub mod refine;
 pub mod render;
 pub mod solver;
 pub mod subdivision;

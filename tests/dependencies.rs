@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module of the library with the modules it may name.
-const MODULES: [(&str, &[&str]); 11] = [
+const MODULES: [(&str, &[&str]); 13] = [
     ("linear", &[]),
     ("memory", &[]),
     ("mesh", &[]),
@@ -15,9 +15,13 @@ const MODULES: [(&str, &[&str]); 11] = [
     ("solver", &["mesh", "linear", "subdivision", "patch"]),
     ("fill", &["mesh", "patch", "solver"]),
     ("render", &["mesh", "io", "subdivision", "solver"]),
+    ("refine", &["mesh", "linear", "subdivision", "solver"]),
+    ("analysis", &["mesh", "subdivision", "solver"]),
     (
         "cli",
-        &["memory", "mesh", "io", "patch", "solver", "fill", "render"],
+        &[
+            "memory", "mesh", "io", "patch", "solver", "fill", "render", "refine", "analysis",
+        ],
     ),
     (
         "app",

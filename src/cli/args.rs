@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::cli::controls::ControlArguments;
 use crate::cli::picture_args::PictureArguments;
+use crate::cli::refine_args::{AnalyzeArguments, RefineArguments};
 use crate::cli::render::RenderArguments;
 use crate::fill::LoopChoice;
 use crate::mesh::DVec3;
@@ -72,6 +73,18 @@ const REFILL_EXAMPLES: &str = "Examples:
   meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --ball 0,0.1,1,0.2 --grow 2
   meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --fair --energy 'H^2+K^2'";
 
+const REFINE_EXAMPLES: &str = "Examples:
+  meniscus refine coarse.obj -o fine.obj
+  meniscus refine coarse.obj -o fine.obj --levels 2 --energy 'H^2' --report report.json
+  meniscus refine coarse.obj -o fine.obj --method butterfly --against original.obj
+  meniscus refine coarse.obj -o fine.obj --ball 0,0,1,0.3 --boundary straight";
+
+const ANALYZE_EXAMPLES: &str = "Examples:
+  meniscus analyze part.obj
+  meniscus analyze fine.obj --on-surface --against original.obj --json
+  meniscus analyze filled.obj --first-faces 5000 --csv curvatures.csv
+  meniscus analyze part.obj --edge-angle 40 --energy 'H^2+K^2'";
+
 const RENDER_EXAMPLES: &str = "Examples:
   meniscus render scan.obj -o scan.png
   meniscus render filled.obj -o map.png --view H --camera top --size 1920x1080
@@ -89,10 +102,17 @@ pub enum Command {
     /// Erase part of a surface and fill it anew, or fair it in place.
     #[command(after_help = REFILL_EXAMPLES)]
     Refill(Box<RefillArguments>),
+    /// Refine a mesh: every triangle becomes four, again and again, on a smooth surface through the
+    /// given vertices.
+    #[command(after_help = REFINE_EXAMPLES)]
+    Refine(Box<RefineArguments>),
     /// Build a strip of triangles across a hole, or from one hole to another.
     Bridge(BridgeArguments),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
+    /// Measure a surface: energies, curvatures, continuity, triangles, distances.
+    #[command(after_help = ANALYZE_EXAMPLES)]
+    Analyze(AnalyzeArguments),
     /// Draw a mesh into a picture.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArguments),
@@ -274,7 +294,7 @@ pub(crate) fn point(text: &str) -> Result<DVec3, String> {
     }
 }
 
-fn ball(text: &str) -> Result<(DVec3, f64), String> {
+pub(crate) fn ball(text: &str) -> Result<(DVec3, f64), String> {
     let mistaken = || "give centre and radius, as in 0.1,-2,3.5,0.25".to_owned();
     let (centre, radius) = text.rsplit_once(',').ok_or_else(mistaken)?;
     let centre = point(centre).map_err(|_| mistaken())?;

@@ -88,12 +88,12 @@ impl ControlArguments {
     }
 }
 
-fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
+pub(crate) fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(T::ALL.iter().map(|c| c.name()))
         .map(|name| T::named(&name).expect("one of the possible values"))
 }
 
-fn tau(text: &str) -> Result<TauChoice, String> {
+pub(crate) fn tau(text: &str) -> Result<TauChoice, String> {
     if text == "auto" {
         return Ok(TauChoice::Auto);
     }
@@ -117,7 +117,7 @@ fn weight(text: &str) -> Result<f64, String> {
     }
 }
 
-fn finite(text: &str) -> Result<f64, String> {
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x.is_finite() => Ok(x),
         _ => Err("give a number".into()),
@@ -138,7 +138,7 @@ fn density(text: &str) -> Result<f64, String> {
     }
 }
 
-fn parameter(text: &str) -> Result<(String, f64), String> {
+pub(crate) fn parameter(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("give NAME=VALUE, as in a=0.3")?;
     let value = value
         .trim()

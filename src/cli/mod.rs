@@ -1,5 +1,6 @@
 //! The headless commands.
 
+mod analyze;
 mod args;
 mod blend;
 mod bridge;
@@ -12,6 +13,8 @@ mod picture_args;
 mod print;
 mod progress;
 mod refill;
+mod refine;
+mod refine_args;
 mod render;
 mod report;
 mod sample;
@@ -36,6 +39,8 @@ pub fn run(command: Command) -> Result<()> {
         Command::Blend(args) => blend::blend(&args),
         Command::Bridge(args) => bridge::bridge(&args),
         Command::Refill(args) => refill::refill(&args),
+        Command::Refine(args) => refine::refine(&args),
+        Command::Analyze(args) => analyze::analyze(&args),
         Command::Info(args) => info::info(&args),
         Command::Demo(args) => demo::demo(&args),
         Command::Render(args) => render::render(&args),

@@ -12,6 +12,7 @@ mod selection;
 pub mod shapes;
 mod soup;
 mod spatial;
+mod split;
 mod topology;
 pub(crate) mod union_find;
 
@@ -30,4 +31,5 @@ pub use soup::{FaceTag, Soup};
 pub use spatial::{
     ClosestPoint, RayHit, TriangleBvh, closest_point_on_segment, closest_point_on_triangle,
 };
+pub use split::{Split, edge_diamond, split_all, split_faces};
 pub use topology::{Topology, TopologyError};

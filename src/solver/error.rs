@@ -29,6 +29,12 @@ pub enum SolverError {
         /// The local vertex.
         vertex: usize,
     },
+    /// The limit surface cannot pass two points at one vertex.
+    #[error("vertex {vertex} is held twice; name each held vertex once")]
+    HeldTwice {
+        /// The local vertex.
+        vertex: usize,
+    },
     /// The unit of length is unusable.
     #[error("the hole radius is {radius}; it must be positive and finite")]
     BadRadius {

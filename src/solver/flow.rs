@@ -4,6 +4,7 @@ use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Control, Descent, Mode, Progress, STOP, Tau};
 use crate::solver::energy::{Energy, Order};
+use crate::solver::guarded::GuardedFlow;
 use crate::solver::mixed::MixedFlow;
 use crate::solver::normal::NormalFlow;
 use crate::solver::options::{FlowOptions, Scheme};
@@ -17,6 +18,7 @@ use crate::subdivision::{Elements, Rule, TableCache, elements};
 
 enum Stepper {
     Normal(Box<NormalFlow>),
+    Guarded(Box<GuardedFlow>),
     Mixed(Box<MixedFlow>),
 }
 
@@ -112,6 +114,14 @@ impl Flow {
         energy: &Energy,
         local: &Elements,
     ) -> Result<Stepper, SolverError> {
+        let is_mixed = matches!(options.scheme, Scheme::Mixed | Scheme::MixedCorrected);
+        if is_mixed && problem.interpolation().is_some() {
+            return Err(SolverError::BadOption {
+                option: "scheme",
+                value: "mixed".into(),
+                expected: "a surface held at given points needs the scheme `normal`",
+            });
+        }
         Ok(match options.scheme {
             Scheme::Normal => Stepper::Normal(Box::new(NormalFlow::new(
                 problem,
@@ -119,6 +129,12 @@ impl Flow {
                 options.quadrature,
                 energy,
                 options.mode == Mode::Flow,
+            )?)),
+            Scheme::Guarded => Stepper::Guarded(Box::new(GuardedFlow::new(
+                problem,
+                local,
+                options.quadrature,
+                energy,
             )?)),
             Scheme::Mixed | Scheme::MixedCorrected => Stepper::Mixed(Box::new(MixedFlow::new(
                 problem,
@@ -161,6 +177,7 @@ impl Flow {
     pub fn positions(&self) -> &[DVec3] {
         match &self.stepper {
             Stepper::Normal(flow) => flow.positions(),
+            Stepper::Guarded(flow) => flow.positions(),
             Stepper::Mixed(flow) => flow.positions(),
         }
     }
@@ -169,6 +186,7 @@ impl Flow {
     pub fn energy(&self) -> EnergySum {
         match &self.stepper {
             Stepper::Normal(flow) => flow.energy(),
+            Stepper::Guarded(flow) => flow.energy(),
             Stepper::Mixed(flow) => flow.energy(),
         }
     }
@@ -266,7 +284,8 @@ impl Flow {
         }
         let tau = self.control.tau;
         let next = self.control.next();
-        let relaxing = self.options.relaxation > 0.0;
+        // held vertices follow the others, and the guarded descent slides by itself
+        let relaxing = self.options.relaxation > 0.0 && self.problem.interpolation().is_none();
         // relaxation moves the vertices for which the factor was made
         let quick = self.options.mode == Mode::Fast
             && !matches!(self.options.tau, Tau::Fixed(_))
@@ -276,6 +295,7 @@ impl Flow {
             Stepper::Normal(flow) => {
                 flow.attempt(tau, next, quick && self.factorized + 1 >= FACTORIZED_STEPS)
             }
+            Stepper::Guarded(flow) => flow.attempt(tau),
             Stepper::Mixed(flow) => flow.attempt(tau),
         };
         let mut record = self.book(&attempt, tau);
@@ -283,7 +303,7 @@ impl Flow {
             self.relax(before, attempt.longest);
             record.energy = self.energy().value;
         }
-        if attempt.accepted {
+        if attempt.accepted && self.problem.interpolation().is_none() {
             self.watch_necks()?;
         }
         Ok(Some(record))
@@ -293,6 +313,7 @@ impl Flow {
     fn watch_necks(&mut self) -> Result<(), SolverError> {
         let positions = match &self.stepper {
             Stepper::Normal(flow) => flow.positions(),
+            Stepper::Guarded(flow) => flow.positions(),
             Stepper::Mixed(flow) => flow.positions(),
         };
         let Some(place) = self.pinch.look(&self.problem, positions) else {
@@ -320,6 +341,7 @@ impl Flow {
         let mut weight = self.options.relaxation;
         for _ in 0..RELAXATION_TRIES {
             let (positions, normals, vertices) = match &self.stepper {
+                Stepper::Guarded(_) => return, // it slides by itself
                 Stepper::Normal(flow) => (flow.positions(), flow.normals(), flow.moving()),
                 Stepper::Mixed(flow) => (flow.positions(), flow.normals(), flow.moving()),
             };
@@ -328,6 +350,7 @@ impl Flow {
                 return;
             };
             let taken = match &mut self.stepper {
+                Stepper::Guarded(_) => return,
                 Stepper::Normal(flow) => flow.slide(moved, before),
                 Stepper::Mixed(flow) => flow.slide(moved, before),
             };
@@ -407,6 +430,7 @@ impl Flow {
     pub fn outcome(&mut self) -> Outcome {
         let positions = match &self.stepper {
             Stepper::Normal(flow) => flow.positions(),
+            Stepper::Guarded(flow) => flow.positions(),
             Stepper::Mixed(flow) => flow.positions(),
         };
         let energy_end = self

@@ -11,6 +11,8 @@ use crate::mesh::{DVec3, Topology, VertexId};
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Progress};
 use crate::solver::energy::Energy;
+use crate::solver::fold_guard::FoldState;
+use crate::solver::held::Held;
 use crate::solver::normals::LimitNormals;
 use crate::solver::relax::may_slide;
 use crate::solver::survey::survey;
@@ -41,6 +43,16 @@ pub struct NormalFlow {
     trial_gradient: Vec<DVec3>,
     quasi_newton: Option<QuasiNewton>,
     w: Vec<f64>,
+    held: Option<Held>,
+    guard: Option<Guard>,
+}
+
+/// The watch over folds, on the coarse meshes of a refinement.
+struct Guard {
+    topology: Topology,
+    elements: Elements,
+    folds: FoldState,
+    next: FoldState,
 }
 
 /// Steps with the frozen factor.
@@ -63,13 +75,14 @@ impl NormalFlow {
         energy: &Energy,
         membrane: bool,
     ) -> Result<Self, SolverError> {
-        let unknowns = Unknowns::new(local, problem.positions(), problem.interior());
+        let unknowns = Unknowns::new(local, problem.positions(), &problem.moving());
         let ring = LimitNormals::new(problem.topology(), &unknowns.vertex);
         let mut assembler = Assembler::new(local, rule, unknowns);
         if !membrane {
             assembler.drop_membrane();
         }
         let symbolic = Arc::new(CholeskySymbolic::new(assembler.pattern())?);
+        let held = Held::of(problem, &mut assembler);
         let count = assembler.unknowns().len();
         let mut flow = Self {
             assembler,
@@ -88,11 +101,21 @@ impl NormalFlow {
             trial_gradient: Vec::new(),
             quasi_newton: None,
             w: vec![0.0; count],
+            guard: problem.interpolation().map(|_| Guard {
+                topology: problem.topology().clone(),
+                elements: local.clone(),
+                folds: FoldState::new(problem.topology(), local, problem.positions()),
+                next: FoldState::default(),
+            }),
+            held,
         };
         flow.ring.evaluate(&flow.positions, &mut flow.normals);
         flow.current = flow
             .assembler
             .gradient(&flow.positions, energy, &mut flow.gradient);
+        if let Some(held) = &flow.held {
+            held.pull_back(flow.assembler.unknowns(), &mut flow.gradient);
+        }
         if !flow.current.value.is_finite() {
             return Err(survey(local, &flow.positions, energy, flow.radius).not_finite());
         }
@@ -179,6 +202,10 @@ impl NormalFlow {
                 &mut self.gradient,
                 &mut self.values,
             );
+            if let Some(held) = &self.held {
+                held.pull_back(self.assembler.unknowns(), &mut self.gradient);
+                held.hold(&self.normals, &mut self.values);
+            }
             self.matrix_tau = Some(tau);
         }
         if let Err(error) = self.cholesky.factorize(&self.values) {
@@ -187,8 +214,9 @@ impl NormalFlow {
         }
         project(&self.gradient, &self.normals, -1.0, &mut self.w);
         self.cholesky.solve_in_place(&mut self.w, 1);
+        self.free_only();
         let longest = self.displace();
-        if !longest.is_finite() {
+        if !longest.is_finite() || self.would_fold() {
             return Attempt::rejected(None);
         }
         let sum;
@@ -197,6 +225,7 @@ impl NormalFlow {
             sum = self
                 .assembler
                 .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
+            self.pull_back_trial();
         } else {
             self.ring.evaluate(&self.trial, &mut self.trial_normals);
             sum = self.assembler.matrix(
@@ -208,6 +237,10 @@ impl NormalFlow {
                 &mut self.trial_gradient,
                 &mut self.values,
             );
+            if let Some(held) = &self.held {
+                held.pull_back(self.assembler.unknowns(), &mut self.trial_gradient);
+                held.hold(&self.trial_normals, &mut self.values);
+            }
             self.matrix_tau = None;
         }
         if !self.current.admits(&sum) {
@@ -238,11 +271,13 @@ impl NormalFlow {
         state
             .memory
             .direction(&mut self.w, |q| cholesky.solve_in_place(q, 1));
+        self.free_only();
         let longest = self.displace();
         let sum = self
             .assembler
             .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
-        if !longest.is_finite() || !self.current.admits(&sum) {
+        self.pull_back_trial();
+        if !longest.is_finite() || !self.current.admits(&sum) || self.would_fold() {
             // back to a fresh matrix at the current point
             self.leave_quasi_newton();
             return Attempt {
@@ -298,11 +333,38 @@ impl NormalFlow {
             // f64::max would hide a NaN
             longest = if w.abs() <= longest { longest } else { w.abs() };
         }
+        if let Some(held) = &self.held {
+            held.settle(&mut self.trial);
+        }
         longest
+    }
+
+    /// Held vertices follow and have no step of their own.
+    fn free_only(&mut self) {
+        if let Some(held) = &self.held {
+            held.clear(&mut self.w);
+        }
+    }
+
+    /// Whether the trial point is folded where the current one is not.
+    fn would_fold(&mut self) -> bool {
+        self.guard.as_mut().is_some_and(|g| {
+            g.next = FoldState::new(&g.topology, &g.elements, &self.trial);
+            !g.folds.admits(&g.next, &g.topology, &g.elements)
+        })
+    }
+
+    fn pull_back_trial(&mut self) {
+        if let Some(held) = &self.held {
+            held.pull_back(self.assembler.unknowns(), &mut self.trial_gradient);
+        }
     }
 
     fn accept(&mut self, sum: EnergySum) {
         self.current = sum;
+        if let Some(guard) = &mut self.guard {
+            std::mem::swap(&mut guard.folds, &mut guard.next);
+        }
         std::mem::swap(&mut self.positions, &mut self.trial);
         std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
     }

@@ -1,7 +1,7 @@
 //! Limit normals of the moving vertices, the directions of scheme B.
 
 use crate::mesh::{DVec3, Topology, VertexId};
-use crate::subdivision::tangent_mask;
+use crate::subdivision::tangent_stencil;
 use rayon::prelude::*;
 
 /// One-rings of the moving vertices with the weights of Loop's limit tangents.
@@ -13,24 +13,18 @@ pub struct LimitNormals {
 }
 
 impl LimitNormals {
-    /// For the given interior (non-boundary) vertices.
+    /// For the given vertices; at an open boundary the mesh is continued by ghosts.
     pub fn new(topology: &Topology, vertices: &[u32]) -> Self {
         let mut start = Vec::with_capacity(vertices.len() + 1);
         let mut ring = Vec::with_capacity(6 * vertices.len());
         let mut weight = Vec::with_capacity(6 * vertices.len());
-        let mut tables: Vec<Vec<[f64; 2]>> = Vec::new();
+        let mut stencil = Vec::new();
         start.push(0);
         for &v in vertices {
-            let first = ring.len();
-            ring.extend(topology.neighbours(VertexId(v)).map(|w| w.0));
-            let n = ring.len() - first;
-            if tables.len() <= n {
-                tables.resize(n + 1, Vec::new());
-            }
-            if tables[n].is_empty() {
-                tables[n] = tangent_mask(n).map(<[f64; 2]>::from).collect();
-            }
-            weight.extend_from_slice(&tables[n]);
+            stencil.clear();
+            tangent_stencil(topology, VertexId(v), &mut stencil);
+            ring.extend(stencil.iter().map(|s| s.0));
+            weight.extend(stencil.iter().map(|s| s.1));
             start.push(ring.len() as u32);
         }
         Self {
@@ -56,8 +50,7 @@ impl LimitNormals {
                     c += p * w[0];
                     s += p * w[1];
                 }
-                // the ring is walked clockwise
-                *normal = s.cross(c).normalize_or_zero();
+                *normal = c.cross(s).normalize_or_zero();
             });
     }
 }

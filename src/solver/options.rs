@@ -13,6 +13,9 @@ pub enum Scheme {
     /// Scheme B, the linearly implicit normal flow.
     #[default]
     Normal,
+    /// Descent of all three components in scheme B's metric, guarded against folds: for coarse
+    /// irregular meshes, on which vertices have to slide along the surface as well.
+    Guarded,
     /// Scheme A, the paper's mixed finite elements (21)-(23).
     Mixed,
     /// Scheme A with the exact gradient as right-hand side: the same matrix, another fixed point.

@@ -1,7 +1,9 @@
 //! The validated, immutable description of a flow on a region of a mesh.
 
+use std::sync::Arc;
+
 use crate::mesh::{DVec3, FaceId, Topology, VertexId};
-use crate::solver::SolverError;
+use crate::solver::{Interpolation, SolverError};
 
 /// How far from the interior vertices positions can matter: active elements have corners up to
 /// ring 2 whose one-rings reach ring 3; the fixed curvatures of scheme A reach ring 4.
@@ -20,6 +22,7 @@ pub struct FlowProblem {
     active: Vec<FaceId>,
     radius: f64,
     creases: Vec<u32>,
+    interpolation: Option<Arc<Interpolation>>,
 }
 
 impl FlowProblem {
@@ -79,6 +82,7 @@ impl FlowProblem {
             active,
             radius,
             creases: Vec::new(),
+            interpolation: None,
         })
     }
 
@@ -111,6 +115,33 @@ impl FlowProblem {
         marks
     }
 
+    /// The same problem with the limit surface held at given points (in the given mesh's own
+    /// coordinates): the control points of the vertices named follow those of the other interior
+    /// vertices. They may lie on a boundary; the others of a boundary stay where they are. The
+    /// starting positions of the vertices named are set accordingly.
+    ///
+    /// # Errors
+    /// [`SolverError`] if a vertex does not exist, is named twice, or a coordinate is not finite.
+    pub fn holding(mut self, held: &[(u32, DVec3)]) -> Result<Self, SolverError> {
+        let mut seen = vec![false; self.positions.len()];
+        for &(v, target) in held {
+            let vertex = v as usize;
+            match seen.get_mut(vertex) {
+                None => return Err(SolverError::NoSuchVertex { vertex }),
+                Some(seen) if *seen => return Err(SolverError::HeldTwice { vertex }),
+                Some(seen) => *seen = true,
+            }
+            if !target.is_finite() {
+                return Err(SolverError::NotFinite { vertex });
+            }
+        }
+        let relative: Vec<_> = held.iter().map(|&(v, p)| (v, p - self.centre)).collect();
+        let interpolation = Interpolation::new(&self.topology, &relative);
+        interpolation.settle(&mut self.positions);
+        self.interpolation = Some(Arc::new(interpolation));
+        Ok(self)
+    }
+
     /// Connectivity of the region.
     pub fn topology(&self) -> &Topology {
         &self.topology
@@ -140,6 +171,22 @@ impl FlowProblem {
     /// is integrated.
     pub fn active_faces(&self) -> &[FaceId] {
         &self.active
+    }
+
+    /// The points the limit surface is held at, if any.
+    pub fn interpolation(&self) -> Option<&Arc<Interpolation>> {
+        self.interpolation.as_ref()
+    }
+
+    /// The vertices whose control points change: the interior ones, then those held that are not
+    /// among them.
+    pub fn moving(&self) -> Vec<u32> {
+        let mut moving = self.interior.clone();
+        if let Some(interpolation) = &self.interpolation {
+            let others = interpolation.held().iter().copied();
+            moving.extend(others.filter(|&v| self.ring[v as usize] > 0));
+        }
+        moving
     }
 
     /// Hole radius.

@@ -84,7 +84,7 @@ pub fn mean_curvature(elements: &Elements, element: usize, positions: &[DVec3]) 
 }
 
 /// Calls `look` with the place and the geometry at every quadrature point of an element.
-pub(super) fn each_point(
+pub fn each_point(
     elements: &Elements,
     element: usize,
     positions: &[DVec3],

@@ -80,6 +80,57 @@ pub fn limit_position(topology: &Topology, positions: &[DVec3], v: VertexId) -> 
     position_with(topology, positions, v, &mut Vec::new())
 }
 
+/// Fills `points` with the neighbours of `v` counter-clockwise from its neighbour `first` on; at an
+/// open boundary with ghosts. Empty for a vertex without triangles.
+pub fn ring_points(
+    topology: &Topology,
+    positions: &[DVec3],
+    v: VertexId,
+    first: VertexId,
+    points: &mut Vec<DVec3>,
+) {
+    let mut ring = Vec::new();
+    extended_ring(topology, v, &mut ring);
+    let turn = ring.iter().position(|&n| n == Neighbour::Real(first));
+    ring.rotate_left(turn.unwrap_or(0));
+    points.clear();
+    points.extend(ring.iter().map(|n| n.position(positions)));
+}
+
+/// Appends the weights of the limit position of a vertex as `(vertex, weight)`: first its own, then
+/// those of its neighbours, ghosts given to the vertices they are made of. A vertex may occur
+/// several times.
+pub fn limit_stencil(topology: &Topology, v: VertexId, stencil: &mut Vec<(u32, f64)>) {
+    let mut ring = Vec::new();
+    extended_ring(topology, v, &mut ring);
+    let omega = if ring.len() < 3 {
+        0.0
+    } else {
+        limit_mask(ring.len()).1
+    };
+    stencil.push((v.0, 1.0 - ring.len() as f64 * omega));
+    for neighbour in ring {
+        neighbour.scatter(omega, |w, weight| stencil.push((w.0, weight)));
+    }
+}
+
+/// Appends the weights of the two tangents of [`tangent_mask`] at a vertex, which span the plane
+/// orthogonal to [`limit_normal`], as `(vertex, [t1, t2])`; as [`limit_stencil`] for the rest.
+pub fn tangent_stencil(topology: &Topology, v: VertexId, stencil: &mut Vec<(u32, [f64; 2])>) {
+    let mut ring = Vec::new();
+    extended_ring(topology, v, &mut ring);
+    let fresh;
+    let mask = if let Some(mask) = MASKS.get(ring.len()) {
+        mask
+    } else {
+        fresh = Mask::new(ring.len());
+        &fresh
+    };
+    for (neighbour, &(cos, sin)) in ring.iter().zip(&mask.tangents) {
+        neighbour.scatter(1.0, |w, sign| stencil.push((w.0, [sign * cos, sign * sin])));
+    }
+}
+
 /// [`limit_position`] of every vertex.
 pub fn limit_positions(topology: &Topology, positions: &[DVec3]) -> Vec<DVec3> {
     let mut ring = Vec::new();

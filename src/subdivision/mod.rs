@@ -19,7 +19,10 @@ mod rule;
 
 pub use basis::{BasisTable, DERIVATIVES, TableCache, basis_at};
 pub use elements::{Elements, elements, elements_at};
-pub use limit::{limit_normal, limit_normals, limit_position, limit_positions};
+pub use limit::{
+    limit_normal, limit_normals, limit_position, limit_positions, limit_stencil, ring_points,
+    tangent_stencil,
+};
 pub use masks::{EDGE_END, EDGE_OPPOSITE, beta, limit_mask, omega, tangent_mask};
 pub use rule::Rule;
 

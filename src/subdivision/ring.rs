@@ -28,6 +28,18 @@ impl Neighbour {
             }
         }
     }
+
+    /// Gives a weight to the vertices it is made of.
+    pub(super) fn scatter(self, weight: f64, mut add: impl FnMut(VertexId, f64)) {
+        match self {
+            Self::Real(v) => add(v, weight),
+            Self::Ghost([p, q, r]) => {
+                add(p, weight);
+                add(q, weight);
+                add(r, -weight);
+            }
+        }
+    }
 }
 
 /// Fills `ring` with the neighbours of `v`, ghosts included, in counter-clockwise order; empty for a

@@ -61,11 +61,13 @@ impl Choice for Linear {
 }
 
 impl Choice for Scheme {
+    // the guarded descent is for refinements, which choose it themselves
     const ALL: &'static [Self] = &[Self::Normal, Self::Mixed, Self::MixedCorrected];
 
     fn name(self) -> &'static str {
         match self {
             Self::Normal => "normal",
+            Self::Guarded => "guarded",
             Self::Mixed => "mixed",
             Self::MixedCorrected => "mixed-corrected",
         }

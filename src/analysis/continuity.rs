@@ -1,0 +1,232 @@
+//! Continuity across chains of edges: positions, normals, curvatures from both sides.
+
+use serde::Serialize;
+
+use crate::analysis::chains::EdgeChain;
+use crate::analysis::cut::cut;
+use crate::analysis::quality::dihedral;
+use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh, Topology};
+use crate::solver::forms::PointGeometry;
+use crate::solver::{each_point, mean_curvature};
+use crate::subdivision::{Rule, TableCache, elements, elements_at};
+
+/// Where each edge is looked at, as parts of its length; not at its ends, where a limit surface may
+/// have no curvature.
+const PLACES: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
+
+/// Least, mean and greatest of a quantity along a chain.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Statistic {
+    /// Least.
+    pub min: f64,
+    /// Average over the places looked at, weighted by edge length.
+    pub mean: f64,
+    /// Greatest.
+    pub max: f64,
+    /// Where the greatest is.
+    pub max_at: [f64; 3],
+}
+
+/// How the surface goes across a chain of edges.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChainReport {
+    /// Name of the chain.
+    pub name: String,
+    /// Its edges with a triangle on both sides.
+    pub edges: usize,
+    /// Sum of their lengths.
+    pub length: f64,
+    /// Whether both sides were taken as surfaces of their own.
+    pub is_crease: bool,
+    /// Whether the limit surface is continuous in position and normal by construction: always,
+    /// unless it is a crease.
+    pub smooth_by_construction: bool,
+    /// Distance between the two sides' points (G0).
+    pub gap: Statistic,
+    /// Angle between the two sides' normals, degrees (G1).
+    pub normal_angle: Statistic,
+    /// Angle between the normals of the two triangles, degrees.
+    pub dihedral: Statistic,
+    /// Difference of the two sides' mean curvatures at the edge (G2), relative to nothing, in units
+    /// of 1 / length. A Loop surface has none away from irregular vertices.
+    pub curvature_jump: Statistic,
+    /// Difference of the mean curvatures averaged over the two faces: what the eye sees of a change
+    /// of curvature within one row of triangles.
+    pub curvature_step: Statistic,
+}
+
+/// What one edge shows.
+struct Edge {
+    length: f64,
+    middle: DVec3,
+    gap: f64,
+    angle: f64,
+    dihedral: f64,
+    jump: f64,
+    step: f64,
+}
+
+/// Measures the surface of `control` points across a chain of edges of the mesh.
+pub fn measure_chain(mesh: &Mesh, control: &[DVec3], chain: &EdgeChain) -> ChainReport {
+    let topology = &mesh.topology;
+    let inner = |h: &HalfedgeId| !topology.is_boundary(*h) && !topology.is_boundary(h.twin());
+    let edges: Vec<HalfedgeId> = chain.edges.iter().copied().filter(inner).collect();
+    let split = chain.is_crease.then(|| cut(topology, &edges)).flatten();
+    let measured: Vec<Edge> = match &split {
+        Some(parts) => {
+            let copies: Vec<DVec3> = parts.source.iter().map(|&v| control[v as usize]).collect();
+            measure(mesh, &parts.topology, &copies, &edges)
+        }
+        None => measure(mesh, topology, control, &edges),
+    };
+    let of = |value: fn(&Edge) -> f64| statistic(&measured, value);
+    ChainReport {
+        name: chain.name.clone(),
+        edges: edges.len(),
+        length: measured.iter().map(|e| e.length).sum(),
+        is_crease: split.is_some(),
+        smooth_by_construction: split.is_none(),
+        gap: of(|e| e.gap),
+        normal_angle: of(|e| e.angle.to_degrees()),
+        dihedral: of(|e| e.dihedral.to_degrees()),
+        curvature_jump: of(|e| e.jump),
+        curvature_step: of(|e| e.step),
+    }
+}
+
+fn statistic(edges: &[Edge], value: fn(&Edge) -> f64) -> Statistic {
+    let mut out = Statistic {
+        min: f64::INFINITY,
+        mean: 0.0,
+        max: f64::NEG_INFINITY,
+        max_at: [0.0; 3],
+    };
+    let mut length = 0.0;
+    for edge in edges {
+        let x = value(edge);
+        out.min = out.min.min(x);
+        if x > out.max {
+            (out.max, out.max_at) = (x, edge.middle.to_array());
+        }
+        out.mean += edge.length * x;
+        length += edge.length;
+    }
+    if length > 0.0 {
+        out.mean /= length;
+    } else {
+        (out.min, out.max) = (0.0, 0.0);
+    }
+    out
+}
+
+/// The edges on a topology with the mesh's faces, whose vertices may be copies.
+fn measure(mesh: &Mesh, topology: &Topology, control: &[DVec3], edges: &[HalfedgeId]) -> Vec<Edge> {
+    let sides = Sides::new(mesh, topology, control, edges);
+    edges
+        .iter()
+        .map(|&h| {
+            let [a, b] = [mesh.topology.origin(h), mesh.topology.target(h)];
+            let (own, other) = (sides.at(mesh, h), sides.at(mesh, h.twin()));
+            let (mut gap, mut angle, mut jump) = (0.0f64, 0.0f64, 0.0f64);
+            for (k, p) in own.points.iter().enumerate() {
+                // the other side runs through the edge backwards
+                let q = &other.points[PLACES.len() - 1 - k];
+                gap = gap.max(p.at.distance(q.at));
+                let (m, n) = (p.normal, q.normal);
+                angle = angle.max(m.cross(n).length().atan2(m.dot(n)));
+                jump = jump.max((p.mean - q.mean).abs());
+            }
+            Edge {
+                length: mesh.position(a).distance(mesh.position(b)),
+                middle: own.points[1].at,
+                gap,
+                angle,
+                dihedral: dihedral(mesh, h),
+                jump,
+                step: (own.average - other.average).abs(),
+            }
+        })
+        .collect()
+}
+
+#[derive(Clone, Copy)]
+struct Point {
+    at: DVec3,
+    normal: DVec3,
+    mean: f64,
+}
+
+/// A side of an edge: its points in the direction of the half-edge.
+struct Side {
+    points: Vec<Point>,
+    average: f64,
+}
+
+/// The surface at the edges of the faces next to a chain.
+struct Sides {
+    /// Faces in ascending order.
+    faces: Vec<u32>,
+    /// For each of `faces` its points on the three sides, and its mean curvature.
+    points: Vec<Vec<Point>>,
+    average: Vec<f64>,
+}
+
+impl Sides {
+    fn new(mesh: &Mesh, topology: &Topology, control: &[DVec3], edges: &[HalfedgeId]) -> Self {
+        let both = edges.iter().flat_map(|h| [*h, h.twin()]);
+        let mut faces: Vec<u32> = both.map(|h| mesh.topology.face(h).0).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        let ids: Vec<FaceId> = faces.iter().map(|&f| FaceId(f)).collect();
+        // (v, w) along the sides from corner 0 to 1, 1 to 2, 2 to 0
+        let on_sides = [0, 1, 2].map(|side| {
+            PLACES.map(|t| {
+                let mut bary = [0.0; 3];
+                bary[side] = 1.0 - t;
+                bary[(side + 1) % 3] = t;
+                [bary[1], bary[2]]
+            })
+        });
+        let sampled = elements_at(topology, &ids, on_sides.as_flattened());
+        let inside = elements(topology, &ids, Rule::Twelve, &mut TableCache::default());
+        let mut out = Self {
+            points: vec![Vec::new(); faces.len()],
+            average: vec![0.0; faces.len()],
+            faces,
+        };
+        for e in 0..sampled.len() {
+            let place = out.place(FaceId(sampled.faces[e]));
+            let mut points = Vec::with_capacity(9);
+            each_point(&sampled, e, control, |at, p: &PointGeometry| {
+                points.push(Point {
+                    at,
+                    normal: p.normal,
+                    mean: p.mean,
+                });
+            });
+            out.points[place] = points;
+        }
+        for e in 0..inside.len() {
+            let place = out.place(FaceId(inside.faces[e]));
+            out.average[place] = mean_curvature(&inside, e, control);
+        }
+        out
+    }
+
+    fn place(&self, f: FaceId) -> usize {
+        self.faces.partition_point(|&g| g < f.0)
+    }
+
+    fn at(&self, mesh: &Mesh, h: HalfedgeId) -> Side {
+        let f = mesh.topology.face(h);
+        let corners = mesh.topology.face_vertices(f);
+        let origin = mesh.topology.origin(h);
+        let side = corners.iter().position(|&v| v == origin).unwrap_or(0);
+        let place = self.place(f);
+        let first = side * PLACES.len();
+        Side {
+            points: self.points[place][first..first + PLACES.len()].to_vec(),
+            average: self.average[place],
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Shape of the triangles.
+
+use serde::Serialize;
+
+use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh, folded_edges, self_intersections};
+
+/// Intersecting pairs counted at most.
+const MOST_INTERSECTIONS: usize = 10_000;
+/// An edge is folded where the normals differ by more than this, in degrees.
+const FOLDED: f64 = 150.0;
+
+/// How good the triangles of a mesh are.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct QualityReport {
+    /// Smallest angle, degrees.
+    pub min_angle: f64,
+    /// Mean over the triangles of their smallest angles, degrees.
+    pub mean_min_angle: f64,
+    /// Largest angle, degrees.
+    pub max_angle: f64,
+    /// Triangles with an angle below 10°.
+    pub slivers: usize,
+    /// Triangles without area.
+    pub degenerate: usize,
+    /// Least, mean and greatest over the triangles of twice the inscribed over the circumscribed
+    /// radius, 1 for an equilateral one.
+    pub radius_ratio: [f64; 3],
+    /// Least, mean and greatest edge length.
+    pub edge_length: [f64; 3],
+    /// Greatest angle between the normals of neighbouring triangles, degrees.
+    pub max_dihedral: f64,
+    /// Edges where that is above 150°.
+    pub folded_edges: usize,
+    /// Pairs of triangles that meet elsewhere than where they should, at most 10,000.
+    pub self_intersections: usize,
+    /// Vertices by valence, from 0.
+    pub valences: Vec<usize>,
+}
+
+/// Measures the triangles of a mesh.
+pub fn quality(mesh: &Mesh) -> QualityReport {
+    let topology = &mesh.topology;
+    let faces: Vec<[DVec3; 3]> = (0..topology.face_count())
+        .map(|f| mesh.corners(FaceId::from(f)))
+        .collect();
+    let angles: Vec<[f64; 3]> = faces.iter().filter_map(angles).collect();
+    let smallest: Vec<f64> = angles
+        .iter()
+        .map(|a| a.iter().copied().fold(f64::INFINITY, f64::min))
+        .collect();
+    let ratios: Vec<f64> = faces.iter().map(radius_ratio).collect();
+    let edges = (0..topology.halfedge_count()).step_by(2).map(|h| {
+        let h = HalfedgeId::from(h);
+        mesh.position(topology.origin(h))
+            .distance(mesh.position(topology.target(h)))
+    });
+    let mut valences = Vec::new();
+    for v in 0..topology.vertex_count() {
+        let valence = topology.valence(v.into());
+        if valences.len() <= valence {
+            valences.resize(valence + 1, 0);
+        }
+        valences[valence] += 1;
+    }
+    let triangles: Vec<[u32; 3]> = topology.triangles().collect();
+    let degrees = |x: f64| x.to_degrees();
+    QualityReport {
+        min_angle: degrees(spread(smallest.iter().copied())[0]),
+        mean_min_angle: degrees(spread(smallest.iter().copied())[1]),
+        max_angle: degrees(spread(angles.iter().flatten().copied())[2]),
+        slivers: smallest.iter().filter(|&&a| degrees(a) < 10.0).count(),
+        degenerate: faces.len() - angles.len(),
+        radius_ratio: spread(ratios.into_iter()),
+        edge_length: spread(edges),
+        max_dihedral: degrees(max_dihedral(mesh)),
+        folded_edges: folded_edges(&mesh.positions, topology, FOLDED.to_radians()).len(),
+        self_intersections: self_intersections(
+            &mesh.positions,
+            &triangles,
+            None,
+            MOST_INTERSECTIONS,
+        )
+        .len(),
+        valences,
+    }
+}
+
+/// Least, mean and greatest; zeros of nothing.
+fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    let (mut sum, mut count) = (0.0, 0usize);
+    for x in values {
+        least = least.min(x);
+        most = most.max(x);
+        sum += x;
+        count += 1;
+    }
+    if count == 0 {
+        return [0.0; 3];
+    }
+    [least, sum / count as f64, most]
+}
+
+/// Angles in radians; `None` for a triangle without area.
+fn angles(corners: &[DVec3; 3]) -> Option<[f64; 3]> {
+    let at = |k: usize| {
+        let (u, v) = (
+            corners[(k + 1) % 3] - corners[k],
+            corners[(k + 2) % 3] - corners[k],
+        );
+        u.cross(v).length().atan2(u.dot(v))
+    };
+    let [a, b, c] = *corners;
+    ((b - a).cross(c - a).length_squared() > 0.0).then(|| [at(0), at(1), at(2)])
+}
+
+fn radius_ratio([a, b, c]: &[DVec3; 3]) -> f64 {
+    let (x, y, z) = (a.distance(*b), b.distance(*c), c.distance(*a));
+    let doubled = (*b - *a).cross(*c - *a).length();
+    // 2 r / R = 16 area² / ((x + y + z) x y z)
+    let ratio = 4.0 * doubled * doubled / ((x + y + z) * x * y * z);
+    if ratio.is_finite() { ratio } else { 0.0 }
+}
+
+fn max_dihedral(mesh: &Mesh) -> f64 {
+    let topology = &mesh.topology;
+    (0..topology.halfedge_count())
+        .step_by(2)
+        .map(HalfedgeId::from)
+        .filter(|&h| !topology.is_boundary(h) && !topology.is_boundary(h.twin()))
+        .map(|h| dihedral(mesh, h))
+        .fold(0.0, f64::max)
+}
+
+/// Angle between the normals of the triangles at an inner edge, radians; 0 where one has no area.
+pub(super) fn dihedral(mesh: &Mesh, h: HalfedgeId) -> f64 {
+    let normal = |h: HalfedgeId| {
+        let [a, b, c] = mesh.corners(mesh.topology.face(h));
+        (b - a).cross(c - a)
+    };
+    let (m, n) = (normal(h), normal(h.twin()));
+    if m.length_squared() == 0.0 || n.length_squared() == 0.0 {
+        return 0.0;
+    }
+    m.cross(n).length().atan2(m.dot(n))
+}

@@ -1,0 +1,220 @@
+//! `meniscus analyze`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use anyhow::{Result, bail};
+use serde::Serialize;
+
+use crate::analysis::{
+    Analysis, AnalysisOptions, ChainReport, Range, Vertices, analyze as measure, control_points,
+    patch_rims, sharp_edges, vertex_curvatures,
+};
+use crate::cli::UsageError;
+use crate::cli::fill::write_text;
+use crate::cli::print::print;
+use crate::cli::refine_args::AnalyzeArguments;
+use crate::io::{self, open};
+use crate::mesh::{LoadReport, Mesh};
+use crate::solver::energy::Energy;
+
+#[derive(Serialize)]
+struct Output<'a> {
+    version: &'static str,
+    input: String,
+    load: &'a LoadReport,
+    #[serde(flatten)]
+    analysis: &'a Analysis,
+}
+
+/// Runs the command.
+pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
+    if let Some(path) = &args.csv {
+        let read = std::iter::once(&args.input).chain(&args.against);
+        for other in read {
+            if io::same_file(path, other) {
+                bail!(
+                    "--csv names a file that is read ({}); give another name, nothing was \
+                     overwritten",
+                    path.display()
+                );
+            }
+        }
+        io::check_text_target(path)?;
+    }
+    let params: BTreeMap<String, f64> = args.param.iter().cloned().collect();
+    let energy = args
+        .energy
+        .as_deref()
+        .map(|text| Energy::parse(text, &params));
+    let energy = energy
+        .transpose()
+        .map_err(|e| UsageError(format!("--energy\n{}", e.render())))?;
+    let opened = open(&args.input)?;
+    let reference = args.against.as_deref().map(open).transpose()?;
+    let mesh = &opened.mesh;
+    let mut chains = Vec::new();
+    if let Some(first) = args.first_faces {
+        if first > mesh.face_count() {
+            return Err(UsageError(format!(
+                "--first-faces is {first}, but the mesh has only {} faces",
+                mesh.face_count()
+            ))
+            .into());
+        }
+        let is_patch: Vec<bool> = (0..mesh.face_count()).map(|f| f >= first).collect();
+        chains.extend(patch_rims(mesh, &is_patch, false));
+    }
+    if let Some(angle) = args.edge_angle {
+        chains.extend(sharp_edges(mesh, angle.to_radians()));
+    }
+    let vertices = if args.on_surface {
+        Vertices::OnSurface
+    } else {
+        Vertices::Control
+    };
+    let options = AnalysisOptions {
+        vertices,
+        energy,
+        chains,
+        reference: reference.as_ref().map(|r| &r.mesh),
+    };
+    let analysis = measure(mesh, &options);
+    if let Some(path) = &args.csv {
+        write_text(path, &table(mesh, vertices, &analysis))?;
+    }
+    if args.json {
+        let output = Output {
+            version: env!("CARGO_PKG_VERSION"),
+            input: args.input.display().to_string(),
+            load: &opened.report,
+            analysis: &analysis,
+        };
+        return print(&(serde_json::to_string_pretty(&output)? + "\n"));
+    }
+    print(&text(&args.input.display().to_string(), &analysis)?)
+}
+
+/// A line for each vertex.
+fn table(mesh: &Mesh, vertices: Vertices, analysis: &Analysis) -> String {
+    let control = control_points(mesh, vertices);
+    let curvatures = vertex_curvatures(&mesh.topology, &control);
+    let distances = analysis
+        .distances
+        .as_ref()
+        .map(|d| &d.to_reference.vertices);
+    let mut csv = String::from("vertex,x,y,z,H,K,k1,k2,distance\n");
+    for (v, (p, [h, k])) in mesh.positions.iter().zip(&curvatures).enumerate() {
+        let root = (h * h - k).max(0.0).sqrt();
+        let distance = distances.map_or_else(String::new, |d| format!("{:e}", d[v]));
+        // a String takes everything
+        let _ = writeln!(
+            csv,
+            "{v},{},{},{},{h:e},{k:e},{:e},{:e},{distance}",
+            p.x,
+            p.y,
+            p.z,
+            h + root,
+            h - root
+        );
+    }
+    csv
+}
+
+/// The same for people.
+fn text(input: &str, analysis: &Analysis) -> Result<String, std::fmt::Error> {
+    let mut out = String::new();
+    let (s, q) = (&analysis.shape, &analysis.quality);
+    writeln!(out, "{input}")?;
+    writeln!(
+        out,
+        "  {} vertices, {} faces, {} edges; {} components, {} boundary loops, Euler number {}, genus {}",
+        s.vertices, s.faces, s.edges, s.components, s.boundary_loops, s.euler, s.genus
+    )?;
+    writeln!(
+        out,
+        "  triangles: area {:.6e}{}; limit surface: area {:.6e}{}",
+        s.mesh_area,
+        volume(s.mesh_volume),
+        s.area,
+        volume(s.volume)
+    )?;
+    let e = &s.energies;
+    writeln!(
+        out,
+        "  energies: H^2 {:.6e}, K {:.6e}, K^2 {:.6e}, k1^2+k2^2 {:.6e}",
+        e.willmore, e.total_curvature, e.gauss_squared, e.bending
+    )?;
+    if let Some(given) = e.given {
+        writeln!(out, "  energy given: {given:.6e}")?;
+    }
+    let c = &analysis.curvature;
+    for (name, range) in [
+        ("H", &c.mean),
+        ("K", &c.gauss),
+        ("k1", &c.k1),
+        ("k2", &c.k2),
+    ] {
+        writeln!(out, "  {}", curvature_line(name, range))?;
+    }
+    writeln!(
+        out,
+        "  triangles: angles {:.2} to {:.2} degrees, {} below 10, {} without area; edges {:.4e} to {:.4e}",
+        q.min_angle, q.max_angle, q.slivers, q.degenerate, q.edge_length[0], q.edge_length[2]
+    )?;
+    writeln!(
+        out,
+        "  {} self-intersections, {} folded edges, greatest dihedral angle {:.2} degrees",
+        q.self_intersections, q.folded_edges, q.max_dihedral
+    )?;
+    for chain in &analysis.chains {
+        chain_lines(&mut out, chain)?;
+    }
+    if let Some(d) = &analysis.distances {
+        for (name, one) in [("to", &d.to_reference), ("from", &d.from_reference)] {
+            let [x, y, z] = one.max_at;
+            writeln!(
+                out,
+                "  distance {name} the reference: RMS {:.4e}, mean {:.4e}, largest {:.4e} at ({x:.5}, {y:.5}, {z:.5})",
+                one.rms, one.mean, one.max
+            )?;
+        }
+    }
+    Ok(out)
+}
+
+fn volume(volume: Option<f64>) -> String {
+    volume.map_or_else(String::new, |v| format!(", volume {v:.6e}"))
+}
+
+fn curvature_line(name: &str, r: &Range) -> String {
+    let h = &r.histogram;
+    format!(
+        "{name:>2}: {:.4e} to {:.4e}, 98 % of the area {:.4e} to {:.4e}, average {:.4e}, deviation {:.4e}",
+        r.min, r.max, h.from, h.to, r.average, r.deviation
+    )
+}
+
+fn chain_lines(out: &mut String, chain: &ChainReport) -> std::fmt::Result {
+    let kind = if chain.smooth_by_construction {
+        "one limit surface runs through: gap and angle are zero by construction"
+    } else {
+        "crease: both sides taken by themselves"
+    };
+    writeln!(out, "  {} ({} edges; {kind})", chain.name, chain.edges)?;
+    for (name, s) in [
+        ("gap", &chain.gap),
+        ("angle of the normals, degrees", &chain.normal_angle),
+        ("dihedral angle of the triangles, degrees", &chain.dihedral),
+        ("jump of H", &chain.curvature_jump),
+        ("step of H from face to face", &chain.curvature_step),
+    ] {
+        let [x, y, z] = s.max_at;
+        writeln!(
+            out,
+            "    {name}: {:.3e} to {:.3e}, mean {:.3e}, largest at ({x:.5}, {y:.5}, {z:.5})",
+            s.min, s.max, s.mean
+        )?;
+    }
+    Ok(())
+}

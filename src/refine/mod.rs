@@ -1,0 +1,18 @@
+//! Refinement of a mesh: every level cuts each triangle into four and places the new vertices.
+//!
+//! By the flow ([`Method::Pde`]) the limit surface of Loop's scheme passes every given vertex and makes
+//! `∫ f(H, K) dA` stationary among all that do; the refined mesh has its vertices on that surface.
+//! From one level to the next the surface is the same, only freer. The modified Butterfly scheme
+//! and Loop's own are there to compare with.
+
+mod boundary;
+mod levels;
+mod options;
+mod region;
+mod schemes;
+mod start;
+
+pub use boundary::BoundaryRule;
+pub use levels::{LevelReport, Progress, Refined, Refinement, radius, surface_energy};
+pub use options::{Hold, MAX_LEVELS, Method, RefineError, RefineOptions, TENSION, natural_tension};
+pub use schemes::{butterfly_step, loop_step};

@@ -1,0 +1,72 @@
+//! Refinement of a part of a mesh.
+
+use std::ops::Range;
+
+use crate::mesh::{FaceId, Split, Topology, VertexId};
+
+/// The faces to be refined at a level.
+#[derive(Clone, Debug)]
+pub struct Region {
+    faces: Vec<bool>,
+}
+
+/// Rings around new vertices whose control points may change with them: their limit positions
+/// involve a new vertex's ring.
+const NEAR: usize = 2;
+
+impl Region {
+    /// One flag per face.
+    pub fn new(faces: Vec<bool>) -> Self {
+        Self { faces }
+    }
+
+    /// One flag per face of the current level.
+    pub fn faces(&self) -> &[bool] {
+        &self.faces
+    }
+
+    /// Goes over to the mesh after a split: the parts of the region's faces, without those at its
+    /// rim, so that each level is framed by one of the level before.
+    pub fn descend(&mut self, new: &Topology, split: &Split) {
+        let inside: Vec<bool> = split
+            .parent
+            .iter()
+            .map(|&f| self.faces[f as usize])
+            .collect();
+        let mut at_rim = vec![false; new.vertex_count()];
+        for (f, _) in inside.iter().enumerate().filter(|&(_, &is)| !is) {
+            for v in new.face_vertices(FaceId::from(f)) {
+                at_rim[v.index()] = true;
+            }
+        }
+        self.faces = inside
+            .iter()
+            .enumerate()
+            .map(|(f, &is)| {
+                let corners = new.face_vertices(FaceId::from(f));
+                is && !corners.iter().any(|v| at_rim[v.index()])
+            })
+            .collect();
+    }
+
+    /// The vertices within two rings of the given ones.
+    pub fn near(topology: &Topology, vertices: Range<usize>) -> Vec<bool> {
+        let mut near = vec![false; topology.vertex_count()];
+        let mut front: Vec<VertexId> = vertices.map(VertexId::from).collect();
+        for v in &front {
+            near[v.index()] = true;
+        }
+        for _ in 0..NEAR {
+            let mut next = Vec::new();
+            for &v in &front {
+                for w in topology.neighbours(v) {
+                    if !std::mem::replace(&mut near[w.index()], true) {
+                        next.push(w);
+                    }
+                }
+            }
+            front = next;
+        }
+        near
+    }
+}

@@ -1,0 +1,271 @@
+//! Vertices whose limit positions are given: the interpolating basis (formulation, section 7).
+//!
+//! With `A` the limit mask, `f` the held and `c` the free vertices, the control points of the held
+//! ones follow the free ones, `x_f = A_ff⁻¹ (p_f − A_fc x_c)`, so that the limit surface always passes
+//! the given points. Free vertices then have the basis `φ̃ = Qᵀφ`, `Q = [−A_ff⁻¹A_fc; I]`. Where no
+//! two held vertices are adjacent, as after a 1→4 split, `A_ff` is diagonal; otherwise it is solved
+//! with by Gauss-Seidel sweeps, which converge because `A_ff` is diagonally dominant or, by a
+//! scaling of its rows, symmetric positive definite.
+
+use crate::mesh::{DVec3, Topology, VertexId};
+use crate::subdivision::limit_stencil;
+
+/// Sweeps after which the solution is taken as it is.
+const MAX_SWEEPS: usize = 400;
+
+/// Points the limit surface has to pass.
+#[derive(Clone, Debug)]
+pub struct Interpolation {
+    /// The vertices whose limit positions are given.
+    held: Vec<u32>,
+    /// Where the limit surface has to pass.
+    target: Vec<DVec3>,
+    /// `A_ff`'s diagonal.
+    diagonal: Vec<f64>,
+    /// Start of each row in `entries`, and the rows: vertex and weight, the diagonal left out.
+    start: Vec<u32>,
+    entries: Vec<(u32, f64)>,
+    /// Place in `held` of each vertex, `NONE` for the free ones.
+    place: Vec<u32>,
+    /// Whether no two held vertices are adjacent.
+    is_diagonal: bool,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Interpolation {
+    /// The limit surface over `topology` shall pass `target` at each vertex `held`.
+    ///
+    /// # Panics
+    /// If a vertex is held twice or does not exist.
+    pub fn new(topology: &Topology, held: &[(u32, DVec3)]) -> Self {
+        let mut place = vec![NONE; topology.vertex_count()];
+        for (i, &(v, _)) in held.iter().enumerate() {
+            assert_eq!(place[v as usize], NONE, "held vertices are distinct");
+            place[v as usize] = i as u32;
+        }
+        let mut out = Self {
+            held: held.iter().map(|h| h.0).collect(),
+            target: held.iter().map(|h| h.1).collect(),
+            diagonal: Vec::with_capacity(held.len()),
+            start: vec![0],
+            entries: Vec::with_capacity(7 * held.len()),
+            place,
+            is_diagonal: true,
+        };
+        let mut stencil = Vec::new();
+        for &(v, _) in held {
+            stencil.clear();
+            limit_stencil(topology, VertexId(v), &mut stencil);
+            let own = stencil.iter().filter(|s| s.0 == v).map(|s| s.1).sum();
+            out.diagonal.push(own);
+            for &(w, weight) in stencil.iter().filter(|s| s.0 != v) {
+                let begin = out.start[out.start.len() - 1] as usize;
+                match out.entries[begin..].iter_mut().find(|e| e.0 == w) {
+                    Some(entry) => entry.1 += weight,
+                    None => out.entries.push((w, weight)),
+                }
+                out.is_diagonal &= out.place[w as usize] == NONE;
+            }
+            out.start.push(out.entries.len() as u32);
+        }
+        out
+    }
+
+    /// The held vertices.
+    pub fn held(&self) -> &[u32] {
+        &self.held
+    }
+
+    /// Whether a vertex is held.
+    pub fn holds(&self, v: u32) -> bool {
+        self.place[v as usize] != NONE
+    }
+
+    /// Where the limit surface passes the held vertices.
+    pub fn targets(&self) -> &[DVec3] {
+        &self.target
+    }
+
+    /// Weight of the `i`-th held vertex in its own limit position, and those of its neighbours.
+    pub fn row(&self, i: usize) -> (f64, &[(u32, f64)]) {
+        let range = self.start[i] as usize..self.start[i + 1] as usize;
+        (self.diagonal[i], &self.entries[range])
+    }
+
+    /// Moves the control points of the held vertices to where the limit surface passes the targets:
+    /// `x_f = A_ff⁻¹ (p_f − A_fc x_c)`.
+    pub fn settle(&self, positions: &mut [DVec3]) {
+        let mut largest = 0.0f64;
+        for sweep in 0..MAX_SWEEPS {
+            let mut change = 0.0f64;
+            for (i, &v) in self.held.iter().enumerate() {
+                let (own, row) = self.row(i);
+                let p = self.target[i];
+                // differences to the target, so that nothing is lost far from the origin
+                let pull: DVec3 = row
+                    .iter()
+                    .map(|&(w, weight)| weight * (positions[w as usize] - p))
+                    .sum();
+                let new = p - pull / own;
+                change = change.max(new.distance(positions[v as usize]));
+                positions[v as usize] = new;
+                largest = largest.max(pull.length());
+            }
+            if self.is_diagonal || (sweep > 0 && change <= 1e-16 * largest) {
+                return;
+            }
+        }
+    }
+
+    /// Largest distance of the limit surface from its targets.
+    pub fn error(&self, positions: &[DVec3]) -> f64 {
+        let distance = |(i, &v): (usize, &u32)| {
+            let (own, row) = self.row(i);
+            let p = self.target[i];
+            let at = |v: u32, weight: f64| weight * (positions[v as usize] - p);
+            let rest: DVec3 = row.iter().map(|&(w, weight)| at(w, weight)).sum();
+            (at(v, own) + rest).length()
+        };
+        self.held
+            .iter()
+            .enumerate()
+            .map(distance)
+            .fold(0.0, f64::max)
+    }
+
+    /// Turns derivatives by all control points into those by the free ones alone, the held ones
+    /// following: `g_c ← g_c − A_fcᵀ A_ff⁻ᵀ g_f`, `g_f ← 0`. `gradient` has one entry for each vertex
+    /// that `unknown` numbers below its length; derivatives by others are neither known nor wanted.
+    pub fn pull_back(&self, unknown: &[u32], gradient: &mut [DVec3]) {
+        let n = gradient.len();
+        let of = |v: u32| unknown[v as usize] as usize;
+        // y = A_ff⁻ᵀ g_f by the same sweeps: what is left of g_f is handed on by columns
+        let mut total = vec![DVec3::ZERO; self.held.len()];
+        let scale = gradient.iter().fold(0.0f64, |m, g| m.max(g.length()));
+        for _ in 0..MAX_SWEEPS {
+            let mut change = 0.0f64;
+            for (i, &v) in self.held.iter().enumerate() {
+                let rest = std::mem::take(&mut gradient[of(v)]);
+                if rest == DVec3::ZERO {
+                    continue;
+                }
+                let (own, row) = self.row(i);
+                let y = rest / own;
+                total[i] += y;
+                change = change.max(rest.length());
+                for &(w, weight) in row {
+                    if self.place[w as usize] != NONE {
+                        gradient[of(w)] -= weight * y;
+                    }
+                }
+            }
+            if self.is_diagonal || change <= 1e-17 * scale {
+                break;
+            }
+        }
+        for (i, &v) in self.held.iter().enumerate() {
+            gradient[of(v)] = DVec3::ZERO;
+            for &(w, weight) in self.row(i).1 {
+                let k = of(w);
+                if self.place[w as usize] == NONE && k < n {
+                    gradient[k] -= weight * total[i];
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::{SplitMix, graph, icosphere};
+    use crate::mesh::split_all;
+    use crate::subdivision::limit_position;
+
+    /// A mesh split once, its old vertices held; `all`: every vertex of the first mesh held on it.
+    fn cases() -> Vec<(Topology, Vec<DVec3>, Vec<u32>)> {
+        let ball = icosphere(2);
+        let sheet = graph(2.0, 4, |x, y| x * y, 3);
+        let mut out = Vec::new();
+        for (positions, triangles) in [ball, sheet] {
+            let old = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
+            let split = split_all(&old);
+            let mut all = positions.clone();
+            for &h in &split.edges {
+                let (a, b) = (old.origin(h), old.target(h));
+                all.push(0.5 * (positions[a.index()] + positions[b.index()]));
+            }
+            let new = Topology::from_triangles(all.len(), &split.triangles).expect("manifold");
+            out.push((new, all, (0..positions.len() as u32).collect()));
+            out.push((
+                old,
+                positions.clone(),
+                (0..positions.len() as u32).collect(),
+            ));
+        }
+        out
+    }
+
+    #[test]
+    fn the_limit_surface_passes_the_targets() {
+        for (topology, mut positions, held) in cases() {
+            let offset = DVec3::new(3.0, -1.0, 2.0);
+            let targets: Vec<(u32, DVec3)> = held
+                .iter()
+                .map(|&v| (v, positions[v as usize] + offset))
+                .collect();
+            let map = Interpolation::new(&topology, &targets);
+            for p in &mut positions {
+                *p += offset;
+            }
+            map.settle(&mut positions);
+            assert!(map.error(&positions) < 4e-15, "{}", map.error(&positions));
+            for (v, p) in targets {
+                let q = limit_position(&topology, &positions, VertexId(v));
+                assert!(q.distance(p) < 8e-15);
+            }
+        }
+    }
+
+    /// `<Qᵀg, y> = <g, Qy>`.
+    #[test]
+    fn pulling_back_is_the_transpose() {
+        for (topology, mut positions, held) in cases() {
+            let n = positions.len();
+            let map = Interpolation::new(
+                &topology,
+                &held
+                    .iter()
+                    .map(|&v| (v, positions[v as usize]))
+                    .collect::<Vec<_>>(),
+            );
+            map.settle(&mut positions);
+            let mut random = SplitMix::new(5);
+            let step: Vec<DVec3> = (0..n as u32)
+                .map(|v| {
+                    if map.holds(v) {
+                        DVec3::ZERO
+                    } else {
+                        random.direction()
+                    }
+                })
+                .collect();
+            let mut moved: Vec<DVec3> = positions.iter().zip(&step).map(|(p, s)| *p + *s).collect();
+            map.settle(&mut moved);
+            let gradient: Vec<DVec3> = (0..n).map(|_| random.direction()).collect();
+            let direct: f64 = (0..n)
+                .map(|v| gradient[v].dot(moved[v] - positions[v]))
+                .sum();
+            let identity: Vec<u32> = (0..n as u32).collect();
+            let mut pulled = gradient.clone();
+            map.pull_back(&identity, &mut pulled);
+            let reduced: f64 = pulled.iter().zip(&step).map(|(g, s)| g.dot(*s)).sum();
+            assert!(
+                (direct - reduced).abs() < 1e-12 * n as f64,
+                "{direct} {reduced}"
+            );
+            assert!(held.iter().all(|&v| pulled[v as usize] == DVec3::ZERO));
+        }
+    }
+}
