@@ -82,6 +82,26 @@ fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
     }
 }
 
+/// Waits until the program does nothing for a while: everything asked for is there.
+fn wait_until_idle(program: &Process) {
+    let spent = || -> u64 {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", program.0.id()));
+        let stat = stat.unwrap_or_default();
+        // after the name, which may hold anything: user and system time are fields 14 and 15
+        let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split(' ').collect();
+        let field = |i: usize| fields.get(i - 2).and_then(|x| x.parse::<u64>().ok());
+        field(14).unwrap_or(0) + field(15).unwrap_or(0)
+    };
+    let mut before = spent();
+    wait_for("an idle program", || {
+        std::thread::sleep(Duration::from_millis(600));
+        let now = spent();
+        let idle = now == before;
+        before = now;
+        idle.then_some(())
+    });
+}
+
 /// A sphere with a hole towards the first camera and one on the far side, as a file.
 fn model(folder: &Path) -> (PathBuf, Mesh) {
     let one = DVec3::ONE;
@@ -139,26 +159,23 @@ fn a_hole_is_clicked_filled_and_saved() {
     };
     let (x, y) = ((size("WIDTH=") - 25) / 2, size("HEIGHT=") / 2);
     let (x, y) = (x.to_string(), y.to_string());
+    wait_until_idle(&program);
+    display.hand(&["mousemove", "--window", &window, &x, &y]);
+    wait_until_idle(&program);
+    display.hand(&["click", "1"]);
+    wait_until_idle(&program);
+    display.hand(&["key", "Return"]);
+    // the flow runs to its end, then Enter accepts
+    wait_until_idle(&program);
+    display.hand(&["key", "Return"]);
     wait_for("the patch, accepted", || {
-        if title().contains("holes.obj*") {
-            return Some(());
-        }
-        display.hand(&["mousemove", "--window", &window, &x, &y]);
-        std::thread::sleep(Duration::from_millis(300));
-        // a click does nothing during a run, Enter accepts a finished one
-        display.hand(&["click", "1"]);
-        std::thread::sleep(Duration::from_millis(300));
-        display.hand(&["key", "Return"]);
-        std::thread::sleep(Duration::from_millis(1500));
-        display.hand(&["key", "ctrl+period"]);
-        std::thread::sleep(Duration::from_millis(1500));
-        display.hand(&["key", "ctrl+Return"]);
-        None
+        title().contains("holes.obj*").then_some(())
     });
 
     let target = folder.path().join("closed.obj");
     display.hand(&["key", "ctrl+s"]);
-    std::thread::sleep(Duration::from_millis(1500));
+    std::thread::sleep(Duration::from_secs(1));
+    wait_until_idle(&program);
     display.hand(&["key", "ctrl+a"]);
     display.hand(&["type", "--delay", "15", &target.display().to_string()]);
     display.hand(&["key", "Return"]);
