@@ -174,8 +174,8 @@ fn a_hole_is_clicked_filled_and_saved() {
 
     let target = folder.path().join("closed.obj");
     display.hand(&["key", "ctrl+s"]);
-    std::thread::sleep(Duration::from_secs(1));
-    wait_until_idle(&program);
+    // the field's caret blinks: with it the program is never idle
+    std::thread::sleep(Duration::from_secs(3));
     display.hand(&["key", "ctrl+a"]);
     display.hand(&["type", "--delay", "15", &target.display().to_string()]);
     display.hand(&["key", "Return"]);
