@@ -195,10 +195,10 @@ impl FlowProblem {
     }
 
     /// The same problem from other starting positions (of all vertices, relative to
-    /// [`Self::centre`]); only those of the interior are taken.
+    /// [`Self::centre`]); only those of [`Self::moving`] vertices are taken.
     #[must_use]
     pub fn with_positions(mut self, positions: &[DVec3]) -> Self {
-        for &v in &self.interior {
+        for v in self.moving() {
             self.positions[v as usize] = positions[v as usize];
         }
         self
