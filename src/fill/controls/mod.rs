@@ -15,7 +15,7 @@ use crate::patch::PatchOptions;
 use crate::solver::energy::{Energy, ExprError};
 use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, SolverError, Tau};
 
-pub(in crate::fill) use arguments::number;
+pub(in crate::fill) use arguments::difference;
 pub use choice::{Choice, Continuity, Linear};
 
 /// How the time step is chosen.

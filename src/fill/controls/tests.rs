@@ -1,3 +1,4 @@
+use super::arguments::number;
 use super::*;
 
 #[test]

@@ -4,86 +4,18 @@ use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use super::{Fault, Row};
-use crate::fill::controls::number;
+use crate::fill::controls;
 use crate::fill::{Choice, Continuity, Controls, TauChoice};
 
 /// The rows that turn `from` into `to`.
 pub(super) fn difference(attempt: usize, from: &Controls, to: &Controls) -> Vec<Row> {
-    let mut rows = Vec::new();
-    let mut row = |control: &str, value: String| {
-        rows.push(Row {
+    controls::difference(from, to)
+        .into_iter()
+        .map(|(control, value)| Row {
             attempt,
             control: control.into(),
             value,
-        });
-    };
-    if from.energy != to.energy {
-        row("energy", to.energy.clone());
-    }
-    for (name, value) in changes(&from.params, &to.params) {
-        row(
-            "param",
-            format!("{name}={}", value.map_or_else(String::new, |v| number(*v))),
-        );
-    }
-    if from.scheme != to.scheme {
-        row("scheme", to.scheme.name().into());
-    }
-    if from.mode != to.mode {
-        row("mode", to.mode.name().into());
-    }
-    if from.linear != to.linear {
-        row("linear", to.linear.name().into());
-    }
-    if from.tau != to.tau {
-        row(
-            "tau",
-            match to.tau {
-                TauChoice::Auto => "auto".into(),
-                TauChoice::Fixed(tau) => number(tau),
-            },
-        );
-    }
-    if from.growth != to.growth {
-        row("growth", to.growth.map_or_else(|| "auto".into(), number));
-    }
-    if from.relaxation != to.relaxation {
-        row("relaxation", number(to.relaxation));
-    }
-    if from.tension != to.tension {
-        row("tension", number(to.tension));
-    }
-    if from.bulge != to.bulge {
-        row("bulge", number(to.bulge));
-    }
-    if from.noise != to.noise {
-        row("noise", number(to.noise));
-    }
-    if from.density != to.density {
-        row("density", number(to.density));
-    }
-    if from.continuity != to.continuity {
-        row("continuity", to.continuity.name().into());
-    }
-    for (loop_, value) in changes(&from.loop_continuity, &to.loop_continuity) {
-        let name = value.map_or("", |v| v.name());
-        row("loop-continuity", format!("{loop_}={name}"));
-    }
-    if from.max_steps != to.max_steps {
-        row("steps", to.max_steps.to_string());
-    }
-    rows
-}
-
-/// Keys with another value in `to`, `None` where it has none.
-fn changes<'a, K: Ord, V: PartialEq>(
-    from: &'a BTreeMap<K, V>,
-    to: &'a BTreeMap<K, V>,
-) -> Vec<(&'a K, Option<&'a V>)> {
-    let gone = from.keys().filter(|k| !to.contains_key(k));
-    let new = to.iter().filter(|(k, v)| from.get(k) != Some(v));
-    gone.map(|k| (k, None))
-        .chain(new.map(|(k, v)| (k, Some(v))))
+        })
         .collect()
 }
 
