@@ -5,6 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
+use crate::solver::panic_text;
+
 /// Called after something happened that the window should look at.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
@@ -97,15 +99,6 @@ impl<T> Drop for Job<T> {
     fn drop(&mut self) {
         self.reporter.cancelled.store(true, Ordering::Relaxed);
     }
-}
-
-/// The message of a panic.
-pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
-    panic
-        .downcast_ref::<&str>()
-        .map(|s| (*s).to_owned())
-        .or_else(|| panic.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "unknown panic".into())
 }
 
 #[cfg(test)]

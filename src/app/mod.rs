@@ -43,6 +43,7 @@ pub use view_state::{Modal, Navigation};
 
 use crate::mesh::shapes::SAMPLES;
 use crate::render::{Gpu, ViewportCallback};
+use crate::solver::panic_text;
 use jobs::Wake;
 use ui::UiState;
 
@@ -357,7 +358,7 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
         Ok(Err(eframe::Error::Wgpu(error))) => Err(WindowError::NoAdapter(error.to_string())),
         Ok(Err(error)) => Err(WindowError::NoDisplay(no_display(&error))),
         Err(panic) => {
-            let text = jobs::panic_text(panic.as_ref());
+            let text = panic_text(panic.as_ref());
             // winit panics where a library of X11 cannot be loaded
             Err(if began.load(Ordering::Relaxed) {
                 WindowError::Defect(text)

@@ -31,7 +31,7 @@ mod unknowns;
 
 pub use assembly::{Assembler, EnergySum};
 pub use control::{Attempt, Control, FLOW_GROWTH, Mode, Progress, STOP, Tau};
-pub use error::SolverError;
+pub use error::{SolverError, panic_text};
 pub use flow::Flow;
 pub use fold_guard::FoldState;
 pub use guarded::GuardedFlow;
@@ -44,5 +44,5 @@ pub use posed::ill_posed_faces;
 pub use problem::{COLLAR_RINGS, FlowProblem};
 pub use record::{End, Outcome, StepRecord};
 pub use relax::sharpest_cosine;
-pub use survey::{Survey, each_point, mean_curvature, survey};
+pub use survey::{Survey, each_point, mean_curvature, surface_point, survey};
 pub use unknowns::Unknowns;

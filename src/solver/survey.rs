@@ -90,21 +90,31 @@ pub fn each_point(
     positions: &[DVec3],
     mut look: impl FnMut(DVec3, &PointGeometry),
 ) {
+    for point in 0..elements.table(element).points {
+        let (at, geometry) = surface_point(elements, element, point, positions);
+        look(at, &geometry);
+    }
+}
+
+/// One point of an element's table on the limit surface, and the geometry there.
+#[inline]
+pub fn surface_point(
+    elements: &Elements,
+    element: usize,
+    point: usize,
+    positions: &[DVec3],
+) -> (DVec3, PointGeometry) {
     let table = elements.table(element);
     let vertices = elements.vertices_of(element);
-    for point in 0..table.points {
-        let at = |d: usize| {
-            let row = table.row(point, d);
-            vertices
-                .iter()
-                .zip(row)
-                .fold(DVec3::ZERO, |sum, (&v, &b)| sum + positions[v as usize] * b)
-        };
-        look(
-            at(0),
-            &PointGeometry::new(at(1), at(2), at(3), at(4), at(5)),
-        );
-    }
+    let at = |d: usize| {
+        let row = table.row(point, d);
+        vertices
+            .iter()
+            .zip(row)
+            .fold(DVec3::ZERO, |sum, (&v, &b)| sum + positions[v as usize] * b)
+    };
+    let geometry = PointGeometry::new(at(1), at(2), at(3), at(4), at(5));
+    (at(0), geometry)
 }
 
 impl Survey {

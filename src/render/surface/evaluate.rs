@@ -6,7 +6,7 @@ use super::samples::Inner;
 use super::{DynamicSurface, Evaluation};
 use crate::mesh::{DVec3, VertexId};
 use crate::render::{Geometry, Vertex};
-use crate::solver::forms::PointGeometry;
+use crate::solver::surface_point;
 use crate::subdivision::{Elements, Rule, limit_normal, limit_position};
 
 /// Mean and Gaussian curvature.
@@ -191,10 +191,7 @@ fn combine(row: &[f64], vertices: &[u32], positions: &[DVec3]) -> DVec3 {
 
 /// Area, and area times `H` and `K`, at a point of an element; zeros where it is degenerate.
 fn weighted_curvature(elements: &Elements, e: usize, point: usize, at: &[DVec3]) -> [f64; 3] {
-    let table = elements.table(e);
-    let vertices = elements.vertices_of(e);
-    let x = |d| combine(table.row(point, d), vertices, at);
-    let p = PointGeometry::new(x(1), x(2), x(3), x(4), x(5));
+    let (_, p) = surface_point(elements, e, point, at);
     let sums = [p.sqrt_g, p.sqrt_g * p.mean, p.sqrt_g * p.gauss];
     if sums.into_iter().all(f64::is_finite) {
         sums
