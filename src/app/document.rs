@@ -18,9 +18,8 @@ pub enum Source {
     File(PathBuf),
     /// A built-in sample, by its name on the command line.
     Sample(String),
-    /// The mesh held by a project or recovery file; the path is that of the file it was first
-    /// read from, if there was one.
-    Embedded(Option<PathBuf>),
+    /// The mesh held by a project or recovery file that names no other.
+    Embedded,
 }
 
 /// What was opened; shared by all states of a document.
@@ -46,9 +45,9 @@ impl Origin {
                 .map_or_else(|| p.display().to_string(), |n| n.to_string_lossy().into())
         };
         match &self.source {
-            Source::File(path) | Source::Embedded(Some(path)) => file_name(path),
+            Source::File(path) => file_name(path),
             Source::Sample(name) => format!("sample {name}"),
-            Source::Embedded(None) => "untitled".into(),
+            Source::Embedded => "untitled".into(),
         }
     }
 }

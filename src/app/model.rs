@@ -252,7 +252,7 @@ impl Model {
             self.displays[i].ask(request);
         }
         let mesh = Arc::clone(&self.document.mesh);
-        let ready = self.picker.as_ref().map(|(m, _)| m).or(None);
+        let ready = self.picker.as_ref().map(|(m, _)| m);
         let has = |m: Option<&Arc<Mesh>>| m.is_some_and(|m| Arc::ptr_eq(m, &mesh));
         if !has(ready) && !has(self.picker_wanted.as_ref()) {
             self.picker_wanted = Some(Arc::clone(&mesh));
@@ -360,11 +360,6 @@ impl Model {
         }
     }
 
-    /// Whether a job of that name is under way.
-    pub fn is_busy(&self, what: &str) -> bool {
-        self.jobs.iter().any(|j| j.what.starts_with(what))
-    }
-
     /// Opens a dialog.
     pub fn ask_path(&mut self, purpose: PathUse, text: String) {
         self.view.modal = Modal::Path(super::view_state::PathPrompt { purpose, text });
@@ -389,8 +384,8 @@ impl Model {
     /// The source's path, for the first guess of where to save.
     pub fn source_path(&self) -> Option<PathBuf> {
         match &self.document.origin.source {
-            Source::File(path) | Source::Embedded(Some(path)) => Some(path.clone()),
-            Source::Sample(_) | Source::Embedded(None) => None,
+            Source::File(path) => Some(path.clone()),
+            Source::Sample(_) | Source::Embedded => None,
         }
     }
 }

@@ -68,17 +68,17 @@ struct FillPart {
     controls: Controls,
 }
 
-/// The text of a project file that is to lie in `folder`; with `reference` the mesh may be named
-/// instead of embedded where it is a file or sample unchanged.
+/// The text of a project file that is to lie in `folder`. A mesh that is a file or sample unchanged is
+/// named, any other is held in the text.
 pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
     let origin = &document.origin;
     let (mut mesh, mut sample) = (None, None);
     match &origin.source {
         Source::File(path) => mesh = Some(relative(path, folder)),
         Source::Sample(name) => sample = Some(name.clone()),
-        Source::Embedded(path) => mesh = path.as_ref().map(|p| relative(p, folder)),
+        Source::Embedded => {}
     }
-    let embed = document.is_filled() || matches!(origin.source, Source::Embedded(_));
+    let embed = document.is_filled() || origin.source == Source::Embedded;
     let style = &view.style;
     let head = Project {
         version: VERSION,
@@ -153,7 +153,7 @@ pub fn read(path: &Path) -> Result<(Document, Project), String> {
         let source = match (&mesh_path, &project.sample) {
             (Some(path), _) => Source::File(path.clone()),
             (None, Some(sample)) => Source::Sample(sample.clone()),
-            (None, None) => Source::Embedded(None),
+            (None, None) => Source::Embedded,
         };
         (opened, source)
     } else if let Some(mesh_path) = mesh_path {

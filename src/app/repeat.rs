@@ -35,7 +35,7 @@ pub fn command(model: &Model) -> Result<String, String> {
         return Err("nothing was filled yet: there is no command to repeat it".into());
     }
     let (mut text, mut input) = match &model.document.origin.source {
-        Source::File(path) | Source::Embedded(Some(path)) => (String::new(), path.clone()),
+        Source::File(path) => (String::new(), path.clone()),
         Source::Sample(name) => {
             let file = PathBuf::from(format!("{name}.obj"));
             (
@@ -43,7 +43,7 @@ pub fn command(model: &Model) -> Result<String, String> {
                 file,
             )
         }
-        Source::Embedded(None) => {
+        Source::Embedded => {
             return Err("the mesh has no file of its own; save it and open that first".into());
         }
     };

@@ -40,8 +40,6 @@ pub struct Curve {
 
 /// One fill, or two that are compared.
 pub struct Run {
-    /// The mesh it runs on.
-    pub base: Arc<Mesh>,
     /// Whether each loop has a patch of its own, or one joins them all.
     pub task: Task,
     /// Numbers of the loops.
@@ -94,7 +92,6 @@ impl Run {
             })
             .collect::<Result<_, String>>()?;
         Ok(Self {
-            base: Arc::clone(base),
             task,
             loops: loops.iter().map(|l| l.number).collect(),
             sides,

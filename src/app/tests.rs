@@ -272,6 +272,26 @@ fn two_energies_are_compared_and_one_is_taken() {
 }
 
 #[test]
+fn compared_energies_keep_their_own_parameters_when_a_control_is_changed() {
+    let mut m = model();
+    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::CompareEnergy(Some("(H-H0)^2".into())));
+    m.act(Action::Fill);
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(|r| r.state_count() > 2)
+    });
+    let mut controls = m.document.controls.clone();
+    controls.relaxation = 0.5;
+    m.act(Action::Controls(Box::new(controls)));
+    let run = m.run.as_ref().expect("it runs");
+    for side in &run.sides {
+        assert_eq!(side.controls.relaxation, 0.5, "{}", last_message(&m));
+    }
+    assert_eq!(run.sides[1].controls.params.get("H0"), Some(&0.0));
+    assert_eq!(m.document.controls.relaxation, 0.5);
+}
+
+#[test]
 fn files_are_saved_reopened_and_never_overwritten() {
     let folder = tempfile::tempdir().expect("a folder");
     let source = folder.path().join("in.obj");

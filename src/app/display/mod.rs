@@ -46,10 +46,12 @@ impl Request {
             (None, None) => true,
             _ => false,
         };
-        let energy = |r: &Self| {
-            r.energy
-                .as_ref()
-                .map(|(e, l)| (e.text().to_owned(), e.params().clone(), *l))
+        let same_energy = match (&self.energy, &other.energy) {
+            (Some((a, r)), Some((b, s))) => {
+                r == s && a.text() == b.text() && a.params() == b.params()
+            }
+            (None, None) => true,
+            _ => false,
         };
         Arc::ptr_eq(&self.mesh, &other.mesh)
             && same(&self.state, &other.state)
@@ -59,7 +61,7 @@ impl Request {
             && self.limit == other.limit
             && self.original == other.original
             && self.centre == other.centre
-            && energy(self) == energy(other)
+            && same_energy
     }
 }
 

@@ -28,6 +28,8 @@ pub struct UiState {
     pub overlays: [OverlayCache; 2],
     /// The drag that is under way.
     pub drag: navigation::Drag,
+    /// Range of the colour map that is shown.
+    pub range: viewport::KnownRange,
     /// Measured frames.
     pub frames: windows::FrameStats,
     /// Where the first view is, in points.
@@ -43,6 +45,7 @@ impl Default for UiState {
         Self {
             overlays: Default::default(),
             drag: navigation::Drag::default(),
+            range: None,
             frames: windows::FrameStats::default(),
             viewport: egui::Rect::ZERO,
             dragging: false,

@@ -104,7 +104,7 @@ fn viewport_ui(
     let range = style.mode.is_map().then(|| {
         style
             .range
-            .unwrap_or_else(|| shared_range(model, &scene, style.mode))
+            .unwrap_or_else(|| shared_range(model, &scene, style.mode, &mut state.range))
     });
     style.range = range;
     let size = rect.size() * points;
@@ -134,17 +134,28 @@ fn viewport_ui(
     }
 }
 
-/// One range for both sides of a comparison.
-fn shared_range(model: &Model, scene: &Scene, mode: ViewMode) -> [f32; 2] {
-    let mut all = scene.clone();
-    for display in &model.displays[1..] {
-        if model.run.as_ref().is_some_and(|r| r.sides.len() > 1)
-            && let Some(display) = display.latest()
-        {
-            all.surfaces.extend(display.surfaces.iter().cloned());
-        }
+/// The range of a map, and what it was found for: the mode and the numbers of the surfaces.
+pub type KnownRange = Option<(ViewMode, Vec<u64>, [f32; 2])>;
+
+/// One range for both sides of a comparison, found anew only for other surfaces or another mode.
+fn shared_range(model: &Model, scene: &Scene, mode: ViewMode, known: &mut KnownRange) -> [f32; 2] {
+    let sides = model.run.as_ref().map_or(1, |r| r.sides.len());
+    let shown = model.displays[..sides].iter().filter_map(|d| d.latest());
+    let surfaces: Vec<_> = shown.flat_map(|d| d.surfaces.iter().cloned()).collect();
+    let numbers: Vec<u64> = surfaces.iter().map(|s| s.id).collect();
+    if let Some((for_mode, for_numbers, range)) = known
+        && *for_mode == mode
+        && *for_numbers == numbers
+    {
+        return *range;
     }
-    robust_range(&all, mode)
+    let all = Scene {
+        surfaces,
+        ..scene.clone()
+    };
+    let range = robust_range(&all, mode);
+    *known = Some((mode, numbers, range));
+    range
 }
 
 /// Hover, click, double click.

@@ -98,8 +98,11 @@ fn set_controls(model: &mut Model, controls: Controls) {
         for side in &mut run.sides {
             let mut own = controls.clone();
             if compared {
-                // the energies are what differs
+                // the energies are what differs, each with parameters of its own
                 own.energy.clone_from(&side.controls.energy);
+                for (name, value) in &side.controls.params {
+                    own.params.entry(name.clone()).or_insert(*value);
+                }
             }
             match side.live.set_controls(&own) {
                 Ok(()) => {
@@ -161,13 +164,7 @@ pub fn params_for(
 /// Fills what is selected; with nothing selected all holes that are no outer rims.
 fn fill(model: &mut Model) {
     if model.run.is_some() {
-        accept(model, 0);
-        if model.run.is_some() {
-            return;
-        }
-        if model.document.selection.is_empty() {
-            return;
-        }
+        return;
     }
     if model.document.selection.is_empty() && model.view.task == Task::Fill {
         let holes = model.document.holes();
