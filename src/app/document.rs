@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::view_state::Task;
 use crate::fill::{Controls, Schedule};
 use crate::io::Opened;
-use crate::mesh::{BoundaryLoop, DVec3, LoadReport, Mesh, boundary_loops};
+use crate::mesh::{BoundaryLoop, DVec3, LoadReport, Mesh, Topology, boundary_loops};
 use crate::render::Bounds;
 
 /// Where a document came from.
@@ -105,6 +105,21 @@ impl Document {
         }
     }
 
+    /// Nothing, until something is opened.
+    pub fn blank() -> Self {
+        let nothing = Opened {
+            mesh: Mesh::new(Vec::new(), Topology::default()),
+            report: LoadReport::default(),
+            material_libraries: Vec::new(),
+        };
+        Self::new(nothing, Source::Embedded)
+    }
+
+    /// Whether nothing was opened yet.
+    pub fn is_blank(&self) -> bool {
+        self.origin.mesh.vertex_count() == 0
+    }
+
     /// Takes in a fill: the mesh is `filled`, the remaining loops are numbered anew.
     pub fn accept(&mut self, filled: Mesh, fill: AcceptedFill) {
         self.mesh = Arc::new(filled);
@@ -176,7 +191,7 @@ impl Document {
             .iter()
             .map(|t| t.map(|v| new_index[v as usize]))
             .collect();
-        let topology = crate::mesh::Topology::from_triangles(positions.len(), &local).ok()?;
+        let topology = Topology::from_triangles(positions.len(), &local).ok()?;
         let mut patches = Mesh::new(positions, topology);
         patches.colors = colors;
         Some(patches)

@@ -76,9 +76,6 @@ pub enum WindowError {
          again"
     )]
     Defect(String),
-    /// The sample the window opens on could not be made.
-    #[error("{0}")]
-    Sample(String),
 }
 
 /// What the window is opened with.
@@ -290,23 +287,12 @@ fn no_display(error: &eframe::Error) -> String {
     }
 }
 
-/// The document the window opens on when it is given none.
-///
-/// # Errors
-/// A defect of the generator.
-pub fn first_sample() -> Result<Document, WindowError> {
-    let sample = &SAMPLES[0];
-    let opened = project::sample_of(sample.name).map_err(WindowError::Sample)?;
-    Ok(Document::new(opened, Source::Sample(sample.name.into())))
-}
-
 /// Opens the window and stays until it is closed.
 ///
 /// # Errors
 /// There is no display, no graphics adapter, or a library is missing.
 pub fn run(startup: Startup) -> Result<(), WindowError> {
     let started = Instant::now();
-    let document = first_sample()?;
     let (settings, message) = Settings::load();
     let folder = settings::state_folder().map(|f| f.join("recovery"));
     let left = folder
@@ -336,16 +322,18 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
                 begins.store(true, Ordering::Relaxed);
                 let ctx = cc.egui_ctx.clone();
                 let wake: Wake = Arc::new(move || ctx.request_repaint());
-                let mut model = Model::new(document, settings, autosave, wake);
+                let mut model = Model::new(Document::blank(), settings, autosave, wake);
                 if let Some(text) = message {
                     model.log.warning(text);
                 }
                 if !left.is_empty() {
                     model.view.modal = Modal::Recover(left);
                 }
-                if let Some(file) = startup.file {
-                    model.act(Action::Open(file));
-                }
+                // what there is to see is made while the window comes up
+                model.act(match startup.file {
+                    Some(file) => Action::Open(file),
+                    None => Action::Sample(SAMPLES[0].name.into()),
+                });
                 let mut app = App::new(model, &cc.egui_ctx, cc.wgpu_render_state.as_ref());
                 app.diagnostics = diagnostics;
                 app.ui.frames.started = started;

@@ -347,6 +347,22 @@ fn files_are_saved_reopened_and_never_overwritten() {
 }
 
 #[test]
+fn a_file_that_cannot_be_opened_at_the_start_gives_the_sample() {
+    let mut m = model();
+    m.replace(Document::blank());
+    until(&mut m, |m| {
+        m.displays[0].latest().is_some() && m.picker.is_some()
+    });
+    m.act(Action::Open("nowhere.obj".into()));
+    until(&mut m, |m| !m.document.is_blank());
+    assert_eq!(m.document.origin.source, Source::Sample("creature".into()));
+    assert_eq!(m.document.holes().len(), 16);
+    let told = |e: &super::log::Entry| e.text.contains("nowhere.obj");
+    assert!(m.log.entries().iter().any(told));
+    assert!(m.settings.recent.is_empty());
+}
+
+#[test]
 fn unsaved_work_is_asked_about() {
     let mut m = model();
     m.act(Action::Close);

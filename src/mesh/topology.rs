@@ -12,7 +12,7 @@ use super::{FaceId, HalfedgeId, VertexId};
 /// Boundary loops are simple. Where a hole touches itself (a figure of eight), the vertex is
 /// *pinched*: it keeps several fans of faces, each followed by the gap of one loop, and has a
 /// boundary half-edge for each gap. Filling the loops makes it an ordinary vertex.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Topology {
     next: Vec<HalfedgeId>,
     origin: Vec<VertexId>,

@@ -77,6 +77,9 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
     run_ui(ui, model, actions);
     ui.separator();
+    if document.is_blank() {
+        return;
+    }
     if document.loops.is_empty() {
         ui.weak("The mesh is closed: it has no holes.");
         return;

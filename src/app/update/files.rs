@@ -12,6 +12,7 @@ use crate::app::model::{Done, Effect, Loaded, Model, SavedWhat};
 use crate::app::project;
 use crate::app::view_state::{AfterUnsaved, Modal, PathUse};
 use crate::io;
+use crate::mesh::shapes::SAMPLES;
 
 /// A dialog that is answered sooner was never shown.
 const NO_DIALOG: Duration = Duration::from_millis(400);
@@ -83,10 +84,7 @@ fn go_on(model: &mut Model, next: AfterUnsaved) {
         }
         AfterUnsaved::Open(path) => load(model, path),
         AfterUnsaved::AskOpen => ask(model, PathUse::Open),
-        AfterUnsaved::Sample(name) => match project::sample_of(&name) {
-            Ok(opened) => model.replace(Document::new(opened, Source::Sample(name))),
-            Err(text) => model.log.error(text),
-        },
+        AfterUnsaved::Sample(name) => sample(model, name),
     }
 }
 
@@ -168,7 +166,9 @@ impl Model {
     pub(in crate::app) fn loaded(&mut self, path: &Path, result: Result<Loaded, String>) {
         match result {
             Ok(Loaded::Mesh(document)) => {
-                self.settings.remember(path);
+                if matches!(document.origin.source, Source::File(_)) {
+                    self.settings.remember(path);
+                }
                 self.replace(*document);
             }
             Ok(Loaded::Project(document, project)) => {
@@ -185,6 +185,13 @@ impl Model {
                 } else {
                     self.saved_to = Some(path.to_owned());
                     self.settings.remember(path);
+                }
+            }
+            Err(text) if self.document.is_blank() => {
+                self.log.error(text);
+                let first = SAMPLES[0].name;
+                if path != Path::new(first) {
+                    sample(self, first.into());
                 }
             }
             Err(text) => self
@@ -221,6 +228,20 @@ impl Model {
             go_on(self, next);
         }
     }
+}
+
+/// Makes a sample in the background; some take a third of a second.
+fn sample(model: &mut Model, name: String) {
+    model.jobs.push(Job::spawn(
+        format!("sample {name}"),
+        &model.wake,
+        move |_| {
+            let path = PathBuf::from(&name);
+            let made = project::sample_of(&name)
+                .map(|opened| Loaded::Mesh(Box::new(Document::new(opened, Source::Sample(name)))));
+            Done::Loaded(path, made)
+        },
+    ));
 }
 
 fn load(model: &mut Model, path: PathBuf) {
