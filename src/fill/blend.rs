@@ -1,48 +1,168 @@
-//! Patches over several rims take the shape of their warm start before they are refined to the end.
+//! The shapes from which the flows of patches over several rims start.
 
 use std::time::Instant;
 
-use crate::fill::{FillOptions, FirstPatch, Gap, Plan, gap_of, milliseconds, warm_start};
-use crate::mesh::Mesh;
+use rayon::prelude::*;
+
+use crate::fill::{
+    FillOptions, FirstPatch, Gap, Plan, PlannedHole, gap_of, milliseconds, warm_start,
+};
+use crate::mesh::{DVec3, Mesh, self_intersections};
 use crate::patch::{self, PatchMesh};
 
-/// Remeshes the blends of a plan on the shape of their warm start: a film stretched between distant
-/// rims is far smaller than the surface that leaves them smoothly, and its triangles would end up
-/// long. A group whose warm start fails keeps its patches; the flow will say why.
-pub(super) fn reshape(
+/// How much less than a film another surface must bend to be preferred, both without crossings.
+const PREFERRED: f64 = 0.75;
+
+/// The plan of these patches, in which every blend has the shape its flow starts from.
+///
+/// A film stretched between rims takes the shape of its warm start, and is remeshed on it: it is far
+/// smaller than the surface that leaves the rims smoothly, and its triangles would end up long. Between
+/// distant rims a warm start closes to a thread, and around bends it passes through itself; there the
+/// patch is one that is [swept](patch::formed) from rim to rim.
+pub(super) fn shaped(
     mesh: &Mesh,
     gaps: &[Gap<'_>],
     mut patches: Vec<FirstPatch>,
-    plan: &mut Plan,
     options: &FillOptions,
 ) -> Plan {
+    let plan = warm_started(mesh, gaps, &patches, options);
+    each_blend(gaps, &plan, &mut patches, |gap, hole, film, ms| {
+        let (Some(hole), Ok(film)) = (hole, film) else {
+            return;
+        };
+        let start = Instant::now();
+        let shape = placed(&plan, hole, std::mem::take(film));
+        *film = patch::reblend(&gap_of(mesh, gap), &shape, &options.patch);
+        *ms += milliseconds(start);
+    });
+    let plan = warm_started(mesh, gaps, &patches, options);
+    each_blend(gaps, &plan, &mut patches, |gap, hole, film, ms| {
+        let start = Instant::now();
+        let fine = hole.is_none_or(|hole| hole.new_vertices.is_empty());
+        if let (Some(hole), Ok(film)) = (hole, &mut *film) {
+            *film = placed(&plan, hole, std::mem::take(film));
+        }
+        let swept = patch::formed(&gap_of(mesh, gap), &options.patch);
+        if let Some(swept) = swept.filter(|_| !fine || film.is_err()) {
+            let found = Judged::new(mesh, gap, &swept);
+            let is_better = film.as_ref().map_or(!found.crosses, |film| {
+                found.is_better_than(&Judged::new(mesh, gap, film))
+            });
+            if is_better {
+                *film = Ok(swept);
+            }
+        }
+        *ms += milliseconds(start);
+    });
+    let mut plan = Plan::new(mesh, gaps, &patches);
+    for hole in plan.holes.iter_mut().filter(|hole| hole.loops.len() > 1) {
+        hole.formed = true;
+    }
+    plan
+}
+
+/// The plan of these patches, those of groups with a blend in it at their warm starts. Where a warm start
+/// fails they stay as they are; the flow will say why.
+fn warm_started(
+    mesh: &Mesh,
+    gaps: &[Gap<'_>],
+    patches: &[FirstPatch],
+    options: &FillOptions,
+) -> Plan {
+    let mut plan = Plan::new(mesh, gaps, patches);
     for g in 0..plan.groups.len() {
         let is_blend = |&h: &usize| plan.holes[h].loops.len() > 1;
-        if !plan.groups[g].holes.iter().any(is_blend) {
-            continue;
-        }
-        let start = plan.groups[g].problem(mesh, plan, options);
-        let start = start.and_then(warm_start);
-        if let Ok(problem) = start {
-            plan.place(g, &problem.to_world(problem.positions()));
+        if plan.groups[g].holes.iter().any(is_blend) {
+            let start = plan.groups[g].problem(mesh, &plan, options);
+            if let Ok(problem) = start.and_then(warm_start) {
+                plan.place(g, &problem.to_world(problem.positions()));
+            }
         }
     }
-    let mut holes = plan.holes.iter();
-    for (gap, (patch, ms)) in gaps.iter().zip(&mut patches) {
-        let Ok(patch) = patch else { continue };
-        let Some(hole) = holes.next() else { break };
-        if gap.len() > 1 {
-            let start = Instant::now();
-            let rim = hole.edges;
-            let mut points = patch.points[..rim].to_vec();
-            points.extend_from_slice(&plan.new_positions[hole.new_vertices.clone()]);
-            let shaped = PatchMesh {
-                points,
-                triangles: std::mem::take(&mut patch.triangles),
-            };
-            *patch = patch::reblend(&gap_of(mesh, gap), &shaped, &options.patch);
-            *ms += milliseconds(start);
+    plan
+}
+
+/// Calls `change` for the gaps of several rims (in parallel) with the hole of the plan, if there is one,
+/// the patch and its milliseconds.
+fn each_blend(
+    gaps: &[Gap<'_>],
+    plan: &Plan,
+    patches: &mut [FirstPatch],
+    change: impl Fn(&Gap<'_>, Option<&PlannedHole>, &mut Result<PatchMesh, patch::PatchError>, &mut f64)
+    + Sync,
+) {
+    gaps.par_iter()
+        .zip(patches)
+        .filter(|(gap, _)| gap.len() > 1)
+        .for_each(|(gap, (film, ms))| {
+            let hole = plan.holes.iter().find(|hole| hole.number == gap[0].number);
+            change(gap, hole, film, ms);
+        });
+}
+
+/// A patch with the positions its new vertices have in the plan.
+fn placed(plan: &Plan, hole: &PlannedHole, mut film: PatchMesh) -> PatchMesh {
+    film.points.truncate(hole.edges);
+    film.points
+        .extend_from_slice(&plan.new_positions[hole.new_vertices.clone()]);
+    film
+}
+
+/// What there is to say of a starting surface.
+struct Judged {
+    /// Whether it passes through itself or the mesh.
+    crosses: bool,
+    /// See [`patch::bending`], over the patch and the faces at its rims.
+    bends: f64,
+}
+
+impl Judged {
+    fn new(mesh: &Mesh, gap: &Gap<'_>, patch: &PatchMesh) -> Self {
+        let topology = &mesh.topology;
+        let old = mesh.positions.len();
+        let rim: Vec<u32> = gap
+            .iter()
+            .flat_map(|l| l.vertices.iter().map(|v| v.0))
+            .collect();
+        let mut positions = mesh.positions.clone();
+        positions.extend_from_slice(&patch.points[rim.len()..]);
+        let global = |v: u32| match rim.get(v as usize) {
+            Some(&v) => v,
+            None => (old + v as usize - rim.len()) as u32,
+        };
+        let own: Vec<[u32; 3]> = patch.triangles.iter().map(|t| t.map(global)).collect();
+        let mut around = own.clone();
+        for &h in gap.iter().flat_map(|l| &l.halfedges) {
+            let face = topology.face(h.twin());
+            around.push(topology.face_vertices(face).map(|v| v.0));
+        }
+        // a face may have two of the rim's edges
+        around[own.len()..].sort_unstable();
+        around.dedup();
+        let bends = patch::bending(&positions, &around);
+        Self {
+            crosses: crosses(&positions, own, mesh),
+            bends,
         }
     }
-    Plan::new(mesh, gaps, &patches)
+
+    fn is_better_than(&self, film: &Self) -> bool {
+        let is_bad = film.crosses || !film.bends.is_finite();
+        !self.crosses && (is_bad || self.bends < PREFERRED * film.bends)
+    }
+}
+
+/// Whether triangles pass through themselves or the mesh.
+fn crosses(positions: &[DVec3], own: Vec<[u32; 3]>, mesh: &Mesh) -> bool {
+    let corners = own.iter().flatten().map(|&v| positions[v as usize]);
+    let (low, high) = corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+        (low.min(p), high.max(p))
+    });
+    let subset: Vec<u32> = (0..own.len() as u32).collect();
+    let mut triangles = own;
+    triangles.extend(mesh.topology.triangles().filter(|t| {
+        let [a, b, c] = t.map(|v| positions[v as usize]);
+        a.min(b).min(c).cmple(high).all() && a.max(b).max(c).cmpge(low).all()
+    }));
+    !self_intersections(positions, &triangles, Some(&subset), 1).is_empty()
 }

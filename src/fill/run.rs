@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::fill::noise::roughened;
 use crate::fill::shape::{HoleShape, Shape};
-use crate::fill::{FillOptions, Gap, Plan, Timings, gap_of, milliseconds, region, warm_start};
+use crate::fill::{FillOptions, Gap, Plan, Timings, gap_of, milliseconds, region, warm_start_of};
 use crate::mesh::{DVec3, Mesh};
 use crate::patch::{self, PatchError, TransferError};
 use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord};
@@ -103,12 +103,31 @@ impl GroupRun {
             options,
         )?;
         split(&mut self.timings.setup);
-        let problem = roughened(warm_start(problem)?, options.noise);
+        let problem = roughened(self.warm_start(ground, problem)?, options.noise);
         self.resting = problem.to_world(problem.positions());
         split(&mut self.timings.warm_start);
         self.flow = Self::flow_of(problem, options)?;
         split(&mut self.timings.setup);
         Ok(())
+    }
+
+    /// The warm start of the patches that do not have their shape yet.
+    fn warm_start(
+        &self,
+        ground: Ground<'_>,
+        problem: FlowProblem,
+    ) -> Result<FlowProblem, SolverError> {
+        let mut first = 0;
+        let mut moved = Vec::new();
+        let holes = ground.plan.groups[self.group].holes.iter();
+        for (&h, hole) in holes.zip(&self.shape.holes) {
+            let own = &problem.interior()[first..first + hole.new_vertices];
+            first += hole.new_vertices;
+            if !ground.plan.holes[h].formed {
+                moved.extend_from_slice(own);
+            }
+        }
+        warm_start_of(problem, &moved)
     }
 
     /// `None` where nothing can move.
