@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use common::layouts::{self, Layout};
 use meniscus::fill::{FillOptions, fill_gaps};
-use meniscus::mesh::{check_mesh, components, folded_edges, self_intersections};
+use meniscus::mesh::{DVec3, check_mesh, components, folded_edges, self_intersections};
 use meniscus::solver::End;
 
 /// Most steps of a blend.
@@ -55,10 +55,12 @@ fn blended(layout: &Layout) -> (Vec<String>, String) {
     if folds > 0 {
         faults.push(format!("{folds} folds"));
     }
+    let vertices = filled.plan.new_positions.len();
+    let sharpest = sharpest(&out.positions, &triangles[mesh.face_count()..]);
     let mut row = format!(
-        "{:<18} {:>6} new, {seconds:5.1} s",
+        "{:<18} {} rims, {vertices:>6} new, {sharpest:4.1}°, {seconds:5.1} s",
         layout.name,
-        filled.plan.new_positions.len()
+        layout.rims.len()
     );
     for group in &filled.groups {
         match group {
@@ -84,6 +86,16 @@ fn blended(layout: &Layout) -> (Vec<String>, String) {
     (faults, row)
 }
 
+/// The sharpest angle, in degrees.
+fn sharpest(positions: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
+    let angle = |[a, b, c]: [DVec3; 3]| (b - a).angle_between(c - a).to_degrees();
+    let corners = triangles.iter().flat_map(|t| {
+        let [a, b, c] = t.map(|v| positions[v as usize]);
+        [[a, b, c], [b, c, a], [c, a, b]]
+    });
+    corners.map(angle).fold(f64::INFINITY, f64::min)
+}
+
 /// All layouts; `MENISCUS_LAYOUTS` names words of those wanted.
 #[test]
 #[ignore = "takes minutes"]
@@ -91,7 +103,11 @@ fn all_layouts() {
     let only = std::env::var("MENISCUS_LAYOUTS").unwrap_or_default();
     let folder = std::env::var_os("MENISCUS_LAYOUTS_OUT").map(std::path::PathBuf::from);
     let mut bad = Vec::new();
-    for layout in layouts::all() {
+    let random = std::env::var("MENISCUS_LAYOUTS_RANDOM")
+        .ok()
+        .and_then(|n| n.parse().ok());
+    let random = (0..random.unwrap_or(0)).map(layouts::random);
+    for layout in layouts::all().into_iter().chain(random) {
         if !only.is_empty() && !only.split(',').any(|word| layout.name.contains(word)) {
             continue;
         }

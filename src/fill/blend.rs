@@ -11,7 +11,10 @@ use crate::mesh::{DVec3, Mesh, self_intersections};
 use crate::patch::{self, PatchMesh};
 
 /// How much less than a film another surface must bend to be preferred, both without crossings.
-const PREFERRED: f64 = 0.75;
+const PREFERRED: f64 = 0.95;
+/// A film that bends less than this for each of its rims is as good a start as any: a tube as long as
+/// wide between two rims has 6.
+const GENTLE: f64 = 8.0;
 
 /// The plan of these patches, in which every blend has the shape its flow starts from.
 ///
@@ -38,18 +41,21 @@ pub(super) fn shaped(
     let plan = warm_started(mesh, gaps, &patches, options);
     each_blend(gaps, &plan, &mut patches, |gap, hole, film, ms| {
         let start = Instant::now();
-        let fine = hole.is_none_or(|hole| hole.new_vertices.is_empty());
         if let (Some(hole), Ok(film)) = (hole, &mut *film) {
+            if hole.new_vertices.is_empty() {
+                return;
+            }
             *film = placed(&plan, hole, std::mem::take(film));
         }
-        let swept = patch::formed(&gap_of(mesh, gap), &options.patch);
-        if let Some(swept) = swept.filter(|_| !fine || film.is_err()) {
-            let found = Judged::new(mesh, gap, &swept);
-            let is_better = film.as_ref().map_or(!found.crosses, |film| {
-                found.is_better_than(&Judged::new(mesh, gap, film))
-            });
-            if is_better {
-                *film = Ok(swept);
+        let judged = film.as_ref().ok().map(|film| Judged::new(mesh, gap, film));
+        let is_fine = |film: &Judged| !film.crosses && film.bends < GENTLE * gap.len() as f64;
+        if !judged.as_ref().is_some_and(is_fine) {
+            let others = patch::formed(&gap_of(mesh, gap), &options.patch);
+            let better = others
+                .into_iter()
+                .find(|other| Judged::new(mesh, gap, other).is_better_than(judged.as_ref()));
+            if let Some(better) = better {
+                *film = Ok(better);
             }
         }
         *ms += milliseconds(start);
@@ -146,9 +152,12 @@ impl Judged {
         }
     }
 
-    fn is_better_than(&self, film: &Self) -> bool {
-        let is_bad = film.crosses || !film.bends.is_finite();
-        !self.crosses && (is_bad || self.bends < PREFERRED * film.bends)
+    /// Whether to start from this one rather than from a film, if there is one.
+    fn is_better_than(&self, film: Option<&Self>) -> bool {
+        let gentler = |film: &Self| {
+            film.crosses || !film.bends.is_finite() || self.bends < PREFERRED * film.bends
+        };
+        !self.crosses && film.is_none_or(gentler)
     }
 }
 

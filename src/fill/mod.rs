@@ -15,6 +15,7 @@ mod partial;
 mod rail;
 mod refill;
 mod region;
+mod renewal;
 mod rim;
 mod run;
 mod schedule;

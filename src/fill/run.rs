@@ -4,10 +4,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::fill::noise::roughened;
-use crate::fill::shape::{HoleShape, Shape};
-use crate::fill::{FillOptions, Gap, Plan, Timings, gap_of, milliseconds, region, warm_start_of};
+use crate::fill::renewal::{Moment, Renewals, remesh};
+use crate::fill::shape::Shape;
+use crate::fill::{FillOptions, Gap, Plan, Timings, milliseconds, region, warm_start_of};
 use crate::mesh::{DVec3, Mesh};
-use crate::patch::{self, PatchError, TransferError};
+use crate::patch::{PatchError, TransferError};
 use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord};
 
 /// What all groups of a fill share.
@@ -29,6 +30,9 @@ pub(super) enum ChangeError {
     Transfer { hole: usize, source: TransferError },
 }
 
+/// How much energy new triangles may add.
+const ROOM: f64 = 1.1;
+
 /// A group of holes on its way.
 pub(super) struct GroupRun {
     group: usize,
@@ -40,6 +44,7 @@ pub(super) struct GroupRun {
     failed: Option<SolverError>,
     /// Accepted and rejected steps where there is no flow.
     past: (usize, usize),
+    renewals: Renewals,
     energy_start: Option<f64>,
     warnings: Vec<String>,
     timings: Timings,
@@ -80,6 +85,7 @@ impl GroupRun {
             resting,
             failed: None,
             past: (0, 0),
+            renewals: Renewals::default(),
             energy_start: None,
             warnings: Vec::new(),
             timings: Timings::default(),
@@ -139,18 +145,51 @@ impl GroupRun {
     }
 
     /// Attempts one step; `None` if the group stands still.
-    pub fn attempt(&mut self) -> Option<StepRecord> {
+    pub fn attempt(&mut self, ground: Ground<'_>) -> Option<StepRecord> {
         let start = Instant::now();
         let record = self.flow.as_mut()?.step();
         self.timings.flow += milliseconds(start);
         match record {
-            Ok(record) => record,
+            Ok(record) => {
+                if record.as_ref().is_some_and(|record| !record.rejected) {
+                    self.renew(ground);
+                }
+                record
+            }
             Err(error) => {
                 let (shape, resting) = (Arc::clone(&self.shape), self.positions());
                 self.fail(error, shape, resting);
                 None
             }
         }
+    }
+
+    /// Goes on with better triangles where a large deformation has spoilt them.
+    fn renew(&mut self, ground: Ground<'_>) {
+        let end = self.end();
+        if !matches!(end, None | Some(End::Converged)) {
+            return;
+        }
+        let start = Instant::now();
+        let (steps, rejected) = self.counts();
+        let (positions, options) = (self.positions(), &self.options);
+        let moment = Moment {
+            steps,
+            converged: end.is_some(),
+        };
+        let next = self
+            .renewals
+            .next(ground, self.group, &self.shape, &positions, options, moment);
+        if let Some((shape, positions)) = next {
+            let energy = self.flow.as_mut().map_or(f64::NAN, Flow::fine_energy);
+            let built = self.build(ground, &shape, &positions, &self.options, steps, rejected);
+            if let Ok(Some(flow)) = built
+                && flow.energy_start() <= ROOM * energy
+            {
+                self.take(Arc::new(shape), positions, Some(flow));
+            }
+        }
+        self.timings.setup += milliseconds(start);
     }
 
     /// The flow cannot go on; the group stands still at `resting`, positions of `shape`.
@@ -348,78 +387,4 @@ fn nothing_to_do() -> Outcome {
         energy_end: 0.0,
         warnings: Vec::new(),
     }
-}
-
-/// New triangulations of a group's holes that take over the present shape.
-fn remesh(
-    ground: Ground<'_>,
-    group: usize,
-    shape: &Shape,
-    positions: &[DVec3],
-    options: &FillOptions,
-) -> Result<(Shape, Vec<DVec3>), ChangeError> {
-    let mut first = 0;
-    let mut out = Shape { holes: Vec::new() };
-    let mut moved = Vec::new();
-    for (&h, hole) in ground.plan.groups[group].holes.iter().zip(&shape.holes) {
-        let number = ground.plan.holes[h].number;
-        let end = first + hole.new_vertices;
-        let hole = remesh_hole(ground, number, hole, &positions[first..end], options)?;
-        out.holes.push(hole.0);
-        moved.extend(hole.1);
-        first = end;
-    }
-    Ok((out, moved))
-}
-
-fn remesh_hole(
-    ground: Ground<'_>,
-    number: usize,
-    hole: &HoleShape,
-    positions: &[DVec3],
-    options: &FillOptions,
-) -> Result<(HoleShape, Vec<DVec3>), ChangeError> {
-    let old = ground.mesh.positions.len() as u32;
-    let found = ground.gaps.iter().find(|gap| gap[0].number == number);
-    let gap = gap_of(ground.mesh, found.expect("a planned hole has rims"));
-    let rims = found.into_iter().flatten();
-    let rim: Vec<u32> = rims.flat_map(|l| l.vertices.iter().map(|v| v.0)).collect();
-    let count = rim.len() as u32;
-    // the present patch with the rims first
-    let mut place: Vec<(u32, u32)> = (0..).zip(&rim).map(|(i, &v)| (v, i)).collect();
-    place.sort_unstable();
-    let local = |v: u32| match place.binary_search_by_key(&v, |p| p.0) {
-        Ok(at) => place[at].1,
-        Err(_) => count + (v - old),
-    };
-    let mut present = patch::PatchMesh {
-        points: gap.rims.iter().flat_map(|r| r.points.clone()).collect(),
-        triangles: hole.triangles.iter().map(|t| t.map(local)).collect(),
-    };
-    present.points.extend_from_slice(positions);
-    let mut fresh = match &gap.rims[..] {
-        [rim] => {
-            let patch = |source| ChangeError::Patch {
-                hole: number,
-                source,
-            };
-            let transfer = |source| ChangeError::Transfer {
-                hole: number,
-                source,
-            };
-            let mut fresh = patch::fill(rim, &options.patch).map_err(patch)?;
-            patch::transfer(&present, &mut fresh, count as usize).map_err(transfer)?;
-            fresh
-        }
-        _ => patch::reblend(&gap, &present, &options.patch),
-    };
-    let global = |v: u32| match rim.get(v as usize) {
-        Some(&v) => v,
-        None => old + (v - count),
-    };
-    let shape = HoleShape {
-        triangles: fresh.triangles.iter().map(|t| t.map(global)).collect(),
-        new_vertices: fresh.points.len() - count as usize,
-    };
-    Ok((shape, fresh.points.split_off(count as usize)))
 }

@@ -211,6 +211,19 @@ impl Flow {
         self.energy_start
     }
 
+    /// Energy of the present shape, by the 12-point rule.
+    pub fn fine_energy(&mut self) -> f64 {
+        let positions = match &self.stepper {
+            Stepper::Normal(flow) => flow.positions(),
+            Stepper::Guarded(flow) => flow.positions(),
+            Stepper::Mixed(flow) => flow.positions(),
+        };
+        let sum = self
+            .report
+            .gradient(positions, &self.energy, &mut Vec::new());
+        sum.value
+    }
+
     /// Accepted and rejected steps.
     pub fn counts(&self) -> (usize, usize) {
         (self.steps, self.rejected)
@@ -428,15 +441,7 @@ impl Flow {
 
     /// The record of the whole flow up to now.
     pub fn outcome(&mut self) -> Outcome {
-        let positions = match &self.stepper {
-            Stepper::Normal(flow) => flow.positions(),
-            Stepper::Guarded(flow) => flow.positions(),
-            Stepper::Mixed(flow) => flow.positions(),
-        };
-        let energy_end = self
-            .report
-            .gradient(positions, &self.energy, &mut Vec::new())
-            .value;
+        let energy_end = self.fine_energy();
         let mut warnings = self.warnings.clone();
         match self.end {
             Some(End::Stuck) => warnings.push(

@@ -3,13 +3,13 @@
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 use meniscus::mesh::shapes::{
-    Shape, Tube, cut_where, ellipsoid, plane, sphere, torus, tube_onto_plane, tubes,
+    Shape, SplitMix, Tube, cut_where, ellipsoid, plane, sphere, torus, tube_onto_plane, tubes,
 };
 use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
 
 /// Surfaces and where their rims to be joined are.
 pub struct Layout {
-    pub name: &'static str,
+    pub name: String,
     pub shape: Shape,
     /// A point near the middle of each rim.
     pub rims: Vec<DVec3>,
@@ -65,9 +65,9 @@ fn tube(mouth: DVec3, axis: DVec3, radius: f64, around: usize) -> Tube {
     }
 }
 
-fn of_tubes(name: &'static str, list: &[Tube]) -> Layout {
+fn of_tubes(name: &str, list: &[Tube]) -> Layout {
     Layout {
-        name,
+        name: name.into(),
         shape: tubes(list),
         rims: list.iter().map(|t| t.mouth).collect(),
     }
@@ -98,7 +98,7 @@ fn together(parts: Vec<Shape>) -> Shape {
 }
 
 /// Tubes along `directions` whose mouths are `reach` from the origin.
-fn star(name: &'static str, directions: &[DVec3], reach: f64, radius: f64, n: usize) -> Layout {
+fn star(name: &str, directions: &[DVec3], reach: f64, radius: f64, n: usize) -> Layout {
     let list: Vec<Tube> = directions
         .iter()
         .map(|d| tube(reach * d.normalize(), 1.2 * d.normalize(), radius, n))
@@ -112,6 +112,36 @@ pub fn all() -> Vec<Layout> {
     list.extend(many_tubes());
     list.extend(others());
     list
+}
+
+/// Tubes in places and directions of chance that are clear of one another and of what they point to.
+pub fn random(seed: u64) -> Layout {
+    let mut random = SplitMix::new(seed);
+    let count = 2 + random.below(4);
+    let mut list: Vec<Tube> = Vec::new();
+    while list.len() < count {
+        let out = random.direction();
+        let mouth = random.range(0.8, 2.2) * out;
+        let axis = (out + random.range(0.0, 1.2) * random.direction()).normalize();
+        let radius = random.range(0.2, 0.5);
+        let around = 14 + random.below(24);
+        let new = tube(mouth, 1.2 * axis, radius, around);
+        // along each tube and one and a half radii ahead of it
+        let places = |t: &Tube| {
+            let (m, a, r) = (t.mouth, t.axis, t.radius);
+            (0..12).map(move |k| {
+                m - 1.5 * r * a.normalize() + (a + 1.5 * r * a.normalize()) * (f64::from(k) / 11.0)
+            })
+        };
+        let is_clear = |old: &Tube| {
+            let reach = 1.25 * (old.radius + radius);
+            places(old).all(|p| places(&new).all(|q| p.distance(q) > reach))
+        };
+        if list.iter().all(is_clear) {
+            list.push(new);
+        }
+    }
+    of_tubes(&format!("random_{seed}"), &list)
 }
 
 fn two_tubes() -> Vec<Layout> {
@@ -278,7 +308,7 @@ fn others() -> Vec<Layout> {
     let square = cut_where(&plane(4.0, 52, 1), |p| p.length() < 0.9);
     let slanted = v(FRAC_PI_4.sin(), 0.0, FRAC_PI_4.cos());
     list.push(Layout {
-        name: "oblique",
+        name: "oblique".into(),
         shape: together(vec![
             square,
             tubes(&[tube(1.1 * slanted, 1.2 * slanted, 0.4, 32)]),
@@ -286,7 +316,7 @@ fn others() -> Vec<Layout> {
         rims: vec![O, 1.1 * slanted],
     });
     list.push(Layout {
-        name: "low_tube",
+        name: "low_tube".into(),
         shape: mapped(
             tube_onto_plane(28),
             |p| if p.z > 0.5 { p - 0.5 * z } else { p },
@@ -301,18 +331,18 @@ fn others() -> Vec<Layout> {
         ])
     };
     list.push(Layout {
-        name: "lip",
+        name: "lip".into(),
         shape: walls(0.05),
         rims: vec![O, 0.05 * z],
     });
     list.push(Layout {
-        name: "lip_uneven",
+        name: "lip_uneven".into(),
         shape: walls(0.6),
         rims: vec![O, 0.6 * z],
     });
     // a tube that reaches into another one
     list.push(Layout {
-        name: "inside",
+        name: "inside".into(),
         shape: tubes(&[tube(O, 1.6 * z, 1.0, 48), tube(0.3 * z, -1.6 * z, 0.4, 22)]),
         rims: vec![O, 0.3 * z],
     });
@@ -323,7 +353,7 @@ fn others() -> Vec<Layout> {
         p + lift * z
     };
     list.push(Layout {
-        name: "wavy",
+        name: "wavy".into(),
         shape: mapped(
             tubes(&[tube(0.6 * z, z, 0.5, 30), tube(-0.6 * z, -z, 0.5, 36)]),
             wavy,
@@ -332,7 +362,7 @@ fn others() -> Vec<Layout> {
     });
     let slant = |p: DVec3| p + 0.8 * p.x * (1.8 - p.z.abs()).clamp(0.0, 1.0) * z;
     list.push(Layout {
-        name: "slanted_ends",
+        name: "slanted_ends".into(),
         shape: mapped(
             tubes(&[tube(0.8 * z, z, 0.5, 30), tube(-0.8 * z, -z, 0.5, 30)]),
             slant,
@@ -341,12 +371,12 @@ fn others() -> Vec<Layout> {
     });
     let axes = [1.0, 0.7, 0.5];
     list.push(Layout {
-        name: "ellipsoid_zone",
+        name: "ellipsoid_zone".into(),
         shape: cut_where(&ellipsoid(axes, 1600, 3), |p| (p.x - 0.1).abs() < 0.35),
         rims: vec![0.45 * x, -0.25 * x],
     });
     list.push(Layout {
-        name: "ellipsoid_slanted",
+        name: "ellipsoid_slanted".into(),
         shape: cut_where(&ellipsoid(axes, 1600, 4), |p| {
             (p.x + 0.6 * p.y + 0.3 * p.z).abs() < 0.25
         }),
@@ -357,12 +387,12 @@ fn others() -> Vec<Layout> {
         mapped(cut, |p| p + at)
     };
     list.push(Layout {
-        name: "two_spheres",
+        name: "two_spheres".into(),
         shape: together(vec![ball(1.6 * x, -x, 5), ball(-1.6 * x, x, 6)]),
         rims: vec![0.7 * x, -0.7 * x],
     });
     list.push(Layout {
-        name: "two_spheres_turned",
+        name: "two_spheres_turned".into(),
         shape: together(vec![
             ball(1.8 * x, v(-0.8, 0.6, 0.0), 5),
             ball(-1.8 * x, v(0.8, 0.6, 0.0), 6),
@@ -370,19 +400,19 @@ fn others() -> Vec<Layout> {
         rims: vec![v(1.1, 0.5, 0.0), v(-1.1, 0.5, 0.0)],
     });
     list.push(Layout {
-        name: "torus_two_zones",
+        name: "torus_two_zones".into(),
         shape: cut_where(&torus(1.0, 0.35, 1800, 7), |p| p.y.abs() < 0.4),
         rims: [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
             .map(|(a, b)| v(0.9 * a, 0.4 * b, 0.0))
             .to_vec(),
     });
     list.push(Layout {
-        name: "torus_half",
+        name: "torus_half".into(),
         shape: cut_where(&torus(1.0, 0.35, 1800, 8), |p| p.y < 0.0),
         rims: vec![x, -x],
     });
     list.push(Layout {
-        name: "tube_to_sphere",
+        name: "tube_to_sphere".into(),
         shape: together(vec![
             cut_where(&sphere(1200, 9), |p| p.dot(v(0.6, 0.0, 0.8)) > 0.85),
             tubes(&[tube(2.0 * z, z, 0.3, 20)]),

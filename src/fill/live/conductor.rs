@@ -305,10 +305,10 @@ impl Conductor<'_> {
         self.single = false;
         self.take_pending();
         self.clock += 1;
-        let (clock, cancelled) = (self.clock, &self.lines.cancelled);
+        let (ground, clock, cancelled) = (self.ground, self.clock, &self.lines.cancelled);
         let attempt = |group: &mut LiveGroup| {
             let is_wanted = !cancelled.load(Ordering::Relaxed);
-            is_wanted.then(|| group.attempt(clock)).flatten()
+            is_wanted.then(|| group.attempt(ground, clock)).flatten()
         };
         let records: Vec<_> = self.groups.par_iter_mut().map(attempt).collect();
         if self.groups.iter().any(|g| g.fresh) {

@@ -50,8 +50,8 @@ impl LiveGroup {
     }
 
     /// Attempts a step, the fill's `attempt`-th.
-    pub fn attempt(&mut self, attempt: usize) -> Option<StepRecord> {
-        let record = match guarded(|| self.run.attempt()) {
+    pub fn attempt(&mut self, ground: Ground<'_>, attempt: usize) -> Option<StepRecord> {
+        let record = match guarded(|| self.run.attempt(ground)) {
             Ok(record) => record?,
             Err(error) => {
                 self.fail(error);

@@ -3,7 +3,7 @@
 use super::bending::bending;
 use super::curve::RimCurve;
 use super::hub::hubs;
-use super::loft::{Sheet, best_way, sheet};
+use super::loft::{Sheet, sheet, ways};
 use super::{Frame, Gap, check_apart, compacted, sizes};
 use crate::mesh::self_intersections;
 use crate::patch::fill::{loose_angles, validate};
@@ -11,15 +11,14 @@ use crate::patch::remesh::{refit, rim_valences};
 use crate::patch::surface::Surface;
 use crate::patch::{PatchMesh, PatchOptions, Rim};
 
-/// The surface between the rims of a gap that is swept from one of two to the other, or joined at a hub
-/// by tubes that leave the rims smoothly: the one that bends least of those that do not pass through
-/// themselves. `None` if there is none among those tried.
+/// Surfaces between the rims of a gap that are swept from one of two to the other, or joined at a hub by
+/// tubes that leave the rims smoothly; those that bend least first, none that passes through itself.
 ///
-/// The patch is like that of [`super::blend`], and has already the shape a flow can start from.
-pub fn formed(gap: &Gap, options: &PatchOptions) -> Option<PatchMesh> {
+/// They are patches like that of [`super::blend`], and have already a shape that a flow can start from.
+pub fn formed(gap: &Gap, options: &PatchOptions) -> Vec<PatchMesh> {
     let usable = |rim: &Rim| validate(rim, options.density).is_ok();
     if gap.rims.len() < 2 || !gap.rims.iter().all(usable) || check_apart(gap).is_err() {
-        return None;
+        return Vec::new();
     }
     let frame = Frame::around(gap.rims.iter().flat_map(|r| &r.points));
     let rims: Vec<Rim> = gap.rims.iter().map(|r| frame.local(r)).collect();
@@ -34,20 +33,20 @@ pub fn formed(gap: &Gap, options: &PatchOptions) -> Option<PatchMesh> {
             own.iter().sum::<f64>() / own.len() as f64
         })
         .collect();
-    let mut best: Option<(f64, PatchMesh)> = None;
+    let mut found: Vec<(f64, PatchMesh)> = Vec::new();
     for side in sides(&curves) {
-        for found in sheets(&curves, side, &mean) {
-            let patch = fitted(found, &rims, &size);
+        for sheet in sheets(&curves, side, &mean) {
+            let patch = fitted(sheet, &rims, &size);
             let bends = bending(&patch.points, &patch.triangles);
-            if best.as_ref().is_none_or(|b| bends < b.0)
-                && bends.is_finite()
-                && self_intersections(&patch.points, &patch.triangles, None, 1).is_empty()
-            {
-                best = Some((bends, patch));
+            let is_clean = bends.is_finite()
+                && self_intersections(&patch.points, &patch.triangles, None, 1).is_empty();
+            if is_clean {
+                found.push((bends, frame.world(patch, gap)));
             }
         }
     }
-    best.map(|(_, patch)| frame.world(patch, gap))
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.into_iter().map(|(_, patch)| patch).collect()
 }
 
 /// The sides to which rims without a direction of their own may lead: that of the tubes among them, or
@@ -64,10 +63,11 @@ fn sides(curves: &[RimCurve]) -> Vec<f64> {
 fn sheets(curves: &[RimCurve], side: f64, mean: &[f64]) -> Vec<Sheet> {
     match curves {
         [a, b] => {
-            let way = best_way(a, b, side);
-            way.iter()
-                .map(|way| sheet([a, b], way, [mean[0], mean[1]]))
-                .collect()
+            let ways = ways(a, b, side);
+            let sheets = ways
+                .iter()
+                .map(|way| sheet([a, b], way, [mean[0], mean[1]]));
+            sheets.collect()
         }
         _ => hubs(curves, side, mean),
     }

@@ -1,7 +1,7 @@
 //! Legs from many rims to a hub, where they are joined.
 
 use super::curve::RimCurve;
-use super::loft::{Sheet, best_way, sheet};
+use super::loft::{Sheet, sheet, ways};
 use super::{Gap, layout};
 use crate::mesh::{DVec3, Topology, VertexId};
 use crate::patch::remesh::{refit, rim_valences};
@@ -111,7 +111,7 @@ impl Hub {
             let size = sizes[k].min(std::f64::consts::TAU * radius / 8.0);
             let edges = (std::f64::consts::TAU * radius / size).round() as usize;
             let end = RimCurve::circle(at, sign * leg, leg, radius, edges);
-            let way = best_way(rim, &end, side)?;
+            let way = ways(rim, &end, side).into_iter().next()?;
             let leg_sheet = sheet([rim, &end], &way, [sizes[k], size]);
             let n = rim.edges();
             let new = points.len();

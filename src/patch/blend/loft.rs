@@ -15,6 +15,13 @@ enum Path {
     Swept(Box<Spine>),
 }
 
+/// The kinds of [`Path`].
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Rails,
+    Swept,
+}
+
 /// A surface swept from one rim to another: which points are joined, and how.
 #[derive(Clone, Debug)]
 pub(super) struct Way {
@@ -30,60 +37,53 @@ const PULLS: [f64; 5] = [1.0, 0.6, 1.5, 2.2, 3.2];
 /// Edges of the rims while surfaces are compared.
 const COARSE: usize = 24;
 /// Starts that are looked at for crossings.
-const LOOKED_AT: usize = 12;
+const LOOKED_AT: usize = 6;
 
-/// Of all ways to sweep from rim `a` to rim `b` the one that bends least without passing through
-/// itself; `None` if there is none among those tried. `side` is where a rim without a direction of its
-/// own is left to (see [`RimCurve::side`]).
-pub(super) fn best_way(a: &RimCurve, b: &RimCurve, side: f64) -> Option<Way> {
+/// Ways to sweep from rim `a` to rim `b` that do not pass through themselves, those that bend least
+/// first, one of each kind at most. `side` is where a rim without a direction of its own is left to
+/// (see [`RimCurve::side`]).
+pub(super) fn ways(a: &RimCurve, b: &RimCurve, side: f64) -> Vec<Way> {
     let ends = [&a.thinned(COARSE), &b.thinned(COARSE)];
+    let mut kinds = vec![Kind::Rails];
+    if leads_apart(ends) {
+        kinds.push(Kind::Swept);
+    }
     let mut found: Vec<(f64, Way)> = Vec::new();
-    let mut add = |way: Way| {
-        let sheet = sheet(ends, &way, mean_edges(ends));
-        let bends = bending(&sheet.points, &sheet.triangles);
-        if bends.is_finite() {
-            found.push((bends, way));
-        }
-        bends
-    };
-    for swept in [false, true] {
-        let path = |pull: f64| path(ends, side, swept, pull);
-        if path(1.0).is_none() {
-            continue;
-        }
+    for kind in kinds {
+        let mut best: Vec<(f64, Way)> = Vec::new();
+        // the twist that is best for one length of the slopes is so for all, or nearly
+        let mut twist = 0..SHIFTS;
         for pull in PULLS {
-            let Some(path) = path(pull) else { continue };
-            let mut least = (f64::INFINITY, 0);
-            // the twist that is best for one length of the slopes is so for all, or nearly
-            let step = if pull == 1.0 { 1 } else { 4 };
-            for k in (0..SHIFTS).step_by(step) {
-                let shift = k as f64 / SHIFTS as f64;
-                let bends = add(Way {
-                    shift,
-                    path: path.clone(),
-                });
-                if bends < least.0 {
-                    least = (bends, k);
+            let path = Path::new(ends, kind, side, pull);
+            let mut least = f64::INFINITY;
+            let mut least_at = 0;
+            for k in twist.clone() {
+                let shift = (k % SHIFTS) as f64 / SHIFTS as f64;
+                let path = path.clone();
+                let way = Way { shift, path };
+                let sheet = sheet(ends, &way, mean_edges(ends));
+                let bends = bending(&sheet.points, &sheet.triangles);
+                if bends < least {
+                    (least, least_at) = (bends, k % SHIFTS);
+                }
+                if bends.is_finite() {
+                    best.push((bends, way));
                 }
             }
-            if step > 1 && least.0.is_finite() {
-                for k in least.1 + SHIFTS - 3..=least.1 + SHIFTS + 3 {
-                    let shift = (k % SHIFTS) as f64 / SHIFTS as f64;
-                    add(Way {
-                        shift,
-                        path: path.clone(),
-                    });
-                }
+            if pull == PULLS[0] && least.is_finite() {
+                twist = least_at + SHIFTS - 1..least_at + SHIFTS + 2;
             }
         }
+        best.sort_by(|x, y| x.0.total_cmp(&y.0));
+        best.truncate(LOOKED_AT);
+        let clean = |(_, way): &(f64, Way)| {
+            let sheet = sheet(ends, way, mean_edges(ends));
+            self_intersections(&sheet.points, &sheet.triangles, None, 1).is_empty()
+        };
+        found.extend(best.into_iter().find(clean));
     }
     found.sort_by(|x, y| x.0.total_cmp(&y.0));
-    found.truncate(LOOKED_AT);
-    let clean = |way: &Way| {
-        let sheet = sheet(ends, way, mean_edges(ends));
-        self_intersections(&sheet.points, &sheet.triangles, None, 1).is_empty()
-    };
-    found.into_iter().map(|f| f.1).find(clean)
+    found.into_iter().map(|f| f.1).collect()
 }
 
 fn mean_edges(ends: [&RimCurve; 2]) -> [f64; 2] {
@@ -100,19 +100,23 @@ fn length_around(points: &[DVec3]) -> f64 {
         .sum()
 }
 
-fn path(ends: [&RimCurve; 2], side: f64, swept: bool, pull: f64) -> Option<Path> {
-    if !swept {
-        return Some(Path::Rails { pull });
-    }
-    let [a, b] = ends;
-    // rims around one another are no two ends of a tube
+/// Whether the rims can be the two ends of one tube: not around one another, nor leading to other sides.
+fn leads_apart([a, b]: [&RimCurve; 2]) -> bool {
     let apart = a.centre.distance(b.centre);
-    if a.side() * b.side() < 0.0 || apart < 0.1 * a.radius.max(b.radius) {
-        return None;
+    a.side() * b.side() >= 0.0 && apart > 0.1 * a.radius.max(b.radius)
+}
+
+impl Path {
+    fn new([a, b]: [&RimCurve; 2], kind: Kind, side: f64, pull: f64) -> Self {
+        match kind {
+            Kind::Rails => Self::Rails { pull },
+            Kind::Swept => {
+                let axes = [a, b].map(|rim| rim.axis(side));
+                let curve = Cubic::turning(a.centre, axes[0], b.centre, -axes[1], pull);
+                Self::Swept(Box::new(Spine::new(curve)))
+            }
+        }
     }
-    let axes = [a, b].map(|rim| rim.axis(side));
-    let curve = Cubic::turning(a.centre, axes[0], b.centre, -axes[1], pull);
-    Some(Path::Swept(Box::new(Spine::new(curve))))
 }
 
 /// Over how many edges the raggedness of a rim fades out.
