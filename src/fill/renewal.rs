@@ -7,10 +7,8 @@ use crate::fill::{FillOptions, gap_of};
 use crate::mesh::DVec3;
 use crate::patch::{self, PatchMesh};
 
-/// Blends with a triangle sharper than this (in degrees) are remeshed when their flow has converged.
-const SHARP: f64 = 25.0;
-/// Those with a sharper one than this are remeshed on the way.
-const SHARP_ON_THE_WAY: f64 = 20.0;
+/// Blends with a triangle sharper than this (in degrees) are remeshed.
+const SHARP: f64 = 20.0;
 /// Accepted steps from one remeshing to the next at least.
 const STEPS_BETWEEN: usize = 3;
 /// Remeshings of a group at most.
@@ -48,11 +46,6 @@ impl Renewals {
         if self.count >= MOST || recent {
             return None;
         }
-        let bound = if now.converged {
-            SHARP
-        } else {
-            SHARP_ON_THE_WAY
-        };
         let mut first = 0;
         let mut out = Shape { holes: Vec::new() };
         let mut moved = Vec::new();
@@ -65,7 +58,7 @@ impl Renewals {
             if planned.loops.len() > 1 {
                 let present = Present::of(ground, planned.number, hole, here);
                 let before = present.patch.sharpest_angle();
-                if before < bound {
+                if before < SHARP {
                     let fresh = patch::reblend(&present.gap, &present.patch, &options.patch);
                     if fresh.sharpest_angle() > before {
                         next = present.shape_of(fresh);
