@@ -96,6 +96,53 @@ fn sharpest(positions: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     corners.map(angle).fold(f64::INFINITY, f64::min)
 }
 
+/// Layouts of every kind that are done in a moment.
+#[test]
+fn layouts_are_joined_without_crossings() {
+    let quick = [
+        "u_turn",
+        "u_turn_close",
+        "s_bend_short",
+        "far",
+        "elbow",
+        "counts",
+        "skew_axes",
+        "three_side",
+        "tripod",
+        "oblique",
+        "lip",
+        "wavy",
+        "slanted_ends",
+        "ellipsoid_slanted",
+        "two_spheres_turned",
+        "tube_to_sphere",
+    ];
+    let list = layouts::all();
+    let list = list
+        .iter()
+        .filter(|layout| quick.contains(&layout.name.as_str()));
+    let random = [2, 3].map(layouts::random);
+    for layout in list.chain(&random) {
+        let (faults, row) = blended(layout);
+        assert!(faults.is_empty(), "{}: {faults:?}\n{row}", layout.name);
+    }
+}
+
+#[test]
+fn a_flow_that_runs_into_the_mesh_ends_before_it() {
+    let (mesh, gap) = layouts::with_obstacle();
+    let gap = gap.iter().collect();
+    let filled = fill_gaps(&mesh, &[gap], &FillOptions::default(), &|_, _| true);
+    let filled = filled.expect("a manifold");
+    let outcome = &filled.groups[0].as_ref().expect("a flow").outcome;
+    assert_eq!(outcome.end, End::Crossed);
+    assert!(outcome.steps > 0);
+    let text = outcome.warnings.join(" ");
+    assert!(text.contains("passes through itself or the mesh"), "{text}");
+    let triangles: Vec<[u32; 3]> = filled.mesh.topology.triangles().collect();
+    assert!(self_intersections(&filled.mesh.positions, &triangles, None, 1).is_empty());
+}
+
 /// All layouts; `MENISCUS_LAYOUTS` names words of those wanted.
 #[test]
 #[ignore = "takes minutes"]

@@ -103,10 +103,20 @@ impl Run {
     /// Takes in what the flows have said. Returns messages for the log: `(is an error, text)`.
     pub fn poll(&mut self) -> Vec<(bool, String)> {
         let mut messages = Vec::new();
+        let mut paused = false;
         for side in &mut self.sides {
             for event in side.live.poll() {
                 match event {
                     LiveEvent::Step { group, record } => side.book(group, &record),
+                    LiveEvent::Crossing {
+                        text,
+                        last_good,
+                        paused: pauses,
+                        ..
+                    } => {
+                        paused |= pauses;
+                        messages.push((false, side.crossing_words(&text, last_good)));
+                    }
                     LiveEvent::Finished { outcome, .. } => {
                         for warning in outcome.warnings {
                             if !side.warnings.contains(&warning) {
@@ -124,7 +134,13 @@ impl Run {
                 }
             }
         }
-        if self.playing && self.ended() {
+        if paused {
+            // compared flows pause together
+            for side in &mut self.sides {
+                side.live.pause();
+            }
+        }
+        if paused || (self.playing && self.ended()) {
             self.playing = false;
         }
         messages
@@ -201,6 +217,19 @@ impl Side {
         if record.residual > 0.0 {
             curve.residual.push([x, record.residual.log10()]);
         }
+    }
+
+    fn crossing_words(&self, text: &str, last_good: Option<usize>) -> String {
+        let timeline = self.live.timeline();
+        let good =
+            last_good.and_then(|index| timeline.states.iter().position(|s| s.index == index));
+        let back = good.map_or_else(String::new, |at| {
+            format!(
+                "; state {} is the last that was looked at and does not",
+                at + 1
+            )
+        });
+        format!("the surface passes through itself or the mesh: {text}{back}")
     }
 
     /// Number of kept states.

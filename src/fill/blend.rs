@@ -4,10 +4,11 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use crate::fill::crossing::crossings;
 use crate::fill::{
     FillOptions, FirstPatch, Gap, Plan, PlannedHole, gap_of, milliseconds, warm_start,
 };
-use crate::mesh::{DVec3, Mesh, self_intersections};
+use crate::mesh::{FaceId, Mesh};
 use crate::patch::{self, PatchMesh};
 
 /// How much less than a film another surface must bend to be preferred, both without crossings.
@@ -125,30 +126,36 @@ struct Judged {
 impl Judged {
     fn new(mesh: &Mesh, gap: &Gap<'_>, patch: &PatchMesh) -> Self {
         let topology = &mesh.topology;
-        let old = mesh.positions.len();
-        let rim: Vec<u32> = gap
-            .iter()
-            .flat_map(|l| l.vertices.iter().map(|v| v.0))
-            .collect();
-        let mut positions = mesh.positions.clone();
-        positions.extend_from_slice(&patch.points[rim.len()..]);
+        let old = mesh.vertex_count();
+        let rims = gap.iter().flat_map(|l| l.vertices.iter());
+        let rim: Vec<u32> = rims.map(|v| v.0).collect();
+        let new = &patch.points[rim.len()..];
         let global = |v: u32| match rim.get(v as usize) {
             Some(&v) => v,
             None => (old + v as usize - rim.len()) as u32,
         };
         let own: Vec<[u32; 3]> = patch.triangles.iter().map(|t| t.map(global)).collect();
-        let mut around = own.clone();
-        for &h in gap.iter().flat_map(|l| &l.halfedges) {
-            let face = topology.face(h.twin());
-            around.push(topology.face_vertices(face).map(|v| v.0));
+        // with the rims' faces, of which one may have two of the edges
+        let halfedges = gap.iter().flat_map(|l| &l.halfedges);
+        let mut faces: Vec<FaceId> = halfedges.map(|h| topology.face(h.twin())).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        let mut points = patch.points.clone();
+        let mut around = patch.triangles.clone();
+        for face in faces {
+            around.push(topology.face_vertices(face).map(|v| {
+                match rim.iter().position(|&r| r == v.0) {
+                    Some(at) => at as u32,
+                    None => {
+                        points.push(mesh.position(v));
+                        points.len() as u32 - 1
+                    }
+                }
+            }));
         }
-        // a face may have two of the rim's edges
-        around[own.len()..].sort_unstable();
-        around.dedup();
-        let bends = patch::bending(&positions, &around);
         Self {
-            crosses: crosses(&positions, own, mesh),
-            bends,
+            crosses: !crossings(mesh, &own, new, 1).is_empty(),
+            bends: patch::bending(&points, &around),
         }
     }
 
@@ -159,19 +166,4 @@ impl Judged {
         };
         !self.crosses && film.is_none_or(gentler)
     }
-}
-
-/// Whether triangles pass through themselves or the mesh.
-fn crosses(positions: &[DVec3], own: Vec<[u32; 3]>, mesh: &Mesh) -> bool {
-    let corners = own.iter().flatten().map(|&v| positions[v as usize]);
-    let (low, high) = corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
-        (low.min(p), high.max(p))
-    });
-    let subset: Vec<u32> = (0..own.len() as u32).collect();
-    let mut triangles = own;
-    triangles.extend(mesh.topology.triangles().filter(|t| {
-        let [a, b, c] = t.map(|v| positions[v as usize]);
-        a.min(b).min(c).cmple(high).all() && a.max(b).max(c).cmpge(low).all()
-    }));
-    !self_intersections(positions, &triangles, Some(&subset), 1).is_empty()
 }

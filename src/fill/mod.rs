@@ -7,6 +7,7 @@
 mod blend;
 mod bridge;
 mod controls;
+mod crossing;
 mod group;
 mod islands;
 mod live;

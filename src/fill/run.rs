@@ -3,12 +3,14 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::fill::crossing::{Crossing, CrossingWatch};
 use crate::fill::noise::roughened;
 use crate::fill::renewal::{Moment, Renewals, remesh};
 use crate::fill::shape::Shape;
 use crate::fill::{FillOptions, Gap, Plan, Timings, milliseconds, region, warm_start_of};
 use crate::mesh::{DVec3, Mesh};
 use crate::patch::{PatchError, TransferError};
+use crate::solver::energy::Order;
 use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord};
 
 /// What all groups of a fill share.
@@ -34,6 +36,9 @@ pub(super) enum ChangeError {
 /// surface, which the next steps mend, and stretched triangles see less of the curvature than there is.
 const ROOM: f64 = 1.6;
 
+/// What can be done about a surface that passes through itself.
+const REMEDY: &str = "take another energy or a tension, or join fewer rims at a time";
+
 /// A group of holes on its way.
 pub(super) struct GroupRun {
     group: usize,
@@ -46,6 +51,7 @@ pub(super) struct GroupRun {
     /// Accepted and rejected steps where there is no flow.
     past: (usize, usize),
     renewals: Renewals,
+    crossing: CrossingWatch,
     energy_start: Option<f64>,
     warnings: Vec<String>,
     timings: Timings,
@@ -87,6 +93,7 @@ impl GroupRun {
             failed: None,
             past: (0, 0),
             renewals: Renewals::default(),
+            crossing: CrossingWatch::default(),
             energy_start: None,
             warnings: Vec::new(),
             timings: Timings::default(),
@@ -114,6 +121,7 @@ impl GroupRun {
         self.resting = problem.to_world(problem.positions());
         split(&mut self.timings.warm_start);
         self.flow = Self::flow_of(problem, options)?;
+        self.watch(ground);
         split(&mut self.timings.setup);
         Ok(())
     }
@@ -154,6 +162,7 @@ impl GroupRun {
             Ok(record) => {
                 if record.as_ref().is_some_and(|record| !record.rejected) {
                     self.renew(ground);
+                    self.watch(ground);
                 }
                 record
             }
@@ -168,8 +177,12 @@ impl GroupRun {
     /// Goes on with better triangles where a large deformation has spoilt them.
     fn renew(&mut self, ground: Ground<'_>) {
         let end = self.end();
-        if !matches!(end, None | Some(End::Converged)) {
-            return;
+        let is_fourth = self.options.flow.energy.order() == Order::Fourth;
+        match end {
+            None | Some(End::Converged) => {}
+            // no neck that closes: triangles that a large deformation leaves without area
+            Some(End::Pinched) if is_fourth => {}
+            _ => return,
         }
         let start = Instant::now();
         let (steps, rejected) = self.counts();
@@ -191,6 +204,47 @@ impl GroupRun {
             }
         }
         self.timings.setup += milliseconds(start);
+    }
+
+    /// Looks whether the surface passes through itself. If it does where the flow has ended, the group
+    /// goes back to its last shape without.
+    fn watch(&mut self, ground: Ground<'_>) {
+        let (steps, rejected) = self.counts();
+        let (positions, ended) = (self.positions(), self.ended());
+        self.crossing
+            .look(ground, self.group, &self.shape, &positions, steps, ended);
+        let Some(crossing) = self.crossing.found().copied().filter(|_| ended) else {
+            return;
+        };
+        let Some(clean) = self.crossing.clean().cloned() else {
+            self.warn(format!(
+                "the surface passes through itself or the mesh from the start ({}); {REMEDY}",
+                crossing.words()
+            ));
+            return;
+        };
+        let built = self.build(
+            ground,
+            &clean.shape,
+            &clean.positions,
+            &self.options,
+            steps,
+            rejected,
+        );
+        if let Ok(Some(mut flow)) = built {
+            flow.finish(End::Crossed);
+            self.take(clean.shape, clean.positions, Some(flow));
+            self.warn(format!(
+                "not converged: on its way the surface passes through itself or the mesh ({}); its last shape                  without that, after step {}, is kept ({REMEDY})",
+                crossing.words(),
+                clean.steps
+            ));
+        }
+    }
+
+    /// Where the surface passes through itself or the mesh, as far as it was looked at.
+    pub fn crossing(&self) -> Option<&Crossing> {
+        self.crossing.found()
     }
 
     /// The flow cannot go on; the group stands still at `resting`, positions of `shape`.
@@ -254,6 +308,7 @@ impl GroupRun {
         let (_, rejected) = self.counts();
         let flow = self.build(ground, shape, positions, options, steps, rejected)?;
         self.take(Arc::clone(shape), positions.to_vec(), flow);
+        self.crossing.restart();
         self.options = options.clone();
         Ok(())
     }

@@ -243,7 +243,12 @@ impl Flow {
 
     /// Ends the flow; the current shape stays.
     pub fn cancel(&mut self) {
-        self.end.get_or_insert(End::Cancelled);
+        self.finish(End::Cancelled);
+    }
+
+    /// Ends the flow for a reason of the caller's, if it has not ended; the current shape stays.
+    pub fn finish(&mut self, end: End) {
+        self.end.get_or_insert(end);
     }
 
     /// Changes options between steps; the flow goes on from the current shape.
@@ -336,10 +341,15 @@ impl Flow {
         self.stepper = Self::stepper(&open, &self.options, &self.energy, &self.local)?;
         self.end = Some(End::Pinched);
         let at = place + self.problem.centre();
+        let reason = if self.energy.order() == Order::Second {
+            "since this energy has no minimum between rims so far apart; the last shape with an open neck is \
+             kept (take a fourth-order energy such as H^2, or bring the rims nearer)"
+        } else {
+            "or its triangles vanish there; the last shape with all of them is kept (take another energy or \
+             a tension, or bring the rims nearer)"
+        };
         self.warnings.push(format!(
-            "not converged: the surface pinches off near ({:.6}, {:.6}, {:.6}), since this energy has no \
-             minimum between rims so far apart; the last shape with an open neck is kept (take a \
-             fourth-order energy such as H^2, or bring the rims nearer)",
+            "not converged: the surface pinches off near ({:.6}, {:.6}, {:.6}), {reason}",
             at.x, at.y, at.z
         ));
         Ok(())

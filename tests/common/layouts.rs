@@ -114,6 +114,24 @@ pub fn all() -> Vec<Layout> {
     list
 }
 
+/// Two tubes and a bar beside the gap between them, where a surface of least `∫ H²` swells; the rims to be
+/// joined.
+pub fn with_obstacle() -> (Mesh, Vec<BoundaryLoop>) {
+    let (y, z) = (DVec3::Y, DVec3::Z);
+    let layout = of_tubes(
+        "obstacle",
+        &[
+            tube(2.0 * z, z, 0.5, 20),
+            tube(-2.0 * z, -z, 0.5, 20),
+            tube(v(0.9, -3.0, 0.0), 6.0 * y, 0.15, 8),
+        ],
+    );
+    let mesh = layout.mesh();
+    let is_near = |l: &BoundaryLoop| (mesh.position(l.vertices[0]).z.abs() - 2.0).abs() < 0.01;
+    let gap = boundary_loops(&mesh).into_iter().filter(is_near).collect();
+    (mesh, gap)
+}
+
 /// Tubes in places and directions of chance that are clear of one another and of what they point to.
 pub fn random(seed: u64) -> Layout {
     let mut random = SplitMix::new(seed);

@@ -319,6 +319,14 @@ impl Conductor<'_> {
                 self.lines.say(LiveEvent::Step { group, record });
             }
         }
+        for g in 0..self.groups.len() {
+            // who asks for the end gets there
+            let pauses = !self.hurry;
+            if let Some(event) = self.groups[g].crossing_event(g, pauses) {
+                self.lines.say(event);
+                self.playing &= !pauses;
+            }
+        }
         let seconds = self.last_round.elapsed().as_secs_f64();
         let period = self.pace.filter(|_| !self.hurry).map_or(0.0, |p| 1.0 / p);
         for group in &mut self.groups {
@@ -355,6 +363,9 @@ impl Conductor<'_> {
             ended: self.ended(),
             rows: Arc::clone(&self.rows),
         });
+        for group in &mut self.groups {
+            group.number(self.next_index);
+        }
         self.next_index += 1;
         // a timeline is whole between any two of its operations
         let timeline = self.lines.timeline.lock();

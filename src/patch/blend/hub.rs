@@ -9,7 +9,7 @@ use crate::patch::surface::Surface;
 use crate::patch::{Rim, warm_start};
 
 /// How far along their axes, in distances from the middle, the rims are followed to find the hub.
-const FOLLOWED: [f64; 4] = [0.0, 0.6, 1.2, 2.0];
+const FOLLOWED: [f64; 5] = [0.0, 0.3, 0.7, 1.3, 2.2];
 /// Legs keep this part of the angle between them free of one another.
 const FREE: f64 = 0.38;
 /// The ball around which legs end reaches at most this part of the way to the nearest rim.

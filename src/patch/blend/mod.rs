@@ -16,6 +16,8 @@ mod spine;
 #[cfg(test)]
 mod tests;
 
+use curve::RimCurve;
+
 use super::fill::{fineness, loose_angles, rim_sizes, validate};
 use super::remesh::{refit, rim_valences, split_chords};
 use super::surface::Surface;
@@ -89,7 +91,9 @@ pub fn blend(gap: &Gap, options: &PatchOptions) -> Result<PatchMesh, PatchError>
         let count = points.len();
         Surface::new(points, vec![0.0; count], count, &triangles)
     } else {
-        check_orientation(&gap.pieces, &rims)?;
+        if !look_alike(&rims) {
+            check_orientation(&gap.pieces, &rims)?;
+        }
         bridges::surface(&rims, &chords)
     };
     surface.size = sizes(&rims, *options);
@@ -190,6 +194,13 @@ fn check_apart(gap: &Gap) -> Result<(), PatchError> {
         }),
         None => Ok(()),
     }
+}
+
+/// Whether all rims are mouths of tubes whose faces look outwards, or all of tubes whose faces look inwards.
+fn look_alike(rims: &[Rim]) -> bool {
+    let side = |rim: &Rim| RimCurve::new(rim).side();
+    let first = side(&rims[0]);
+    first != 0.0 && rims.iter().all(|rim| side(rim) == first)
 }
 
 /// Things of which every combination is turned over; of more, one at a time.
