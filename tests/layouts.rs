@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::fmt::Write as _;
 use std::time::Instant;
 
 use common::layouts::{self, Layout};
@@ -73,12 +74,14 @@ fn blended(layout: &Layout) -> (Vec<String>, String) {
                 if o.steps > MAX_STEPS {
                     faults.push(format!("{} steps", o.steps));
                 }
-                row += &format!(
+                write!(
+                    row,
                     ", {:>2} steps, {:>2} rejected, energy {:8.4} -> {:8.4}",
                     o.steps, o.rejected, o.energy_start, o.energy_end
-                );
+                )
+                .expect("a string");
                 for text in &o.warnings {
-                    row += &format!("\n      {text}");
+                    write!(row, "\n      {text}").expect("a string");
                 }
             }
         }
@@ -143,24 +146,19 @@ fn a_flow_that_runs_into_the_mesh_ends_before_it() {
     assert!(self_intersections(&filled.mesh.positions, &triangles, None, 1).is_empty());
 }
 
-/// All layouts; `MENISCUS_LAYOUTS` names words of those wanted.
+/// All layouts; `MENISCUS_LAYOUTS` names words of those wanted, `MENISCUS_LAYOUTS_RANDOM` how many of
+/// chance there are to be, as in `20..80`.
 #[test]
 #[ignore = "takes minutes"]
 fn all_layouts() {
     let only = std::env::var("MENISCUS_LAYOUTS").unwrap_or_default();
-    let folder = std::env::var_os("MENISCUS_LAYOUTS_OUT").map(std::path::PathBuf::from);
     let mut bad = Vec::new();
-    let random = std::env::var("MENISCUS_LAYOUTS_RANDOM")
-        .ok()
-        .and_then(|n| n.parse().ok());
-    let random = (0..random.unwrap_or(0)).map(layouts::random);
+    let random = std::env::var("MENISCUS_LAYOUTS_RANDOM").unwrap_or_default();
+    let range = random.split_once("..");
+    let range = range.and_then(|(a, b)| Some(a.parse().ok()?..b.parse().ok()?));
+    let random = range.unwrap_or(0..0).map(layouts::random);
     for layout in layouts::all().into_iter().chain(random) {
         if !only.is_empty() && !only.split(',').any(|word| layout.name.contains(word)) {
-            continue;
-        }
-        if let Some(folder) = &folder {
-            let path = folder.join(format!("{}.obj", layout.name));
-            meniscus::io::save_mesh(&path, &layout.mesh(), &[]).expect("written");
             continue;
         }
         let (faults, row) = blended(&layout);

@@ -13,9 +13,9 @@ use crate::patch::{self, PatchMesh};
 
 /// How much less than a film another surface must bend to be preferred, both without crossings.
 const PREFERRED: f64 = 0.95;
-/// A film that bends less than this for each of its rims is as good a start as any: a tube as long as
-/// wide between two rims has 6.
-const GENTLE: f64 = 8.0;
+/// A film that bends less than this for each of its rims is as good a start as any; a tube as long as wide
+/// between two rims has 2π for each.
+const GENTLE: f64 = 16.0;
 
 /// The plan of these patches, in which every blend has the shape its flow starts from.
 ///
@@ -142,15 +142,15 @@ impl Judged {
         faces.dedup();
         let mut points = patch.points.clone();
         let mut around = patch.triangles.clone();
+        let mut place: Vec<(u32, u32)> = rim.iter().copied().zip(0..).collect();
+        place.sort_unstable();
         for face in faces {
             around.push(topology.face_vertices(face).map(|v| {
-                match rim.iter().position(|&r| r == v.0) {
-                    Some(at) => at as u32,
-                    None => {
-                        points.push(mesh.position(v));
-                        points.len() as u32 - 1
-                    }
+                if let Ok(at) = place.binary_search_by_key(&v.0, |p| p.0) {
+                    return place[at].1;
                 }
+                points.push(mesh.position(v));
+                points.len() as u32 - 1
             }));
         }
         Self {

@@ -7,12 +7,13 @@ use crate::fill::{FillOptions, gap_of};
 use crate::mesh::DVec3;
 use crate::patch::{self, PatchMesh};
 
-/// Blends with a triangle sharper than this (in degrees) are remeshed.
-const SHARP: f64 = 20.0;
+/// Blends with a triangle sharper than this (in degrees) are remeshed; every time costs the steps in which
+/// the new triangles find their places.
+const SHARP: f64 = 16.0;
 /// Accepted steps from one remeshing to the next at least.
 const STEPS_BETWEEN: usize = 3;
 /// Remeshings of a group at most.
-const MOST: usize = 8;
+const MOST: usize = 5;
 
 /// Where a flow stands.
 #[derive(Clone, Copy, Debug)]

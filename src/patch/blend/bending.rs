@@ -5,10 +5,10 @@ use crate::mesh::DVec3;
 /// Normals of neighbours that differ by more than this are a fold.
 const FOLD: f64 = 2.4;
 
-/// The integral of squared curvature across the edges, `¾ Σ θ² |e|² / A` over the edges with angle θ
-/// between the normals of their two triangles of total area A (on equilateral triangles of a cylinder
-/// or a sphere `∫ (3H² - K) / 2 · …` up to a constant: a measure to compare by, not the energy itself).
-/// Infinite where the surface is folded or has triangles without area.
+/// The integral of the squared curvatures, `k1² + k2²`, as the angles between triangles show it:
+/// `3/2 Σ θ² |e|² / A`, over the edges with angle θ between the normals of their two triangles of total
+/// area A. On equilateral triangles of a sphere or a cylinder it is exact in the limit; on others it is a
+/// measure to compare shapes by. Infinite where the surface is folded or has triangles without area.
 pub fn bending(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * triangles.len());
     for (f, t) in triangles.iter().enumerate() {
@@ -31,7 +31,7 @@ pub fn bending(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
         if angle > FOLD || area <= 0.0 {
             return f64::INFINITY;
         }
-        sum += 0.75 * angle * angle * a.distance_squared(b) / area;
+        sum += 1.5 * angle * angle * a.distance_squared(b) / area;
     }
     sum
 }

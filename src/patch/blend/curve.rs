@@ -1,5 +1,6 @@
 //! A rim as a smooth closed curve with directions in which a surface leaves it.
 
+use super::spine::Cubic;
 use crate::mesh::DVec3;
 use crate::patch::Rim;
 use crate::patch::planar::vector_area;
@@ -50,7 +51,7 @@ impl RimCurve {
         let conormal: Vec<DVec3> = (0..n)
             .map(|i| into_gap((i + n - 1) % n) + into_gap(i))
             .collect();
-        Self::with_conormals(points.clone(), conormal)
+        Self::with_conormals(points, &conormal)
     }
 
     /// A circle that goes around `normal` counter-clockwise and is left along `axis`.
@@ -60,10 +61,10 @@ impl RimCurve {
             let (sin, cos) = (std::f64::consts::TAU * i as f64 / edges as f64).sin_cos();
             centre + radius * (cos * u + sin * v)
         });
-        Self::with_conormals(points.collect(), vec![axis; edges])
+        Self::with_conormals(&points.collect::<Vec<_>>(), &vec![axis; edges])
     }
 
-    fn with_conormals(points: Vec<DVec3>, conormal: Vec<DVec3>) -> Self {
+    fn with_conormals(points: &[DVec3], conormal: &[DVec3]) -> Self {
         let n = points.len();
         let mut place = Vec::with_capacity(n);
         let (mut length, mut moment) = (0.0, DVec3::ZERO);
@@ -80,10 +81,10 @@ impl RimCurve {
         let squares: f64 = points.iter().map(|p| p.distance_squared(centre)).sum();
         let passes = (2.0 * (SMOOTHED * n as f64).powi(2)).ceil() as usize;
         // twice over, so that circles hardly shrink
-        let once = smoothed(&points, passes);
+        let once = smoothed(points, passes);
         let twice = smoothed(&once, passes);
         let smooth: Vec<DVec3> = (0..n).map(|i| 2.0 * once[i] - twice[i]).collect();
-        let mut conormal = smoothed(&conormal, passes);
+        let mut conormal = smoothed(conormal, passes);
         for c in &mut conormal {
             *c = c.normalize_or_zero();
         }
@@ -92,7 +93,7 @@ impl RimCurve {
             rest: (0..n).map(|i| points[i] - smooth[i]).collect(),
             centre,
             radius: (squares / n as f64).sqrt(),
-            normal: vector_area(&points).normalize_or_zero(),
+            normal: vector_area(points).normalize_or_zero(),
             axis: (mean.length() > TUBE).then(|| mean.normalize()),
             place,
             smooth,
@@ -104,20 +105,37 @@ impl RimCurve {
         self.place.len()
     }
 
-    /// The point at `u`, any number; whole turns do not count.
+    /// The point at `u`, any number; whole turns do not count. Between vertices the curve is a cubic with
+    /// the slopes of its neighbours' chords (Catmull and Rom).
     pub fn at(&self, u: f64) -> RimPoint {
         let u = u - u.floor();
         let n = self.edges();
         let i = self.place.partition_point(|&p| p <= u) - 1;
         let j = (i + 1) % n;
-        let end = if j == 0 { 1.0 } else { self.place[j] };
-        let f = (u - self.place[i]) / (end - self.place[i]);
-        let mix = |list: &[DVec3]| list[i].lerp(list[j], f);
+        let span = self.span(i);
+        let f = (u - self.place[i]) / span;
+        let slope = |k: usize| {
+            let (before, after) = ((k + n - 1) % n, (k + 1) % n);
+            let chord = self.smooth[after] - self.smooth[before];
+            chord * (span / (self.span(before) + self.span(k)))
+        };
+        let cubic = Cubic {
+            ends: [self.smooth[i], self.smooth[j]],
+            slopes: [slope(i), slope(j)],
+        };
         RimPoint {
-            smooth: mix(&self.smooth),
-            rest: mix(&self.rest),
-            conormal: mix(&self.conormal).normalize_or_zero(),
+            smooth: cubic.at(f),
+            rest: self.rest[i].lerp(self.rest[j], f),
+            conormal: self.conormal[i]
+                .lerp(self.conormal[j], f)
+                .normalize_or_zero(),
         }
+    }
+
+    /// The part of the rim from vertex `i` to the next.
+    fn span(&self, i: usize) -> f64 {
+        let end = self.place.get(i + 1).copied().unwrap_or(1.0);
+        end - self.place[i]
     }
 
     /// The side of its plane to which a tube's faces lead: 1 if it leaves along the normal, -1 against

@@ -22,6 +22,16 @@ enum Kind {
     Swept,
 }
 
+impl Kind {
+    /// Between ways that bend alike the one with untwisted cross-sections is taken.
+    fn handicap(self) -> f64 {
+        match self {
+            Self::Rails => 1.05,
+            Self::Swept => 1.0,
+        }
+    }
+}
+
 /// A surface swept from one rim to another: which points are joined, and how.
 #[derive(Clone, Debug)]
 pub(super) struct Way {
@@ -32,6 +42,8 @@ pub(super) struct Way {
 
 /// Shifts that are tried.
 const SHIFTS: usize = 24;
+/// How often the steps between shifts are halved for the best one.
+const HALVINGS: usize = 8;
 /// Lengths of the slopes at the ends that are tried, relative to those of circular arcs; 1 first.
 const PULLS: [f64; 5] = [1.0, 0.6, 1.5, 2.2, 3.2];
 /// Edges of the rims while surfaces are compared.
@@ -50,40 +62,77 @@ pub(super) fn ways(a: &RimCurve, b: &RimCurve, side: f64) -> Vec<Way> {
     }
     let mut found: Vec<(f64, Way)> = Vec::new();
     for kind in kinds {
-        let mut best: Vec<(f64, Way)> = Vec::new();
-        // the twist that is best for one length of the slopes is so for all, or nearly
-        let mut twist = 0..SHIFTS;
-        for pull in PULLS {
-            let path = Path::new(ends, kind, side, pull);
-            let mut least = f64::INFINITY;
-            let mut least_at = 0;
-            for k in twist.clone() {
-                let shift = (k % SHIFTS) as f64 / SHIFTS as f64;
-                let path = path.clone();
-                let way = Way { shift, path };
-                let sheet = sheet(ends, &way, mean_edges(ends));
-                let bends = bending(&sheet.points, &sheet.triangles);
-                if bends < least {
-                    (least, least_at) = (bends, k % SHIFTS);
-                }
-                if bends.is_finite() {
-                    best.push((bends, way));
-                }
-            }
-            if pull == PULLS[0] && least.is_finite() {
-                twist = least_at + SHIFTS - 1..least_at + SHIFTS + 2;
-            }
-        }
-        best.sort_by(|x, y| x.0.total_cmp(&y.0));
-        best.truncate(LOOKED_AT);
-        let clean = |(_, way): &(f64, Way)| {
+        let all = candidates(ends, kind, side).into_iter();
+        let best = all.map(|found| refined(ends, found)).find(|(_, way)| {
             let sheet = sheet(ends, way, mean_edges(ends));
             self_intersections(&sheet.points, &sheet.triangles, None, 1).is_empty()
-        };
-        found.extend(best.into_iter().find(clean));
+        });
+        found.extend(best.map(|(bends, way)| (kind.handicap() * bends, way)));
     }
     found.sort_by(|x, y| x.0.total_cmp(&y.0));
     found.into_iter().map(|f| f.1).collect()
+}
+
+/// The ways of one kind that bend least, with how much they do.
+fn candidates(ends: [&RimCurve; 2], kind: Kind, side: f64) -> Vec<(f64, Way)> {
+    let mut found = Vec::new();
+    // the twist that is best for one length of the slopes is so for all, or nearly
+    let mut twists = 0..SHIFTS;
+    for pull in PULLS {
+        let path = Path::new(ends, kind, side, pull);
+        let tried = twists.clone().map(|k| {
+            let way = Way {
+                shift: k as f64 / SHIFTS as f64,
+                path: path.clone(),
+            };
+            (bends(ends, &way), k, way)
+        });
+        let tried: Vec<(f64, usize, Way)> = tried.collect();
+        let best = tried.iter().min_by(|x, y| x.0.total_cmp(&y.0));
+        if let Some(&(least, k, _)) = best
+            && pull == PULLS[0]
+            && least.is_finite()
+        {
+            twists = k + SHIFTS - 1..k + SHIFTS + 2;
+        }
+        let finite = tried.into_iter().filter(|(bends, ..)| bends.is_finite());
+        found.extend(finite.map(|(bends, _, way)| (bends, way)));
+    }
+    found.sort_by(|x, y| x.0.total_cmp(&y.0));
+    found.truncate(LOOKED_AT);
+    found
+}
+
+/// The same with the twist of a carried cross-section found more closely: the one that turns it least. (How
+/// much a coarse sheet bends says little about so small differences.)
+fn refined(ends: [&RimCurve; 2], (bends, mut way): (f64, Way)) -> (f64, Way) {
+    if matches!(way.path, Path::Rails { .. }) {
+        return (bends, way);
+    }
+    let turned = |way: &Way| -> f64 {
+        let rails = (0..RAILS).map(|i| Rail::new(ends, way, i as f64 / RAILS as f64).curve);
+        rails.map(|c| c.ends[0].distance_squared(c.ends[1])).sum()
+    };
+    let mut least = turned(&way);
+    let mut step = 1.0 / SHIFTS as f64;
+    for _ in 0..HALVINGS {
+        for shift in [way.shift - step, way.shift + step] {
+            let path = way.path.clone();
+            let other = Way { shift, path };
+            let found = turned(&other);
+            if found < least {
+                (least, way) = (found, other);
+                break;
+            }
+        }
+        step *= 0.5;
+    }
+    (bends, way)
+}
+
+fn bends(ends: [&RimCurve; 2], way: &Way) -> f64 {
+    let sheet = sheet(ends, way, mean_edges(ends));
+    bending(&sheet.points, &sheet.triangles)
 }
 
 fn mean_edges(ends: [&RimCurve; 2]) -> [f64; 2] {

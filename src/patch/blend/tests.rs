@@ -2,7 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use super::{Gap, blend, bridges, layout};
+use super::curve::RimCurve;
+use super::loft::{sheet, ways};
+use super::spine::{Cubic, Spine};
+use super::{Gap, bending, blend, bridges, formed, layout};
 use crate::mesh::shapes::SplitMix;
 use crate::mesh::{DVec3, Mesh, Topology, check_mesh, self_intersections};
 use crate::patch::surface::Surface;
@@ -284,4 +287,127 @@ fn vertices_are_graded_from_rim_to_rim() {
         thirds[0] > 1.3 * thirds[1] && thirds[1] > 1.3 * thirds[2],
         "{thirds:?}"
     );
+}
+
+#[test]
+fn cubics_follow_arcs_and_their_frames_do_not_twist() {
+    let quarter = Cubic::turning(X, Y, Y, -X, 1.0);
+    let spine = Spine::new(quarter);
+    for i in 0..=20 {
+        let t = f64::from(i) / 20.0;
+        let p = quarter.at(t);
+        assert!((p.length() - 1.0).abs() < 3e-4, "{p}");
+        let step = 1e-6;
+        let slope = (quarter.at(t + step) - quarter.at(t - step)) / (2.0 * step);
+        assert!(slope.distance(quarter.slope(t)) < 1e-8);
+        // a plane curve turns about the plane's normal, and its frames as far as its tangent
+        let frame = spine.frame(t);
+        assert!((frame * Z).distance(Z) < 1e-12);
+        assert!((frame * Y).distance(quarter.slope(t).normalize()) < 1e-3);
+        assert!((frame.determinant() - 1.0).abs() < 1e-12);
+    }
+    let rate = quarter.turning_rate(0.0);
+    assert!(rate.cross(Z).length() < 1e-12 && rate.z > 0.0);
+}
+
+#[test]
+fn a_rim_knows_where_it_leads() {
+    let tube = RimCurve::new(&mouth(X, X, 0.5, 32));
+    assert!(tube.axis(1.0).distance(-X) < 1e-9);
+    assert_eq!(tube.side(), RimCurve::new(&mouth(-Z, -Z, 0.3, 20)).side());
+    assert!(tube.centre.distance(X) < 1e-12 && (tube.radius - 0.5).abs() < 1e-12);
+    // a hole in a plane leads nowhere by itself
+    let hole = RimCurve::new(&flat(O, Z, 1.0, 40, false));
+    assert_eq!(hole.side(), 0.0);
+    assert!(hole.axis(1.0).distance(Z) < 1e-12 && hole.axis(-1.0).distance(-Z) < 1e-12);
+    let point = hole.at(0.3);
+    assert!(((point.smooth + point.rest).length() - 1.0).abs() < 1e-2);
+    assert!(point.conormal.distance(-point.smooth.normalize()) < 0.01);
+    // raggedness is set apart, the shape is not
+    let mut ragged = mouth(O, Z, 1.0, 40);
+    for (i, p) in ragged.points.iter_mut().enumerate() {
+        *p += if i % 2 == 0 { 0.05 * Z } else { -0.05 * Z };
+    }
+    let curve = RimCurve::new(&ragged);
+    for i in 0..40 {
+        let at = curve.at(curve.place[i] + 1e-12);
+        assert!((at.smooth + at.rest).distance(ragged.points[i]) < 1e-9);
+        assert!(at.smooth.z.abs() < 0.005 && (at.smooth.length() - 1.0).abs() < 0.01);
+    }
+}
+
+#[test]
+fn bending_is_that_of_the_cylinder() {
+    // ∫ (1/r)² over a cylinder of length l is 2π l / r
+    let bends = |n: usize| {
+        let gap = gap(vec![mouth(O, -Z, 0.5, n), mouth(2.0 * Z, Z, 0.5, n)]);
+        let (a, b) = (RimCurve::new(&gap.rims[0]), RimCurve::new(&gap.rims[1]));
+        let way = &ways(&a, &b, a.side())[0];
+        let size = TAU * 0.5 / n as f64;
+        let sheet = sheet([&a, &b], way, [size, size]);
+        for p in &sheet.points {
+            assert!((p.truncate().length() - 0.5).abs() < 2e-3, "{n} {p}");
+        }
+        bending(&sheet.points, &sheet.triangles)
+    };
+    let exact = TAU * 2.0 / 0.5;
+    for (n, tolerance) in [(24, 0.2), (96, 0.1)] {
+        let found = bends(n);
+        assert!(
+            (found / exact - 1.0).abs() < tolerance,
+            "{n}: {found} {exact}"
+        );
+    }
+    let fold = [O, X, Y, DVec3::new(0.3, 0.3, 0.01)];
+    assert_eq!(bending(&fold, &[[0, 1, 2], [1, 0, 3]]), f64::INFINITY);
+}
+
+#[test]
+fn a_u_turn_is_swept_as_half_a_torus() {
+    let gap = gap(vec![mouth(X, Z, 0.4, 28), mouth(-X, Z, 0.4, 28)]);
+    let patch = &formed(&gap, &PatchOptions::default())[0];
+    check("u", &gap, patch);
+    // a cubic follows half a circle to 2 % of its radius, here up to 1.4
+    for p in &patch.points {
+        let around = (p.x.hypot(p.z) - 1.0).hypot(p.y);
+        assert!((around - 0.4).abs() < 0.03 && p.z < 1e-9, "{around} {p}");
+    }
+}
+
+#[test]
+fn swept_surfaces_cross_nothing_where_films_do() {
+    let three = [O, X, Y].map(|at| mouth(at, Z, 0.25, 18));
+    let layouts = [
+        ("u", vec![mouth(X, Z, 0.5, 24), mouth(-X, Z, 0.5, 24)]),
+        (
+            "far",
+            vec![mouth(5.0 * Z, Z, 0.5, 16), mouth(-5.0 * Z, -Z, 0.4, 24)],
+        ),
+        (
+            "s",
+            vec![mouth(X + Z, Z, 0.5, 24), mouth(-X - Z, -Z, 0.5, 24)],
+        ),
+        ("tripod", three.to_vec()),
+    ];
+    for (name, rims) in layouts {
+        let gap = gap(rims);
+        let found = formed(&gap, &PatchOptions::default());
+        assert!(!found.is_empty(), "{name}");
+        let bends = found.iter().map(|p| bending(&p.points, &p.triangles));
+        assert!(bends.collect::<Vec<_>>().is_sorted(), "{name}");
+        for patch in &found {
+            check(name, &gap, patch);
+            assert!(patch.sharpest_angle() > 15.0, "{name}");
+            assert!(self_intersections(&patch.points, &patch.triangles, None, 1).is_empty());
+        }
+    }
+    // nothing to sweep between
+    assert!(
+        formed(
+            &gap(vec![mouth(X, X, 1.0, 8), mouth(X, X, 1.0, 8)]),
+            &PatchOptions::default()
+        )
+        .is_empty()
+    );
+    assert!(formed(&gap(vec![mouth(X, X, 1.0, 8)]), &PatchOptions::default()).is_empty());
 }
