@@ -14,7 +14,7 @@ use crate::patch::{self, PatchMesh};
 /// How much less than a film another surface must bend to be preferred, both without crossings.
 const PREFERRED: f64 = 0.95;
 /// A film that bends less than this for each of its rims is as good a start as any; a tube as long as wide
-/// between two rims has 2π for each.
+/// between two rims has 3π for each.
 const GENTLE: f64 = 16.0;
 
 /// The plan of these patches, in which every blend has the shape its flow starts from.

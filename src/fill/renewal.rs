@@ -9,11 +9,11 @@ use crate::patch::{self, PatchMesh};
 
 /// Blends with a triangle sharper than this (in degrees) are remeshed; every time costs the steps in which
 /// the new triangles find their places.
-const SHARP: f64 = 16.0;
+const SHARP: f64 = 18.0;
 /// Accepted steps from one remeshing to the next at least.
 const STEPS_BETWEEN: usize = 3;
 /// Remeshings of a group at most.
-const MOST: usize = 5;
+const MOST: usize = 8;
 
 /// Where a flow stands.
 #[derive(Clone, Copy, Debug)]

@@ -5,9 +5,9 @@ use crate::mesh::DVec3;
 /// Normals of neighbours that differ by more than this are a fold.
 const FOLD: f64 = 2.4;
 
-/// The integral of the squared curvatures, `k1² + k2²`, as the angles between triangles show it:
-/// `3/2 Σ θ² |e|² / A`, over the edges with angle θ between the normals of their two triangles of total
-/// area A. On equilateral triangles of a sphere or a cylinder it is exact in the limit; on others it is a
+/// How much a surface bends as the angles between its triangles show it: `3/2 Σ θ² |e|² / A`, over the
+/// edges with angle θ between the normals of their two triangles of total area A. On equilateral triangles
+/// this is `∫ 6 H² - 4 K` in the limit, of which the part of K depends on the rims alone; on others it is a
 /// measure to compare shapes by. Infinite where the surface is folded or has triangles without area.
 pub fn bending(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * triangles.len());

@@ -337,8 +337,8 @@ fn a_rim_knows_where_it_leads() {
 }
 
 #[test]
-fn bending_is_that_of_the_cylinder() {
-    // ∫ (1/r)² over a cylinder of length l is 2π l / r
+fn bending_is_that_of_the_cylinder_and_the_sphere() {
+    // ∫ 6 H² over a cylinder of length l is 3π l / r
     let bends = |n: usize| {
         let gap = gap(vec![mouth(O, -Z, 0.5, n), mouth(2.0 * Z, Z, 0.5, n)]);
         let (a, b) = (RimCurve::new(&gap.rims[0]), RimCurve::new(&gap.rims[1]));
@@ -350,14 +350,15 @@ fn bending_is_that_of_the_cylinder() {
         }
         bending(&sheet.points, &sheet.triangles)
     };
-    let exact = TAU * 2.0 / 0.5;
-    for (n, tolerance) in [(24, 0.2), (96, 0.1)] {
+    let exact = 1.5 * TAU * 2.0 / 0.5;
+    for n in [24, 96] {
         let found = bends(n);
-        assert!(
-            (found / exact - 1.0).abs() < tolerance,
-            "{n}: {found} {exact}"
-        );
+        assert!((found / exact - 1.0).abs() < 0.03, "{n}: {found} {exact}");
     }
+    // ∫ 6 H² - 4 K over a sphere is 8π
+    let (positions, triangles) = crate::mesh::shapes::icosphere(16);
+    let found = bending(&positions, &triangles);
+    assert!((found / (4.0 * TAU) - 1.0).abs() < 0.03, "{found}");
     let fold = [O, X, Y, DVec3::new(0.3, 0.3, 0.01)];
     assert_eq!(bending(&fold, &[[0, 1, 2], [1, 0, 3]]), f64::INFINITY);
 }
