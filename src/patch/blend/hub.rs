@@ -1,5 +1,7 @@
 //! Legs from many rims to a hub, where they are joined.
 
+use std::f64::consts::{PI, TAU};
+
 use super::curve::RimCurve;
 use super::loft::{Sheet, sheet, ways};
 use super::{Gap, layout};
@@ -68,7 +70,7 @@ impl Hub {
                 }
             }
         }
-        let mut least = std::f64::consts::PI;
+        let mut least = PI;
         let mut wanted: f64 = 0.0;
         for i in 0..n {
             for j in 0..i {
@@ -97,74 +99,110 @@ impl Hub {
     }
 
     fn surface(&self, rims: &[RimCurve], side: f64, sizes: &[f64]) -> Option<Sheet> {
-        let sign = if side < 0.0 { -1.0 } else { 1.0 };
-        let mut first = 0;
-        let count: usize = rims.iter().map(RimCurve::edges).sum();
-        let mut points: Vec<DVec3> = rims.iter().flat_map(RimCurve::points).collect();
-        let mut triangles = Vec::new();
-        let mut mouths = Vec::new();
-        let mut numbers: Vec<u32> = Vec::new();
-        for (k, rim) in rims.iter().enumerate() {
-            let (leg, radius) = (self.legs[k], self.leg_radius[k]);
-            let at = self.centre + self.radius * leg;
-            // a narrow leg keeps enough edges to go around
-            let size = sizes[k].min(std::f64::consts::TAU * radius / 8.0);
-            let edges = (std::f64::consts::TAU * radius / size).round() as usize;
-            let end = RimCurve::circle(at, sign * leg, leg, radius, edges);
-            let way = ways(rim, &end, side).into_iter().next()?;
-            let leg_sheet = sheet([rim, &end], &way, [sizes[k], size]);
-            let n = rim.edges();
-            let new = points.len();
-            let global = |v: u32| {
-                let v = v as usize;
-                (if v < n { first + v } else { new + v - n }) as u32
-            };
-            points.extend_from_slice(&leg_sheet.points[n..]);
-            triangles.extend(leg_sheet.triangles.iter().map(|t| t.map(global)));
-            // seen from the hub, the circle goes the other way round
-            let mut own: Vec<u32> = (0..edges).map(|e| (new + e) as u32).collect();
-            own.reverse();
-            let mouth: Vec<DVec3> = own.iter().map(|&v| points[v as usize]).collect();
-            let outer = |p: DVec3| p + size * leg;
-            mouths.push(Rim {
-                opposite: (0..edges)
-                    .map(|i| outer(mouth[i].midpoint(mouth[(i + 1) % edges])))
-                    .collect(),
-                points: mouth,
-                forbidden: Vec::new(),
-            });
-            numbers.extend(own);
-            first += n;
-        }
-        let core = core(&mouths)?;
-        let new = points.len() - numbers.len();
-        let global = |v: u32| match numbers.get(v as usize) {
-            Some(&v) => v,
-            None => new as u32 + v,
+        let mut joined = Joined {
+            rim_vertices: rims.iter().map(RimCurve::edges).sum(),
+            points: rims.iter().flat_map(RimCurve::points).collect(),
+            triangles: Vec::new(),
+            mouths: Vec::new(),
+            mouth_vertices: Vec::new(),
         };
-        points.extend_from_slice(&core.points[numbers.len()..]);
-        triangles.extend(core.triangles.iter().map(|t| t.map(global)));
-        let topology = Topology::from_triangles(points.len(), &triangles).ok()?;
-        let mut loose: Vec<u32> = numbers.clone();
-        loose.extend((new + numbers.len()) as u32..points.len() as u32);
-        for _ in 0..LOOSE_RINGS {
-            let mut wider = loose.clone();
-            for &v in &loose {
-                wider.extend(topology.neighbours(VertexId(v)).map(|w| w.0));
-            }
-            wider.retain(|&v| v as usize >= count);
-            wider.sort_unstable();
-            wider.dedup();
-            loose = wider;
+        let mut first = 0;
+        for (k, rim) in rims.iter().enumerate() {
+            joined.add_leg(self, k, (rim, first), side, sizes[k])?;
+            first += rim.edges();
         }
-        let loose: Vec<VertexId> = loose.into_iter().map(VertexId).collect();
-        warm_start(&topology, &mut points, &loose).ok()?;
-        Some(Sheet { points, triangles })
+        let first = joined.points.len();
+        joined.add_core()?;
+        joined.relax(first)?;
+        Some(Sheet {
+            points: joined.points,
+            triangles: joined.triangles,
+        })
     }
 }
 
 /// Rings of the legs that give way to the core.
 const LOOSE_RINGS: usize = 2;
+/// Least number of edges around a leg.
+const AROUND: f64 = 8.0;
+
+/// Legs and core under way, the rims' vertices first.
+struct Joined {
+    rim_vertices: usize,
+    points: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    /// Where the legs end, as rims of the core, and the vertices there.
+    mouths: Vec<Rim>,
+    mouth_vertices: Vec<u32>,
+}
+
+impl Joined {
+    /// Adds the leg of rim `k`, whose vertices are those from `first` on.
+    fn add_leg(
+        &mut self,
+        hub: &Hub,
+        k: usize,
+        (rim, first): (&RimCurve, usize),
+        side: f64,
+        size: f64,
+    ) -> Option<()> {
+        let (leg, radius) = (hub.legs[k], hub.leg_radius[k]);
+        let at = hub.centre + hub.radius * leg;
+        let size_there = size.min(TAU * radius / AROUND);
+        let edges = (TAU * radius / size_there).round() as usize;
+        let normal = if side < 0.0 { -leg } else { leg };
+        let end = RimCurve::circle(at, normal, leg, radius, edges);
+        let way = ways(rim, &end, side).into_iter().next()?;
+        let sheet = sheet([rim, &end], &way, [size, size_there]);
+        let (n, new) = (rim.edges(), self.points.len());
+        let global = |v: u32| {
+            let v = v as usize;
+            (if v < n { first + v } else { new + v - n }) as u32
+        };
+        self.points.extend_from_slice(&sheet.points[n..]);
+        let triangles = sheet.triangles.iter();
+        self.triangles.extend(triangles.map(|t| t.map(global)));
+        // seen from the hub, the circle goes the other way round
+        let vertices: Vec<u32> = (0..edges).rev().map(|e| (new + e) as u32).collect();
+        let points: Vec<DVec3> = vertices.iter().map(|&v| self.points[v as usize]).collect();
+        let outer = |i: usize| points[i].midpoint(points[(i + 1) % edges]) + size_there * leg;
+        self.mouths.push(Rim {
+            opposite: (0..edges).map(outer).collect(),
+            points,
+            forbidden: Vec::new(),
+        });
+        self.mouth_vertices.extend(vertices);
+        Some(())
+    }
+
+    fn add_core(&mut self) -> Option<()> {
+        let core = core(&self.mouths)?;
+        let mouths = &self.mouth_vertices;
+        let new = (self.points.len() - mouths.len()) as u32;
+        let global = |v: u32| mouths.get(v as usize).copied().unwrap_or(new + v);
+        self.points.extend_from_slice(&core.points[mouths.len()..]);
+        let triangles = core.triangles.iter();
+        self.triangles.extend(triangles.map(|t| t.map(global)));
+        Some(())
+    }
+
+    /// Smooths the core, whose vertices are the mouths' and those from `first` on, into the legs.
+    fn relax(&mut self, first: usize) -> Option<()> {
+        let topology = Topology::from_triangles(self.points.len(), &self.triangles).ok()?;
+        let mut loose = self.mouth_vertices.clone();
+        loose.extend(first as u32..self.points.len() as u32);
+        for _ in 0..LOOSE_RINGS {
+            let around = loose.iter().flat_map(|&v| topology.neighbours(VertexId(v)));
+            let around: Vec<u32> = around.map(|w| w.0).collect();
+            loose.extend(around);
+            loose.retain(|&v| v as usize >= self.rim_vertices);
+            loose.sort_unstable();
+            loose.dedup();
+        }
+        let loose: Vec<VertexId> = loose.into_iter().map(VertexId).collect();
+        warm_start(&topology, &mut self.points, &loose).ok()
+    }
+}
 
 /// A surface between the mouths of the legs.
 fn core(mouths: &[Rim]) -> Option<Sheet> {
