@@ -6,11 +6,12 @@ use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sen
 
 use super::UiState;
 use super::navigation::{CLICK, navigate};
+use super::repair;
 use super::side::{how, short};
 use crate::app::action::{Action, SelectHow};
 use crate::app::model::Model;
 use crate::app::scene_builder;
-use crate::app::view_state::Task;
+use crate::app::view_state::{Task, Tool};
 use crate::mesh::DVec3;
 use crate::render::{
     MAX_SIDE, Scene, ViewMode, ViewportCallback, colormap, legend_ticks, robust_range,
@@ -88,8 +89,16 @@ fn viewport_ui(
     if side == 0 {
         state.viewport = rect;
     }
+    let tool = repair::is_active(model)
+        .then(|| repair::select(model, &mut state.draft, &response, rect, actions));
     let mut camera = model.view.camera;
-    if navigate(&mut camera, model.settings.navigation, &response, rect) {
+    if navigate(
+        &mut camera,
+        model.settings.navigation,
+        &response,
+        rect,
+        tool,
+    ) {
         actions.push(Action::Camera(camera));
     }
     pick(model, state, &response, rect, actions);
@@ -127,6 +136,7 @@ fn viewport_ui(
     if let Some(range) = range {
         legend(ui, rect, style.mode, range);
     }
+    repair::draw(ui, model, state.draft.as_ref(), &response);
     if side == 0 {
         rim_numbers(ui, model, rect);
         hover_figures(ui, model, rect);
@@ -193,7 +203,7 @@ fn pick(
     if let Some(at) = response.hover_pos()
         && !down
     {
-        let over = if model.run.is_none() {
+        let over = if model.run.is_none() && !repair::is_active(model) {
             picker.pick_loop(camera, size, place(at), f64::from(REACH))
         } else {
             None
@@ -208,13 +218,13 @@ fn pick(
     let Some(at) = response.interact_pointer_pos() else {
         return;
     };
-    if response.double_clicked() {
+    if response.double_clicked() && !repair::is_active(model) {
         if let Some(hit) = picker.surface(camera, size, place(at)) {
             let mut turned = *camera;
             turned.set_pivot(hit.point);
             actions.push(Action::Camera(turned));
         }
-    } else if response.clicked() && model.run.is_none() {
+    } else if response.clicked() && model.run.is_none() && !repair::is_active(model) {
         let far = state.drag.press.map_or(0.0, |(_, far)| far);
         if far > CLICK {
             return;
@@ -287,7 +297,19 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
 /// What to do, while nothing was done yet.
 fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
     let document = &model.document;
-    let words = if model.run.is_some() || document.is_filled() || document.loops.is_empty() {
+    let words = if model.run.is_some() {
+        return;
+    } else if model.view.task == Task::Repair {
+        if document.faces.is_empty() {
+            match model.view.selecting.tool {
+                Tool::Brush => "Paint over what is to be made anew; Ctrl takes away.",
+                Tool::Lasso => "Draw around what is to be made anew; Ctrl takes away.",
+                Tool::Grow => "Click what is to be made anew, again and again to widen it.",
+            }
+        } else {
+            "Press Enter to erase and refill, Delete to erase."
+        }
+    } else if document.is_changed() || document.loops.is_empty() {
         return;
     } else if model.view.task == Task::Blend {
         if document.selection.len() < 2 {
