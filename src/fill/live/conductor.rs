@@ -18,6 +18,7 @@ use crate::fill::live::{GroupState, GroupStatus, Layout, LiveEvent, State, Timel
 use crate::fill::run::Ground;
 use crate::fill::schedule::{Change, Course, Item, Row};
 use crate::fill::{FillError, Gap, Plan, RefillError, prepare_gaps, with_islands};
+use crate::live::until_next_round;
 use crate::mesh::{BoundaryLoop, Mesh, Topology, boundary_loops};
 use crate::solver::SolverError;
 
@@ -212,7 +213,7 @@ impl Conductor<'_> {
             } else if self.single || self.hurry {
                 Some(Duration::ZERO)
             } else {
-                Some(self.until_next_round())
+                Some(until_next_round(self.pace, self.last_round))
             };
             match self.wait(due) {
                 Ok(command) => self.obey(command)?,
@@ -229,11 +230,6 @@ impl Conductor<'_> {
             Some(due) => self.lines.inbox.recv_timeout(due),
             None => Ok(self.lines.inbox.recv()?),
         }
-    }
-
-    fn until_next_round(&self) -> Duration {
-        let period = self.pace.map_or(0.0, |pace| 1.0 / pace.max(1e-3));
-        Duration::from_secs_f64(period).saturating_sub(self.last_round.elapsed())
     }
 
     fn ended(&self) -> bool {

@@ -23,22 +23,12 @@ use crate::fill::{Controls, ControlsError, Row, Schedule};
 use crate::mesh::{BoundaryLoop, Mesh};
 use crate::solver::StepRecord;
 
+pub use crate::live::LiveSettings;
 pub use command::command_line;
 use conductor::{Command, Kind, Lines, Message, Task};
 pub use events::{GroupStatus, LiveError, LiveEvent};
 pub use state::{GroupState, HoleLayout, Layout, State};
 pub use timeline::Timeline;
-
-/// How a live fill starts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LiveSettings {
-    /// Whether it runs at once or waits for [`LiveFill::play`].
-    pub playing: bool,
-    /// Rounds a second at most; `None` as fast as they come.
-    pub pace: Option<f64>,
-    /// Bytes the kept states may take.
-    pub timeline_bytes: usize,
-}
 
 /// A fill running in the background. Dropping it cancels: the call returns at once, and the thread
 /// ends within one step.
