@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::faces::FaceEdit;
-use super::view_state::{Modal, Navigation, PictureSettings, Selecting, Task};
+use super::view_state::{Modal, Navigation, PictureSettings, Refining, Selecting, Task};
 use crate::fill::Controls;
 use crate::render::{Camera, ViewStyle};
 
@@ -89,6 +89,8 @@ pub enum Action {
     Task(Task),
     /// How faces are selected.
     Selecting(Selecting),
+    /// How the mesh is refined.
+    Refining(Box<Refining>),
     /// Change the selection of faces.
     Faces(FaceEdit),
     /// Let the selected faces flow as they are.

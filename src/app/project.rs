@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::document::{Accepted, Document, Source, Work};
+use super::document::{Accepted, Document, RefineWork, Source, Work};
 use super::view_state::ViewState;
 use crate::fill::{Controls, Schedule};
 use crate::io::{self, Format, Opened};
@@ -71,6 +71,11 @@ struct FillPart {
     task: Kind,
     #[serde(default)]
     loops: Vec<usize>,
+    /// The arguments of a refinement, and whether controls were changed on the way.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    arguments: Vec<String>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    changed: bool,
     /// The faces it was done to, as a list of ranges.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     selected: String,
@@ -92,6 +97,7 @@ enum Kind {
     Fair,
     Erase,
     Flip,
+    Refine,
 }
 
 impl FillPart {
@@ -104,7 +110,13 @@ impl FillPart {
                 Work::Fair(_) => Kind::Fair,
                 Work::Erase(_) => Kind::Erase,
                 Work::Flip(_) => Kind::Flip,
+                Work::Refine(_) => Kind::Refine,
             },
+            arguments: match &done.work {
+                Work::Refine(work) => work.words.clone(),
+                _ => Vec::new(),
+            },
+            changed: matches!(&done.work, Work::Refine(work) if work.changed),
             loops: done.work.loops().to_vec(),
             selected: ranges_text(done.work.faces()),
             faces: [done.faces.start, done.faces.end],
@@ -123,6 +135,11 @@ impl FillPart {
             Kind::Refill => Work::Refill(faces()?),
             Kind::Fair => Work::Fair(faces()?),
             Kind::Erase => Work::Erase(faces()?),
+            Kind::Refine => Work::Refine(RefineWork {
+                words: self.arguments.clone(),
+                faces: faces()?,
+                changed: self.changed,
+            }),
             Kind::Flip => Work::Flip(*loops.first().ok_or("a loop is missing")?),
         };
         Ok(Accepted {

@@ -6,8 +6,8 @@ mod maker;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use super::jobs::Wake;
+use super::live::Shape;
 use super::seam::Seam;
-use crate::fill::State;
 use crate::mesh::{DVec3, Mesh, VertexId};
 use crate::render::{Bounds, Geometry};
 use crate::solver::energy::{Energy, WellPosedScan};
@@ -19,9 +19,9 @@ pub struct Request {
     /// The mesh the run works on, or the document's.
     pub mesh: Arc<Mesh>,
     /// The state of the run, if there is one.
-    pub state: Option<Arc<State>>,
-    /// The first state, to measure the deviation from.
-    pub start: Option<Arc<State>>,
+    pub state: Option<Shape>,
+    /// The first state with the same vertices, to measure the deviation from.
+    pub start: Option<Shape>,
     /// Faces of the mesh from here on are patches.
     pub first_patch_face: usize,
     /// Other faces that flow, ascending.
@@ -50,8 +50,8 @@ impl Request {
 
     /// Whether both give the same picture but for the selected faces.
     fn same_surfaces(&self, other: &Self) -> bool {
-        let same = |a: &Option<Arc<State>>, b: &Option<Arc<State>>| match (a, b) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        let same = |a: &Option<Shape>, b: &Option<Shape>| match (a, b) {
+            (Some(a), Some(b)) => a.same(b),
             (None, None) => true,
             _ => false,
         };

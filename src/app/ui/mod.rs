@@ -5,6 +5,7 @@ mod dialogs;
 mod energy;
 mod menu;
 mod navigation;
+mod refine;
 mod repair;
 mod side;
 mod status;
@@ -17,7 +18,7 @@ mod windows;
 use eframe::egui;
 
 use super::action::Action;
-use super::model::Model;
+use super::model::{MOST_SIDES, Model};
 use super::scene_builder::OverlayCache;
 use super::shortcuts::{self, Command};
 use super::view_state::{Modal, PictureSettings};
@@ -25,8 +26,8 @@ use crate::render::ViewMode;
 
 /// What the interface keeps from frame to frame that is nobody else's business.
 pub struct UiState {
-    /// Overlays of both viewports.
-    pub overlays: [OverlayCache; 2],
+    /// Overlays of all viewports.
+    pub overlays: [OverlayCache; MOST_SIDES],
     /// The drag that is under way.
     pub drag: navigation::Drag,
     /// The stroke or lasso that is under way.

@@ -12,7 +12,7 @@ use crate::app::view_state::Task;
 pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let document = &model.document;
     ui.add_space(4.0);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (task, title, tip) in [
             (
                 Task::Fill,
@@ -29,6 +29,11 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 "Repair",
                 "selected faces are erased and filled anew, or faired in place",
             ),
+            (
+                Task::Refine,
+                "Refine",
+                "every triangle becomes four, on a smooth surface through all vertices",
+            ),
         ] {
             let chosen = model.view.task == task;
             let button = egui::Button::selectable(chosen, RichText::new(title).strong());
@@ -43,6 +48,11 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
     if model.view.task == Task::Repair {
         super::repair::repair_ui(ui, model, actions);
+        run_ui(ui, model, actions);
+        return;
+    }
+    if model.view.task == Task::Refine {
+        super::refine::refine_ui(ui, model, actions);
         run_ui(ui, model, actions);
         return;
     }
@@ -104,13 +114,17 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             super::repair::start_ui(ui, model, actions);
             return;
         }
+        if model.view.task == Task::Refine {
+            super::refine::start_ui(ui, model, actions);
+            return;
+        }
         let n = model.document.selection.len();
         let text = match (model.view.task, n) {
             (Task::Fill, 0) => "Fill all holes".into(),
             (Task::Fill, 1) => "Fill the hole".into(),
-            (Task::Fill | Task::Repair, n) => format!("Fill {n} holes"),
             (Task::Blend, 0 | 1) => "Blend (click two rims or more)".into(),
             (Task::Blend, n) => format!("Blend {n} rims"),
+            (_, n) => format!("Fill {n} holes"),
         };
         let button = egui::Button::new(RichText::new(text).strong())
             .min_size(egui::vec2(ui.available_width(), 28.0));
@@ -127,14 +141,10 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         return;
     };
     ui.horizontal_wrapped(|ui| {
-        let names: &[&str] = if run.sides.len() > 1 {
-            &["Accept A", "Accept B"]
-        } else {
-            &["Accept"]
-        };
-        for (i, name) in names.iter().enumerate() {
+        for (i, name) in run.names().into_iter().enumerate() {
+            let name = format!("Accept {name}");
             if ui
-                .button(RichText::new(*name).strong())
+                .button(RichText::new(name.trim_end()).strong())
                 .on_hover_text(format!(
                     "take in the patch as it is shown{}",
                     hint(&ctx, Command::Accept)

@@ -9,6 +9,7 @@ use super::navigation::{CLICK, navigate};
 use super::repair;
 use super::side::{how, short};
 use crate::app::action::{Action, SelectHow};
+use crate::app::document::Work;
 use crate::app::model::Model;
 use crate::app::scene_builder;
 use crate::app::view_state::{Task, Tool};
@@ -39,7 +40,10 @@ pub fn viewports_ui(
         }
         viewport_ui(ui, model, state, format, side, rect, actions);
         if let Some(run) = model.run.as_ref().filter(|r| r.sides.len() > 1) {
-            let title = super::energy::side_title(&run.sides[side].controls, side);
+            let title = match run.work {
+                Work::Refine(_) => run.sides[side].name.to_owned(),
+                _ => super::energy::side_title(&run.sides[side].controls, side),
+            };
             text(
                 ui,
                 rect.left_top() + egui::vec2(10.0, 8.0),
@@ -168,6 +172,11 @@ fn shared_range(model: &Model, scene: &Scene, mode: ViewMode, known: &mut KnownR
     range
 }
 
+/// Whether clicks are about loops.
+fn picks_loops(model: &Model) -> bool {
+    model.run.is_none() && matches!(model.view.task, Task::Fill | Task::Blend)
+}
+
 /// Hover, click, double click.
 fn pick(
     model: &Model,
@@ -203,7 +212,7 @@ fn pick(
     if let Some(at) = response.hover_pos()
         && !down
     {
-        let over = if model.run.is_none() && !repair::is_active(model) {
+        let over = if picks_loops(model) {
             picker.pick_loop(camera, size, place(at), f64::from(REACH))
         } else {
             None
@@ -224,7 +233,7 @@ fn pick(
             turned.set_pivot(hit.point);
             actions.push(Action::Camera(turned));
         }
-    } else if response.clicked() && model.run.is_none() && !repair::is_active(model) {
+    } else if response.clicked() && picks_loops(model) {
         let far = state.drag.press.map_or(0.0, |(_, far)| far);
         if far > CLICK {
             return;
@@ -309,6 +318,8 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
         } else {
             "Press Enter to erase and refill, Delete to erase."
         }
+    } else if model.view.task == Task::Refine {
+        "Press Enter to refine the mesh."
     } else if document.is_changed() || document.loops.is_empty() {
         return;
     } else if model.view.task == Task::Blend {

@@ -35,6 +35,7 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::SelectNone
         | Action::Task(_)
         | Action::Selecting(_)
+        | Action::Refining(_)
         | Action::Faces(_)
         | Action::Hover(_) => select::update(model, action),
         Action::Controls(_)

@@ -65,7 +65,7 @@ pub fn update(model: &mut Model, action: Action) {
         Action::GoOnFromHere => go_on_from_here(model),
         Action::Pace(pace) => {
             model.view.pace = pace;
-            on_sides(model, |side| side.live.set_pace(Some(pace)));
+            on_sides(model, |side| side.live.set_pace(pace));
         }
         Action::Accept(side) => {
             accept(model, side);
@@ -114,16 +114,19 @@ fn set_controls(model: &mut Model, controls: Controls) {
                     own.params.entry(name.clone()).or_insert(*value);
                 }
             }
-            match side.live.set_controls(&own) {
+            match side.live.set_controls(&own, &run.base, run.own_tension) {
                 Ok(()) => {
                     if (&own.energy, &own.params) != (&side.controls.energy, &side.controls.params)
                     {
                         side.new_energy();
                     }
                     side.controls = own;
+                    if let Work::Refine(work) = &mut run.work {
+                        work.changed = true;
+                    }
                 }
-                Err(error) => {
-                    model.log.error(error.to_string());
+                Err(text) => {
+                    model.log.error(text);
                     return;
                 }
             }
@@ -259,6 +262,10 @@ fn fill(model: &mut Model) {
     if model.run.is_some() {
         return;
     }
+    if model.view.task == Task::Refine {
+        refine(model);
+        return;
+    }
     if model.view.task == Task::Repair {
         if let Some(faces) = selected_faces(model) {
             start(model, Work::Refill(faces));
@@ -292,6 +299,26 @@ fn fill(model: &mut Model) {
             _ => Work::Fill(loops),
         },
     );
+}
+
+fn refine(model: &mut Model) {
+    let refining = model.view.refining;
+    if refining.selected_only && model.document.faces.is_empty() {
+        model
+            .log
+            .warning("no face is selected: select some in task Repair, or refine all of the mesh");
+        return;
+    }
+    let (document, controls) = (&model.document, &model.document.controls);
+    let (pace, wake) = (model.view.pace, &model.wake);
+    match Run::start_refinement(&refining, document, controls, pace, wake) {
+        Ok(run) => {
+            // several views are narrower than the one before
+            model.view.fit |= run.sides.len() > 1;
+            model.run = Some(run);
+        }
+        Err(text) => model.log.error(text),
+    }
 }
 
 fn start(model: &mut Model, work: Work) {
@@ -349,7 +376,7 @@ fn go_on_from_here(model: &mut Model) {
     };
     for side in &mut run.sides {
         if let (Some(state), Some(_)) = (side.state(), side.shown.take()) {
-            side.live.rewind_to(state.index);
+            side.live.rewind_to(&state);
         }
         side.live.play();
     }
@@ -373,9 +400,15 @@ pub fn accept(model: &mut Model, index: usize) {
             .info("there is no patch yet: wait for the first one, or press Esc");
         return;
     };
-    let filled = side.live.mesh_at(&state);
-    let faces = run.base.face_count()..filled.face_count();
-    if faces.is_empty() && !matches!(run.work, Work::Fair(_)) {
+    let Some(filled) = side.live.mesh_at(&state) else {
+        return;
+    };
+    let mut work = run.work.clone();
+    let mut faces = run.base.face_count()..filled.face_count();
+    if let Work::Refine(work) = &mut work {
+        work.words.clone_from(&side.words);
+        faces = 0..0;
+    } else if faces.is_empty() && !matches!(work, Work::Fair(_)) {
         model
             .log
             .error("no hole could be filled; the mesh is as before");
@@ -383,9 +416,9 @@ pub fn accept(model: &mut Model, index: usize) {
         return;
     }
     let done = Accepted {
-        work: run.work.clone(),
+        work,
         controls: side.start.clone(),
-        schedule: side.live.schedule_to(&state),
+        schedule: side.live.schedule_to(Some(&state)),
         faces,
     };
     let label = done.work.label();
