@@ -158,6 +158,8 @@ impl Model {
     /// Puts another document in place of this one.
     pub fn replace(&mut self, document: Document) {
         self.run = None;
+        // the camera must not be fitted to what was there before
+        self.displays.iter_mut().for_each(DisplayWorker::forget);
         self.history = History::default();
         self.view.camera.home();
         self.view.camera.fit_to(&document.origin.bounds);

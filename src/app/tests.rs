@@ -102,6 +102,23 @@ fn selection_by_click_keys_and_lists() {
     assert!(!m.is_dirty() || m.document.accepted.is_empty());
 }
 
+/// A large mesh is looked at long before its surfaces are made.
+#[test]
+fn another_document_is_fitted_by_its_own_box() {
+    let mut m = model();
+    until(&mut m, |m| m.displays[0].latest().is_some());
+    let mut large = opened();
+    for p in &mut large.mesh.positions {
+        *p = *p * 40.0 + DVec3::X;
+    }
+    m.replace(Document::new(large, Source::Sample("large".into())));
+    assert!(m.displays[0].latest().is_none());
+    assert_eq!(m.bounds(), m.document.origin.bounds);
+    assert!(m.bounds().radius() > 30.0);
+    until(&mut m, |m| m.displays[0].latest().is_some());
+    assert!(m.bounds().radius() > 30.0);
+}
+
 #[test]
 fn fill_accept_undo_redo() {
     let mut m = model();

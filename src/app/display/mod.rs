@@ -99,6 +99,8 @@ pub struct Display {
 struct Slot {
     wanted: Option<Request>,
     ready: Option<Display>,
+    /// Results of requests from before the last [`DisplayWorker::forget`] are not wanted.
+    epoch: u64,
     quit: bool,
 }
 
@@ -162,6 +164,14 @@ impl DisplayWorker {
         new
     }
 
+    /// Nothing is to be seen of what was asked for so far.
+    pub fn forget(&mut self) {
+        let mut slot = lock(&self.shared.0);
+        slot.epoch += 1;
+        (slot.wanted, slot.ready) = (None, None);
+        (self.asked, self.latest) = (None, None);
+    }
+
     /// What was asked for last.
     pub fn asked(&self) -> Option<&Request> {
         self.asked.as_ref()
@@ -182,20 +192,26 @@ impl DisplayWorker {
 fn work(shared: &Shared, wake: &Wake) {
     let mut cache = Maker::default();
     loop {
-        let request = {
+        let (request, epoch) = {
             let mut slot = lock(&shared.0);
             loop {
                 if slot.quit {
                     return;
                 }
                 if let Some(request) = slot.wanted.take() {
-                    break request;
+                    break (request, slot.epoch);
                 }
                 slot = shared.1.wait(slot).unwrap_or_else(PoisonError::into_inner);
             }
         };
         let display = cache.make(&request);
-        lock(&shared.0).ready = Some(display);
+        {
+            let mut slot = lock(&shared.0);
+            if slot.epoch != epoch {
+                continue;
+            }
+            slot.ready = Some(display);
+        }
         wake();
     }
 }
