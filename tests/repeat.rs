@@ -157,6 +157,9 @@ fn repairs_are_repeated_too() {
     scan(&input);
     let mut m = opened(input);
     m.act(Action::Flip(0));
+    let l = &m.document.loops[0];
+    let at = |i: usize| m.document.mesh.position(l.vertices[i]);
+    m.act(Action::Bridge([at(0), at(l.edges() / 2)], 2));
     m.act(Action::Task(Task::Repair));
     paint(&mut m, DVec3::Z, 0.45);
     m.act(Action::Fill);

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use super::faces::FaceEdit;
-use super::view_state::{Modal, Navigation, PictureSettings, Refining, Selecting, Task};
+use super::view_state::{Bridging, Modal, Navigation, PictureSettings, Refining, Selecting, Task};
 use crate::fill::Controls;
+use crate::mesh::DVec3;
 use crate::render::{Camera, ViewStyle};
 
 /// How a click changes the selection.
@@ -99,6 +100,10 @@ pub enum Action {
     Erase,
     /// Turn over the component of a loop.
     Flip(usize),
+    /// Begin a bridge, change it, or leave it.
+    Bridging(Option<Bridging>),
+    /// Build a bridge between two rim vertices, so many edges wide.
+    Bridge([DVec3; 2], usize),
     /// The cursor is over a loop.
     Hover(Option<usize>),
 
@@ -150,7 +155,7 @@ pub enum Action {
     /// Look at a loop.
     FlyToLoop(usize),
     /// Look at a place.
-    FlyTo(crate::mesh::DVec3),
+    FlyTo(DVec3),
     /// Draw differently.
     Style(ViewStyle),
     /// Flip a switch.

@@ -65,6 +65,8 @@ pub enum Work {
     Erase(Arc<Vec<u32>>),
     /// The component of a loop is turned over.
     Flip(usize),
+    /// A strip of triangles joins two rim vertices, so many edges wide.
+    Bridge([DVec3; 2], usize),
     /// The mesh is refined.
     Refine(RefineWork),
 }
@@ -89,13 +91,17 @@ impl Work {
             Self::Refill(_) | Self::Fair(_) => "refill",
             Self::Erase(_) => "erase",
             Self::Flip(_) => "flip",
+            Self::Bridge(..) => "bridge",
             Self::Refine(_) => "refine",
         }
     }
 
     /// Whether its command takes the controls of fills.
     pub fn has_controls(&self) -> bool {
-        !matches!(self, Self::Erase(_) | Self::Flip(_) | Self::Refine(_))
+        matches!(
+            self,
+            Self::Fill(_) | Self::Blend(_) | Self::Refill(_) | Self::Fair(_)
+        )
     }
 
     /// The loops it is about.
@@ -103,7 +109,7 @@ impl Work {
         match self {
             Self::Fill(loops) | Self::Blend(loops) => loops,
             Self::Flip(one) => std::slice::from_ref(one),
-            Self::Refill(_) | Self::Fair(_) | Self::Erase(_) | Self::Refine(_) => &[],
+            _ => &[],
         }
     }
 
@@ -112,7 +118,7 @@ impl Work {
         match self {
             Self::Refill(faces) | Self::Fair(faces) | Self::Erase(faces) => faces,
             Self::Refine(work) => &work.faces,
-            Self::Fill(_) | Self::Blend(_) | Self::Flip(_) => &[],
+            _ => &[],
         }
     }
 
@@ -126,6 +132,7 @@ impl Work {
             Self::Fair(faces) => format!("fairing of {} faces", faces.len()),
             Self::Erase(faces) => format!("erase {} faces", faces.len()),
             Self::Flip(one) => format!("turn over at loop {one}"),
+            Self::Bridge(..) => "bridge".into(),
             Self::Refine(_) => "refinement".into(),
         }
     }
@@ -225,6 +232,14 @@ impl Document {
         self.selection.clear();
         self.faces = Arc::default();
         self.accepted.push(Arc::new(done));
+    }
+
+    /// How many loops there are, in words.
+    pub fn loop_count(&self) -> String {
+        match self.loops.len() {
+            1 => "1 loop".into(),
+            n => format!("{n} loops"),
+        }
     }
 
     /// The selected loops.

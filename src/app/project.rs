@@ -14,7 +14,7 @@ use super::view_state::ViewState;
 use crate::fill::{Controls, Schedule};
 use crate::io::{self, Format, Opened};
 use crate::mesh::shapes::Sample;
-use crate::mesh::{parse_ranges, ranges_text};
+use crate::mesh::{DVec3, parse_ranges, ranges_text};
 use crate::render::{Camera, ViewMode};
 
 /// Extension of project files.
@@ -76,6 +76,11 @@ struct FillPart {
     arguments: Vec<String>,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     changed: bool,
+    /// Ends and width of a bridge.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    ends: Vec<[f64; 3]>,
+    #[serde(default)]
+    width: usize,
     /// The faces it was done to, as a list of ranges.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     selected: String,
@@ -97,6 +102,7 @@ enum Kind {
     Fair,
     Erase,
     Flip,
+    Bridge,
     Refine,
 }
 
@@ -110,11 +116,20 @@ impl FillPart {
                 Work::Fair(_) => Kind::Fair,
                 Work::Erase(_) => Kind::Erase,
                 Work::Flip(_) => Kind::Flip,
+                Work::Bridge(..) => Kind::Bridge,
                 Work::Refine(_) => Kind::Refine,
             },
             arguments: match &done.work {
                 Work::Refine(work) => work.words.clone(),
                 _ => Vec::new(),
+            },
+            ends: match done.work {
+                Work::Bridge([from, to], _) => vec![from.to_array(), to.to_array()],
+                _ => Vec::new(),
+            },
+            width: match done.work {
+                Work::Bridge(_, width) => width,
+                _ => 0,
             },
             changed: matches!(&done.work, Work::Refine(work) if work.changed),
             loops: done.work.loops().to_vec(),
@@ -135,6 +150,10 @@ impl FillPart {
             Kind::Refill => Work::Refill(faces()?),
             Kind::Fair => Work::Fair(faces()?),
             Kind::Erase => Work::Erase(faces()?),
+            Kind::Bridge => match self.ends[..] {
+                [from, to] => Work::Bridge([from, to].map(DVec3::from_array), self.width),
+                _ => return Err("the ends of a bridge are missing".into()),
+            },
             Kind::Refine => Work::Refine(RefineWork {
                 words: self.arguments.clone(),
                 faces: faces()?,
@@ -335,8 +354,8 @@ impl ViewPart {
             view.style.mode = mode;
         }
         view.style.stripes = self.stripes.clamp(1, 100);
-        let light = crate::mesh::DVec3::from_array(self.light);
-        if light.is_finite() && light != crate::mesh::DVec3::ZERO {
+        let light = DVec3::from_array(self.light);
+        if light.is_finite() && light != DVec3::ZERO {
             view.style.light = light;
         }
         view.style.wireframe = self.wireframe;

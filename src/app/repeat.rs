@@ -7,7 +7,7 @@ use super::document::{Accepted, Source, Work};
 use super::model::Model;
 use crate::fill::command_line;
 use crate::io;
-use crate::mesh::ranges_text;
+use crate::mesh::{DVec3, ranges_text};
 
 /// Commands that repeat everything that was accepted and the run that is shown, one after the other, in
 /// lines of a shell script. Schedules and long lists of faces are written beside the
@@ -93,6 +93,14 @@ fn words(work: &Work, output: &Path) -> Result<Vec<String>, String> {
     let mut words = match work {
         Work::Fill(_) | Work::Blend(_) => vec!["--loops".into(), numbers.join(",")],
         Work::Flip(_) => vec!["--component-of".into(), numbers.join(",")],
+        Work::Bridge(ends, width) => {
+            let text = |p: &DVec3| format!("{},{},{}", p.x, p.y, p.z);
+            let [from, to] = ends.each_ref().map(text);
+            let width = width.to_string();
+            ["--from", &from, "--to", &to, "--width", &width]
+                .map(str::to_owned)
+                .to_vec()
+        }
         Work::Refine(work) => work.words.clone(),
         Work::Refill(_) | Work::Fair(_) | Work::Erase(_) => Vec::new(),
     };

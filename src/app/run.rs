@@ -102,7 +102,7 @@ impl Run {
                 kept = Some(erased.old_face);
             }
             Work::Fair(_) => {}
-            Work::Erase(_) | Work::Flip(_) | Work::Refine(_) => {
+            Work::Erase(_) | Work::Flip(_) | Work::Bridge(..) | Work::Refine(_) => {
                 return Err("that is done in another way".into());
             }
         }

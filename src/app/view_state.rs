@@ -1,5 +1,6 @@
 //! What is looked at and how; never saved as work, never undone.
 
+use crate::mesh::DVec3;
 use crate::refine::{BoundaryRule, Hold, Method};
 use crate::render::{Camera, ViewStyle};
 
@@ -58,6 +59,15 @@ pub enum Task {
     Repair,
     /// Every triangle becomes four, on a smooth surface through the given vertices.
     Refine,
+}
+
+/// A bridge whose ends are being clicked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bridging {
+    /// The first end, once it was clicked.
+    pub from: Option<DVec3>,
+    /// Rim edges it is wide.
+    pub width: usize,
 }
 
 /// What the mouse does to the selection of faces.
@@ -260,6 +270,8 @@ pub struct ViewState {
     pub style: ViewStyle,
     /// What Enter does.
     pub task: Task,
+    /// The bridge that is being made.
+    pub bridging: Option<Bridging>,
     /// How faces are selected.
     pub selecting: Selecting,
     /// How the mesh is refined.
@@ -295,6 +307,7 @@ impl ViewState {
             camera: Camera::fit(bounds),
             style,
             task: Task::default(),
+            bridging: None,
             selecting: Selecting::default(),
             refining: Refining::default(),
             limit_surface: true,

@@ -30,6 +30,8 @@ pub struct UiState {
     pub overlays: [OverlayCache; MOST_SIDES],
     /// The drag that is under way.
     pub drag: navigation::Drag,
+    /// The rim vertex under the cursor, while a bridge is made.
+    pub rim_vertex: Option<crate::mesh::DVec3>,
     /// The stroke or lasso that is under way.
     pub draft: Option<repair::Draft>,
     /// Range of the colour map that is shown.
@@ -49,6 +51,7 @@ impl Default for UiState {
         Self {
             overlays: Default::default(),
             drag: navigation::Drag::default(),
+            rim_vertex: None,
             draft: None,
             range: None,
             frames: windows::FrameStats::default(),

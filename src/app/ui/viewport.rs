@@ -12,7 +12,7 @@ use crate::app::action::{Action, SelectHow};
 use crate::app::document::Work;
 use crate::app::model::Model;
 use crate::app::scene_builder;
-use crate::app::view_state::{Task, Tool};
+use crate::app::view_state::{Bridging, Task, Tool};
 use crate::mesh::DVec3;
 use crate::render::{
     MAX_SIDE, Scene, ViewMode, ViewportCallback, colormap, legend_ticks, robust_range,
@@ -143,6 +143,7 @@ fn viewport_ui(
     repair::draw(ui, model, state.draft.as_ref(), &response);
     if side == 0 {
         rim_numbers(ui, model, rect);
+        bridge_ends(ui, model, state.rim_vertex, rect);
         hover_figures(ui, model, rect);
         corner_words(ui, model, rect);
     }
@@ -212,7 +213,11 @@ fn pick(
     if let Some(at) = response.hover_pos()
         && !down
     {
-        let over = if picks_loops(model) {
+        state.rim_vertex = model
+            .view
+            .bridging
+            .and_then(|_| picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH)));
+        let over = if picks_loops(model) && model.view.bridging.is_none() {
             picker.pick_loop(camera, size, place(at), f64::from(REACH))
         } else {
             None
@@ -239,6 +244,18 @@ fn pick(
             return;
         }
         let modifiers = ctx.input(|i| i.modifiers);
+        if let Some(bridging) = model.view.bridging {
+            let to = picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH));
+            match (bridging.from, to) {
+                (Some(from), Some(to)) => actions.push(Action::Bridge([from, to], bridging.width)),
+                (None, Some(from)) => actions.push(Action::Bridging(Some(Bridging {
+                    from: Some(from),
+                    ..bridging
+                }))),
+                (_, None) => {}
+            }
+            return;
+        }
         match picker.pick_loop(camera, size, place(at), f64::from(REACH)) {
             Some(i) => actions.push(Action::Select(i, how(modifiers))),
             None if how(modifiers) == SelectHow::Replace => actions.push(Action::SelectNone),
@@ -264,6 +281,25 @@ fn rim_numbers(ui: &Ui, model: &Model, rect: Rect) {
         if let Some(at) = on_screen(model, rect, l.centroid) {
             text(ui, at, Align2::CENTER_CENTER, &(n + 1).to_string(), 17.0);
         }
+    }
+}
+
+/// The ends of a bridge under way.
+fn bridge_ends(ui: &Ui, model: &Model, over: Option<DVec3>, rect: Rect) {
+    let Some(bridging) = model.view.bridging else {
+        return;
+    };
+    let ends = [bridging.from, over].map(|p| p.and_then(|p| on_screen(model, rect, p)));
+    let ink = egui::Stroke::new(2.5, Color32::from_rgb(255, 170, 40));
+    let shade = egui::Stroke::new(5.0, Color32::from_black_alpha(160));
+    if let [Some(a), Some(b)] = ends {
+        for stroke in [shade, ink] {
+            ui.painter().line_segment([a, b], stroke);
+        }
+    }
+    for at in ends.into_iter().flatten() {
+        ui.painter()
+            .circle(at, 5.0, ink.color, egui::Stroke::new(1.5, Color32::BLACK));
     }
 }
 
@@ -308,6 +344,11 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
     let document = &model.document;
     let words = if model.run.is_some() {
         return;
+    } else if let Some(bridging) = model.view.bridging {
+        match bridging.from {
+            None => "Click a rim where the bridge is to begin.",
+            Some(_) => "Click the rim where it is to end; Esc leaves it.",
+        }
     } else if model.view.task == Task::Repair {
         if document.faces.is_empty() {
             match model.view.selecting.tool {

@@ -8,7 +8,7 @@ use crate::app::model::{Effect, Model};
 use crate::app::repeat;
 use crate::app::run::Run;
 use crate::app::view_state::Task;
-use crate::fill::{Controls, Schedule};
+use crate::fill::{Controls, Schedule, bridge as build_bridge, stretch_at};
 use crate::mesh::{DVec3, Mesh, erase as erase_faces, face_flags};
 use crate::solver::energy::{Energy, Preset};
 
@@ -45,6 +45,7 @@ pub fn update(model: &mut Model, action: Action) {
         }
         Action::Erase => erase(model),
         Action::Flip(i) => flip(model, i),
+        Action::Bridge(ends, width) => bridge(model, ends, width),
         Action::PlayPause => play_pause(model),
         Action::Step => step(model),
         Action::Finish => on_sides(model, |side| {
@@ -196,11 +197,16 @@ fn accept_at_once(model: &mut Model, work: Work, mesh: Mesh, kept: Option<&[u32]
     let label = work.label();
     model.history.record(&model.document, label.clone(), None);
     let end = mesh.face_count();
+    // only what is there already may be erased
+    let start = match kept {
+        Some(_) => end,
+        None => model.document.mesh.face_count(),
+    };
     let done = Accepted {
         work,
         controls: model.document.controls.clone(),
         schedule: Schedule::default(),
-        faces: end..end,
+        faces: start..end,
     };
     model.document.accept(mesh, kept, done);
     model.revision += 1;
@@ -226,6 +232,24 @@ fn erase(model: &mut Model) {
         erased.mesh,
         Some(&erased.old_face),
     );
+}
+
+/// Builds a strip between two rim vertices.
+fn bridge(model: &mut Model, ends: [DVec3; 2], width: usize) {
+    if model.run.is_some() {
+        return;
+    }
+    let (mesh, loops) = (&model.document.mesh, &model.document.loops);
+    let [Some(from), Some(to)] = ends.map(|p| stretch_at(mesh, loops, p, width)) else {
+        return;
+    };
+    match build_bridge(mesh, loops, from, to) {
+        Ok(bridged) => {
+            accept_at_once(model, Work::Bridge(ends, width), bridged, None);
+            model.view.bridging = None;
+        }
+        Err(error) => model.log.error(error.to_string()),
+    }
 }
 
 /// Turns over the component of a loop, by its index.
@@ -262,6 +286,7 @@ fn fill(model: &mut Model) {
     if model.run.is_some() {
         return;
     }
+    model.view.bridging = None;
     if model.view.task == Task::Refine {
         refine(model);
         return;

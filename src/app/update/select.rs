@@ -34,9 +34,11 @@ pub fn update(model: &mut Model, action: Action) {
     match action {
         Action::Task(task) => {
             model.view.task = task;
+            model.view.bridging = None;
             model.view.hover = None;
         }
         Action::Faces(edit) => faces(model, edit),
+        Action::Bridging(bridging) => model.view.bridging = bridging,
         _ => loops(model, &action),
     }
 }
