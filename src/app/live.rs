@@ -28,6 +28,15 @@ pub enum Shape {
 pub enum Said {
     /// A step was attempted by a group.
     Step(usize, StepRecord),
+    /// It began to pass through itself or the mesh.
+    Crossing {
+        /// What happened, and which state is the last without.
+        text: String,
+        /// Where.
+        place: DVec3,
+        /// Whether it waits now.
+        pauses: bool,
+    },
     /// A message.
     Note(String),
     /// A warning.
@@ -152,6 +161,17 @@ impl Live {
                 for event in live.poll() {
                     match event {
                         LiveEvent::Step { group, record } => said.push(Said::Step(group, record)),
+                        LiveEvent::Crossing {
+                            text,
+                            place,
+                            last_good,
+                            paused,
+                            ..
+                        } => said.push(Said::Crossing {
+                            text: crossing_words(live, &text, last_good),
+                            place,
+                            pauses: paused,
+                        }),
                         LiveEvent::Finished { outcome, .. } => {
                             said.extend(outcome.warnings.into_iter().map(Said::Warning));
                         }
@@ -300,6 +320,16 @@ impl Live {
             Self::Refine(live) => vec![refine_figures(live, shown)],
         }
     }
+}
+
+fn crossing_words(live: &LiveFill, text: &str, last_good: Option<usize>) -> String {
+    let timeline = live.timeline();
+    let at = |index| timeline.states.iter().position(|s| s.index == index);
+    let back = last_good.and_then(at).map_or_else(String::new, |at| {
+        let number = at + 1;
+        format!("; state {number} is the last that was looked at and does not")
+    });
+    format!("the surface passes through itself or the mesh: {text}{back}")
 }
 
 fn fill_figures(live: &LiveFill, shown: Option<&Shape>) -> Vec<Figures> {

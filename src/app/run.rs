@@ -9,7 +9,7 @@ use super::live::{Live, Said, Shape, refining_flow};
 use super::log::Level;
 use super::view_state::Refining;
 use crate::fill::{Choice, Controls, LiveFill, LiveSettings, Opening, TauChoice, open_selection};
-use crate::mesh::{BoundaryLoop, Mesh, face_flags};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
 use crate::refine::{BoundaryRule, Hold, LiveRefine, Method, RefineOptions};
 use crate::solver::FlowOptions;
 
@@ -32,6 +32,8 @@ pub struct Side {
     pub shown: Option<usize>,
     /// Energy of each accepted step and residual, one pair of curves a group.
     pub curves: Vec<Curve>,
+    /// Where it began to pass through itself, if it did.
+    pub crossing: Option<DVec3>,
     /// What it warned of, without repetition.
     pub warnings: Vec<String>,
 }
@@ -207,10 +209,20 @@ impl Run {
     /// Takes in what the flows have said. Returns messages for the log.
     pub fn poll(&mut self) -> Vec<(Level, String)> {
         let mut messages = Vec::new();
+        let mut paused = false;
         for side in &mut self.sides {
             for said in side.live.poll() {
                 match said {
                     Said::Step(group, record) => side.book(group, &record),
+                    Said::Crossing {
+                        text,
+                        place,
+                        pauses,
+                    } => {
+                        paused |= pauses;
+                        side.crossing = Some(place);
+                        messages.push((Level::Warning, text));
+                    }
                     Said::Note(text) => messages.push((Level::Info, text)),
                     Said::Error(text) => messages.push((Level::Error, text)),
                     Said::Warning(text) if side.warnings.contains(&text) => {}
@@ -221,7 +233,13 @@ impl Run {
                 }
             }
         }
-        if self.playing && self.ended() {
+        if paused {
+            // compared flows pause together
+            for side in &mut self.sides {
+                side.live.pause();
+            }
+        }
+        if paused || (self.playing && self.ended()) {
             self.playing = false;
         }
         messages
@@ -294,6 +312,7 @@ impl Side {
             controls: controls.clone(),
             shown: None,
             curves: Vec::new(),
+            crossing: None,
             warnings: Vec::new(),
         }
     }

@@ -16,6 +16,8 @@ const SELECTED: [f32; 4] = [1.0, 0.66, 0.10, 1.0];
 /// Under the cursor.
 const HOVER: [f32; 4] = [1.0, 1.0, 0.62, 1.0];
 
+/// Where the surface passes through itself.
+const CROSSING: [f32; 4] = [0.95, 0.15, 0.15, 1.0];
 /// A vertex that a refinement passes.
 const GIVEN: [f32; 4] = [1.0, 0.78, 0.25, 1.0];
 /// Such vertices are marked up to this many.
@@ -28,6 +30,7 @@ pub struct OverlayCache {
     rims: Option<(Arc<Mesh>, bool, Arc<Overlay>)>,
     selection: Option<(Arc<Mesh>, Vec<usize>, Arc<Overlay>)>,
     hover: Option<(Arc<Mesh>, usize, Arc<Overlay>)>,
+    crossing: Option<(DVec3, Arc<Overlay>)>,
     given: Option<(Arc<Mesh>, Arc<Overlay>)>,
 }
 
@@ -105,6 +108,19 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
             }
             overlays.extend(cache.given.as_ref().map(|(_, o)| Arc::clone(o)));
         }
+    }
+    let crossing = model.run.as_ref().and_then(|r| r.sides.get(side)?.crossing);
+    if let Some(place) = crossing {
+        if cache.crossing.as_ref().is_none_or(|(p, _)| *p != place) {
+            let marker = Marker {
+                position: (place - centre).to_array().map(|x| x as f32),
+                color: CROSSING,
+                radius_px: 7.0,
+                style: LineStyle::OnTop,
+            };
+            cache.crossing = Some((place, Arc::new(Overlay::new(Vec::new(), vec![marker]))));
+        }
+        overlays.extend(cache.crossing.as_ref().map(|(_, o)| Arc::clone(o)));
     }
     if !running {
         let selected: Vec<usize> = document.selection.iter().copied().collect();

@@ -138,6 +138,7 @@ fn end_words(end: End) -> &'static str {
         End::Steps => "most steps taken",
         End::Stuck => "stuck: no step lowers the energy",
         End::Pinched => "pinched off: the last open shape is kept",
+        End::Crossed => "passes through itself: the last shape that does not is kept",
         End::Cancelled => "stopped",
     }
 }

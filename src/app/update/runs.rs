@@ -402,6 +402,7 @@ fn go_on_from_here(model: &mut Model) {
     for side in &mut run.sides {
         if let (Some(state), Some(_)) = (side.state(), side.shown.take()) {
             side.live.rewind_to(&state);
+            side.crossing = None;
         }
         side.live.play();
     }
