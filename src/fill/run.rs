@@ -7,7 +7,9 @@ use crate::fill::crossing::{Crossing, CrossingWatch};
 use crate::fill::noise::roughened;
 use crate::fill::renewal::{Moment, Renewals, remesh};
 use crate::fill::shape::Shape;
-use crate::fill::{FillOptions, Gap, Plan, Timings, milliseconds, region, warm_start_of};
+use crate::fill::{
+    FillOptions, Gap, Plan, Timings, milliseconds, region, warm_start, warm_start_of,
+};
 use crate::mesh::{DVec3, Mesh};
 use crate::patch::{PatchError, TransferError};
 use crate::solver::energy::Order;
@@ -132,6 +134,9 @@ impl GroupRun {
         ground: Ground<'_>,
         problem: FlowProblem,
     ) -> Result<FlowProblem, SolverError> {
+        if !ground.plan.moved.is_empty() {
+            return warm_start(problem);
+        }
         let mut first = 0;
         let mut moved = Vec::new();
         let holes = ground.plan.groups[self.group].holes.iter();
