@@ -33,6 +33,7 @@ const MODULES: [(&str, &[&str]); 13] = [
             "solver",
             "fill",
             "render",
+            "analysis",
         ],
     ),
 ];

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::report::ReportAction;
 use super::view_state::{Modal, Navigation, PictureSettings, Task};
 use crate::fill::Controls;
 use crate::render::{Camera, ViewStyle};
@@ -44,6 +45,8 @@ pub enum Switch {
     Diagnostics,
     /// Settings.
     Settings,
+    /// Measures of the surface.
+    Analysis,
 }
 
 /// A request.
@@ -148,6 +151,9 @@ pub enum Action {
     Dark(bool),
     /// Scale of the interface.
     UiScale(f32),
+
+    /// Something of the report.
+    Report(ReportAction),
 
     /// Close a toast.
     DismissToast(usize),

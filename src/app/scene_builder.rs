@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::model::Model;
+use super::report::ReportOverlays;
 use crate::mesh::{BoundaryLoop, Mesh};
 use crate::render::{LineStyle, Overlay, Polyline, Scene, rim_points};
 
@@ -22,6 +23,7 @@ pub struct OverlayCache {
     rims: Option<(Arc<Mesh>, bool, Arc<Overlay>)>,
     selection: Option<(Arc<Mesh>, Vec<usize>, Arc<Overlay>)>,
     hover: Option<(Arc<Mesh>, usize, Arc<Overlay>)>,
+    report: ReportOverlays,
 }
 
 /// The scene of the document or of one side of the run.
@@ -33,7 +35,7 @@ pub fn scene(model: &Model, side: usize) -> Scene {
 pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene {
     let display = model.displays[side].latest();
     let surfaces = display.map_or_else(Vec::new, |d| d.surfaces.clone());
-    let bounds = display.map_or(model.document.origin.bounds, |d| d.bounds);
+    let mut bounds = display.map_or(model.document.origin.bounds, |d| d.bounds);
     let mut overlays = Vec::new();
     let document = &model.document;
     let mesh = &document.mesh;
@@ -99,6 +101,10 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
             cache.hover = Some((Arc::clone(mesh), i, overlay));
         }
         overlays.extend(cache.hover.as_ref().map(|(_, _, o)| Arc::clone(o)));
+    }
+    if side == 0 {
+        overlays.extend(cache.report.of(model));
+        bounds = cache.report.around(bounds);
     }
     Scene {
         centre,

@@ -118,6 +118,12 @@ impl Picker {
         })
     }
 
+    /// The face nearest to a point.
+    pub fn nearest(&self, point: DVec3) -> Option<FaceId> {
+        let closest = self.surface.closest_point(point)?;
+        Some(FaceId(closest.face))
+    }
+
     /// The loop under the cursor, as index into the loops given: the one whose rim is nearest to the
     /// cursor, at most `tolerance_px` away and not hidden by the surface; or else the hole into
     /// whose opening the cursor points, from either side, with no surface before it. Outer rims have

@@ -5,6 +5,7 @@ mod dialogs;
 mod energy;
 mod menu;
 mod navigation;
+mod report;
 mod side;
 mod status;
 mod toasts;
@@ -65,7 +66,9 @@ pub fn window_ui(
     keys(ui.ctx(), model, &mut actions);
     drops(ui.ctx(), &mut actions);
     egui::Panel::top("menu").show(ui, |ui| menu::menu_ui(ui, model, &mut actions));
-    egui::Panel::top("toolbar").show(ui, |ui| toolbar::toolbar_ui(ui, model, &mut actions));
+    egui::Panel::top("toolbar").show(ui, |ui| {
+        toolbar::toolbar_ui(ui, model, state.range.as_ref().map(|r| r.2), &mut actions)
+    });
     egui::Panel::bottom("status").show(ui, |ui| status::status_ui(ui, model, &mut actions));
     if model.run.is_some() {
         egui::Panel::bottom("transport")
@@ -79,11 +82,19 @@ pub fn window_ui(
         .default_size(270.0)
         .min_size(200.0)
         .show(ui, |ui| side::side_ui(ui, model, &mut actions));
-    egui::Panel::right("controls")
-        .resizable(true)
-        .default_size(290.0)
-        .min_size(240.0)
-        .show(ui, |ui| controls::controls_ui(ui, model, &mut actions));
+    if model.view.windows.analysis {
+        egui::Panel::right("report")
+            .resizable(true)
+            .default_size(330.0)
+            .min_size(300.0)
+            .show(ui, |ui| report::report_ui(ui, model, &mut actions));
+    } else {
+        egui::Panel::right("controls")
+            .resizable(true)
+            .default_size(290.0)
+            .min_size(240.0)
+            .show(ui, |ui| controls::controls_ui(ui, model, &mut actions));
+    }
     egui::CentralPanel::default()
         .frame(egui::Frame::NONE)
         .show(ui, |ui| {
@@ -158,12 +169,10 @@ fn action_of(command: Command, model: &Model) -> Option<Action> {
             Action::Camera(camera)
         }
         Command::NextMode(on) => {
-            let all = ViewMode::ALL;
+            let all: Vec<ViewMode> = toolbar::modes(model).collect();
             let at = all.iter().position(|m| *m == view.style.mode).unwrap_or(0);
             let next = (at + if on { 1 } else { all.len() - 1 }) % all.len();
-            let mut style = view.style;
-            style.mode = all[next];
-            Action::Style(style)
+            Action::Style(toolbar::in_mode(view.style, all[next]))
         }
         Command::Stripes(more) => {
             let mut style = view.style;

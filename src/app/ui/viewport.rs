@@ -9,6 +9,7 @@ use super::navigation::{CLICK, navigate};
 use super::side::{how, short};
 use crate::app::action::{Action, SelectHow};
 use crate::app::model::Model;
+use crate::app::report::Pick;
 use crate::app::scene_builder;
 use crate::app::view_state::Task;
 use crate::mesh::DVec3;
@@ -193,7 +194,7 @@ fn pick(
     if let Some(at) = response.hover_pos()
         && !down
     {
-        let over = if model.run.is_none() {
+        let over = if model.run.is_none() && model.view.report.pick == Pick::Holes {
             picker.pick_loop(camera, size, place(at), f64::from(REACH))
         } else {
             None
@@ -214,9 +215,12 @@ fn pick(
             turned.set_pivot(hit.point);
             actions.push(Action::Camera(turned));
         }
-    } else if response.clicked() && model.run.is_none() {
+    } else if response.clicked() {
         let far = state.drag.press.map_or(0.0, |(_, far)| far);
-        if far > CLICK {
+        if far > CLICK || super::report::click(model, picker, size, place(at), actions) {
+            return;
+        }
+        if model.run.is_some() {
             return;
         }
         let modifiers = ctx.input(|i| i.modifiers);
@@ -287,7 +291,9 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
 /// What to do, while nothing was done yet.
 fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
     let document = &model.document;
-    let words = if model.run.is_some() || document.is_filled() || document.loops.is_empty() {
+    let words = if let Some(words) = super::report::hint_words(model.view.report.pick) {
+        words
+    } else if model.run.is_some() || document.is_filled() || document.loops.is_empty() {
         return;
     } else if model.view.task == Task::Blend {
         if document.selection.len() < 2 {

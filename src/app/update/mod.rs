@@ -2,14 +2,17 @@
 
 mod files;
 mod pictures;
+mod report;
 mod runs;
 mod view;
 
 pub use pictures::WRITING;
+pub use report::tick as tick_report;
 pub use runs::params_for;
 
 use super::action::{Action, SelectHow};
 use super::model::Model;
+use super::report::Pick;
 use super::view_state::{Modal, Task};
 
 /// Carries out an action.
@@ -63,6 +66,7 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::Navigation(_)
         | Action::Dark(_)
         | Action::UiScale(_) => view::update(model, &action),
+        Action::Report(action) => report::update(model, action),
         Action::DismissToast(i) => model.log.dismiss(i),
         Action::Modal(modal) => model.view.modal = modal,
         Action::Picture(_)
@@ -138,6 +142,8 @@ fn escape(model: &mut Model) {
         model.after_save = None;
     } else if model.view.windows.help {
         model.view.windows.help = false;
+    } else if model.view.report.pick != Pick::Holes {
+        model.view.report.pick = Pick::Holes;
     } else if let Some(run) = &model.run {
         if run.ended() {
             update(model, Action::Reject);
