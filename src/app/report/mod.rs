@@ -3,6 +3,8 @@
 mod overlay;
 mod reference;
 mod subject;
+#[cfg(test)]
+mod tests;
 mod view;
 
 use std::collections::BTreeMap;

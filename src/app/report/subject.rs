@@ -57,6 +57,7 @@ impl Subject {
         match &self.state {
             Some(state) => format!("the flow after {} attempts", state.attempt),
             None if self.fills.is_empty() => "the mesh as it was opened".into(),
+            None if self.fills.len() == 1 => "the mesh with an accepted fill".into(),
             None => format!("the mesh with {} accepted fills", self.fills.len()),
         }
     }

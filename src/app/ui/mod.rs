@@ -16,7 +16,7 @@ mod windows;
 
 use eframe::egui;
 
-use super::action::Action;
+use super::action::{Action, Switch};
 use super::model::Model;
 use super::scene_builder::OverlayCache;
 use super::shortcuts::{self, Command};
@@ -87,13 +87,19 @@ pub fn window_ui(
             .resizable(true)
             .default_size(330.0)
             .min_size(300.0)
-            .show(ui, |ui| report::report_ui(ui, model, &mut actions));
+            .show(ui, |ui| {
+                tabs(ui, model, &mut actions);
+                report::report_ui(ui, model, &mut actions);
+            });
     } else {
         egui::Panel::right("controls")
             .resizable(true)
             .default_size(290.0)
             .min_size(240.0)
-            .show(ui, |ui| controls::controls_ui(ui, model, &mut actions));
+            .show(ui, |ui| {
+                tabs(ui, model, &mut actions);
+                controls::controls_ui(ui, model, &mut actions);
+            });
     }
     egui::CentralPanel::default()
         .frame(egui::Frame::NONE)
@@ -111,6 +117,30 @@ pub fn window_ui(
     }
     state.dragging = dragging;
     actions
+}
+
+/// What the right panel shows.
+fn tabs(ui: &mut egui::Ui, model: &Model, actions: &mut Vec<Action>) {
+    let switch = Switch::Analysis;
+    let key = shortcuts::hint(ui.ctx(), Command::Toggle(switch));
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        for (report, title, tip) in [
+            (false, "Controls", "energy, flow and patch"),
+            (true, "Report", "measures of the surface that is shown"),
+        ] {
+            let open = model.view.windows.analysis == report;
+            let title = egui::RichText::new(title).strong();
+            if ui
+                .selectable_label(open, title)
+                .on_hover_text(format!("{tip}{key}"))
+                .clicked()
+                && !open
+            {
+                actions.push(Action::Toggle(switch));
+            }
+        }
+    });
 }
 
 /// Colour of errors, readable on the theme's ground.

@@ -104,12 +104,6 @@ pub fn toolbar_ui(ui: &mut Ui, model: &Model, range: Option<[f32; 2]>, actions: 
                 Switch::Rims,
                 view.show_rims,
             ),
-            (
-                "Report",
-                "measures of the surface, in place of the controls",
-                Switch::Analysis,
-                view.windows.analysis,
-            ),
         ] {
             let tip = format!("{about}{}", hint(&ctx, Command::Toggle(switch)));
             if ui.selectable_label(on, title).on_hover_text(tip).clicked() {

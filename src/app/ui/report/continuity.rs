@@ -1,5 +1,6 @@
 //! How the surface goes across rims, chosen edges and sharp edges.
 
+use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{self, Grid, RichText, Ui};
 
 use super::{chosen_index, place};
@@ -11,6 +12,8 @@ use crate::app::ui::side::short;
 
 /// Angle sharp edges are taken from at first, degrees.
 const SHARP: f64 = 40.0;
+/// Chains that are shown with all their figures at first.
+const FEW: usize = 3;
 
 /// All chains, and the choice of more.
 pub fn chains_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut Vec<Action>) {
@@ -54,7 +57,12 @@ pub fn chains_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut 
         ui.weak("no patch, no chosen edges: nothing to look across");
     }
     for (i, chain) in chains.iter().enumerate() {
-        chain_ui(ui, i, chain, chosen_index(measured, i), actions);
+        let id = ui.scope_id().with(("chain", i));
+        CollapsingState::load_with_default_open(ui.ctx(), id, chains.len() <= FEW)
+            .show_header(ui, |ui| {
+                head_ui(ui, chain, chosen_index(measured, i), actions);
+            })
+            .body_unindented(|ui| chain_ui(ui, i, chain, actions));
     }
     if measured.left_out > 0 {
         ui.weak(format!(
@@ -64,32 +72,60 @@ pub fn chains_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut 
     }
 }
 
-fn chain_ui(
-    ui: &mut Ui,
-    i: usize,
-    chain: &ChainReport,
-    chosen: Option<usize>,
-    actions: &mut Vec<Action>,
-) {
-    ui.add_space(2.0);
-    ui.horizontal_wrapped(|ui| {
-        ui.strong(&chain.name);
-        let kind = if chain.is_crease { "crease" } else { "smooth" };
-        ui.label(format!(
-            "{} edges, length {}, {kind}",
-            chain.edges,
-            short(chain.length)
-        ));
-        if let Some(n) = chosen
-            && ui.small_button("Remove").clicked()
-        {
-            actions.push(Action::Report(ReportAction::DropChain(n)));
-        }
-    });
+/// What and where a chain is, and its worst figure.
+fn head_ui(ui: &mut Ui, chain: &ChainReport, chosen: Option<usize>, actions: &mut Vec<Action>) {
+    ui.strong(&chain.name);
+    let worst = if chain.is_crease {
+        format!("crease, {}°", short(chain.normal_angle.max))
+    } else {
+        format!("smooth, ΔH {}", short(chain.curvature_step.max))
+    };
+    ui.label(format!("{} edges, {worst}", chain.edges));
+    if let Some(n) = chosen
+        && ui.small_button("Remove").clicked()
+    {
+        actions.push(Action::Report(ReportAction::DropChain(n)));
+    }
+}
+
+fn chain_ui(ui: &mut Ui, i: usize, chain: &ChainReport, actions: &mut Vec<Action>) {
     if chain.edges == 0 {
         ui.weak("its edges are not there any more");
         return;
     }
+    if chain.smooth_by_construction {
+        ui.label(format!(
+            "length {}; G0 gap 0, G1 angle 0 by construction",
+            short(chain.length)
+        ))
+        .on_hover_text("one limit surface runs through, whatever the mesh");
+    } else {
+        ui.label(format!("length {}", short(chain.length)));
+    }
+    let one_sided = "the limits from either side, each a surface of its own";
+    let rows = [
+        ("G0 gap", one_sided, &chain.gap),
+        ("G1 angle °", one_sided, &chain.normal_angle),
+        (
+            "dihedral °",
+            "angle between the triangles of the control mesh: edge length times curvature on a \
+             smooth surface, not a kink",
+            &chain.dihedral,
+        ),
+        (
+            "G2 jump of H",
+            "difference of the limit surface's mean curvatures at the edge, 1 / length; a Loop \
+             surface has none away from irregular vertices",
+            &chain.curvature_jump,
+        ),
+        (
+            "ΔH, faces",
+            "difference of the mean curvatures averaged over the faces of either side: what the eye \
+             sees within a row of triangles",
+            &chain.curvature_step,
+        ),
+    ];
+    let shown = &rows[if chain.smooth_by_construction { 2 } else { 0 }..];
     Grid::new(("chain", i))
         .striped(true)
         .num_columns(4)
@@ -99,52 +135,11 @@ fn chain_ui(
                 ui.label(RichText::new(title).small());
             }
             ui.end_row();
-            let one_sided = "the limits from either side, each a surface of its own";
-            for (name, tip, s, zero) in [
-                (
-                    "G0 gap",
-                    one_sided,
-                    &chain.gap,
-                    chain.smooth_by_construction,
-                ),
-                (
-                    "G1 angle °",
-                    one_sided,
-                    &chain.normal_angle,
-                    chain.smooth_by_construction,
-                ),
-                (
-                    "dihedral °",
-                    "angle between the triangles of the control mesh: edge length times \
-                     curvature on a smooth surface, not a kink",
-                    &chain.dihedral,
-                    false,
-                ),
-                (
-                    "G2 jump of H",
-                    "difference of the limit surface's mean curvatures at the edge, 1 / length",
-                    &chain.curvature_jump,
-                    false,
-                ),
-                (
-                    "step of H",
-                    "difference of the mean curvatures averaged over the faces of either side",
-                    &chain.curvature_step,
-                    false,
-                ),
-            ] {
-                ui.label(name).on_hover_text(tip);
-                if zero {
-                    ui.weak("0").on_hover_text(
-                        "one limit surface runs through: zero by construction, whatever the mesh",
-                    );
-                    ui.weak("by");
-                    ui.weak("construction");
-                } else {
-                    ui.label(short(s.min));
-                    ui.label(short(s.mean));
-                    place(ui, s.max, s.max_at, actions);
-                }
+            for (name, tip, s) in shown {
+                ui.label(*name).on_hover_text(*tip);
+                ui.label(short(s.min));
+                ui.label(short(s.mean));
+                place(ui, s.max, s.max_at, actions);
                 ui.end_row();
             }
         });

@@ -13,6 +13,9 @@ use crate::render::ViewMode;
 /// Places of intersections that are listed.
 const LISTED: usize = 12;
 
+/// Energies that have a row of their own.
+const LISTED_ENERGIES: [&str; 5] = ["1", "H^2", "K", "K^2", "k1^2+k2^2"];
+
 /// Counts, integrals.
 pub fn shape_ui(ui: &mut Ui, measured: &Measured) {
     let s = &measured.analysis.shape;
@@ -60,7 +63,9 @@ pub fn shape_ui(ui: &mut Ui, measured: &Measured) {
         row(ui, "Energy K", tip, digits(e.total_curvature));
         row(ui, "Energy K^2", tip, digits(e.gauss_squared));
         row(ui, "Energy k1^2+k2^2", tip, digits(e.bending));
-        if let (Some(given), Some(energy)) = (e.given, &measured.wanted.energy) {
+        if let (Some(given), Some(energy)) = (e.given, &measured.wanted.energy)
+            && !LISTED_ENERGIES.contains(&energy.text())
+        {
             row(ui, &format!("Energy {}", energy.text()), tip, digits(given));
         }
     });

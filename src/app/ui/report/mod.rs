@@ -8,17 +8,15 @@ mod view;
 use eframe::egui::{CollapsingHeader, Grid, RichText, ScrollArea, Spinner, Ui};
 
 use super::side::short;
-use crate::app::action::{Action, Switch};
+use crate::app::action::Action;
 use crate::app::model::Model;
-use crate::app::report::{Measured, ReportAction, ReportFile};
-use crate::app::shortcuts::{Command, hint};
+use crate::app::report::{Measured, Pick, ReportAction, ReportFile};
 use crate::mesh::DVec3;
 
 pub use view::{click, hint_words};
 
 /// All measures of what is shown.
 pub fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    ui.add_space(4.0);
     header_ui(ui, model, actions);
     ui.separator();
     ScrollArea::vertical()
@@ -33,37 +31,40 @@ pub fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 ui.weak(words);
                 return;
             };
-            part(ui, "Shape and energies", true, |ui| {
+            part(ui, "Shape and energies", true, false, |ui| {
                 measures::shape_ui(ui, &measured);
             });
-            part(ui, "Curvature", true, |ui| {
+            part(ui, "Curvature", true, false, |ui| {
                 measures::curvature_ui(ui, model, &measured, actions);
             });
-            part(ui, "Continuity", true, |ui| {
-                continuity::chains_ui(ui, model, &measured, actions);
-            });
-            part(ui, "Triangles", false, |ui| {
+            part(ui, "Triangles", false, false, |ui| {
                 measures::quality_ui(ui, &measured, actions);
             });
-            part(ui, "Distance to a reference", false, |ui| {
+            let wanted = model.report.loading.is_some();
+            part(ui, "Distance to a reference", false, wanted, |ui| {
                 measures::distance_ui(ui, model, &measured, actions);
             });
-            part(ui, "Section and curvature comb", false, |ui| {
+            let wanted = matches!(model.view.report.pick, Pick::Section(_));
+            part(ui, "Section and curvature comb", false, wanted, |ui| {
                 section::section_ui(ui, model, actions);
+            });
+            let wanted = model.view.report.pick == Pick::Edges;
+            part(ui, "Continuity", true, wanted, |ui| {
+                continuity::chains_ui(ui, model, &measured, actions);
             });
         });
 }
 
-fn part(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
+/// A part of the report that folds; unfolded at first if `open`, and in any case while it is `wanted`.
+fn part(ui: &mut Ui, title: &str, open: bool, wanted: bool, body: impl FnOnce(&mut Ui)) {
     CollapsingHeader::new(RichText::new(title).strong())
         .default_open(open)
+        .open(wanted.then_some(true))
         .show_unindented(ui, body);
 }
 
 fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    let ctx = ui.ctx().clone();
     ui.horizontal(|ui| {
-        ui.heading("Report");
         for file in [ReportFile::Json, ReportFile::Measures] {
             let name = file.extension().to_uppercase();
             if ui
@@ -82,16 +83,6 @@ fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 }
             }
         });
-        if ui
-            .button("Close")
-            .on_hover_text(format!(
-                "back to the controls{}",
-                hint(&ctx, Command::Toggle(Switch::Analysis))
-            ))
-            .clicked()
-        {
-            actions.push(Action::Toggle(Switch::Analysis));
-        }
     });
     ui.horizontal(|ui| {
         if let Some(measured) = &model.report.measured {
