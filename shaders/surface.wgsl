@@ -148,6 +148,10 @@ fn fs_surface(
         // the number must stay legible: little light, and the back darker
         colour = linear_from_srgb(mapped) * mix(1.0, min(lit.x, 1.05), 0.35) * select(0.55, 1.0, front);
     }
+    if selected {
+        // dark bands and maps too
+        colour = mix(colour, linear_from_srgb(vec3(0.25, 0.50, 1.0)), 0.35);
+    }
     if frame.choice.z != 0u && p.value.z > 0.5 {
         // hatching, in pixels of the picture
         let across = (frame.tile.x + p.clip.x + frame.tile.y + p.clip.y) / (9.0 * frame.size.z);

@@ -161,6 +161,40 @@ fn enter_fills_space_pauses_the_timeline_scrubs_and_undo_takes_it_back() {
 }
 
 #[test]
+fn a_stroke_selects_faces_that_are_refilled() {
+    let mut harness = window();
+    harness.get_by_label("Repair").click();
+    harness.run_steps(2);
+    // beside the hole in the middle of the view
+    let view = harness.get_by_label("view").rect();
+    let radius = 0.5 * view.height().min(view.width());
+    let at = |n: u8| view.center() + egui::vec2(0.55 * radius, 4.0 * f32::from(n));
+    let camera = harness.state().model.view.camera;
+    harness.drag_at(at(0));
+    harness.step();
+    for n in 1..=5 {
+        harness.hover_at(at(n));
+        harness.step();
+    }
+    harness.drop_at(at(5));
+    harness.run_steps(3);
+    let model = &harness.state().model;
+    assert_eq!(model.view.camera, camera, "a stroke does not turn the view");
+    assert!(model.document.faces.len() > 4);
+    assert!(model.document.selection.is_empty());
+    let holes = model.document.loops.len();
+    harness.get_by_label("Grow the selection").click();
+    harness.run_steps(2);
+    harness.get_by_label("Erase and refill").click();
+    until(&mut harness, ended);
+    harness.get_by_label("Accept").click();
+    harness.run_steps(3);
+    let document = &harness.state().model.document;
+    assert!(document.is_changed() && document.faces.is_empty());
+    assert!(document.loops.len() <= holes);
+}
+
+#[test]
 fn a_mistyped_energy_is_shown_at_its_character_and_keys_stay_text() {
     let mut harness = window();
     let wire = harness.state().model.view.style.wireframe;

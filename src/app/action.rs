@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::faces::FaceEdit;
 use super::report::ReportAction;
-use super::view_state::{Modal, Navigation, PictureSettings, Task};
+use super::view_state::{Modal, Navigation, PictureSettings, Selecting, Task};
 use crate::fill::Controls;
 use crate::render::{Camera, ViewStyle};
 
@@ -87,8 +88,18 @@ pub enum Action {
     SelectAllButLargest,
     /// None.
     SelectNone,
-    /// Fill or blend.
+    /// Fill, blend or repair.
     Task(Task),
+    /// How faces are selected.
+    Selecting(Selecting),
+    /// Change the selection of faces.
+    Faces(FaceEdit),
+    /// Let the selected faces flow as they are.
+    Fair,
+    /// Erase the selected faces.
+    Erase,
+    /// Turn over the component of a loop.
+    Flip(usize),
     /// The cursor is over a loop.
     Hover(Option<usize>),
 
@@ -105,7 +116,7 @@ pub enum Action {
     /// Compare with another energy (or stop comparing).
     CompareEnergy(Option<String>),
 
-    /// Fill the selected holes.
+    /// Do the task: fill the selected holes, blend the rims, refill the selected faces.
     Fill,
     /// Play or pause.
     PlayPause,

@@ -8,6 +8,7 @@ mod action;
 mod autosave;
 mod display;
 mod document;
+mod faces;
 mod history;
 mod jobs;
 mod log;
@@ -36,11 +37,12 @@ use eframe::egui;
 
 pub use action::{Action, SelectHow, Switch};
 pub use autosave::Autosave;
-pub use document::{Document, Source};
+pub use document::{Accepted, Document, Source, Work};
+pub use faces::{Dab, FaceEdit, Lasso};
 pub use model::{Effect, Model};
 pub use run::Run;
 pub use settings::Settings;
-pub use view_state::{Modal, Navigation};
+pub use view_state::{Modal, Navigation, Selecting, Task, Tool};
 
 use crate::mesh::shapes::SAMPLES;
 use crate::render::{Gpu, ViewportCallback};

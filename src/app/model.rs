@@ -16,7 +16,7 @@ use super::project::Project;
 use super::report::Report;
 use super::run::Run;
 use super::settings::Settings;
-use super::view_state::{AfterUnsaved, Modal, PathUse, ViewState};
+use super::view_state::{AfterUnsaved, Modal, PathUse, Task, ViewState};
 use crate::fill::Continuity;
 use crate::mesh::{Mesh, VertexId};
 use crate::render::{Bounds, Gpu, Picker, ViewStyle};
@@ -52,7 +52,9 @@ pub enum Done {
     /// A file was written.
     Saved(PathBuf, SavedWhat, Result<(), String>),
     /// Picking is ready for a mesh.
-    Picker(Arc<Mesh>, Box<Picker>),
+    Picker(Arc<Mesh>, Arc<Picker>),
+    /// A lasso was closed around these faces.
+    Caught(super::faces::FaceEdit),
     /// A dialog of the system was answered; `None`: cancelled or not there, after so long.
     Chosen(PathUse, Option<PathBuf>, Duration),
     /// A picture for the clipboard.
@@ -97,7 +99,7 @@ pub struct Model {
     /// What is drawn: of the document or side A, and of side B.
     pub displays: [DisplayWorker; 2],
     /// Answers what is under the cursor, once it is ready for the shown mesh.
-    pub picker: Option<(Arc<Mesh>, Box<Picker>)>,
+    pub picker: Option<(Arc<Mesh>, Arc<Picker>)>,
     /// Where the document was saved last.
     pub saved_to: Option<PathBuf>,
     /// Counts changes of the mesh; compared with the saved one.
@@ -267,7 +269,7 @@ impl Model {
             let loops = Arc::clone(&self.document.loops);
             self.jobs.push(Job::spawn("picking", &self.wake, move |_| {
                 let picker = Picker::new(&mesh.positions, &mesh.topology, &loops);
-                Done::Picker(mesh, Box::new(picker))
+                Done::Picker(mesh, Arc::new(picker))
             }));
         }
     }
@@ -276,18 +278,29 @@ impl Model {
         let creases = self.creases();
         let run = self.run.as_ref().and_then(|r| r.sides.get(side));
         let controls = run.map_or(&self.document.controls, |s| &s.controls);
-        let radius = self
-            .document
-            .selected()
-            .iter()
-            .map(|l| l.radius)
-            .fold(0.0, f64::max);
+        let rims = self.document.selected();
+        let rims = rims.iter().map(|l| l.radius).fold(0.0, f64::max);
+        let radius = run.map_or(rims, super::run::Side::radius);
         let energy = Energy::parse(&controls.energy, &controls.params).ok();
+        let document = &self.document;
+        let (mut mesh, mut first_patch_face) = (&document.mesh, document.first_patch_face);
+        let mut faired = Arc::default();
+        if let Some(run) = &self.run {
+            (mesh, first_patch_face) = (&run.base, run.first_patch_face);
+            faired = run.faired();
+        }
+        let repairs = self.view.task == Task::Repair && self.run.is_none();
         Request {
-            mesh: Arc::clone(&self.document.mesh),
+            mesh: Arc::clone(mesh),
+            faired,
+            highlight: if repairs {
+                Arc::clone(&self.document.faces)
+            } else {
+                Arc::default()
+            },
             state: run.and_then(super::run::Side::state),
             start: run.and_then(|s| s.live.timeline().states.first().cloned()),
-            first_patch_face: self.document.first_patch_face(),
+            first_patch_face,
             creases,
             limit: self.view.limit_surface,
             original: self.view.show_original,
@@ -317,17 +330,12 @@ impl Model {
         let sharp: Vec<usize> = run
             .loops
             .iter()
-            .copied()
+            .map(|l| l.number)
             .filter(|&n| side.controls.continuity_at(n) == Continuity::G0)
             .collect();
         if sharp != self.creases.0 {
             let mut edges = Vec::new();
-            for l in self
-                .document
-                .loops
-                .iter()
-                .filter(|l| sharp.contains(&l.number))
-            {
+            for l in run.loops.iter().filter(|l| sharp.contains(&l.number)) {
                 edges.extend(l.edge_ends());
             }
             self.creases = (sharp, Arc::new(edges));
@@ -351,6 +359,7 @@ impl Model {
                     self.picker = Some((mesh, picker));
                 }
             }
+            Done::Caught(edit) => self.act(Action::Faces(edit)),
             Done::Chosen(purpose, path, waited) => self.chosen(purpose, path, waited),
             Done::Picture(Ok(picture)) => {
                 self.effects.push(Effect::CopyImage(picture));

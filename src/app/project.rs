@@ -9,13 +9,13 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::document::{AcceptedFill, Document, Source};
+use super::document::{Accepted, Document, Source, Work};
 use super::report::ReportView;
-use super::view_state::{Task, ViewState};
+use super::view_state::ViewState;
 use crate::fill::{Controls, Schedule};
 use crate::io::{self, Format, Opened};
 use crate::mesh::shapes::Sample;
-use crate::mesh::{Mesh, Topology, boundary_loops};
+use crate::mesh::{parse_ranges, ranges_text};
 use crate::render::{Camera, ViewMode};
 
 /// Extension of project files.
@@ -34,10 +34,17 @@ pub struct Project {
     /// Built-in sample.
     #[serde(skip_serializing_if = "Option::is_none")]
     sample: Option<String>,
-    /// Counts of the opened mesh, `[vertices, faces]`: a check, and where patches begin.
+    /// Counts of the mesh, `[vertices, faces]`: a check. Where `first_patch_face` is missing, patches
+    /// begin after them.
     opened: [usize; 2],
+    /// Where patches begin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    first_patch_face: Option<usize>,
     /// Indices of the selected loops.
     selection: Vec<usize>,
+    /// The selected faces, as a list of ranges.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    selected_faces: String,
     /// The view.
     pub view: ViewPart,
     controls: Controls,
@@ -67,15 +74,74 @@ pub struct ViewPart {
     report: ReportView,
 }
 
+/// Something that was done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct FillPart {
     #[serde(default)]
-    task: Task,
+    task: Kind,
+    #[serde(default)]
     loops: Vec<usize>,
+    /// The faces it was done to, as a list of ranges.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    selected: String,
+    /// The faces it added.
     faces: [usize; 2],
     /// As the rows of a schedule file.
     schedule: String,
     controls: Controls,
+}
+
+/// What was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    #[default]
+    Fill,
+    Blend,
+    Refill,
+    Fair,
+    Erase,
+    Flip,
+}
+
+impl FillPart {
+    fn of(done: &Accepted) -> Self {
+        Self {
+            task: match done.work {
+                Work::Fill(_) => Kind::Fill,
+                Work::Blend(_) => Kind::Blend,
+                Work::Refill(_) => Kind::Refill,
+                Work::Fair(_) => Kind::Fair,
+                Work::Erase(_) => Kind::Erase,
+                Work::Flip(_) => Kind::Flip,
+            },
+            loops: done.work.loops().to_vec(),
+            selected: ranges_text(done.work.faces()),
+            faces: [done.faces.start, done.faces.end],
+            schedule: done.schedule.to_csv(),
+            controls: done.controls.clone(),
+        }
+    }
+
+    fn accepted(&self) -> Result<Accepted, String> {
+        let loops = self.loops.clone();
+        // faces of a mesh that is no more
+        let faces = || parse_ranges(&self.selected, u32::MAX as usize).map(Arc::new);
+        let work = match self.task {
+            Kind::Fill => Work::Fill(loops),
+            Kind::Blend => Work::Blend(loops),
+            Kind::Refill => Work::Refill(faces()?),
+            Kind::Fair => Work::Fair(faces()?),
+            Kind::Erase => Work::Erase(faces()?),
+            Kind::Flip => Work::Flip(*loops.first().ok_or("a loop is missing")?),
+        };
+        Ok(Accepted {
+            work,
+            controls: self.controls.clone(),
+            schedule: Schedule::parse(&self.schedule).map_err(|e| e.to_string())?,
+            faces: self.faces[0]..self.faces[1],
+        })
+    }
 }
 
 /// The text of a project file that is to lie in `folder`. A mesh that is a file or sample unchanged is
@@ -88,13 +154,15 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
         Source::Sample(name) => sample = Some(name.clone()),
         Source::Embedded => {}
     }
-    let embed = document.is_filled() || origin.source == Source::Embedded;
+    let embed = document.is_changed() || origin.source == Source::Embedded;
     let style = &view.style;
     let head = Project {
         version: VERSION,
         mesh,
         sample,
-        opened: [origin.mesh.vertex_count(), origin.mesh.face_count()],
+        opened: [document.mesh.vertex_count(), document.mesh.face_count()],
+        first_patch_face: document.is_changed().then_some(document.first_patch_face),
+        selected_faces: ranges_text(&document.faces),
         selection: document.selection.iter().copied().collect(),
         view: ViewPart {
             camera: view.camera.to_text(),
@@ -115,15 +183,9 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
         },
         controls: document.controls.clone(),
         fills: document
-            .fills
+            .accepted
             .iter()
-            .map(|f| FillPart {
-                task: f.task,
-                loops: f.loops.clone(),
-                faces: [f.faces.start, f.faces.end],
-                schedule: f.schedule.to_csv(),
-                controls: f.controls.clone(),
-            })
+            .map(|one| FillPart::of(one))
             .collect(),
     };
     let mut text = String::from("# Meniscus project\n");
@@ -227,9 +289,8 @@ pub fn sample_of(name: &str) -> Result<Opened, String> {
 }
 
 fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document, String> {
-    let mesh = opened.mesh.clone();
     let mut document = Document::new(opened, source);
-    let [vertices, faces] = project.opened;
+    let (mesh, [vertices, faces]) = (&document.mesh, project.opened);
     if mesh.vertex_count() < vertices || mesh.face_count() < faces {
         return Err(format!(
             "the mesh has {} vertices and {} faces now, but had {vertices} and {faces} when the \
@@ -238,25 +299,15 @@ fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document
             mesh.face_count()
         ));
     }
+    document.faces = Arc::new(parse_ranges(&project.selected_faces, mesh.face_count())?);
     if !project.fills.is_empty() {
-        let original = first_part(&mesh, vertices, faces)?;
-        let origin = Arc::make_mut(&mut document.origin);
-        origin.mesh = Arc::new(original);
-        document.fills = project
-            .fills
-            .iter()
-            .map(|f| {
-                Ok(Arc::new(AcceptedFill {
-                    task: f.task,
-                    loops: f.loops.clone(),
-                    controls: f.controls.clone(),
-                    schedule: Schedule::parse(&f.schedule).map_err(|e| e.to_string())?,
-                    faces: f.faces[0]..f.faces[1],
-                }))
-            })
+        let first = project.first_patch_face.unwrap_or(faces);
+        document.first_patch_face = first.min(document.mesh.face_count());
+        let parts = project.fills.iter();
+        document.accepted = parts
+            .map(|part| part.accepted().map(Arc::new))
             .collect::<Result<_, String>>()?;
     }
-    document.loops = Arc::new(boundary_loops(&document.mesh));
     let count = document.loops.len();
     document.selection = project
         .selection
@@ -266,20 +317,6 @@ fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document
         .collect();
     document.controls = project.controls.clone();
     Ok(document)
-}
-
-/// The mesh as it was before anything was appended.
-fn first_part(mesh: &Mesh, vertices: usize, faces: usize) -> Result<Mesh, String> {
-    let triangles: Vec<[u32; 3]> = mesh.topology.triangles().take(faces).collect();
-    let topology = Topology::from_triangles(vertices, &triangles)
-        .map_err(|e| format!("the mesh does not fit the project ({e})"))?;
-    let mut part = Mesh::new(mesh.positions[..vertices].to_vec(), topology);
-    part.colors = mesh.colors.get(..vertices).unwrap_or(&[]).to_vec();
-    part.face_tags = mesh.face_tags.get(..faces).unwrap_or(&[]).to_vec();
-    part.tags.clone_from(&mesh.tags);
-    part.one_sided.clone_from(&mesh.one_sided);
-    part.one_sided_tags.clone_from(&mesh.one_sided_tags);
-    Ok(part)
 }
 
 /// `path` as seen from `folder` where it lies in it or below, else absolute.

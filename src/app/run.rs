@@ -3,10 +3,12 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::document::{Document, Work, left_of};
 use super::jobs::Wake;
-use super::view_state::Task;
-use crate::fill::{Controls, LiveEvent, LiveFill, LiveSettings, State};
-use crate::mesh::{BoundaryLoop, Mesh};
+use crate::fill::{
+    Controls, LiveError, LiveEvent, LiveFill, LiveSettings, Opening, State, open_selection,
+};
+use crate::mesh::{BoundaryLoop, Mesh, face_flags};
 
 /// Bytes of kept states for each side; beyond it every other state is dropped.
 pub const TIMELINE_BYTES: usize = 512 << 20;
@@ -40,10 +42,16 @@ pub struct Curve {
 
 /// One fill, or two that are compared.
 pub struct Run {
-    /// Whether each loop has a patch of its own, or one joins them all.
-    pub task: Task,
-    /// Numbers of the loops.
-    pub loops: Vec<usize>,
+    /// What it does.
+    pub work: Work,
+    /// The mesh it works on: the document's, or what is left of that after erasing.
+    pub base: Arc<Mesh>,
+    /// Faces of `base` from here on were patches before.
+    pub first_patch_face: usize,
+    /// The faces of the document that are left in `base`, if some were erased.
+    pub kept: Option<Vec<u32>>,
+    /// The loops of `base` it fills or joins.
+    pub loops: Vec<BoundaryLoop>,
     /// One side, or A and B.
     pub sides: Vec<Side>,
     /// Whether it plays.
@@ -53,18 +61,52 @@ pub struct Run {
 }
 
 impl Run {
-    /// Starts flows on the same loops, one for each set of controls.
+    /// Starts flows of the same work, one for each set of controls.
     ///
     /// # Errors
     /// A message for the person.
     pub fn start(
-        task: Task,
-        base: &Arc<Mesh>,
-        loops: &[&BoundaryLoop],
+        work: Work,
+        document: &Document,
         controls: &[Controls],
         pace: f64,
         wake: &Wake,
     ) -> Result<Self, String> {
+        let mut base = Arc::clone(&document.mesh);
+        let mut first_patch_face = document.first_patch_face;
+        let (mut kept, mut loops) = (None, Vec::new());
+        match &work {
+            Work::Fill(_) | Work::Blend(_) => {
+                loops = document.selected().into_iter().cloned().collect();
+            }
+            Work::Refill(faces) => {
+                let flags = face_flags(faces, base.face_count());
+                let opening = open_selection(&base, &flags).map_err(|e| e.to_string())?;
+                let Opening {
+                    erased,
+                    loops: all,
+                    opened,
+                } = opening;
+                loops = opened.into_iter().map(|i| all[i].clone()).collect();
+                first_patch_face = left_of(&erased.old_face, first_patch_face);
+                base = Arc::new(erased.mesh);
+                kept = Some(erased.old_face);
+            }
+            Work::Fair(_) => {}
+            Work::Erase(_) | Work::Flip(_) => return Err("there is no flow in that".into()),
+        }
+        let spawn = |controls: &Controls, settings| -> Result<LiveFill, LiveError> {
+            let (mesh, wake) = (Arc::clone(&base), Arc::clone(wake));
+            let (loops, controls) = (loops.clone(), controls.clone());
+            match &work {
+                Work::Fair(faces) => {
+                    let flags = face_flags(faces, mesh.face_count());
+                    LiveFill::spawn_fair(mesh, flags, controls, settings, wake)
+                }
+                Work::Blend(_) => LiveFill::spawn_blend(mesh, loops, controls, settings, wake),
+                _ => LiveFill::spawn(mesh, loops, controls, settings, wake),
+            }
+        };
         let sides = controls
             .iter()
             .map(|controls| {
@@ -73,14 +115,7 @@ impl Run {
                     pace: Some(pace),
                     timeline_bytes: TIMELINE_BYTES,
                 };
-                let loops = loops.iter().map(|&l| l.clone()).collect();
-                let spawn = match task {
-                    Task::Fill => LiveFill::spawn,
-                    Task::Blend => LiveFill::spawn_blend,
-                };
-                let (mesh, wake) = (Arc::clone(base), Arc::clone(wake));
-                let live = spawn(mesh, loops, controls.clone(), settings, wake)
-                    .map_err(|error| error.to_string())?;
+                let live = spawn(controls, settings).map_err(|error| error.to_string())?;
                 Ok(Side {
                     live,
                     start: controls.clone(),
@@ -92,8 +127,11 @@ impl Run {
             })
             .collect::<Result<_, String>>()?;
         Ok(Self {
-            task,
-            loops: loops.iter().map(|l| l.number).collect(),
+            work,
+            base,
+            first_patch_face,
+            kept,
+            loops,
             sides,
             playing: true,
             next_frame: None,
@@ -128,6 +166,14 @@ impl Run {
             self.playing = false;
         }
         messages
+    }
+
+    /// The faces that flow as they are, ascending.
+    pub fn faired(&self) -> Arc<Vec<u32>> {
+        match &self.work {
+            Work::Fair(faces) => Arc::clone(faces),
+            _ => Arc::default(),
+        }
     }
 
     /// Whether every flow has ended.
@@ -201,6 +247,12 @@ impl Side {
         if record.residual > 0.0 {
             curve.residual.push([x, record.residual.log10()]);
         }
+    }
+
+    /// The largest radius of its groups.
+    pub fn radius(&self) -> f64 {
+        let groups = self.live.groups().iter();
+        groups.map(|g| g.radius).fold(0.0, f64::max)
     }
 
     /// Number of kept states.

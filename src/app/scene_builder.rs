@@ -34,7 +34,8 @@ pub fn scene(model: &Model, side: usize) -> Scene {
 /// [`scene`], keeping overlays that have not changed.
 pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene {
     let display = model.displays[side].latest();
-    let surfaces = display.map_or_else(Vec::new, |d| d.surfaces.clone());
+    let mut surfaces = display.map_or_else(Vec::new, |d| d.surfaces.clone());
+    surfaces.extend(display.into_iter().flat_map(|d| d.highlights.clone()));
     let mut bounds = display.map_or(model.document.origin.bounds, |d| d.bounds);
     let mut overlays = Vec::new();
     let document = &model.document;

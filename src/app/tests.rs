@@ -16,6 +16,8 @@ use crate::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
 use crate::mesh::{DVec3, Soup, check_mesh, components};
 use crate::solver::Mode;
 
+mod repair;
+
 /// A sphere with two small holes.
 pub(super) fn opened() -> io::Opened {
     let hole = |x: f64, seed| Hole {
@@ -96,7 +98,7 @@ fn selection_by_click_keys_and_lists() {
     assert_eq!(m.document.selection.len(), 1);
     m.act(Action::Redo);
     assert_eq!(m.document.selection.len(), 2);
-    assert!(!m.is_dirty() || m.document.fills.is_empty());
+    assert!(!m.is_dirty() || m.document.accepted.is_empty());
 }
 
 #[test]
@@ -118,7 +120,7 @@ fn fill_accept_undo_redo() {
     assert_eq!(m.document.loops.len(), 1);
     check_mesh(&after).expect("sound");
     assert_eq!(after.positions[..before.vertex_count()], before.positions);
-    let fill = &m.document.fills[0];
+    let fill = &m.document.accepted[0];
     assert_eq!(fill.faces, before.face_count()..after.face_count());
     let patches = m.document.patches().expect("one");
     assert_eq!(patches.face_count(), fill.faces.len());
@@ -320,10 +322,10 @@ fn files_are_saved_reopened_and_never_overwritten() {
     until(&mut m, |m| !m.is_dirty());
     let (document, _) = project::read(&project_path).expect("a project");
     assert_eq!(document.mesh.positions, m.document.mesh.positions);
-    assert_eq!(document.first_patch_face(), m.document.first_patch_face());
+    assert_eq!(document.first_patch_face, m.document.first_patch_face);
     assert_eq!(document.selection, m.document.selection);
     assert_eq!(document.controls, m.document.controls);
-    assert_eq!(document.fills, m.document.fills);
+    assert_eq!(document.accepted, m.document.accepted);
 
     // damaged or missing files leave everything as it is
     let nonsense = folder.path().join("nonsense.obj");
@@ -428,7 +430,7 @@ fn the_command_repeats_the_work() {
     let mut m = model();
     m.act(Action::CopyCommand);
     assert!(
-        last_message(&m).contains("nothing was filled"),
+        last_message(&m).contains("nothing was done"),
         "{}",
         last_message(&m)
     );

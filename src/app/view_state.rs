@@ -45,7 +45,7 @@ impl Navigation {
     }
 }
 
-/// What Enter does with the selected loops.
+/// What Enter does with what is selected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Task {
@@ -54,6 +54,41 @@ pub enum Task {
     Fill,
     /// One surface that joins them all.
     Blend,
+    /// Selected faces are erased and filled anew, or faired.
+    Repair,
+}
+
+/// What the mouse does to the selection of faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tool {
+    /// Paints.
+    #[default]
+    Brush,
+    /// Takes what is within a drawn line.
+    Lasso,
+    /// A click takes a place, another widens it.
+    Grow,
+}
+
+/// How faces are selected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Selecting {
+    /// With what.
+    pub tool: Tool,
+    /// Radius of the brush, in points of the screen.
+    pub brush: f32,
+    /// Whether the lasso takes hidden faces too.
+    pub through: bool,
+}
+
+impl Default for Selecting {
+    fn default() -> Self {
+        Self {
+            tool: Tool::default(),
+            brush: 24.0,
+            through: false,
+        }
+    }
 }
 
 /// A dialog over the window; only one at a time.
@@ -196,6 +231,8 @@ pub struct ViewState {
     pub style: ViewStyle,
     /// What Enter does.
     pub task: Task,
+    /// How faces are selected.
+    pub selecting: Selecting,
     /// Limit surface instead of control mesh.
     pub limit_surface: bool,
     /// Whether the opened mesh is shown, or the patches alone.
@@ -229,6 +266,7 @@ impl ViewState {
             camera: Camera::fit(bounds),
             style,
             task: Task::default(),
+            selecting: Selecting::default(),
             limit_surface: true,
             show_original: true,
             show_rims: true,

@@ -156,7 +156,8 @@ impl GroupRun {
     pub fn change(&mut self, ground: Ground<'_>, options: &FillOptions) -> Result<(), ChangeError> {
         let group = &ground.plan.groups[self.group];
         let holes = group.holes.iter().map(|&h| &ground.plan.holes[h]);
-        let remeshed = options.patch != self.options.patch;
+        // a fairing keeps its triangles
+        let remeshed = options.patch != self.options.patch && ground.plan.moved.is_empty();
         let recut = holes.clone().any(|hole| {
             let differs = |&n: &usize| options.continuity_at(n) != self.options.continuity_at(n);
             hole.loops.iter().any(differs)

@@ -74,6 +74,30 @@ impl Geometry {
         }
     }
 
+    /// Some of its faces, of `faces` that have equally many triangles, one after the other; `flags` are
+    /// added. Drawn after the whole it covers that, since the corners are the same to the bit.
+    #[must_use]
+    pub fn part(&self, places: &[usize], faces: usize, flags: u32) -> Self {
+        let each = self.triangles.len() / faces.max(1);
+        let mut index = std::collections::BTreeMap::new();
+        let mut vertices = Vec::new();
+        let triangles = places
+            .iter()
+            .flat_map(|&at| &self.triangles[at * each..(at + 1) * each])
+            .map(|t| {
+                t.map(|v| {
+                    *index.entry(v).or_insert_with(|| {
+                        let mut vertex = self.vertices[v as usize];
+                        vertex.flags |= flags;
+                        vertices.push(vertex);
+                        vertices.len() as u32 - 1
+                    })
+                })
+            })
+            .collect();
+        Self::new(vertices, triangles, Vec::new())
+    }
+
     /// Whether a vertex was of a patch when this was made.
     pub fn has_patch(&self) -> bool {
         self.has_patch

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Display, Request};
+use super::{Display, Request, same_list};
 use crate::app::report::Reference;
 use crate::app::seam::seam;
 use crate::fill::State;
@@ -25,6 +25,8 @@ pub(super) struct Maker {
     still: Option<(StillKey, Arc<Geometry>)>,
     /// What distances in `still` are to.
     reference: Option<Arc<Reference>>,
+    /// The last answer and what it was asked for.
+    last: Option<(Request, Display)>,
 }
 
 /// The faces of a mesh: those drawn as limit surface, and the others.
@@ -32,6 +34,7 @@ struct Split {
     topology: TopologyKey,
     creases: Arc<Vec<[VertexId; 2]>>,
     first_patch_face: usize,
+    faired: Arc<Vec<u32>>,
     original: bool,
     moving: DynamicSurface,
     moving_faces: Vec<FaceId>,
@@ -73,11 +76,27 @@ type StillKey = (usize, usize, bool, [u64; 3]);
 impl Maker {
     /// Answers a request.
     pub(super) fn make(&mut self, request: &Request) -> Display {
+        let mut display = match self.last.take() {
+            Some((asked, display)) if asked.same_surfaces(request) => display,
+            _ => self.surfaces(request),
+        };
+        display.highlights = match &self.split {
+            Some(split) if !request.highlight.is_empty() => {
+                split.highlights(&display.surfaces, &request.highlight)
+            }
+            _ => Vec::new(),
+        };
+        self.last = Some((request.clone(), display.clone()));
+        display
+    }
+
+    fn surfaces(&mut self, request: &Request) -> Display {
         let key = TopologyKey::of(request);
         let fits = self.split.as_ref().is_some_and(|s| {
             s.topology.same(&key)
                 && Arc::ptr_eq(&s.creases, &request.creases)
                 && s.first_patch_face == request.first_patch_face
+                && same_list(&s.faired, &request.faired)
                 && s.original == request.original
         });
         if !fits {
@@ -162,12 +181,14 @@ impl Maker {
         });
         let bounds = Bounds::of(positions.iter().copied()).unwrap_or(request.bounds);
         let first = request.mesh.face_count();
+        let flows = |f: FaceId| f.index() >= first || split.is_faired(f);
         let seam = request
             .state
             .is_some()
-            .then(|| seam(topology, &positions, first, &request.creases));
+            .then(|| seam(topology, &positions, &flows, &request.creases));
         Display {
             surfaces,
+            highlights: Vec::new(),
             bounds,
             posed,
             seam,
@@ -193,11 +214,7 @@ fn curvatures(geometry: Option<&Arc<Geometry>>) -> Vec<[f64; 2]> {
 
 /// Positions of all vertices: the mesh's, then the state's.
 fn positions_of(mesh: &Mesh, state: Option<&State>) -> Vec<DVec3> {
-    let mut positions = mesh.positions.clone();
-    if let Some(state) = state {
-        positions.extend(state.new_positions());
-    }
-    positions
+    state.map_or_else(|| mesh.positions.clone(), |state| state.positions(mesh))
 }
 
 impl Split {
@@ -205,15 +222,16 @@ impl Split {
         let topology = key.topology();
         let first = request.first_patch_face;
         let count = topology.face_count();
-        let (moving, still) = if !request.original {
-            ((first..count).map(FaceId::from).collect(), Vec::new())
+        let flows = |f: FaceId| f.index() >= first || request.faired.binary_search(&f.0).is_ok();
+        let all = (0..count).map(FaceId::from);
+        let (moving, still): (Vec<FaceId>, Vec<FaceId>) = if !request.original {
+            (all.filter(|&f| flows(f)).collect(), Vec::new())
         } else if count <= SMALL {
-            ((0..count).map(FaceId::from).collect(), Vec::new())
+            (all.collect(), Vec::new())
         } else {
-            around(topology, first, COLLAR)
+            around(topology, &flows, COLLAR)
         };
-        let moving: Vec<FaceId> = moving;
-        let flag = |f: &FaceId| if f.index() >= first { Vertex::PATCH } else { 0 };
+        let flag = |&f: &FaceId| if flows(f) { Vertex::PATCH } else { 0 };
         let options = SurfaceOptions {
             samples_per_edge: None,
             creases: request.creases.to_vec(),
@@ -225,16 +243,43 @@ impl Split {
             still,
             creases: Arc::clone(&request.creases),
             first_patch_face: first,
+            faired: Arc::clone(&request.faired),
             original: request.original,
             topology: key,
         }
     }
+
+    fn is_faired(&self, f: FaceId) -> bool {
+        self.faired.binary_search(&f.0).is_ok()
+    }
+
+    /// The listed faces as they are in the surfaces, flagged as selected.
+    fn highlights(&self, surfaces: &[Arc<Geometry>], listed: &[u32]) -> Vec<Arc<Geometry>> {
+        let parts = [&self.still, &self.moving_faces];
+        let drawn = parts.into_iter().filter(|faces| !faces.is_empty());
+        surfaces
+            .iter()
+            .zip(drawn)
+            .filter_map(|(surface, faces)| {
+                let places = listed
+                    .iter()
+                    .filter_map(|&f| faces.binary_search(&FaceId(f)).ok());
+                let places: Vec<usize> = places.collect();
+                (!places.is_empty())
+                    .then(|| Arc::new(surface.part(&places, faces.len(), Vertex::SELECTED)))
+            })
+            .collect()
+    }
 }
 
-/// The faces from `first` on with `rings` rings around them, and the others.
-fn around(topology: &Topology, first: usize, rings: usize) -> (Vec<FaceId>, Vec<FaceId>) {
-    let mut inside = vec![false; topology.face_count()];
-    inside[first..].fill(true);
+/// The faces that flow with `rings` rings around them, and the others.
+fn around(
+    topology: &Topology,
+    flows: &dyn Fn(FaceId) -> bool,
+    rings: usize,
+) -> (Vec<FaceId>, Vec<FaceId>) {
+    let faces = (0..topology.face_count()).map(FaceId::from);
+    let mut inside: Vec<bool> = faces.clone().map(flows).collect();
     let mut reached = vec![false; topology.vertex_count()];
     let mut front: Vec<VertexId> = Vec::new();
     let mut claim = |v: VertexId, next: &mut Vec<VertexId>| {
@@ -242,7 +287,7 @@ fn around(topology: &Topology, first: usize, rings: usize) -> (Vec<FaceId>, Vec<
             next.push(v);
         }
     };
-    for f in (first..topology.face_count()).map(FaceId::from) {
+    for f in faces.filter(|&f| flows(f)) {
         for v in topology.face_vertices(f) {
             claim(v, &mut front);
         }
@@ -276,11 +321,11 @@ mod tests {
         let (positions, triangles) = icosphere(8);
         let topology = Topology::from_triangles(positions.len(), &triangles).expect("sphere");
         let last = topology.face_count() - 1;
-        let (none, all) = around(&topology, topology.face_count(), 3);
+        let (none, all) = around(&topology, &|_| false, 3);
         assert_eq!((none.len(), all.len()), (0, topology.face_count()));
-        let (just, _) = around(&topology, last, 0);
+        let (just, _) = around(&topology, &|f| f.index() == last, 0);
         assert_eq!(just, [FaceId::from(last)]);
-        let (one, rest) = around(&topology, last, 1);
+        let (one, rest) = around(&topology, &|f| f.index() == last, 1);
         let corners = topology.face_vertices(FaceId::from(last));
         for f in &one {
             assert!(

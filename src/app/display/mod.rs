@@ -25,6 +25,10 @@ pub struct Request {
     pub start: Option<Arc<State>>,
     /// Faces of the mesh from here on are patches.
     pub first_patch_face: usize,
+    /// Other faces that flow, ascending.
+    pub faired: Arc<Vec<u32>>,
+    /// Selected faces, ascending.
+    pub highlight: Arc<Vec<u32>>,
     /// Rims joined with a crease: their vertices in order.
     pub creases: Arc<Vec<[VertexId; 2]>>,
     /// Limit surface or control mesh.
@@ -44,6 +48,11 @@ pub struct Request {
 impl Request {
     /// Whether both give the same picture.
     fn same(&self, other: &Self) -> bool {
+        self.same_surfaces(other) && same_list(&self.highlight, &other.highlight)
+    }
+
+    /// Whether both give the same picture but for the selected faces.
+    fn same_surfaces(&self, other: &Self) -> bool {
         let same = |a: &Option<Arc<State>>, b: &Option<Arc<State>>| match (a, b) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             (None, None) => true,
@@ -67,6 +76,7 @@ impl Request {
             && same(&self.start, &other.start)
             && Arc::ptr_eq(&self.creases, &other.creases)
             && self.first_patch_face == other.first_patch_face
+            && same_list(&self.faired, &other.faired)
             && self.limit == other.limit
             && self.original == other.original
             && self.centre == other.centre
@@ -74,11 +84,18 @@ impl Request {
     }
 }
 
+/// Whether both are one list, or none.
+fn same_list(a: &Arc<Vec<u32>>, b: &Arc<Vec<u32>>) -> bool {
+    Arc::ptr_eq(a, b) || (a.is_empty() && b.is_empty())
+}
+
 /// What came of a request.
 #[derive(Clone)]
 pub struct Display {
     /// Surfaces, the still part first.
     pub surfaces: Vec<Arc<Geometry>>,
+    /// The selected faces once more, to be drawn over them.
+    pub highlights: Vec<Arc<Geometry>>,
     /// Their box.
     pub bounds: Bounds,
     /// How the flow is posed on the patch and its collar.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::subject::Places;
 use super::view::{Chain, Comb};
 use crate::analysis::{Section, SectionCurve, SectionPoint};
 use crate::app::model::Model;
@@ -90,19 +91,21 @@ impl ReportOverlays {
             return Arc::clone(overlay);
         }
         let centre = model.centre();
-        let point = |v: u32| {
+        let topology = &mesh.topology;
+        let point = |v: VertexId| {
             let p = if limit {
-                limit_position(&mesh.topology, &mesh.positions, VertexId(v))
+                limit_position(topology, &mesh.positions, v)
             } else {
-                mesh.positions[v as usize]
+                mesh.position(v)
             };
             narrow(p - centre)
         };
+        let places = Places::new(mesh, chains);
         let edges = chains.iter().flat_map(|c| &c.edges);
-        let there = |e: &&[u32; 2]| e.iter().all(|&v| (v as usize) < mesh.vertex_count());
         let lines = edges
-            .filter(there)
-            .map(|&[a, b]| line(vec![point(a), point(b)], CHOSEN, 4.0))
+            .filter_map(|e| places.edge(mesh, e))
+            .map(|h| [topology.origin(h), topology.target(h)].map(point))
+            .map(|ends| line(ends.to_vec(), CHOSEN, 4.0))
             .collect();
         let overlay = Arc::new(Overlay::new(lines, Vec::new()));
         let key = (Arc::clone(mesh), limit, chains.clone());

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use super::view::Chain;
 use crate::analysis::{EdgeChain, patch_rims, sharp_edges};
-use crate::app::document::AcceptedFill;
+use crate::app::document::{Accepted, Work, left_of};
 use crate::app::model::Model;
 use crate::fill::{Choice, Continuity, Controls, State};
-use crate::mesh::{HalfedgeId, Mesh, Topology, VertexId, boundary_loops};
+use crate::mesh::{BoundaryLoop, HalfedgeId, Mesh, Topology, VertexId, boundary_loops};
 
 /// Sharp edges listed at most, the longest chains first.
 const MOST_SHARP: usize = 24;
@@ -19,21 +19,20 @@ const MOST_SHARP: usize = 24;
 pub struct Subject {
     mesh: Arc<Mesh>,
     state: Option<Arc<State>>,
-    fills: Vec<Arc<AcceptedFill>>,
-    /// Controls of the run that are in force.
-    controls: Option<Controls>,
+    /// How much was accepted.
+    changes: usize,
 }
 
 impl Subject {
     /// What the window shows (of a comparison, side A).
     pub fn of(model: &Model) -> Self {
-        let side = model.run.as_ref().and_then(|r| r.sides.first());
-        let state = side.and_then(crate::app::run::Side::state);
+        let run = model.run.as_ref();
+        let state = run.and_then(|r| r.sides.first()?.state());
+        let base = run.filter(|_| state.is_some()).map(|r| &r.base);
         Self {
-            mesh: Arc::clone(&model.document.mesh),
-            controls: side.filter(|_| state.is_some()).map(|s| s.controls.clone()),
+            mesh: Arc::clone(base.unwrap_or(&model.document.mesh)),
             state,
-            fills: model.document.fills.clone(),
+            changes: model.document.accepted.len(),
         }
     }
 
@@ -54,11 +53,11 @@ impl Subject {
 
     /// What it is, in words.
     pub fn words(&self) -> String {
-        match &self.state {
-            Some(state) => format!("the flow after {} attempts", state.attempt),
-            None if self.fills.is_empty() => "the mesh as it was opened".into(),
-            None if self.fills.len() == 1 => "the mesh with an accepted fill".into(),
-            None => format!("the mesh with {} accepted fills", self.fills.len()),
+        match (&self.state, self.changes) {
+            (Some(state), _) => format!("the flow after {} attempts", state.attempt),
+            (None, 0) => "the mesh as it was opened".into(),
+            (None, 1) => "the mesh after one change".into(),
+            (None, n) => format!("the mesh after {n} changes"),
         }
     }
 
@@ -67,36 +66,106 @@ impl Subject {
         let Some(state) = &self.state else {
             return Arc::clone(&self.mesh);
         };
-        let mut positions = self.mesh.positions.clone();
-        positions.extend(state.new_positions());
-        let mut mesh = Mesh::new(positions, (*state.topology).clone());
+        let topology = (*state.topology).clone();
+        let mut mesh = Mesh::new(state.positions(&self.mesh), topology);
         mesh.one_sided.clone_from(&self.mesh.one_sided);
         Arc::new(mesh)
     }
+}
+
+/// Faces that were made or moved, and how they join the others.
+struct Patch {
+    faces: Range<usize>,
+    /// Faces that flowed as they were.
+    faired: Arc<Vec<u32>>,
+    controls: Controls,
+    loops: Loops,
+}
+
+/// The loops of the mesh a patch was made for, which have its continuity.
+enum Loops {
+    /// They are the boundary of the faces before the patch's.
+    Before,
+    /// These.
+    Known(BTreeMap<VertexId, usize>),
+}
+
+/// All patches of a [`Subject`].
+pub struct Patches(Vec<Patch>);
+
+impl Patches {
+    /// Those of the document and of the run.
+    pub fn of(model: &Model) -> Self {
+        let accepted = &model.document.accepted;
+        let run = model.run.as_ref().and_then(|run| {
+            let side = run.sides.first()?;
+            side.state().map(|state| (run, side, state))
+        });
+        let kept = run.as_ref().and_then(|(run, ..)| run.kept.as_deref());
+        let erases = |w: &Work| matches!(w, Work::Refill(_) | Work::Erase(_));
+        let mut patches: Vec<Patch> = accepted
+            .iter()
+            .enumerate()
+            .map(|(i, one)| {
+                let later = accepted[i + 1..].iter().any(|l| erases(&l.work)) || kept.is_some();
+                let faces = match kept {
+                    Some(kept) => left_of(kept, one.faces.start)..left_of(kept, one.faces.end),
+                    None => one.faces.clone(),
+                };
+                let faired = match &one.work {
+                    Work::Fair(faces) if !later => Arc::clone(faces),
+                    _ => Arc::default(),
+                };
+                Patch {
+                    faces,
+                    faired,
+                    controls: last_continuity(one),
+                    // loops had other numbers before something was erased
+                    loops: if later {
+                        Loops::Known(BTreeMap::new())
+                    } else {
+                        Loops::Before
+                    },
+                }
+            })
+            .collect();
+        if let Some((run, side, state)) = run {
+            let numbered = |l: &BoundaryLoop| {
+                let number = l.number;
+                l.vertices.clone().into_iter().map(move |v| (v, number))
+            };
+            patches.push(Patch {
+                faces: state.patch_faces(),
+                faired: run.faired(),
+                controls: side.controls.clone(),
+                loops: Loops::Known(run.loops.iter().flat_map(numbered).collect()),
+            });
+        }
+        Self(patches)
+    }
 
     /// The rims of all patches in the whole `mesh`, those of G0 as creases.
-    pub fn rims(&self, mesh: &Mesh) -> Vec<EdgeChain> {
+    fn rims(&self, mesh: &Mesh) -> Vec<EdgeChain> {
         let mut rims = Vec::new();
-        let mut add = |faces: Range<usize>, continuity: &dyn Fn(VertexId) -> Continuity| {
-            let is_patch: Vec<bool> = (0..mesh.face_count()).map(|f| faces.contains(&f)).collect();
+        for patch in &self.0 {
+            let is_patch: Vec<bool> = (0..mesh.face_count())
+                .map(|f| {
+                    patch.faces.contains(&f) || patch.faired.binary_search(&(f as u32)).is_ok()
+                })
+                .collect();
+            let numbers = patch.numbers(mesh);
             for rim in patch_rims(mesh, &is_patch, false) {
                 let at = rim.edges.first().map(|&h| mesh.topology.origin(h));
-                let is_crease = at.is_some_and(|v| continuity(v) == Continuity::G0);
+                let continuity = match at.and_then(|v| numbers.get(&v)) {
+                    Some(&number) => patch.controls.continuity_at(number),
+                    None => patch.controls.continuity,
+                };
                 rims.push(EdgeChain {
                     name: format!("rim {}", rims.len() + 1),
-                    is_crease,
+                    is_crease: patch.faired.is_empty() && continuity == Continuity::G0,
                     ..rim
                 });
             }
-        };
-        for fill in &self.fills {
-            let controls = last_continuity(fill);
-            let numbers = Numbers::new(mesh, &controls, fill.faces.start);
-            add(fill.faces.clone(), &|v| numbers.continuity(&controls, v));
-        }
-        if let (Some(state), Some(controls)) = (&self.state, &self.controls) {
-            let numbers = Numbers::new(&self.mesh, controls, self.mesh.face_count());
-            add(state.patch_faces(), &|v| numbers.continuity(controls, v));
         }
         rims
     }
@@ -104,14 +173,12 @@ impl Subject {
     /// Rims, chosen chains as far as their edges are there, and the sharp edges above an angle in
     /// degrees, with how many were left out.
     pub fn chains(&self, mesh: &Mesh, chosen: &[Chain], sharp: Option<f64>) -> Chains {
-        let rims = self.rims(mesh);
-        let mut all = rims;
+        let mut all = self.rims(mesh);
         let rims = all.len();
+        let places = Places::new(mesh, chosen);
         for (n, chain) in chosen.iter().enumerate() {
             let edges = chain.edges.iter();
-            let edges: Vec<HalfedgeId> = edges
-                .filter_map(|&[a, b]| halfedge(&mesh.topology, a, b))
-                .collect();
+            let edges: Vec<HalfedgeId> = edges.filter_map(|e| places.edge(mesh, e)).collect();
             all.push(EdgeChain {
                 name: format!("edges {}", n + 1),
                 is_crease: chain.is_crease,
@@ -147,20 +214,44 @@ pub struct Chains {
     pub left_out: usize,
 }
 
-/// The half-edge between two vertices.
-fn halfedge(topology: &Topology, a: u32, b: u32) -> Option<HalfedgeId> {
-    let inside = |v: u32| (v as usize) < topology.vertex_count();
-    if !(inside(a) && inside(b)) {
-        return None;
+/// The vertices at the ends of chosen edges. They are found by their places, for vertices are numbered
+/// anew where faces are erased, but stay where they are.
+pub struct Places(BTreeMap<[u64; 3], Vec<VertexId>>);
+
+impl Places {
+    /// Of all edges of the chains.
+    pub fn new(mesh: &Mesh, chains: &[Chain]) -> Self {
+        let ends = chains.iter().flat_map(|c| &c.edges).flatten();
+        let mut wanted: Vec<[u64; 3]> = ends.map(|p| p.map(f64::to_bits)).collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let mut found: Vec<Vec<VertexId>> = vec![Vec::new(); wanted.len()];
+        if !wanted.is_empty() {
+            for (v, p) in mesh.positions.iter().enumerate() {
+                if let Ok(i) = wanted.binary_search(&p.to_array().map(f64::to_bits)) {
+                    found[i].push(VertexId::from(v));
+                }
+            }
+        }
+        Self(wanted.into_iter().zip(found).collect())
     }
-    let mut out = topology.outgoing(VertexId(a));
-    out.find(|&h| topology.target(h) == VertexId(b))
+
+    /// The half-edge from one place to the other, if there is one.
+    pub fn edge(&self, mesh: &Mesh, ends: &[[f64; 3]; 2]) -> Option<HalfedgeId> {
+        let topology = &mesh.topology;
+        let [from, to] = ends.map(|p| self.0.get(&p.map(f64::to_bits)));
+        let to = to?;
+        from?
+            .iter()
+            .flat_map(|&v| topology.outgoing(v))
+            .find(|&h| to.contains(&topology.target(h)))
+    }
 }
 
-/// The controls of a fill with the continuity it ended with.
-fn last_continuity(fill: &AcceptedFill) -> Controls {
-    let mut controls = fill.controls.clone();
-    for row in &fill.schedule.rows {
+/// The controls something was accepted with, with the continuity it ended with.
+fn last_continuity(done: &Accepted) -> Controls {
+    let mut controls = done.controls.clone();
+    for row in &done.schedule.rows {
         if row.control == "continuity" {
             controls.continuity = Continuity::named(&row.value).unwrap_or(controls.continuity);
         } else if row.control == "loop-continuity"
@@ -176,31 +267,27 @@ fn last_continuity(fill: &AcceptedFill) -> Controls {
     controls
 }
 
-/// The loops of the mesh before a fill, by their vertices; empty where all loops are alike.
-struct Numbers(BTreeMap<VertexId, usize>);
-
-impl Numbers {
-    /// Of the first `faces` faces.
-    fn new(mesh: &Mesh, controls: &Controls, faces: usize) -> Self {
-        if controls.loop_continuity.is_empty() {
-            return Self(BTreeMap::new());
+impl Patch {
+    /// Numbers of the loops by their vertices; empty where all are alike.
+    fn numbers(&self, mesh: &Mesh) -> BTreeMap<VertexId, usize> {
+        if self.controls.loop_continuity.is_empty() {
+            return BTreeMap::new();
         }
-        let triangles: Vec<[u32; 3]> = mesh.topology.triangles().take(faces).collect();
-        let before = Topology::from_triangles(mesh.vertex_count(), &triangles).ok();
-        let loops = before.map_or_else(Vec::new, |topology| {
-            boundary_loops(&Mesh::new(mesh.positions.clone(), topology))
-        });
-        let numbered = |l: &crate::mesh::BoundaryLoop| {
-            let number = l.number;
-            l.vertices.clone().into_iter().map(move |v| (v, number))
-        };
-        Self(loops.iter().flat_map(numbered).collect())
-    }
-
-    fn continuity(&self, controls: &Controls, v: VertexId) -> Continuity {
-        match self.0.get(&v) {
-            Some(&number) => controls.continuity_at(number),
-            None => controls.continuity,
+        match &self.loops {
+            Loops::Known(numbers) => numbers.clone(),
+            Loops::Before => {
+                let old = mesh.topology.triangles().take(self.faces.start);
+                let old: Vec<[u32; 3]> = old.collect();
+                let before = Topology::from_triangles(mesh.vertex_count(), &old).ok();
+                let loops = before.map_or_else(Vec::new, |topology| {
+                    boundary_loops(&Mesh::new(mesh.positions.clone(), topology))
+                });
+                let numbered = |l: BoundaryLoop| {
+                    let number = l.number;
+                    l.vertices.into_iter().map(move |v| (v, number))
+                };
+                loops.into_iter().flat_map(numbered).collect()
+            }
         }
     }
 }

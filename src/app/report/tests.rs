@@ -7,13 +7,15 @@ use super::*;
 use crate::analysis::{AnalysisOptions, analyze, measures_csv};
 use crate::app::action::{Action, SelectHow, Switch};
 use crate::app::document::{Document, Source};
+use crate::app::faces::{Dab, FaceEdit};
 use crate::app::model::{Effect, Model};
 use crate::app::project;
 use crate::app::tests::{filled, last_message, model, opened, until};
+use crate::app::view_state::Task;
 use crate::fill::Continuity;
 use crate::io;
 use crate::mesh::shapes::icosphere;
-use crate::mesh::{Topology, VertexId};
+use crate::mesh::{FaceId, Topology};
 use crate::render::Vertex;
 
 fn report(action: ReportAction) -> Action {
@@ -143,10 +145,9 @@ fn edges_are_chosen_and_let_go() {
     assert_eq!(overlays.len(), 1);
     assert_eq!(overlays[0].lines.len(), chain.edges);
 
-    let v = |[a, b]: [u32; 2]| [VertexId(a), VertexId(b)];
-    let [a, b] = v(m.view.report.chains[0].edges[0]);
-    let t = &m.document.mesh.topology;
-    let again = t.outgoing(a).find(|&h| t.target(h) == b).expect("an edge");
+    let again = subject::Places::new(&m.document.mesh, &m.view.report.chains)
+        .edge(&m.document.mesh, &m.view.report.chains[0].edges[0])
+        .expect("still there");
     m.act(report(ReportAction::Edge(again.twin())));
     assert!(m.view.report.chains.is_empty());
     m.act(report(ReportAction::Edge(again)));
@@ -154,6 +155,48 @@ fn edges_are_chosen_and_let_go() {
     assert!(measured(&mut m).chosen == 1);
     m.replace(Document::new(opened(), Source::Sample("test".into())));
     assert!(m.view.report.chains.is_empty());
+}
+
+/// Vertices are numbered anew where faces are erased; chosen edges stay the same ones.
+#[test]
+fn chosen_edges_and_rims_outlive_erasing() {
+    let mut m = model();
+    m.act(Action::Select(0, SelectHow::Replace));
+    filled(&mut m);
+    m.act(Action::Accept(0));
+    let mesh = Arc::clone(&m.document.mesh);
+    let t = &mesh.topology;
+    // an edge of the last face of the opened mesh, and faces at the first one
+    let far = FaceId::from(m.document.first_patch_face - 1);
+    m.act(report(ReportAction::Edge(t.halfedge_of_face(far))));
+    let before = measured(&mut m).analysis.chains.clone();
+    assert_eq!(before.len(), 2);
+    let [point, ..] = mesh.corners(FaceId(0));
+    m.act(Action::Task(Task::Repair));
+    let dabs = vec![Dab {
+        face: FaceId(0),
+        point,
+        radius: 0.15,
+    }];
+    m.act(Action::Faces(FaceEdit::Paint { dabs, take: false }));
+    m.act(Action::Settle);
+    m.act(Action::Erase);
+    assert!(m.document.mesh.vertex_count() < mesh.vertex_count());
+    let after = measured(&mut m).analysis.chains.clone();
+    for (a, b) in before.iter().zip(&after) {
+        assert_eq!((a.edges, &a.name), (b.edges, &b.name));
+        assert!((a.length - b.length).abs() < 1e-12);
+    }
+    assert_eq!(after.len(), 2);
+    // the faired region has a rim as well
+    m.act(Action::Undo);
+    m.act(Action::Fair);
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(crate::app::Run::ended)
+    });
+    assert_eq!(measured(&mut m).rims, 2);
+    m.act(Action::Accept(0));
+    assert_eq!(measured(&mut m).rims, 2);
 }
 
 #[test]
@@ -314,7 +357,7 @@ fn stripes_lines_and_the_report_come_back_with_the_project() {
         }),
         chains: vec![Chain {
             is_crease: false,
-            edges: vec![[1, 2], [2, 3]],
+            edges: vec![[[0.1, 0.2, 0.3], [1.0 / 3.0, -2e-17, 5.0]]],
         }],
         ..ReportView::default()
     };

@@ -29,12 +29,12 @@ pub enum Across {
 }
 
 /// Edges chosen together.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Chain {
     /// Whether both sides count as surfaces of their own.
     pub is_crease: bool,
-    /// The edges by their ends, as numbers of vertices.
-    pub edges: Vec<[u32; 2]>,
+    /// The edges by the places of their ends.
+    pub edges: Vec<[[f64; 3]; 2]>,
 }
 
 /// How a curvature comb is drawn.

@@ -5,6 +5,7 @@ mod dialogs;
 mod energy;
 mod menu;
 mod navigation;
+mod repair;
 mod report;
 mod side;
 mod status;
@@ -29,6 +30,8 @@ pub struct UiState {
     pub overlays: [OverlayCache; 2],
     /// The drag that is under way.
     pub drag: navigation::Drag,
+    /// The stroke or lasso that is under way.
+    pub draft: Option<repair::Draft>,
     /// Range of the colour map that is shown.
     pub range: viewport::KnownRange,
     /// Measured frames.
@@ -46,6 +49,7 @@ impl Default for UiState {
         Self {
             overlays: Default::default(),
             drag: navigation::Drag::default(),
+            draft: None,
             range: None,
             frames: windows::FrameStats::default(),
             viewport: egui::Rect::ZERO,

@@ -24,18 +24,28 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 "Blend",
                 "one surface joins all selected rims, of one component or several",
             ),
+            (
+                Task::Repair,
+                "Repair",
+                "selected faces are erased and filled anew, or faired in place",
+            ),
         ] {
             let chosen = model.view.task == task;
             let button = egui::Button::selectable(chosen, RichText::new(title).strong());
             if ui
                 .add_enabled(model.run.is_none(), button)
-                .on_hover_text(tip)
+                .on_hover_text(format!("{tip}{}", hint(ui.ctx(), Command::Task(task))))
                 .clicked()
             {
                 actions.push(Action::Task(task));
             }
         }
     });
+    if model.view.task == Task::Repair {
+        super::repair::repair_ui(ui, model, actions);
+        run_ui(ui, model, actions);
+        return;
+    }
     ui.horizontal(|ui| {
         ui.heading("Loops");
         ui.weak(format!(
@@ -90,11 +100,15 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let ctx = ui.ctx().clone();
     let Some(run) = &model.run else {
+        if model.view.task == Task::Repair {
+            super::repair::start_ui(ui, model, actions);
+            return;
+        }
         let n = model.document.selection.len();
         let text = match (model.view.task, n) {
             (Task::Fill, 0) => "Fill all holes".into(),
             (Task::Fill, 1) => "Fill the hole".into(),
-            (Task::Fill, n) => format!("Fill {n} holes"),
+            (Task::Fill | Task::Repair, n) => format!("Fill {n} holes"),
             (Task::Blend, 0 | 1) => "Blend (click two rims or more)".into(),
             (Task::Blend, n) => format!("Blend {n} rims"),
         };
@@ -202,6 +216,20 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 if response.hovered() {
                     hovered = Some(i);
                 }
+                response.context_menu(|ui| {
+                    let idle = model.run.is_none();
+                    let button = egui::Button::new("Turn its component over");
+                    let tip =
+                        "the other side becomes the outer one; for rims whose sides do not fit";
+                    if ui.add_enabled(idle, button).on_hover_text(tip).clicked() {
+                        actions.push(Action::Flip(i));
+                        ui.close();
+                    }
+                    if ui.button("Look at it").clicked() {
+                        actions.push(Action::FlyToLoop(i));
+                        ui.close();
+                    }
+                });
                 if response.double_clicked() {
                     actions.push(Action::FlyToLoop(i));
                 } else if response.clicked() {

@@ -5,11 +5,11 @@ use egui_plot::{Legend, Line, Plot, PlotPoints, VLine};
 
 use super::side::short;
 use crate::app::action::Action;
+use crate::app::document::Work;
 use crate::app::model::Model;
 use crate::app::run::{Run, Side};
 use crate::app::seam::Seam;
 use crate::app::shortcuts::{Command, hint};
-use crate::app::view_state::Task;
 use crate::solver::End;
 
 /// Everything about the run.
@@ -224,11 +224,14 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &Side) {
     }
     let state = side.state();
     for (g, group) in groups.iter().enumerate() {
-        let (holes, between) = match run.task {
-            Task::Fill => (&group.holes, ", "),
-            Task::Blend => (&run.loops, "+"),
+        let (holes, between) = match &run.work {
+            Work::Blend(loops) => (loops, "+"),
+            _ => (&group.holes, ", "),
         };
-        let numbers: Vec<String> = holes.iter().map(usize::to_string).collect();
+        let numbers: Vec<String> = match &run.work {
+            Work::Fair(faces) => vec![format!("{} faces", faces.len())],
+            _ => holes.iter().map(usize::to_string).collect(),
+        };
         let prefix = side_name(run, s);
         let shown = state.as_ref().and_then(|s| s.groups.get(g));
         ui.label(format!("{prefix}{}", numbers.join(between)));

@@ -6,12 +6,13 @@ use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sen
 
 use super::UiState;
 use super::navigation::{CLICK, navigate};
+use super::repair;
 use super::side::{how, short};
 use crate::app::action::{Action, SelectHow};
 use crate::app::model::Model;
 use crate::app::report::Pick;
 use crate::app::scene_builder;
-use crate::app::view_state::Task;
+use crate::app::view_state::{Task, Tool};
 use crate::mesh::DVec3;
 use crate::render::{
     MAX_SIDE, Scene, ViewMode, ViewportCallback, colormap, legend_ticks, robust_range,
@@ -89,8 +90,16 @@ fn viewport_ui(
     if side == 0 {
         state.viewport = rect;
     }
+    let tool = repair::is_active(model)
+        .then(|| repair::select(model, &mut state.draft, &response, rect, actions));
     let mut camera = model.view.camera;
-    if navigate(&mut camera, model.settings.navigation, &response, rect) {
+    if navigate(
+        &mut camera,
+        model.settings.navigation,
+        &response,
+        rect,
+        tool,
+    ) {
         actions.push(Action::Camera(camera));
     }
     pick(model, state, &response, rect, actions);
@@ -128,6 +137,7 @@ fn viewport_ui(
     if let Some(range) = range {
         legend(ui, rect, style.mode, range);
     }
+    repair::draw(ui, model, state.draft.as_ref(), &response);
     if side == 0 {
         rim_numbers(ui, model, rect);
         hover_figures(ui, model, rect);
@@ -194,7 +204,10 @@ fn pick(
     if let Some(at) = response.hover_pos()
         && !down
     {
-        let over = if model.run.is_none() && model.view.report.pick == Pick::Holes {
+        let over = if model.run.is_none()
+            && model.view.report.pick == Pick::Holes
+            && !repair::is_active(model)
+        {
             picker.pick_loop(camera, size, place(at), f64::from(REACH))
         } else {
             None
@@ -209,7 +222,7 @@ fn pick(
     let Some(at) = response.interact_pointer_pos() else {
         return;
     };
-    if response.double_clicked() {
+    if response.double_clicked() && !repair::is_active(model) {
         if let Some(hit) = picker.surface(camera, size, place(at)) {
             let mut turned = *camera;
             turned.set_pivot(hit.point);
@@ -220,7 +233,7 @@ fn pick(
         if far > CLICK || super::report::click(model, picker, size, place(at), actions) {
             return;
         }
-        if model.run.is_some() {
+        if model.run.is_some() || repair::is_active(model) {
             return;
         }
         let modifiers = ctx.input(|i| i.modifiers);
@@ -293,7 +306,19 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
     let document = &model.document;
     let words = if let Some(words) = super::report::hint_words(model.view.report.pick) {
         words
-    } else if model.run.is_some() || document.is_filled() || document.loops.is_empty() {
+    } else if model.run.is_some() {
+        return;
+    } else if model.view.task == Task::Repair {
+        if document.faces.is_empty() {
+            match model.view.selecting.tool {
+                Tool::Brush => "Paint over what is to be made anew; Ctrl takes away.",
+                Tool::Lasso => "Draw around what is to be made anew; Ctrl takes away.",
+                Tool::Grow => "Click what is to be made anew, again and again to widen it.",
+            }
+        } else {
+            "Press Enter to erase and refill, Delete to erase."
+        }
+    } else if document.is_changed() || document.loops.is_empty() {
         return;
     } else if model.view.task == Task::Blend {
         if document.selection.len() < 2 {

@@ -32,7 +32,7 @@ pub fn update(model: &mut Model, action: Action) {
         Action::AskSaveAs => ask(model, PathUse::SaveAs),
         Action::SaveAs(path) => save(model, &path),
         Action::AskExportPatch => {
-            if model.document.is_filled() {
+            if model.document.is_changed() {
                 ask(model, PathUse::ExportPatch);
             } else {
                 model.log.info("there is no patch yet: fill a hole first");

@@ -4,16 +4,17 @@ mod files;
 mod pictures;
 mod report;
 mod runs;
+mod select;
 mod view;
 
 pub use pictures::WRITING;
 pub use report::tick as tick_report;
 pub use runs::params_for;
 
-use super::action::{Action, SelectHow};
+use super::action::Action;
 use super::model::Model;
 use super::report::Pick;
-use super::view_state::{Modal, Task};
+use super::view_state::Modal;
 
 /// Carries out an action.
 pub fn update(model: &mut Model, action: Action) {
@@ -36,7 +37,9 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::SelectAllButLargest
         | Action::SelectNone
         | Action::Task(_)
-        | Action::Hover(_) => select(model, &action),
+        | Action::Selecting(_)
+        | Action::Faces(_)
+        | Action::Hover(_) => select::update(model, action),
         Action::Controls(_)
         | Action::Settle
         | Action::EnergyText(_)
@@ -44,6 +47,9 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::AddParameter(_)
         | Action::CompareEnergy(_)
         | Action::Fill
+        | Action::Fair
+        | Action::Erase
+        | Action::Flip(_)
         | Action::PlayPause
         | Action::Step
         | Action::Finish
@@ -74,65 +80,6 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::WindowPicture
         | Action::CancelPicture => pictures::update(model, action),
     }
-}
-
-fn select(model: &mut Model, action: &Action) {
-    if let Action::Hover(hover) = action {
-        model.view.hover = *hover;
-        return;
-    }
-    if model.run.is_some() {
-        model
-            .log
-            .info("accept or reject the patch before selecting other holes");
-        return;
-    }
-    if let Action::Task(task) = action {
-        model.view.task = *task;
-        return;
-    }
-    let mut selection = model.document.selection.clone();
-    let label = match action {
-        Action::Select(i, _) if *i >= model.document.loops.len() => return,
-        // the rims of a blend are gathered one by one
-        Action::Select(i, SelectHow::Replace) if model.view.task == Task::Blend => {
-            if !selection.remove(i) {
-                selection.insert(*i);
-            }
-            "gather a rim"
-        }
-        Action::Select(i, SelectHow::Replace) => {
-            selection = [*i].into();
-            "select a loop"
-        }
-        Action::Select(i, SelectHow::Add) => {
-            selection.insert(*i);
-            "add a loop"
-        }
-        Action::Select(i, SelectHow::Toggle) => {
-            if !selection.remove(i) {
-                selection.insert(*i);
-            }
-            "toggle a loop"
-        }
-        Action::SelectAll if model.view.task == Task::Blend && model.document.holes().len() < 2 => {
-            selection = (0..model.document.loops.len()).collect();
-            "select all rims"
-        }
-        Action::SelectAll => {
-            selection = model.document.holes();
-            "select all holes"
-        }
-        Action::SelectAllButLargest => {
-            selection = model.document.all_but_largest();
-            "select all but the largest"
-        }
-        _ => {
-            selection.clear();
-            "clear the selection"
-        }
-    };
-    model.select(selection, label);
 }
 
 /// Closes what is open, else stops what runs, else clears the selection.

@@ -83,7 +83,11 @@ fn make(model: &mut Model, settings: &PictureSettings) {
         style: style_for(model, settings),
         settings: settings.clone(),
     };
-    let scene = scene_builder::scene(model, 0);
+    let mut scene = scene_builder::scene(model, 0);
+    if let (false, Some(display)) = (settings.overlays, model.displays[0].latest()) {
+        // without the selected faces, which come last
+        scene.surfaces.truncate(display.surfaces.len());
+    }
     let states = match (settings.kind, &model.run) {
         (PictureKind::Flow, Some(run)) => run.sides[0].live.timeline().states.clone(),
         (PictureKind::Flow, None) => {

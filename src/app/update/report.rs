@@ -12,7 +12,7 @@ use crate::analysis::{
 use crate::app::jobs::{Job, Reporter};
 use crate::app::model::{Done, Effect, Model, SavedWhat};
 use crate::app::report::{
-    Chain, CutMade, Measured, Reference, ReportAction, ReportFile, Subject, Wanted,
+    Chain, CutMade, Measured, Patches, Reference, ReportAction, ReportFile, Subject, Wanted,
 };
 use crate::app::view_state::PathUse;
 use crate::io;
@@ -82,9 +82,12 @@ fn choose_chain(model: &mut Model, edge: HalfedgeId) {
             .info("the mesh ends at that edge: there is no other side to compare");
         return;
     };
-    let ends = |h: HalfedgeId| [mesh.topology.origin(h).0, mesh.topology.target(h).0];
-    let edges: Vec<[u32; 2]> = chain.edges.iter().map(|&h| ends(h)).collect();
-    let same = |[a, b]: [u32; 2], e: &[u32; 2]| *e == [a, b] || *e == [b, a];
+    let ends = |h: HalfedgeId| {
+        let ends = [mesh.topology.origin(h), mesh.topology.target(h)];
+        ends.map(|v| mesh.position(v).to_array())
+    };
+    let edges: Vec<[[f64; 3]; 2]> = chain.edges.iter().map(|&h| ends(h)).collect();
+    let same = |[a, b]: [[f64; 3]; 2], e: &[[f64; 3]; 2]| *e == [a, b] || *e == [b, a];
     let chains = &mut model.view.report.chains;
     let known = chains
         .iter()
@@ -194,13 +197,14 @@ fn measure(model: &mut Model) {
         report.measuring = None;
         return;
     }
+    let patches = Patches::of(model);
     let job = {
         let wanted = wanted.clone();
         Job::spawn("measuring", &model.wake, move |reporter| {
-            find(wanted, reporter)
+            find(wanted, &patches, reporter)
         })
     };
-    report.measuring = Some((wanted, job));
+    model.report.measuring = Some((wanted, job));
 }
 
 fn vertices(on_surface: bool) -> Vertices {
@@ -211,9 +215,9 @@ fn vertices(on_surface: bool) -> Vertices {
     }
 }
 
-fn find(wanted: Wanted, reporter: &Reporter) -> Option<Measured> {
+fn find(wanted: Wanted, patches: &Patches, reporter: &Reporter) -> Option<Measured> {
     let mesh = wanted.subject.mesh();
-    let chains = wanted.subject.chains(&mesh, &wanted.chains, wanted.sharp);
+    let chains = patches.chains(&mesh, &wanted.chains, wanted.sharp);
     let options = AnalysisOptions {
         vertices: vertices(wanted.on_surface),
         energy: wanted.energy.clone(),

@@ -1,12 +1,15 @@
 //! Controls and runs.
 
+use std::sync::Arc;
+
 use crate::app::action::Action;
-use crate::app::document::{AcceptedFill, window_controls};
+use crate::app::document::{Accepted, Work, window_controls};
 use crate::app::model::{Effect, Model};
 use crate::app::repeat;
 use crate::app::run::Run;
 use crate::app::view_state::Task;
-use crate::fill::Controls;
+use crate::fill::{Controls, Schedule};
+use crate::mesh::{DVec3, Mesh, erase as erase_faces, face_flags};
 use crate::solver::energy::{Energy, Preset};
 
 /// Carries out the actions of this kind.
@@ -35,6 +38,13 @@ pub fn update(model: &mut Model, action: Action) {
             }
         }
         Action::Fill => fill(model),
+        Action::Fair => {
+            if let Some(faces) = selected_faces(model) {
+                start(model, Work::Fair(faces));
+            }
+        }
+        Action::Erase => erase(model),
+        Action::Flip(i) => flip(model, i),
         Action::PlayPause => play_pause(model),
         Action::Step => step(model),
         Action::Finish => on_sides(model, |side| {
@@ -161,9 +171,98 @@ pub fn params_for(
     params
 }
 
-/// Fills what is selected; with nothing selected all holes that are no outer rims.
+/// The selected faces, if there are any.
+fn selected_faces(model: &mut Model) -> Option<Arc<Vec<u32>>> {
+    if model.run.is_some() {
+        model
+            .log
+            .info("accept or reject the patch before changing something else");
+        return None;
+    }
+    if model.document.faces.is_empty() {
+        model
+            .log
+            .warning("no face is selected: paint over the place with the brush, or use the lasso");
+        return None;
+    }
+    Some(Arc::clone(&model.document.faces))
+}
+
+/// Takes in what needs no flow.
+fn accept_at_once(model: &mut Model, work: Work, mesh: Mesh, kept: Option<&[u32]>) {
+    let label = work.label();
+    model.history.record(&model.document, label.clone(), None);
+    let end = mesh.face_count();
+    let done = Accepted {
+        work,
+        controls: model.document.controls.clone(),
+        schedule: Schedule::default(),
+        faces: end..end,
+    };
+    model.document.accept(mesh, kept, done);
+    model.revision += 1;
+    model.view.hover = None;
+    model.log.info(label);
+}
+
+fn erase(model: &mut Model) {
+    let Some(faces) = selected_faces(model) else {
+        return;
+    };
+    let mesh = &model.document.mesh;
+    if faces.len() == mesh.face_count() {
+        model
+            .log
+            .warning("all faces are selected: nothing would be left; Ctrl takes faces away");
+        return;
+    }
+    let erased = erase_faces(mesh, &face_flags(&faces, mesh.face_count()));
+    accept_at_once(
+        model,
+        Work::Erase(faces),
+        erased.mesh,
+        Some(&erased.old_face),
+    );
+}
+
+/// Turns over the component of a loop, by its index.
+fn flip(model: &mut Model, i: usize) {
+    if model.run.is_some() {
+        model
+            .log
+            .info("accept or reject the patch before changing something else");
+        return;
+    }
+    let Some(l) = model.document.loops.get(i) else {
+        return;
+    };
+    let mesh = model.document.mesh.turned_over(&[l.component]);
+    let work = Work::Flip(l.number);
+    let before = std::mem::take(&mut model.document.selection);
+    let places: Vec<DVec3> = before
+        .iter()
+        .map(|&i| model.document.loops[i].centroid)
+        .collect();
+    model.document.selection = before;
+    accept_at_once(model, work, mesh, None);
+    // the same rims stay gathered, by their new numbers
+    let loops = &model.document.loops;
+    let nearest = |p: &DVec3| {
+        let far = |i: &usize| loops[*i].centroid.distance_squared(*p);
+        (0..loops.len()).min_by(|a, b| far(a).total_cmp(&far(b)))
+    };
+    model.document.selection = places.iter().filter_map(nearest).collect();
+}
+
+/// Does the task; for fills with nothing selected, all holes that are no outer rims.
 fn fill(model: &mut Model) {
     if model.run.is_some() {
+        return;
+    }
+    if model.view.task == Task::Repair {
+        if let Some(faces) = selected_faces(model) {
+            start(model, Work::Refill(faces));
+        }
         return;
     }
     if model.document.selection.is_empty() && model.view.task == Task::Fill {
@@ -185,6 +284,17 @@ fn fill(model: &mut Model) {
             .warning("a blend joins two rims or more: click them, or take all with Ctrl+A");
         return;
     }
+    let loops = model.document.selected().iter().map(|l| l.number).collect();
+    start(
+        model,
+        match task {
+            Task::Blend => Work::Blend(loops),
+            _ => Work::Fill(loops),
+        },
+    );
+}
+
+fn start(model: &mut Model, work: Work) {
     let a = model.document.controls.clone();
     let mut sides = vec![a.clone()];
     if let Some(energy) = &model.view.compare_energy {
@@ -193,15 +303,7 @@ fn fill(model: &mut Model) {
         b.energy.clone_from(energy);
         sides.push(b);
     }
-    let loops = model.document.selected();
-    match Run::start(
-        task,
-        &model.document.mesh,
-        &loops,
-        &sides,
-        model.view.pace,
-        &model.wake,
-    ) {
+    match Run::start(work, &model.document, &sides, model.view.pace, &model.wake) {
         Ok(run) => model.run = Some(run),
         Err(text) => model.log.error(text),
     }
@@ -272,32 +374,25 @@ pub fn accept(model: &mut Model, index: usize) {
         return;
     };
     let filled = side.live.mesh_at(&state);
-    let faces = model.document.mesh.face_count()..filled.face_count();
-    if faces.is_empty() {
+    let faces = run.base.face_count()..filled.face_count();
+    if faces.is_empty() && !matches!(run.work, Work::Fair(_)) {
         model
             .log
             .error("no hole could be filled; the mesh is as before");
         model.run = None;
         return;
     }
-    let fill = AcceptedFill {
-        task: run.task,
-        loops: run.loops.clone(),
+    let done = Accepted {
+        work: run.work.clone(),
         controls: side.start.clone(),
         schedule: side.live.schedule_to(&state),
         faces,
     };
-    let n = fill.loops.len();
-    let label = if run.task == Task::Blend {
-        format!("blend of {n} rims")
-    } else if n == 1 {
-        format!("fill of loop {}", fill.loops[0])
-    } else {
-        format!("fill of {n} loops")
-    };
+    let label = done.work.label();
+    let kept = run.kept.take();
     let controls = side.controls.clone();
     model.history.record(&model.document, label.clone(), None);
-    model.document.accept(filled, fill);
+    model.document.accept(filled, kept.as_deref(), done);
     model.document.controls = Controls {
         // numbers of loops mean other loops from now on
         loop_continuity: window_controls().loop_continuity,

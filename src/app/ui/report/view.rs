@@ -82,9 +82,9 @@ fn point_at(model: &Model, picker: &Picker, size: [f64; 2], at: [f64; 2]) -> Opt
         0.0
     };
     let on_patch = || {
-        let state = model.run.as_ref()?.sides.first()?.state()?;
-        let mut positions = model.document.mesh.positions.clone();
-        positions.extend(state.new_positions());
+        let run = model.run.as_ref()?;
+        let state = run.sides.first()?.state()?;
+        let positions = state.positions(&run.base);
         let faces = state.patch_faces();
         let triangles: Vec<[u32; 3]> = state
             .topology
