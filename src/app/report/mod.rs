@@ -102,12 +102,12 @@ pub struct Measured {
     pub wanted: Wanted,
     /// The mesh it was found of.
     pub mesh: Arc<Mesh>,
-    /// The measures; chains are the rims, the chosen ones, the sharp edges.
+    /// The measures; chains are the chosen ones, the rims, the sharp edges.
     pub analysis: Analysis,
-    /// How many of the chains are rims.
-    pub rims: usize,
-    /// How many were chosen.
+    /// How many of the chains were chosen.
     pub chosen: usize,
+    /// How many are rims.
+    pub rims: usize,
     /// Chains of sharp edges that were left out.
     pub left_out: usize,
 }

@@ -32,7 +32,7 @@ const MOST_TEETH: usize = 6000;
 #[derive(Default)]
 pub struct ReportOverlays {
     chains: Option<(ChainKey, Arc<Overlay>)>,
-    comb: Option<(CombKey, Arc<Overlay>)>,
+    comb: Option<(CombKey, Arc<Overlay>, Option<Bounds>)>,
     /// Around the comb that was drawn last.
     reach: Option<Bounds>,
     mark: Option<(DVec3, Arc<Overlay>)>,
@@ -52,10 +52,8 @@ impl ReportOverlays {
             all.push(self.chains(model));
         }
         if let (Some(cut), Some(_)) = (&model.report.cut, view.cut) {
-            let comb = self.comb(model, &cut.section);
-            let centre = model.centre();
-            let points = comb.lines.iter().flat_map(|l| &l.points);
-            self.reach = Bounds::of(points.map(|p| DVec3::from_array(p.map(f64::from)) + centre));
+            let (comb, reach) = self.comb(model, &cut.section);
+            self.reach = reach;
             all.push(comb);
         }
         if let Some(mark) = view.mark.filter(|_| shown) {
@@ -113,18 +111,21 @@ impl ReportOverlays {
         overlay
     }
 
-    fn comb(&mut self, model: &Model, section: &Arc<Section>) -> Arc<Overlay> {
+    fn comb(&mut self, model: &Model, section: &Arc<Section>) -> (Arc<Overlay>, Option<Bounds>) {
         let (comb, centre) = (model.view.report.comb, model.centre());
-        if let Some(((s, c, at), overlay)) = &self.comb
+        if let Some(((s, c, at), overlay, reach)) = &self.comb
             && Arc::ptr_eq(s, section)
             && (*c, *at) == (comb, centre)
         {
-            return Arc::clone(overlay);
+            return (Arc::clone(overlay), *reach);
         }
         let radius = model.document.origin.bounds.radius();
         let overlay = Arc::new(comb_overlay(section, &comb, radius, centre));
-        self.comb = Some(((Arc::clone(section), comb, centre), Arc::clone(&overlay)));
-        overlay
+        let points = overlay.lines.iter().flat_map(|l| &l.points);
+        let reach = Bounds::of(points.map(|p| DVec3::from_array(p.map(f64::from)) + centre));
+        let key = (Arc::clone(section), comb, centre);
+        self.comb = Some((key, Arc::clone(&overlay), reach));
+        (overlay, reach)
     }
 }
 

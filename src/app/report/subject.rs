@@ -21,6 +21,8 @@ pub struct Subject {
     state: Option<Arc<State>>,
     /// How much was accepted.
     changes: usize,
+    /// Whether two flows are compared.
+    compared: bool,
 }
 
 impl Subject {
@@ -33,6 +35,7 @@ impl Subject {
             mesh: Arc::clone(base.unwrap_or(&model.document.mesh)),
             state,
             changes: model.document.accepted.len(),
+            compared: run.is_some_and(|r| r.sides.len() > 1),
         }
     }
 
@@ -54,7 +57,10 @@ impl Subject {
     /// What it is, in words.
     pub fn words(&self) -> String {
         match (&self.state, self.changes) {
-            (Some(state), _) => format!("the flow after {} attempts", state.attempt),
+            (Some(state), _) => {
+                let side = if self.compared { "side A, " } else { "" };
+                format!("{side}the flow after {} attempts", state.attempt)
+            }
             (None, 0) => "the mesh as it was opened".into(),
             (None, 1) => "the mesh after one change".into(),
             (None, n) => format!("the mesh after {n} changes"),
@@ -170,21 +176,25 @@ impl Patches {
         rims
     }
 
-    /// Rims, chosen chains as far as their edges are there, and the sharp edges above an angle in
+    /// Chosen chains as far as their edges are there, rims, and the sharp edges above an angle in
     /// degrees, with how many were left out.
     pub fn chains(&self, mesh: &Mesh, chosen: &[Chain], sharp: Option<f64>) -> Chains {
-        let mut all = self.rims(mesh);
-        let rims = all.len();
         let places = Places::new(mesh, chosen);
-        for (n, chain) in chosen.iter().enumerate() {
-            let edges = chain.edges.iter();
-            let edges: Vec<HalfedgeId> = edges.filter_map(|e| places.edge(mesh, e)).collect();
-            all.push(EdgeChain {
-                name: format!("edges {}", n + 1),
-                is_crease: chain.is_crease,
-                edges,
-            });
-        }
+        let mut all: Vec<EdgeChain> = chosen
+            .iter()
+            .enumerate()
+            .map(|(n, chain)| {
+                let edges = chain.edges.iter();
+                EdgeChain {
+                    name: format!("edges {}", n + 1),
+                    is_crease: chain.is_crease,
+                    edges: edges.filter_map(|e| places.edge(mesh, e)).collect(),
+                }
+            })
+            .collect();
+        let rims = self.rims(mesh);
+        let rim_count = rims.len();
+        all.extend(rims);
         let mut sharp = sharp.map_or_else(Vec::new, |angle| sharp_edges(mesh, angle.to_radians()));
         sharp.sort_by_key(|c| std::cmp::Reverse(c.edges.len()));
         let left_out = sharp.len().saturating_sub(MOST_SHARP);
@@ -195,21 +205,21 @@ impl Patches {
         }));
         Chains {
             all,
-            rims,
             chosen: chosen.len(),
+            rims: rim_count,
             left_out,
         }
     }
 }
 
-/// All chains to be measured: rims, chosen ones, sharp edges.
+/// All chains to be measured: chosen ones, rims, sharp edges.
 pub struct Chains {
     /// In this order.
     pub all: Vec<EdgeChain>,
-    /// How many are rims.
-    pub rims: usize,
     /// How many were chosen.
     pub chosen: usize,
+    /// How many are rims.
+    pub rims: usize,
     /// Chains of sharp edges that are not among them.
     pub left_out: usize,
 }

@@ -139,7 +139,7 @@ fn edges_are_chosen_and_let_go() {
     m.act(Action::Accept(0));
     let after = measured(&mut m);
     assert_eq!((after.rims, after.chosen), (1, 1));
-    assert_eq!(after.analysis.chains[1].length, chain.length);
+    assert_eq!(after.analysis.chains[0].length, chain.length);
     // drawn, on the limit surface
     let overlays = ReportOverlays::default().of(&m);
     assert_eq!(overlays.len(), 1);

@@ -141,8 +141,17 @@ fn range_ui(ui: &mut Ui, model: &Model, shown: [f32; 2], actions: &mut Vec<Actio
     }
 }
 
+fn degrees(value: &mut f64) -> egui::DragValue<'_> {
+    egui::DragValue::new(value)
+        .speed(1.0)
+        .max_decimals(0)
+        .suffix("°")
+}
+
 fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let mut style = model.view.style;
+    // the row is as wide as a small screen
+    ui.spacing_mut().slider_width = 56.0;
     let label = ui.label("Stripes");
     let slider = ui
         .add(egui::Slider::new(&mut style.stripes, 2..=60).logarithmic(true))
@@ -158,16 +167,11 @@ fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let mut above = d.y.clamp(-1.0, 1.0).asin().to_degrees();
         let label = ui.label("Light");
         let a = ui
-            .add(egui::DragValue::new(&mut around).speed(1.0).suffix("°"))
+            .add(degrees(&mut around))
             .labelled_by(label.id)
             .on_hover_text("direction to the light, around the vertical");
         let b = ui
-            .add(
-                egui::DragValue::new(&mut above)
-                    .speed(1.0)
-                    .range(-90.0..=90.0)
-                    .suffix("°"),
-            )
+            .add(degrees(&mut above).range(-90.0..=90.0))
             .labelled_by(label.id)
             .on_hover_text("direction to the light, above the horizon");
         if a.changed() || b.changed() {
@@ -184,12 +188,7 @@ fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     if style.mode == ViewMode::Zebra {
         let label = ui.label("Turned");
         changed |= ui
-            .add(
-                egui::DragValue::new(&mut style.zebra_turn)
-                    .speed(1.0)
-                    .range(-180.0..=180.0)
-                    .suffix("°"),
-            )
+            .add(degrees(&mut style.zebra_turn).range(-180.0..=180.0))
             .labelled_by(label.id)
             .on_hover_text("direction of the reflected lines, around the line of sight")
             .changed();

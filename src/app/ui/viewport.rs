@@ -111,6 +111,8 @@ fn viewport_ui(
     ));
     let mut style = model.view.style;
     style.line_scale = points;
+    // edges that are to be clicked are to be seen
+    style.wireframe |= model.view.report.pick == Pick::Edges;
     let range = style.mode.is_map().then(|| {
         style
             .range

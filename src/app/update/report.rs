@@ -232,8 +232,8 @@ fn find(wanted: Wanted, patches: &Patches, reporter: &Reporter) -> Option<Measur
         wanted,
         mesh,
         analysis,
-        rims: chains.rims,
         chosen: chains.chosen,
+        rims: chains.rims,
         left_out: chains.left_out,
     })
 }

@@ -3,7 +3,7 @@
 use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{self, Grid, RichText, Ui};
 
-use super::{chosen_index, place};
+use super::place;
 use crate::analysis::ChainReport;
 use crate::app::action::Action;
 use crate::app::model::Model;
@@ -57,10 +57,12 @@ pub fn chains_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut 
         ui.weak("no patch, no chosen edges: nothing to look across");
     }
     for (i, chain) in chains.iter().enumerate() {
-        let id = ui.scope_id().with(("chain", i));
-        CollapsingState::load_with_default_open(ui.ctx(), id, chains.len() <= FEW)
+        let chosen = i < measured.chosen;
+        let id = ui.scope_id().with(&chain.name);
+        let open = chosen || chains.len() <= FEW;
+        CollapsingState::load_with_default_open(ui.ctx(), id, open)
             .show_header(ui, |ui| {
-                head_ui(ui, chain, chosen_index(measured, i), actions);
+                head_ui(ui, chain, chosen.then_some(i), actions);
             })
             .body_unindented(|ui| chain_ui(ui, i, chain, actions));
     }

@@ -256,15 +256,15 @@ pub fn distance_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mu
     Grid::new("distances")
         .striped(true)
         .num_columns(4)
-        .spacing([12.0, 3.0])
+        .spacing([8.0, 3.0])
         .show(ui, |ui| {
-            for title in ["of the triangles", "RMS", "mean", "largest"] {
+            for title in ["triangles", "RMS", "mean", "largest"] {
                 ui.strong(title);
             }
             ui.end_row();
             for (name, one) in [
-                ("to the reference", &d.to_reference),
-                ("from the reference", &d.from_reference),
+                ("to reference", &d.to_reference),
+                ("from reference", &d.from_reference),
             ] {
                 ui.label(name);
                 ui.label(short(one.rms));

@@ -10,7 +10,7 @@ use eframe::egui::{CollapsingHeader, Grid, RichText, ScrollArea, Spinner, Ui};
 use super::side::short;
 use crate::app::action::Action;
 use crate::app::model::Model;
-use crate::app::report::{Measured, Pick, ReportAction, ReportFile};
+use crate::app::report::{Pick, ReportAction, ReportFile};
 use crate::mesh::DVec3;
 
 pub use view::{click, hint_words};
@@ -156,10 +156,4 @@ fn place(ui: &mut Ui, value: f64, at: [f64; 3], actions: &mut Vec<Action>) {
         let action = ReportAction::Inspect(DVec3::from_array(at));
         actions.push(Action::Report(action));
     }
-}
-
-/// Whether a chain of the report is a rim, a chosen one or of sharp edges.
-fn chosen_index(measured: &Measured, i: usize) -> Option<usize> {
-    let n = i.checked_sub(measured.rims)?;
-    (n < measured.chosen).then_some(n)
 }

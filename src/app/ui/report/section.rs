@@ -74,27 +74,30 @@ pub fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let radius = model.document.origin.bounds.radius();
     let natural = natural_length(section, &comb, radius);
     let mut length = comb.length.unwrap_or(natural);
-    let label = ui.label("Length of the teeth");
-    if ui
-        .add(
-            Slider::new(&mut length, natural * 0.02..=natural * 50.0)
-                .logarithmic(true)
-                .custom_formatter(|x, _| short(x)),
-        )
-        .labelled_by(label.id)
-        .on_hover_text("length at the curvature of a sphere of the model's radius, in these radii")
-        .changed()
-    {
+    let mut longer = false;
+    ui.horizontal(|ui| {
+        let label = ui.label("Length of the teeth");
+        let slider = Slider::new(&mut length, natural * 0.02..=natural * 50.0)
+            .logarithmic(true)
+            .custom_formatter(|x, _| short(x));
+        longer = ui
+            .add(slider)
+            .labelled_by(label.id)
+            .on_hover_text(
+                "length at the curvature of a sphere of the model's radius, in these radii",
+            )
+            .changed();
+    });
+    if longer {
         comb.length = Some(length);
     }
-    let label = ui.label("Density of the teeth");
-    ui.add(
-        Slider::new(&mut comb.density, 5.0..=400.0)
-            .logarithmic(true)
-            .integer(),
-    )
-    .labelled_by(label.id)
-    .on_hover_text("teeth in the length of the model's radius, as far as there are points");
+    ui.horizontal(|ui| {
+        let label = ui.label("Density of the teeth");
+        let slider = Slider::new(&mut comb.density, 5.0..=400.0);
+        ui.add(slider.logarithmic(true).integer())
+            .labelled_by(label.id)
+            .on_hover_text("teeth in the length of the model's radius, as far as there are points");
+    });
     ui.checkbox(&mut comb.own, "not averaged").on_hover_text(
         "the limit surface's own curvature: with jumps at the edges of a G2 break and spikes at \
          irregular vertices, where it has none",
