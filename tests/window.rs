@@ -270,9 +270,10 @@ fn picture_of_the_report() {
     harness.run_steps(2);
     harness.get_by_label("Report").click();
     until(&mut harness, |app| app.model.report.measured.is_some());
-    harness.get_by_label("Shape and energies").click();
-    harness.get_by_label("Section and curvature comb").click();
-    harness.run_steps(8);
+    for part in ["Shape and energies", "Section and curvature comb"] {
+        harness.get_by_label(part).click();
+        harness.run_steps(20);
+    }
     // a section across y, through the point clicked in the view
     harness.get_by_label("y").click();
     harness.run_steps(2);
