@@ -35,6 +35,7 @@ const MODULES: [(&str, &[&str]); 14] = [
             "io",
             "subdivision",
             "solver",
+            "refine",
             "fill",
             "render",
             "analysis",

@@ -1,5 +1,7 @@
 //! Fills in the background, and the same repeated by schedule.
 
+mod common;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -386,4 +388,52 @@ fn the_command_line_repeats_a_run_to_the_byte() {
         "{text}"
     );
     assert!(!at("no.obj").exists());
+}
+
+#[test]
+fn a_surface_that_runs_into_the_mesh_pauses_there() {
+    let (mesh, loops) = common::layouts::with_obstacle();
+    let settings = LiveSettings {
+        playing: true,
+        pace: None,
+        timeline_bytes: 1 << 24,
+    };
+    let (bell, woken) = channel();
+    let wake = Arc::new(move || {
+        bell.send(()).ok();
+    });
+    let spawned = LiveFill::spawn_blend(Arc::new(mesh), loops, Controls::default(), settings, wake);
+    let fill = spawned.expect("thread");
+    let mut live = Watched {
+        fill,
+        woken,
+        events: Vec::new(),
+    };
+    live.until(|_, events| {
+        events
+            .iter()
+            .any(|e| matches!(e, LiveEvent::Crossing { .. }))
+    });
+    let found = live.events.iter().find_map(|e| match e {
+        LiveEvent::Crossing {
+            place,
+            last_good,
+            paused,
+            ..
+        } => Some((*place, *last_good, *paused)),
+        _ => None,
+    });
+    let (place, last_good, paused) = found.expect("an event");
+    // the bar is round the line x = 0.9, z = 0
+    assert!(
+        place.z.abs() < 0.5 && (place.x - 0.9).abs() < 0.5,
+        "{place}"
+    );
+    assert!(paused && !live.fill.ended());
+    let good = last_good.expect("the start was clean");
+    assert!(live.fill.timeline().find(good).is_some());
+    // who goes on gets to the last shape without a crossing
+    live.fill.finish();
+    live.until(|fill, _| fill.ended());
+    assert_eq!(live.fill.groups()[0].end, Some(End::Crossed));
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use meniscus::app::{
-    Action, Autosave, Dab, Document, Effect, FaceEdit, Model, Run, SelectHow, Settings, Source,
-    Task,
+    Action, Autosave, Dab, Document, Effect, FaceEdit, Model, Refining, Run, SelectHow, Settings,
+    Source, Task,
 };
 use meniscus::fill::Continuity;
 use meniscus::io;
@@ -157,6 +157,9 @@ fn repairs_are_repeated_too() {
     scan(&input);
     let mut m = opened(input);
     m.act(Action::Flip(0));
+    let l = &m.document.loops[0];
+    let at = |i: usize| m.document.mesh.position(l.vertices[i]);
+    m.act(Action::Bridge([at(0), at(l.edges() / 2)], 2));
     m.act(Action::Task(Task::Repair));
     paint(&mut m, DVec3::Z, 0.45);
     m.act(Action::Fill);
@@ -181,5 +184,28 @@ fn repairs_are_repeated_too() {
     // a list that fits on the line
     paint(&mut m, DVec3::NEG_Z, 0.1);
     m.act(Action::Erase);
+    repeats(&mut m, &output);
+}
+
+#[test]
+fn refinements_are_repeated_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("coarse.obj");
+    let output = folder.path().join("done.obj");
+    let (positions, triangles) = meniscus::mesh::shapes::icosphere(1);
+    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
+    io::save_mesh(&input, &Mesh::new(positions, topology), &[]).expect("written");
+    let mut m = opened(input);
+    m.act(Action::Task(Task::Refine));
+    let levels = 2;
+    m.act(Action::Refining(Box::new(Refining {
+        levels,
+        ..Refining::default()
+    })));
+    m.act(Action::EnergyText("H^2 + 0.1*K^2".into()));
+    m.act(Action::ApplyEnergy);
+    m.act(Action::Fill);
+    until(&mut m, "the end", ended);
+    m.act(Action::Accept(0));
     repeats(&mut m, &output);
 }

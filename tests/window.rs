@@ -248,13 +248,8 @@ fn pictures_of_the_window() {
     harness.get_by_label("H").click();
     harness.run_steps(5);
     let run = harness.state().model.run.as_ref().expect("there");
-    assert!(
-        run.sides[0]
-            .live
-            .groups()
-            .iter()
-            .all(|g| g.failed.is_none())
-    );
+    let figures = run.sides[0].live.figures(None);
+    assert!(figures.iter().all(|f| matches!(f.end, Some(Ok(_)))));
     harness.snapshot_options("window_filled", &options);
 }
 

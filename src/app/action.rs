@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use super::faces::FaceEdit;
 use super::report::ReportAction;
-use super::view_state::{Modal, Navigation, PictureSettings, Selecting, Task};
+use super::view_state::{Bridging, Modal, Navigation, PictureSettings, Refining, Selecting, Task};
 use crate::fill::Controls;
+use crate::mesh::DVec3;
 use crate::render::{Camera, ViewStyle};
 
 /// How a click changes the selection.
@@ -92,6 +93,8 @@ pub enum Action {
     Task(Task),
     /// How faces are selected.
     Selecting(Selecting),
+    /// How the mesh is refined.
+    Refining(Box<Refining>),
     /// Change the selection of faces.
     Faces(FaceEdit),
     /// Let the selected faces flow as they are.
@@ -100,6 +103,10 @@ pub enum Action {
     Erase,
     /// Turn over the component of a loop.
     Flip(usize),
+    /// Begin a bridge, change it, or leave it.
+    Bridging(Option<Bridging>),
+    /// Build a bridge between two rim vertices, so many edges wide.
+    Bridge([DVec3; 2], usize),
     /// The cursor is over a loop.
     Hover(Option<usize>),
 
@@ -151,7 +158,7 @@ pub enum Action {
     /// Look at a loop.
     FlyToLoop(usize),
     /// Look at a place.
-    FlyTo(crate::mesh::DVec3),
+    FlyTo(DVec3),
     /// Draw differently.
     Style(ViewStyle),
     /// Flip a switch.

@@ -65,6 +65,21 @@ pub enum Work {
     Erase(Arc<Vec<u32>>),
     /// The component of a loop is turned over.
     Flip(usize),
+    /// A strip of triangles joins two rim vertices, so many edges wide.
+    Bridge([DVec3; 2], usize),
+    /// The mesh is refined.
+    Refine(RefineWork),
+}
+
+/// A refinement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RefineWork {
+    /// The arguments of the command, input and output left out.
+    pub words: Vec<String>,
+    /// The faces it is confined to; empty for all.
+    pub faces: Arc<Vec<u32>>,
+    /// Whether controls were changed on the way, which the command does not repeat.
+    pub changed: bool,
 }
 
 impl Work {
@@ -76,12 +91,17 @@ impl Work {
             Self::Refill(_) | Self::Fair(_) => "refill",
             Self::Erase(_) => "erase",
             Self::Flip(_) => "flip",
+            Self::Bridge(..) => "bridge",
+            Self::Refine(_) => "refine",
         }
     }
 
-    /// Whether a flow does it.
-    pub fn is_flow(&self) -> bool {
-        !matches!(self, Self::Erase(_) | Self::Flip(_))
+    /// Whether its command takes the controls of fills.
+    pub fn has_controls(&self) -> bool {
+        matches!(
+            self,
+            Self::Fill(_) | Self::Blend(_) | Self::Refill(_) | Self::Fair(_)
+        )
     }
 
     /// The loops it is about.
@@ -89,7 +109,7 @@ impl Work {
         match self {
             Self::Fill(loops) | Self::Blend(loops) => loops,
             Self::Flip(one) => std::slice::from_ref(one),
-            Self::Refill(_) | Self::Fair(_) | Self::Erase(_) => &[],
+            _ => &[],
         }
     }
 
@@ -97,7 +117,8 @@ impl Work {
     pub fn faces(&self) -> &[u32] {
         match self {
             Self::Refill(faces) | Self::Fair(faces) | Self::Erase(faces) => faces,
-            Self::Fill(_) | Self::Blend(_) | Self::Flip(_) => &[],
+            Self::Refine(work) => &work.faces,
+            _ => &[],
         }
     }
 
@@ -111,6 +132,8 @@ impl Work {
             Self::Fair(faces) => format!("fairing of {} faces", faces.len()),
             Self::Erase(faces) => format!("erase {} faces", faces.len()),
             Self::Flip(one) => format!("turn over at loop {one}"),
+            Self::Bridge(..) => "bridge".into(),
+            Self::Refine(_) => "refinement".into(),
         }
     }
 }
@@ -189,7 +212,13 @@ impl Document {
     /// Takes in what was done: the mesh is `mesh`, its loops are numbered anew. `kept` are the faces
     /// that are left, by their earlier indices, if some were erased; they come first in `mesh`.
     pub fn accept(&mut self, mesh: Mesh, kept: Option<&[u32]>, done: Accepted) {
-        if let Some(kept) = kept {
+        if matches!(done.work, Work::Refine(_)) {
+            // there are no faces any more that could be told from others
+            self.first_patch_face = mesh.face_count();
+            for one in &mut self.accepted {
+                Arc::make_mut(one).faces = 0..0;
+            }
+        } else if let Some(kept) = kept {
             self.first_patch_face = left_of(kept, self.first_patch_face);
             for one in &mut self.accepted {
                 let faces = left_of(kept, one.faces.start)..left_of(kept, one.faces.end);
@@ -203,6 +232,14 @@ impl Document {
         self.selection.clear();
         self.faces = Arc::default();
         self.accepted.push(Arc::new(done));
+    }
+
+    /// How many loops there are, in words.
+    pub fn loop_count(&self) -> String {
+        match self.loops.len() {
+            1 => "1 loop".into(),
+            n => format!("{n} loops"),
+        }
     }
 
     /// The selected loops.

@@ -11,6 +11,7 @@ mod document;
 mod faces;
 mod history;
 mod jobs;
+mod live;
 mod log;
 mod model;
 mod project;
@@ -37,12 +38,12 @@ use eframe::egui;
 
 pub use action::{Action, SelectHow, Switch};
 pub use autosave::Autosave;
-pub use document::{Accepted, Document, Source, Work};
+pub use document::{Accepted, Document, RefineWork, Source, Work};
 pub use faces::{Dab, FaceEdit, Lasso};
 pub use model::{Effect, Model};
 pub use run::Run;
 pub use settings::Settings;
-pub use view_state::{Modal, Navigation, Selecting, Task, Tool};
+pub use view_state::{Modal, Navigation, Refining, Selecting, Task, Tool};
 
 use crate::mesh::shapes::SAMPLES;
 use crate::render::{Gpu, ViewportCallback};

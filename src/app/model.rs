@@ -76,6 +76,9 @@ pub enum SavedWhat {
     Report,
 }
 
+/// Views beside each other at most.
+pub const MOST_SIDES: usize = 3;
+
 /// All of it.
 pub struct Model {
     /// The work.
@@ -96,8 +99,8 @@ pub struct Model {
     pub jobs: Vec<Job<Done>>,
     /// What the window has to do.
     pub effects: Vec<Effect>,
-    /// What is drawn: of the document or side A, and of side B.
-    pub displays: [DisplayWorker; 2],
+    /// What is drawn: of the document or the first side, and of the others.
+    pub displays: [DisplayWorker; MOST_SIDES],
     /// Answers what is under the cursor, once it is ready for the shown mesh.
     pub picker: Option<(Arc<Mesh>, Arc<Picker>)>,
     /// Where the document was saved last.
@@ -137,7 +140,7 @@ impl Model {
             log: Log::default(),
             jobs: Vec::new(),
             effects: Vec::new(),
-            displays: [DisplayWorker::new(&wake), DisplayWorker::new(&wake)],
+            displays: std::array::from_fn(|_| DisplayWorker::new(&wake)),
             picker: None,
             saved_to: None,
             revision: 0,
@@ -161,6 +164,8 @@ impl Model {
     /// Puts another document in place of this one.
     pub fn replace(&mut self, document: Document) {
         self.run = None;
+        // the camera must not be fitted to what was there before
+        self.displays.iter_mut().for_each(DisplayWorker::forget);
         self.history = History::default();
         self.view.camera.home();
         self.view.camera.fit_to(&document.origin.bounds);
@@ -226,12 +231,8 @@ impl Model {
             }
         }
         if let Some(run) = &mut self.run {
-            for (is_error, text) in run.poll() {
-                if is_error {
-                    self.log.error(text);
-                } else {
-                    self.log.warning(text);
-                }
+            for (level, text) in run.poll() {
+                self.log.note(level, text);
             }
             at(run.replay(self.view.pace, now));
         }
@@ -280,7 +281,8 @@ impl Model {
         let controls = run.map_or(&self.document.controls, |s| &s.controls);
         let rims = self.document.selected();
         let rims = rims.iter().map(|l| l.radius).fold(0.0, f64::max);
-        let radius = run.map_or(rims, super::run::Side::radius);
+        let radius = run.map_or(rims, |side| side.live.radius());
+        let state = run.and_then(super::run::Side::state);
         let energy = Energy::parse(&controls.energy, &controls.params).ok();
         let document = &self.document;
         let (mut mesh, mut first_patch_face) = (&document.mesh, document.first_patch_face);
@@ -298,8 +300,10 @@ impl Model {
             } else {
                 Arc::default()
             },
-            state: run.and_then(super::run::Side::state),
-            start: run.and_then(|s| s.live.timeline().states.first().cloned()),
+            start: run
+                .zip(state.as_ref())
+                .and_then(|(side, at)| side.live.start_of(at)),
+            state,
             first_patch_face,
             creases,
             limit: self.view.limit_surface,

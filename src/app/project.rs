@@ -9,13 +9,13 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::document::{Accepted, Document, Source, Work};
+use super::document::{Accepted, Document, RefineWork, Source, Work};
 use super::report::ReportView;
 use super::view_state::ViewState;
 use crate::fill::{Controls, Schedule};
 use crate::io::{self, Format, Opened};
 use crate::mesh::shapes::Sample;
-use crate::mesh::{parse_ranges, ranges_text};
+use crate::mesh::{DVec3, parse_ranges, ranges_text};
 use crate::render::{Camera, ViewMode};
 
 /// Extension of project files.
@@ -81,6 +81,16 @@ struct FillPart {
     task: Kind,
     #[serde(default)]
     loops: Vec<usize>,
+    /// The arguments of a refinement, and whether controls were changed on the way.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    arguments: Vec<String>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    changed: bool,
+    /// Ends and width of a bridge.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    ends: Vec<[f64; 3]>,
+    #[serde(default)]
+    width: usize,
     /// The faces it was done to, as a list of ranges.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     selected: String,
@@ -102,6 +112,8 @@ enum Kind {
     Fair,
     Erase,
     Flip,
+    Bridge,
+    Refine,
 }
 
 impl FillPart {
@@ -114,7 +126,22 @@ impl FillPart {
                 Work::Fair(_) => Kind::Fair,
                 Work::Erase(_) => Kind::Erase,
                 Work::Flip(_) => Kind::Flip,
+                Work::Bridge(..) => Kind::Bridge,
+                Work::Refine(_) => Kind::Refine,
             },
+            arguments: match &done.work {
+                Work::Refine(work) => work.words.clone(),
+                _ => Vec::new(),
+            },
+            ends: match done.work {
+                Work::Bridge([from, to], _) => vec![from.to_array(), to.to_array()],
+                _ => Vec::new(),
+            },
+            width: match done.work {
+                Work::Bridge(_, width) => width,
+                _ => 0,
+            },
+            changed: matches!(&done.work, Work::Refine(work) if work.changed),
             loops: done.work.loops().to_vec(),
             selected: ranges_text(done.work.faces()),
             faces: [done.faces.start, done.faces.end],
@@ -133,6 +160,15 @@ impl FillPart {
             Kind::Refill => Work::Refill(faces()?),
             Kind::Fair => Work::Fair(faces()?),
             Kind::Erase => Work::Erase(faces()?),
+            Kind::Bridge => match self.ends[..] {
+                [from, to] => Work::Bridge([from, to].map(DVec3::from_array), self.width),
+                _ => return Err("the ends of a bridge are missing".into()),
+            },
+            Kind::Refine => Work::Refine(RefineWork {
+                words: self.arguments.clone(),
+                faces: faces()?,
+                changed: self.changed,
+            }),
             Kind::Flip => Work::Flip(*loops.first().ok_or("a loop is missing")?),
         };
         Ok(Accepted {
@@ -338,8 +374,8 @@ impl ViewPart {
             view.style.mode = mode;
         }
         view.style.stripes = self.stripes.clamp(1, 100);
-        let light = crate::mesh::DVec3::from_array(self.light);
-        if light.is_finite() && light != crate::mesh::DVec3::ZERO {
+        let light = DVec3::from_array(self.light);
+        if light.is_finite() && light != DVec3::ZERO {
             view.style.light = light;
         }
         view.style.light_follows_view = self.light_follows_view;

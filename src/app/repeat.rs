@@ -7,7 +7,7 @@ use super::document::{Accepted, Source, Work};
 use super::model::Model;
 use crate::fill::command_line;
 use crate::io;
-use crate::mesh::ranges_text;
+use crate::mesh::{DVec3, ranges_text};
 
 /// Commands that repeat everything that was accepted and the run that is shown, one after the other, in
 /// lines of a shell script. Schedules and long lists of faces are written beside the
@@ -21,10 +21,7 @@ pub fn command(model: &Model) -> Result<String, String> {
     if let Some(run) = &model.run
         && let Some(side) = run.sides.first()
     {
-        let schedule = match side.state() {
-            Some(state) => side.live.schedule_to(&state),
-            None => side.live.schedule(),
-        };
+        let schedule = side.live.schedule_to(side.state().as_ref());
         steps.push(Accepted {
             work: run.work.clone(),
             controls: side.start.clone(),
@@ -75,9 +72,12 @@ pub fn command(model: &Model) -> Result<String, String> {
             &input,
             &output,
             &words(&step.work, &output)?,
-            step.work.is_flow().then_some(&step.controls),
+            step.work.has_controls().then_some(&step.controls),
             schedule.as_deref(),
         );
+        if matches!(&step.work, Work::Refine(work) if work.changed) {
+            text += "# controls were changed while this ran: the result is another one\n";
+        }
         let _ = writeln!(text, "{line}");
         input = output;
     }
@@ -93,18 +93,26 @@ fn words(work: &Work, output: &Path) -> Result<Vec<String>, String> {
     let mut words = match work {
         Work::Fill(_) | Work::Blend(_) => vec!["--loops".into(), numbers.join(",")],
         Work::Flip(_) => vec!["--component-of".into(), numbers.join(",")],
-        Work::Refill(_) | Work::Fair(_) | Work::Erase(_) => {
-            let list = ranges_text(work.faces());
-            if list.len() <= LONG {
-                vec!["--faces".into(), list]
-            } else {
-                let path = output.with_extension("faces.txt");
-                let lines = list.replace(',', "\n") + "\n";
-                io::save_text(&path, &lines).map_err(|e| e.to_string())?;
-                vec!["--faces-from".into(), path.to_string_lossy().into_owned()]
-            }
+        Work::Bridge(ends, width) => {
+            let text = |p: &DVec3| format!("{},{},{}", p.x, p.y, p.z);
+            let [from, to] = ends.each_ref().map(text);
+            let width = width.to_string();
+            ["--from", &from, "--to", &to, "--width", &width]
+                .map(str::to_owned)
+                .to_vec()
         }
+        Work::Refine(work) => work.words.clone(),
+        Work::Refill(_) | Work::Fair(_) | Work::Erase(_) => Vec::new(),
     };
+    let list = ranges_text(work.faces());
+    if list.len() > LONG {
+        let path = output.with_extension("faces.txt");
+        let lines = list.replace(',', "\n") + "\n";
+        io::save_text(&path, &lines).map_err(|e| e.to_string())?;
+        words.extend(["--faces-from".into(), path.to_string_lossy().into_owned()]);
+    } else if !list.is_empty() {
+        words.extend(["--faces".into(), list]);
+    }
     if matches!(work, Work::Fair(_)) {
         words.push("--fair".into());
     }

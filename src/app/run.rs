@@ -3,12 +3,15 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::document::{Document, Work, left_of};
+use super::document::{Document, RefineWork, Work, left_of};
 use super::jobs::Wake;
-use crate::fill::{
-    Controls, LiveError, LiveEvent, LiveFill, LiveSettings, Opening, State, open_selection,
-};
-use crate::mesh::{BoundaryLoop, Mesh, face_flags};
+use super::live::{Live, Said, Shape, refining_flow};
+use super::log::Level;
+use super::view_state::Refining;
+use crate::fill::{Choice, Controls, LiveFill, LiveSettings, Opening, TauChoice, open_selection};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
+use crate::refine::{BoundaryRule, Hold, LiveRefine, Method, RefineOptions};
+use crate::solver::FlowOptions;
 
 /// Bytes of kept states for each side; beyond it every other state is dropped.
 pub const TIMELINE_BYTES: usize = 512 << 20;
@@ -16,7 +19,11 @@ pub const TIMELINE_BYTES: usize = 512 << 20;
 /// One flow on the selected holes.
 pub struct Side {
     /// The flow.
-    pub live: LiveFill,
+    pub live: Live,
+    /// What tells it from the others: A, B or the method.
+    pub name: &'static str,
+    /// The arguments that repeat a refinement.
+    pub words: Vec<String>,
     /// Controls at its start.
     pub start: Controls,
     /// Controls in force.
@@ -25,6 +32,8 @@ pub struct Side {
     pub shown: Option<usize>,
     /// Energy of each accepted step and residual, one pair of curves a group.
     pub curves: Vec<Curve>,
+    /// Where it began to pass through itself, if it did.
+    pub crossing: Option<DVec3>,
     /// What it warned of, without repetition.
     pub warnings: Vec<String>,
 }
@@ -52,7 +61,9 @@ pub struct Run {
     pub kept: Option<Vec<u32>>,
     /// The loops of `base` it fills or joins.
     pub loops: Vec<BoundaryLoop>,
-    /// One side, or A and B.
+    /// Whether a refinement has the tension of its edge length.
+    pub own_tension: bool,
+    /// One side, or several that are compared.
     pub sides: Vec<Side>,
     /// Whether it plays.
     pub playing: bool,
@@ -93,37 +104,29 @@ impl Run {
                 kept = Some(erased.old_face);
             }
             Work::Fair(_) => {}
-            Work::Erase(_) | Work::Flip(_) => return Err("there is no flow in that".into()),
+            Work::Erase(_) | Work::Flip(_) | Work::Bridge(..) | Work::Refine(_) => {
+                return Err("that is done in another way".into());
+            }
         }
-        let spawn = |controls: &Controls, settings| -> Result<LiveFill, LiveError> {
+        let spawn = |controls: &Controls| {
             let (mesh, wake) = (Arc::clone(&base), Arc::clone(wake));
             let (loops, controls) = (loops.clone(), controls.clone());
             match &work {
                 Work::Fair(faces) => {
                     let flags = face_flags(faces, mesh.face_count());
-                    LiveFill::spawn_fair(mesh, flags, controls, settings, wake)
+                    LiveFill::spawn_fair(mesh, flags, controls, settings(pace), wake)
                 }
-                Work::Blend(_) => LiveFill::spawn_blend(mesh, loops, controls, settings, wake),
-                _ => LiveFill::spawn(mesh, loops, controls, settings, wake),
+                Work::Blend(_) => {
+                    LiveFill::spawn_blend(mesh, loops, controls, settings(pace), wake)
+                }
+                _ => LiveFill::spawn(mesh, loops, controls, settings(pace), wake),
             }
         };
-        let sides = controls
-            .iter()
-            .map(|controls| {
-                let settings = LiveSettings {
-                    playing: true,
-                    pace: Some(pace),
-                    timeline_bytes: TIMELINE_BYTES,
-                };
-                let live = spawn(controls, settings).map_err(|error| error.to_string())?;
-                Ok(Side {
-                    live,
-                    start: controls.clone(),
-                    controls: controls.clone(),
-                    shown: None,
-                    curves: Vec::new(),
-                    warnings: Vec::new(),
-                })
+        let sides = controls.iter().zip(["A", "B"]);
+        let sides = sides
+            .map(|(controls, name)| {
+                let live = spawn(controls).map_err(|error| error.to_string())?;
+                Ok(Side::new(Live::Fill(Box::new(live)), name, controls))
             })
             .collect::<Result<_, String>>()?;
         Ok(Self {
@@ -132,37 +135,111 @@ impl Run {
             first_patch_face,
             kept,
             loops,
+            own_tension: false,
             sides,
             playing: true,
             next_frame: None,
         })
     }
 
-    /// Takes in what the flows have said. Returns messages for the log: `(is an error, text)`.
-    pub fn poll(&mut self) -> Vec<(bool, String)> {
+    /// Starts a refinement, with the other methods asked for beside it.
+    ///
+    /// # Errors
+    /// A message for the person.
+    pub fn start_refinement(
+        refining: &Refining,
+        document: &Document,
+        controls: &Controls,
+        pace: f64,
+        wake: &Wake,
+    ) -> Result<Self, String> {
+        let base = Arc::clone(&document.mesh);
+        let flow = refining_flow(controls, &base, refining.own_tension)?;
+        let faces = if refining.selected_only {
+            Arc::clone(&document.faces)
+        } else {
+            Arc::default()
+        };
+        let region = (!faces.is_empty()).then(|| face_flags(&faces, base.face_count()));
+        let others = refining.beside.iter().flatten().copied();
+        let methods = [refining.method].into_iter().chain(others);
+        let sides = methods
+            .map(|method| {
+                let options = RefineOptions {
+                    levels: refining.levels,
+                    method,
+                    hold: refining.hold,
+                    boundary: refining.boundary,
+                    region: region.clone(),
+                    flow: flow.clone(),
+                    ..RefineOptions::new(flow.energy.clone())
+                };
+                let mesh = Arc::clone(&base);
+                let live = LiveRefine::spawn(mesh, options, settings(pace), Arc::clone(wake));
+                let live = Live::Refine(Box::new(live.map_err(|error| error.to_string())?));
+                let mut side = Side::new(live, method_name(method), controls);
+                side.words = refine_words(refining, method, &flow, controls);
+                Ok(side)
+            })
+            .collect::<Result<Vec<Side>, String>>()?;
+        Ok(Self {
+            work: Work::Refine(RefineWork {
+                words: sides.first().map_or_else(Vec::new, |s| s.words.clone()),
+                faces,
+                changed: false,
+            }),
+            first_patch_face: base.face_count(),
+            base,
+            kept: None,
+            loops: Vec::new(),
+            own_tension: refining.own_tension,
+            sides,
+            playing: true,
+            next_frame: None,
+        })
+    }
+
+    /// What the sides are called, if there are several.
+    pub fn names(&self) -> Vec<&'static str> {
+        let several = self.sides.len() > 1;
+        let named = |s: &Side| if several { s.name } else { "" };
+        self.sides.iter().map(named).collect()
+    }
+
+    /// Takes in what the flows have said. Returns messages for the log.
+    pub fn poll(&mut self) -> Vec<(Level, String)> {
         let mut messages = Vec::new();
+        let mut paused = false;
         for side in &mut self.sides {
-            for event in side.live.poll() {
-                match event {
-                    LiveEvent::Step { group, record } => side.book(group, &record),
-                    LiveEvent::Finished { outcome, .. } => {
-                        for warning in outcome.warnings {
-                            if !side.warnings.contains(&warning) {
-                                messages.push((false, warning.clone()));
-                                side.warnings.push(warning);
-                            }
-                        }
+            for said in side.live.poll() {
+                match said {
+                    Said::Step(group, record) => side.book(group, &record),
+                    Said::Crossing {
+                        text,
+                        place,
+                        pauses,
+                    } => {
+                        paused |= pauses;
+                        side.crossing = Some(place);
+                        messages.push((Level::Warning, text));
                     }
-                    LiveEvent::ControlsRefused { text, .. } | LiveEvent::Failed { text, .. } => {
-                        messages.push((true, text));
+                    Said::Note(text) => messages.push((Level::Info, text)),
+                    Said::Error(text) => messages.push((Level::Error, text)),
+                    Said::Warning(text) if side.warnings.contains(&text) => {}
+                    Said::Warning(text) => {
+                        messages.push((Level::Warning, text.clone()));
+                        side.warnings.push(text);
                     }
-                    LiveEvent::Planned
-                    | LiveEvent::ControlsChanged { .. }
-                    | LiveEvent::Rewound { .. } => {}
                 }
             }
         }
-        if self.playing && self.ended() {
+        if paused {
+            // compared flows pause together
+            for side in &mut self.sides {
+                side.live.pause();
+            }
+        }
+        if paused || (self.playing && self.ended()) {
             self.playing = false;
         }
         messages
@@ -226,6 +303,20 @@ impl Run {
 }
 
 impl Side {
+    fn new(live: Live, name: &'static str, controls: &Controls) -> Self {
+        Self {
+            live,
+            name,
+            words: Vec::new(),
+            start: controls.clone(),
+            controls: controls.clone(),
+            shown: None,
+            curves: Vec::new(),
+            crossing: None,
+            warnings: Vec::new(),
+        }
+    }
+
     /// The energy is another one: its curve begins anew.
     pub fn new_energy(&mut self) {
         for curve in &mut self.curves {
@@ -249,23 +340,61 @@ impl Side {
         }
     }
 
-    /// The largest radius of its groups.
-    pub fn radius(&self) -> f64 {
-        let groups = self.live.groups().iter();
-        groups.map(|g| g.radius).fold(0.0, f64::max)
-    }
-
     /// Number of kept states.
     pub fn state_count(&self) -> usize {
-        self.live.timeline().states.len()
+        self.live.state_count()
     }
 
     /// The state that is shown; `None` before the first.
-    pub fn state(&self) -> Option<Arc<State>> {
-        let states = &self.live.timeline().states;
-        match self.shown {
-            Some(i) => states.get(i).or(states.last()).cloned(),
-            None => states.last().cloned(),
-        }
+    pub fn state(&self) -> Option<Shape> {
+        self.live.state(self.shown.unwrap_or(usize::MAX))
     }
+}
+
+fn settings(pace: f64) -> LiveSettings {
+    LiveSettings {
+        playing: true,
+        pace: Some(pace),
+        timeline_bytes: TIMELINE_BYTES,
+    }
+}
+
+/// For headings.
+pub fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Pde => "PDE",
+        Method::Butterfly => "Butterfly",
+        Method::Loop => "Loop",
+    }
+}
+
+/// The arguments of `meniscus refine` for it.
+fn refine_words(
+    refining: &Refining,
+    method: Method,
+    flow: &FlowOptions,
+    controls: &Controls,
+) -> Vec<String> {
+    let mut words = vec!["--levels".into(), refining.levels.to_string()];
+    if method == Method::Pde {
+        words.extend(["--energy".into(), controls.energy.clone()]);
+        for (name, value) in &controls.params {
+            words.extend(["--param".into(), format!("{name}={value}")]);
+        }
+        words.extend(["--tension".into(), flow.tension.to_string()]);
+        words.extend(["--mode".into(), controls.mode.name().into()]);
+        if let TauChoice::Fixed(tau) = controls.tau {
+            words.extend(["--tau".into(), tau.to_string()]);
+        }
+        words.extend(["--steps".into(), controls.max_steps.to_string()]);
+    } else {
+        words.extend(["--method".into(), method_name(method).to_lowercase()]);
+    }
+    if refining.hold == Hold::Given {
+        words.extend(["--hold".into(), "given".into()]);
+    }
+    if refining.boundary == BoundaryRule::Straight {
+        words.extend(["--boundary".into(), "straight".into()]);
+    }
+    words
 }

@@ -31,7 +31,7 @@ pub enum Command {
     Fill,
     /// Erase the selected faces.
     Erase,
-    /// Fill, blend, repair.
+    /// Fill, blend, repair, refine.
     Task(Task),
     /// Accept the patch.
     Accept,
@@ -135,6 +135,11 @@ pub const ROWS: &[Row] = &[
         Command::Task(Task::Repair),
         &[key(NONE, Key::F4)],
         "Repair selected faces",
+    ),
+    (
+        Command::Task(Task::Refine),
+        &[key(NONE, Key::F5)],
+        "Refine the mesh",
     ),
     (
         Command::PlayPause,

@@ -16,6 +16,7 @@ use crate::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
 use crate::mesh::{DVec3, Soup, check_mesh, components};
 use crate::solver::Mode;
 
+mod refine;
 mod repair;
 
 /// A sphere with two small holes.
@@ -101,6 +102,23 @@ fn selection_by_click_keys_and_lists() {
     assert!(!m.is_dirty() || m.document.accepted.is_empty());
 }
 
+/// A large mesh is looked at long before its surfaces are made.
+#[test]
+fn another_document_is_fitted_by_its_own_box() {
+    let mut m = model();
+    until(&mut m, |m| m.displays[0].latest().is_some());
+    let mut large = opened();
+    for p in &mut large.mesh.positions {
+        *p = *p * 40.0 + DVec3::X;
+    }
+    m.replace(Document::new(large, Source::Sample("large".into())));
+    assert!(m.displays[0].latest().is_none());
+    assert_eq!(m.bounds(), m.document.origin.bounds);
+    assert!(m.bounds().radius() > 30.0);
+    until(&mut m, |m| m.displays[0].latest().is_some());
+    assert!(m.bounds().radius() > 30.0);
+}
+
 #[test]
 fn fill_accept_undo_redo() {
     let mut m = model();
@@ -181,7 +199,8 @@ fn pause_step_scrub_and_replay() {
     m.act(Action::Scrub(Some(1)));
     let run = m.run.as_ref().expect("still there");
     let shown = run.sides[0].state().expect("a state");
-    assert!(run.scrubbed() && shown.groups[0].step == 1);
+    let figures = run.sides[0].live.figures(Some(&shown));
+    assert!(run.scrubbed() && figures[0].step == Some(1));
     // play: the kept states first, then the flow itself
     m.act(Action::Pace(240.0));
     m.act(Action::PlayPause);
@@ -196,13 +215,9 @@ fn pause_step_scrub_and_replay() {
         .as_ref()
         .and_then(|r| r.sides[0].state())
         .expect("a state")
-        .new_positions();
+        .positions(&m.document.mesh, false);
     m.act(Action::Accept(0));
-    let mesh = &m.document.mesh;
-    assert_eq!(
-        mesh.positions[mesh.vertex_count() - positions.len()..],
-        positions
-    );
+    assert_eq!(m.document.mesh.positions, positions);
 }
 
 #[test]
@@ -232,7 +247,7 @@ fn controls_act_while_it_runs_and_mistakes_are_told() {
         m.run.as_ref().is_some_and(super::run::Run::ended)
     });
     let side = &m.run.as_ref().expect("there").sides[0];
-    let rows = side.live.schedule().rows;
+    let rows = side.live.schedule_to(None).rows;
     let named = |name: &str| rows.iter().any(|r| r.control == name);
     assert!(
         named("energy") && named("param") && named("mode"),
@@ -257,7 +272,12 @@ fn two_energies_are_compared_and_one_is_taken() {
     filled(&mut m);
     let run = m.run.as_ref().expect("there");
     assert_eq!(run.sides.len(), 2);
-    let [a, b] = [0, 1].map(|i| run.sides[i].state().expect("a state").new_positions());
+    let [a, b] = [0, 1].map(|i| {
+        run.sides[i]
+            .state()
+            .expect("a state")
+            .positions(&run.base, false)
+    });
     let difference = a
         .iter()
         .zip(&b)

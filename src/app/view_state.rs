@@ -1,6 +1,8 @@
 //! What is looked at and how; never saved as work, never undone.
 
 use super::report::{ReportFile, ReportView};
+use crate::mesh::DVec3;
+use crate::refine::{BoundaryRule, Hold, Method};
 use crate::render::{Camera, ViewStyle};
 
 /// How the mouse moves the camera.
@@ -56,6 +58,17 @@ pub enum Task {
     Blend,
     /// Selected faces are erased and filled anew, or faired.
     Repair,
+    /// Every triangle becomes four, on a smooth surface through the given vertices.
+    Refine,
+}
+
+/// A bridge whose ends are being clicked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bridging {
+    /// The first end, once it was clicked.
+    pub from: Option<DVec3>,
+    /// Rim edges it is wide.
+    pub width: usize,
 }
 
 /// What the mouse does to the selection of faces.
@@ -68,6 +81,39 @@ pub enum Tool {
     Lasso,
     /// A click takes a place, another widens it.
     Grow,
+}
+
+/// How the mesh is refined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refining {
+    /// Times every triangle becomes four.
+    pub levels: usize,
+    /// How new vertices are placed.
+    pub method: Method,
+    /// What later levels keep passing.
+    pub hold: Hold,
+    /// Boundaries between their vertices.
+    pub boundary: BoundaryRule,
+    /// Tension by the edge length of the mesh instead of that of the controls.
+    pub own_tension: bool,
+    /// Only the selected faces.
+    pub selected_only: bool,
+    /// Methods shown beside it.
+    pub beside: [Option<Method>; 2],
+}
+
+impl Default for Refining {
+    fn default() -> Self {
+        Self {
+            levels: 3,
+            method: Method::default(),
+            hold: Hold::default(),
+            boundary: BoundaryRule::default(),
+            own_tension: true,
+            selected_only: false,
+            beside: [None; 2],
+        }
+    }
 }
 
 /// How faces are selected.
@@ -231,8 +277,12 @@ pub struct ViewState {
     pub style: ViewStyle,
     /// What Enter does.
     pub task: Task,
+    /// The bridge that is being made.
+    pub bridging: Option<Bridging>,
     /// How faces are selected.
     pub selecting: Selecting,
+    /// How the mesh is refined.
+    pub refining: Refining,
     /// Limit surface instead of control mesh.
     pub limit_surface: bool,
     /// Whether the opened mesh is shown, or the patches alone.
@@ -266,7 +316,9 @@ impl ViewState {
             camera: Camera::fit(bounds),
             style,
             task: Task::default(),
+            bridging: None,
             selecting: Selecting::default(),
+            refining: Refining::default(),
             limit_surface: true,
             show_original: true,
             show_rims: true,

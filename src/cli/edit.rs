@@ -22,7 +22,6 @@ pub struct SelectionArguments {
     #[arg(
         long,
         value_name = "X,Y,Z,R",
-        required_unless_present_any = ["faces", "faces_from"],
         value_parser = ball,
         allow_hyphen_values = true
     )]
@@ -74,6 +73,23 @@ pub struct FlipArguments {
 }
 
 impl SelectionArguments {
+    /// Whether none of the options is given.
+    pub fn is_empty(&self) -> bool {
+        self.ball.is_empty() && self.faces.is_none() && self.faces_from.is_none()
+    }
+
+    /// The selected faces of a command that is about them, one flag each.
+    ///
+    /// # Errors
+    /// None of the options is given, and as [`Self::flags`].
+    pub fn required(&self, mesh: &Mesh) -> Result<Vec<bool>> {
+        if self.is_empty() {
+            let what = "say which faces: --ball X,Y,Z,R, --faces LIST or --faces-from FILE";
+            return Err(UsageError(what.into()).into());
+        }
+        self.flags(mesh)
+    }
+
     /// The selected faces, one flag each.
     ///
     /// # Errors
@@ -121,7 +137,7 @@ fn opened(input: &Path, output: &Path) -> Result<Opened> {
 /// Runs `meniscus erase`.
 pub fn erase(args: &EraseArguments) -> Result<()> {
     let opened = opened(&args.input, &args.output)?;
-    let flags = args.selection.flags(&opened.mesh)?;
+    let flags = args.selection.required(&opened.mesh)?;
     if !flags.contains(&true) {
         bail!("no face is selected; choose a place nearer to the surface or a larger radius");
     }

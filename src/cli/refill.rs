@@ -21,7 +21,7 @@ pub fn refill(args: &RefillArguments) -> Result<()> {
         return Err(UsageError(what.into()).into());
     }
     let start = start(&args.fill)?;
-    let selected = args.selection.flags(&start.opened.mesh)?;
+    let selected = args.selection.required(&start.opened.mesh)?;
     let progress = Progress::new(1, args.fill.quiet);
     let observe = |group, record: &StepRecord| {
         progress.step(group, record);

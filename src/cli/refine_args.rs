@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use crate::analysis::Plane;
-use crate::cli::args::{ball, point};
+use crate::cli::args::point;
 use crate::cli::controls::{choice, parameter, tau};
+use crate::cli::edit::SelectionArguments;
 use crate::fill::TauChoice;
-use crate::mesh::DVec3;
 use crate::refine::{BoundaryRule, Hold, Method};
 use crate::solver::Mode;
 
@@ -49,9 +49,9 @@ pub struct RefineArguments {
     /// A boundary vertex is a corner where the boundary turns by more than this, in degrees.
     #[arg(long, value_name = "DEG", default_value_t = 45.0)]
     pub corner_angle: f64,
-    /// Refine only the faces whose corners lie within this distance of this point (repeatable).
-    #[arg(long, value_name = "X,Y,Z,R", value_parser = ball, allow_hyphen_values = true)]
-    pub ball: Vec<(DVec3, f64)>,
+    /// Refine only these faces; those beside them are cut to fit.
+    #[command(flatten)]
+    pub selection: SelectionArguments,
     /// `fast` goes for the stationary shape, `flow` follows the flow in true time.
     #[arg(long, default_value = "fast", value_parser = choice::<Mode>())]
     pub mode: Mode,

@@ -7,6 +7,7 @@
 mod blend;
 mod bridge;
 mod controls;
+mod crossing;
 mod group;
 mod islands;
 mod live;
@@ -15,6 +16,7 @@ mod partial;
 mod rail;
 mod refill;
 mod region;
+mod renewal;
 mod rim;
 mod run;
 mod schedule;
@@ -156,6 +158,8 @@ pub struct PlannedHole {
     pub new_faces: std::ops::Range<usize>,
     /// The group it is solved with; `None` if it has no interior vertex.
     pub group: Option<usize>,
+    /// Whether its patch has the shape its flow starts from, and needs no warm start.
+    pub formed: bool,
     /// Face tag its faces inherit (0 if the mesh has none).
     pub tag: u32,
     /// Milliseconds its first patch took.
@@ -204,11 +208,10 @@ pub fn prepare_gaps(mesh: &Mesh, gaps: &[Gap<'_>], options: &FillOptions) -> Pla
             (patch, milliseconds(start))
         })
         .collect();
-    let mut plan = Plan::new(mesh, gaps, &patches);
-    if plan.holes.iter().any(|hole| hole.loops.len() > 1) {
-        plan = blend::reshape(mesh, gaps, patches, &mut plan, options);
+    if gaps.iter().any(|gap| gap.len() > 1) {
+        return blend::shaped(mesh, gaps, patches, options);
     }
-    plan
+    Plan::new(mesh, gaps, &patches)
 }
 
 /// The first patch of a gap and the milliseconds it took.
@@ -271,6 +274,7 @@ impl Plan {
             new_vertices: points..self.new_positions.len(),
             new_faces: faces..self.triangles.len(),
             group: None,
+            formed: false,
             tag: rim::tag_of(mesh, gap[0]),
             patch_ms,
         });
@@ -455,8 +459,14 @@ fn run_plan(
 /// # Errors
 /// If the linear system cannot be solved, which needs a region without fixed vertices.
 pub fn warm_start(problem: FlowProblem) -> Result<FlowProblem, SolverError> {
+    let all = problem.interior().to_vec();
+    warm_start_of(problem, &all)
+}
+
+/// [`warm_start`] that moves only some of the interior vertices.
+fn warm_start_of(problem: FlowProblem, moved: &[u32]) -> Result<FlowProblem, SolverError> {
     let mut positions = problem.positions().to_vec();
-    let interior: Vec<VertexId> = problem.interior().iter().map(|&v| VertexId(v)).collect();
+    let interior: Vec<VertexId> = moved.iter().map(|&v| VertexId(v)).collect();
     let creases: Vec<VertexId> = problem.creases().iter().map(|&v| VertexId(v)).collect();
     patch::warm_start_with_creases(problem.topology(), &mut positions, &interior, &creases)?;
     Ok(problem.with_positions(&positions))

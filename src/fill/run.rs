@@ -3,11 +3,16 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::fill::crossing::{Crossing, CrossingWatch};
 use crate::fill::noise::roughened;
-use crate::fill::shape::{HoleShape, Shape};
-use crate::fill::{FillOptions, Gap, Plan, Timings, gap_of, milliseconds, region, warm_start};
+use crate::fill::renewal::{Moment, Renewals, remesh};
+use crate::fill::shape::Shape;
+use crate::fill::{
+    FillOptions, Gap, Plan, Timings, milliseconds, region, warm_start, warm_start_of,
+};
 use crate::mesh::{DVec3, Mesh};
-use crate::patch::{self, PatchError, TransferError};
+use crate::patch::{PatchError, TransferError};
+use crate::solver::energy::Order;
 use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord};
 
 /// What all groups of a fill share.
@@ -29,6 +34,13 @@ pub(super) enum ChangeError {
     Transfer { hole: usize, source: TransferError },
 }
 
+/// How much energy new triangles may add: their vertices lie on the control triangles and not on the smooth
+/// surface, which the next steps mend, and stretched triangles see less of the curvature than there is.
+const ROOM: f64 = 1.6;
+
+/// What can be done about a surface that passes through itself.
+const REMEDY: &str = "take another energy or a tension, or join fewer rims at a time";
+
 /// A group of holes on its way.
 pub(super) struct GroupRun {
     group: usize,
@@ -40,6 +52,8 @@ pub(super) struct GroupRun {
     failed: Option<SolverError>,
     /// Accepted and rejected steps where there is no flow.
     past: (usize, usize),
+    renewals: Renewals,
+    crossing: CrossingWatch,
     energy_start: Option<f64>,
     warnings: Vec<String>,
     timings: Timings,
@@ -80,6 +94,8 @@ impl GroupRun {
             resting,
             failed: None,
             past: (0, 0),
+            renewals: Renewals::default(),
+            crossing: CrossingWatch::default(),
             energy_start: None,
             warnings: Vec::new(),
             timings: Timings::default(),
@@ -103,12 +119,35 @@ impl GroupRun {
             options,
         )?;
         split(&mut self.timings.setup);
-        let problem = roughened(warm_start(problem)?, options.noise);
+        let problem = roughened(self.warm_start(ground, problem)?, options.noise);
         self.resting = problem.to_world(problem.positions());
         split(&mut self.timings.warm_start);
         self.flow = Self::flow_of(problem, options)?;
+        self.watch(ground);
         split(&mut self.timings.setup);
         Ok(())
+    }
+
+    /// The warm start of the patches that do not have their shape yet.
+    fn warm_start(
+        &self,
+        ground: Ground<'_>,
+        problem: FlowProblem,
+    ) -> Result<FlowProblem, SolverError> {
+        if !ground.plan.moved.is_empty() {
+            return warm_start(problem);
+        }
+        let mut first = 0;
+        let mut moved = Vec::new();
+        let holes = ground.plan.groups[self.group].holes.iter();
+        for (&h, hole) in holes.zip(&self.shape.holes) {
+            let own = &problem.interior()[first..first + hole.new_vertices];
+            first += hole.new_vertices;
+            if !ground.plan.holes[h].formed {
+                moved.extend_from_slice(own);
+            }
+        }
+        warm_start_of(problem, &moved)
     }
 
     /// `None` where nothing can move.
@@ -120,18 +159,97 @@ impl GroupRun {
     }
 
     /// Attempts one step; `None` if the group stands still.
-    pub fn attempt(&mut self) -> Option<StepRecord> {
+    pub fn attempt(&mut self, ground: Ground<'_>) -> Option<StepRecord> {
         let start = Instant::now();
         let record = self.flow.as_mut()?.step();
         self.timings.flow += milliseconds(start);
         match record {
-            Ok(record) => record,
+            Ok(record) => {
+                if record.as_ref().is_some_and(|record| !record.rejected) {
+                    self.renew(ground);
+                    self.watch(ground);
+                }
+                record
+            }
             Err(error) => {
                 let (shape, resting) = (Arc::clone(&self.shape), self.positions());
                 self.fail(error, shape, resting);
                 None
             }
         }
+    }
+
+    /// Goes on with better triangles where a large deformation has spoilt them.
+    fn renew(&mut self, ground: Ground<'_>) {
+        let end = self.end();
+        let is_fourth = self.options.flow.energy.order() == Order::Fourth;
+        match end {
+            None | Some(End::Converged) => {}
+            // no neck that closes: triangles that a large deformation leaves without area
+            Some(End::Pinched) if is_fourth => {}
+            _ => return,
+        }
+        let start = Instant::now();
+        let (steps, rejected) = self.counts();
+        let (positions, options) = (self.positions(), &self.options);
+        let moment = Moment {
+            steps,
+            converged: end.is_some(),
+        };
+        let next = self
+            .renewals
+            .next(ground, self.group, &self.shape, &positions, options, moment);
+        if let Some((shape, positions)) = next {
+            let energy = self.flow.as_mut().map_or(f64::NAN, Flow::fine_energy);
+            let built = self.build(ground, &shape, &positions, &self.options, steps, rejected);
+            if let Ok(Some(flow)) = built
+                && flow.energy_start() <= ROOM * energy
+            {
+                self.take(Arc::new(shape), positions, Some(flow));
+            }
+        }
+        self.timings.setup += milliseconds(start);
+    }
+
+    /// Looks whether the surface passes through itself. If it does where the flow has ended, the group
+    /// goes back to its last shape without.
+    fn watch(&mut self, ground: Ground<'_>) {
+        let (steps, rejected) = self.counts();
+        let (positions, ended) = (self.positions(), self.ended());
+        self.crossing
+            .look(ground, self.group, &self.shape, &positions, steps, ended);
+        let Some(crossing) = self.crossing.found().copied().filter(|_| ended) else {
+            return;
+        };
+        let Some(clean) = self.crossing.clean().cloned() else {
+            self.warn(format!(
+                "the surface passes through itself or the mesh from the start ({}); {REMEDY}",
+                crossing.words()
+            ));
+            return;
+        };
+        let built = self.build(
+            ground,
+            &clean.shape,
+            &clean.positions,
+            &self.options,
+            steps,
+            rejected,
+        );
+        if let Ok(Some(mut flow)) = built {
+            flow.finish(End::Crossed);
+            self.take(clean.shape, clean.positions, Some(flow));
+            self.warn(format!(
+                "not converged: on its way the surface passes through itself or the mesh ({}); its last shape                  without that, after step {}, is kept ({REMEDY})",
+                crossing.words(),
+                clean.steps
+            ));
+        }
+    }
+
+    /// Where the surface passes through itself or the mesh, as far as it was looked at.
+    pub fn crossing(&self) -> Option<&Crossing> {
+        self.crossing.found()
     }
 
     /// The flow cannot go on; the group stands still at `resting`, positions of `shape`.
@@ -196,6 +314,7 @@ impl GroupRun {
         let (_, rejected) = self.counts();
         let flow = self.build(ground, shape, positions, options, steps, rejected)?;
         self.take(Arc::clone(shape), positions.to_vec(), flow);
+        self.crossing.restart();
         self.options = options.clone();
         Ok(())
     }
@@ -330,78 +449,4 @@ fn nothing_to_do() -> Outcome {
         energy_end: 0.0,
         warnings: Vec::new(),
     }
-}
-
-/// New triangulations of a group's holes that take over the present shape.
-fn remesh(
-    ground: Ground<'_>,
-    group: usize,
-    shape: &Shape,
-    positions: &[DVec3],
-    options: &FillOptions,
-) -> Result<(Shape, Vec<DVec3>), ChangeError> {
-    let mut first = 0;
-    let mut out = Shape { holes: Vec::new() };
-    let mut moved = Vec::new();
-    for (&h, hole) in ground.plan.groups[group].holes.iter().zip(&shape.holes) {
-        let number = ground.plan.holes[h].number;
-        let end = first + hole.new_vertices;
-        let hole = remesh_hole(ground, number, hole, &positions[first..end], options)?;
-        out.holes.push(hole.0);
-        moved.extend(hole.1);
-        first = end;
-    }
-    Ok((out, moved))
-}
-
-fn remesh_hole(
-    ground: Ground<'_>,
-    number: usize,
-    hole: &HoleShape,
-    positions: &[DVec3],
-    options: &FillOptions,
-) -> Result<(HoleShape, Vec<DVec3>), ChangeError> {
-    let old = ground.mesh.positions.len() as u32;
-    let found = ground.gaps.iter().find(|gap| gap[0].number == number);
-    let gap = gap_of(ground.mesh, found.expect("a planned hole has rims"));
-    let rims = found.into_iter().flatten();
-    let rim: Vec<u32> = rims.flat_map(|l| l.vertices.iter().map(|v| v.0)).collect();
-    let count = rim.len() as u32;
-    // the present patch with the rims first
-    let mut place: Vec<(u32, u32)> = (0..).zip(&rim).map(|(i, &v)| (v, i)).collect();
-    place.sort_unstable();
-    let local = |v: u32| match place.binary_search_by_key(&v, |p| p.0) {
-        Ok(at) => place[at].1,
-        Err(_) => count + (v - old),
-    };
-    let mut present = patch::PatchMesh {
-        points: gap.rims.iter().flat_map(|r| r.points.clone()).collect(),
-        triangles: hole.triangles.iter().map(|t| t.map(local)).collect(),
-    };
-    present.points.extend_from_slice(positions);
-    let mut fresh = match &gap.rims[..] {
-        [rim] => {
-            let patch = |source| ChangeError::Patch {
-                hole: number,
-                source,
-            };
-            let transfer = |source| ChangeError::Transfer {
-                hole: number,
-                source,
-            };
-            let mut fresh = patch::fill(rim, &options.patch).map_err(patch)?;
-            patch::transfer(&present, &mut fresh, count as usize).map_err(transfer)?;
-            fresh
-        }
-        _ => patch::reblend(&gap, &present, &options.patch),
-    };
-    let global = |v: u32| match rim.get(v as usize) {
-        Some(&v) => v,
-        None => old + (v - count),
-    };
-    let shape = HoleShape {
-        triangles: fresh.triangles.iter().map(|t| t.map(global)).collect(),
-        new_vertices: fresh.points.len() - count as usize,
-    };
-    Ok((shape, fresh.points.split_off(count as usize)))
 }

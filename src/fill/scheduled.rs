@@ -133,7 +133,7 @@ impl Replay<'_> {
     /// Attempts steps until the clock stands at `attempt`. `false` if the observer ends the flow.
     fn run_until(&mut self, attempt: usize, observe: &dyn Fn(&StepRecord) -> bool) -> bool {
         while self.clock < attempt {
-            let Some(record) = self.run.attempt() else {
+            let Some(record) = self.run.attempt(self.ground) else {
                 break;
             };
             self.clock += 1;

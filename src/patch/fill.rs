@@ -42,6 +42,21 @@ pub struct PatchMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
+impl PatchMesh {
+    /// The smallest angle of a triangle, in degrees.
+    pub fn sharpest_angle(&self) -> f64 {
+        let mut least = f64::INFINITY;
+        for t in &self.triangles {
+            let p = t.map(|v| self.points[v as usize]);
+            for k in 0..3 {
+                let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+                least = least.min(u.angle_between(v).to_degrees());
+            }
+        }
+        least
+    }
+}
+
 /// Why a hole has no patch.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PatchError {

@@ -18,7 +18,7 @@ mod tests;
 mod transfer;
 mod triangulate;
 
-pub use blend::{Gap, blend, reblend};
+pub use blend::{Gap, bending, blend, formed, reblend};
 pub use fair::{warm_start, warm_start_with_creases};
 pub use fill::{PatchError, PatchMesh, PatchOptions, Rim, fill};
 pub use planar::vector_area;

@@ -437,7 +437,7 @@ impl Refinement {
             end: match outcome.end {
                 End::Converged => "converged",
                 End::Steps => "steps",
-                End::Stuck | End::Pinched => "stuck",
+                End::Stuck | End::Pinched | End::Crossed => "stuck",
                 End::Cancelled => "cancelled",
             },
             energy_start: outcome.energy_start,

@@ -192,10 +192,25 @@ impl Picker {
     ) -> Option<usize> {
         let view = View::new(camera, size_px, cursor_px);
         self.rim_at(&view, tolerance_px)
+            .map(|near| near.rim)
             .or_else(|| self.opening_at(&view))
     }
 
-    fn rim_at(&self, view: &View<'_>, tolerance: f64) -> Option<usize> {
+    /// The visible rim vertex nearest to the cursor, among the ends of edges at most `tolerance_px`
+    /// away.
+    pub fn pick_rim_vertex(
+        &self,
+        camera: &Camera,
+        size_px: [f64; 2],
+        cursor_px: [f64; 2],
+        tolerance_px: f64,
+    ) -> Option<DVec3> {
+        let view = View::new(camera, size_px, cursor_px);
+        let near = self.rim_at(&view, tolerance_px)?;
+        Some(near.edge[usize::from(near.at > 0.5)])
+    }
+
+    fn rim_at(&self, view: &View<'_>, tolerance: f64) -> Option<Near> {
         let mut near: Vec<Near> = Vec::new();
         for (rim, r) in self.rims.iter().enumerate() {
             let Some(&last) = r.points.last() else {
@@ -219,9 +234,7 @@ impl Picker {
             }
         }
         near.sort_by(|a, b| a.distance_px.total_cmp(&b.distance_px));
-        near.iter()
-            .find(|n| self.is_visible(view, n))
-            .map(|n| n.rim)
+        near.into_iter().find(|n| self.is_visible(view, n))
     }
 
     /// Whether no surface is before the point of the rim that is nearest to the cursor.

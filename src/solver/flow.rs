@@ -211,6 +211,19 @@ impl Flow {
         self.energy_start
     }
 
+    /// Energy of the present shape, by the 12-point rule.
+    pub fn fine_energy(&mut self) -> f64 {
+        let positions = match &self.stepper {
+            Stepper::Normal(flow) => flow.positions(),
+            Stepper::Guarded(flow) => flow.positions(),
+            Stepper::Mixed(flow) => flow.positions(),
+        };
+        let sum = self
+            .report
+            .gradient(positions, &self.energy, &mut Vec::new());
+        sum.value
+    }
+
     /// Accepted and rejected steps.
     pub fn counts(&self) -> (usize, usize) {
         (self.steps, self.rejected)
@@ -230,7 +243,12 @@ impl Flow {
 
     /// Ends the flow; the current shape stays.
     pub fn cancel(&mut self) {
-        self.end.get_or_insert(End::Cancelled);
+        self.finish(End::Cancelled);
+    }
+
+    /// Ends the flow for a reason of the caller's, if it has not ended; the current shape stays.
+    pub fn finish(&mut self, end: End) {
+        self.end.get_or_insert(end);
     }
 
     /// Changes options between steps; the flow goes on from the current shape.
@@ -323,10 +341,15 @@ impl Flow {
         self.stepper = Self::stepper(&open, &self.options, &self.energy, &self.local)?;
         self.end = Some(End::Pinched);
         let at = place + self.problem.centre();
+        let reason = if self.energy.order() == Order::Second {
+            "since this energy has no minimum between rims so far apart; the last shape with an open neck is \
+             kept (take a fourth-order energy such as H^2, or bring the rims nearer)"
+        } else {
+            "or its triangles vanish there; the last shape with all of them is kept (take another energy or \
+             a tension, or bring the rims nearer)"
+        };
         self.warnings.push(format!(
-            "not converged: the surface pinches off near ({:.6}, {:.6}, {:.6}), since this energy has no \
-             minimum between rims so far apart; the last shape with an open neck is kept (take a \
-             fourth-order energy such as H^2, or bring the rims nearer)",
+            "not converged: the surface pinches off near ({:.6}, {:.6}, {:.6}), {reason}",
             at.x, at.y, at.z
         ));
         Ok(())
@@ -428,15 +451,7 @@ impl Flow {
 
     /// The record of the whole flow up to now.
     pub fn outcome(&mut self) -> Outcome {
-        let positions = match &self.stepper {
-            Stepper::Normal(flow) => flow.positions(),
-            Stepper::Guarded(flow) => flow.positions(),
-            Stepper::Mixed(flow) => flow.positions(),
-        };
-        let energy_end = self
-            .report
-            .gradient(positions, &self.energy, &mut Vec::new())
-            .value;
+        let energy_end = self.fine_energy();
         let mut warnings = self.warnings.clone();
         match self.end {
             Some(End::Stuck) => warnings.push(

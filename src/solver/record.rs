@@ -34,6 +34,8 @@ pub enum End {
     Stuck,
     /// The surface was pinching off; the shape is the last one with an open neck.
     Pinched,
+    /// The surface passes through itself; the shape is the last one that does not.
+    Crossed,
     /// It was told to.
     Cancelled,
 }

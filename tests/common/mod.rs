@@ -6,6 +6,7 @@
 #![allow(clippy::cast_possible_wrap, clippy::cast_sign_loss)]
 
 pub mod judge;
+pub mod layouts;
 pub mod manifest;
 pub mod raw;
 pub mod truth;

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::{Display, Request, same_list};
+use crate::app::live::Shape;
 use crate::app::report::Reference;
 use crate::app::seam::seam;
-use crate::fill::State;
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId};
 use crate::render::{Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex};
 use crate::solver::energy::{WellPosed, scan_well_posedness};
@@ -51,7 +51,7 @@ impl TopologyKey {
     fn of(request: &Request) -> Self {
         request.state.as_ref().map_or_else(
             || Self::Mesh(Arc::clone(&request.mesh)),
-            |state| Self::State(Arc::clone(&state.topology)),
+            |state| Self::State(Arc::clone(state.topology())),
         )
     }
 
@@ -116,11 +116,14 @@ impl Maker {
             unreachable!("made above");
         };
         let topology = split.topology.topology();
-        let positions = positions_of(&request.mesh, request.state.as_deref());
+        let limit = request.limit && request.state.as_ref().is_none_or(Shape::has_limit);
+        let place = |state: &Shape| state.positions(&request.mesh, !limit);
+        let state = request.state.as_ref();
+        let positions = state.map_or_else(|| request.mesh.positions.clone(), place);
         let start = request
             .start
-            .as_deref()
-            .map(|state| positions_of(&request.mesh, Some(state)))
+            .as_ref()
+            .map(place)
             .filter(|p| p.len() == positions.len());
 
         let mut surfaces = Vec::new();
@@ -128,7 +131,7 @@ impl Maker {
             let key = (
                 split.still.len(),
                 positions.len(),
-                request.limit,
+                limit,
                 request.centre.to_array().map(f64::to_bits),
             );
             let still = match &self.still {
@@ -143,7 +146,7 @@ impl Maker {
                         &positions,
                         &Evaluation {
                             centre: request.centre,
-                            limit: request.limit,
+                            limit,
                             distance,
                             ..Evaluation::default()
                         },
@@ -168,7 +171,7 @@ impl Maker {
                 &positions,
                 &Evaluation {
                     centre: request.centre,
-                    limit: request.limit,
+                    limit,
                     start: start.as_deref(),
                     distance,
                     ill_posed,
@@ -182,9 +185,8 @@ impl Maker {
         let bounds = Bounds::of(positions.iter().copied()).unwrap_or(request.bounds);
         let first = request.mesh.face_count();
         let flows = |f: FaceId| f.index() >= first || split.is_faired(f);
-        let seam = request
-            .state
-            .is_some()
+        let seam = state
+            .is_some_and(|state| !state.is_whole())
             .then(|| seam(topology, &positions, &flows, &request.creases));
         Display {
             surfaces,
@@ -212,11 +214,6 @@ fn curvatures(geometry: Option<&Arc<Geometry>>) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Positions of all vertices: the mesh's, then the state's.
-fn positions_of(mesh: &Mesh, state: Option<&State>) -> Vec<DVec3> {
-    state.map_or_else(|| mesh.positions.clone(), |state| state.positions(mesh))
-}
-
 impl Split {
     fn new(key: TopologyKey, request: &Request) -> Self {
         let topology = key.topology();
@@ -224,14 +221,15 @@ impl Split {
         let count = topology.face_count();
         let flows = |f: FaceId| f.index() >= first || request.faired.binary_search(&f.0).is_ok();
         let all = (0..count).map(FaceId::from);
-        let (moving, still): (Vec<FaceId>, Vec<FaceId>) = if !request.original {
+        let whole = request.state.as_ref().is_some_and(Shape::is_whole);
+        let (moving, still): (Vec<FaceId>, Vec<FaceId>) = if !request.original && !whole {
             (all.filter(|&f| flows(f)).collect(), Vec::new())
-        } else if count <= SMALL {
+        } else if count <= SMALL || whole {
             (all.collect(), Vec::new())
         } else {
             around(topology, &flows, COLLAR)
         };
-        let flag = |&f: &FaceId| if flows(f) { Vertex::PATCH } else { 0 };
+        let flag = |&f: &FaceId| if flows(f) && !whole { Vertex::PATCH } else { 0 };
         let options = SurfaceOptions {
             samples_per_edge: None,
             creases: request.creases.to_vec(),

@@ -6,9 +6,9 @@ mod maker;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use super::jobs::Wake;
+use super::live::Shape;
 use super::report::Reference;
 use super::seam::Seam;
-use crate::fill::State;
 use crate::mesh::{DVec3, Mesh, VertexId};
 use crate::render::{Bounds, Geometry};
 use crate::solver::energy::{Energy, WellPosedScan};
@@ -20,9 +20,9 @@ pub struct Request {
     /// The mesh the run works on, or the document's.
     pub mesh: Arc<Mesh>,
     /// The state of the run, if there is one.
-    pub state: Option<Arc<State>>,
-    /// The first state, to measure the deviation from.
-    pub start: Option<Arc<State>>,
+    pub state: Option<Shape>,
+    /// The first state with the same vertices, to measure the deviation from.
+    pub start: Option<Shape>,
     /// Faces of the mesh from here on are patches.
     pub first_patch_face: usize,
     /// Other faces that flow, ascending.
@@ -53,8 +53,8 @@ impl Request {
 
     /// Whether both give the same picture but for the selected faces.
     fn same_surfaces(&self, other: &Self) -> bool {
-        let same = |a: &Option<Arc<State>>, b: &Option<Arc<State>>| match (a, b) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        let same = |a: &Option<Shape>, b: &Option<Shape>| match (a, b) {
+            (Some(a), Some(b)) => a.same(b),
             (None, None) => true,
             _ => false,
         };
@@ -108,6 +108,8 @@ pub struct Display {
 struct Slot {
     wanted: Option<Request>,
     ready: Option<Display>,
+    /// Results of requests from before the last [`DisplayWorker::forget`] are not wanted.
+    epoch: u64,
     quit: bool,
 }
 
@@ -171,6 +173,14 @@ impl DisplayWorker {
         new
     }
 
+    /// Nothing is to be seen of what was asked for so far.
+    pub fn forget(&mut self) {
+        let mut slot = lock(&self.shared.0);
+        slot.epoch += 1;
+        (slot.wanted, slot.ready) = (None, None);
+        (self.asked, self.latest) = (None, None);
+    }
+
     /// What was asked for last.
     pub fn asked(&self) -> Option<&Request> {
         self.asked.as_ref()
@@ -191,20 +201,26 @@ impl DisplayWorker {
 fn work(shared: &Shared, wake: &Wake) {
     let mut cache = Maker::default();
     loop {
-        let request = {
+        let (request, epoch) = {
             let mut slot = lock(&shared.0);
             loop {
                 if slot.quit {
                     return;
                 }
                 if let Some(request) = slot.wanted.take() {
-                    break request;
+                    break (request, slot.epoch);
                 }
                 slot = shared.1.wait(slot).unwrap_or_else(PoisonError::into_inner);
             }
         };
         let display = cache.make(&request);
-        lock(&shared.0).ready = Some(display);
+        {
+            let mut slot = lock(&shared.0);
+            if slot.epoch != epoch {
+                continue;
+            }
+            slot.ready = Some(display);
+        }
         wake();
     }
 }

@@ -7,8 +7,9 @@ use std::sync::Arc;
 use super::view::Chain;
 use crate::analysis::{EdgeChain, patch_rims, sharp_edges};
 use crate::app::document::{Accepted, Work, left_of};
+use crate::app::live::Shape;
 use crate::app::model::Model;
-use crate::fill::{Choice, Continuity, Controls, State};
+use crate::fill::{Choice, Continuity, Controls};
 use crate::mesh::{BoundaryLoop, HalfedgeId, Mesh, Topology, VertexId, boundary_loops};
 
 /// Sharp edges listed at most, the longest chains first.
@@ -18,7 +19,7 @@ const MOST_SHARP: usize = 24;
 #[derive(Clone)]
 pub struct Subject {
     mesh: Arc<Mesh>,
-    state: Option<Arc<State>>,
+    state: Option<Shape>,
     /// How much was accepted.
     changes: usize,
     /// Whether two flows are compared.
@@ -47,7 +48,7 @@ impl Subject {
     /// Whether both are the same.
     pub fn same(&self, other: &Self) -> bool {
         let states = match (&self.state, &other.state) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (Some(a), Some(b)) => a.same(b),
             (None, None) => true,
             _ => false,
         };
@@ -59,7 +60,7 @@ impl Subject {
         match (&self.state, self.changes) {
             (Some(state), _) => {
                 let side = if self.compared { "side A, " } else { "" };
-                format!("{side}the flow after {} attempts", state.attempt)
+                format!("{side}the flow after {} attempts", state.attempt())
             }
             (None, 0) => "the mesh as it was opened".into(),
             (None, 1) => "the mesh after one change".into(),
@@ -67,13 +68,14 @@ impl Subject {
         }
     }
 
-    /// The whole mesh.
-    pub fn mesh(&self) -> Arc<Mesh> {
+    /// The whole mesh; with `on_surface` its vertices are points of the limit surface, where a
+    /// refinement has both.
+    pub fn mesh(&self, on_surface: bool) -> Arc<Mesh> {
         let Some(state) = &self.state else {
             return Arc::clone(&self.mesh);
         };
-        let topology = (*state.topology).clone();
-        let mut mesh = Mesh::new(state.positions(&self.mesh), topology);
+        let topology = (**state.topology()).clone();
+        let mut mesh = Mesh::new(state.positions(&self.mesh, on_surface), topology);
         mesh.one_sided.clone_from(&self.mesh.one_sided);
         Arc::new(mesh)
     }
@@ -107,13 +109,17 @@ impl Patches {
             let side = run.sides.first()?;
             side.state().map(|state| (run, side, state))
         });
+        if matches!(run, Some((.., Shape::Refine(_)))) {
+            // the faces are others
+            return Self(Vec::new());
+        }
         let kept = run.as_ref().and_then(|(run, ..)| run.kept.as_deref());
-        let erases = |w: &Work| matches!(w, Work::Refill(_) | Work::Erase(_));
+        let renumbers = |w: &Work| matches!(w, Work::Refill(_) | Work::Erase(_) | Work::Refine(_));
         let mut patches: Vec<Patch> = accepted
             .iter()
             .enumerate()
             .map(|(i, one)| {
-                let later = accepted[i + 1..].iter().any(|l| erases(&l.work)) || kept.is_some();
+                let later = accepted[i + 1..].iter().any(|l| renumbers(&l.work)) || kept.is_some();
                 let faces = match kept {
                     Some(kept) => left_of(kept, one.faces.start)..left_of(kept, one.faces.end),
                     None => one.faces.clone(),
@@ -135,7 +141,7 @@ impl Patches {
                 }
             })
             .collect();
-        if let Some((run, side, state)) = run {
+        if let Some((run, side, Shape::Fill(state))) = run {
             let numbered = |l: &BoundaryLoop| {
                 let number = l.number;
                 l.vertices.clone().into_iter().map(move |v| (v, number))
@@ -153,7 +159,8 @@ impl Patches {
     /// The rims of all patches in the whole `mesh`, those of G0 as creases.
     fn rims(&self, mesh: &Mesh) -> Vec<EdgeChain> {
         let mut rims = Vec::new();
-        for patch in &self.0 {
+        let made = |p: &&Patch| !p.faces.is_empty() || !p.faired.is_empty();
+        for patch in self.0.iter().filter(made) {
             let is_patch: Vec<bool> = (0..mesh.face_count())
                 .map(|f| {
                     patch.faces.contains(&f) || patch.faired.binary_search(&(f as u32)).is_ok()

@@ -6,6 +6,7 @@ use super::*;
 use crate::app::document::{Accepted, Work};
 use crate::app::faces::{Dab, FaceEdit};
 use crate::app::run::Run;
+use crate::app::view_state::Bridging;
 use crate::mesh::FaceId;
 
 /// A stroke far from both holes, ended.
@@ -122,11 +123,15 @@ fn fairing_moves_inner_vertices_only_and_shows_them() {
     let run = m.run.as_ref().expect("a run");
     assert!(!run.faired().is_empty());
     let state = run.sides[0].state().expect("a state");
-    assert_eq!(state.positions(&before).len(), before.vertex_count());
+    assert_eq!(state.positions(&before, false).len(), before.vertex_count());
     m.act(Action::Scrub(Some(1)));
     m.act(Action::GoOnFromHere);
     run_to_end(&mut m);
-    assert!(m.run.as_ref().is_some_and(|r| r.sides[0].radius() > 0.1));
+    assert!(
+        m.run
+            .as_ref()
+            .is_some_and(|r| r.sides[0].live.radius() > 0.1)
+    );
     m.act(Action::Accept(0));
     let after = Arc::clone(&m.document.mesh);
     assert_eq!(before.topology, after.topology);
@@ -183,8 +188,36 @@ fn turning_over_keeps_the_rims_gathered() {
 }
 
 #[test]
+fn a_bridge_makes_two_holes_of_one() {
+    let mut m = model();
+    m.act(Action::Bridging(Some(Bridging {
+        from: None,
+        width: 1,
+    })));
+    m.act(Action::Escape);
+    assert!(m.view.bridging.is_none());
+    let l = &m.document.loops[0];
+    let at = |i: usize| m.document.mesh.position(l.vertices[i]);
+    let ends = [at(0), at(l.edges() / 2)];
+    let first = m.document.mesh.face_count();
+    m.act(Action::Bridge(ends, 1));
+    assert_eq!(m.document.loops.len(), 3);
+    assert_eq!(last(&m).work, Work::Bridge(ends, 1));
+    assert_eq!(last(&m).faces, first..m.document.mesh.face_count());
+    // from a place to itself there is none
+    m.act(Action::Bridge([ends[0], ends[0]], 1));
+    assert_eq!(m.document.loops.len(), 3);
+    assert!(last_message(&m).contains("ends of the bridge meet"));
+    m.act(Action::Undo);
+    assert_eq!(m.document.loops.len(), 2);
+}
+
+#[test]
 fn a_project_keeps_repairs_and_the_selection() {
     let mut m = in_repair();
+    let l = &m.document.loops[0];
+    let at = |i: usize| m.document.mesh.position(l.vertices[i]);
+    m.act(Action::Bridge([at(0), at(l.edges() / 2)], 2));
     paint(&mut m, 0.4);
     m.act(Action::Erase);
     paint(&mut m, 0.5);

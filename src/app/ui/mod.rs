@@ -5,6 +5,7 @@ mod dialogs;
 mod energy;
 mod menu;
 mod navigation;
+mod refine;
 mod repair;
 mod report;
 mod side;
@@ -18,7 +19,7 @@ mod windows;
 use eframe::egui;
 
 use super::action::{Action, Switch};
-use super::model::Model;
+use super::model::{MOST_SIDES, Model};
 use super::scene_builder::OverlayCache;
 use super::shortcuts::{self, Command};
 use super::view_state::{Modal, PictureSettings};
@@ -26,10 +27,12 @@ use crate::render::ViewMode;
 
 /// What the interface keeps from frame to frame that is nobody else's business.
 pub struct UiState {
-    /// Overlays of both viewports.
-    pub overlays: [OverlayCache; 2],
+    /// Overlays of all viewports.
+    pub overlays: [OverlayCache; MOST_SIDES],
     /// The drag that is under way.
     pub drag: navigation::Drag,
+    /// The rim vertex under the cursor, while a bridge is made.
+    pub rim_vertex: Option<crate::mesh::DVec3>,
     /// The stroke or lasso that is under way.
     pub draft: Option<repair::Draft>,
     /// Range of the colour map that is shown.
@@ -49,6 +52,7 @@ impl Default for UiState {
         Self {
             overlays: Default::default(),
             drag: navigation::Drag::default(),
+            rim_vertex: None,
             draft: None,
             range: None,
             frames: windows::FrameStats::default(),

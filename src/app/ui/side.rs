@@ -6,13 +6,13 @@ use egui_extras::{Column, TableBuilder};
 use crate::app::action::{Action, SelectHow};
 use crate::app::model::Model;
 use crate::app::shortcuts::{Command, hint};
-use crate::app::view_state::Task;
+use crate::app::view_state::{Bridging, Task};
 
 /// Loops and the button that fills them.
 pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let document = &model.document;
     ui.add_space(4.0);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (task, title, tip) in [
             (
                 Task::Fill,
@@ -28,6 +28,11 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 Task::Repair,
                 "Repair",
                 "selected faces are erased and filled anew, or faired in place",
+            ),
+            (
+                Task::Refine,
+                "Refine",
+                "every triangle becomes four, on a smooth surface through all vertices",
             ),
         ] {
             let chosen = model.view.task == task;
@@ -46,11 +51,16 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         run_ui(ui, model, actions);
         return;
     }
+    if model.view.task == Task::Refine {
+        super::refine::refine_ui(ui, model, actions);
+        run_ui(ui, model, actions);
+        return;
+    }
     ui.horizontal(|ui| {
         ui.heading("Loops");
         ui.weak(format!(
-            "{} loops, {} selected",
-            document.loops.len(),
+            "{}, {} selected",
+            document.loop_count(),
             document.selection.len()
         ));
     });
@@ -86,6 +96,7 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
     });
     run_ui(ui, model, actions);
+    bridge_ui(ui, model, actions);
     ui.separator();
     if document.is_blank() {
         return;
@@ -97,6 +108,29 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     loops_ui(ui, model, actions);
 }
 
+/// A bridge splits a difficult hole, or joins two.
+fn bridge_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        let now = model.view.bridging;
+        let some = model.run.is_none() && !model.document.loops.is_empty();
+        let button = egui::Button::selectable(now.is_some(), "Bridge");
+        let tip = "click two places of the rims: a strip of triangles joins them, so that a difficult \
+                   hole becomes two easy ones";
+        if ui.add_enabled(some, button).on_hover_text(tip).clicked() {
+            actions.push(Action::Bridging(match now {
+                Some(_) => None,
+                None => Some(Bridging { from: None, width: 2 }),
+            }));
+        }
+        if let Some(mut next) = now {
+            let drag = egui::DragValue::new(&mut next.width).range(1..=64).suffix(" edges wide");
+            if ui.add(drag).changed() {
+                actions.push(Action::Bridging(Some(next)));
+            }
+        }
+    });
+}
+
 fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let ctx = ui.ctx().clone();
     let Some(run) = &model.run else {
@@ -104,13 +138,17 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             super::repair::start_ui(ui, model, actions);
             return;
         }
+        if model.view.task == Task::Refine {
+            super::refine::start_ui(ui, model, actions);
+            return;
+        }
         let n = model.document.selection.len();
         let text = match (model.view.task, n) {
             (Task::Fill, 0) => "Fill all holes".into(),
             (Task::Fill, 1) => "Fill the hole".into(),
-            (Task::Fill | Task::Repair, n) => format!("Fill {n} holes"),
             (Task::Blend, 0 | 1) => "Blend (click two rims or more)".into(),
             (Task::Blend, n) => format!("Blend {n} rims"),
+            (_, n) => format!("Fill {n} holes"),
         };
         let button = egui::Button::new(RichText::new(text).strong())
             .min_size(egui::vec2(ui.available_width(), 28.0));
@@ -127,14 +165,10 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         return;
     };
     ui.horizontal_wrapped(|ui| {
-        let names: &[&str] = if run.sides.len() > 1 {
-            &["Accept A", "Accept B"]
-        } else {
-            &["Accept"]
-        };
-        for (i, name) in names.iter().enumerate() {
+        for (i, name) in run.names().into_iter().enumerate() {
+            let name = format!("Accept {name}");
             if ui
-                .button(RichText::new(*name).strong())
+                .button(RichText::new(name.trim_end()).strong())
                 .on_hover_text(format!(
                     "take in the patch as it is shown{}",
                     hint(&ctx, Command::Accept)

@@ -9,10 +9,11 @@ use super::navigation::{CLICK, navigate};
 use super::repair;
 use super::side::{how, short};
 use crate::app::action::{Action, SelectHow};
+use crate::app::document::Work;
 use crate::app::model::Model;
 use crate::app::report::Pick;
 use crate::app::scene_builder;
-use crate::app::view_state::{Task, Tool};
+use crate::app::view_state::{Bridging, Task, Tool};
 use crate::mesh::DVec3;
 use crate::render::{
     MAX_SIDE, Scene, ViewMode, ViewportCallback, colormap, legend_ticks, robust_range,
@@ -40,7 +41,10 @@ pub fn viewports_ui(
         }
         viewport_ui(ui, model, state, format, side, rect, actions);
         if let Some(run) = model.run.as_ref().filter(|r| r.sides.len() > 1) {
-            let title = super::energy::side_title(&run.sides[side].controls, side);
+            let title = match run.work {
+                Work::Refine(_) => run.sides[side].name.to_owned(),
+                _ => super::energy::side_title(&run.sides[side].controls, side),
+            };
             text(
                 ui,
                 rect.left_top() + egui::vec2(10.0, 8.0),
@@ -142,6 +146,7 @@ fn viewport_ui(
     repair::draw(ui, model, state.draft.as_ref(), &response);
     if side == 0 {
         rim_numbers(ui, model, rect);
+        bridge_ends(ui, model, state.rim_vertex, rect);
         hover_figures(ui, model, rect);
         corner_words(ui, model, rect);
     }
@@ -169,6 +174,11 @@ fn shared_range(model: &Model, scene: &Scene, mode: ViewMode, known: &mut KnownR
     let range = robust_range(&all, mode);
     *known = Some((mode, numbers, range));
     range
+}
+
+/// Whether clicks are about loops.
+fn picks_loops(model: &Model) -> bool {
+    model.run.is_none() && matches!(model.view.task, Task::Fill | Task::Blend)
 }
 
 /// Hover, click, double click.
@@ -206,9 +216,13 @@ fn pick(
     if let Some(at) = response.hover_pos()
         && !down
     {
-        let over = if model.run.is_none()
+        state.rim_vertex = model
+            .view
+            .bridging
+            .and_then(|_| picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH)));
+        let over = if picks_loops(model)
+            && model.view.bridging.is_none()
             && model.view.report.pick == Pick::Holes
-            && !repair::is_active(model)
         {
             picker.pick_loop(camera, size, place(at), f64::from(REACH))
         } else {
@@ -235,10 +249,22 @@ fn pick(
         if far > CLICK || super::report::click(model, picker, size, place(at), actions) {
             return;
         }
-        if model.run.is_some() || repair::is_active(model) {
+        if !picks_loops(model) {
             return;
         }
         let modifiers = ctx.input(|i| i.modifiers);
+        if let Some(bridging) = model.view.bridging {
+            let to = picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH));
+            match (bridging.from, to) {
+                (Some(from), Some(to)) => actions.push(Action::Bridge([from, to], bridging.width)),
+                (None, Some(from)) => actions.push(Action::Bridging(Some(Bridging {
+                    from: Some(from),
+                    ..bridging
+                }))),
+                (_, None) => {}
+            }
+            return;
+        }
         match picker.pick_loop(camera, size, place(at), f64::from(REACH)) {
             Some(i) => actions.push(Action::Select(i, how(modifiers))),
             None if how(modifiers) == SelectHow::Replace => actions.push(Action::SelectNone),
@@ -264,6 +290,25 @@ fn rim_numbers(ui: &Ui, model: &Model, rect: Rect) {
         if let Some(at) = on_screen(model, rect, l.centroid) {
             text(ui, at, Align2::CENTER_CENTER, &(n + 1).to_string(), 17.0);
         }
+    }
+}
+
+/// The ends of a bridge under way.
+fn bridge_ends(ui: &Ui, model: &Model, over: Option<DVec3>, rect: Rect) {
+    let Some(bridging) = model.view.bridging else {
+        return;
+    };
+    let ends = [bridging.from, over].map(|p| p.and_then(|p| on_screen(model, rect, p)));
+    let ink = egui::Stroke::new(2.5, Color32::from_rgb(255, 170, 40));
+    let shade = egui::Stroke::new(5.0, Color32::from_black_alpha(160));
+    if let [Some(a), Some(b)] = ends {
+        for stroke in [shade, ink] {
+            ui.painter().line_segment([a, b], stroke);
+        }
+    }
+    for at in ends.into_iter().flatten() {
+        ui.painter()
+            .circle(at, 5.0, ink.color, egui::Stroke::new(1.5, Color32::BLACK));
     }
 }
 
@@ -310,6 +355,11 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
         words
     } else if model.run.is_some() {
         return;
+    } else if let Some(bridging) = model.view.bridging {
+        match bridging.from {
+            None => "Click a rim where the bridge is to begin.",
+            Some(_) => "Click the rim where it is to end; Esc leaves it.",
+        }
     } else if model.view.task == Task::Repair {
         if document.faces.is_empty() {
             match model.view.selecting.tool {
@@ -320,6 +370,8 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
         } else {
             "Press Enter to erase and refill, Delete to erase."
         }
+    } else if model.view.task == Task::Refine {
+        "Press Enter to refine the mesh."
     } else if document.is_changed() || document.loops.is_empty() {
         return;
     } else if model.view.task == Task::Blend {

@@ -38,6 +38,8 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::SelectNone
         | Action::Task(_)
         | Action::Selecting(_)
+        | Action::Refining(_)
+        | Action::Bridging(_)
         | Action::Faces(_)
         | Action::Hover(_) => select::update(model, action),
         Action::Controls(_)
@@ -50,6 +52,7 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::Fair
         | Action::Erase
         | Action::Flip(_)
+        | Action::Bridge(..)
         | Action::PlayPause
         | Action::Step
         | Action::Finish
@@ -97,6 +100,8 @@ fn escape(model: &mut Model) {
         } else {
             update(model, Action::Stop);
         }
+    } else if model.view.bridging.is_some() {
+        model.view.bridging = None;
     } else {
         update(model, Action::SelectNone);
     }

@@ -216,7 +216,7 @@ fn vertices(on_surface: bool) -> Vertices {
 }
 
 fn find(wanted: Wanted, patches: &Patches, reporter: &Reporter) -> Option<Measured> {
-    let mesh = wanted.subject.mesh();
+    let mesh = wanted.subject.mesh(wanted.on_surface);
     let chains = patches.chains(&mesh, &wanted.chains, wanted.sharp);
     let options = AnalysisOptions {
         vertices: vertices(wanted.on_surface),
@@ -271,7 +271,7 @@ fn cut(model: &mut Model) {
     }
     let asked = (subject.clone(), on_surface, plane);
     let job = Job::spawn("section", &model.wake, move |_| {
-        let mesh = subject.mesh();
+        let mesh = subject.mesh(on_surface);
         let control = control_points(&mesh, vertices(on_surface));
         CutMade {
             section: Arc::new(section(&mesh.topology, &control, &plane)),

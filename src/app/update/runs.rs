@@ -8,7 +8,7 @@ use crate::app::model::{Effect, Model};
 use crate::app::repeat;
 use crate::app::run::Run;
 use crate::app::view_state::Task;
-use crate::fill::{Controls, Schedule};
+use crate::fill::{Controls, Schedule, bridge as build_bridge, stretch_at};
 use crate::mesh::{DVec3, Mesh, erase as erase_faces, face_flags};
 use crate::solver::energy::{Energy, Preset};
 
@@ -45,6 +45,7 @@ pub fn update(model: &mut Model, action: Action) {
         }
         Action::Erase => erase(model),
         Action::Flip(i) => flip(model, i),
+        Action::Bridge(ends, width) => bridge(model, ends, width),
         Action::PlayPause => play_pause(model),
         Action::Step => step(model),
         Action::Finish => on_sides(model, |side| {
@@ -65,7 +66,7 @@ pub fn update(model: &mut Model, action: Action) {
         Action::GoOnFromHere => go_on_from_here(model),
         Action::Pace(pace) => {
             model.view.pace = pace;
-            on_sides(model, |side| side.live.set_pace(Some(pace)));
+            on_sides(model, |side| side.live.set_pace(pace));
         }
         Action::Accept(side) => {
             accept(model, side);
@@ -114,16 +115,19 @@ fn set_controls(model: &mut Model, controls: Controls) {
                     own.params.entry(name.clone()).or_insert(*value);
                 }
             }
-            match side.live.set_controls(&own) {
+            match side.live.set_controls(&own, &run.base, run.own_tension) {
                 Ok(()) => {
                     if (&own.energy, &own.params) != (&side.controls.energy, &side.controls.params)
                     {
                         side.new_energy();
                     }
                     side.controls = own;
+                    if let Work::Refine(work) = &mut run.work {
+                        work.changed = true;
+                    }
                 }
-                Err(error) => {
-                    model.log.error(error.to_string());
+                Err(text) => {
+                    model.log.error(text);
                     return;
                 }
             }
@@ -193,11 +197,16 @@ fn accept_at_once(model: &mut Model, work: Work, mesh: Mesh, kept: Option<&[u32]
     let label = work.label();
     model.history.record(&model.document, label.clone(), None);
     let end = mesh.face_count();
+    // only what is there already may be erased
+    let start = match kept {
+        Some(_) => end,
+        None => model.document.mesh.face_count(),
+    };
     let done = Accepted {
         work,
         controls: model.document.controls.clone(),
         schedule: Schedule::default(),
-        faces: end..end,
+        faces: start..end,
     };
     model.document.accept(mesh, kept, done);
     model.revision += 1;
@@ -223,6 +232,24 @@ fn erase(model: &mut Model) {
         erased.mesh,
         Some(&erased.old_face),
     );
+}
+
+/// Builds a strip between two rim vertices.
+fn bridge(model: &mut Model, ends: [DVec3; 2], width: usize) {
+    if model.run.is_some() {
+        return;
+    }
+    let (mesh, loops) = (&model.document.mesh, &model.document.loops);
+    let [Some(from), Some(to)] = ends.map(|p| stretch_at(mesh, loops, p, width)) else {
+        return;
+    };
+    match build_bridge(mesh, loops, from, to) {
+        Ok(bridged) => {
+            accept_at_once(model, Work::Bridge(ends, width), bridged, None);
+            model.view.bridging = None;
+        }
+        Err(error) => model.log.error(error.to_string()),
+    }
 }
 
 /// Turns over the component of a loop, by its index.
@@ -259,6 +286,11 @@ fn fill(model: &mut Model) {
     if model.run.is_some() {
         return;
     }
+    model.view.bridging = None;
+    if model.view.task == Task::Refine {
+        refine(model);
+        return;
+    }
     if model.view.task == Task::Repair {
         if let Some(faces) = selected_faces(model) {
             start(model, Work::Refill(faces));
@@ -292,6 +324,26 @@ fn fill(model: &mut Model) {
             _ => Work::Fill(loops),
         },
     );
+}
+
+fn refine(model: &mut Model) {
+    let refining = model.view.refining;
+    if refining.selected_only && model.document.faces.is_empty() {
+        model
+            .log
+            .warning("no face is selected: select some in task Repair, or refine all of the mesh");
+        return;
+    }
+    let (document, controls) = (&model.document, &model.document.controls);
+    let (pace, wake) = (model.view.pace, &model.wake);
+    match Run::start_refinement(&refining, document, controls, pace, wake) {
+        Ok(run) => {
+            // several views are narrower than the one before
+            model.view.fit |= run.sides.len() > 1;
+            model.run = Some(run);
+        }
+        Err(text) => model.log.error(text),
+    }
 }
 
 fn start(model: &mut Model, work: Work) {
@@ -349,7 +401,8 @@ fn go_on_from_here(model: &mut Model) {
     };
     for side in &mut run.sides {
         if let (Some(state), Some(_)) = (side.state(), side.shown.take()) {
-            side.live.rewind_to(state.index);
+            side.live.rewind_to(&state);
+            side.crossing = None;
         }
         side.live.play();
     }
@@ -373,9 +426,17 @@ pub fn accept(model: &mut Model, index: usize) {
             .info("there is no patch yet: wait for the first one, or press Esc");
         return;
     };
-    let filled = side.live.mesh_at(&state);
-    let faces = run.base.face_count()..filled.face_count();
-    if faces.is_empty() && !matches!(run.work, Work::Fair(_)) {
+    let Some(filled) = side.live.mesh_at(&state) else {
+        return;
+    };
+    let mut work = run.work.clone();
+    let mut faces = run.base.face_count()..filled.face_count();
+    if let Work::Refine(work) = &mut work {
+        work.words.clone_from(&side.words);
+        faces = 0..0;
+        // its vertices are points of the limit surface, if it has one
+        model.view.report.on_surface |= state.has_limit();
+    } else if faces.is_empty() && !matches!(work, Work::Fair(_)) {
         model
             .log
             .error("no hole could be filled; the mesh is as before");
@@ -383,9 +444,9 @@ pub fn accept(model: &mut Model, index: usize) {
         return;
     }
     let done = Accepted {
-        work: run.work.clone(),
+        work,
         controls: side.start.clone(),
-        schedule: side.live.schedule_to(&state),
+        schedule: side.live.schedule_to(Some(&state)),
         faces,
     };
     let label = done.work.label();

@@ -10,7 +10,7 @@ use crate::app::view_state::Task;
 
 /// Carries out the actions of this kind.
 pub fn update(model: &mut Model, action: Action) {
-    match action {
+    let action = match action {
         Action::Hover(hover) => {
             model.view.hover = hover;
             return;
@@ -19,8 +19,12 @@ pub fn update(model: &mut Model, action: Action) {
             model.view.selecting = selecting;
             return;
         }
-        _ => {}
-    }
+        Action::Refining(refining) => {
+            model.view.refining = *refining;
+            return;
+        }
+        action => action,
+    };
     if model.run.is_some() {
         model
             .log
@@ -30,9 +34,11 @@ pub fn update(model: &mut Model, action: Action) {
     match action {
         Action::Task(task) => {
             model.view.task = task;
+            model.view.bridging = None;
             model.view.hover = None;
         }
         Action::Faces(edit) => faces(model, edit),
+        Action::Bridging(bridging) => model.view.bridging = bridging,
         _ => loops(model, &action),
     }
 }
@@ -65,7 +71,7 @@ fn faces(model: &mut Model, edit: FaceEdit) {
 }
 
 fn loops(model: &mut Model, action: &Action) {
-    if model.view.task == Task::Repair {
+    if matches!(model.view.task, Task::Repair | Task::Refine) {
         if matches!(action, Action::SelectNone) {
             faces(model, FaceEdit::Clear);
         }

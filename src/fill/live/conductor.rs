@@ -316,10 +316,10 @@ impl Conductor<'_> {
         self.single = false;
         self.take_pending();
         self.clock += 1;
-        let (clock, cancelled) = (self.clock, &self.lines.cancelled);
+        let (ground, clock, cancelled) = (self.ground, self.clock, &self.lines.cancelled);
         let attempt = |group: &mut LiveGroup| {
             let is_wanted = !cancelled.load(Ordering::Relaxed);
-            is_wanted.then(|| group.attempt(clock)).flatten()
+            is_wanted.then(|| group.attempt(ground, clock)).flatten()
         };
         let records: Vec<_> = self.groups.par_iter_mut().map(attempt).collect();
         if self.groups.iter().any(|g| g.fresh) {
@@ -328,6 +328,14 @@ impl Conductor<'_> {
         for (group, record) in records.into_iter().enumerate() {
             if let Some(record) = record {
                 self.lines.say(LiveEvent::Step { group, record });
+            }
+        }
+        for g in 0..self.groups.len() {
+            // who asks for the end gets there
+            let pauses = !self.hurry;
+            if let Some(event) = self.groups[g].crossing_event(g, pauses) {
+                self.lines.say(event);
+                self.playing &= !pauses;
             }
         }
         let seconds = self.last_round.elapsed().as_secs_f64();
@@ -366,6 +374,9 @@ impl Conductor<'_> {
             ended: self.ended(),
             rows: Arc::clone(&self.rows),
         });
+        for group in &mut self.groups {
+            group.number(self.next_index);
+        }
         self.next_index += 1;
         // a timeline is whole between any two of its operations
         let timeline = self.lines.timeline.lock();

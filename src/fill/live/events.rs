@@ -1,5 +1,6 @@
 //! What a live fill says, and how its groups stand.
 
+use crate::mesh::DVec3;
 use crate::solver::{End, Outcome, StepRecord};
 
 /// Something that happened to a live fill.
@@ -30,6 +31,20 @@ pub enum LiveEvent {
     Rewound {
         /// Attempts, the rewind included.
         attempt: usize,
+    },
+    /// A group's surface has begun to pass through itself or the mesh.
+    Crossing {
+        /// The group.
+        group: usize,
+        /// Where, at one of the places.
+        place: DVec3,
+        /// [Serial number](crate::fill::State::index) of the last state that was looked at and does not;
+        /// states between the two were not looked at.
+        last_good: Option<usize>,
+        /// Whether the fill pauses: not on its way to the end.
+        paused: bool,
+        /// How much and where, in plain words.
+        text: String,
     },
     /// A group's flow has ended.
     Finished {

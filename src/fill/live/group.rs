@@ -1,5 +1,6 @@
 //! One group of a live fill.
 
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
@@ -22,6 +23,9 @@ pub(super) struct LiveGroup {
     last: Option<(StepRecord, usize)>,
     rejected: usize,
     end_reported: bool,
+    crossing_reported: bool,
+    /// Serial number of the latest state of each number of accepted steps.
+    shown: BTreeMap<usize, usize>,
 }
 
 impl LiveGroup {
@@ -46,12 +50,14 @@ impl LiveGroup {
             last: None,
             rejected: 0,
             end_reported: false,
+            crossing_reported: false,
+            shown: BTreeMap::new(),
         }
     }
 
     /// Attempts a step, the fill's `attempt`-th.
-    pub fn attempt(&mut self, attempt: usize) -> Option<StepRecord> {
-        let record = match guarded(|| self.run.attempt()) {
+    pub fn attempt(&mut self, ground: Ground<'_>, attempt: usize) -> Option<StepRecord> {
+        let record = match guarded(|| self.run.attempt(ground)) {
             Ok(record) => record?,
             Err(error) => {
                 self.fail(error);
@@ -141,6 +147,26 @@ impl LiveGroup {
             });
         }
         Arc::clone(&self.state)
+    }
+
+    /// The present state has this serial number.
+    pub fn number(&mut self, index: usize) {
+        self.shown.insert(self.state.step, index);
+    }
+
+    /// That the surface has begun to pass through itself, once.
+    pub fn crossing_event(&mut self, group: usize, paused: bool) -> Option<LiveEvent> {
+        let crossing = self.run.crossing();
+        let before = std::mem::replace(&mut self.crossing_reported, crossing.is_some());
+        let crossing = crossing.filter(|_| !before)?;
+        let last_good = crossing.last_clean.and_then(|step| self.shown.get(&step));
+        Some(LiveEvent::Crossing {
+            group,
+            place: crossing.place,
+            last_good: last_good.copied(),
+            paused,
+            text: crossing.words(),
+        })
     }
 
     /// How the flow has ended, once.

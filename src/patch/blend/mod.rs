@@ -5,16 +5,27 @@
 //! from a point (`layout`), if there is a point from which they do not overlap; else the rims are cut
 //! open along bridges into one polygon, which is triangulated with least weight (`bridges`).
 
+mod bending;
 mod bridges;
+mod curve;
+mod formed;
+mod hub;
 mod layout;
+mod loft;
+mod spine;
 #[cfg(test)]
 mod tests;
+
+use curve::RimCurve;
 
 use super::fill::{fineness, loose_angles, rim_sizes, validate};
 use super::remesh::{refit, rim_valences, split_chords};
 use super::surface::Surface;
 use super::{PatchError, PatchMesh, PatchOptions, Rim};
 use crate::mesh::DVec3;
+
+pub use bending::bending;
+pub use formed::formed;
 
 /// Rims that one patch is to join.
 ///
@@ -80,7 +91,9 @@ pub fn blend(gap: &Gap, options: &PatchOptions) -> Result<PatchMesh, PatchError>
         let count = points.len();
         Surface::new(points, vec![0.0; count], count, &triangles)
     } else {
-        check_orientation(&gap.pieces, &rims)?;
+        if !look_alike(&rims) {
+            check_orientation(&gap.pieces, &rims)?;
+        }
         bridges::surface(&rims, &chords)
     };
     surface.size = sizes(&rims, *options);
@@ -90,7 +103,7 @@ pub fn blend(gap: &Gap, options: &PatchOptions) -> Result<PatchMesh, PatchError>
     split_double_edges(&mut surface);
     // a film would pinch off between distant rims
     refit(&mut surface, &wanted);
-    Ok(frame.world(surface, gap))
+    Ok(frame.world(compacted(surface), gap))
 }
 
 /// Brings a patch whose shape has changed (by a warm start) back to the rims' density: splits,
@@ -107,7 +120,12 @@ pub fn reblend(gap: &Gap, patch: &PatchMesh, options: &PatchOptions) -> PatchMes
     let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
     let wanted = rim_valences(&surface, &loose);
     refit(&mut surface, &wanted);
-    frame.world(surface, gap)
+    frame.world(compacted(surface), gap)
+}
+
+fn compacted(surface: Surface) -> PatchMesh {
+    let (points, triangles) = surface.compact();
+    PatchMesh { points, triangles }
 }
 
 /// Wanted edge lengths at all rim vertices.
@@ -145,18 +163,15 @@ impl Frame {
     }
 
     /// The patch in the mesh's coordinates, rim points bit-identical.
-    fn world(&self, surface: Surface, gap: &Gap) -> PatchMesh {
-        let (mut points, triangles) = surface.compact();
-        for p in &mut points {
+    fn world(&self, mut patch: PatchMesh, gap: &Gap) -> PatchMesh {
+        for p in &mut patch.points {
             *p = *p * self.radius + self.centre;
         }
-        for (p, &rim) in points
-            .iter_mut()
-            .zip(gap.rims.iter().flat_map(|r| &r.points))
-        {
+        let rims = gap.rims.iter().flat_map(|r| &r.points);
+        for (p, &rim) in patch.points.iter_mut().zip(rims) {
             *p = rim;
         }
-        PatchMesh { points, triangles }
+        patch
     }
 }
 
@@ -179,6 +194,13 @@ fn check_apart(gap: &Gap) -> Result<(), PatchError> {
         }),
         None => Ok(()),
     }
+}
+
+/// Whether all rims are mouths of tubes whose faces look outwards, or all of tubes whose faces look inwards.
+fn look_alike(rims: &[Rim]) -> bool {
+    let side = |rim: &Rim| RimCurve::new(rim).side();
+    let first = side(&rims[0]);
+    first != 0.0 && rims.iter().all(|rim| side(rim) == first)
 }
 
 /// Things of which every combination is turned over; of more, one at a time.

@@ -1,6 +1,7 @@
 //! Clicks in the view while the report chooses edges or a section.
 
 use crate::app::action::Action;
+use crate::app::live::Shape;
 use crate::app::model::Model;
 use crate::app::report::{Across, Cut, Pick, ReportAction};
 use crate::mesh::{DVec3, HalfedgeId, TriangleBvh, closest_point_on_segment};
@@ -83,7 +84,9 @@ fn point_at(model: &Model, picker: &Picker, size: [f64; 2], at: [f64; 2]) -> Opt
     };
     let on_patch = || {
         let run = model.run.as_ref()?;
-        let state = run.sides.first()?.state()?;
+        let Shape::Fill(state) = run.sides.first()?.state()? else {
+            return None;
+        };
         let positions = state.positions(&run.base);
         let faces = state.patch_faces();
         let triangles: Vec<[u32; 3]> = state

@@ -1,0 +1,165 @@
+//! A rim as a smooth closed curve with directions in which a surface leaves it.
+
+use crate::mesh::DVec3;
+use crate::patch::Rim;
+use crate::patch::planar::vector_area;
+
+/// Rims are smoothed over this part of their vertices before they are swept along.
+const SMOOTHED: f64 = 1.0 / 24.0;
+/// Mean length of the conormals above which the faces at a rim make a tube with a direction of its own;
+/// 1 for a cylinder, 0 for a hole in a plane.
+const TUBE: f64 = 0.4;
+
+/// A rim by the part `u` in 0..1 of its length, in its own direction.
+#[derive(Clone, Debug)]
+pub(super) struct RimCurve {
+    /// `u` of each vertex, ascending from 0.
+    pub place: Vec<f64>,
+    /// Without the raggedness of the mesh.
+    smooth: Vec<DVec3>,
+    /// What was smoothed away.
+    rest: Vec<DVec3>,
+    /// Unit directions into the gap, in the tangent planes.
+    conormal: Vec<DVec3>,
+    pub centre: DVec3,
+    /// RMS distance from the centre.
+    pub radius: f64,
+    /// Unit normal of the plane the rim goes around in, counter-clockwise.
+    pub normal: DVec3,
+    /// Unit mean direction into the gap, if the faces at the rim make a tube.
+    axis: Option<DVec3>,
+}
+
+/// A point of a [`RimCurve`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RimPoint {
+    pub smooth: DVec3,
+    pub rest: DVec3,
+    pub conormal: DVec3,
+}
+
+impl RimCurve {
+    pub fn new(rim: &Rim) -> Self {
+        let points = &rim.points;
+        let n = points.len();
+        let into_gap = |i: usize| {
+            let (a, b) = (points[i], points[(i + 1) % n]);
+            let across = (a - rim.opposite[i]).reject_from(b - a);
+            across.normalize_or_zero()
+        };
+        let conormal: Vec<DVec3> = (0..n)
+            .map(|i| into_gap((i + n - 1) % n) + into_gap(i))
+            .collect();
+        Self::with_conormals(points.clone(), conormal)
+    }
+
+    /// A circle that goes around `normal` counter-clockwise and is left along `axis`.
+    pub fn circle(centre: DVec3, normal: DVec3, axis: DVec3, radius: f64, edges: usize) -> Self {
+        let (u, v) = normal.any_orthonormal_pair();
+        let points = (0..edges).map(|i| {
+            let (sin, cos) = (std::f64::consts::TAU * i as f64 / edges as f64).sin_cos();
+            centre + radius * (cos * u + sin * v)
+        });
+        Self::with_conormals(points.collect(), vec![axis; edges])
+    }
+
+    fn with_conormals(points: Vec<DVec3>, conormal: Vec<DVec3>) -> Self {
+        let n = points.len();
+        let mut place = Vec::with_capacity(n);
+        let (mut length, mut moment) = (0.0, DVec3::ZERO);
+        for i in 0..n {
+            place.push(length);
+            let next = points[(i + 1) % n];
+            length += points[i].distance(next);
+            moment += points[i].distance(next) * points[i].midpoint(next);
+        }
+        for u in &mut place {
+            *u /= length;
+        }
+        let centre = moment / length;
+        let squares: f64 = points.iter().map(|p| p.distance_squared(centre)).sum();
+        let passes = (2.0 * (SMOOTHED * n as f64).powi(2)).ceil() as usize;
+        // twice over, so that circles hardly shrink
+        let once = smoothed(&points, passes);
+        let twice = smoothed(&once, passes);
+        let smooth: Vec<DVec3> = (0..n).map(|i| 2.0 * once[i] - twice[i]).collect();
+        let mut conormal = smoothed(&conormal, passes);
+        for c in &mut conormal {
+            *c = c.normalize_or_zero();
+        }
+        let mean = conormal.iter().sum::<DVec3>() / n as f64;
+        Self {
+            rest: (0..n).map(|i| points[i] - smooth[i]).collect(),
+            centre,
+            radius: (squares / n as f64).sqrt(),
+            normal: vector_area(&points).normalize_or_zero(),
+            axis: (mean.length() > TUBE).then(|| mean.normalize()),
+            place,
+            smooth,
+            conormal,
+        }
+    }
+
+    pub fn edges(&self) -> usize {
+        self.place.len()
+    }
+
+    /// The point at `u`, any number; whole turns do not count.
+    pub fn at(&self, u: f64) -> RimPoint {
+        let u = u - u.floor();
+        let n = self.edges();
+        let i = self.place.partition_point(|&p| p <= u) - 1;
+        let j = (i + 1) % n;
+        let end = if j == 0 { 1.0 } else { self.place[j] };
+        let f = (u - self.place[i]) / (end - self.place[i]);
+        let mix = |list: &[DVec3]| list[i].lerp(list[j], f);
+        RimPoint {
+            smooth: mix(&self.smooth),
+            rest: mix(&self.rest),
+            conormal: mix(&self.conormal).normalize_or_zero(),
+        }
+    }
+
+    /// The side of its plane to which a tube's faces lead: 1 if it leaves along the normal, -1 against
+    /// it, 0 if the faces lie in the plane.
+    pub fn side(&self) -> f64 {
+        self.axis.map_or(0.0, |axis| axis.dot(self.normal).signum())
+    }
+
+    /// The direction to leave in, on the given side where the rim has none of its own.
+    pub fn axis(&self, side: f64) -> DVec3 {
+        self.axis.unwrap_or(side * self.normal)
+    }
+
+    /// The same with fewer vertices, evenly spaced, and without raggedness.
+    pub fn thinned(&self, edges: usize) -> Self {
+        let n = edges.min(self.edges());
+        let at: Vec<RimPoint> = (0..n).map(|i| self.at(i as f64 / n as f64)).collect();
+        Self {
+            place: (0..n).map(|i| i as f64 / n as f64).collect(),
+            smooth: at.iter().map(|p| p.smooth).collect(),
+            rest: vec![DVec3::ZERO; n],
+            conormal: at.iter().map(|p| p.conormal).collect(),
+            ..*self
+        }
+    }
+
+    /// The vertices themselves.
+    pub fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.smooth.iter().zip(&self.rest).map(|(s, r)| *s + *r)
+    }
+}
+
+/// `passes` of (1, 2, 1)/4 around a closed list.
+fn smoothed(list: &[DVec3], passes: usize) -> Vec<DVec3> {
+    let n = list.len();
+    let mut now = list.to_vec();
+    let mut next = now.clone();
+    for _ in 0..passes {
+        for i in 0..n {
+            next[i] = 0.25 * now[(i + n - 1) % n] + 0.5 * now[i] + 0.25 * now[(i + 1) % n];
+        }
+        std::mem::swap(&mut now, &mut next);
+    }
+    now
+}

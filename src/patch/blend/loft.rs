@@ -1,0 +1,294 @@
+//! Surfaces swept from one rim to another.
+
+use super::bending::bending;
+use super::curve::{RimCurve, RimPoint};
+use super::spine::{Cubic, Spine};
+use crate::mesh::{DVec3, self_intersections};
+
+/// How the points of two rims are joined by curves.
+#[derive(Clone, Debug)]
+enum Path {
+    /// Every point on a cubic of its own.
+    Rails { pull: f64 },
+    /// The cross-section carried along a spine, turning with it, while it changes from one rim to the
+    /// other.
+    Swept(Box<Spine>),
+}
+
+/// The kinds of [`Path`].
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Rails,
+    Swept,
+}
+
+/// A surface swept from one rim to another: which points are joined, and how.
+#[derive(Clone, Debug)]
+pub(super) struct Way {
+    /// The point at `u` of the first rim is joined to that at `shift - u` of the second.
+    shift: f64,
+    path: Path,
+}
+
+/// Shifts that are tried.
+const SHIFTS: usize = 24;
+/// Lengths of the slopes at the ends that are tried, relative to those of circular arcs; 1 first.
+const PULLS: [f64; 5] = [1.0, 0.6, 1.5, 2.2, 3.2];
+/// Edges of the rims while surfaces are compared.
+const COARSE: usize = 24;
+/// Starts that are looked at for crossings.
+const LOOKED_AT: usize = 6;
+
+/// Ways to sweep from rim `a` to rim `b` that do not pass through themselves, those that bend least
+/// first, one of each kind at most. `side` is where a rim without a direction of its own is left to
+/// (see [`RimCurve::side`]).
+pub(super) fn ways(a: &RimCurve, b: &RimCurve, side: f64) -> Vec<Way> {
+    let ends = [&a.thinned(COARSE), &b.thinned(COARSE)];
+    let mut kinds = vec![Kind::Rails];
+    if leads_apart(ends) {
+        kinds.push(Kind::Swept);
+    }
+    let mut found: Vec<(f64, Way)> = Vec::new();
+    for kind in kinds {
+        let mut best: Vec<(f64, Way)> = Vec::new();
+        // the twist that is best for one length of the slopes is so for all, or nearly
+        let mut twist = 0..SHIFTS;
+        for pull in PULLS {
+            let path = Path::new(ends, kind, side, pull);
+            let mut least = f64::INFINITY;
+            let mut least_at = 0;
+            for k in twist.clone() {
+                let shift = (k % SHIFTS) as f64 / SHIFTS as f64;
+                let path = path.clone();
+                let way = Way { shift, path };
+                let sheet = sheet(ends, &way, mean_edges(ends));
+                let bends = bending(&sheet.points, &sheet.triangles);
+                if bends < least {
+                    (least, least_at) = (bends, k % SHIFTS);
+                }
+                if bends.is_finite() {
+                    best.push((bends, way));
+                }
+            }
+            if pull == PULLS[0] && least.is_finite() {
+                twist = least_at + SHIFTS - 1..least_at + SHIFTS + 2;
+            }
+        }
+        best.sort_by(|x, y| x.0.total_cmp(&y.0));
+        best.truncate(LOOKED_AT);
+        let clean = |(_, way): &(f64, Way)| {
+            let sheet = sheet(ends, way, mean_edges(ends));
+            self_intersections(&sheet.points, &sheet.triangles, None, 1).is_empty()
+        };
+        found.extend(best.into_iter().find(clean));
+    }
+    found.sort_by(|x, y| x.0.total_cmp(&y.0));
+    found.into_iter().map(|f| f.1).collect()
+}
+
+fn mean_edges(ends: [&RimCurve; 2]) -> [f64; 2] {
+    ends.map(|rim| {
+        let points: Vec<DVec3> = rim.points().collect();
+        length_around(&points) / points.len() as f64
+    })
+}
+
+fn length_around(points: &[DVec3]) -> f64 {
+    let n = points.len();
+    (0..n)
+        .map(|i| points[i].distance(points[(i + 1) % n]))
+        .sum()
+}
+
+/// Whether the rims can be the two ends of one tube: not around one another, nor leading to other sides.
+fn leads_apart([a, b]: [&RimCurve; 2]) -> bool {
+    let apart = a.centre.distance(b.centre);
+    a.side() * b.side() >= 0.0 && apart > 0.1 * a.radius.max(b.radius)
+}
+
+impl Path {
+    fn new([a, b]: [&RimCurve; 2], kind: Kind, side: f64, pull: f64) -> Self {
+        match kind {
+            Kind::Rails => Self::Rails { pull },
+            Kind::Swept => {
+                let axes = [a, b].map(|rim| rim.axis(side));
+                let curve = Cubic::turning(a.centre, axes[0], b.centre, -axes[1], pull);
+                Self::Swept(Box::new(Spine::new(curve)))
+            }
+        }
+    }
+}
+
+/// Over how many edges the raggedness of a rim fades out.
+const RAGGED: f64 = 4.0;
+
+/// The points of one rail.
+struct Rail<'a> {
+    ends: [RimPoint; 2],
+    way: &'a Way,
+    /// The rail itself, or its cross-section's point relative to the spine in the frame at its start.
+    curve: Cubic,
+}
+
+impl<'a> Rail<'a> {
+    fn new(ends: [&RimCurve; 2], way: &'a Way, u: f64) -> Self {
+        let [a, b] = [ends[0].at(u), ends[1].at(way.shift - u)];
+        let curve = match &way.path {
+            Path::Rails { pull } => {
+                Cubic::turning(a.smooth, a.conormal, b.smooth, -b.conormal, *pull)
+            }
+            Path::Swept(spine) => {
+                let offsets = [a.smooth - ends[0].centre, b.smooth - ends[1].centre];
+                let directions = [a.conormal, -b.conormal];
+                let mut slopes = [DVec3::ZERO; 2];
+                for (k, t) in [0.0, 1.0].into_iter().enumerate() {
+                    // what the sweep alone does, and what is missing to leave along the conormal as fast
+                    let carried =
+                        spine.curve.slope(t) + spine.curve.turning_rate(t).cross(offsets[k]);
+                    slopes[k] = carried.length() * directions[k] - carried;
+                }
+                let back = spine.frame(1.0).transpose();
+                Cubic {
+                    ends: [offsets[0], back * offsets[1]],
+                    slopes: [slopes[0], back * slopes[1]],
+                }
+            }
+        };
+        Self {
+            ends: [a, b],
+            way,
+            curve,
+        }
+    }
+
+    /// At `t` in 0..=1; `fades` are the parts of the way over which the raggedness of the ends fades.
+    fn at(&self, t: f64, fades: [f64; 2]) -> DVec3 {
+        let smooth = match &self.way.path {
+            Path::Rails { .. } => self.curve.at(t),
+            Path::Swept(spine) => spine.curve.at(t) + spine.frame(t) * self.curve.at(t),
+        };
+        let left = |far: f64, fade: f64| (1.0 - far / fade).max(0.0).powi(2);
+        smooth + left(t, fades[0]) * self.ends[0].rest + left(1.0 - t, fades[1]) * self.ends[1].rest
+    }
+}
+
+/// A triangulated sweep: the vertices of the first rim, of the second, then the others.
+#[derive(Clone, Debug)]
+pub(super) struct Sheet {
+    pub points: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Rails along which lengths are measured, and their pieces.
+const RAILS: usize = 16;
+const PIECES: usize = 32;
+/// Most rows of triangles and most vertices of a row.
+const MOST_ROWS: usize = 4000;
+/// Height of an equilateral triangle.
+const ROW: f64 = 0.866;
+
+/// Triangulates a sweep with edges whose lengths go from `sizes[0]` to `sizes[1]`.
+pub(super) fn sheet(ends: [&RimCurve; 2], way: &Way, sizes: [f64; 2]) -> Sheet {
+    let rows = Rows::new(ends, way, sizes);
+    let mut points: Vec<DVec3> = ends.iter().flat_map(|rim| rim.points()).collect();
+    let numbered = |first: usize, n: usize| (0..n).map(move |k| (first + k) as u32);
+    let n = ends.map(RimCurve::edges);
+    // a row: places around and vertices
+    let mut last: Vec<(f64, u32)> = ends[0]
+        .place
+        .iter()
+        .copied()
+        .zip(numbered(0, n[0]))
+        .collect();
+    let mut triangles = Vec::new();
+    for (j, &(t, count)) in rows.list.iter().enumerate() {
+        let first = points.len();
+        let offset = if j % 2 == 0 { 0.5 } else { 0.0 };
+        let places = (0..count).map(|k| (k as f64 + offset) / count as f64);
+        let row: Vec<(f64, u32)> = places.zip(numbered(first, count)).collect();
+        points.extend(
+            row.iter()
+                .map(|&(u, _)| Rail::new(ends, way, u).at(t, rows.fades)),
+        );
+        stitch(&last, &row, &mut triangles);
+        last = row;
+    }
+    let mut end: Vec<(f64, u32)> = ends[1]
+        .place
+        .iter()
+        .map(|&u| way.shift - u)
+        .map(|u| u - u.floor())
+        .zip(numbered(n[0], n[1]))
+        .collect();
+    end.sort_by(|a, b| a.0.total_cmp(&b.0));
+    stitch(&last, &end, &mut triangles);
+    Sheet { points, triangles }
+}
+
+/// Where the rows of a sheet lie.
+struct Rows {
+    /// `t` and number of vertices of each inner row.
+    list: Vec<(f64, usize)>,
+    fades: [f64; 2],
+}
+
+impl Rows {
+    fn new(ends: [&RimCurve; 2], way: &Way, sizes: [f64; 2]) -> Self {
+        let rails: Vec<Rail<'_>> = (0..RAILS)
+            .map(|i| Rail::new(ends, way, i as f64 / RAILS as f64))
+            .collect();
+        let none = [f64::MIN_POSITIVE; 2];
+        let time = |p: usize| p as f64 / PIECES as f64;
+        let rings: Vec<Vec<DVec3>> = (0..=PIECES)
+            .map(|p| rails.iter().map(|rail| rail.at(time(p), none)).collect())
+            .collect();
+        let mut along = vec![0.0];
+        for p in 0..PIECES {
+            let ways = rings[p].iter().zip(&rings[p + 1]);
+            let mean = ways.map(|(a, b)| a.distance(*b)).sum::<f64>() / RAILS as f64;
+            along.push(along[p] + mean);
+        }
+        let length = along[PIECES].max(f64::MIN_POSITIVE);
+        let size = |p: usize| sizes[0] * (sizes[1] / sizes[0]).powf(along[p] / length);
+        // rows up to each place
+        let mut rows = vec![0.0];
+        for p in 0..PIECES {
+            let here = 0.5 * ROW * (size(p) + size(p + 1));
+            rows.push(rows[p] + (along[p + 1] - along[p]) / here);
+        }
+        let count = (rows[PIECES].round() as usize).clamp(2, MOST_ROWS);
+        let list = (1..count).map(|j| {
+            let wanted = rows[PIECES] * j as f64 / count as f64;
+            let p = rows.partition_point(|&r| r < wanted).clamp(1, PIECES);
+            let f = (wanted - rows[p - 1]) / (rows[p] - rows[p - 1]);
+            let around = (1.0 - f) * length_around(&rings[p - 1]) + f * length_around(&rings[p]);
+            let size = (1.0 - f) * size(p - 1) + f * size(p);
+            let n = ((around / size).round() as usize).clamp(5, 4 * MOST_ROWS);
+            (time(p - 1) + f * (time(p) - time(p - 1)), n)
+        });
+        Self {
+            list: list.collect(),
+            fades: sizes.map(|s| (RAGGED * s / length).clamp(1e-3, 0.5)),
+        }
+    }
+}
+
+/// Triangles between two rows of (place around, vertex), places ascending.
+fn stitch(low: &[(f64, u32)], high: &[(f64, u32)], triangles: &mut Vec<[u32; 3]>) {
+    let place = |row: &[(f64, u32)], i: usize| row[i % row.len()].0 + (i / row.len()) as f64;
+    let vertex = |row: &[(f64, u32)], i: usize| row[i % row.len()].1;
+    let (mut i, mut j) = (0, 0);
+    while i < low.len() || j < high.len() {
+        let ahead = i < low.len()
+            && (j >= high.len()
+                || place(low, i + 1) + place(low, i) <= place(high, j + 1) + place(high, j));
+        let (a, b) = (vertex(low, i), vertex(high, j));
+        if ahead {
+            i += 1;
+            triangles.push([a, vertex(low, i), b]);
+        } else {
+            j += 1;
+            triangles.push([a, vertex(high, j), b]);
+        }
+    }
+}
