@@ -66,7 +66,10 @@ pub struct AnalysisOptions<'a> {
 
 /// Measures a mesh. Nothing is assumed of it: without triangles all measures are zero or absent.
 pub fn analyze(mesh: &Mesh, options: &AnalysisOptions<'_>) -> Analysis {
-    analyze_while(mesh, options, &|_, _| true).expect("it is wanted to the end")
+    let Some(all) = analyze_while(mesh, options, &|_, _| true) else {
+        unreachable!("it is wanted to the end");
+    };
+    all
 }
 
 /// [`analyze`] as long as it is `wanted`, which is asked between two measures with how many were made

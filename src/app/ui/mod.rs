@@ -75,7 +75,8 @@ pub fn window_ui(
     drops(ui.ctx(), &mut actions);
     egui::Panel::top("menu").show(ui, |ui| menu::menu_ui(ui, model, &mut actions));
     egui::Panel::top("toolbar").show(ui, |ui| {
-        toolbar::toolbar_ui(ui, model, state.range.as_ref().map(|r| r.2), &mut actions)
+        let range = state.range.as_ref().map(|r| r.2);
+        toolbar::toolbar_ui(ui, model, range, &mut actions);
     });
     egui::Panel::bottom("status").show(ui, |ui| status::status_ui(ui, model, &mut actions));
     if model.run.is_some() {

@@ -19,7 +19,7 @@ pub fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             (Across::Axis(2), "z", "perpendicular to the z axis"),
             (
                 Across::View,
-                "view",
+                "the view",
                 "upright in the view, along the line of sight",
             ),
         ] {
