@@ -3,6 +3,7 @@
 mod files;
 mod pictures;
 mod report;
+mod report_files;
 mod runs;
 mod select;
 mod view;

@@ -1,10 +1,10 @@
-//! Plane sections of a limit surface, with their curvature as plane curves.
+//! Follows a plane through the faces of a limit surface.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DMat3;
-use serde::Serialize;
 
+use super::{SectionCurve, SectionPoint};
 use crate::analysis::bending::{bending_form, vertex_forms};
 use crate::analysis::local::FaceSurface;
 use crate::mesh::{DVec3, FaceId, Topology, VertexId};
@@ -24,77 +24,10 @@ const TOUCHING: f64 = 1e-6;
 /// Evaluations per root at most; the bracket has shrunk to rounding long before.
 const ROUNDS: usize = 60;
 
-/// A plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
-    /// A point of it.
-    pub point: DVec3,
-    /// Perpendicular to it, of any length but zero.
-    pub normal: DVec3,
-}
-
-/// The curves in which a plane cuts a surface.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Section {
-    /// A point of the plane.
-    pub point: [f64; 3],
-    /// Its unit normal.
-    pub normal: [f64; 3],
-    /// The connected curves, open ones first.
-    pub curves: Vec<SectionCurve>,
-}
-
-/// A connected curve of a section.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SectionCurve {
-    /// Whether its end is its beginning, which is not repeated.
-    pub closed: bool,
-    /// Length of the chords.
-    pub length: f64,
-    /// Its points. Seen from where the plane's normal points to, they run counter-clockwise around
-    /// what a surface with outward normals encloses.
-    pub points: Vec<SectionPoint>,
-}
-
-/// A point of a section.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct SectionPoint {
-    /// Where it is.
-    pub at: [f64; 3],
-    /// Unit normal of the curve within the plane, on the side of the surface's normal.
-    pub normal: [f64; 3],
-    /// Curvature of the plane curve, 1 / length: negative where it bends away from `normal`, as on
-    /// a sphere with outward normals (−1/r with r the radius of the section circle); NaN (null in
-    /// JSON) where the plane touches the surface. At an irregular vertex the limit surface has no
-    /// bounded curvature, and this shows it.
-    pub curvature: f64,
-    /// The same with the second fundamental form averaged around the vertices and interpolated
-    /// between them, as curvatures are drawn: the shape without the spikes of irregular vertices.
-    pub averaged: f64,
-    /// Length of the chords from the beginning of the curve.
-    pub arc: f64,
-}
-
 /// A point of the lattices of all faces: kind (vertex, edge, face), which one, and which place.
 type Place = (u8, u32, u32);
 /// An edge between two of them.
 type Crossing = [Place; 2];
-
-/// Cuts the limit surface of the `control` points by a plane. Points lie on both to rounding. The
-/// section's curvature is the surface's normal curvature `II(t, t)` along its unit tangent `t`, over
-/// the cosine of the angle between surface normal and curve normal (Meusnier). No curve for a normal of
-/// length zero.
-pub fn section(topology: &Topology, control: &[DVec3], plane: &Plane) -> Section {
-    let normal = plane.normal.try_normalize();
-    let curves = normal.map_or_else(Vec::new, |normal| {
-        Cutter::new(topology, control, plane.point, normal).run()
-    });
-    Section {
-        point: plane.point.to_array(),
-        normal: normal.unwrap_or_default().to_array(),
-        curves,
-    }
-}
 
 /// A root looked for on a lattice edge: the parameters of its ends, their heights.
 struct Bracket {
@@ -106,7 +39,8 @@ struct Bracket {
     interval: [f64; 2],
 }
 
-struct Cutter<'a> {
+/// The state of a cut.
+pub(super) struct Cutter<'a> {
     topology: &'a Topology,
     control: &'a [DVec3],
     origin: DVec3,
@@ -122,7 +56,13 @@ struct Cutter<'a> {
 }
 
 impl<'a> Cutter<'a> {
-    fn new(topology: &'a Topology, control: &'a [DVec3], origin: DVec3, normal: DVec3) -> Self {
+    /// Of the plane through `origin` with a unit normal.
+    pub(super) fn new(
+        topology: &'a Topology,
+        control: &'a [DVec3],
+        origin: DVec3,
+        normal: DVec3,
+    ) -> Self {
         let extent = control
             .iter()
             .map(|p| (*p - origin).length())
@@ -141,7 +81,8 @@ impl<'a> Cutter<'a> {
         }
     }
 
-    fn run(mut self) -> Vec<SectionCurve> {
+    /// The curves, open ones first.
+    pub(super) fn run(mut self) -> Vec<SectionCurve> {
         let faces = self.candidates();
         self.forms = vertex_forms(self.topology, self.control, &faces);
         for f in faces {
@@ -430,7 +371,3 @@ fn off_corners([v, w]: [f64; 2]) -> [f64; 2] {
         [v, w]
     }
 }
-
-#[cfg(test)]
-#[path = "section_tests.rs"]
-mod tests;
