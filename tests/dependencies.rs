@@ -38,6 +38,7 @@ const MODULES: [(&str, &[&str]); 14] = [
             "refine",
             "fill",
             "render",
+            "analysis",
         ],
     ),
 ];

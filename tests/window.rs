@@ -252,3 +252,43 @@ fn pictures_of_the_window() {
     assert!(figures.iter().all(|f| matches!(f.end, Some(Ok(_)))));
     harness.snapshot_options("window_filled", &options);
 }
+
+/// The report beside a filled sphere, with a section.
+#[test]
+fn picture_of_the_report() {
+    let mut harness = window();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.state_mut().model.view.pace = 240.0;
+    harness.key_press(Key::Enter);
+    until(&mut harness, ended);
+    harness.get_by_label("Accept").click();
+    harness.run_steps(2);
+    harness.get_by_label("Report").click();
+    until(&mut harness, |app| app.model.report.measured.is_some());
+    for part in ["Shape and energies", "Section and curvature comb"] {
+        harness.get_by_label(part).click();
+        harness.run_steps(20);
+    }
+    // a section across y, through the point clicked in the view
+    harness.get_by_label("y").click();
+    harness.run_steps(2);
+    let at = middle(&harness);
+    harness.drag_at(at);
+    harness.step();
+    harness.drop_at(at);
+    until(&mut harness, |app| {
+        app.model.report.cut.is_some() && app.model.report.measuring.is_none()
+    });
+    let report = &harness.state().model.report;
+    let measured = report.measured.as_ref().expect("measured");
+    assert_eq!(measured.analysis.chains.len(), 2);
+    let section = &report.cut.as_ref().expect("cut").section;
+    assert_eq!(section.curves.len(), 1);
+    assert!(section.curves[0].closed);
+    harness.get_by_label("rim 1").rect();
+    harness.remove_cursor();
+    // toasts would be at other moments of their fading
+    harness.run_steps(3);
+    let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(60);
+    harness.snapshot_options("window_report", &options);
+}

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::faces::FaceEdit;
+use super::report::ReportAction;
 use super::view_state::{Bridging, Modal, Navigation, PictureSettings, Refining, Selecting, Task};
 use crate::fill::Controls;
 use crate::mesh::DVec3;
@@ -46,6 +47,8 @@ pub enum Switch {
     Diagnostics,
     /// Settings.
     Settings,
+    /// Measures of the surface.
+    Analysis,
 }
 
 /// A request.
@@ -166,6 +169,9 @@ pub enum Action {
     Dark(bool),
     /// Scale of the interface.
     UiScale(f32),
+
+    /// Something of the report.
+    Report(ReportAction),
 
     /// Close a toast.
     DismissToast(usize),

@@ -16,6 +16,7 @@ mod log;
 mod model;
 mod project;
 mod repeat;
+mod report;
 mod run;
 mod scene_builder;
 mod seam;

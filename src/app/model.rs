@@ -13,6 +13,7 @@ use super::history::History;
 use super::jobs::{Job, Wake};
 use super::log::Log;
 use super::project::Project;
+use super::report::Report;
 use super::run::Run;
 use super::settings::Settings;
 use super::view_state::{AfterUnsaved, Modal, PathUse, Task, ViewState};
@@ -71,6 +72,8 @@ pub enum SavedWhat {
     Project(u64),
     /// The patches alone.
     Patch,
+    /// A report.
+    Report,
 }
 
 /// Views beside each other at most.
@@ -110,6 +113,8 @@ pub struct Model {
     pub after_save: Option<AfterUnsaved>,
     /// Keeps a recovery file.
     pub autosave: Autosave,
+    /// What was measured of the surface.
+    pub report: Report,
     /// Draws pictures; `None` before the window has a device, and in tests without one.
     pub gpu: Option<Arc<Gpu>>,
     picker_wanted: Option<Arc<Mesh>>,
@@ -142,6 +147,7 @@ impl Model {
             saved_revision: 0,
             after_save: None,
             autosave,
+            report: Report::default(),
             gpu: None,
             picker_wanted: None,
             creases: (Vec::new(), Arc::default()),
@@ -165,6 +171,7 @@ impl Model {
         self.view.camera.fit_to(&document.origin.bounds);
         self.view.fit = true;
         self.view.hover = None;
+        self.view.report.forget();
         self.view.energy_text.clone_from(&document.controls.energy);
         self.view.compare_energy = None;
         self.document = document;
@@ -230,6 +237,7 @@ impl Model {
             at(run.replay(self.view.pace, now));
         }
         self.refresh();
+        super::update::tick_report(self);
         at(self.autosave.tick(
             now,
             self.revision,
@@ -303,6 +311,7 @@ impl Model {
             centre: self.centre(),
             bounds: self.document.origin.bounds,
             energy: energy.filter(|_| radius > 0.0).map(|e| (e, radius)),
+            reference: self.report.shown_reference(self.view.style.mode),
         }
     }
 

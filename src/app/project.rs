@@ -10,6 +10,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::document::{Accepted, Document, RefineWork, Source, Work};
+use super::report::ReportView;
 use super::view_state::ViewState;
 use crate::fill::{Controls, Schedule};
 use crate::io::{self, Format, Opened};
@@ -58,10 +59,19 @@ pub struct ViewPart {
     mode: String,
     stripes: u32,
     light: [f64; 3],
+    #[serde(default)]
+    light_follows_view: bool,
+    #[serde(default)]
+    zebra_turn: f64,
+    /// Ends of the colour map, where they were set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    range: Option<[f32; 2]>,
     wireframe: bool,
     tint: bool,
     limit_surface: bool,
     rims: bool,
+    #[serde(default)]
+    report: ReportView,
 }
 
 /// Something that was done.
@@ -195,10 +205,17 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
             mode: style.mode.name().into(),
             stripes: style.stripes,
             light: style.light.to_array(),
+            light_follows_view: style.light_follows_view,
+            zebra_turn: style.zebra_turn,
+            range: style.range,
             wireframe: style.wireframe,
             tint: style.tint_patch,
             limit_surface: view.limit_surface,
             rims: view.show_rims,
+            report: ReportView {
+                reference: view.report.reference.as_ref().map(|p| relative(p, folder)),
+                ..view.report.clone()
+            },
         },
         controls: document.controls.clone(),
         fills: document
@@ -235,7 +252,7 @@ pub fn read(path: &Path) -> Result<(Document, Project), String> {
         Some((head, body)) => (head, Some(body)),
         None => (text.as_str(), None),
     };
-    let project: Project =
+    let mut project: Project =
         toml::from_str(head).map_err(|e| format!("{name} is no project file, or damaged: {e}"))?;
     if project.version > VERSION {
         return Err(format!(
@@ -244,6 +261,9 @@ pub fn read(path: &Path) -> Result<(Document, Project), String> {
         ));
     }
     let folder = path.parent().unwrap_or(Path::new("."));
+    if let Some(reference) = &mut project.view.report.reference {
+        *reference = folder.join(&*reference);
+    }
     let mesh_path = project.mesh.as_ref().map(|p| folder.join(p));
     let (opened, source) = if let Some(body) = body {
         let soup = io::read(Format::Obj, body.as_bytes(), path).map_err(|e| e.to_string())?;
@@ -358,9 +378,15 @@ impl ViewPart {
         if light.is_finite() && light != DVec3::ZERO {
             view.style.light = light;
         }
+        view.style.light_follows_view = self.light_follows_view;
+        if self.zebra_turn.is_finite() {
+            view.style.zebra_turn = self.zebra_turn;
+        }
+        view.style.range = self.range.filter(|[low, high]| low < high);
         view.style.wireframe = self.wireframe;
         view.style.tint_patch = self.tint;
         view.limit_surface = self.limit_surface;
         view.show_rims = self.rims;
+        view.report = self.report.clone().checked();
     }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::document::Work;
 use super::model::Model;
+use super::report::ReportOverlays;
 use crate::mesh::{BoundaryLoop, DVec3, Mesh};
 use crate::render::{LineStyle, Marker, Overlay, Polyline, Scene, rim_points};
 
@@ -30,6 +31,7 @@ pub struct OverlayCache {
     rims: Option<(Arc<Mesh>, bool, Arc<Overlay>)>,
     selection: Option<(Arc<Mesh>, Vec<usize>, Arc<Overlay>)>,
     hover: Option<(Arc<Mesh>, usize, Arc<Overlay>)>,
+    report: ReportOverlays,
     crossing: Option<(DVec3, Arc<Overlay>)>,
     given: Option<(Arc<Mesh>, Arc<Overlay>)>,
 }
@@ -44,7 +46,7 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
     let display = model.displays[side].latest();
     let mut surfaces = display.map_or_else(Vec::new, |d| d.surfaces.clone());
     surfaces.extend(display.into_iter().flat_map(|d| d.highlights.clone()));
-    let bounds = display.map_or(model.document.origin.bounds, |d| d.bounds);
+    let mut bounds = display.map_or(model.document.origin.bounds, |d| d.bounds);
     let mut overlays = Vec::new();
     let document = &model.document;
     let mesh = &document.mesh;
@@ -148,6 +150,10 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
             cache.hover = Some((Arc::clone(mesh), i, overlay));
         }
         overlays.extend(cache.hover.as_ref().map(|(_, _, o)| Arc::clone(o)));
+    }
+    if side == 0 {
+        overlays.extend(cache.report.of(model));
+        bounds = cache.report.around(bounds);
     }
     Scene {
         centre,

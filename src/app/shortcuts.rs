@@ -254,6 +254,11 @@ pub const ROWS: &[Row] = &[
         "Load report",
     ),
     (
+        Command::Toggle(Switch::Analysis),
+        &[key(NONE, Key::I)],
+        "Report: measures of the surface",
+    ),
+    (
         Command::Toggle(Switch::Rims),
         &[key(NONE, Key::R)],
         "Rims on or off",

@@ -20,7 +20,7 @@ mod refine;
 mod repair;
 
 /// A sphere with two small holes.
-fn opened() -> io::Opened {
+pub(super) fn opened() -> io::Opened {
     let hole = |x: f64, seed| Hole {
         centre: DVec3::new(x, 0.2, 0.1),
         shape: HoleShape::Disc { radius: 0.4 },
@@ -37,7 +37,7 @@ fn opened() -> io::Opened {
     io::from_soup(soup, Path::new("test")).expect("sound")
 }
 
-fn model() -> Model {
+pub(super) fn model() -> Model {
     let document = Document::new(opened(), Source::Sample("test".into()));
     Model::new(
         document,
@@ -48,7 +48,7 @@ fn model() -> Model {
 }
 
 /// Lets the background work go on until `done`.
-fn until(model: &mut Model, done: impl Fn(&Model) -> bool) {
+pub(super) fn until(model: &mut Model, done: impl Fn(&Model) -> bool) {
     let begun = Instant::now();
     while !done(model) {
         model.tick(Instant::now());
@@ -61,7 +61,7 @@ fn until(model: &mut Model, done: impl Fn(&Model) -> bool) {
     }
 }
 
-fn filled(model: &mut Model) {
+pub(super) fn filled(model: &mut Model) {
     model.act(Action::Pace(240.0));
     model.act(Action::Fill);
     until(model, |m| {
@@ -69,7 +69,7 @@ fn filled(model: &mut Model) {
     });
 }
 
-fn last_message(model: &Model) -> &str {
+pub(super) fn last_message(model: &Model) -> &str {
     model.log.entries().last().map_or("", |e| e.text.as_str())
 }
 

@@ -1,5 +1,6 @@
 //! What is looked at and how; never saved as work, never undone.
 
+use super::report::{ReportFile, ReportView};
 use crate::mesh::DVec3;
 use crate::refine::{BoundaryRule, Hold, Method};
 use crate::render::{Camera, ViewStyle};
@@ -161,6 +162,10 @@ pub enum PathUse {
     SaveAs,
     /// Where to write the patches alone.
     ExportPatch,
+    /// A mesh to measure distances to.
+    Reference,
+    /// Where to write the report.
+    Report(ReportFile),
 }
 
 /// A typed path.
@@ -259,6 +264,8 @@ pub struct Windows {
     pub diagnostics: bool,
     /// Theme, scale, navigation.
     pub settings: bool,
+    /// Measures of the surface.
+    pub analysis: bool,
 }
 
 /// All of it.
@@ -290,6 +297,8 @@ pub struct ViewState {
     pub compare_energy: Option<String>,
     /// States of the flow a second.
     pub pace: f64,
+    /// What the report measures and shows.
+    pub report: ReportView,
     /// The dialog.
     pub modal: Modal,
     /// Side windows.
@@ -317,6 +326,7 @@ impl ViewState {
             energy_text: "H^2".into(),
             compare_energy: None,
             pace: 12.0,
+            report: ReportView::default(),
             modal: Modal::None,
             windows: Windows::default(),
             fit: true,

@@ -159,6 +159,12 @@ impl Picker {
         })
     }
 
+    /// The face nearest to a point.
+    pub fn nearest(&self, point: DVec3) -> Option<FaceId> {
+        let closest = self.surface.closest_point(point)?;
+        Some(FaceId(closest.face))
+    }
+
     /// The first face along a line of sight, up to `end`.
     pub fn first_face(
         &self,

@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use super::{Display, Request, same_list};
 use crate::app::live::Shape;
+use crate::app::report::Reference;
 use crate::app::seam::seam;
-use crate::mesh::{FaceId, Mesh, Topology, VertexId};
-use crate::render::{
-    Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex, static_surface,
-};
+use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId};
+use crate::render::{Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex};
 use crate::solver::energy::{WellPosed, scan_well_posedness};
 
 /// Rings of faces around a patch that are drawn as the limit surface, as the patch is.
@@ -24,6 +23,8 @@ const SINGLE: f64 = 1e-5;
 pub(super) struct Maker {
     split: Option<Split>,
     still: Option<(StillKey, Arc<Geometry>)>,
+    /// What distances in `still` are to.
+    reference: Option<Arc<Reference>>,
     /// The last answer and what it was asked for.
     last: Option<(Request, Display)>,
 }
@@ -102,6 +103,15 @@ impl Maker {
             self.split = Some(Split::new(key, request));
             self.still = None;
         }
+        let reference = request.reference.as_ref();
+        if self.reference.as_ref().map(Arc::as_ptr) != reference.map(Arc::as_ptr) {
+            self.reference = reference.cloned();
+            self.still = None;
+        }
+        let distance = reference.map(|r| |p: DVec3| r.signed_distance(p));
+        let distance = distance
+            .as_ref()
+            .map(|f| f as &(dyn Fn(DVec3) -> f64 + Sync));
         let Some(split) = &self.split else {
             unreachable!("made above");
         };
@@ -126,14 +136,22 @@ impl Maker {
             );
             let still = match &self.still {
                 Some((k, geometry)) if *k == key => Arc::clone(geometry),
-                _ => Arc::new(static_surface(
-                    topology,
-                    &positions,
-                    &split.still,
-                    request.centre,
-                    limit,
-                    0,
-                )),
+                _ => {
+                    let options = SurfaceOptions {
+                        samples_per_edge: Some(1),
+                        ..SurfaceOptions::default()
+                    };
+                    let still = DynamicSurface::new(topology, &split.still, &options);
+                    Arc::new(still.evaluate_with(
+                        &positions,
+                        &Evaluation {
+                            centre: request.centre,
+                            limit,
+                            distance,
+                            ..Evaluation::default()
+                        },
+                    ))
+                }
             };
             self.still = Some((key, Arc::clone(&still)));
             surfaces.push(still);
@@ -155,6 +173,7 @@ impl Maker {
                     centre: request.centre,
                     limit,
                     start: start.as_deref(),
+                    distance,
                     ill_posed,
                 },
             );

@@ -7,6 +7,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use super::jobs::Wake;
 use super::live::Shape;
+use super::report::Reference;
 use super::seam::Seam;
 use crate::mesh::{DVec3, Mesh, VertexId};
 use crate::render::{Bounds, Geometry};
@@ -40,6 +41,8 @@ pub struct Request {
     pub bounds: Bounds,
     /// Energy whose well-posedness is shown, and the hole radius.
     pub energy: Option<(Energy, f64)>,
+    /// What the distance of all that is drawn is shown to.
+    pub reference: Option<Arc<Reference>>,
 }
 
 impl Request {
@@ -62,7 +65,13 @@ impl Request {
             (None, None) => true,
             _ => false,
         };
+        let same_reference = match (&self.reference, &other.reference) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        };
         Arc::ptr_eq(&self.mesh, &other.mesh)
+            && same_reference
             && same(&self.state, &other.state)
             && same(&self.start, &other.start)
             && Arc::ptr_eq(&self.creases, &other.creases)

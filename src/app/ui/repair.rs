@@ -8,6 +8,7 @@ use super::navigation::CLICK;
 use crate::app::action::Action;
 use crate::app::faces::{Dab, FaceEdit, Lasso};
 use crate::app::model::Model;
+use crate::app::report::Pick;
 use crate::app::shortcuts::{Command, hint};
 use crate::app::view_state::{Task, Tool};
 use crate::mesh::DVec3;
@@ -142,7 +143,8 @@ pub fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 
 /// Whether the mouse selects faces now.
 pub fn is_active(model: &Model) -> bool {
-    model.view.task == Task::Repair && model.run.is_none()
+    let picks = model.view.report.pick != Pick::Holes;
+    model.view.task == Task::Repair && model.run.is_none() && !picks
 }
 
 /// Lets the tool act. Returns whether the primary button belongs to it.

@@ -11,6 +11,7 @@ use super::side::{how, short};
 use crate::app::action::{Action, SelectHow};
 use crate::app::document::Work;
 use crate::app::model::Model;
+use crate::app::report::Pick;
 use crate::app::scene_builder;
 use crate::app::view_state::{Bridging, Task, Tool};
 use crate::mesh::DVec3;
@@ -114,6 +115,8 @@ fn viewport_ui(
     ));
     let mut style = model.view.style;
     style.line_scale = points;
+    // edges that are to be clicked are to be seen
+    style.wireframe |= model.view.report.pick == Pick::Edges;
     let range = style.mode.is_map().then(|| {
         style
             .range
@@ -217,7 +220,10 @@ fn pick(
             .view
             .bridging
             .and_then(|_| picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH)));
-        let over = if picks_loops(model) && model.view.bridging.is_none() {
+        let over = if picks_loops(model)
+            && model.view.bridging.is_none()
+            && model.view.report.pick == Pick::Holes
+        {
             picker.pick_loop(camera, size, place(at), f64::from(REACH))
         } else {
             None
@@ -238,9 +244,12 @@ fn pick(
             turned.set_pivot(hit.point);
             actions.push(Action::Camera(turned));
         }
-    } else if response.clicked() && picks_loops(model) {
+    } else if response.clicked() {
         let far = state.drag.press.map_or(0.0, |(_, far)| far);
-        if far > CLICK {
+        if far > CLICK || super::report::click(model, picker, size, place(at), actions) {
+            return;
+        }
+        if !picks_loops(model) {
             return;
         }
         let modifiers = ctx.input(|i| i.modifiers);
@@ -342,7 +351,9 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
 /// What to do, while nothing was done yet.
 fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
     let document = &model.document;
-    let words = if model.run.is_some() {
+    let words = if let Some(words) = super::report::hint_words(model.view.report.pick) {
+        words
+    } else if model.run.is_some() {
         return;
     } else if let Some(bridging) = model.view.bridging {
         match bridging.from {

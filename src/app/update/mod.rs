@@ -3,15 +3,19 @@
 mod edits;
 mod files;
 mod pictures;
+mod report;
+mod report_files;
 mod runs;
 mod select;
 mod view;
 
 pub use pictures::WRITING;
+pub use report::tick as tick_report;
 pub use runs::params_for;
 
 use super::action::Action;
 use super::model::Model;
+use super::report::Pick;
 use super::view_state::Modal;
 
 /// Carries out an action.
@@ -71,6 +75,7 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::Navigation(_)
         | Action::Dark(_)
         | Action::UiScale(_) => view::update(model, &action),
+        Action::Report(action) => report::update(model, action),
         Action::DismissToast(i) => model.log.dismiss(i),
         Action::Modal(modal) => model.view.modal = modal,
         Action::Picture(_)
@@ -87,6 +92,8 @@ fn escape(model: &mut Model) {
         model.after_save = None;
     } else if model.view.windows.help {
         model.view.windows.help = false;
+    } else if model.view.report.pick != Pick::Holes {
+        model.view.report.pick = Pick::Holes;
     } else if let Some(run) = &model.run {
         if run.ended() {
             update(model, Action::Reject);

@@ -323,6 +323,8 @@ pub fn accept(model: &mut Model, index: usize) {
     if let Work::Refine(work) = &mut work {
         work.words.clone_from(&side.words);
         faces = 0..0;
+        // its vertices are points of the limit surface, if it has one
+        model.view.report.on_surface |= state.has_limit();
     } else if faces.is_empty() && !matches!(work, Work::Fair(_)) {
         model
             .log
