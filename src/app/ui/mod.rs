@@ -39,6 +39,8 @@ pub struct UiState {
     pub range: viewport::KnownRange,
     /// Measured frames.
     pub frames: windows::FrameStats,
+    /// Where all views are, in points.
+    pub views: egui::Rect,
     /// Where the first view is, in points.
     pub viewport: egui::Rect,
     /// Whether a slider is being dragged.
@@ -56,6 +58,7 @@ impl Default for UiState {
             draft: None,
             range: None,
             frames: windows::FrameStats::default(),
+            views: egui::Rect::ZERO,
             viewport: egui::Rect::ZERO,
             dragging: false,
             adapter: String::new(),
@@ -117,7 +120,7 @@ pub fn window_ui(
         });
     windows::windows_ui(ui.ctx(), model, state, &mut actions);
     dialogs::dialogs_ui(ui.ctx(), model, &mut actions);
-    toasts::toasts_ui(ui.ctx(), model, &mut actions);
+    toasts::toasts_ui(ui.ctx(), model, state.views, &mut actions);
 
     // a slider let go ends its undo entry
     let dragging = ui.ctx().dragged_id().is_some();

@@ -31,6 +31,7 @@ pub fn viewports_ui(
     actions: &mut Vec<Action>,
 ) {
     let whole = ui.available_rect_before_wrap();
+    state.views = whole;
     let sides = model.run.as_ref().map_or(1, |r| r.sides.len());
     for side in 0..sides {
         let mut rect = whole;
