@@ -1,7 +1,7 @@
 //! Part of a surface made anew: erased and filled, or faired in place.
 
 use crate::fill::{
-    Controls, FillError, FillOptions, Filled, Group, Plan, Schedule, ScheduleError,
+    Controls, FillError, FillOptions, Filled, Gap, Group, Plan, Schedule, ScheduleError,
     ScheduledFillError, fill_gaps, fill_scheduled, run_plan, with_islands,
 };
 use crate::mesh::{
@@ -105,11 +105,9 @@ pub fn refill(
     options: &FillOptions,
     observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
 ) -> Result<Refilled, RefillError> {
-    let opening = open_selection(mesh, selected)?;
-    let left = &opening.erased.mesh;
-    let gaps = with_islands(left, &opening.loops, &opening.opened);
-    let filled = fill_gaps(left, &gaps, options, observe)?;
-    Ok(Refilled { opening, filled })
+    refill_by(mesh, selected, |left, gaps| {
+        Ok(fill_gaps(left, gaps, options, observe)?)
+    })
 }
 
 /// [`refill`] with changes on the way, as recorded by a live fill.
@@ -123,10 +121,20 @@ pub fn refill_scheduled(
     schedule: &Schedule,
     observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
 ) -> Result<Refilled, RefillError> {
+    refill_by(mesh, selected, |left, gaps| {
+        Ok(fill_scheduled(left, gaps, controls, schedule, observe)?)
+    })
+}
+
+fn refill_by(
+    mesh: &Mesh,
+    selected: &[bool],
+    fill: impl FnOnce(&Mesh, &[Gap<'_>]) -> Result<Filled, RefillError>,
+) -> Result<Refilled, RefillError> {
     let opening = open_selection(mesh, selected)?;
     let left = &opening.erased.mesh;
     let gaps = with_islands(left, &opening.loops, &opening.opened);
-    let filled = fill_scheduled(left, &gaps, controls, schedule, observe)?;
+    let filled = fill(left, &gaps)?;
     Ok(Refilled { opening, filled })
 }
 

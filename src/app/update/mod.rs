@@ -1,5 +1,6 @@
 //! What each action does.
 
+mod edits;
 mod files;
 mod pictures;
 mod report;
@@ -51,9 +52,6 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::CompareEnergy(_)
         | Action::Fill
         | Action::Fair
-        | Action::Erase
-        | Action::Flip(_)
-        | Action::Bridge(..)
         | Action::PlayPause
         | Action::Step
         | Action::Finish
@@ -64,6 +62,7 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::Accept(_)
         | Action::Reject
         | Action::CopyCommand => runs::update(model, action),
+        Action::Erase | Action::Flip(_) | Action::Bridge(..) => edits::update(model, &action),
         Action::Escape => escape(model),
         Action::Undo => undo(model),
         Action::Redo => redo(model),

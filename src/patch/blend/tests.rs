@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Gap, blend, bridges, layout};
+use super::{Gap, blend, bridges, layout, reblend};
 use crate::mesh::shapes::SplitMix;
 use crate::mesh::{DVec3, Mesh, Topology, check_mesh, self_intersections};
 use crate::patch::surface::Surface;
@@ -283,5 +283,23 @@ fn vertices_are_graded_from_rim_to_rim() {
     assert!(
         thirds[0] > 1.3 * thirds[1] && thirds[1] > 1.3 * thirds[2],
         "{thirds:?}"
+    );
+}
+
+/// A surface that runs away would take vertices without end.
+#[test]
+fn a_patch_that_has_grown_out_of_all_proportion_stays() {
+    let gap = gap(vec![mouth(O, -Z, 1.0, 16), mouth(Z, Z, 1.0, 16)]);
+    let options = PatchOptions::default();
+    let mut patch = blend(&gap, &options).expect("joined");
+    let again = reblend(&gap, &patch, &options);
+    assert!(again.points.len() < 2 * patch.points.len());
+    for p in &mut patch.points[32..] {
+        *p *= 1e4;
+    }
+    let same = reblend(&gap, &patch, &options);
+    assert_eq!(
+        (&same.points, &same.triangles),
+        (&patch.points, &patch.triangles)
     );
 }
