@@ -288,6 +288,10 @@ fn picture_of_the_report() {
     harness.get_by_label("rim 1").rect();
     harness.remove_cursor();
     // toasts would be at other moments of their fading
+    let log = &mut harness.state_mut().model.log;
+    for toast in log.toasts(Instant::now()) {
+        log.dismiss(toast);
+    }
     harness.run_steps(3);
     let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(60);
     harness.snapshot_options("window_report", &options);
