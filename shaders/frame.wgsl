@@ -10,7 +10,8 @@ struct Frame {
     back: vec4<f32>,
     // times `scale`; w is `scale`, which brings the scene to size 1
     eye: vec4<f32>,
-    // direction to the light of isophotes, in the world; w is the number of bands
+    // direction to the light of isophotes, or across the lines of the zebra environment, in the
+    // world; w is the number of bands
     light: vec4<f32>,
     // of the colour map: low end, one over the width; then opacity of hidden lines
     range: vec4<f32>,

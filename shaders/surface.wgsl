@@ -8,12 +8,14 @@ const GAUSS = 4u;
 const K1 = 5u;
 const K2 = 6u;
 const DEVIATION = 7u;
+const DISTANCE = 8u;
 
 const PATCH = 1u;
 const ILL_POSED = 2u;
 const SELECTED = 4u;
 const CURVATURE = 8u;
 const DEVIATION_KNOWN = 16u;
+const DISTANCE_KNOWN = 32u;
 
 struct SurfaceVertex {
     @location(0) position: vec3<f32>,
@@ -49,10 +51,15 @@ fn vs_surface(v: SurfaceVertex) -> SurfacePoint {
         value = v.mean + spread;
     } else if mode == K2 {
         value = v.mean - spread;
-    } else if mode == DEVIATION {
+    } else if mode == DEVIATION || mode == DISTANCE {
         value = v.deviation;
     }
-    let needed = select(CURVATURE, DEVIATION_KNOWN, mode == DEVIATION);
+    var needed = CURVATURE;
+    if mode == DEVIATION {
+        needed = DEVIATION_KNOWN;
+    } else if mode == DISTANCE {
+        needed = DISTANCE_KNOWN;
+    }
     let known = select(0.0, 1.0, (v.flags & needed) != 0u);
     let ill = select(0.0, 1.0, (v.flags & ILL_POSED) != 0u);
     // in parts of the range, so that no exponent is lost on the way
@@ -112,7 +119,7 @@ fn fs_surface(
 
     let mirrored = reflect(-sight, n);
     let to_light = dot(n, frame.light.xyz);
-    let to_sky = dot(mirrored, frame.up.xyz);
+    let to_sky = dot(mirrored, frame.light.xyz);
     // a quarter more: both ends of the range are in the middle of a light band
     let phase = 0.5 * (select(to_light, to_sky, mode == ZEBRA) + 1.0) * stripes + 0.25;
     let band = bands(phase, change(phase));
@@ -140,6 +147,10 @@ fn fs_surface(
         let mapped = mix(unknown, colormap(p.value.x), step(0.999, p.value.y));
         // the number must stay legible: little light, and the back darker
         colour = linear_from_srgb(mapped) * mix(1.0, min(lit.x, 1.05), 0.35) * select(0.55, 1.0, front);
+    }
+    if selected {
+        // dark bands and maps too
+        colour = mix(colour, linear_from_srgb(vec3(0.25, 0.50, 1.0)), 0.35);
     }
     if frame.choice.z != 0u && p.value.z > 0.5 {
         // hatching, in pixels of the picture

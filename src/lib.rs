@@ -32,6 +32,7 @@ pub mod cli;
 pub mod fill;
 pub mod io;
 pub mod linear;
+pub mod live;
 pub mod memory;
 pub mod mesh;
 pub mod patch;

@@ -7,6 +7,7 @@ use std::process::{Command, Output};
 
 use common::judge::{Keep, Verdict, judge};
 use common::raw::{self, RawMesh};
+use meniscus::mesh::DVec3;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -198,7 +199,7 @@ fn refilling_erases_and_fills_and_fairing_keeps_the_triangles() {
     desk.runs(&[&["refill", "in.obj", "-o", "out.obj", "--fair"], &ball[..]].concat());
     let faired = desk.mesh("out.obj");
     assert_eq!(before.faces, faired.faces);
-    let moved = |p: &meniscus::mesh::DVec3, q: &meniscus::mesh::DVec3| p.distance(*q) > 1e-9;
+    let moved = |p: &DVec3, q: &DVec3| p.distance(*q) > 1e-9;
     let count = before.positions.iter().zip(&faired.positions);
     assert!(count.filter(|(p, q)| moved(p, q)).count() > 20);
     let error = desk.fails(
@@ -207,4 +208,59 @@ fn refilling_erases_and_fills_and_fairing_keeps_the_triangles() {
     );
     assert!(error.contains("no face is selected"), "{error}");
     desk.fails(2, &["refill", "in.obj", "-o", "out.obj", "--ball", "0,0,0"]);
+    let wrong = ["refill", "in.obj", "-o", "out.obj", "--faces", "7,x"];
+    assert!(desk.fails(2, &wrong).contains("`x`"));
+}
+
+#[test]
+fn faces_are_named_by_lists_and_erased_and_components_turned_over() {
+    let desk = Desk::with("torus");
+    let before = desk.mesh("in.obj");
+    desk.runs(&["erase", "in.obj", "-o", "out.obj", "--faces", "2-4,9"]);
+    let after = desk.mesh("out.obj");
+    let mut left = before.triangles();
+    for gone in [8, 3, 2, 1] {
+        left.remove(gone);
+    }
+    let corners = |points: &[DVec3], faces: &[[u32; 3]]| -> Vec<[DVec3; 3]> {
+        let at = |v: u32| points[v as usize];
+        faces.iter().map(|f| f.map(at)).collect()
+    };
+    assert_eq!(
+        corners(&after.positions, &after.triangles()),
+        corners(&before.positions, &left)
+    );
+    std::fs::write(desk.path("faces.txt"), "2-4\n9\n").expect("written");
+    desk.runs(&[
+        "erase",
+        "in.obj",
+        "-o",
+        "again.obj",
+        "--faces-from",
+        "faces.txt",
+    ]);
+    assert_eq!(desk.mesh("again.obj").faces, after.faces);
+    assert!(
+        desk.fails(
+            2,
+            &["erase", "in.obj", "-o", "out.obj", "--faces", "9000000"]
+        )
+        .contains("9000000")
+    );
+
+    desk.runs(&["flip", "in.obj", "-o", "out.obj", "--component-of", "1"]);
+    let turned = desk.mesh("out.obj");
+    assert_eq!(turned.positions, before.positions);
+    let sorted = |f: &[u32; 3]| {
+        let least = (0..3).min_by_key(|&k| f[k]).unwrap_or(0);
+        [f[least], f[(least + 1) % 3], f[(least + 2) % 3]]
+    };
+    for (f, g) in before.triangles().iter().zip(&turned.triangles()) {
+        let [a, b, c] = sorted(f);
+        assert_eq!([a, c, b], sorted(g));
+    }
+    desk.fails(
+        1,
+        &["flip", "in.obj", "-o", "out.obj", "--component-of", "77"],
+    );
 }

@@ -5,17 +5,21 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module of the library with the modules it may name.
-const MODULES: [(&str, &[&str]); 13] = [
+const MODULES: [(&str, &[&str]); 14] = [
     ("linear", &[]),
     ("memory", &[]),
+    ("live", &[]),
     ("mesh", &[]),
     ("subdivision", &["mesh"]),
     ("patch", &["mesh", "linear"]),
     ("io", &["mesh"]),
     ("solver", &["mesh", "linear", "subdivision", "patch"]),
-    ("fill", &["mesh", "patch", "solver"]),
+    ("fill", &["live", "mesh", "patch", "solver"]),
     ("render", &["mesh", "io", "subdivision", "solver"]),
-    ("refine", &["mesh", "linear", "subdivision", "solver"]),
+    (
+        "refine",
+        &["live", "mesh", "linear", "subdivision", "solver"],
+    ),
     ("analysis", &["mesh", "subdivision", "solver"]),
     (
         "cli",
@@ -31,8 +35,10 @@ const MODULES: [(&str, &[&str]); 13] = [
             "io",
             "subdivision",
             "solver",
+            "refine",
             "fill",
             "render",
+            "analysis",
         ],
     ),
 ];

@@ -1,15 +1,18 @@
 //! What was done in the window is done again by the command line it copies, to the bit.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use meniscus::app::{Action, Autosave, Document, Effect, Model, Run, SelectHow, Settings, Source};
+use meniscus::app::{
+    Action, Autosave, Dab, Document, Effect, FaceEdit, Model, Refining, Run, SelectHow, Settings,
+    Source, Task,
+};
 use meniscus::fill::Continuity;
 use meniscus::io;
 use meniscus::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
-use meniscus::mesh::{DVec3, Mesh, Topology};
+use meniscus::mesh::{DVec3, FaceId, Mesh, Topology};
 
 fn until(model: &mut Model, what: &str, done: impl Fn(&Model) -> bool) {
     let begun = Instant::now();
@@ -46,12 +49,7 @@ fn scan(path: &Path) {
     io::save_mesh(path, &Mesh::new(positions, topology), &[]).expect("written");
 }
 
-#[test]
-fn the_copied_command_gives_the_same_file() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let input = folder.path().join("a scan.obj");
-    let output = folder.path().join("done.obj");
-    scan(&input);
+fn opened(input: PathBuf) -> Model {
     let opened = io::open(&input).expect("a mesh");
     let document = Document::new(opened, Source::File(input));
     let mut m = Model::new(
@@ -61,6 +59,16 @@ fn the_copied_command_gives_the_same_file() {
         Arc::new(|| ()),
     );
     m.act(Action::Pace(240.0));
+    m
+}
+
+#[test]
+fn the_copied_command_gives_the_same_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("a scan.obj");
+    let output = folder.path().join("done.obj");
+    scan(&input);
+    let mut m = opened(input);
 
     // first run: two holes, everything changed on the way
     m.act(Action::Select(0, SelectHow::Replace));
@@ -92,15 +100,20 @@ fn the_copied_command_gives_the_same_file() {
     until(&mut m, "the stop", ended);
     m.act(Action::Accept(0));
     assert!(m.document.loops.is_empty());
-    m.act(Action::SaveAs(output.clone()));
-    until(&mut m, "the file", |m| !m.is_dirty());
-    let saved = std::fs::read(&output).expect("saved");
+    repeats(&mut m, &output);
+}
+
+/// Saves, runs the copied commands with one thread and with two, and compares the files.
+fn repeats(m: &mut Model, output: &Path) {
+    m.act(Action::SaveAs(output.to_owned()));
+    until(m, "the file", |m| !m.is_dirty());
+    let saved = std::fs::read(output).expect("saved");
 
     m.act(Action::CopyCommand);
     let Some(Effect::CopyText(script)) = m.effects.pop() else {
         panic!("nothing copied: {:?}", m.log.entries().last());
     };
-    std::fs::remove_file(&output).expect("there");
+    std::fs::remove_file(output).expect("there");
     let program = Path::new(env!("CARGO_BIN_EXE_meniscus"));
     let bin = program.parent().expect("a folder").display().to_string();
     let path = std::env::var("PATH").unwrap_or_default();
@@ -109,13 +122,90 @@ fn the_copied_command_gives_the_same_file() {
             .args(["-e", "-c", &script])
             .env("PATH", format!("{bin}:{path}"))
             .env("RAYON_NUM_THREADS", threads)
-            .current_dir(folder.path())
+            .current_dir(output.parent().expect("a folder"))
             .status()
             .expect("a shell");
         assert!(status.success(), "{script}");
         assert!(
-            std::fs::read(&output).expect("made") == saved,
+            std::fs::read(output).expect("made") == saved,
             "{threads} threads:\n{script}"
         );
     }
+}
+
+/// Paints the faces around the vertex farthest in a direction.
+fn paint(m: &mut Model, towards: DVec3, radius: f64) {
+    let mesh = Arc::clone(&m.document.mesh);
+    let far = |f: &u32| mesh.corners(FaceId(*f))[0].dot(towards);
+    let faces = 0..mesh.face_count() as u32;
+    let face = faces.max_by(|a, b| far(a).total_cmp(&far(b))).map(FaceId);
+    let face = face.expect("faces");
+    let point = mesh.corners(face)[0];
+    let dabs = vec![Dab {
+        face,
+        point,
+        radius,
+    }];
+    m.act(Action::Faces(FaceEdit::Paint { dabs, take: false }));
+}
+
+#[test]
+fn repairs_are_repeated_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("scan.obj");
+    let output = folder.path().join("done.obj");
+    scan(&input);
+    let mut m = opened(input);
+    m.act(Action::Flip(0));
+    let l = &m.document.loops[0];
+    let at = |i: usize| m.document.mesh.position(l.vertices[i]);
+    m.act(Action::Bridge([at(0), at(l.edges() / 2)], 2));
+    m.act(Action::Task(Task::Repair));
+    paint(&mut m, DVec3::Z, 0.45);
+    m.act(Action::Fill);
+    until(&mut m, "states", |m| states(m) > 4);
+    m.act(Action::EnergyText("H^2 + 0.1*K^2".into()));
+    m.act(Action::ApplyEnergy);
+    until(&mut m, "more states", |m| states(m) > 8);
+    m.act(Action::Finish);
+    until(&mut m, "the end", ended);
+    m.act(Action::Accept(0));
+
+    paint(&mut m, DVec3::NEG_Y, 0.5);
+    m.act(Action::Fair);
+    until(&mut m, "states", |m| states(m) > 8);
+    m.act(Action::Scrub(Some(3)));
+    m.act(Action::GoOnFromHere);
+    until(&mut m, "states after the rewind", |m| states(m) > 12);
+    m.act(Action::Stop);
+    until(&mut m, "the stop", ended);
+    m.act(Action::Accept(0));
+
+    // a list that fits on the line
+    paint(&mut m, DVec3::NEG_Z, 0.1);
+    m.act(Action::Erase);
+    repeats(&mut m, &output);
+}
+
+#[test]
+fn refinements_are_repeated_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("coarse.obj");
+    let output = folder.path().join("done.obj");
+    let (positions, triangles) = meniscus::mesh::shapes::icosphere(1);
+    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
+    io::save_mesh(&input, &Mesh::new(positions, topology), &[]).expect("written");
+    let mut m = opened(input);
+    m.act(Action::Task(Task::Refine));
+    let levels = 2;
+    m.act(Action::Refining(Box::new(Refining {
+        levels,
+        ..Refining::default()
+    })));
+    m.act(Action::EnergyText("H^2 + 0.1*K^2".into()));
+    m.act(Action::ApplyEnergy);
+    m.act(Action::Fill);
+    until(&mut m, "the end", ended);
+    m.act(Action::Accept(0));
+    repeats(&mut m, &output);
 }

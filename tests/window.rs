@@ -161,6 +161,40 @@ fn enter_fills_space_pauses_the_timeline_scrubs_and_undo_takes_it_back() {
 }
 
 #[test]
+fn a_stroke_selects_faces_that_are_refilled() {
+    let mut harness = window();
+    harness.get_by_label("Repair").click();
+    harness.run_steps(2);
+    // beside the hole in the middle of the view
+    let view = harness.get_by_label("view").rect();
+    let radius = 0.5 * view.height().min(view.width());
+    let at = |n: u8| view.center() + egui::vec2(0.55 * radius, 4.0 * f32::from(n));
+    let camera = harness.state().model.view.camera;
+    harness.drag_at(at(0));
+    harness.step();
+    for n in 1..=5 {
+        harness.hover_at(at(n));
+        harness.step();
+    }
+    harness.drop_at(at(5));
+    harness.run_steps(3);
+    let model = &harness.state().model;
+    assert_eq!(model.view.camera, camera, "a stroke does not turn the view");
+    assert!(model.document.faces.len() > 4);
+    assert!(model.document.selection.is_empty());
+    let holes = model.document.loops.len();
+    harness.get_by_label("Grow the selection").click();
+    harness.run_steps(2);
+    harness.get_by_label("Erase and refill").click();
+    until(&mut harness, ended);
+    harness.get_by_label("Accept").click();
+    harness.run_steps(3);
+    let document = &harness.state().model.document;
+    assert!(document.is_changed() && document.faces.is_empty());
+    assert!(document.loops.len() <= holes);
+}
+
+#[test]
 fn a_mistyped_energy_is_shown_at_its_character_and_keys_stay_text() {
     let mut harness = window();
     let wire = harness.state().model.view.style.wireframe;
@@ -214,12 +248,51 @@ fn pictures_of_the_window() {
     harness.get_by_label("H").click();
     harness.run_steps(5);
     let run = harness.state().model.run.as_ref().expect("there");
-    assert!(
-        run.sides[0]
-            .live
-            .groups()
-            .iter()
-            .all(|g| g.failed.is_none())
-    );
+    let figures = run.sides[0].live.figures(None);
+    assert!(figures.iter().all(|f| matches!(f.end, Some(Ok(_)))));
     harness.snapshot_options("window_filled", &options);
+}
+
+/// The report beside a filled sphere, with a section.
+#[test]
+fn picture_of_the_report() {
+    let mut harness = window();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.state_mut().model.view.pace = 240.0;
+    harness.key_press(Key::Enter);
+    until(&mut harness, ended);
+    harness.get_by_label("Accept").click();
+    harness.run_steps(2);
+    harness.get_by_label("Report").click();
+    until(&mut harness, |app| app.model.report.measured.is_some());
+    for part in ["Shape and energies", "Section and curvature comb"] {
+        harness.get_by_label(part).click();
+        harness.run_steps(20);
+    }
+    // a section across y, through the point clicked in the view
+    harness.get_by_label("y").click();
+    harness.run_steps(2);
+    let at = middle(&harness);
+    harness.drag_at(at);
+    harness.step();
+    harness.drop_at(at);
+    until(&mut harness, |app| {
+        app.model.report.cut.is_some() && app.model.report.measuring.is_none()
+    });
+    let report = &harness.state().model.report;
+    let measured = report.measured.as_ref().expect("measured");
+    assert_eq!(measured.analysis.chains.len(), 2);
+    let section = &report.cut.as_ref().expect("cut").section;
+    assert_eq!(section.curves.len(), 1);
+    assert!(section.curves[0].closed);
+    harness.get_by_label("rim 1").rect();
+    harness.remove_cursor();
+    // toasts would be at other moments of their fading
+    let log = &mut harness.state_mut().model.log;
+    for toast in log.toasts(Instant::now()) {
+        log.dismiss(toast);
+    }
+    harness.run_steps(3);
+    let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(60);
+    harness.snapshot_options("window_report", &options);
 }

@@ -1,7 +1,9 @@
 //! Chains of edges along which continuity is measured.
 
+use std::collections::BTreeSet;
+
 use crate::analysis::quality::dihedral;
-use crate::mesh::{FaceId, HalfedgeId, Mesh, VertexId};
+use crate::mesh::{FaceId, HalfedgeId, Mesh, Topology, VertexId};
 
 /// Edges to be measured together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,6 +54,82 @@ pub fn sharp_edges(mesh: &Mesh, angle: f64) -> Vec<EdgeChain> {
             edges,
             is_crease: true,
         })
+        .collect()
+}
+
+/// Greatest turn of a straight chain at a vertex.
+const STRAIGHT: f64 = std::f64::consts::FRAC_PI_6;
+
+/// The chain through an edge: where neighbouring triangles differ by more than `angle` (radians) the
+/// sharp edge it is part of, up to vertices where more or fewer than two sharp edges meet; else the
+/// edges that go straight on from it, turning by 30° at most. `None` for a boundary edge, which has
+/// no other side.
+pub fn chain_through(mesh: &Mesh, edge: HalfedgeId, angle: f64) -> Option<EdgeChain> {
+    let topology = &mesh.topology;
+    let is_inner = |h: HalfedgeId| !topology.is_boundary(h) && !topology.is_boundary(h.twin());
+    if !is_inner(edge) {
+        return None;
+    }
+    let is_sharp = |h: HalfedgeId| is_inner(h) && dihedral(mesh, h) > angle;
+    let along =
+        |h: HalfedgeId| mesh.position(topology.target(h)) - mesh.position(topology.origin(h));
+    let sharp = is_sharp(edge);
+    let next = |h: HalfedgeId| {
+        let at = topology.target(h);
+        let on = topology.outgoing(at).filter(|&o| o != h.twin());
+        if sharp {
+            let mut on = on.filter(|&o| is_sharp(o));
+            let only = on.next();
+            return only.filter(|_| on.next().is_none());
+        }
+        if topology.is_boundary_vertex(at) {
+            return None;
+        }
+        // the least turn; of equal ones the first half-edge's
+        on.map(|o| (along(h).angle_between(along(o)), o))
+            .filter(|(turn, _)| *turn <= STRAIGHT)
+            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+            .map(|(_, o)| o)
+    };
+    Some(EdgeChain {
+        name: if sharp { "sharp edge" } else { "edges" }.into(),
+        edges: follow(topology, edge, next),
+        is_crease: sharp,
+    })
+}
+
+/// An edge and what follows it to either side, in order and direction, until there is nothing more or
+/// a vertex comes again.
+fn follow(
+    topology: &Topology,
+    edge: HalfedgeId,
+    next: impl Fn(HalfedgeId) -> Option<HalfedgeId>,
+) -> Vec<HalfedgeId> {
+    let mut seen = BTreeSet::from([topology.origin(edge), topology.target(edge)]);
+    let mut ways = [edge, edge.twin()].map(|first| {
+        let mut way = Vec::new();
+        let mut at = first;
+        while let Some(h) = next(at) {
+            let closes = topology.target(h) == topology.target(first.twin());
+            if !seen.insert(topology.target(h)) {
+                if closes {
+                    way.push(h);
+                }
+                break;
+            }
+            way.push(h);
+            at = h;
+        }
+        way
+    });
+    let [onwards, back] = &mut ways;
+    if onwards.last().map(|h| topology.target(*h)) == Some(topology.origin(edge)) {
+        back.clear();
+    }
+    let before = back.iter().rev().map(|h| h.twin());
+    before
+        .chain([edge])
+        .chain(onwards.iter().copied())
         .collect()
 }
 

@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use crate::analysis::chains::EdgeChain;
-use crate::analysis::cut::cut;
+use crate::analysis::local::Local;
 use crate::analysis::quality::dihedral;
-use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh, Topology};
+use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh};
 use crate::solver::forms::PointGeometry;
 use crate::solver::{each_point, mean_curvature};
 use crate::subdivision::{Rule, TableCache, elements, elements_at};
@@ -71,21 +71,15 @@ pub fn measure_chain(mesh: &Mesh, control: &[DVec3], chain: &EdgeChain) -> Chain
     let topology = &mesh.topology;
     let inner = |h: &HalfedgeId| !topology.is_boundary(*h) && !topology.is_boundary(h.twin());
     let edges: Vec<HalfedgeId> = chain.edges.iter().copied().filter(inner).collect();
-    let split = chain.is_crease.then(|| cut(topology, &edges)).flatten();
-    let measured: Vec<Edge> = match &split {
-        Some(parts) => {
-            let copies: Vec<DVec3> = parts.source.iter().map(|&v| control[v as usize]).collect();
-            measure(mesh, &parts.topology, &copies, &edges)
-        }
-        None => measure(mesh, topology, control, &edges),
-    };
+    let cuts: &[HalfedgeId] = if chain.is_crease { &edges } else { &[] };
+    let measured = measure(mesh, control, &edges, cuts);
     let of = |value: fn(&Edge) -> f64| statistic(&measured, value);
     ChainReport {
         name: chain.name.clone(),
         edges: edges.len(),
         length: measured.iter().map(|e| e.length).sum(),
-        is_crease: split.is_some(),
-        smooth_by_construction: split.is_none(),
+        is_crease: chain.is_crease,
+        smooth_by_construction: !chain.is_crease,
         gap: of(|e| e.gap),
         normal_angle: of(|e| e.angle.to_degrees()),
         dihedral: of(|e| e.dihedral.to_degrees()),
@@ -119,9 +113,11 @@ fn statistic(edges: &[Edge], value: fn(&Edge) -> f64) -> Statistic {
     out
 }
 
-/// The edges on a topology with the mesh's faces, whose vertices may be copies.
-fn measure(mesh: &Mesh, topology: &Topology, control: &[DVec3], edges: &[HalfedgeId]) -> Vec<Edge> {
-    let sides = Sides::new(mesh, topology, control, edges);
+/// The edges on the mesh cut along `cuts`.
+fn measure(mesh: &Mesh, control: &[DVec3], edges: &[HalfedgeId], cuts: &[HalfedgeId]) -> Vec<Edge> {
+    let Some(sides) = Sides::new(mesh, control, edges, cuts) else {
+        return Vec::new();
+    };
     edges
         .iter()
         .map(|&h| {
@@ -172,12 +168,20 @@ struct Sides {
 }
 
 impl Sides {
-    fn new(mesh: &Mesh, topology: &Topology, control: &[DVec3], edges: &[HalfedgeId]) -> Self {
+    fn new(
+        mesh: &Mesh,
+        control: &[DVec3],
+        edges: &[HalfedgeId],
+        cuts: &[HalfedgeId],
+    ) -> Option<Self> {
         let both = edges.iter().flat_map(|h| [*h, h.twin()]);
         let mut faces: Vec<u32> = both.map(|h| mesh.topology.face(h).0).collect();
         faces.sort_unstable();
         faces.dedup();
         let ids: Vec<FaceId> = faces.iter().map(|&f| FaceId(f)).collect();
+        let local = Local::new(&mesh.topology, &ids, cuts)?;
+        let control = local.gather(control);
+        let ids: Vec<FaceId> = ids.iter().map(|&f| local.face(f)).collect();
         // (v, w) along the sides from corner 0 to 1, 1 to 2, 2 to 0
         let on_sides = [0, 1, 2].map(|side| {
             PLACES.map(|t| {
@@ -187,6 +191,7 @@ impl Sides {
                 [bary[1], bary[2]]
             })
         });
+        let topology = &local.topology;
         let sampled = elements_at(topology, &ids, on_sides.as_flattened());
         let inside = elements(topology, &ids, Rule::Twelve, &mut TableCache::default());
         let mut out = Self {
@@ -195,9 +200,9 @@ impl Sides {
             faces,
         };
         for e in 0..sampled.len() {
-            let place = out.place(FaceId(sampled.faces[e]));
+            let place = out.place(local.source_face(FaceId(sampled.faces[e])));
             let mut points = Vec::with_capacity(9);
-            each_point(&sampled, e, control, |at, p: &PointGeometry| {
+            each_point(&sampled, e, &control, |at, p: &PointGeometry| {
                 points.push(Point {
                     at,
                     normal: p.normal,
@@ -207,10 +212,10 @@ impl Sides {
             out.points[place] = points;
         }
         for e in 0..inside.len() {
-            let place = out.place(FaceId(inside.faces[e]));
-            out.average[place] = mean_curvature(&inside, e, control);
+            let place = out.place(local.source_face(FaceId(inside.faces[e])));
+            out.average[place] = mean_curvature(&inside, e, &control);
         }
-        out
+        Some(out)
     }
 
     fn place(&self, f: FaceId) -> usize {

@@ -5,19 +5,24 @@
 //! `fill` writes, or points the surface passes ([`Vertices::OnSurface`]), as in what `refine` writes and
 //! in meshes of any other origin. Plain data throughout, for a window and for JSON alike.
 
+mod bending;
 mod chains;
 mod continuity;
 mod curvature;
-mod cut;
 mod distance;
+mod export;
+mod local;
 mod quality;
+mod section;
 mod shape;
 
-pub use chains::{EdgeChain, patch_rims, sharp_edges};
+pub use chains::{EdgeChain, chain_through, patch_rims, sharp_edges};
 pub use continuity::{ChainReport, Statistic, measure_chain};
 pub use curvature::{CurvatureReport, Histogram, Range, vertex_curvatures};
 pub use distance::{Deviation, Distances, distances};
+pub use export::{measures_csv, report_json, sections_csv, vertices_csv};
 pub use quality::{QualityReport, quality};
+pub use section::{Plane, Section, SectionCurve, SectionPoint, section};
 pub use shape::{Energies, ShapeReport, Vertices, control_points, shape};
 
 use serde::Serialize;
@@ -39,6 +44,9 @@ pub struct Analysis {
     /// Distances to the reference, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distances: Option<Distances>,
+    /// Sections by the given planes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sections: Vec<Section>,
 }
 
 /// What is to be measured, and how.
@@ -52,19 +60,55 @@ pub struct AnalysisOptions<'a> {
     pub chains: Vec<EdgeChain>,
     /// A surface to compare with.
     pub reference: Option<&'a Mesh>,
+    /// Planes to cut by.
+    pub planes: Vec<Plane>,
 }
 
 /// Measures a mesh. Nothing is assumed of it: without triangles all measures are zero or absent.
 pub fn analyze(mesh: &Mesh, options: &AnalysisOptions<'_>) -> Analysis {
+    let Some(all) = analyze_while(mesh, options, &|_, _| true) else {
+        unreachable!("it is wanted to the end");
+    };
+    all
+}
+
+/// [`analyze`] as long as it is `wanted`, which is asked between two measures with how many were made
+/// and how many there are; `None` once it is not.
+pub fn analyze_while(
+    mesh: &Mesh,
+    options: &AnalysisOptions<'_>,
+    wanted: &dyn Fn(usize, usize) -> bool,
+) -> Option<Analysis> {
+    let total = 5 + options.chains.len() + options.planes.len();
+    let go_on = |done: usize| wanted(done, total).then_some(());
+    go_on(0)?;
     let control = control_points(mesh, options.vertices);
-    let chains = options.chains.iter();
-    Analysis {
-        shape: shape(mesh, &control, options.energy.as_ref()),
-        curvature: curvature::curvature(&mesh.topology, &control),
-        quality: quality(mesh),
-        chains: chains.map(|c| measure_chain(mesh, &control, c)).collect(),
-        distances: options.reference.and_then(|r| distances(mesh, r)),
+    go_on(1)?;
+    let shape = shape(mesh, &control, options.energy.as_ref());
+    go_on(2)?;
+    let curvature = curvature::curvature(&mesh.topology, &control);
+    go_on(3)?;
+    let quality = quality(mesh);
+    let mut chains = Vec::new();
+    for chain in &options.chains {
+        go_on(4 + chains.len())?;
+        chains.push(measure_chain(mesh, &control, chain));
     }
+    let mut sections = Vec::new();
+    for plane in &options.planes {
+        go_on(4 + chains.len() + sections.len())?;
+        sections.push(section(&mesh.topology, &control, plane));
+    }
+    go_on(total - 1)?;
+    let distances = options.reference.and_then(|r| distances(mesh, r));
+    Some(Analysis {
+        shape,
+        curvature,
+        quality,
+        chains,
+        distances,
+        sections,
+    })
 }
 
 #[cfg(test)]

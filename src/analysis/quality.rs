@@ -8,12 +8,16 @@ use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh, folded_edges, self_intersecti
 const MOST_INTERSECTIONS: usize = 10_000;
 /// An edge is folded where the normals differ by more than this, in degrees.
 const FOLDED: f64 = 150.0;
+/// Places named at most.
+const PLACES: usize = 100;
 
 /// How good the triangles of a mesh are.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct QualityReport {
     /// Smallest angle, degrees.
     pub min_angle: f64,
+    /// Centre of the triangle that has it.
+    pub min_angle_at: [f64; 3],
     /// Mean over the triangles of their smallest angles, degrees.
     pub mean_min_angle: f64,
     /// Largest angle, degrees.
@@ -33,6 +37,8 @@ pub struct QualityReport {
     pub folded_edges: usize,
     /// Pairs of triangles that meet elsewhere than where they should, at most 10,000.
     pub self_intersections: usize,
+    /// Centres of the first of these pairs, at most 100.
+    pub self_intersections_at: Vec<[f64; 3]>,
     /// Vertices by valence, from 0.
     pub valences: Vec<usize>,
 }
@@ -43,11 +49,17 @@ pub fn quality(mesh: &Mesh) -> QualityReport {
     let faces: Vec<[DVec3; 3]> = (0..topology.face_count())
         .map(|f| mesh.corners(FaceId::from(f)))
         .collect();
-    let angles: Vec<[f64; 3]> = faces.iter().filter_map(angles).collect();
+    let centre = |f: usize| faces[f].iter().sum::<DVec3>() / 3.0;
+    let (with_area, angles): (Vec<usize>, Vec<[f64; 3]>) = faces
+        .iter()
+        .enumerate()
+        .filter_map(|(f, corners)| Some((f, angles(corners)?)))
+        .unzip();
     let smallest: Vec<f64> = angles
         .iter()
         .map(|a| a.iter().copied().fold(f64::INFINITY, f64::min))
         .collect();
+    let worst = (0..smallest.len()).min_by(|&a, &b| smallest[a].total_cmp(&smallest[b]));
     let ratios: Vec<f64> = faces.iter().map(radius_ratio).collect();
     let edges = (0..topology.halfedge_count()).step_by(2).map(|h| {
         let h = HalfedgeId::from(h);
@@ -63,9 +75,12 @@ pub fn quality(mesh: &Mesh) -> QualityReport {
         valences[valence] += 1;
     }
     let triangles: Vec<[u32; 3]> = topology.triangles().collect();
+    let pairs = self_intersections(&mesh.positions, &triangles, None, MOST_INTERSECTIONS);
+    let middle = |p: &[u32; 2]| (0.5 * (centre(p[0] as usize) + centre(p[1] as usize))).to_array();
     let degrees = |x: f64| x.to_degrees();
     QualityReport {
         min_angle: degrees(spread(smallest.iter().copied())[0]),
+        min_angle_at: worst.map_or([0.0; 3], |i| centre(with_area[i]).to_array()),
         mean_min_angle: degrees(spread(smallest.iter().copied())[1]),
         max_angle: degrees(spread(angles.iter().flatten().copied())[2]),
         slivers: smallest.iter().filter(|&&a| degrees(a) < 10.0).count(),
@@ -74,13 +89,8 @@ pub fn quality(mesh: &Mesh) -> QualityReport {
         edge_length: spread(edges),
         max_dihedral: degrees(max_dihedral(mesh)),
         folded_edges: folded_edges(&mesh.positions, topology, FOLDED.to_radians()).len(),
-        self_intersections: self_intersections(
-            &mesh.positions,
-            &triangles,
-            None,
-            MOST_INTERSECTIONS,
-        )
-        .len(),
+        self_intersections: pairs.len(),
+        self_intersections_at: pairs.iter().take(PLACES).map(middle).collect(),
         valences,
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::*;
 use crate::mesh::shapes::{Shape, catenoid, cylinder, icosphere, sphere, torus};
-use crate::mesh::{DVec3, FaceId, Topology, VertexId};
+use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology, VertexId};
 
 fn mesh((positions, triangles): Shape) -> Mesh {
     let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
@@ -175,4 +175,159 @@ fn an_isolated_vertex_and_no_triangle_are_fine() {
     assert!(!json.contains("null,\"area\":null"));
     assert!(vertex_curvatures(&none.topology, &none.positions)[0][0].is_nan());
     assert!(!none.topology.halfedge_of_vertex(VertexId(0)).is_some());
+}
+
+/// Whether each edge begins where the one before ends.
+fn is_path(mesh: &Mesh, edges: &[HalfedgeId]) -> bool {
+    let t = &mesh.topology;
+    edges.windows(2).all(|w| t.target(w[0]) == t.origin(w[1]))
+}
+
+#[test]
+fn chains_follow_sharp_edges_or_go_straight() {
+    // a drum: its two rims are closed sharp edges
+    let n = 12u32;
+    let turn = |i: u32, z: f64| {
+        let angle = f64::from(i) / f64::from(n) * 2.0 * PI;
+        DVec3::new(angle.cos(), angle.sin(), z)
+    };
+    let mut positions: Vec<DVec3> = (0..n).map(|i| turn(i, 0.0)).collect();
+    positions.extend((0..n).map(|i| turn(i, 1.0)));
+    positions.extend([DVec3::ZERO, DVec3::Z]);
+    let triangles = (0..n)
+        .flat_map(|i| {
+            let j = (i + 1) % n;
+            let [a, b, c, d] = [i, j, n + j, n + i];
+            [[a, b, c], [a, c, d], [b, a, 2 * n], [d, c, 2 * n + 1]]
+        })
+        .collect();
+    let drum = mesh((positions, triangles));
+    let t = &drum.topology;
+    let from = |a: u32, b: u32| {
+        let mut out = t.outgoing(VertexId(a));
+        out.find(|&h| t.target(h) == VertexId(b)).expect("an edge")
+    };
+    let sharp = chain_through(&drum, from(n + 3, n + 4), 0.8).expect("inside");
+    assert!(sharp.is_crease && is_path(&drum, &sharp.edges));
+    assert_eq!(sharp.edges.len(), n as usize);
+    let ends = [sharp.edges[0], sharp.edges[n as usize - 1]];
+    assert_eq!(t.origin(ends[0]), t.target(ends[1]), "closed");
+    let undirected = |edges: &[HalfedgeId]| {
+        let mut all: Vec<usize> = edges.iter().map(|h| h.edge()).collect();
+        all.sort_unstable();
+        all
+    };
+    // from any edge of it, either way, the same; the lid is flat, the wall nearly so
+    let other = chain_through(&drum, from(n + 9, n + 8), 0.8).expect("inside");
+    assert_eq!(undirected(&sharp.edges), undirected(&other.edges));
+    let report = measure_chain(&drum, &drum.positions, &sharp);
+    assert!((report.dihedral.min - 90.0).abs() < 1e-9);
+    // the lid's limit surface is flat, the wall's leans in at its open end
+    assert!((report.normal_angle.mean - 90.0).abs() < 15.0, "{report:?}");
+    let again = measure_chain(&drum, &drum.positions, &other);
+    assert!((report.normal_angle.mean - again.normal_angle.mean).abs() < 1e-9);
+    let walls = sharp_edges(&drum, 0.8);
+    assert_eq!(walls.len(), 2);
+    assert_eq!(undirected(&walls[1].edges), undirected(&sharp.edges));
+
+    // straight on over a grid, from one side to the other
+    let n = 6u32;
+    let positions = (0..=n)
+        .flat_map(|j| (0..=n).map(move |i| DVec3::new(f64::from(i), f64::from(j), 0.0)))
+        .collect();
+    let v = |i: u32, j: u32| j * (n + 1) + i;
+    let triangles = (0..n)
+        .flat_map(|j| (0..n).map(move |i| (i, j)))
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [v(i, j), v(i + 1, j), v(i + 1, j + 1), v(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    let grid = mesh((positions, triangles));
+    let t = &grid.topology;
+    let from = |a: u32, b: u32| {
+        let mut out = t.outgoing(VertexId(a));
+        out.find(|&h| t.target(h) == VertexId(b)).expect("an edge")
+    };
+    let row = chain_through(&grid, from(v(2, 3), v(3, 3)), 0.5).expect("inside");
+    assert!(!row.is_crease && is_path(&grid, &row.edges));
+    assert_eq!(row.edges.len(), n as usize);
+    assert!(
+        row.edges
+            .iter()
+            .all(|&h| grid.position(t.origin(h)).y == 3.0)
+    );
+    assert_eq!(chain_through(&grid, from(v(0, 0), v(1, 0)), 0.5), None);
+}
+
+#[test]
+fn what_is_no_longer_wanted_ends() {
+    let ball = mesh(icosphere(3));
+    let options = AnalysisOptions {
+        chains: patch_rims(&ball, &upper(&ball), false),
+        ..AnalysisOptions::default()
+    };
+    let asked = std::cell::Cell::new(0);
+    let found = analyze_while(&ball, &options, &|done, total| {
+        asked.set(asked.get() + 1);
+        assert!(done < total);
+        done < 3
+    });
+    assert!(found.is_none());
+    assert_eq!(asked.get(), 4);
+}
+
+/// Each row has as many fields as the head; the places named are on the surface.
+#[test]
+fn tables_are_whole() {
+    let ball = mesh(icosphere(3));
+    let reference = mesh(icosphere(4));
+    let options = AnalysisOptions {
+        chains: patch_rims(&ball, &upper(&ball), false),
+        reference: Some(&reference),
+        planes: vec![Plane {
+            point: DVec3::ZERO,
+            normal: DVec3::Z,
+        }],
+        ..AnalysisOptions::default()
+    };
+    let found = analyze(&ball, &options);
+    let quality = &found.quality;
+    let at = DVec3::from_array(quality.min_angle_at);
+    assert!(at.length() > 0.8 && at.length() < 1.0);
+    for (csv, rows) in [
+        (measures_csv(&found), 0),
+        (
+            vertices_csv(&ball, Vertices::Control, &found),
+            ball.vertex_count(),
+        ),
+        (
+            sections_csv(&found.sections),
+            found.sections[0].curves[0].points.len(),
+        ),
+    ] {
+        let mut lines = csv.lines();
+        let fields = lines.next().expect("a head").split(',').count();
+        let mut count = 0;
+        for line in lines {
+            // only measures quote
+            let mut commas = 0;
+            let mut inside = false;
+            for c in line.chars() {
+                match c {
+                    '"' => inside = !inside,
+                    ',' if !inside => commas += 1,
+                    _ => {}
+                }
+            }
+            assert_eq!(commas + 1, fields, "{line}");
+            count += 1;
+        }
+        assert!(rows == 0 || rows == count);
+    }
+    let text = report_json("ball", None, &found).expect("plain data");
+    let value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(value["sections"][0]["curves"][0]["closed"], true);
+    assert_eq!(value["chains"][0]["smooth_by_construction"], true);
+    assert_eq!(value["input"], "ball");
 }

@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::view_state::{Modal, Navigation, PictureSettings, Task};
+use super::faces::FaceEdit;
+use super::report::ReportAction;
+use super::view_state::{Bridging, Modal, Navigation, PictureSettings, Refining, Selecting, Task};
 use crate::fill::Controls;
+use crate::mesh::DVec3;
 use crate::render::{Camera, ViewStyle};
 
 /// How a click changes the selection.
@@ -44,6 +47,8 @@ pub enum Switch {
     Diagnostics,
     /// Settings.
     Settings,
+    /// Measures of the surface.
+    Analysis,
 }
 
 /// A request.
@@ -84,8 +89,24 @@ pub enum Action {
     SelectAllButLargest,
     /// None.
     SelectNone,
-    /// Fill or blend.
+    /// Fill, blend or repair.
     Task(Task),
+    /// How faces are selected.
+    Selecting(Selecting),
+    /// How the mesh is refined.
+    Refining(Box<Refining>),
+    /// Change the selection of faces.
+    Faces(FaceEdit),
+    /// Let the selected faces flow as they are.
+    Fair,
+    /// Erase the selected faces.
+    Erase,
+    /// Turn over the component of a loop.
+    Flip(usize),
+    /// Begin a bridge, change it, or leave it.
+    Bridging(Option<Bridging>),
+    /// Build a bridge between two rim vertices, so many edges wide.
+    Bridge([DVec3; 2], usize),
     /// The cursor is over a loop.
     Hover(Option<usize>),
 
@@ -102,7 +123,7 @@ pub enum Action {
     /// Compare with another energy (or stop comparing).
     CompareEnergy(Option<String>),
 
-    /// Fill the selected holes.
+    /// Do the task: fill the selected holes, blend the rims, refill the selected faces.
     Fill,
     /// Play or pause.
     PlayPause,
@@ -137,7 +158,7 @@ pub enum Action {
     /// Look at a loop.
     FlyToLoop(usize),
     /// Look at a place.
-    FlyTo(crate::mesh::DVec3),
+    FlyTo(DVec3),
     /// Draw differently.
     Style(ViewStyle),
     /// Flip a switch.
@@ -148,6 +169,9 @@ pub enum Action {
     Dark(bool),
     /// Scale of the interface.
     UiScale(f32),
+
+    /// Something of the report.
+    Report(ReportAction),
 
     /// Close a toast.
     DismissToast(usize),

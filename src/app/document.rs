@@ -5,7 +5,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::view_state::Task;
 use crate::fill::{Controls, Schedule};
 use crate::io::Opened;
 use crate::mesh::{BoundaryLoop, DVec3, LoadReport, Mesh, Topology, boundary_loops};
@@ -31,9 +30,7 @@ pub struct Origin {
     pub report: LoadReport,
     /// Material libraries to be named again when it is saved.
     pub material_libraries: Vec<String>,
-    /// The mesh as it was opened.
-    pub mesh: Arc<Mesh>,
-    /// Its box.
+    /// The box of the mesh as it was opened.
     pub bounds: Bounds,
 }
 
@@ -52,18 +49,105 @@ impl Origin {
     }
 }
 
-/// A fill that was accepted, with all that is needed to repeat it.
+/// What can be done to a mesh. Loops are numbers, faces ascending indices, both in the mesh that it was
+/// done to.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AcceptedFill {
-    /// Whether each loop has a patch of its own, or one joins them all.
-    pub task: Task,
-    /// Numbers of the loops, in the mesh it was run on.
-    pub loops: Vec<usize>,
+pub enum Work {
+    /// Each loop gets a patch of its own.
+    Fill(Vec<usize>),
+    /// One patch joins all loops.
+    Blend(Vec<usize>),
+    /// The faces are erased and what opens is filled.
+    Refill(Arc<Vec<u32>>),
+    /// The inner vertices of the faces flow.
+    Fair(Arc<Vec<u32>>),
+    /// The faces are erased.
+    Erase(Arc<Vec<u32>>),
+    /// The component of a loop is turned over.
+    Flip(usize),
+    /// A strip of triangles joins two rim vertices, so many edges wide.
+    Bridge([DVec3; 2], usize),
+    /// The mesh is refined.
+    Refine(RefineWork),
+}
+
+/// A refinement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RefineWork {
+    /// The arguments of the command, input and output left out.
+    pub words: Vec<String>,
+    /// The faces it is confined to; empty for all.
+    pub faces: Arc<Vec<u32>>,
+    /// Whether controls were changed on the way, which the command does not repeat.
+    pub changed: bool,
+}
+
+impl Work {
+    /// The command that does it.
+    pub fn command(&self) -> &'static str {
+        match self {
+            Self::Fill(_) => "fill",
+            Self::Blend(_) => "blend",
+            Self::Refill(_) | Self::Fair(_) => "refill",
+            Self::Erase(_) => "erase",
+            Self::Flip(_) => "flip",
+            Self::Bridge(..) => "bridge",
+            Self::Refine(_) => "refine",
+        }
+    }
+
+    /// Whether its command takes the controls of fills.
+    pub fn has_controls(&self) -> bool {
+        matches!(
+            self,
+            Self::Fill(_) | Self::Blend(_) | Self::Refill(_) | Self::Fair(_)
+        )
+    }
+
+    /// The loops it is about.
+    pub fn loops(&self) -> &[usize] {
+        match self {
+            Self::Fill(loops) | Self::Blend(loops) => loops,
+            Self::Flip(one) => std::slice::from_ref(one),
+            _ => &[],
+        }
+    }
+
+    /// The faces it is about.
+    pub fn faces(&self) -> &[u32] {
+        match self {
+            Self::Refill(faces) | Self::Fair(faces) | Self::Erase(faces) => faces,
+            Self::Refine(work) => &work.faces,
+            _ => &[],
+        }
+    }
+
+    /// For messages and the undo list.
+    pub fn label(&self) -> String {
+        match self {
+            Self::Fill(loops) if loops.len() == 1 => format!("fill of loop {}", loops[0]),
+            Self::Fill(loops) => format!("fill of {} loops", loops.len()),
+            Self::Blend(loops) => format!("blend of {} rims", loops.len()),
+            Self::Refill(faces) => format!("refill of {} faces", faces.len()),
+            Self::Fair(faces) => format!("fairing of {} faces", faces.len()),
+            Self::Erase(faces) => format!("erase {} faces", faces.len()),
+            Self::Flip(one) => format!("turn over at loop {one}"),
+            Self::Bridge(..) => "bridge".into(),
+            Self::Refine(_) => "refinement".into(),
+        }
+    }
+}
+
+/// Something that was done and accepted, with all that is needed to repeat it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accepted {
+    /// What.
+    pub work: Work,
     /// Controls at its start.
     pub controls: Controls,
     /// What was changed on the way.
     pub schedule: Schedule,
-    /// The faces it added.
+    /// The faces it added that are still there.
     pub faces: Range<usize>,
 }
 
@@ -72,16 +156,20 @@ pub struct AcceptedFill {
 pub struct Document {
     /// What was opened.
     pub origin: Arc<Origin>,
-    /// The mesh with all accepted fills; the opened one's vertices and faces come first.
+    /// The mesh with all that was accepted; what is left of the opened one comes first.
     pub mesh: Arc<Mesh>,
+    /// Faces from here on belong to patches.
+    pub first_patch_face: usize,
     /// Its boundary loops.
     pub loops: Arc<Vec<BoundaryLoop>>,
     /// Indices of the selected ones.
     pub selection: BTreeSet<usize>,
+    /// The selected faces, ascending.
+    pub faces: Arc<Vec<u32>>,
     /// What the next run is to use.
     pub controls: Controls,
-    /// Accepted fills, oldest first.
-    pub fills: Vec<Arc<AcceptedFill>>,
+    /// What was accepted, oldest first.
+    pub accepted: Vec<Arc<Accepted>>,
 }
 
 impl Document {
@@ -95,13 +183,14 @@ impl Document {
                 report: opened.report,
                 material_libraries: opened.material_libraries,
                 bounds: bounds_of(&mesh),
-                mesh: Arc::clone(&mesh),
             }),
+            first_patch_face: mesh.face_count(),
             mesh,
             loops: Arc::new(loops),
             selection: BTreeSet::new(),
+            faces: Arc::default(),
             controls: window_controls(),
-            fills: Vec::new(),
+            accepted: Vec::new(),
         }
     }
 
@@ -117,20 +206,40 @@ impl Document {
 
     /// Whether nothing was opened yet.
     pub fn is_blank(&self) -> bool {
-        self.origin.mesh.vertex_count() == 0
+        self.mesh.vertex_count() == 0 && !self.is_changed()
     }
 
-    /// Takes in a fill: the mesh is `filled`, the remaining loops are numbered anew.
-    pub fn accept(&mut self, filled: Mesh, fill: AcceptedFill) {
-        self.mesh = Arc::new(filled);
+    /// Takes in what was done: the mesh is `mesh`, its loops are numbered anew. `kept` are the faces
+    /// that are left, by their earlier indices, if some were erased; they come first in `mesh`.
+    pub fn accept(&mut self, mesh: Mesh, kept: Option<&[u32]>, done: Accepted) {
+        if matches!(done.work, Work::Refine(_)) {
+            // there are no faces any more that could be told from others
+            self.first_patch_face = mesh.face_count();
+            for one in &mut self.accepted {
+                Arc::make_mut(one).faces = 0..0;
+            }
+        } else if let Some(kept) = kept {
+            self.first_patch_face = left_of(kept, self.first_patch_face);
+            for one in &mut self.accepted {
+                let faces = left_of(kept, one.faces.start)..left_of(kept, one.faces.end);
+                if faces != one.faces {
+                    Arc::make_mut(one).faces = faces;
+                }
+            }
+        }
+        self.mesh = Arc::new(mesh);
         self.loops = Arc::new(boundary_loops(&self.mesh));
         self.selection.clear();
-        self.fills.push(Arc::new(fill));
+        self.faces = Arc::default();
+        self.accepted.push(Arc::new(done));
     }
 
-    /// Faces from here on belong to patches.
-    pub fn first_patch_face(&self) -> usize {
-        self.origin.mesh.face_count()
+    /// How many loops there are, in words.
+    pub fn loop_count(&self) -> String {
+        match self.loops.len() {
+            1 => "1 loop".into(),
+            n => format!("{n} loops"),
+        }
     }
 
     /// The selected loops.
@@ -158,14 +267,14 @@ impl Document {
     }
 
     /// Whether something was accepted since the mesh was opened.
-    pub fn is_filled(&self) -> bool {
-        !self.fills.is_empty()
+    pub fn is_changed(&self) -> bool {
+        !self.accepted.is_empty()
     }
 
     /// The patches alone, as a mesh of their own (used vertices in order, rims included);
     /// `None` if there are none.
     pub fn patches(&self) -> Option<Mesh> {
-        let first = self.first_patch_face();
+        let first = self.first_patch_face;
         let triangles: Vec<[u32; 3]> = self.mesh.topology.triangles().skip(first).collect();
         if triangles.is_empty() {
             return None;
@@ -196,6 +305,11 @@ impl Document {
         patches.colors = colors;
         Some(patches)
     }
+}
+
+/// How many of the kept faces come before a face.
+pub fn left_of(kept: &[u32], face: usize) -> usize {
+    kept.partition_point(|&f| (f as usize) < face)
 }
 
 /// The box around a mesh; one of size 1 around nothing.

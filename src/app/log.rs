@@ -47,6 +47,11 @@ pub struct Log {
 const LIMIT: usize = 1000;
 
 impl Log {
+    /// Notes something that matters so much.
+    pub fn note(&mut self, level: Level, text: impl Into<String>) {
+        self.push(level, text.into());
+    }
+
     /// Notes something that was done.
     pub fn info(&mut self, text: impl Into<String>) {
         self.push(Level::Info, text.into());

@@ -13,9 +13,10 @@ use super::history::History;
 use super::jobs::{Job, Wake};
 use super::log::Log;
 use super::project::Project;
+use super::report::Report;
 use super::run::Run;
 use super::settings::Settings;
-use super::view_state::{AfterUnsaved, Modal, PathUse, ViewState};
+use super::view_state::{AfterUnsaved, Modal, PathUse, Task, ViewState};
 use crate::fill::Continuity;
 use crate::mesh::{Mesh, VertexId};
 use crate::render::{Bounds, Gpu, Picker, ViewStyle};
@@ -51,7 +52,9 @@ pub enum Done {
     /// A file was written.
     Saved(PathBuf, SavedWhat, Result<(), String>),
     /// Picking is ready for a mesh.
-    Picker(Arc<Mesh>, Box<Picker>),
+    Picker(Arc<Mesh>, Arc<Picker>),
+    /// A lasso was closed around these faces.
+    Caught(super::faces::FaceEdit),
     /// A dialog of the system was answered; `None`: cancelled or not there, after so long.
     Chosen(PathUse, Option<PathBuf>, Duration),
     /// A picture for the clipboard.
@@ -69,7 +72,12 @@ pub enum SavedWhat {
     Project(u64),
     /// The patches alone.
     Patch,
+    /// A report.
+    Report,
 }
+
+/// Views beside each other at most.
+pub const MOST_SIDES: usize = 3;
 
 /// All of it.
 pub struct Model {
@@ -91,10 +99,10 @@ pub struct Model {
     pub jobs: Vec<Job<Done>>,
     /// What the window has to do.
     pub effects: Vec<Effect>,
-    /// What is drawn: of the document or side A, and of side B.
-    pub displays: [DisplayWorker; 2],
+    /// What is drawn: of the document or the first side, and of the others.
+    pub displays: [DisplayWorker; MOST_SIDES],
     /// Answers what is under the cursor, once it is ready for the shown mesh.
-    pub picker: Option<(Arc<Mesh>, Box<Picker>)>,
+    pub picker: Option<(Arc<Mesh>, Arc<Picker>)>,
     /// Where the document was saved last.
     pub saved_to: Option<PathBuf>,
     /// Counts changes of the mesh; compared with the saved one.
@@ -105,6 +113,8 @@ pub struct Model {
     pub after_save: Option<AfterUnsaved>,
     /// Keeps a recovery file.
     pub autosave: Autosave,
+    /// What was measured of the surface.
+    pub report: Report,
     /// Draws pictures; `None` before the window has a device, and in tests without one.
     pub gpu: Option<Arc<Gpu>>,
     picker_wanted: Option<Arc<Mesh>>,
@@ -130,13 +140,14 @@ impl Model {
             log: Log::default(),
             jobs: Vec::new(),
             effects: Vec::new(),
-            displays: [DisplayWorker::new(&wake), DisplayWorker::new(&wake)],
+            displays: std::array::from_fn(|_| DisplayWorker::new(&wake)),
             picker: None,
             saved_to: None,
             revision: 0,
             saved_revision: 0,
             after_save: None,
             autosave,
+            report: Report::default(),
             gpu: None,
             picker_wanted: None,
             creases: (Vec::new(), Arc::default()),
@@ -153,11 +164,14 @@ impl Model {
     /// Puts another document in place of this one.
     pub fn replace(&mut self, document: Document) {
         self.run = None;
+        // the camera must not be fitted to what was there before
+        self.displays.iter_mut().for_each(DisplayWorker::forget);
         self.history = History::default();
         self.view.camera.home();
         self.view.camera.fit_to(&document.origin.bounds);
         self.view.fit = true;
         self.view.hover = None;
+        self.view.report.forget();
         self.view.energy_text.clone_from(&document.controls.energy);
         self.view.compare_energy = None;
         self.document = document;
@@ -217,16 +231,13 @@ impl Model {
             }
         }
         if let Some(run) = &mut self.run {
-            for (is_error, text) in run.poll() {
-                if is_error {
-                    self.log.error(text);
-                } else {
-                    self.log.warning(text);
-                }
+            for (level, text) in run.poll() {
+                self.log.note(level, text);
             }
             at(run.replay(self.view.pace, now));
         }
         self.refresh();
+        super::update::tick_report(self);
         at(self.autosave.tick(
             now,
             self.revision,
@@ -259,7 +270,7 @@ impl Model {
             let loops = Arc::clone(&self.document.loops);
             self.jobs.push(Job::spawn("picking", &self.wake, move |_| {
                 let picker = Picker::new(&mesh.positions, &mesh.topology, &loops);
-                Done::Picker(mesh, Box::new(picker))
+                Done::Picker(mesh, Arc::new(picker))
             }));
         }
     }
@@ -268,24 +279,39 @@ impl Model {
         let creases = self.creases();
         let run = self.run.as_ref().and_then(|r| r.sides.get(side));
         let controls = run.map_or(&self.document.controls, |s| &s.controls);
-        let radius = self
-            .document
-            .selected()
-            .iter()
-            .map(|l| l.radius)
-            .fold(0.0, f64::max);
+        let rims = self.document.selected();
+        let rims = rims.iter().map(|l| l.radius).fold(0.0, f64::max);
+        let radius = run.map_or(rims, |side| side.live.radius());
+        let state = run.and_then(super::run::Side::state);
         let energy = Energy::parse(&controls.energy, &controls.params).ok();
+        let document = &self.document;
+        let (mut mesh, mut first_patch_face) = (&document.mesh, document.first_patch_face);
+        let mut faired = Arc::default();
+        if let Some(run) = &self.run {
+            (mesh, first_patch_face) = (&run.base, run.first_patch_face);
+            faired = run.faired();
+        }
+        let repairs = self.view.task == Task::Repair && self.run.is_none();
         Request {
-            mesh: Arc::clone(&self.document.mesh),
-            state: run.and_then(super::run::Side::state),
-            start: run.and_then(|s| s.live.timeline().states.first().cloned()),
-            first_patch_face: self.document.first_patch_face(),
+            mesh: Arc::clone(mesh),
+            faired,
+            highlight: if repairs {
+                Arc::clone(&self.document.faces)
+            } else {
+                Arc::default()
+            },
+            start: run
+                .zip(state.as_ref())
+                .and_then(|(side, at)| side.live.start_of(at)),
+            state,
+            first_patch_face,
             creases,
             limit: self.view.limit_surface,
             original: self.view.show_original,
             centre: self.centre(),
             bounds: self.document.origin.bounds,
             energy: energy.filter(|_| radius > 0.0).map(|e| (e, radius)),
+            reference: self.report.shown_reference(self.view.style.mode),
         }
     }
 
@@ -308,17 +334,12 @@ impl Model {
         let sharp: Vec<usize> = run
             .loops
             .iter()
-            .copied()
+            .map(|l| l.number)
             .filter(|&n| side.controls.continuity_at(n) == Continuity::G0)
             .collect();
         if sharp != self.creases.0 {
             let mut edges = Vec::new();
-            for l in self
-                .document
-                .loops
-                .iter()
-                .filter(|l| sharp.contains(&l.number))
-            {
+            for l in run.loops.iter().filter(|l| sharp.contains(&l.number)) {
                 edges.extend(l.edge_ends());
             }
             self.creases = (sharp, Arc::new(edges));
@@ -342,6 +363,7 @@ impl Model {
                     self.picker = Some((mesh, picker));
                 }
             }
+            Done::Caught(edit) => self.act(Action::Faces(edit)),
             Done::Chosen(purpose, path, waited) => self.chosen(purpose, path, waited),
             Done::Picture(Ok(picture)) => {
                 self.effects.push(Effect::CopyImage(picture));

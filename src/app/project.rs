@@ -9,12 +9,13 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::document::{AcceptedFill, Document, Source};
-use super::view_state::{Task, ViewState};
+use super::document::{Accepted, Document, RefineWork, Source, Work};
+use super::report::ReportView;
+use super::view_state::ViewState;
 use crate::fill::{Controls, Schedule};
 use crate::io::{self, Format, Opened};
 use crate::mesh::shapes::Sample;
-use crate::mesh::{Mesh, Topology, boundary_loops};
+use crate::mesh::{DVec3, parse_ranges, ranges_text};
 use crate::render::{Camera, ViewMode};
 
 /// Extension of project files.
@@ -33,10 +34,17 @@ pub struct Project {
     /// Built-in sample.
     #[serde(skip_serializing_if = "Option::is_none")]
     sample: Option<String>,
-    /// Counts of the opened mesh, `[vertices, faces]`: a check, and where patches begin.
+    /// Counts of the mesh, `[vertices, faces]`: a check. Where `first_patch_face` is missing, patches
+    /// begin after them.
     opened: [usize; 2],
+    /// Where patches begin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    first_patch_face: Option<usize>,
     /// Indices of the selected loops.
     selection: Vec<usize>,
+    /// The selected faces, as a list of ranges.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    selected_faces: String,
     /// The view.
     pub view: ViewPart,
     controls: Controls,
@@ -51,21 +59,125 @@ pub struct ViewPart {
     mode: String,
     stripes: u32,
     light: [f64; 3],
+    #[serde(default)]
+    light_follows_view: bool,
+    #[serde(default)]
+    zebra_turn: f64,
+    /// Ends of the colour map, where they were set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    range: Option<[f32; 2]>,
     wireframe: bool,
     tint: bool,
     limit_surface: bool,
     rims: bool,
+    #[serde(default)]
+    report: ReportView,
 }
 
+/// Something that was done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct FillPart {
     #[serde(default)]
-    task: Task,
+    task: Kind,
+    #[serde(default)]
     loops: Vec<usize>,
+    /// The arguments of a refinement, and whether controls were changed on the way.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    arguments: Vec<String>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    changed: bool,
+    /// Ends and width of a bridge.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    ends: Vec<[f64; 3]>,
+    #[serde(default)]
+    width: usize,
+    /// The faces it was done to, as a list of ranges.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    selected: String,
+    /// The faces it added.
     faces: [usize; 2],
     /// As the rows of a schedule file.
     schedule: String,
     controls: Controls,
+}
+
+/// What was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    #[default]
+    Fill,
+    Blend,
+    Refill,
+    Fair,
+    Erase,
+    Flip,
+    Bridge,
+    Refine,
+}
+
+impl FillPart {
+    fn of(done: &Accepted) -> Self {
+        Self {
+            task: match done.work {
+                Work::Fill(_) => Kind::Fill,
+                Work::Blend(_) => Kind::Blend,
+                Work::Refill(_) => Kind::Refill,
+                Work::Fair(_) => Kind::Fair,
+                Work::Erase(_) => Kind::Erase,
+                Work::Flip(_) => Kind::Flip,
+                Work::Bridge(..) => Kind::Bridge,
+                Work::Refine(_) => Kind::Refine,
+            },
+            arguments: match &done.work {
+                Work::Refine(work) => work.words.clone(),
+                _ => Vec::new(),
+            },
+            ends: match done.work {
+                Work::Bridge([from, to], _) => vec![from.to_array(), to.to_array()],
+                _ => Vec::new(),
+            },
+            width: match done.work {
+                Work::Bridge(_, width) => width,
+                _ => 0,
+            },
+            changed: matches!(&done.work, Work::Refine(work) if work.changed),
+            loops: done.work.loops().to_vec(),
+            selected: ranges_text(done.work.faces()),
+            faces: [done.faces.start, done.faces.end],
+            schedule: done.schedule.to_csv(),
+            controls: done.controls.clone(),
+        }
+    }
+
+    fn accepted(&self) -> Result<Accepted, String> {
+        let loops = self.loops.clone();
+        // faces of a mesh that is no more
+        let faces = || parse_ranges(&self.selected, u32::MAX as usize).map(Arc::new);
+        let work = match self.task {
+            Kind::Fill => Work::Fill(loops),
+            Kind::Blend => Work::Blend(loops),
+            Kind::Refill => Work::Refill(faces()?),
+            Kind::Fair => Work::Fair(faces()?),
+            Kind::Erase => Work::Erase(faces()?),
+            Kind::Bridge => match self.ends[..] {
+                [from, to] => Work::Bridge([from, to].map(DVec3::from_array), self.width),
+                _ => return Err("the ends of a bridge are missing".into()),
+            },
+            Kind::Refine => Work::Refine(RefineWork {
+                words: self.arguments.clone(),
+                faces: faces()?,
+                changed: self.changed,
+            }),
+            Kind::Flip => Work::Flip(*loops.first().ok_or("a loop is missing")?),
+        };
+        Ok(Accepted {
+            work,
+            controls: self.controls.clone(),
+            schedule: Schedule::parse(&self.schedule).map_err(|e| e.to_string())?,
+            faces: self.faces[0]..self.faces[1],
+        })
+    }
 }
 
 /// The text of a project file that is to lie in `folder`. A mesh that is a file or sample unchanged is
@@ -78,35 +190,38 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
         Source::Sample(name) => sample = Some(name.clone()),
         Source::Embedded => {}
     }
-    let embed = document.is_filled() || origin.source == Source::Embedded;
+    let embed = document.is_changed() || origin.source == Source::Embedded;
     let style = &view.style;
     let head = Project {
         version: VERSION,
         mesh,
         sample,
-        opened: [origin.mesh.vertex_count(), origin.mesh.face_count()],
+        opened: [document.mesh.vertex_count(), document.mesh.face_count()],
+        first_patch_face: document.is_changed().then_some(document.first_patch_face),
+        selected_faces: ranges_text(&document.faces),
         selection: document.selection.iter().copied().collect(),
         view: ViewPart {
             camera: view.camera.to_text(),
             mode: style.mode.name().into(),
             stripes: style.stripes,
             light: style.light.to_array(),
+            light_follows_view: style.light_follows_view,
+            zebra_turn: style.zebra_turn,
+            range: style.range,
             wireframe: style.wireframe,
             tint: style.tint_patch,
             limit_surface: view.limit_surface,
             rims: view.show_rims,
+            report: ReportView {
+                reference: view.report.reference.as_ref().map(|p| relative(p, folder)),
+                ..view.report.clone()
+            },
         },
         controls: document.controls.clone(),
         fills: document
-            .fills
+            .accepted
             .iter()
-            .map(|f| FillPart {
-                task: f.task,
-                loops: f.loops.clone(),
-                faces: [f.faces.start, f.faces.end],
-                schedule: f.schedule.to_csv(),
-                controls: f.controls.clone(),
-            })
+            .map(|one| FillPart::of(one))
             .collect(),
     };
     let mut text = String::from("# Meniscus project\n");
@@ -137,7 +252,7 @@ pub fn read(path: &Path) -> Result<(Document, Project), String> {
         Some((head, body)) => (head, Some(body)),
         None => (text.as_str(), None),
     };
-    let project: Project =
+    let mut project: Project =
         toml::from_str(head).map_err(|e| format!("{name} is no project file, or damaged: {e}"))?;
     if project.version > VERSION {
         return Err(format!(
@@ -146,6 +261,9 @@ pub fn read(path: &Path) -> Result<(Document, Project), String> {
         ));
     }
     let folder = path.parent().unwrap_or(Path::new("."));
+    if let Some(reference) = &mut project.view.report.reference {
+        *reference = folder.join(&*reference);
+    }
     let mesh_path = project.mesh.as_ref().map(|p| folder.join(p));
     let (opened, source) = if let Some(body) = body {
         let soup = io::read(Format::Obj, body.as_bytes(), path).map_err(|e| e.to_string())?;
@@ -207,9 +325,8 @@ pub fn sample_of(name: &str) -> Result<Opened, String> {
 }
 
 fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document, String> {
-    let mesh = opened.mesh.clone();
     let mut document = Document::new(opened, source);
-    let [vertices, faces] = project.opened;
+    let (mesh, [vertices, faces]) = (&document.mesh, project.opened);
     if mesh.vertex_count() < vertices || mesh.face_count() < faces {
         return Err(format!(
             "the mesh has {} vertices and {} faces now, but had {vertices} and {faces} when the \
@@ -218,25 +335,15 @@ fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document
             mesh.face_count()
         ));
     }
+    document.faces = Arc::new(parse_ranges(&project.selected_faces, mesh.face_count())?);
     if !project.fills.is_empty() {
-        let original = first_part(&mesh, vertices, faces)?;
-        let origin = Arc::make_mut(&mut document.origin);
-        origin.mesh = Arc::new(original);
-        document.fills = project
-            .fills
-            .iter()
-            .map(|f| {
-                Ok(Arc::new(AcceptedFill {
-                    task: f.task,
-                    loops: f.loops.clone(),
-                    controls: f.controls.clone(),
-                    schedule: Schedule::parse(&f.schedule).map_err(|e| e.to_string())?,
-                    faces: f.faces[0]..f.faces[1],
-                }))
-            })
+        let first = project.first_patch_face.unwrap_or(faces);
+        document.first_patch_face = first.min(document.mesh.face_count());
+        let parts = project.fills.iter();
+        document.accepted = parts
+            .map(|part| part.accepted().map(Arc::new))
             .collect::<Result<_, String>>()?;
     }
-    document.loops = Arc::new(boundary_loops(&document.mesh));
     let count = document.loops.len();
     document.selection = project
         .selection
@@ -246,20 +353,6 @@ fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document
         .collect();
     document.controls = project.controls.clone();
     Ok(document)
-}
-
-/// The mesh as it was before anything was appended.
-fn first_part(mesh: &Mesh, vertices: usize, faces: usize) -> Result<Mesh, String> {
-    let triangles: Vec<[u32; 3]> = mesh.topology.triangles().take(faces).collect();
-    let topology = Topology::from_triangles(vertices, &triangles)
-        .map_err(|e| format!("the mesh does not fit the project ({e})"))?;
-    let mut part = Mesh::new(mesh.positions[..vertices].to_vec(), topology);
-    part.colors = mesh.colors.get(..vertices).unwrap_or(&[]).to_vec();
-    part.face_tags = mesh.face_tags.get(..faces).unwrap_or(&[]).to_vec();
-    part.tags.clone_from(&mesh.tags);
-    part.one_sided.clone_from(&mesh.one_sided);
-    part.one_sided_tags.clone_from(&mesh.one_sided_tags);
-    Ok(part)
 }
 
 /// `path` as seen from `folder` where it lies in it or below, else absolute.
@@ -281,13 +374,19 @@ impl ViewPart {
             view.style.mode = mode;
         }
         view.style.stripes = self.stripes.clamp(1, 100);
-        let light = crate::mesh::DVec3::from_array(self.light);
-        if light.is_finite() && light != crate::mesh::DVec3::ZERO {
+        let light = DVec3::from_array(self.light);
+        if light.is_finite() && light != DVec3::ZERO {
             view.style.light = light;
         }
+        view.style.light_follows_view = self.light_follows_view;
+        if self.zebra_turn.is_finite() {
+            view.style.zebra_turn = self.zebra_turn;
+        }
+        view.style.range = self.range.filter(|[low, high]| low < high);
         view.style.wireframe = self.wireframe;
         view.style.tint_patch = self.tint;
         view.limit_surface = self.limit_surface;
         view.show_rims = self.rims;
+        view.report = self.report.clone().checked();
     }
 }

@@ -3,36 +3,34 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::document::{AcceptedFill, Source};
+use super::document::{Accepted, Source, Work};
 use super::model::Model;
-use super::view_state::Task;
-use crate::fill::{blend_command_line, command_line};
+use crate::fill::command_line;
 use crate::io;
+use crate::mesh::{DVec3, ranges_text};
 
-/// Commands that repeat all accepted fills and the run that is shown, one after the other, in
-/// lines of a shell script. Schedules are written beside the result.
+/// Commands that repeat everything that was accepted and the run that is shown, one after the other, in
+/// lines of a shell script. Schedules and long lists of faces are written beside the
+/// result.
 ///
 /// # Errors
 /// There is nothing to repeat, or a schedule cannot be written; the message is for the person.
 pub fn command(model: &Model) -> Result<String, String> {
-    let mut fills: Vec<AcceptedFill> = model.document.fills.iter().map(|f| (**f).clone()).collect();
+    let accepted = model.document.accepted.iter();
+    let mut steps: Vec<Accepted> = accepted.map(|one| (**one).clone()).collect();
     if let Some(run) = &model.run
         && let Some(side) = run.sides.first()
     {
-        let schedule = match side.state() {
-            Some(state) => side.live.schedule_to(&state),
-            None => side.live.schedule(),
-        };
-        fills.push(AcceptedFill {
-            task: run.task,
-            loops: run.loops.clone(),
+        let schedule = side.live.schedule_to(side.state().as_ref());
+        steps.push(Accepted {
+            work: run.work.clone(),
             controls: side.start.clone(),
             schedule,
             faces: 0..0,
         });
     }
-    if fills.is_empty() {
-        return Err("nothing was filled yet: there is no command to repeat it".into());
+    if steps.is_empty() {
+        return Err("nothing was done yet: there is no command to repeat it".into());
     }
     let (mut text, mut input) = match &model.document.origin.source {
         Source::File(path) => (String::new(), path.clone()),
@@ -54,33 +52,69 @@ pub fn command(model: &Model) -> Result<String, String> {
         Some(path) => path.parent().unwrap_or(Path::new(".")).to_owned(),
         None => input.parent().unwrap_or(Path::new(".")).to_owned(),
     };
-    let count = fills.len();
-    for (i, fill) in fills.iter().enumerate() {
+    let count = steps.len();
+    for (i, step) in steps.iter().enumerate() {
         let last = i + 1 == count;
         let output = match (&model.saved_to, last) {
             (Some(path), true) if io::Format::from_path(path).is_some() => path.clone(),
             (_, true) => folder.join(format!("{stem}_filled.obj")),
             _ => folder.join(format!("{stem}_{}.obj", i + 1)),
         };
-        let schedule = if fill.schedule.rows.is_empty() {
+        let schedule = if step.schedule.rows.is_empty() {
             None
         } else {
             let path = output.with_extension("schedule.csv");
-            io::save_text(&path, &fill.schedule.to_csv()).map_err(|e| e.to_string())?;
+            io::save_text(&path, &step.schedule.to_csv()).map_err(|e| e.to_string())?;
             Some(path)
         };
-        let line = match fill.task {
-            Task::Fill => command_line,
-            Task::Blend => blend_command_line,
-        }(
+        let line = command_line(
+            step.work.command(),
             &input,
             &output,
-            &fill.loops,
-            &fill.controls,
+            &words(&step.work, &output)?,
+            step.work.has_controls().then_some(&step.controls),
             schedule.as_deref(),
         );
+        if matches!(&step.work, Work::Refine(work) if work.changed) {
+            text += "# controls were changed while this ran: the result is another one\n";
+        }
         let _ = writeln!(text, "{line}");
         input = output;
     }
     Ok(text)
+}
+
+/// Lists of faces longer than this are written to files.
+const LONG: usize = 120;
+
+/// What the command is about, as arguments.
+fn words(work: &Work, output: &Path) -> Result<Vec<String>, String> {
+    let numbers: Vec<String> = work.loops().iter().map(ToString::to_string).collect();
+    let mut words = match work {
+        Work::Fill(_) | Work::Blend(_) => vec!["--loops".into(), numbers.join(",")],
+        Work::Flip(_) => vec!["--component-of".into(), numbers.join(",")],
+        Work::Bridge(ends, width) => {
+            let text = |p: &DVec3| format!("{},{},{}", p.x, p.y, p.z);
+            let [from, to] = ends.each_ref().map(text);
+            let width = width.to_string();
+            ["--from", &from, "--to", &to, "--width", &width]
+                .map(str::to_owned)
+                .to_vec()
+        }
+        Work::Refine(work) => work.words.clone(),
+        Work::Refill(_) | Work::Fair(_) | Work::Erase(_) => Vec::new(),
+    };
+    let list = ranges_text(work.faces());
+    if list.len() > LONG {
+        let path = output.with_extension("faces.txt");
+        let lines = list.replace(',', "\n") + "\n";
+        io::save_text(&path, &lines).map_err(|e| e.to_string())?;
+        words.extend(["--faces-from".into(), path.to_string_lossy().into_owned()]);
+    } else if !list.is_empty() {
+        words.extend(["--faces".into(), list]);
+    }
+    if matches!(work, Work::Fair(_)) {
+        words.push("--fair".into());
+    }
+    Ok(words)
 }

@@ -1,12 +1,17 @@
 //! A fill in progress: the live flow, what of it is shown, and what it was started with.
 
+mod refinement;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::document::{Document, Work, left_of};
 use super::jobs::Wake;
-use super::view_state::Task;
-use crate::fill::{Controls, LiveEvent, LiveFill, LiveSettings, State};
-use crate::mesh::{BoundaryLoop, Mesh};
+use super::live::{Live, Said, Shape};
+use super::log::Level;
+use crate::fill::{Controls, LiveFill, LiveSettings, Opening, open_selection};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
+pub use refinement::method_name;
 
 /// Bytes of kept states for each side; beyond it every other state is dropped.
 pub const TIMELINE_BYTES: usize = 512 << 20;
@@ -14,7 +19,11 @@ pub const TIMELINE_BYTES: usize = 512 << 20;
 /// One flow on the selected holes.
 pub struct Side {
     /// The flow.
-    pub live: LiveFill,
+    pub live: Live,
+    /// What tells it from the others: A, B or the method.
+    pub name: &'static str,
+    /// The arguments that repeat a refinement.
+    pub words: Vec<String>,
     /// Controls at its start.
     pub start: Controls,
     /// Controls in force.
@@ -23,6 +32,8 @@ pub struct Side {
     pub shown: Option<usize>,
     /// Energy of each accepted step and residual, one pair of curves a group.
     pub curves: Vec<Curve>,
+    /// Where it began to pass through itself, if it did.
+    pub crossing: Option<DVec3>,
     /// What it warned of, without repetition.
     pub warnings: Vec<String>,
 }
@@ -40,11 +51,19 @@ pub struct Curve {
 
 /// One fill, or two that are compared.
 pub struct Run {
-    /// Whether each loop has a patch of its own, or one joins them all.
-    pub task: Task,
-    /// Numbers of the loops.
-    pub loops: Vec<usize>,
-    /// One side, or A and B.
+    /// What it does.
+    pub work: Work,
+    /// The mesh it works on: the document's, or what is left of that after erasing.
+    pub base: Arc<Mesh>,
+    /// Faces of `base` from here on were patches before.
+    pub first_patch_face: usize,
+    /// The faces of the document that are left in `base`, if some were erased.
+    pub kept: Option<Vec<u32>>,
+    /// The loops of `base` it fills or joins.
+    pub loops: Vec<BoundaryLoop>,
+    /// Whether a refinement has the tension of its edge length.
+    pub own_tension: bool,
+    /// One side, or several that are compared.
     pub sides: Vec<Side>,
     /// Whether it plays.
     pub playing: bool,
@@ -53,84 +72,107 @@ pub struct Run {
 }
 
 impl Run {
-    /// Starts flows on the same loops, one for each set of controls.
+    /// Starts flows of the same work, one for each set of controls.
     ///
     /// # Errors
     /// A message for the person.
     pub fn start(
-        task: Task,
-        base: &Arc<Mesh>,
-        loops: &[&BoundaryLoop],
+        work: Work,
+        document: &Document,
         controls: &[Controls],
         pace: f64,
         wake: &Wake,
     ) -> Result<Self, String> {
-        let sides = controls
-            .iter()
-            .map(|controls| {
-                let settings = LiveSettings {
-                    playing: true,
-                    pace: Some(pace),
-                    timeline_bytes: TIMELINE_BYTES,
-                };
-                let loops = loops.iter().map(|&l| l.clone()).collect();
-                let spawn = match task {
-                    Task::Fill => LiveFill::spawn,
-                    Task::Blend => LiveFill::spawn_blend,
-                };
-                let (mesh, wake) = (Arc::clone(base), Arc::clone(wake));
-                let live = spawn(mesh, loops, controls.clone(), settings, wake)
-                    .map_err(|error| error.to_string())?;
-                Ok(Side {
-                    live,
-                    start: controls.clone(),
-                    controls: controls.clone(),
-                    shown: None,
-                    curves: Vec::new(),
-                    warnings: Vec::new(),
-                })
+        let mut base = Arc::clone(&document.mesh);
+        let mut first_patch_face = document.first_patch_face;
+        let (mut kept, mut loops) = (None, Vec::new());
+        match &work {
+            Work::Fill(_) | Work::Blend(_) => {
+                loops = document.selected().into_iter().cloned().collect();
+            }
+            Work::Refill(faces) => {
+                let flags = face_flags(faces, base.face_count());
+                let opening = open_selection(&base, &flags).map_err(|e| e.to_string())?;
+                let Opening {
+                    erased,
+                    loops: all,
+                    opened,
+                } = opening;
+                loops = opened.into_iter().map(|i| all[i].clone()).collect();
+                first_patch_face = left_of(&erased.old_face, first_patch_face);
+                base = Arc::new(erased.mesh);
+                kept = Some(erased.old_face);
+            }
+            Work::Fair(_) => {}
+            Work::Erase(_) | Work::Flip(_) | Work::Bridge(..) | Work::Refine(_) => {
+                return Err("that is done in another way".into());
+            }
+        }
+        let spawn = |controls: &Controls| {
+            let (mesh, wake) = (Arc::clone(&base), Arc::clone(wake));
+            let (loops, controls) = (loops.clone(), controls.clone());
+            match &work {
+                Work::Fair(faces) => {
+                    let flags = face_flags(faces, mesh.face_count());
+                    LiveFill::spawn_fair(mesh, flags, controls, settings(pace), wake)
+                }
+                Work::Blend(_) => {
+                    LiveFill::spawn_blend(mesh, loops, controls, settings(pace), wake)
+                }
+                _ => LiveFill::spawn(mesh, loops, controls, settings(pace), wake),
+            }
+        };
+        let sides = controls.iter().zip(["A", "B"]);
+        let sides = sides
+            .map(|(controls, name)| {
+                let live = spawn(controls).map_err(|error| error.to_string())?;
+                Ok(Side::new(Live::Fill(Box::new(live)), name, controls))
             })
             .collect::<Result<_, String>>()?;
         Ok(Self {
-            task,
-            loops: loops.iter().map(|l| l.number).collect(),
+            work,
+            base,
+            first_patch_face,
+            kept,
+            loops,
+            own_tension: false,
             sides,
             playing: true,
             next_frame: None,
         })
     }
 
-    /// Takes in what the flows have said. Returns messages for the log: `(is an error, text)`.
-    pub fn poll(&mut self) -> Vec<(bool, String)> {
+    /// What the sides are called, if there are several.
+    pub fn names(&self) -> Vec<&'static str> {
+        let several = self.sides.len() > 1;
+        let named = |s: &Side| if several { s.name } else { "" };
+        self.sides.iter().map(named).collect()
+    }
+
+    /// Takes in what the flows have said. Returns messages for the log.
+    pub fn poll(&mut self) -> Vec<(Level, String)> {
         let mut messages = Vec::new();
         let mut paused = false;
         for side in &mut self.sides {
-            for event in side.live.poll() {
-                match event {
-                    LiveEvent::Step { group, record } => side.book(group, &record),
-                    LiveEvent::Crossing {
+            for said in side.live.poll() {
+                match said {
+                    Said::Step(group, record) => side.book(group, &record),
+                    Said::Crossing {
                         text,
-                        last_good,
-                        paused: pauses,
-                        ..
+                        place,
+                        pauses,
                     } => {
                         paused |= pauses;
-                        messages.push((false, side.crossing_words(&text, last_good)));
+                        side.crossing = Some(place);
+                        messages.push((Level::Warning, text));
                     }
-                    LiveEvent::Finished { outcome, .. } => {
-                        for warning in outcome.warnings {
-                            if !side.warnings.contains(&warning) {
-                                messages.push((false, warning.clone()));
-                                side.warnings.push(warning);
-                            }
-                        }
+                    Said::Note(text) => messages.push((Level::Info, text)),
+                    Said::Error(text) => messages.push((Level::Error, text)),
+                    Said::Warning(text) if side.warnings.contains(&text) => {}
+                    Said::Warning(text) => {
+                        messages.push((Level::Warning, text.clone()));
+                        side.warnings.push(text);
                     }
-                    LiveEvent::ControlsRefused { text, .. } | LiveEvent::Failed { text, .. } => {
-                        messages.push((true, text));
-                    }
-                    LiveEvent::Planned
-                    | LiveEvent::ControlsChanged { .. }
-                    | LiveEvent::Rewound { .. } => {}
                 }
             }
         }
@@ -144,6 +186,14 @@ impl Run {
             self.playing = false;
         }
         messages
+    }
+
+    /// The faces that flow as they are, ascending.
+    pub fn faired(&self) -> Arc<Vec<u32>> {
+        match &self.work {
+            Work::Fair(faces) => Arc::clone(faces),
+            _ => Arc::default(),
+        }
     }
 
     /// Whether every flow has ended.
@@ -196,6 +246,20 @@ impl Run {
 }
 
 impl Side {
+    fn new(live: Live, name: &'static str, controls: &Controls) -> Self {
+        Self {
+            live,
+            name,
+            words: Vec::new(),
+            start: controls.clone(),
+            controls: controls.clone(),
+            shown: None,
+            curves: Vec::new(),
+            crossing: None,
+            warnings: Vec::new(),
+        }
+    }
+
     /// The energy is another one: its curve begins anew.
     pub fn new_energy(&mut self) {
         for curve in &mut self.curves {
@@ -219,30 +283,21 @@ impl Side {
         }
     }
 
-    fn crossing_words(&self, text: &str, last_good: Option<usize>) -> String {
-        let timeline = self.live.timeline();
-        let good =
-            last_good.and_then(|index| timeline.states.iter().position(|s| s.index == index));
-        let back = good.map_or_else(String::new, |at| {
-            format!(
-                "; state {} is the last that was looked at and does not",
-                at + 1
-            )
-        });
-        format!("the surface passes through itself or the mesh: {text}{back}")
-    }
-
     /// Number of kept states.
     pub fn state_count(&self) -> usize {
-        self.live.timeline().states.len()
+        self.live.state_count()
     }
 
     /// The state that is shown; `None` before the first.
-    pub fn state(&self) -> Option<Arc<State>> {
-        let states = &self.live.timeline().states;
-        match self.shown {
-            Some(i) => states.get(i).or(states.last()).cloned(),
-            None => states.last().cloned(),
-        }
+    pub fn state(&self) -> Option<Shape> {
+        self.live.state(self.shown.unwrap_or(usize::MAX))
+    }
+}
+
+fn settings(pace: f64) -> LiveSettings {
+    LiveSettings {
+        playing: true,
+        pace: Some(pace),
+        timeline_bytes: TIMELINE_BYTES,
     }
 }

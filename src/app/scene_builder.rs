@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use super::document::Work;
 use super::model::Model;
-use crate::mesh::{BoundaryLoop, Mesh};
-use crate::render::{LineStyle, Overlay, Polyline, Scene, rim_points};
+use super::report::ReportOverlays;
+use crate::mesh::{BoundaryLoop, DVec3, Mesh};
+use crate::render::{LineStyle, Marker, Overlay, Polyline, Scene, rim_points};
 
 /// Rim of a hole; told from the others by lightness too, for eyes that see no hues.
 const HOLE: [f32; 4] = [0.16, 0.71, 0.95, 1.0];
@@ -15,6 +17,13 @@ const SELECTED: [f32; 4] = [1.0, 0.66, 0.10, 1.0];
 /// Under the cursor.
 const HOVER: [f32; 4] = [1.0, 1.0, 0.62, 1.0];
 
+/// Where the surface passes through itself.
+const CROSSING: [f32; 4] = [0.95, 0.15, 0.15, 1.0];
+/// A vertex that a refinement passes.
+const GIVEN: [f32; 4] = [1.0, 0.78, 0.25, 1.0];
+/// Such vertices are marked up to this many.
+const MOST_MARKERS: usize = 3000;
+
 /// What overlays were made of, to make them again only when that changes.
 #[derive(Default)]
 pub struct OverlayCache {
@@ -22,6 +31,9 @@ pub struct OverlayCache {
     rims: Option<(Arc<Mesh>, bool, Arc<Overlay>)>,
     selection: Option<(Arc<Mesh>, Vec<usize>, Arc<Overlay>)>,
     hover: Option<(Arc<Mesh>, usize, Arc<Overlay>)>,
+    report: ReportOverlays,
+    crossing: Option<(DVec3, Arc<Overlay>)>,
+    given: Option<(Arc<Mesh>, Arc<Overlay>)>,
 }
 
 /// The scene of the document or of one side of the run.
@@ -32,8 +44,9 @@ pub fn scene(model: &Model, side: usize) -> Scene {
 /// [`scene`], keeping overlays that have not changed.
 pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene {
     let display = model.displays[side].latest();
-    let surfaces = display.map_or_else(Vec::new, |d| d.surfaces.clone());
-    let bounds = display.map_or(model.document.origin.bounds, |d| d.bounds);
+    let mut surfaces = display.map_or_else(Vec::new, |d| d.surfaces.clone());
+    surfaces.extend(display.into_iter().flat_map(|d| d.highlights.clone()));
+    let mut bounds = display.map_or(model.document.origin.bounds, |d| d.bounds);
     let mut overlays = Vec::new();
     let document = &model.document;
     let mesh = &document.mesh;
@@ -73,6 +86,44 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
         }
         overlays.extend(cache.rims.as_ref().map(|(_, _, o)| Arc::clone(o)));
     }
+    if let Some(run) = model
+        .run
+        .as_ref()
+        .filter(|r| matches!(r.work, Work::Refine(_)))
+    {
+        let given = &run.base;
+        if given.vertex_count() <= MOST_MARKERS && model.view.show_rims {
+            if !cache
+                .given
+                .as_ref()
+                .is_some_and(|(m, _)| Arc::ptr_eq(m, given))
+            {
+                let marker = |p: &DVec3| Marker {
+                    position: (*p - centre).to_array().map(|x| x as f32),
+                    color: GIVEN,
+                    radius_px: 2.5,
+                    style: LineStyle::Depth,
+                };
+                let markers = given.positions.iter().map(marker).collect();
+                let overlay = Arc::new(Overlay::new(Vec::new(), markers));
+                cache.given = Some((Arc::clone(given), overlay));
+            }
+            overlays.extend(cache.given.as_ref().map(|(_, o)| Arc::clone(o)));
+        }
+    }
+    let crossing = model.run.as_ref().and_then(|r| r.sides.get(side)?.crossing);
+    if let Some(place) = crossing {
+        if cache.crossing.as_ref().is_none_or(|(p, _)| *p != place) {
+            let marker = Marker {
+                position: (place - centre).to_array().map(|x| x as f32),
+                color: CROSSING,
+                radius_px: 7.0,
+                style: LineStyle::OnTop,
+            };
+            cache.crossing = Some((place, Arc::new(Overlay::new(Vec::new(), vec![marker]))));
+        }
+        overlays.extend(cache.crossing.as_ref().map(|(_, o)| Arc::clone(o)));
+    }
     if !running {
         let selected: Vec<usize> = document.selection.iter().copied().collect();
         let fits = |(m, s, _): &(Arc<Mesh>, Vec<usize>, Arc<Overlay>)| {
@@ -99,6 +150,10 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
             cache.hover = Some((Arc::clone(mesh), i, overlay));
         }
         overlays.extend(cache.hover.as_ref().map(|(_, _, o)| Arc::clone(o)));
+    }
+    if side == 0 {
+        overlays.extend(cache.report.of(model));
+        bounds = cache.report.around(bounds);
     }
     Scene {
         centre,

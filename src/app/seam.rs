@@ -15,21 +15,24 @@ pub struct Seam {
     pub jump: Option<f64>,
 }
 
-/// Measures the rims of the faces from `first` on. `sharp` are the edges of G0 rims.
+/// Measures the rims of the faces that flow. `sharp` are the edges of G0 rims.
 pub fn seam(
     topology: &Topology,
     positions: &[DVec3],
-    first: usize,
+    flows: &dyn Fn(FaceId) -> bool,
     sharp: &[[VertexId; 2]],
 ) -> Seam {
     let mut edges: Vec<[VertexId; 2]> = sharp.iter().map(|&e| ordered(e)).collect();
     edges.sort_unstable();
     let (mut smooth, mut creased) = (Vec::new(), Vec::new());
-    for f in (first..topology.face_count()).map(FaceId::from) {
+    for f in (0..topology.face_count())
+        .map(FaceId::from)
+        .filter(|&f| flows(f))
+    {
         let mut h = topology.halfedge_of_face(f);
         for _ in 0..3 {
             let beyond = topology.face(h.twin());
-            if beyond.is_some() && beyond.index() < first {
+            if beyond.is_some() && !flows(beyond) {
                 let ends = ordered([topology.origin(h), topology.target(h)]);
                 if edges.binary_search(&ends).is_ok() {
                     creased.extend(ends);
@@ -43,7 +46,7 @@ pub fn seam(
     creased.sort_unstable();
     creased.dedup();
     Seam {
-        angle: angle(topology, positions, first, &creased),
+        angle: angle(topology, positions, flows, &creased),
         jump: jump(topology, positions, &smooth),
     }
 }
@@ -56,7 +59,7 @@ fn ordered([a, b]: [VertexId; 2]) -> [VertexId; 2] {
 fn angle(
     topology: &Topology,
     positions: &[DVec3],
-    first: usize,
+    flows: &dyn Fn(FaceId) -> bool,
     vertices: &[VertexId],
 ) -> Option<f64> {
     let mut faces: Vec<FaceId> = vertices
@@ -64,9 +67,9 @@ fn angle(
         .flat_map(|&v| topology.outgoing(v).map(|h| topology.face(h)))
         .filter(|f| f.is_some())
         .collect();
-    faces.sort_unstable();
+    faces.sort_unstable_by_key(|&f| (flows(f), f));
     faces.dedup();
-    let split = faces.partition_point(|f| f.index() < first);
+    let split = faces.partition_point(|&f| !flows(f));
     let side = |faces: &[FaceId]| {
         let triangles: Vec<[u32; 3]> = faces
             .iter()
@@ -137,18 +140,20 @@ mod tests {
     #[test]
     fn a_smooth_sphere_has_no_seam_and_a_flat_lid_has_one() {
         let (topology, round, first, rim) = cut_sphere(1.0);
-        let smooth = seam(&topology, &round, first, &[]);
+        let smooth = seam(&topology, &round, &|f| f.index() >= first, &[]);
         assert_eq!(smooth.angle, None);
         // H = -1 on either side, up to the discretisation: (2 pi / 5 / 24)^2
         assert!(smooth.jump.expect("a rim") < 0.01, "{smooth:?}");
         // ghosts at a jagged rim turn its normals by about an edge, 360 / (5 * 24) degrees
-        let creased = seam(&topology, &round, first, &rim);
+        let creased = seam(&topology, &round, &|f| f.index() >= first, &rim);
         assert_eq!(creased.jump, None);
         assert!(creased.angle.expect("a rim") < 6.0, "{creased:?}");
 
         // the lid flattened to nothing is a disc at right angles to the half sphere
         let (topology, flat, first, rim) = cut_sphere(1e-9);
-        let angle = seam(&topology, &flat, first, &rim).angle.expect("a rim");
+        let angle = seam(&topology, &flat, &|f| f.index() >= first, &rim)
+            .angle
+            .expect("a rim");
         assert!((80.0..=100.0).contains(&angle), "{angle}");
     }
 
@@ -157,10 +162,11 @@ mod tests {
         let (topology, positions, first, rim) = cut_sphere(0.6);
         let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
         let moved: Vec<DVec3> = positions.iter().map(|&p| turn * p * 4.0).collect();
-        let [a, b] = [&positions, &moved].map(|p| seam(&topology, p, first, &[]));
+        let [a, b] = [&positions, &moved].map(|p| seam(&topology, p, &|f| f.index() >= first, &[]));
         let [a, b] = [a.jump.expect("a rim"), b.jump.expect("a rim")];
         assert!((a - 4.0 * b).abs() < 1e-9 * a, "{a} {b}");
-        let [a, b] = [&positions, &moved].map(|p| seam(&topology, p, first, &rim));
+        let [a, b] =
+            [&positions, &moved].map(|p| seam(&topology, p, &|f| f.index() >= first, &rim));
         let [a, b] = [a.angle.expect("a rim"), b.angle.expect("a rim")];
         assert!((a - b).abs() < 1e-6, "{a} {b}");
     }

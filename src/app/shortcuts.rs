@@ -3,6 +3,7 @@
 use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers};
 
 use super::action::{Action, Switch};
+use super::view_state::Task;
 use crate::render::StandardView;
 
 /// What a key does.
@@ -28,6 +29,10 @@ pub enum Command {
     Escape,
     /// Start, or accept and start the next.
     Fill,
+    /// Erase the selected faces.
+    Erase,
+    /// Fill, blend, repair, refine.
+    Task(Task),
     /// Accept the patch.
     Accept,
     /// Play or pause.
@@ -109,7 +114,32 @@ pub const ROWS: &[Row] = &[
     (
         Command::Fill,
         &[key(NONE, Key::Enter)],
-        "Fill the selected holes; accept a finished patch",
+        "Fill, blend or refill what is selected; accept a finished patch",
+    ),
+    (
+        Command::Erase,
+        &[key(NONE, Key::Delete)],
+        "Erase the selected faces (task Repair)",
+    ),
+    (
+        Command::Task(Task::Fill),
+        &[key(NONE, Key::F2)],
+        "Fill holes",
+    ),
+    (
+        Command::Task(Task::Blend),
+        &[key(NONE, Key::F3)],
+        "Blend rims",
+    ),
+    (
+        Command::Task(Task::Repair),
+        &[key(NONE, Key::F4)],
+        "Repair selected faces",
+    ),
+    (
+        Command::Task(Task::Refine),
+        &[key(NONE, Key::F5)],
+        "Refine the mesh",
     ),
     (
         Command::PlayPause,
@@ -224,6 +254,11 @@ pub const ROWS: &[Row] = &[
         "Load report",
     ),
     (
+        Command::Toggle(Switch::Analysis),
+        &[key(NONE, Key::I)],
+        "Report: measures of the surface",
+    ),
+    (
         Command::Toggle(Switch::Rims),
         &[key(NONE, Key::R)],
         "Rims on or off",
@@ -295,6 +330,8 @@ impl Command {
             Self::SelectAllButLargest => Action::SelectAllButLargest,
             Self::Escape => Action::Escape,
             Self::Fill => Action::Fill,
+            Self::Erase => Action::Erase,
+            Self::Task(task) => Action::Task(task),
             Self::Accept => Action::Accept(0),
             Self::PlayPause => Action::PlayPause,
             Self::Step => Action::Step,

@@ -16,8 +16,11 @@ use crate::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
 use crate::mesh::{DVec3, Soup, check_mesh, components};
 use crate::solver::Mode;
 
+mod refine;
+mod repair;
+
 /// A sphere with two small holes.
-fn opened() -> io::Opened {
+pub(super) fn opened() -> io::Opened {
     let hole = |x: f64, seed| Hole {
         centre: DVec3::new(x, 0.2, 0.1),
         shape: HoleShape::Disc { radius: 0.4 },
@@ -34,7 +37,7 @@ fn opened() -> io::Opened {
     io::from_soup(soup, Path::new("test")).expect("sound")
 }
 
-fn model() -> Model {
+pub(super) fn model() -> Model {
     let document = Document::new(opened(), Source::Sample("test".into()));
     Model::new(
         document,
@@ -45,7 +48,7 @@ fn model() -> Model {
 }
 
 /// Lets the background work go on until `done`.
-fn until(model: &mut Model, done: impl Fn(&Model) -> bool) {
+pub(super) fn until(model: &mut Model, done: impl Fn(&Model) -> bool) {
     let begun = Instant::now();
     while !done(model) {
         model.tick(Instant::now());
@@ -58,7 +61,7 @@ fn until(model: &mut Model, done: impl Fn(&Model) -> bool) {
     }
 }
 
-fn filled(model: &mut Model) {
+pub(super) fn filled(model: &mut Model) {
     model.act(Action::Pace(240.0));
     model.act(Action::Fill);
     until(model, |m| {
@@ -66,7 +69,7 @@ fn filled(model: &mut Model) {
     });
 }
 
-fn last_message(model: &Model) -> &str {
+pub(super) fn last_message(model: &Model) -> &str {
     model.log.entries().last().map_or("", |e| e.text.as_str())
 }
 
@@ -96,7 +99,24 @@ fn selection_by_click_keys_and_lists() {
     assert_eq!(m.document.selection.len(), 1);
     m.act(Action::Redo);
     assert_eq!(m.document.selection.len(), 2);
-    assert!(!m.is_dirty() || m.document.fills.is_empty());
+    assert!(!m.is_dirty() || m.document.accepted.is_empty());
+}
+
+/// A large mesh is looked at long before its surfaces are made.
+#[test]
+fn another_document_is_fitted_by_its_own_box() {
+    let mut m = model();
+    until(&mut m, |m| m.displays[0].latest().is_some());
+    let mut large = opened();
+    for p in &mut large.mesh.positions {
+        *p = *p * 40.0 + DVec3::X;
+    }
+    m.replace(Document::new(large, Source::Sample("large".into())));
+    assert!(m.displays[0].latest().is_none());
+    assert_eq!(m.bounds(), m.document.origin.bounds);
+    assert!(m.bounds().radius() > 30.0);
+    until(&mut m, |m| m.displays[0].latest().is_some());
+    assert!(m.bounds().radius() > 30.0);
 }
 
 #[test]
@@ -118,7 +138,7 @@ fn fill_accept_undo_redo() {
     assert_eq!(m.document.loops.len(), 1);
     check_mesh(&after).expect("sound");
     assert_eq!(after.positions[..before.vertex_count()], before.positions);
-    let fill = &m.document.fills[0];
+    let fill = &m.document.accepted[0];
     assert_eq!(fill.faces, before.face_count()..after.face_count());
     let patches = m.document.patches().expect("one");
     assert_eq!(patches.face_count(), fill.faces.len());
@@ -179,7 +199,8 @@ fn pause_step_scrub_and_replay() {
     m.act(Action::Scrub(Some(1)));
     let run = m.run.as_ref().expect("still there");
     let shown = run.sides[0].state().expect("a state");
-    assert!(run.scrubbed() && shown.groups[0].step == 1);
+    let figures = run.sides[0].live.figures(Some(&shown));
+    assert!(run.scrubbed() && figures[0].step == Some(1));
     // play: the kept states first, then the flow itself
     m.act(Action::Pace(240.0));
     m.act(Action::PlayPause);
@@ -194,13 +215,9 @@ fn pause_step_scrub_and_replay() {
         .as_ref()
         .and_then(|r| r.sides[0].state())
         .expect("a state")
-        .new_positions();
+        .positions(&m.document.mesh, false);
     m.act(Action::Accept(0));
-    let mesh = &m.document.mesh;
-    assert_eq!(
-        mesh.positions[mesh.vertex_count() - positions.len()..],
-        positions
-    );
+    assert_eq!(m.document.mesh.positions, positions);
 }
 
 #[test]
@@ -230,7 +247,7 @@ fn controls_act_while_it_runs_and_mistakes_are_told() {
         m.run.as_ref().is_some_and(super::run::Run::ended)
     });
     let side = &m.run.as_ref().expect("there").sides[0];
-    let rows = side.live.schedule().rows;
+    let rows = side.live.schedule_to(None).rows;
     let named = |name: &str| rows.iter().any(|r| r.control == name);
     assert!(
         named("energy") && named("param") && named("mode"),
@@ -255,7 +272,12 @@ fn two_energies_are_compared_and_one_is_taken() {
     filled(&mut m);
     let run = m.run.as_ref().expect("there");
     assert_eq!(run.sides.len(), 2);
-    let [a, b] = [0, 1].map(|i| run.sides[i].state().expect("a state").new_positions());
+    let [a, b] = [0, 1].map(|i| {
+        run.sides[i]
+            .state()
+            .expect("a state")
+            .positions(&run.base, false)
+    });
     let difference = a
         .iter()
         .zip(&b)
@@ -320,10 +342,10 @@ fn files_are_saved_reopened_and_never_overwritten() {
     until(&mut m, |m| !m.is_dirty());
     let (document, _) = project::read(&project_path).expect("a project");
     assert_eq!(document.mesh.positions, m.document.mesh.positions);
-    assert_eq!(document.first_patch_face(), m.document.first_patch_face());
+    assert_eq!(document.first_patch_face, m.document.first_patch_face);
     assert_eq!(document.selection, m.document.selection);
     assert_eq!(document.controls, m.document.controls);
-    assert_eq!(document.fills, m.document.fills);
+    assert_eq!(document.accepted, m.document.accepted);
 
     // damaged or missing files leave everything as it is
     let nonsense = folder.path().join("nonsense.obj");
@@ -428,7 +450,7 @@ fn the_command_repeats_the_work() {
     let mut m = model();
     m.act(Action::CopyCommand);
     assert!(
-        last_message(&m).contains("nothing was filled"),
+        last_message(&m).contains("nothing was done"),
         "{}",
         last_message(&m)
     );

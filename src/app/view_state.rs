@@ -1,5 +1,8 @@
 //! What is looked at and how; never saved as work, never undone.
 
+use super::report::{ReportFile, ReportView};
+use crate::mesh::DVec3;
+use crate::refine::{BoundaryRule, Hold, Method};
 use crate::render::{Camera, ViewStyle};
 
 /// How the mouse moves the camera.
@@ -44,7 +47,7 @@ impl Navigation {
     }
 }
 
-/// What Enter does with the selected loops.
+/// What Enter does with what is selected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Task {
@@ -53,6 +56,85 @@ pub enum Task {
     Fill,
     /// One surface that joins them all.
     Blend,
+    /// Selected faces are erased and filled anew, or faired.
+    Repair,
+    /// Every triangle becomes four, on a smooth surface through the given vertices.
+    Refine,
+}
+
+/// A bridge whose ends are being clicked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bridging {
+    /// The first end, once it was clicked.
+    pub from: Option<DVec3>,
+    /// Rim edges it is wide.
+    pub width: usize,
+}
+
+/// What the mouse does to the selection of faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tool {
+    /// Paints.
+    #[default]
+    Brush,
+    /// Takes what is within a drawn line.
+    Lasso,
+    /// A click takes a place, another widens it.
+    Grow,
+}
+
+/// How the mesh is refined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refining {
+    /// Times every triangle becomes four.
+    pub levels: usize,
+    /// How new vertices are placed.
+    pub method: Method,
+    /// What later levels keep passing.
+    pub hold: Hold,
+    /// Boundaries between their vertices.
+    pub boundary: BoundaryRule,
+    /// Tension by the edge length of the mesh instead of that of the controls.
+    pub own_tension: bool,
+    /// Only the selected faces.
+    pub selected_only: bool,
+    /// Methods shown beside it.
+    pub beside: [Option<Method>; 2],
+}
+
+impl Default for Refining {
+    fn default() -> Self {
+        Self {
+            levels: 3,
+            method: Method::default(),
+            hold: Hold::default(),
+            boundary: BoundaryRule::default(),
+            own_tension: true,
+            selected_only: false,
+            beside: [None; 2],
+        }
+    }
+}
+
+/// How faces are selected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Selecting {
+    /// With what.
+    pub tool: Tool,
+    /// Radius of the brush, in points of the screen.
+    pub brush: f32,
+    /// Whether the lasso takes hidden faces too.
+    pub through: bool,
+}
+
+impl Default for Selecting {
+    fn default() -> Self {
+        Self {
+            tool: Tool::default(),
+            brush: 24.0,
+            through: false,
+        }
+    }
 }
 
 /// A dialog over the window; only one at a time.
@@ -80,6 +162,10 @@ pub enum PathUse {
     SaveAs,
     /// Where to write the patches alone.
     ExportPatch,
+    /// A mesh to measure distances to.
+    Reference,
+    /// Where to write the report.
+    Report(ReportFile),
 }
 
 /// A typed path.
@@ -178,6 +264,8 @@ pub struct Windows {
     pub diagnostics: bool,
     /// Theme, scale, navigation.
     pub settings: bool,
+    /// Measures of the surface.
+    pub analysis: bool,
 }
 
 /// All of it.
@@ -189,6 +277,12 @@ pub struct ViewState {
     pub style: ViewStyle,
     /// What Enter does.
     pub task: Task,
+    /// The bridge that is being made.
+    pub bridging: Option<Bridging>,
+    /// How faces are selected.
+    pub selecting: Selecting,
+    /// How the mesh is refined.
+    pub refining: Refining,
     /// Limit surface instead of control mesh.
     pub limit_surface: bool,
     /// Whether the opened mesh is shown, or the patches alone.
@@ -203,6 +297,8 @@ pub struct ViewState {
     pub compare_energy: Option<String>,
     /// States of the flow a second.
     pub pace: f64,
+    /// What the report measures and shows.
+    pub report: ReportView,
     /// The dialog.
     pub modal: Modal,
     /// Side windows.
@@ -220,6 +316,9 @@ impl ViewState {
             camera: Camera::fit(bounds),
             style,
             task: Task::default(),
+            bridging: None,
+            selecting: Selecting::default(),
+            refining: Refining::default(),
             limit_surface: true,
             show_original: true,
             show_rims: true,
@@ -227,6 +326,7 @@ impl ViewState {
             energy_text: "H^2".into(),
             compare_energy: None,
             pace: 12.0,
+            report: ReportView::default(),
             modal: Modal::None,
             windows: Windows::default(),
             fit: true,

@@ -2,45 +2,31 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::Path;
 
 use anyhow::{Result, bail};
-use serde::Serialize;
 
 use crate::analysis::{
-    Analysis, AnalysisOptions, ChainReport, Range, Vertices, analyze as measure, control_points,
-    patch_rims, sharp_edges, vertex_curvatures,
+    Analysis, AnalysisOptions, ChainReport, Range, Vertices, analyze as measure, measures_csv,
+    patch_rims, report_json, sections_csv, sharp_edges, vertices_csv,
 };
 use crate::cli::UsageError;
 use crate::cli::fill::write_text;
 use crate::cli::print::print;
 use crate::cli::refine_args::AnalyzeArguments;
 use crate::io::{self, open};
-use crate::mesh::{LoadReport, Mesh};
 use crate::solver::energy::Energy;
-
-#[derive(Serialize)]
-struct Output<'a> {
-    version: &'static str,
-    input: String,
-    load: &'a LoadReport,
-    #[serde(flatten)]
-    analysis: &'a Analysis,
-}
 
 /// Runs the command.
 pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
-    if let Some(path) = &args.csv {
-        let read = std::iter::once(&args.input).chain(&args.against);
-        for other in read {
-            if io::same_file(path, other) {
-                bail!(
-                    "--csv names a file that is read ({}); give another name, nothing was \
-                     overwritten",
-                    path.display()
-                );
-            }
+    for (flag, path) in [
+        ("--csv", &args.csv),
+        ("--measures", &args.measures),
+        ("--section-csv", &args.section_csv),
+    ] {
+        if let Some(path) = path {
+            check_target(flag, path, args)?;
         }
-        io::check_text_target(path)?;
     }
     let params: BTreeMap<String, f64> = args.param.iter().cloned().collect();
     let energy = args
@@ -78,47 +64,36 @@ pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
         energy,
         chains,
         reference: reference.as_ref().map(|r| &r.mesh),
+        planes: args.section.clone(),
     };
     let analysis = measure(mesh, &options);
     if let Some(path) = &args.csv {
-        write_text(path, &table(mesh, vertices, &analysis))?;
+        write_text(path, &vertices_csv(mesh, vertices, &analysis))?;
     }
+    if let Some(path) = &args.measures {
+        write_text(path, &measures_csv(&analysis))?;
+    }
+    if let Some(path) = &args.section_csv {
+        write_text(path, &sections_csv(&analysis.sections))?;
+    }
+    let input = args.input.display().to_string();
     if args.json {
-        let output = Output {
-            version: env!("CARGO_PKG_VERSION"),
-            input: args.input.display().to_string(),
-            load: &opened.report,
-            analysis: &analysis,
-        };
-        return print(&(serde_json::to_string_pretty(&output)? + "\n"));
+        return print(&report_json(&input, Some(&opened.report), &analysis)?);
     }
-    print(&text(&args.input.display().to_string(), &analysis)?)
+    print(&text(&input, &analysis)?)
 }
 
-/// A line for each vertex.
-fn table(mesh: &Mesh, vertices: Vertices, analysis: &Analysis) -> String {
-    let control = control_points(mesh, vertices);
-    let curvatures = vertex_curvatures(&mesh.topology, &control);
-    let distances = analysis
-        .distances
-        .as_ref()
-        .map(|d| &d.to_reference.vertices);
-    let mut csv = String::from("vertex,x,y,z,H,K,k1,k2,distance\n");
-    for (v, (p, [h, k])) in mesh.positions.iter().zip(&curvatures).enumerate() {
-        let root = (h * h - k).max(0.0).sqrt();
-        let distance = distances.map_or_else(String::new, |d| format!("{:e}", d[v]));
-        // a String takes everything
-        let _ = writeln!(
-            csv,
-            "{v},{},{},{},{h:e},{k:e},{:e},{:e},{distance}",
-            p.x,
-            p.y,
-            p.z,
-            h + root,
-            h - root
+/// A file that is read is not to be overwritten, nor is the work to be done for one that cannot be
+/// written.
+fn check_target(flag: &str, path: &Path, args: &AnalyzeArguments) -> Result<()> {
+    let mut read = std::iter::once(&args.input).chain(&args.against);
+    if read.any(|other| io::same_file(path, other)) {
+        bail!(
+            "{flag} names a file that is read ({}); give another name, nothing was overwritten",
+            path.display()
         );
     }
-    csv
+    Ok(io::check_text_target(path)?)
 }
 
 /// The same for people.
@@ -169,6 +144,27 @@ fn text(input: &str, analysis: &Analysis) -> Result<String, std::fmt::Error> {
     )?;
     for chain in &analysis.chains {
         chain_lines(&mut out, chain)?;
+    }
+    for (n, section) in analysis.sections.iter().enumerate() {
+        for curve in &section.curves {
+            let known = curve.points.iter().map(|p| p.averaged);
+            let (low, high) = known
+                .filter(|k| k.is_finite())
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), k| {
+                    (a.min(k), b.max(k))
+                });
+            let kind = if curve.closed { "closed" } else { "open" };
+            writeln!(
+                out,
+                "  section {}: {kind} curve of {} points, length {:.6e}, curvature {low:.4e} to {high:.4e}",
+                n + 1,
+                curve.points.len(),
+                curve.length
+            )?;
+        }
+        if section.curves.is_empty() {
+            writeln!(out, "  section {}: the plane meets nothing", n + 1)?;
+        }
     }
     if let Some(d) = &analysis.distances {
         for (name, one) in [("to", &d.to_reference), ("from", &d.from_reference)] {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::cli::controls::ControlArguments;
+use crate::cli::edit::{EraseArguments, FlipArguments, SelectionArguments};
 use crate::cli::picture_args::PictureArguments;
 use crate::cli::refine_args::{AnalyzeArguments, RefineArguments};
 use crate::cli::render::RenderArguments;
@@ -73,6 +74,10 @@ const REFILL_EXAMPLES: &str = "Examples:
   meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --ball 0,0.1,1,0.2 --grow 2
   meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --fair --energy 'H^2+K^2'";
 
+const ERASE_EXAMPLES: &str = "Examples:
+  meniscus erase scan.obj -o out.obj --ball 0.1,0.2,0.3,0.05
+  meniscus erase scan.obj -o out.obj --faces 1-12,40 --grow 1";
+
 const REFINE_EXAMPLES: &str = "Examples:
   meniscus refine coarse.obj -o fine.obj
   meniscus refine coarse.obj -o fine.obj --levels 2 --energy 'H^2' --report report.json
@@ -106,6 +111,11 @@ pub enum Command {
     /// given vertices.
     #[command(after_help = REFINE_EXAMPLES)]
     Refine(Box<RefineArguments>),
+    /// Erase part of a surface and leave it open.
+    #[command(after_help = ERASE_EXAMPLES)]
+    Erase(EraseArguments),
+    /// Turn components over: the other side becomes the outer one.
+    Flip(FlipArguments),
     /// Build a strip of triangles across a hole, or from one hole to another.
     Bridge(BridgeArguments),
     /// Show counts, components, boundary loops and defects of a mesh.
@@ -228,12 +238,9 @@ pub struct RefillArguments {
     /// Files and flow, as for `fill`.
     #[command(flatten)]
     pub fill: FillArguments,
-    /// Select the faces whose corners lie within this distance of this point (repeatable).
-    #[arg(long, value_name = "X,Y,Z,R", required = true, value_parser = ball, allow_hyphen_values = true)]
-    pub ball: Vec<(DVec3, f64)>,
-    /// Widen the selection by this many rings of faces.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub grow: usize,
+    /// Which faces.
+    #[command(flatten)]
+    pub selection: SelectionArguments,
     /// Keep the triangles and let their vertices flow, instead of erasing and filling.
     #[arg(long)]
     pub fair: bool,

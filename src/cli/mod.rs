@@ -6,6 +6,7 @@ mod blend;
 mod bridge;
 mod controls;
 mod demo;
+mod edit;
 mod fill;
 mod info;
 mod picture;
@@ -38,6 +39,8 @@ pub fn run(command: Command) -> Result<()> {
         Command::Fill(args) => fill::fill(&args),
         Command::Blend(args) => blend::blend(&args),
         Command::Bridge(args) => bridge::bridge(&args),
+        Command::Erase(args) => edit::erase(&args),
+        Command::Flip(args) => edit::flip(&args),
         Command::Refill(args) => refill::refill(&args),
         Command::Refine(args) => refine::refine(&args),
         Command::Analyze(args) => analyze::analyze(&args),

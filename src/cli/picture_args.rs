@@ -85,7 +85,7 @@ impl PictureArguments {
 }
 
 fn view(text: &str) -> Result<ViewMode, String> {
-    let shown = |mode: &ViewMode| *mode != ViewMode::Deviation;
+    let shown = |mode: &ViewMode| !matches!(mode, ViewMode::Deviation | ViewMode::Distance);
     ViewMode::from_name(text)
         .filter(shown)
         .ok_or_else(|| "give shaded, isophotes, zebra, H, K, k1 or k2".into())

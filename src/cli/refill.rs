@@ -1,76 +1,56 @@
 //! `meniscus refill`.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use serde::Serialize;
 
 use crate::cli::UsageError;
 use crate::cli::args::RefillArguments;
-use crate::cli::fill::{Start, save_filled, start, write_text};
+use crate::cli::fill::{save_filled, start, write_text};
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::step_lines;
-use crate::fill::{self, FillOptions, LoopChoice, Schedule};
+use crate::fill::{self, Filled, LoopChoice};
 use crate::io::{Opened, save_mesh};
-use crate::mesh::{faces_in_ball, grow};
-use crate::solver::End;
+use crate::solver::{End, StepRecord};
 
 /// Runs the command.
 pub fn refill(args: &RefillArguments) -> Result<()> {
     let by_loop = !args.fill.loop_at.is_empty() || args.fill.loops != LoopChoice::Auto;
     if by_loop || !args.fill.part.is_empty() {
-        let what = "refill fills what it erases: choose a place with --ball, not loops";
+        let what = "refill fills what it erases: choose faces with --ball or --faces, not loops";
         return Err(UsageError(what.into()).into());
     }
-    let Start {
-        controls,
-        schedule,
-        opened,
-    } = start(&args.fill)?;
-    if schedule != Schedule::default() {
-        return Err(UsageError("refill follows no --schedule".into()).into());
-    }
-    let options = controls.options()?;
-    let mut selected = vec![false; opened.mesh.face_count()];
-    for &(centre, radius) in &args.ball {
-        for (flag, inside) in selected
-            .iter_mut()
-            .zip(faces_in_ball(&opened.mesh, centre, radius))
-        {
-            *flag |= inside;
-        }
-    }
-    for _ in 0..args.grow {
-        grow(&opened.mesh.topology, &mut selected);
-    }
-    if args.fair {
-        fair(args, &options, &opened, &selected)
-    } else {
-        replace(args, &options, &opened, &selected)
-    }
-}
-
-fn replace(
-    args: &RefillArguments,
-    options: &FillOptions,
-    opened: &Opened,
-    selected: &[bool],
-) -> Result<()> {
+    let start = start(&args.fill)?;
+    let selected = args.selection.required(&start.opened.mesh)?;
     let progress = Progress::new(1, args.fill.quiet);
-    let new = fill::refill(&opened.mesh, selected, options, &|group, record| {
+    let observe = |group, record: &StepRecord| {
         progress.step(group, record);
         true
-    })?;
+    };
+    let (mesh, controls, schedule) = (&start.opened.mesh, &start.controls, &start.schedule);
+    if args.fair {
+        let new = fill::fair_scheduled(mesh, &selected, controls, schedule, &observe)?;
+        progress.finish();
+        return save_faired(args, &start.opened, &selected, &new);
+    }
+    let new = fill::refill_scheduled(mesh, &selected, controls, schedule, &observe)?;
     progress.finish();
-    let output = &args.fill.output;
     if !args.fill.quiet {
+        let erased = &new.opening.erased;
         print(&format!(
             "{}: {} faces and {} vertices erased\n",
-            output.display(),
-            opened.mesh.face_count() - new.erased.old_face.len(),
-            opened.mesh.vertex_count() - new.erased.old_vertex.len(),
+            args.fill.output.display(),
+            mesh.face_count() - erased.old_face.len(),
+            mesh.vertex_count() - erased.old_vertex.len(),
         ))?;
     }
-    save_filled(&args.fill, opened, &new.filled, Vec::new(), Vec::new())
+    save_filled(
+        &args.fill,
+        &start.opened,
+        &new.filled,
+        Vec::new(),
+        Vec::new(),
+    )
 }
 
 /// What `--fair` did.
@@ -93,40 +73,42 @@ struct FairReport<'a> {
     warnings: &'a [String],
 }
 
-fn fair(
+fn save_faired(
     args: &RefillArguments,
-    options: &FillOptions,
     opened: &Opened,
     selected: &[bool],
+    new: &Filled,
 ) -> Result<()> {
-    let progress = Progress::new(1, args.fill.quiet);
-    let new = fill::fair(&opened.mesh, selected, options, &|record| {
-        progress.step(0, record);
-        true
-    })?;
-    progress.finish();
     save_mesh(&args.fill.output, &new.mesh, &opened.material_libraries)?;
-    let outcome = &new.flow.outcome;
+    let Some(Ok(group)) = new.groups.first() else {
+        let error = new.groups.iter().find_map(|g| g.as_ref().err());
+        let why = error.map_or_else(String::new, ToString::to_string);
+        bail!(
+            "the selected region cannot be faired: {why}. {} was written with the warm start there",
+            args.fill.output.display()
+        );
+    };
+    let outcome = &group.outcome;
     let report = FairReport {
         version: env!("CARGO_PKG_VERSION"),
         input: args.fill.input.display().to_string(),
         output: args.fill.output.display().to_string(),
         energy: &args.fill.controls.energy,
         faces: selected.iter().filter(|&&flag| flag).count(),
-        vertices_moved: new.moved.len(),
+        vertices_moved: new.plan.moved.len(),
         steps: outcome.steps,
         rejected: outcome.rejected,
         converged: outcome.end == End::Converged,
         energy_start: outcome.energy_start,
         energy_end: outcome.energy_end,
-        seconds: new.flow.timings.total() / 1e3,
+        seconds: group.timings.total() / 1e3,
         warnings: &outcome.warnings,
     };
     if let Some(path) = &args.fill.report {
         write_text(path, &(serde_json::to_string_pretty(&report)? + "\n"))?;
     }
     if let Some(path) = &args.fill.trace {
-        write_text(path, &step_lines([(0, &new.flow.records[..])]))?;
+        write_text(path, &step_lines([(0, &group.records[..])]))?;
     }
     if args.fill.quiet {
         return Ok(());

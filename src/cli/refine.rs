@@ -19,7 +19,7 @@ use crate::cli::refine_args::RefineArguments;
 use crate::fill::TauChoice;
 use crate::io::{self, Opened, open, save_mesh};
 use crate::memory::peak_memory;
-use crate::mesh::{LoadReport, Mesh, faces_in_ball, folded_edges, self_intersections};
+use crate::mesh::{LoadReport, Mesh, folded_edges, self_intersections};
 use crate::refine::{self, LevelReport, RefineOptions, Refinement, natural_tension};
 use crate::solver::energy::Energy;
 use crate::solver::{FlowOptions, Tau};
@@ -66,7 +66,7 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     let flow = flow(args)?;
     let opened = open(&args.input)?;
     let reference = args.against.as_deref().map(open).transpose()?;
-    let options = options(args, flow, &opened.mesh);
+    let options = options(args, flow, &opened.mesh)?;
     let tension = options.flow.tension;
     let start = Instant::now();
     let progress = Progress::new(1, args.quiet);
@@ -241,24 +241,17 @@ fn flow(args: &RefineArguments) -> Result<FlowOptions> {
     Ok(flow)
 }
 
-fn options(args: &RefineArguments, mut flow: FlowOptions, mesh: &Mesh) -> RefineOptions {
+fn options(args: &RefineArguments, mut flow: FlowOptions, mesh: &Mesh) -> Result<RefineOptions> {
     flow.tension = match (args.tension, &args.energy) {
         (Some(tension), _) => tension,
         (None, Some(_)) => 0.0,
         (None, None) => natural_tension(mesh),
     };
-    let region = (!args.ball.is_empty()).then(|| {
-        let mut region = vec![false; mesh.face_count()];
-        for &(centre, radius) in &args.ball {
-            let inside = faces_in_ball(mesh, centre, radius);
-            region
-                .iter_mut()
-                .zip(inside)
-                .for_each(|(flag, is)| *flag |= is);
-        }
-        region
-    });
-    RefineOptions {
+    let selection = &args.selection;
+    let region = (!selection.is_empty())
+        .then(|| selection.flags(mesh))
+        .transpose()?;
+    Ok(RefineOptions {
         levels: args.levels,
         method: args.method.into(),
         hold: args.hold.into(),
@@ -266,7 +259,7 @@ fn options(args: &RefineArguments, mut flow: FlowOptions, mesh: &Mesh) -> Refine
         corner_angle: args.corner_angle.to_radians(),
         region,
         flow: flow.clone(),
-    }
+    })
 }
 
 /// A choice as it is written on the command line.

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::cli::args::ball;
+use crate::analysis::Plane;
+use crate::cli::args::point;
 use crate::cli::controls::{choice, parameter, tau};
+use crate::cli::edit::SelectionArguments;
 use crate::fill::TauChoice;
-use crate::mesh::DVec3;
 use crate::refine::{BoundaryRule, Hold, Method};
 use crate::solver::Mode;
 
@@ -48,9 +49,9 @@ pub struct RefineArguments {
     /// A boundary vertex is a corner where the boundary turns by more than this, in degrees.
     #[arg(long, value_name = "DEG", default_value_t = 45.0)]
     pub corner_angle: f64,
-    /// Refine only the faces whose corners lie within this distance of this point (repeatable).
-    #[arg(long, value_name = "X,Y,Z,R", value_parser = ball, allow_hyphen_values = true)]
-    pub ball: Vec<(DVec3, f64)>,
+    /// Refine only these faces; those beside them are cut to fit.
+    #[command(flatten)]
+    pub selection: SelectionArguments,
     /// `fast` goes for the stationary shape, `flow` follows the flow in true time.
     #[arg(long, default_value = "fast", value_parser = choice::<Mode>())]
     pub mode: Mode,
@@ -108,6 +109,26 @@ pub struct AnalyzeArguments {
     /// Write curvatures (and distances) of every vertex as CSV.
     #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
+    /// Write all measures as CSV, a line each.
+    #[arg(long, value_name = "FILE.csv")]
+    pub measures: Option<PathBuf>,
+    /// Cut the limit surface by the plane through a point, with a normal (repeatable); the curves and
+    /// their curvatures are in the report.
+    #[arg(long, value_name = "X,Y,Z,NX,NY,NZ", value_parser = plane, allow_hyphen_values = true)]
+    pub section: Vec<Plane>,
+    /// Write the points of the sections as CSV.
+    #[arg(long, value_name = "FILE.csv", requires = "section")]
+    pub section_csv: Option<PathBuf>,
+}
+
+fn plane(text: &str) -> Result<Plane, String> {
+    let mistaken = || "give a point and a normal that is not zero, as in 0,0,0.5,0,0,1".to_owned();
+    let third = text.match_indices(',').nth(2).ok_or_else(mistaken)?.0;
+    let [at, normal] = [&text[..third], &text[third + 1..]].map(point);
+    match (at, normal) {
+        (Ok(point), Ok(normal)) if normal.try_normalize().is_some() => Ok(Plane { point, normal }),
+        _ => Err(mistaken()),
+    }
 }
 
 /// `--method`.

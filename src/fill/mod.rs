@@ -46,10 +46,12 @@ pub use group::Group;
 pub use islands::with_islands;
 pub use live::{
     GroupState, GroupStatus, HoleLayout, Layout, LiveError, LiveEvent, LiveFill, LiveSettings,
-    State, Timeline, blend_command_line, command_line,
+    State, Timeline, command_line,
 };
 pub use partial::{PartialError, fill_part};
-pub use refill::{Faired, RefillError, Refilled, fair, refill};
+pub use refill::{
+    Opening, RefillError, Refilled, fair, fair_scheduled, open_selection, refill, refill_scheduled,
+};
 pub use rim::{gap_of, rim_of};
 pub use schedule::{Row, Schedule, ScheduleError};
 pub use scheduled::{ScheduledFillError, fill_scheduled};
@@ -179,6 +181,9 @@ pub struct Plan {
     pub triangles: Vec<[u32; 3]>,
     /// Holes to be solved together.
     pub groups: Vec<Group>,
+    /// Fairing: vertices of the mesh that flow, ascending. There are no holes and no new vertices
+    /// then; `new_positions` are theirs.
+    pub moved: Vec<VertexId>,
 }
 
 /// Rims to be joined by one patch: one for a hole, several for a blend or a hole with islands.
@@ -221,6 +226,7 @@ impl Plan {
             new_positions: Vec::new(),
             triangles: Vec::new(),
             groups: Vec::new(),
+            moved: Vec::new(),
         };
         let mut filled = Vec::new();
         for (gap, (patch, patch_ms)) in gaps.iter().zip(patches) {
@@ -295,15 +301,30 @@ impl Plan {
             Vec::with_capacity(mesh.face_count() + self.triangles.len());
         triangles.extend(mesh.topology.triangles());
         triangles.extend_from_slice(&self.triangles);
-        Topology::from_triangles(mesh.positions.len() + self.new_positions.len(), &triangles)
+        let new = if self.moved.is_empty() {
+            self.new_positions.len()
+        } else {
+            0
+        };
+        Topology::from_triangles(mesh.positions.len() + new, &triangles)
+    }
+
+    /// Positions of all vertices of the filled mesh, where those of the plan are at `flowed`.
+    fn positions(&self, mesh: &Mesh, flowed: &[DVec3]) -> Vec<DVec3> {
+        let mut positions = Vec::with_capacity(mesh.positions.len() + flowed.len());
+        positions.extend_from_slice(&mesh.positions);
+        if self.moved.is_empty() {
+            positions.extend_from_slice(flowed);
+        }
+        for (v, &p) in self.moved.iter().zip(flowed) {
+            positions[v.index()] = p;
+        }
+        positions
     }
 
     fn assemble(&self, mesh: &Mesh, topology: Topology) -> Mesh {
-        let mut positions = Vec::with_capacity(topology.vertex_count());
-        positions.extend_from_slice(&mesh.positions);
-        positions.extend_from_slice(&self.new_positions);
         Mesh {
-            positions,
+            positions: self.positions(mesh, &self.new_positions),
             topology,
             colors: rim::colors(mesh, self),
             face_tags: rim::face_tags(mesh, self),

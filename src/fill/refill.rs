@@ -1,16 +1,13 @@
 //! Part of a surface made anew: erased and filled, or faired in place.
 
-use std::time::Instant;
-
 use crate::fill::{
-    FillError, FillOptions, Filled, GroupResult, Timings, fill_gaps, milliseconds, sheets,
-    warm_start, with_islands,
+    Controls, FillError, FillOptions, Filled, Gap, Group, Plan, Schedule, ScheduleError,
+    ScheduledFillError, fill_gaps, fill_scheduled, run_plan, with_islands,
 };
 use crate::mesh::{
-    BoundaryLoop, DVec3, Erased, FaceId, Mesh, TopologyError, VertexId, boundary_loops, erase,
-    inner_vertices,
+    BoundaryLoop, DVec3, Erased, FaceId, Mesh, VertexId, boundary_loops, erase, inner_vertices,
 };
-use crate::solver::{COLLAR_RINGS, Flow, FlowProblem, SolverError, StepRecord};
+use crate::solver::{COLLAR_RINGS, StepRecord};
 
 /// Why a selection cannot be made anew.
 #[derive(Debug, thiserror::Error)]
@@ -33,32 +30,36 @@ pub enum RefillError {
     /// Filling failed as a whole.
     #[error(transparent)]
     Fill(#[from] FillError),
-    /// The fairing flow cannot run.
-    #[error("the selected region cannot be faired: {0}")]
-    Flow(#[from] SolverError),
+    /// The schedule cannot be followed.
+    #[error(transparent)]
+    Schedule(#[from] ScheduleError),
 }
 
-/// A refilled mesh.
-#[derive(Debug)]
-pub struct Refilled {
+impl From<ScheduledFillError> for RefillError {
+    fn from(error: ScheduledFillError) -> Self {
+        match error {
+            ScheduledFillError::Schedule(error) => error.into(),
+            ScheduledFillError::Fill(error) => error.into(),
+        }
+    }
+}
+
+/// A mesh whose selected faces are erased.
+#[derive(Clone, Debug)]
+pub struct Opening {
     /// What was left after erasing, and where it was before.
     pub erased: Erased,
-    /// The loops around what was erased.
+    /// All its boundary loops.
     pub loops: Vec<BoundaryLoop>,
-    /// The fill of these.
-    pub filled: Filled,
+    /// Indices of those that the erased faces opened or widened.
+    pub opened: Vec<usize>,
 }
 
-/// Erases the selected faces and fills the holes this leaves or widens, islands included.
+/// Erases the selected faces, one flag each.
 ///
 /// # Errors
-/// An empty selection, or one after which nothing is left to fill from.
-pub fn refill(
-    mesh: &Mesh,
-    selected: &[bool],
-    options: &FillOptions,
-    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
-) -> Result<Refilled, RefillError> {
+/// An empty selection, or one that leaves nothing to fill from.
+pub fn open_selection(mesh: &Mesh, selected: &[bool]) -> Result<Opening, RefillError> {
     if !selected.contains(&true) {
         return Err(RefillError::Nothing);
     }
@@ -78,152 +79,170 @@ pub fn refill(
     if opened.is_empty() {
         return Err(RefillError::Everything);
     }
-    let filled = {
-        let gaps = with_islands(left, &loops, &opened);
-        fill_gaps(left, &gaps, options, observe)?
-    };
-    let loops = opened.into_iter().map(|i| loops[i].clone()).collect();
-    Ok(Refilled {
+    Ok(Opening {
         erased,
         loops,
-        filled,
+        opened,
     })
 }
 
-/// A faired mesh.
+/// A refilled mesh.
 #[derive(Debug)]
-pub struct Faired {
-    /// The mesh with the inner vertices of the selection moved; everything else is untouched.
-    pub mesh: Mesh,
-    /// The vertices that moved.
-    pub moved: Vec<VertexId>,
-    /// How the flow went.
-    pub flow: GroupResult,
+pub struct Refilled {
+    /// What was left after erasing, and the loops around what was erased.
+    pub opening: Opening,
+    /// The fill of these.
+    pub filled: Filled,
+}
+
+/// Erases the selected faces and fills the holes this leaves or widens, islands included.
+///
+/// # Errors
+/// An empty selection, or one after which nothing is left to fill from.
+pub fn refill(
+    mesh: &Mesh,
+    selected: &[bool],
+    options: &FillOptions,
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Refilled, RefillError> {
+    refill_by(mesh, selected, |left, gaps| {
+        Ok(fill_gaps(left, gaps, options, observe)?)
+    })
+}
+
+/// [`refill`] with changes on the way, as recorded by a live fill.
+///
+/// # Errors
+/// As [`refill`], and a schedule that cannot be followed.
+pub fn refill_scheduled(
+    mesh: &Mesh,
+    selected: &[bool],
+    controls: &Controls,
+    schedule: &Schedule,
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Refilled, RefillError> {
+    refill_by(mesh, selected, |left, gaps| {
+        Ok(fill_scheduled(left, gaps, controls, schedule, observe)?)
+    })
+}
+
+fn refill_by(
+    mesh: &Mesh,
+    selected: &[bool],
+    fill: impl FnOnce(&Mesh, &[Gap<'_>]) -> Result<Filled, RefillError>,
+) -> Result<Refilled, RefillError> {
+    let opening = open_selection(mesh, selected)?;
+    let left = &opening.erased.mesh;
+    let gaps = with_islands(left, &opening.loops, &opening.opened);
+    let filled = fill(left, &gaps)?;
+    Ok(Refilled { opening, filled })
 }
 
 /// Lets the inner vertices of the selected faces flow, the triangles staying as they are; G1 to the
 /// rest. Like a new patch they start from the smooth spread of the warm start, so that it does not
-/// matter how badly they lay.
+/// matter how badly they lay. [`Plan::moved`] of the result says which they are.
 ///
 /// # Errors
-/// An empty, narrow or all-embracing selection, and what the flow refuses.
+/// An empty, narrow or all-embracing selection; what the flow refuses is in the result.
 pub fn fair(
     mesh: &Mesh,
     selected: &[bool],
     options: &FillOptions,
-    observe: &dyn Fn(&StepRecord) -> bool,
-) -> Result<Faired, RefillError> {
-    let faces = selected.iter().filter(|&&flag| flag).count();
-    if faces == 0 {
-        return Err(RefillError::Nothing);
-    }
-    let moved = inner_vertices(&mesh.topology, selected);
-    if moved.is_empty() {
-        return Err(RefillError::NoInside { faces });
-    }
-    let problem = region(mesh, &moved)?;
-    let (flow, positions) = run(problem, options, observe)?;
-    let mut fair = mesh.clone();
-    for (v, &p) in moved.iter().zip(&positions) {
-        fair.positions[v.index()] = p;
-    }
-    Ok(Faired {
-        mesh: fair,
-        moved,
-        flow,
-    })
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Filled, RefillError> {
+    let plan = Plan::fairing(mesh, selected)?;
+    Ok(run_plan(mesh, &[], plan, options, &[], observe)?)
 }
 
-/// Warm start and flow of a region: how it went, and where the vertices are.
-fn run(
-    problem: FlowProblem,
-    options: &FillOptions,
-    observe: &dyn Fn(&StepRecord) -> bool,
-) -> Result<(GroupResult, Vec<DVec3>), SolverError> {
-    let mut timings = Timings::default();
-    let mut lap = Instant::now();
-    let mut split = |slot: &mut f64| {
-        *slot += milliseconds(lap);
-        lap = Instant::now();
-    };
-    let problem = warm_start(problem)?;
-    split(&mut timings.warm_start);
-    let mut flow = Flow::new(problem, options.flow.clone())?;
-    split(&mut timings.setup);
-    let mut records = Vec::new();
-    let outcome = flow.run(|_, record| {
-        records.push(record.clone());
-        observe(record)
-    })?;
-    split(&mut timings.flow);
-    let positions = flow.problem().to_world(flow.positions());
-    let result = GroupResult {
-        outcome,
-        records,
-        timings,
-    };
-    Ok((result, positions))
+/// [`fair`] with changes on the way, as recorded by a live fill.
+///
+/// # Errors
+/// As [`fair`], and a schedule that cannot be followed.
+pub fn fair_scheduled(
+    mesh: &Mesh,
+    selected: &[bool],
+    controls: &Controls,
+    schedule: &Schedule,
+    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+) -> Result<Filled, RefillError> {
+    let (options, changes) = schedule.resolve(controls)?;
+    let plan = Plan::fairing(mesh, selected)?;
+    Ok(run_plan(mesh, &[], plan, &options, &changes, observe)?)
 }
 
-/// The flow of some vertices of a mesh with everything near them.
-fn region(mesh: &Mesh, moved: &[VertexId]) -> Result<FlowProblem, RefillError> {
+impl Plan {
+    /// The plan of a fairing: the inner vertices of the selected faces, with everything near them
+    /// as the collar.
+    pub(super) fn fairing(mesh: &Mesh, selected: &[bool]) -> Result<Self, RefillError> {
+        let faces = selected.iter().filter(|&&flag| flag).count();
+        if faces == 0 {
+            return Err(RefillError::Nothing);
+        }
+        let topology = &mesh.topology;
+        let moved = inner_vertices(topology, selected);
+        if moved.is_empty() {
+            return Err(RefillError::NoInside { faces });
+        }
+        let (collar, ring_1) = around(mesh, &moved);
+        if ring_1.is_empty() {
+            return Err(RefillError::Everything);
+        }
+        let centre = ring_1.iter().map(|&v| mesh.position(v)).sum::<DVec3>() / ring_1.len() as f64;
+        let square = |&v: &VertexId| mesh.position(v).distance_squared(centre);
+        let radius = (ring_1.iter().map(square).sum::<f64>() / ring_1.len() as f64).sqrt();
+        Ok(Self {
+            old_vertices: mesh.vertex_count(),
+            holes: Vec::new(),
+            failed: Vec::new(),
+            new_positions: moved.iter().map(|&v| mesh.position(v)).collect(),
+            triangles: Vec::new(),
+            groups: vec![Group {
+                holes: Vec::new(),
+                new_vertices: (0..moved.len() as u32).collect(),
+                radius,
+                collars: vec![collar],
+            }],
+            moved,
+        })
+    }
+}
+
+/// The faces within [`COLLAR_RINGS`] rings of some vertices, sorted, and the vertices of the first ring.
+fn around(mesh: &Mesh, moved: &[VertexId]) -> (Vec<FaceId>, Vec<VertexId>) {
     let topology = &mesh.topology;
-    let mut local = vec![u32::MAX; mesh.vertex_count()];
-    let mut order = moved.to_vec();
-    for (i, v) in moved.iter().enumerate() {
-        local[v.index()] = i as u32;
+    let mut reached = vec![false; mesh.vertex_count()];
+    for v in moved {
+        reached[v.index()] = true;
     }
     let mut has_face = vec![false; mesh.face_count()];
-    let mut faces = Vec::new();
-    let (mut begin, mut ring_1) = (0, Vec::new());
+    let (mut faces, mut ring_1) = (Vec::new(), Vec::new());
+    let mut front = moved.to_vec();
     for ring in 0..COLLAR_RINGS {
-        let end = order.len();
-        for k in begin..end {
-            for h in topology.outgoing(order[k]) {
+        let mut next = Vec::new();
+        for &v in &front {
+            for h in topology.outgoing(v) {
                 let (f, w) = (topology.face(h), topology.target(h));
                 if f.is_some() && !std::mem::replace(&mut has_face[f.index()], true) {
                     faces.push(f);
                 }
-                if local[w.index()] == u32::MAX {
-                    local[w.index()] = order.len() as u32;
-                    order.push(w);
+                if !std::mem::replace(&mut reached[w.index()], true) {
+                    next.push(w);
                 }
             }
         }
-        begin = end;
         if ring == 0 {
-            ring_1 = order[end..].to_vec();
+            ring_1.clone_from(&next);
         }
-    }
-    if ring_1.is_empty() {
-        return Err(RefillError::Everything);
+        front = next;
     }
     faces.sort_unstable();
-    let mut positions: Vec<DVec3> = order.iter().map(|&v| mesh.position(v)).collect();
-    let mut triangles: Vec<[u32; 3]> = faces
-        .iter()
-        .map(|&f: &FaceId| topology.face_vertices(f).map(|v| local[v.index()]))
-        .collect();
-    let interior: Vec<u32> = (0..moved.len() as u32).collect();
-    let centre = ring_1.iter().map(|&v| mesh.position(v)).sum::<DVec3>() / ring_1.len() as f64;
-    let square = |&v: &VertexId| mesh.position(v).distance_squared(centre);
-    let radius = (ring_1.iter().map(square).sum::<f64>() / ring_1.len() as f64).sqrt();
-    Ok(
-        match FlowProblem::new(&positions, &triangles, &interior, radius) {
-            Err(SolverError::Topology(TopologyError::NonManifoldVertex { .. })) => {
-                sheets::separate(&mut positions, &mut triangles);
-                FlowProblem::new(&positions, &triangles, &interior, radius)
-            }
-            problem => problem,
-        }?,
-    )
+    (faces, ring_1)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mesh::{Topology, check_mesh, faces_in_ball, grow, shapes};
-    use crate::solver::End;
 
     fn ball() -> Mesh {
         let (positions, triangles) = shapes::sphere(3000, 11);
@@ -252,10 +271,16 @@ mod tests {
         let new =
             refill(&mesh, &selected, &FillOptions::default(), &|_, _| true).expect("refilled");
         assert!(new.filled.complete());
-        assert_eq!(new.loops.len(), 1);
+        assert_eq!(new.opening.opened.len(), 1);
         check_mesh(&new.filled.mesh).expect("sound");
         assert!(new.filled.mesh.topology.boundary_loops().is_empty());
-        for (p, &old) in new.filled.mesh.positions.iter().zip(&new.erased.old_vertex) {
+        for (p, &old) in new
+            .filled
+            .mesh
+            .positions
+            .iter()
+            .zip(&new.opening.erased.old_vertex)
+        {
             assert_eq!(*p, mesh.positions[old as usize]);
         }
         let worst = new
@@ -271,11 +296,11 @@ mod tests {
     fn a_dent_is_faired_away_with_the_same_triangles() {
         let selected = selection();
         let mesh = dented(&selected);
-        let new = fair(&mesh, &selected, &FillOptions::default(), &|_| true).expect("faired");
-        assert_eq!(new.flow.outcome.end, End::Converged);
+        let new = fair(&mesh, &selected, &FillOptions::default(), &|_, _| true).expect("faired");
+        assert!(new.complete());
         assert_eq!(new.mesh.topology, mesh.topology);
         for (v, (p, q)) in new.mesh.positions.iter().zip(&mesh.positions).enumerate() {
-            assert!(new.moved.contains(&VertexId::from(v)) || p == q);
+            assert!(new.plan.moved.contains(&VertexId::from(v)) || p == q);
             assert!((p.length() - 1.0).abs() < 3e-3);
         }
     }
@@ -301,7 +326,7 @@ mod tests {
         let mut one = none.clone();
         one[5] = true;
         let again = |s: &[bool]| refill(&mesh, s, &options, &|_, _| true).err();
-        let same = |s: &[bool]| fair(&mesh, s, &options, &|_| true).err();
+        let same = |s: &[bool]| fair(&mesh, s, &options, &|_, _| true).err();
         assert!(matches!(again(&none), Some(RefillError::Nothing)));
         assert!(matches!(again(&all), Some(RefillError::Everything)));
         assert!(matches!(same(&none), Some(RefillError::Nothing)));

@@ -20,6 +20,9 @@ pub(super) fn problem(
     positions: &[DVec3],
     options: &FillOptions,
 ) -> Result<FlowProblem, SolverError> {
+    if !plan.moved.is_empty() {
+        return faired(mesh, &plan.moved, group, positions);
+    }
     let creased = |h: usize| -> Vec<u32> {
         let hole = &plan.holes[h];
         let rims = hole.loops.iter().zip(&hole.rims);
@@ -67,6 +70,22 @@ pub(super) fn problem(
             .map(|&f| mesh.topology.face_vertices(f).map(|v| v.0)),
     );
     region.into_problem(first, group.radius)
+}
+
+/// The flow of vertices of the mesh itself from `positions`.
+fn faired(
+    mesh: &Mesh,
+    moved: &[VertexId],
+    group: &Group,
+    positions: &[DVec3],
+) -> Result<FlowProblem, SolverError> {
+    let mut region = Region::new(mesh, positions);
+    for (i, v) in (0..).zip(moved) {
+        region.local[v.index()] = i;
+    }
+    let faces = group.collars.iter().flatten();
+    region.add(faces.map(|&f| mesh.topology.face_vertices(f).map(|v| v.0)));
+    region.into_problem(moved.len() as u32, group.radius)
 }
 
 /// Vertices and triangles of a region under way: new vertices first.

@@ -7,7 +7,9 @@ use crate::fill::crossing::{Crossing, CrossingWatch};
 use crate::fill::noise::roughened;
 use crate::fill::renewal::{Moment, Renewals, remesh};
 use crate::fill::shape::Shape;
-use crate::fill::{FillOptions, Gap, Plan, Timings, milliseconds, region, warm_start_of};
+use crate::fill::{
+    FillOptions, Gap, Plan, Timings, milliseconds, region, warm_start, warm_start_of,
+};
 use crate::mesh::{DVec3, Mesh};
 use crate::patch::{PatchError, TransferError};
 use crate::solver::energy::Order;
@@ -132,6 +134,9 @@ impl GroupRun {
         ground: Ground<'_>,
         problem: FlowProblem,
     ) -> Result<FlowProblem, SolverError> {
+        if !ground.plan.moved.is_empty() {
+            return warm_start(problem);
+        }
         let mut first = 0;
         let mut moved = Vec::new();
         let holes = ground.plan.groups[self.group].holes.iter();
@@ -269,7 +274,8 @@ impl GroupRun {
     pub fn change(&mut self, ground: Ground<'_>, options: &FillOptions) -> Result<(), ChangeError> {
         let group = &ground.plan.groups[self.group];
         let holes = group.holes.iter().map(|&h| &ground.plan.holes[h]);
-        let remeshed = options.patch != self.options.patch;
+        // a fairing keeps its triangles
+        let remeshed = options.patch != self.options.patch && ground.plan.moved.is_empty();
         let recut = holes.clone().any(|hole| {
             let differs = |&n: &usize| options.continuity_at(n) != self.options.continuity_at(n);
             hole.loops.iter().any(differs)

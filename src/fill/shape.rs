@@ -20,11 +20,6 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// Number of new vertices of all holes.
-    pub fn new_vertices(&self) -> usize {
-        self.holes.iter().map(|h| h.new_vertices).sum()
-    }
-
     /// Bytes the triangles take.
     pub fn bytes(&self) -> usize {
         let triangles: usize = self.holes.iter().map(|h| h.triangles.len()).sum();
@@ -36,6 +31,9 @@ impl Plan {
     /// A group's shape and positions as they are in the plan.
     pub(super) fn shape_of(&self, group: &Group) -> (Shape, Vec<DVec3>) {
         let mut positions = Vec::new();
+        if !self.moved.is_empty() {
+            positions.clone_from(&self.new_positions);
+        }
         let holes = group.holes.iter().map(|&h| {
             let hole = &self.holes[h];
             positions.extend_from_slice(&self.new_positions[hole.new_vertices.clone()]);
@@ -62,6 +60,7 @@ impl Plan {
             new_positions: Vec::new(),
             triangles: Vec::new(),
             groups: self.groups.clone(),
+            moved: self.moved.clone(),
         };
         for group in &mut out.groups {
             group.new_vertices.clear();

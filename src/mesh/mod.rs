@@ -25,7 +25,8 @@ pub use glam::DVec3;
 pub use ids::{FaceId, HalfedgeId, VertexId};
 pub use intersect::{folded_edges, self_intersections, triangles_meet};
 pub use selection::{
-    connected_faces, faces_in_ball, grow, inner_vertices, invert, shrink, smooth_border,
+    connected_faces, face_flags, face_list, faces_in_ball, faces_near, grow, inner_vertices,
+    invert, parse_ranges, ranges_text, shrink, smooth_border,
 };
 pub use soup::{FaceTag, Soup};
 pub use spatial::{

@@ -97,6 +97,94 @@ pub fn inner_vertices(topology: &Topology, selected: &[bool]) -> Vec<VertexId> {
         .collect()
 }
 
+/// Ascending indices as text: numbers from 1 on and ranges of them, `1-12,40`.
+pub fn ranges_text(indices: &[u32]) -> String {
+    let mut words = Vec::new();
+    let mut at = 0;
+    while at < indices.len() {
+        let first = indices[at];
+        let run = (0..).zip(&indices[at..]);
+        let length = run.take_while(|&(k, &i)| i == first + k).count();
+        let last = u64::from(first) + length as u64;
+        words.push(if length == 1 {
+            last.to_string()
+        } else {
+            format!("{}-{last}", u64::from(first) + 1)
+        });
+        at += length;
+    }
+    words.join(",")
+}
+
+/// Reads [`ranges_text`] back (line breaks and spaces separate too) for a list of `count` things;
+/// the indices come ascending, each once.
+///
+/// # Errors
+/// What is wrong with which word.
+pub fn parse_ranges(text: &str, count: usize) -> Result<Vec<u32>, String> {
+    let mut indices = Vec::new();
+    for word in text.split([',', ' ', '\t', '\n', '\r']) {
+        if word.is_empty() {
+            continue;
+        }
+        let (first, last) = word.split_once('-').unwrap_or((word, word));
+        let number = |w: &str| match w.parse::<u32>() {
+            Ok(n) if n >= 1 && n as usize <= count => Ok(n - 1),
+            Ok(n) => Err(format!("`{word}`: {n} is not in 1 to {count}")),
+            Err(_) => Err(format!(
+                "`{word}` is neither a number nor a range; write them as in 1-12,40"
+            )),
+        };
+        let (first, last) = (number(first)?, number(last)?);
+        if first > last {
+            return Err(format!("`{word}`: the range ends before it begins"));
+        }
+        indices.extend(first..=last);
+    }
+    indices.sort_unstable();
+    indices.dedup();
+    Ok(indices)
+}
+
+/// One flag for each of `count` faces, set for those listed.
+pub fn face_flags(faces: &[u32], count: usize) -> Vec<bool> {
+    let mut flags = vec![false; count];
+    for &f in faces {
+        flags[f as usize] = true;
+    }
+    flags
+}
+
+/// The set flags as ascending indices.
+pub fn face_list(flags: &[bool]) -> Vec<u32> {
+    (0..)
+        .zip(flags)
+        .filter(|(_, set)| **set)
+        .map(|(f, _)| f)
+        .collect()
+}
+
+/// The faces with a corner within `radius` of `centre` that are reached from `seed` across edges of
+/// such faces; `seed` itself always. Costs what it finds, however large the mesh. Ascending.
+pub fn faces_near(mesh: &Mesh, seed: FaceId, centre: DVec3, radius: f64) -> Vec<u32> {
+    let topology = &mesh.topology;
+    let near = |f: FaceId| {
+        let corners = mesh.corners(f);
+        corners.iter().any(|p| p.distance(centre) <= radius)
+    };
+    let mut found = std::collections::BTreeSet::from([seed.0]);
+    let mut stack = vec![seed];
+    while let Some(f) = stack.pop() {
+        for h in halfedges(topology, f) {
+            let g = topology.face(h.twin());
+            if g.is_some() && near(g) && found.insert(g.0) {
+                stack.push(g);
+            }
+        }
+    }
+    found.into_iter().collect()
+}
+
 fn halfedges(topology: &Topology, f: FaceId) -> [HalfedgeId; 3] {
     let h = topology.halfedge_of_face(f);
     let n = topology.next(h);
@@ -174,6 +262,38 @@ mod tests {
         rough[far] = true;
         smooth_border(t, &mut rough, 20);
         assert_eq!(rough, smooth);
+    }
+
+    #[test]
+    fn lists_of_faces_as_text_and_back() {
+        for list in [vec![], vec![0], vec![0, 1, 2, 7, 9, 10], vec![3, 5, 6]] {
+            let text = ranges_text(&list);
+            assert_eq!(parse_ranges(&text, 11), Ok(list.clone()), "{text}");
+            assert_eq!(face_list(&face_flags(&list, 11)), list);
+        }
+        assert_eq!(ranges_text(&[0, 1, 2, 7]), "1-3,8");
+        assert_eq!(parse_ranges("4\n2-3, 3", 4), Ok(vec![1, 2, 3]));
+        for wrong in ["0", "12", "3-2", "a", "1-", "-1", "5000000000"] {
+            let fault = parse_ranges(wrong, 11).expect_err(wrong);
+            assert!(fault.contains(&format!("`{wrong}`")), "{fault}");
+        }
+    }
+
+    #[test]
+    fn near_faces_are_those_of_the_ball_that_hang_together() {
+        let mesh = ball();
+        let seed = FaceId(17);
+        let centre = mesh.corners(seed)[0];
+        let near = faces_near(&mesh, seed, centre, 0.4);
+        let touches = |f: u32| {
+            let corners = mesh.corners(FaceId(f));
+            corners.iter().any(|p| p.distance(centre) <= 0.4)
+        };
+        let all: Vec<u32> = (0..mesh.face_count() as u32)
+            .filter(|&f| touches(f))
+            .collect();
+        assert_eq!(near, all);
+        assert_eq!(faces_near(&mesh, seed, centre * 9.0, 0.4), [17]);
     }
 
     #[test]

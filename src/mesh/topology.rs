@@ -217,6 +217,12 @@ impl Topology {
         self.face_halfedge.len()
     }
 
+    /// Memory its arrays take, in bytes.
+    pub fn bytes(&self) -> usize {
+        // half-edges hold next, origin and face; vertices and faces one half-edge each
+        self.halfedge_count() * 12 + (self.vertex_count() + self.face_count()) * 4
+    }
+
     /// Number of half-edges, boundary ones included; twice the number of edges.
     pub fn halfedge_count(&self) -> usize {
         self.next.len()

@@ -165,6 +165,21 @@ impl Refinement {
         }
     }
 
+    /// Colours of the current mesh's vertices; empty if it has none.
+    pub fn colors(&self) -> &[[f32; 4]] {
+        &self.colors
+    }
+
+    /// Tags of the current mesh's faces; empty if it has none.
+    pub fn face_tags(&self) -> &[u32] {
+        &self.face_tags
+    }
+
+    /// The flow of the level under way.
+    pub fn flow(&self) -> Option<&Flow> {
+        self.current.as_ref().map(|running| &running.flow)
+    }
+
     /// The level under way or finished last; 0 before the first.
     pub fn level(&self) -> usize {
         self.level

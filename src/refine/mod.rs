@@ -7,6 +7,7 @@
 
 mod boundary;
 mod levels;
+pub mod live;
 mod options;
 mod region;
 mod schemes;
@@ -14,5 +15,6 @@ mod start;
 
 pub use boundary::BoundaryRule;
 pub use levels::{LevelReport, Progress, Refined, Refinement, radius, surface_energy};
+pub use live::{LiveRefine, RefineEvent, RefineState, RefineStatus, RefineTimeline};
 pub use options::{Hold, MAX_LEVELS, Method, RefineError, RefineOptions, TENSION, natural_tension};
 pub use schemes::{butterfly_step, loop_step};

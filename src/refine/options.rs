@@ -143,6 +143,9 @@ pub enum RefineError {
     /// There is nothing to refine.
     #[error("the mesh has no triangle that can be refined")]
     NoFaces,
+    /// The system gives no thread.
+    #[error("the system gives no thread for the refinement: {0}")]
+    Thread(String),
     /// The flow cannot run.
     #[error(transparent)]
     Solver(#[from] SolverError),

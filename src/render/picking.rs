@@ -37,11 +37,63 @@ struct Rim {
     open: bool,
 }
 
-/// A view of certain size with a cursor in it.
-struct View<'a> {
+/// Lines of sight of a camera in a view of certain size.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight<'a> {
     camera: &'a Camera,
     size: DVec2,
     aspect: f64,
+}
+
+impl<'a> Sight<'a> {
+    /// A view of that many pixels.
+    pub fn new(camera: &'a Camera, size_px: [f64; 2]) -> Self {
+        let size = DVec2::from(size_px).max(DVec2::ONE);
+        Self {
+            camera,
+            size,
+            aspect: size.x / size.y,
+        }
+    }
+
+    /// Where lines of sight begin.
+    pub fn start(&self) -> f64 {
+        if self.camera.orthographic {
+            f64::NEG_INFINITY
+        } else {
+            0.0
+        }
+    }
+
+    /// Pixels from the upper left; `None` behind the eye.
+    pub fn pixel(&self, p: DVec3) -> Option<[f64; 2]> {
+        let [x, y] = self.camera.project(p, self.aspect)?;
+        Some((DVec2::new(x + 1.0, 1.0 - y) * 0.5 * self.size).to_array())
+    }
+
+    /// Origin and unit direction of the line of sight through a pixel.
+    pub fn line_through(&self, pixel: [f64; 2]) -> (DVec3, DVec3) {
+        let ndc = DVec2::from(pixel) / self.size * 2.0 - 1.0;
+        self.camera.ray([ndc.x, -ndc.y], self.aspect)
+    }
+
+    /// Origin, unit direction and length of the line of sight to a point.
+    pub fn line_to(&self, point: DVec3) -> (DVec3, DVec3, f64) {
+        let (origin, direction) = if self.camera.orthographic {
+            let forward = self.camera.forward();
+            let depth = (point - self.camera.eye()).dot(forward);
+            (point - forward * depth, forward)
+        } else {
+            let eye = self.camera.eye();
+            (eye, (point - eye).normalize_or_zero())
+        };
+        (origin, direction, (point - origin).dot(direction))
+    }
+}
+
+/// A view with a cursor in it.
+struct View<'a> {
+    sight: Sight<'a>,
     cursor: DVec2,
     origin: DVec3,
     direction: DVec3,
@@ -51,31 +103,20 @@ struct View<'a> {
 
 impl<'a> View<'a> {
     fn new(camera: &'a Camera, size_px: [f64; 2], cursor_px: [f64; 2]) -> Self {
-        let size = DVec2::from(size_px).max(DVec2::ONE);
-        let cursor = DVec2::from(cursor_px);
-        let aspect = size.x / size.y;
-        let ndc = cursor / size * 2.0 - 1.0;
-        let (origin, direction) = camera.ray([ndc.x, -ndc.y], aspect);
-        let start = if camera.orthographic {
-            f64::NEG_INFINITY
-        } else {
-            0.0
-        };
+        let sight = Sight::new(camera, size_px);
+        let (origin, direction) = sight.line_through(cursor_px);
         Self {
-            camera,
-            size,
-            aspect,
-            cursor,
+            start: sight.start(),
+            sight,
+            cursor: DVec2::from(cursor_px),
             origin,
             direction,
-            start,
         }
     }
 
     /// Pixels from the upper left; `None` behind the eye.
     fn pixel(&self, p: DVec3) -> Option<DVec2> {
-        let [x, y] = self.camera.project(p, self.aspect)?;
-        Some(DVec2::new(x + 1.0, 1.0 - y) * 0.5 * self.size)
+        self.sight.pixel(p).map(DVec2::from)
     }
 }
 
@@ -118,6 +159,26 @@ impl Picker {
         })
     }
 
+    /// The face nearest to a point.
+    pub fn nearest(&self, point: DVec3) -> Option<FaceId> {
+        let closest = self.surface.closest_point(point)?;
+        Some(FaceId(closest.face))
+    }
+
+    /// The first face along a line of sight, up to `end`.
+    pub fn first_face(
+        &self,
+        sight: &Sight<'_>,
+        origin: DVec3,
+        direction: DVec3,
+        end: f64,
+    ) -> Option<FaceId> {
+        let hit = self
+            .surface
+            .first_hit(origin, direction, [sight.start(), end])?;
+        Some(FaceId(hit.face))
+    }
+
     /// The loop under the cursor, as index into the loops given: the one whose rim is nearest to the
     /// cursor, at most `tolerance_px` away and not hidden by the surface; or else the hole into
     /// whose opening the cursor points, from either side, with no surface before it. Outer rims have
@@ -131,10 +192,25 @@ impl Picker {
     ) -> Option<usize> {
         let view = View::new(camera, size_px, cursor_px);
         self.rim_at(&view, tolerance_px)
+            .map(|near| near.rim)
             .or_else(|| self.opening_at(&view))
     }
 
-    fn rim_at(&self, view: &View<'_>, tolerance: f64) -> Option<usize> {
+    /// The visible rim vertex nearest to the cursor, among the ends of edges at most `tolerance_px`
+    /// away.
+    pub fn pick_rim_vertex(
+        &self,
+        camera: &Camera,
+        size_px: [f64; 2],
+        cursor_px: [f64; 2],
+        tolerance_px: f64,
+    ) -> Option<DVec3> {
+        let view = View::new(camera, size_px, cursor_px);
+        let near = self.rim_at(&view, tolerance_px)?;
+        Some(near.edge[usize::from(near.at > 0.5)])
+    }
+
+    fn rim_at(&self, view: &View<'_>, tolerance: f64) -> Option<Near> {
         let mut near: Vec<Near> = Vec::new();
         for (rim, r) in self.rims.iter().enumerate() {
             let Some(&last) = r.points.last() else {
@@ -158,31 +234,22 @@ impl Picker {
             }
         }
         near.sort_by(|a, b| a.distance_px.total_cmp(&b.distance_px));
-        near.iter()
-            .find(|n| self.is_visible(view, n))
-            .map(|n| n.rim)
+        near.into_iter().find(|n| self.is_visible(view, n))
     }
 
     /// Whether no surface is before the point of the rim that is nearest to the cursor.
     fn is_visible(&self, view: &View<'_>, near: &Near) -> bool {
         let [a, b] = near.edge;
         // on a line that is seen at an angle, equal parts of pixels are not equal parts of length
-        let point = if view.camera.orthographic {
+        let camera = view.sight.camera;
+        let point = if camera.orthographic {
             a + (b - a) * near.at
         } else {
-            let depth = |p: DVec3| (p - view.camera.eye()).dot(view.camera.forward());
+            let depth = |p: DVec3| (p - camera.eye()).dot(camera.forward());
             let (da, db) = (depth(a), depth(b));
             a + (b - a) * (near.at * da / (db + near.at * (da - db)))
         };
-        let (origin, direction) = if view.camera.orthographic {
-            let forward = view.camera.forward();
-            let depth = (point - view.camera.eye()).dot(forward);
-            (point - forward * depth, forward)
-        } else {
-            let eye = view.camera.eye();
-            (eye, (point - eye).normalize_or_zero())
-        };
-        let length = (point - origin).dot(direction);
+        let (origin, direction, length) = view.sight.line_to(point);
         let end = length - SHORTER[0] * a.distance(b) - SHORTER[1] * length.abs();
         let hit = self.surface.first_hit(origin, direction, [view.start, end]);
         hit.is_none()

@@ -25,7 +25,8 @@ pub struct Vertex {
     pub mean: f32,
     /// Gaussian curvature.
     pub gauss: f32,
-    /// Signed distance along the normal from a start or reference surface, in units of the file.
+    /// Signed distance along the normal from the start of the flow, or signed distance to a
+    /// reference surface (the flags say which), in units of the file.
     pub deviation: f32,
     /// Sum of the constants of [`Vertex`].
     pub flags: u32,
@@ -40,8 +41,10 @@ impl Vertex {
     pub const SELECTED: u32 = 4;
     /// `mean` and `gauss` are known.
     pub const CURVATURE: u32 = 8;
-    /// `deviation` is known.
+    /// `deviation` is known, from the start of the flow.
     pub const DEVIATION: u32 = 16;
+    /// `deviation` is the distance to a reference.
+    pub const DISTANCE: u32 = 32;
 }
 
 /// Triangles to draw.
@@ -69,6 +72,30 @@ impl Geometry {
             triangles,
             edges,
         }
+    }
+
+    /// Some of its faces, of `faces` that have equally many triangles, one after the other; `flags` are
+    /// added. Drawn after the whole it covers that, since the corners are the same to the bit.
+    #[must_use]
+    pub fn part(&self, places: &[usize], faces: usize, flags: u32) -> Self {
+        let each = self.triangles.len() / faces.max(1);
+        let mut index = std::collections::BTreeMap::new();
+        let mut vertices = Vec::new();
+        let triangles = places
+            .iter()
+            .flat_map(|&at| &self.triangles[at * each..(at + 1) * each])
+            .map(|t| {
+                t.map(|v| {
+                    *index.entry(v).or_insert_with(|| {
+                        let mut vertex = self.vertices[v as usize];
+                        vertex.flags |= flags;
+                        vertices.push(vertex);
+                        vertices.len() as u32 - 1
+                    })
+                })
+            })
+            .collect();
+        Self::new(vertices, triangles, Vec::new())
     }
 
     /// Whether a vertex was of a patch when this was made.
@@ -169,13 +196,15 @@ pub enum ViewMode {
     K1,
     /// Smaller principal curvature.
     K2,
-    /// Distance from the start of the flow or from a reference.
+    /// Distance from the start of the flow.
     Deviation,
+    /// Distance to a reference surface, positive on the side of its normals.
+    Distance,
 }
 
 impl ViewMode {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Shaded,
         Self::Isophotes,
         Self::Zebra,
@@ -184,6 +213,7 @@ impl ViewMode {
         Self::K1,
         Self::K2,
         Self::Deviation,
+        Self::Distance,
     ];
 
     /// The mode of a [`Self::name`], upper or lower case (`H` and `K` are no others' names).
@@ -203,6 +233,7 @@ impl ViewMode {
             Self::K1 => "k1",
             Self::K2 => "k2",
             Self::Deviation => "deviation",
+            Self::Distance => "distance",
         }
     }
 
@@ -216,6 +247,7 @@ impl ViewMode {
         let needed = match self {
             Self::Shaded | Self::Isophotes | Self::Zebra => return None,
             Self::Deviation => Vertex::DEVIATION,
+            Self::Distance => Vertex::DISTANCE,
             _ => Vertex::CURVATURE,
         };
         let spread = (v.mean * v.mean - v.gauss).max(0.0).sqrt();
@@ -269,6 +301,9 @@ pub struct ViewStyle {
     /// Number of dark and light pairs of bands between `n·l = −1` and 1, or all around in the zebra
     /// environment; at least 1.
     pub stripes: u32,
+    /// Angle by which the lines of the zebra environment are turned around the line of sight, degrees;
+    /// 0: they lie across.
+    pub zebra_turn: f64,
     /// Direction to the light of isophotes, in world coordinates or, with `light_follows_view`,
     /// in those of the camera (right, up, towards the eye).
     pub light: DVec3,
@@ -296,6 +331,7 @@ impl Default for ViewStyle {
         Self {
             mode: ViewMode::Shaded,
             stripes: 12,
+            zebra_turn: 0.0,
             light: DVec3::new(0.3, 1.0, 0.5),
             light_follows_view: false,
             wireframe: false,

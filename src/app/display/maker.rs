@@ -2,13 +2,12 @@
 
 use std::sync::Arc;
 
-use super::{Display, Request};
+use super::{Display, Request, same_list};
+use crate::app::live::Shape;
+use crate::app::report::Reference;
 use crate::app::seam::seam;
-use crate::fill::State;
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId};
-use crate::render::{
-    Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex, static_surface,
-};
+use crate::render::{Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex};
 use crate::solver::energy::{WellPosed, scan_well_posedness};
 
 /// Rings of faces around a patch that are drawn as the limit surface, as the patch is.
@@ -24,6 +23,10 @@ const SINGLE: f64 = 1e-5;
 pub(super) struct Maker {
     split: Option<Split>,
     still: Option<(StillKey, Arc<Geometry>)>,
+    /// What distances in `still` are to.
+    reference: Option<Arc<Reference>>,
+    /// The last answer and what it was asked for.
+    last: Option<(Request, Display)>,
 }
 
 /// The faces of a mesh: those drawn as limit surface, and the others.
@@ -31,6 +34,7 @@ struct Split {
     topology: TopologyKey,
     creases: Arc<Vec<[VertexId; 2]>>,
     first_patch_face: usize,
+    faired: Arc<Vec<u32>>,
     original: bool,
     moving: DynamicSurface,
     moving_faces: Vec<FaceId>,
@@ -47,7 +51,7 @@ impl TopologyKey {
     fn of(request: &Request) -> Self {
         request.state.as_ref().map_or_else(
             || Self::Mesh(Arc::clone(&request.mesh)),
-            |state| Self::State(Arc::clone(&state.topology)),
+            |state| Self::State(Arc::clone(state.topology())),
         )
     }
 
@@ -72,26 +76,54 @@ type StillKey = (usize, usize, bool, [u64; 3]);
 impl Maker {
     /// Answers a request.
     pub(super) fn make(&mut self, request: &Request) -> Display {
+        let mut display = match self.last.take() {
+            Some((asked, display)) if asked.same_surfaces(request) => display,
+            _ => self.surfaces(request),
+        };
+        display.highlights = match &self.split {
+            Some(split) if !request.highlight.is_empty() => {
+                split.highlights(&display.surfaces, &request.highlight)
+            }
+            _ => Vec::new(),
+        };
+        self.last = Some((request.clone(), display.clone()));
+        display
+    }
+
+    fn surfaces(&mut self, request: &Request) -> Display {
         let key = TopologyKey::of(request);
         let fits = self.split.as_ref().is_some_and(|s| {
             s.topology.same(&key)
                 && Arc::ptr_eq(&s.creases, &request.creases)
                 && s.first_patch_face == request.first_patch_face
+                && same_list(&s.faired, &request.faired)
                 && s.original == request.original
         });
         if !fits {
             self.split = Some(Split::new(key, request));
             self.still = None;
         }
+        let reference = request.reference.as_ref();
+        if self.reference.as_ref().map(Arc::as_ptr) != reference.map(Arc::as_ptr) {
+            self.reference = reference.cloned();
+            self.still = None;
+        }
+        let distance = reference.map(|r| |p: DVec3| r.signed_distance(p));
+        let distance = distance
+            .as_ref()
+            .map(|f| f as &(dyn Fn(DVec3) -> f64 + Sync));
         let Some(split) = &self.split else {
             unreachable!("made above");
         };
         let topology = split.topology.topology();
-        let positions = positions_of(&request.mesh, request.state.as_deref());
+        let limit = request.limit && request.state.as_ref().is_none_or(Shape::has_limit);
+        let place = |state: &Shape| state.positions(&request.mesh, !limit);
+        let state = request.state.as_ref();
+        let positions = state.map_or_else(|| request.mesh.positions.clone(), place);
         let start = request
             .start
-            .as_deref()
-            .map(|state| positions_of(&request.mesh, Some(state)))
+            .as_ref()
+            .map(place)
             .filter(|p| p.len() == positions.len());
 
         let mut surfaces = Vec::new();
@@ -99,19 +131,27 @@ impl Maker {
             let key = (
                 split.still.len(),
                 positions.len(),
-                request.limit,
+                limit,
                 request.centre.to_array().map(f64::to_bits),
             );
             let still = match &self.still {
                 Some((k, geometry)) if *k == key => Arc::clone(geometry),
-                _ => Arc::new(static_surface(
-                    topology,
-                    &positions,
-                    &split.still,
-                    request.centre,
-                    request.limit,
-                    0,
-                )),
+                _ => {
+                    let options = SurfaceOptions {
+                        samples_per_edge: Some(1),
+                        ..SurfaceOptions::default()
+                    };
+                    let still = DynamicSurface::new(topology, &split.still, &options);
+                    Arc::new(still.evaluate_with(
+                        &positions,
+                        &Evaluation {
+                            centre: request.centre,
+                            limit,
+                            distance,
+                            ..Evaluation::default()
+                        },
+                    ))
+                }
             };
             self.still = Some((key, Arc::clone(&still)));
             surfaces.push(still);
@@ -131,8 +171,9 @@ impl Maker {
                 &positions,
                 &Evaluation {
                     centre: request.centre,
-                    limit: request.limit,
+                    limit,
                     start: start.as_deref(),
+                    distance,
                     ill_posed,
                 },
             );
@@ -143,12 +184,13 @@ impl Maker {
         });
         let bounds = Bounds::of(positions.iter().copied()).unwrap_or(request.bounds);
         let first = request.mesh.face_count();
-        let seam = request
-            .state
-            .is_some()
-            .then(|| seam(topology, &positions, first, &request.creases));
+        let flows = |f: FaceId| f.index() >= first || split.is_faired(f);
+        let seam = state
+            .is_some_and(|state| !state.is_whole())
+            .then(|| seam(topology, &positions, &flows, &request.creases));
         Display {
             surfaces,
+            highlights: Vec::new(),
             bounds,
             posed,
             seam,
@@ -172,29 +214,22 @@ fn curvatures(geometry: Option<&Arc<Geometry>>) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Positions of all vertices: the mesh's, then the state's.
-fn positions_of(mesh: &Mesh, state: Option<&State>) -> Vec<DVec3> {
-    let mut positions = mesh.positions.clone();
-    if let Some(state) = state {
-        positions.extend(state.new_positions());
-    }
-    positions
-}
-
 impl Split {
     fn new(key: TopologyKey, request: &Request) -> Self {
         let topology = key.topology();
         let first = request.first_patch_face;
         let count = topology.face_count();
-        let (moving, still) = if !request.original {
-            ((first..count).map(FaceId::from).collect(), Vec::new())
-        } else if count <= SMALL {
-            ((0..count).map(FaceId::from).collect(), Vec::new())
+        let flows = |f: FaceId| f.index() >= first || request.faired.binary_search(&f.0).is_ok();
+        let all = (0..count).map(FaceId::from);
+        let whole = request.state.as_ref().is_some_and(Shape::is_whole);
+        let (moving, still): (Vec<FaceId>, Vec<FaceId>) = if !request.original && !whole {
+            (all.filter(|&f| flows(f)).collect(), Vec::new())
+        } else if count <= SMALL || whole {
+            (all.collect(), Vec::new())
         } else {
-            around(topology, first, COLLAR)
+            around(topology, &flows, COLLAR)
         };
-        let moving: Vec<FaceId> = moving;
-        let flag = |f: &FaceId| if f.index() >= first { Vertex::PATCH } else { 0 };
+        let flag = |&f: &FaceId| if flows(f) && !whole { Vertex::PATCH } else { 0 };
         let options = SurfaceOptions {
             samples_per_edge: None,
             creases: request.creases.to_vec(),
@@ -206,16 +241,43 @@ impl Split {
             still,
             creases: Arc::clone(&request.creases),
             first_patch_face: first,
+            faired: Arc::clone(&request.faired),
             original: request.original,
             topology: key,
         }
     }
+
+    fn is_faired(&self, f: FaceId) -> bool {
+        self.faired.binary_search(&f.0).is_ok()
+    }
+
+    /// The listed faces as they are in the surfaces, flagged as selected.
+    fn highlights(&self, surfaces: &[Arc<Geometry>], listed: &[u32]) -> Vec<Arc<Geometry>> {
+        let parts = [&self.still, &self.moving_faces];
+        let drawn = parts.into_iter().filter(|faces| !faces.is_empty());
+        surfaces
+            .iter()
+            .zip(drawn)
+            .filter_map(|(surface, faces)| {
+                let places = listed
+                    .iter()
+                    .filter_map(|&f| faces.binary_search(&FaceId(f)).ok());
+                let places: Vec<usize> = places.collect();
+                (!places.is_empty())
+                    .then(|| Arc::new(surface.part(&places, faces.len(), Vertex::SELECTED)))
+            })
+            .collect()
+    }
 }
 
-/// The faces from `first` on with `rings` rings around them, and the others.
-fn around(topology: &Topology, first: usize, rings: usize) -> (Vec<FaceId>, Vec<FaceId>) {
-    let mut inside = vec![false; topology.face_count()];
-    inside[first..].fill(true);
+/// The faces that flow with `rings` rings around them, and the others.
+fn around(
+    topology: &Topology,
+    flows: &dyn Fn(FaceId) -> bool,
+    rings: usize,
+) -> (Vec<FaceId>, Vec<FaceId>) {
+    let faces = (0..topology.face_count()).map(FaceId::from);
+    let mut inside: Vec<bool> = faces.clone().map(flows).collect();
     let mut reached = vec![false; topology.vertex_count()];
     let mut front: Vec<VertexId> = Vec::new();
     let mut claim = |v: VertexId, next: &mut Vec<VertexId>| {
@@ -223,7 +285,7 @@ fn around(topology: &Topology, first: usize, rings: usize) -> (Vec<FaceId>, Vec<
             next.push(v);
         }
     };
-    for f in (first..topology.face_count()).map(FaceId::from) {
+    for f in faces.filter(|&f| flows(f)) {
         for v in topology.face_vertices(f) {
             claim(v, &mut front);
         }
@@ -257,11 +319,11 @@ mod tests {
         let (positions, triangles) = icosphere(8);
         let topology = Topology::from_triangles(positions.len(), &triangles).expect("sphere");
         let last = topology.face_count() - 1;
-        let (none, all) = around(&topology, topology.face_count(), 3);
+        let (none, all) = around(&topology, &|_| false, 3);
         assert_eq!((none.len(), all.len()), (0, topology.face_count()));
-        let (just, _) = around(&topology, last, 0);
+        let (just, _) = around(&topology, &|f| f.index() == last, 0);
         assert_eq!(just, [FaceId::from(last)]);
-        let (one, rest) = around(&topology, last, 1);
+        let (one, rest) = around(&topology, &|f| f.index() == last, 1);
         let corners = topology.face_vertices(FaceId::from(last));
         for f in &one {
             assert!(

@@ -6,8 +6,9 @@ mod maker;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use super::jobs::Wake;
+use super::live::Shape;
+use super::report::Reference;
 use super::seam::Seam;
-use crate::fill::State;
 use crate::mesh::{DVec3, Mesh, VertexId};
 use crate::render::{Bounds, Geometry};
 use crate::solver::energy::{Energy, WellPosedScan};
@@ -19,11 +20,15 @@ pub struct Request {
     /// The mesh the run works on, or the document's.
     pub mesh: Arc<Mesh>,
     /// The state of the run, if there is one.
-    pub state: Option<Arc<State>>,
-    /// The first state, to measure the deviation from.
-    pub start: Option<Arc<State>>,
+    pub state: Option<Shape>,
+    /// The first state with the same vertices, to measure the deviation from.
+    pub start: Option<Shape>,
     /// Faces of the mesh from here on are patches.
     pub first_patch_face: usize,
+    /// Other faces that flow, ascending.
+    pub faired: Arc<Vec<u32>>,
+    /// Selected faces, ascending.
+    pub highlight: Arc<Vec<u32>>,
     /// Rims joined with a crease: their vertices in order.
     pub creases: Arc<Vec<[VertexId; 2]>>,
     /// Limit surface or control mesh.
@@ -36,13 +41,20 @@ pub struct Request {
     pub bounds: Bounds,
     /// Energy whose well-posedness is shown, and the hole radius.
     pub energy: Option<(Energy, f64)>,
+    /// What the distance of all that is drawn is shown to.
+    pub reference: Option<Arc<Reference>>,
 }
 
 impl Request {
     /// Whether both give the same picture.
     fn same(&self, other: &Self) -> bool {
-        let same = |a: &Option<Arc<State>>, b: &Option<Arc<State>>| match (a, b) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        self.same_surfaces(other) && same_list(&self.highlight, &other.highlight)
+    }
+
+    /// Whether both give the same picture but for the selected faces.
+    fn same_surfaces(&self, other: &Self) -> bool {
+        let same = |a: &Option<Shape>, b: &Option<Shape>| match (a, b) {
+            (Some(a), Some(b)) => a.same(b),
             (None, None) => true,
             _ => false,
         };
@@ -53,11 +65,18 @@ impl Request {
             (None, None) => true,
             _ => false,
         };
+        let same_reference = match (&self.reference, &other.reference) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        };
         Arc::ptr_eq(&self.mesh, &other.mesh)
+            && same_reference
             && same(&self.state, &other.state)
             && same(&self.start, &other.start)
             && Arc::ptr_eq(&self.creases, &other.creases)
             && self.first_patch_face == other.first_patch_face
+            && same_list(&self.faired, &other.faired)
             && self.limit == other.limit
             && self.original == other.original
             && self.centre == other.centre
@@ -65,11 +84,18 @@ impl Request {
     }
 }
 
+/// Whether both are one list, or none.
+fn same_list(a: &Arc<Vec<u32>>, b: &Arc<Vec<u32>>) -> bool {
+    Arc::ptr_eq(a, b) || (a.is_empty() && b.is_empty())
+}
+
 /// What came of a request.
 #[derive(Clone)]
 pub struct Display {
     /// Surfaces, the still part first.
     pub surfaces: Vec<Arc<Geometry>>,
+    /// The selected faces once more, to be drawn over them.
+    pub highlights: Vec<Arc<Geometry>>,
     /// Their box.
     pub bounds: Bounds,
     /// How the flow is posed on the patch and its collar.
@@ -82,6 +108,8 @@ pub struct Display {
 struct Slot {
     wanted: Option<Request>,
     ready: Option<Display>,
+    /// Results of requests from before the last [`DisplayWorker::forget`] are not wanted.
+    epoch: u64,
     quit: bool,
 }
 
@@ -145,6 +173,14 @@ impl DisplayWorker {
         new
     }
 
+    /// Nothing is to be seen of what was asked for so far.
+    pub fn forget(&mut self) {
+        let mut slot = lock(&self.shared.0);
+        slot.epoch += 1;
+        (slot.wanted, slot.ready) = (None, None);
+        (self.asked, self.latest) = (None, None);
+    }
+
     /// What was asked for last.
     pub fn asked(&self) -> Option<&Request> {
         self.asked.as_ref()
@@ -165,20 +201,26 @@ impl DisplayWorker {
 fn work(shared: &Shared, wake: &Wake) {
     let mut cache = Maker::default();
     loop {
-        let request = {
+        let (request, epoch) = {
             let mut slot = lock(&shared.0);
             loop {
                 if slot.quit {
                     return;
                 }
                 if let Some(request) = slot.wanted.take() {
-                    break request;
+                    break (request, slot.epoch);
                 }
                 slot = shared.1.wait(slot).unwrap_or_else(PoisonError::into_inner);
             }
         };
         let display = cache.make(&request);
-        lock(&shared.0).ready = Some(display);
+        {
+            let mut slot = lock(&shared.0);
+            if slot.epoch != epoch {
+                continue;
+            }
+            slot.ready = Some(display);
+        }
         wake();
     }
 }

@@ -6,6 +6,7 @@ use super::side::short;
 use crate::app::action::Action;
 use crate::app::document::window_controls;
 use crate::app::model::Model;
+use crate::app::view_state::Task;
 use crate::fill::{Continuity, Controls, Linear, TauChoice};
 use crate::solver::{FLOW_GROWTH, Mode, Scheme};
 
@@ -16,13 +17,14 @@ pub fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.heading("Energy");
         super::energy::energy_ui(ui, model, actions);
         let mut next = model.document.controls.clone();
+        let refining = model.view.task == Task::Refine;
         ui.separator();
         ui.heading("Flow");
-        scheme_ui(ui, &mut next);
+        scheme_ui(ui, &mut next, refining);
         tau_ui(ui, model, &mut next);
         ui.separator();
-        ui.heading("Patch");
-        patch_ui(ui, model, &mut next);
+        ui.heading(if refining { "Surface" } else { "Patch" });
+        patch_ui(ui, model, &mut next, refining);
         if next != model.document.controls {
             actions.push(Action::Controls(Box::new(next)));
         }
@@ -39,8 +41,12 @@ pub fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
 }
 
-fn scheme_ui(ui: &mut Ui, next: &mut Controls) {
+/// The scheme of refinements is not chosen.
+fn scheme_ui(ui: &mut Ui, next: &mut Controls, refining: bool) {
     ui.horizontal_wrapped(|ui| {
+        if refining {
+            return;
+        }
         ui.label("Scheme");
         for (scheme, title, tip) in [
             (
@@ -59,7 +65,7 @@ fn scheme_ui(ui: &mut Ui, next: &mut Controls) {
                 .on_hover_text(tip);
         }
     });
-    if next.scheme != Scheme::Normal {
+    if next.scheme != Scheme::Normal && !refining {
         ui.horizontal_wrapped(|ui| {
             ui.label("Linear solver");
             ui.selectable_value(&mut next.linear, Linear::Gmres, "GMRES")
@@ -101,8 +107,7 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
         .run
         .as_ref()
         .and_then(|r| r.sides.first())
-        .and_then(|s| s.live.groups().first())
-        .map(|g| (g.tau, g.tau_ref));
+        .and_then(|s| s.live.tau());
     let mut fixed = matches!(next.tau, TauChoice::Fixed(_));
     ui.horizontal_wrapped(|ui| {
         ui.label("Time step τ");
@@ -161,8 +166,11 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
     });
 }
 
-fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
+fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
     ui.horizontal_wrapped(|ui| {
+        if refining {
+            return;
+        }
         slider(
             ui,
             "Density",
@@ -171,6 +179,7 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
             0.25..=4.0,
         );
     });
+    let own_tension = refining && model.view.refining.own_tension;
     for (name, tip, value, range) in [
         (
             "Tension",
@@ -191,12 +200,19 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
             0.0..=1.0,
         ),
     ] {
+        if refining && name == "Noise" {
+            continue;
+        }
+        let used = !(own_tension && name == "Tension");
         ui.horizontal_wrapped(|ui| {
             let label = ui.label(name);
-            ui.add(egui::Slider::new(value, range).max_decimals(3))
+            ui.add_enabled(used, egui::Slider::new(value, range).max_decimals(3))
                 .labelled_by(label.id)
                 .on_hover_text(tip);
         });
+    }
+    if refining {
+        return;
     }
     ui.horizontal_wrapped(|ui| {
         ui.label("At the rim");

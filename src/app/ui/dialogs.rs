@@ -5,6 +5,7 @@ use eframe::egui::{self, Context, Key, Modal as Over, RichText, Ui};
 use crate::app::action::Action;
 use crate::app::model::Model;
 use crate::app::project;
+use crate::app::report::ReportAction;
 use crate::app::view_state::{
     Modal, PathPrompt, PathUse, PictureFormat, PictureKind, PictureSettings,
 };
@@ -39,6 +40,8 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
         PathUse::Open => "Open a mesh or project",
         PathUse::SaveAs => "Save the mesh (.obj, .ply, .stl) or the project (.meniscus)",
         PathUse::ExportPatch => "Export the patches alone (.obj, .ply, .stl)",
+        PathUse::Reference => "Mesh to measure distances to (.obj, .ply, .stl)",
+        PathUse::Report(file) => file.title(),
     };
     ui.heading(title);
     ui.weak("This system has no file dialog: type a path.");
@@ -66,6 +69,9 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
                 PathUse::Open => Action::Open(path),
                 PathUse::SaveAs => Action::SaveAs(path),
                 PathUse::ExportPatch => Action::ExportPatch(path),
+                PathUse::Reference | PathUse::Report(_) => {
+                    Action::Report(ReportAction::Path(prompt.purpose, path))
+                }
             });
         }
         if ui.button("Cancel").clicked() {

@@ -5,6 +5,7 @@ use eframe::egui::{self, RichText, Ui};
 use crate::app::action::Action;
 use crate::app::model::Model;
 use crate::app::update::params_for;
+use crate::app::view_state::Task;
 use crate::fill::Controls;
 use crate::solver::energy::{Energy, ExprError, Preset};
 
@@ -63,7 +64,9 @@ pub fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         parameters_ui(ui, model, actions);
     }
     badge_ui(ui, model);
-    compare_ui(ui, model, actions);
+    if model.view.task != Task::Refine {
+        compare_ui(ui, model, actions);
+    }
 }
 
 /// A field for an expression with the error under its character. Returns whether it is one.

@@ -4,6 +4,7 @@ use eframe::egui::{self, Button, Ui};
 
 use crate::app::action::{Action, Switch};
 use crate::app::model::Model;
+use crate::app::report::{Across, Pick, ReportAction};
 use crate::app::shortcuts::{Command, ROWS};
 use crate::app::view_state::{Modal, Navigation};
 use crate::mesh::shapes::SAMPLES;
@@ -43,6 +44,7 @@ pub fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             }
         });
         ui.menu_button("View", |ui| view_ui(ui, model, actions));
+        ui.menu_button("Analyze", |ui| analyze_ui(ui, model, actions));
         ui.menu_button("Picture", |ui| picture_ui(ui, model, actions));
         ui.menu_button("Samples", |ui| {
             for sample in &SAMPLES {
@@ -184,6 +186,42 @@ pub fn navigation_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         {
             actions.push(Action::Navigation(navigation));
         }
+    }
+}
+
+fn analyze_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let open = Switch::Analysis;
+    let view = &model.view.report;
+    let mut choose = |action: ReportAction| {
+        if !model.view.windows.analysis {
+            actions.push(Action::Toggle(open));
+        }
+        actions.push(Action::Report(action));
+    };
+    if entry(ui, "Measure across edges", None) {
+        choose(ReportAction::Pick(Pick::Edges));
+    }
+    ui.menu_button("Section through a point", |ui| {
+        for (across, title) in [
+            (Across::Axis(0), "Across x"),
+            (Across::Axis(1), "Across y"),
+            (Across::Axis(2), "Across z"),
+            (Across::View, "Along the view"),
+        ] {
+            if entry(ui, title, None) {
+                choose(ReportAction::Pick(Pick::Section(across)));
+            }
+        }
+    });
+    if entry(ui, "Distance to a mesh…", None) {
+        choose(ReportAction::AskReference);
+    }
+    if view.cut.is_some() && entry(ui, "Remove the section", None) {
+        choose(ReportAction::DropCut);
+    }
+    ui.separator();
+    if entry(ui, "Report", Some(Command::Toggle(open))) {
+        actions.push(Action::Toggle(open));
     }
 }
 

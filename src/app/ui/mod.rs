@@ -5,6 +5,9 @@ mod dialogs;
 mod energy;
 mod menu;
 mod navigation;
+mod refine;
+mod repair;
+mod report;
 mod side;
 mod status;
 mod toasts;
@@ -15,8 +18,8 @@ mod windows;
 
 use eframe::egui;
 
-use super::action::Action;
-use super::model::Model;
+use super::action::{Action, Switch};
+use super::model::{MOST_SIDES, Model};
 use super::scene_builder::OverlayCache;
 use super::shortcuts::{self, Command};
 use super::view_state::{Modal, PictureSettings};
@@ -24,14 +27,20 @@ use crate::render::ViewMode;
 
 /// What the interface keeps from frame to frame that is nobody else's business.
 pub struct UiState {
-    /// Overlays of both viewports.
-    pub overlays: [OverlayCache; 2],
+    /// Overlays of all viewports.
+    pub overlays: [OverlayCache; MOST_SIDES],
     /// The drag that is under way.
     pub drag: navigation::Drag,
+    /// The rim vertex under the cursor, while a bridge is made.
+    pub rim_vertex: Option<crate::mesh::DVec3>,
+    /// The stroke or lasso that is under way.
+    pub draft: Option<repair::Draft>,
     /// Range of the colour map that is shown.
     pub range: viewport::KnownRange,
     /// Measured frames.
     pub frames: windows::FrameStats,
+    /// Where all views are, in points.
+    pub views: egui::Rect,
     /// Where the first view is, in points.
     pub viewport: egui::Rect,
     /// Whether a slider is being dragged.
@@ -45,8 +54,11 @@ impl Default for UiState {
         Self {
             overlays: Default::default(),
             drag: navigation::Drag::default(),
+            rim_vertex: None,
+            draft: None,
             range: None,
             frames: windows::FrameStats::default(),
+            views: egui::Rect::ZERO,
             viewport: egui::Rect::ZERO,
             dragging: false,
             adapter: String::new(),
@@ -65,7 +77,10 @@ pub fn window_ui(
     keys(ui.ctx(), model, &mut actions);
     drops(ui.ctx(), &mut actions);
     egui::Panel::top("menu").show(ui, |ui| menu::menu_ui(ui, model, &mut actions));
-    egui::Panel::top("toolbar").show(ui, |ui| toolbar::toolbar_ui(ui, model, &mut actions));
+    egui::Panel::top("toolbar").show(ui, |ui| {
+        let range = state.range.as_ref().map(|r| r.2);
+        toolbar::toolbar_ui(ui, model, range, &mut actions);
+    });
     egui::Panel::bottom("status").show(ui, |ui| status::status_ui(ui, model, &mut actions));
     if model.run.is_some() {
         egui::Panel::bottom("transport")
@@ -79,11 +94,25 @@ pub fn window_ui(
         .default_size(270.0)
         .min_size(200.0)
         .show(ui, |ui| side::side_ui(ui, model, &mut actions));
-    egui::Panel::right("controls")
-        .resizable(true)
-        .default_size(290.0)
-        .min_size(240.0)
-        .show(ui, |ui| controls::controls_ui(ui, model, &mut actions));
+    if model.view.windows.analysis {
+        egui::Panel::right("report")
+            .resizable(true)
+            .default_size(330.0)
+            .min_size(300.0)
+            .show(ui, |ui| {
+                tabs(ui, model, &mut actions);
+                report::report_ui(ui, model, &mut actions);
+            });
+    } else {
+        egui::Panel::right("controls")
+            .resizable(true)
+            .default_size(290.0)
+            .min_size(240.0)
+            .show(ui, |ui| {
+                tabs(ui, model, &mut actions);
+                controls::controls_ui(ui, model, &mut actions);
+            });
+    }
     egui::CentralPanel::default()
         .frame(egui::Frame::NONE)
         .show(ui, |ui| {
@@ -91,7 +120,7 @@ pub fn window_ui(
         });
     windows::windows_ui(ui.ctx(), model, state, &mut actions);
     dialogs::dialogs_ui(ui.ctx(), model, &mut actions);
-    toasts::toasts_ui(ui.ctx(), model, &mut actions);
+    toasts::toasts_ui(ui.ctx(), model, state.views, &mut actions);
 
     // a slider let go ends its undo entry
     let dragging = ui.ctx().dragged_id().is_some();
@@ -100,6 +129,30 @@ pub fn window_ui(
     }
     state.dragging = dragging;
     actions
+}
+
+/// What the right panel shows.
+fn tabs(ui: &mut egui::Ui, model: &Model, actions: &mut Vec<Action>) {
+    let switch = Switch::Analysis;
+    let key = shortcuts::hint(ui.ctx(), Command::Toggle(switch));
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        for (report, title, tip) in [
+            (false, "Controls", "energy, flow and patch"),
+            (true, "Report", "measures of the surface that is shown"),
+        ] {
+            let open = model.view.windows.analysis == report;
+            let title = egui::RichText::new(title).strong();
+            if ui
+                .selectable_label(open, title)
+                .on_hover_text(format!("{tip}{key}"))
+                .clicked()
+                && !open
+            {
+                actions.push(Action::Toggle(switch));
+            }
+        }
+    });
 }
 
 /// Colour of errors, readable on the theme's ground.
@@ -158,12 +211,10 @@ fn action_of(command: Command, model: &Model) -> Option<Action> {
             Action::Camera(camera)
         }
         Command::NextMode(on) => {
-            let all = ViewMode::ALL;
+            let all: Vec<ViewMode> = toolbar::modes(model).collect();
             let at = all.iter().position(|m| *m == view.style.mode).unwrap_or(0);
             let next = (at + if on { 1 } else { all.len() - 1 }) % all.len();
-            let mut style = view.style;
-            style.mode = all[next];
-            Action::Style(style)
+            Action::Style(toolbar::in_mode(view.style, all[next]))
         }
         Command::Stripes(more) => {
             let mut style = view.style;

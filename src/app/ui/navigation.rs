@@ -55,12 +55,14 @@ pub fn motion(navigation: Navigation, button: PointerButton, keys: Modifiers) ->
     }
 }
 
-/// Moves the camera by what happened over the viewport. Returns whether it moved.
+/// Moves the camera by what happened over the viewport. `tool`: whether the primary button belongs to
+/// a tool now, if there is one; the secondary button turns then. Returns whether it moved.
 pub fn navigate(
     camera: &mut Camera,
     navigation: Navigation,
     response: &Response,
     rect: Rect,
+    tool: Option<bool>,
 ) -> bool {
     let before = *camera;
     let keys = response.ctx.input(|i| i.modifiers);
@@ -81,7 +83,12 @@ pub fn navigate(
         }
         let moved = response.drag_delta();
         let (dx, dy) = (f64::from(moved.x), f64::from(moved.y));
-        match motion(navigation, button, keys) {
+        let motion = match (tool, button) {
+            (Some(true), PointerButton::Primary) => None,
+            (Some(_), PointerButton::Primary | PointerButton::Secondary) => Some(Motion::Orbit),
+            _ => motion(navigation, button, keys),
+        };
+        match motion {
             Some(Motion::Orbit) => camera.orbit(dx * TURN, dy * TURN, true),
             Some(Motion::Pan) => camera.pan(dx, dy, f64::from(rect.height())),
             Some(Motion::Zoom) => camera.zoom_to((-dy * 0.01).exp(), [0.0, 0.0], aspect),

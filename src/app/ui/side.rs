@@ -6,13 +6,13 @@ use egui_extras::{Column, TableBuilder};
 use crate::app::action::{Action, SelectHow};
 use crate::app::model::Model;
 use crate::app::shortcuts::{Command, hint};
-use crate::app::view_state::Task;
+use crate::app::view_state::{Bridging, Task};
 
 /// Loops and the button that fills them.
 pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let document = &model.document;
     ui.add_space(4.0);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (task, title, tip) in [
             (
                 Task::Fill,
@@ -24,23 +24,43 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 "Blend",
                 "one surface joins all selected rims, of one component or several",
             ),
+            (
+                Task::Repair,
+                "Repair",
+                "selected faces are erased and filled anew, or faired in place",
+            ),
+            (
+                Task::Refine,
+                "Refine",
+                "every triangle becomes four, on a smooth surface through all vertices",
+            ),
         ] {
             let chosen = model.view.task == task;
             let button = egui::Button::selectable(chosen, RichText::new(title).strong());
             if ui
                 .add_enabled(model.run.is_none(), button)
-                .on_hover_text(tip)
+                .on_hover_text(format!("{tip}{}", hint(ui.ctx(), Command::Task(task))))
                 .clicked()
             {
                 actions.push(Action::Task(task));
             }
         }
     });
+    if model.view.task == Task::Repair {
+        super::repair::repair_ui(ui, model, actions);
+        run_ui(ui, model, actions);
+        return;
+    }
+    if model.view.task == Task::Refine {
+        super::refine::refine_ui(ui, model, actions);
+        run_ui(ui, model, actions);
+        return;
+    }
     ui.horizontal(|ui| {
         ui.heading("Loops");
         ui.weak(format!(
-            "{} loops, {} selected",
-            document.loops.len(),
+            "{}, {} selected",
+            document.loop_count(),
             document.selection.len()
         ));
     });
@@ -76,6 +96,7 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
     });
     run_ui(ui, model, actions);
+    bridge_ui(ui, model, actions);
     ui.separator();
     if document.is_blank() {
         return;
@@ -87,16 +108,47 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     loops_ui(ui, model, actions);
 }
 
+/// A bridge splits a difficult hole, or joins two.
+fn bridge_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        let now = model.view.bridging;
+        let some = model.run.is_none() && !model.document.loops.is_empty();
+        let button = egui::Button::selectable(now.is_some(), "Bridge");
+        let tip = "click two places of the rims: a strip of triangles joins them, so that a difficult \
+                   hole becomes two easy ones";
+        if ui.add_enabled(some, button).on_hover_text(tip).clicked() {
+            actions.push(Action::Bridging(match now {
+                Some(_) => None,
+                None => Some(Bridging { from: None, width: 2 }),
+            }));
+        }
+        if let Some(mut next) = now {
+            let drag = egui::DragValue::new(&mut next.width).range(1..=64).suffix(" edges wide");
+            if ui.add(drag).changed() {
+                actions.push(Action::Bridging(Some(next)));
+            }
+        }
+    });
+}
+
 fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let ctx = ui.ctx().clone();
     let Some(run) = &model.run else {
+        if model.view.task == Task::Repair {
+            super::repair::start_ui(ui, model, actions);
+            return;
+        }
+        if model.view.task == Task::Refine {
+            super::refine::start_ui(ui, model, actions);
+            return;
+        }
         let n = model.document.selection.len();
         let text = match (model.view.task, n) {
             (Task::Fill, 0) => "Fill all holes".into(),
             (Task::Fill, 1) => "Fill the hole".into(),
-            (Task::Fill, n) => format!("Fill {n} holes"),
             (Task::Blend, 0 | 1) => "Blend (click two rims or more)".into(),
             (Task::Blend, n) => format!("Blend {n} rims"),
+            (_, n) => format!("Fill {n} holes"),
         };
         let button = egui::Button::new(RichText::new(text).strong())
             .min_size(egui::vec2(ui.available_width(), 28.0));
@@ -113,14 +165,10 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         return;
     };
     ui.horizontal_wrapped(|ui| {
-        let names: &[&str] = if run.sides.len() > 1 {
-            &["Accept A", "Accept B"]
-        } else {
-            &["Accept"]
-        };
-        for (i, name) in names.iter().enumerate() {
+        for (i, name) in run.names().into_iter().enumerate() {
+            let name = format!("Accept {name}");
             if ui
-                .button(RichText::new(*name).strong())
+                .button(RichText::new(name.trim_end()).strong())
                 .on_hover_text(format!(
                     "take in the patch as it is shown{}",
                     hint(&ctx, Command::Accept)
@@ -202,6 +250,20 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 if response.hovered() {
                     hovered = Some(i);
                 }
+                response.context_menu(|ui| {
+                    let idle = model.run.is_none();
+                    let button = egui::Button::new("Turn its component over");
+                    let tip =
+                        "the other side becomes the outer one; for rims whose sides do not fit";
+                    if ui.add_enabled(idle, button).on_hover_text(tip).clicked() {
+                        actions.push(Action::Flip(i));
+                        ui.close();
+                    }
+                    if ui.button("Look at it").clicked() {
+                        actions.push(Action::FlyToLoop(i));
+                        ui.close();
+                    }
+                });
                 if response.double_clicked() {
                     actions.push(Action::FlyToLoop(i));
                 } else if response.clicked() {

@@ -15,11 +15,11 @@ pub fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let document = &model.document;
         let star = if model.is_dirty() { " *" } else { "" };
         let words = format!(
-            "{}{star}   {} vertices   {} faces   {} loops",
+            "{}{star}   {} vertices   {} faces   {}",
             document.origin.name(),
             document.mesh.vertex_count(),
             document.mesh.face_count(),
-            document.loops.len()
+            document.loop_count()
         );
         if ui
             .add(egui::Label::new(words).sense(egui::Sense::click()))

@@ -8,16 +8,20 @@ use crate::app::action::{Action, Switch};
 use crate::app::log::Level;
 use crate::app::model::Model;
 
-/// Those that are up.
-pub fn toasts_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>) {
+/// Those that are up, in the upper right of the views.
+pub fn toasts_ui(ctx: &Context, model: &Model, views: egui::Rect, actions: &mut Vec<Action>) {
     let shown = model.log.toasts(Instant::now());
     if shown.is_empty() {
         return;
     }
+    let corner = egui::vec2(
+        views.right() - ctx.content_rect().right() - 12.0,
+        views.top() + 12.0,
+    );
     Area::new(Id::unique("toasts"))
         .order(Order::Foreground)
         // beside the controls, where neither legend nor transport is
-        .anchor(Align2::RIGHT_TOP, egui::vec2(-310.0, 64.0))
+        .anchor(Align2::RIGHT_TOP, corner)
         .interactable(true)
         .show(ctx, |ui| {
             ui.set_max_width(420.0);

@@ -6,7 +6,7 @@ use crate::app::action::{Action, Switch};
 use crate::app::model::Model;
 use crate::app::shortcuts::{Command, hint};
 use crate::mesh::DVec3;
-use crate::render::ViewMode;
+use crate::render::{ViewMode, ViewStyle};
 
 /// Title and tooltip of a mode.
 pub fn mode_words(mode: ViewMode) -> (&'static str, &'static str) {
@@ -26,15 +26,35 @@ pub fn mode_words(mode: ViewMode) -> (&'static str, &'static str) {
         ViewMode::K1 => ("k1", "greater principal curvature"),
         ViewMode::K2 => ("k2", "smaller principal curvature"),
         ViewMode::Deviation => ("Deviation", "distance from the start of the flow"),
+        ViewMode::Distance => (
+            "Distance",
+            "distance of what is drawn to the reference mesh, positive on its outer side",
+        ),
     }
 }
 
-/// View modes and switches.
-pub fn toolbar_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+/// The modes that have something to show.
+pub fn modes(model: &Model) -> impl Iterator<Item = ViewMode> {
+    let compared = model.report.reference.is_some();
+    let shown = move |mode: &ViewMode| *mode != ViewMode::Distance || compared;
+    ViewMode::ALL.into_iter().filter(shown)
+}
+
+/// A style in another mode, whose values have a range of their own.
+pub fn in_mode(style: ViewStyle, mode: ViewMode) -> ViewStyle {
+    ViewStyle {
+        mode,
+        range: style.range.filter(|_| style.mode == mode),
+        ..style
+    }
+}
+
+/// View modes and switches; `range` is that of the map shown last.
+pub fn toolbar_ui(ui: &mut Ui, model: &Model, range: Option<[f32; 2]>, actions: &mut Vec<Action>) {
     let view = &model.view;
     let ctx = ui.ctx().clone();
     ui.horizontal_wrapped(|ui| {
-        for mode in ViewMode::ALL {
+        for mode in modes(model) {
             let (title, about) = mode_words(mode);
             let hint = hint(&ctx, Command::NextMode(true));
             if ui
@@ -42,14 +62,15 @@ pub fn toolbar_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 .on_hover_text(format!("{about}{hint}"))
                 .clicked()
             {
-                let mut style = view.style;
-                style.mode = mode;
-                actions.push(Action::Style(style));
+                actions.push(Action::Style(in_mode(view.style, mode)));
             }
         }
         if matches!(view.style.mode, ViewMode::Isophotes | ViewMode::Zebra) {
             ui.separator();
             stripes_ui(ui, model, actions);
+        } else if view.style.mode.is_map() {
+            ui.separator();
+            range_ui(ui, model, range.unwrap_or([-1.0, 1.0]), actions);
         }
         ui.separator();
         for (title, about, switch, on) in [
@@ -92,8 +113,45 @@ pub fn toolbar_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
 }
 
+/// Ends of the colour map.
+fn range_ui(ui: &mut Ui, model: &Model, shown: [f32; 2], actions: &mut Vec<Action>) {
+    let mut style = model.view.style;
+    let mut fixed = style.range.is_some();
+    let label = ui.label("Range");
+    let mut changed = ui
+        .checkbox(&mut fixed, "fixed")
+        .labelled_by(label.id)
+        .on_hover_text("off: from -m to m, with m above 98 per cent of the magnitudes")
+        .changed();
+    let [mut low, mut high] = style.range.unwrap_or(shown);
+    let speed = 0.01 * f64::from(high - low).max(1e-9);
+    for value in [&mut low, &mut high] {
+        let drag = egui::DragValue::new(value)
+            .speed(speed)
+            .custom_formatter(|x, _| super::side::short(x));
+        let drag = ui
+            .add_enabled(fixed, drag)
+            .labelled_by(label.id)
+            .on_hover_text("values at the ends of the colours");
+        changed |= drag.changed();
+    }
+    if changed && (!fixed || low < high) {
+        style.range = fixed.then_some([low, high]);
+        actions.push(Action::Style(style));
+    }
+}
+
+fn degrees(value: &mut f64) -> egui::DragValue<'_> {
+    egui::DragValue::new(value)
+        .speed(1.0)
+        .max_decimals(0)
+        .suffix("°")
+}
+
 fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let mut style = model.view.style;
+    // the row is as wide as a small screen
+    ui.spacing_mut().slider_width = 56.0;
     let label = ui.label("Stripes");
     let slider = ui
         .add(egui::Slider::new(&mut style.stripes, 2..=60).logarithmic(true))
@@ -109,16 +167,11 @@ fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let mut above = d.y.clamp(-1.0, 1.0).asin().to_degrees();
         let label = ui.label("Light");
         let a = ui
-            .add(egui::DragValue::new(&mut around).speed(1.0).suffix("°"))
+            .add(degrees(&mut around))
             .labelled_by(label.id)
             .on_hover_text("direction to the light, around the vertical");
         let b = ui
-            .add(
-                egui::DragValue::new(&mut above)
-                    .speed(1.0)
-                    .range(-90.0..=90.0)
-                    .suffix("°"),
-            )
+            .add(degrees(&mut above).range(-90.0..=90.0))
             .labelled_by(label.id)
             .on_hover_text("direction to the light, above the horizon");
         if a.changed() || b.changed() {
@@ -130,6 +183,14 @@ fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         changed |= ui
             .checkbox(&mut style.light_follows_view, "with the view")
             .on_hover_text("the light moves with the camera")
+            .changed();
+    }
+    if style.mode == ViewMode::Zebra {
+        let label = ui.label("Turned");
+        changed |= ui
+            .add(degrees(&mut style.zebra_turn).range(-180.0..=180.0))
+            .labelled_by(label.id)
+            .on_hover_text("direction of the reflected lines, around the line of sight")
             .changed();
     }
     if changed {

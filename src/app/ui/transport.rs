@@ -5,11 +5,11 @@ use egui_plot::{Legend, Line, Plot, PlotPoints, VLine};
 
 use super::side::short;
 use crate::app::action::Action;
+use crate::app::document::Work;
 use crate::app::model::Model;
 use crate::app::run::{Run, Side};
 use crate::app::seam::Seam;
 use crate::app::shortcuts::{Command, hint};
-use crate::app::view_state::Task;
 use crate::solver::End;
 
 /// Everything about the run.
@@ -76,6 +76,7 @@ fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
             }
         }
         if run.scrubbed()
+            && run.sides.iter().all(|s| s.live.rewinds())
             && ui
                 .button("Go on from here")
                 .on_hover_text(
@@ -204,18 +205,21 @@ fn seam_ui(ui: &mut Ui, run: &Run, s: usize, seam: Seam) {
     }
 }
 
-/// A or B before what belongs to one side of a comparison.
-fn side_name(run: &Run, s: usize) -> &'static str {
-    match (run.sides.len(), s) {
-        (0 | 1, _) => "",
-        (_, 0) => "A ",
-        _ => "B ",
+/// The name before what belongs to one side of a comparison.
+fn side_name(run: &Run, s: usize) -> String {
+    let names = run.names();
+    let name = names.get(s).copied().unwrap_or("");
+    if name.is_empty() {
+        String::new()
+    } else {
+        format!("{name} ")
     }
 }
 
 fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &Side) {
-    let groups = side.live.groups();
-    if groups.is_empty() {
+    let state = side.state();
+    let rows = side.live.figures(state.as_ref());
+    if rows.is_empty() {
         ui.label(if side.live.ended() {
             "no flow: the holes needed no new vertex"
         } else {
@@ -223,45 +227,38 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &Side) {
         });
         ui.end_row();
     }
-    let state = side.state();
-    for (g, group) in groups.iter().enumerate() {
-        let (holes, between) = match run.task {
-            Task::Fill => (&group.holes, ", "),
-            Task::Blend => (&run.loops, "+"),
+    for row in rows {
+        let numbers = |holes: &[usize], between| {
+            let words: Vec<String> = holes.iter().map(usize::to_string).collect();
+            words.join(between)
         };
-        let numbers: Vec<String> = holes.iter().map(usize::to_string).collect();
-        let prefix = side_name(run, s);
-        let shown = state.as_ref().and_then(|s| s.groups.get(g));
-        ui.label(format!("{prefix}{}", numbers.join(between)));
-        ui.label(shown.map_or_else(String::new, |s| s.step.to_string()));
-        ui.label(short(group.tau / group.tau_ref));
-        ui.label(shown.map_or_else(String::new, |s| format!("{:.6}", Sig(s.energy))));
-        let residual = shown.and_then(|s| s.residual).or(group.residual);
-        ui.label(residual.map_or_else(String::new, |r| format!("{r:.1e}")));
-        ui.label(group.rejected.to_string());
-        ui.label(shown.map_or_else(String::new, |s| format!("{:.0}°", s.worst_angle)));
-        match (&group.failed, group.end) {
-            (Some(text), _) => {
+        let what = match &run.work {
+            Work::Blend(loops) => numbers(loops, "+"),
+            Work::Fair(faces) => format!("{} faces", faces.len()),
+            Work::Refine(_) => format!("level {}", numbers(&row.holes, "")),
+            _ => numbers(&row.holes, ", "),
+        };
+        let text = |value: Option<String>| value.unwrap_or_default();
+        ui.label(format!("{}{what}", side_name(run, s)));
+        ui.label(text(row.step.map(|n| n.to_string())));
+        ui.label(text(row.relative_tau.map(short)));
+        ui.label(text(row.energy.map(|e| format!("{:.6}", Sig(e)))));
+        ui.label(text(row.residual.map(|r| format!("{r:.1e}"))));
+        ui.label(row.rejected.to_string());
+        ui.label(text(row.angle.map(|a| format!("{a:.0}°"))));
+        match row.end {
+            Some(Err(text)) => {
                 ui.label(RichText::new("failed").color(super::bad(ui)))
                     .on_hover_text(text);
             }
-            (None, Some(End::Converged)) => {
+            Some(Ok(End::Converged)) => {
                 ui.label(RichText::new("converged").color(super::good(ui)));
             }
-            (None, Some(end)) => {
+            Some(Ok(end)) => {
                 ui.label(RichText::new(end_words(end)).color(ui.visuals().warn_fg_color));
             }
-            (None, None) => {
-                let iterations = side
-                    .live
-                    .records(g)
-                    .last()
-                    .and_then(|r| r.iterations)
-                    .map_or_else(String::new, |n| format!("GMRES {n}  "));
-                let eta = group
-                    .eta
-                    .map_or_else(String::new, |s| format!("about {} s to go", s.ceil()));
-                ui.weak(format!("{iterations}{eta}"));
+            None => {
+                ui.weak(row.doing);
             }
         }
         ui.end_row();
@@ -320,7 +317,7 @@ fn plots_ui(ui: &mut Ui, run: &Run) {
                 }
                 for side in run.sides.iter().filter(|s| s.shown.is_some()) {
                     if let Some(state) = side.state() {
-                        plot.vline(VLine::new("", state.attempt as f64).width(1.0));
+                        plot.vline(VLine::new("", state.attempt() as f64).width(1.0));
                     }
                 }
             });
@@ -340,7 +337,7 @@ fn extent(curves: &[(String, Vec<[f64; 2]>)]) -> Option<[f64; 2]> {
 /// One curve for each group of each side, with its name.
 fn curves(run: &Run, energy: bool) -> Vec<(String, Vec<[f64; 2]>)> {
     let mut all = Vec::new();
-    for (s, side) in run.sides.iter().enumerate() {
+    for side in &run.sides {
         for (g, curve) in side.curves.iter().enumerate() {
             let points = if energy {
                 &curve.energy
@@ -350,8 +347,8 @@ fn curves(run: &Run, energy: bool) -> Vec<(String, Vec<[f64; 2]>)> {
             let name = match (run.sides.len(), side.curves.len()) {
                 (1, 1) => String::new(),
                 (1, _) => format!("{}", g + 1),
-                (_, 1) => ["A", "B"][s.min(1)].into(),
-                _ => format!("{}{}", ["A", "B"][s.min(1)], g + 1),
+                (_, 1) => side.name.into(),
+                _ => format!("{}{}", side.name, g + 1),
             };
             // energies of different holes in one plot: each relative to its start
             let scale = match (energy, side.curves.len(), points.first()) {

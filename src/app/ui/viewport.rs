@@ -6,11 +6,14 @@ use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sen
 
 use super::UiState;
 use super::navigation::{CLICK, navigate};
+use super::repair;
 use super::side::{how, short};
 use crate::app::action::{Action, SelectHow};
+use crate::app::document::Work;
 use crate::app::model::Model;
+use crate::app::report::Pick;
 use crate::app::scene_builder;
-use crate::app::view_state::Task;
+use crate::app::view_state::{Bridging, Task, Tool};
 use crate::mesh::DVec3;
 use crate::render::{
     MAX_SIDE, Scene, ViewMode, ViewportCallback, colormap, legend_ticks, robust_range,
@@ -28,6 +31,7 @@ pub fn viewports_ui(
     actions: &mut Vec<Action>,
 ) {
     let whole = ui.available_rect_before_wrap();
+    state.views = whole;
     let sides = model.run.as_ref().map_or(1, |r| r.sides.len());
     for side in 0..sides {
         let mut rect = whole;
@@ -38,7 +42,10 @@ pub fn viewports_ui(
         }
         viewport_ui(ui, model, state, format, side, rect, actions);
         if let Some(run) = model.run.as_ref().filter(|r| r.sides.len() > 1) {
-            let title = super::energy::side_title(&run.sides[side].controls, side);
+            let title = match run.work {
+                Work::Refine(_) => run.sides[side].name.to_owned(),
+                _ => super::energy::side_title(&run.sides[side].controls, side),
+            };
             text(
                 ui,
                 rect.left_top() + egui::vec2(10.0, 8.0),
@@ -88,8 +95,16 @@ fn viewport_ui(
     if side == 0 {
         state.viewport = rect;
     }
+    let tool = repair::is_active(model)
+        .then(|| repair::select(model, &mut state.draft, &response, rect, actions));
     let mut camera = model.view.camera;
-    if navigate(&mut camera, model.settings.navigation, &response, rect) {
+    if navigate(
+        &mut camera,
+        model.settings.navigation,
+        &response,
+        rect,
+        tool,
+    ) {
         actions.push(Action::Camera(camera));
     }
     pick(model, state, &response, rect, actions);
@@ -101,6 +116,8 @@ fn viewport_ui(
     ));
     let mut style = model.view.style;
     style.line_scale = points;
+    // edges that are to be clicked are to be seen
+    style.wireframe |= model.view.report.pick == Pick::Edges;
     let range = style.mode.is_map().then(|| {
         style
             .range
@@ -127,8 +144,10 @@ fn viewport_ui(
     if let Some(range) = range {
         legend(ui, rect, style.mode, range);
     }
+    repair::draw(ui, model, state.draft.as_ref(), &response);
     if side == 0 {
         rim_numbers(ui, model, rect);
+        bridge_ends(ui, model, state.rim_vertex, rect);
         hover_figures(ui, model, rect);
         corner_words(ui, model, rect);
     }
@@ -156,6 +175,11 @@ fn shared_range(model: &Model, scene: &Scene, mode: ViewMode, known: &mut KnownR
     let range = robust_range(&all, mode);
     *known = Some((mode, numbers, range));
     range
+}
+
+/// Whether clicks are about loops.
+fn picks_loops(model: &Model) -> bool {
+    model.run.is_none() && matches!(model.view.task, Task::Fill | Task::Blend)
 }
 
 /// Hover, click, double click.
@@ -193,7 +217,14 @@ fn pick(
     if let Some(at) = response.hover_pos()
         && !down
     {
-        let over = if model.run.is_none() {
+        state.rim_vertex = model
+            .view
+            .bridging
+            .and_then(|_| picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH)));
+        let over = if picks_loops(model)
+            && model.view.bridging.is_none()
+            && model.view.report.pick == Pick::Holes
+        {
             picker.pick_loop(camera, size, place(at), f64::from(REACH))
         } else {
             None
@@ -208,18 +239,33 @@ fn pick(
     let Some(at) = response.interact_pointer_pos() else {
         return;
     };
-    if response.double_clicked() {
+    if response.double_clicked() && !repair::is_active(model) {
         if let Some(hit) = picker.surface(camera, size, place(at)) {
             let mut turned = *camera;
             turned.set_pivot(hit.point);
             actions.push(Action::Camera(turned));
         }
-    } else if response.clicked() && model.run.is_none() {
+    } else if response.clicked() {
         let far = state.drag.press.map_or(0.0, |(_, far)| far);
-        if far > CLICK {
+        if far > CLICK || super::report::click(model, picker, size, place(at), actions) {
+            return;
+        }
+        if !picks_loops(model) {
             return;
         }
         let modifiers = ctx.input(|i| i.modifiers);
+        if let Some(bridging) = model.view.bridging {
+            let to = picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH));
+            match (bridging.from, to) {
+                (Some(from), Some(to)) => actions.push(Action::Bridge([from, to], bridging.width)),
+                (None, Some(from)) => actions.push(Action::Bridging(Some(Bridging {
+                    from: Some(from),
+                    ..bridging
+                }))),
+                (_, None) => {}
+            }
+            return;
+        }
         match picker.pick_loop(camera, size, place(at), f64::from(REACH)) {
             Some(i) => actions.push(Action::Select(i, how(modifiers))),
             None if how(modifiers) == SelectHow::Replace => actions.push(Action::SelectNone),
@@ -245,6 +291,25 @@ fn rim_numbers(ui: &Ui, model: &Model, rect: Rect) {
         if let Some(at) = on_screen(model, rect, l.centroid) {
             text(ui, at, Align2::CENTER_CENTER, &(n + 1).to_string(), 17.0);
         }
+    }
+}
+
+/// The ends of a bridge under way.
+fn bridge_ends(ui: &Ui, model: &Model, over: Option<DVec3>, rect: Rect) {
+    let Some(bridging) = model.view.bridging else {
+        return;
+    };
+    let ends = [bridging.from, over].map(|p| p.and_then(|p| on_screen(model, rect, p)));
+    let ink = egui::Stroke::new(2.5, Color32::from_rgb(255, 170, 40));
+    let shade = egui::Stroke::new(5.0, Color32::from_black_alpha(160));
+    if let [Some(a), Some(b)] = ends {
+        for stroke in [shade, ink] {
+            ui.painter().line_segment([a, b], stroke);
+        }
+    }
+    for at in ends.into_iter().flatten() {
+        ui.painter()
+            .circle(at, 5.0, ink.color, egui::Stroke::new(1.5, Color32::BLACK));
     }
 }
 
@@ -287,7 +352,28 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
 /// What to do, while nothing was done yet.
 fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
     let document = &model.document;
-    let words = if model.run.is_some() || document.is_filled() || document.loops.is_empty() {
+    let words = if let Some(words) = super::report::hint_words(model.view.report.pick) {
+        words
+    } else if model.run.is_some() {
+        return;
+    } else if let Some(bridging) = model.view.bridging {
+        match bridging.from {
+            None => "Click a rim where the bridge is to begin.",
+            Some(_) => "Click the rim where it is to end; Esc leaves it.",
+        }
+    } else if model.view.task == Task::Repair {
+        if document.faces.is_empty() {
+            match model.view.selecting.tool {
+                Tool::Brush => "Paint over what is to be made anew; Ctrl takes away.",
+                Tool::Lasso => "Draw around what is to be made anew; Ctrl takes away.",
+                Tool::Grow => "Click what is to be made anew, again and again to widen it.",
+            }
+        } else {
+            "Press Enter to erase and refill, Delete to erase."
+        }
+    } else if model.view.task == Task::Refine {
+        "Press Enter to refine the mesh."
+    } else if document.is_changed() || document.loops.is_empty() {
         return;
     } else if model.view.task == Task::Blend {
         if document.selection.len() < 2 {

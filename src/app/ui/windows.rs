@@ -265,7 +265,7 @@ fn diagnostics_ui(ui: &mut Ui, model: &Model, state: &UiState) {
         .run
         .iter()
         .flat_map(|r| &r.sides)
-        .map(|s| s.live.timeline().bytes)
+        .map(|s| s.live.bytes())
         .sum();
     Grid::new("frames")
         .striped(true)

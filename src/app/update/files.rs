@@ -10,6 +10,7 @@ use crate::app::document::{Document, Source};
 use crate::app::jobs::Job;
 use crate::app::model::{Done, Effect, Loaded, Model, SavedWhat};
 use crate::app::project;
+use crate::app::report::ReportAction;
 use crate::app::view_state::{AfterUnsaved, Modal, PathUse};
 use crate::io;
 use crate::mesh::shapes::SAMPLES;
@@ -31,7 +32,7 @@ pub fn update(model: &mut Model, action: Action) {
         Action::AskSaveAs => ask(model, PathUse::SaveAs),
         Action::SaveAs(path) => save(model, &path),
         Action::AskExportPatch => {
-            if model.document.is_filled() {
+            if model.document.is_changed() {
                 ask(model, PathUse::ExportPatch);
             } else {
                 model.log.info("there is no patch yet: fill a hole first");
@@ -89,7 +90,7 @@ fn go_on(model: &mut Model, next: AfterUnsaved) {
 }
 
 /// Asks the system's dialog; where it has none a path is typed instead.
-fn ask(model: &mut Model, purpose: PathUse) {
+pub(super) fn ask(model: &mut Model, purpose: PathUse) {
     let start = model.source_path();
     let name = suggestion(model, purpose);
     model
@@ -117,6 +118,11 @@ fn ask(model: &mut Model, purpose: PathUse) {
                     .add_filter("Meshes", &meshes)
                     .set_file_name(name)
                     .save_file(),
+                PathUse::Reference => dialog.add_filter("Meshes", &meshes).pick_file(),
+                PathUse::Report(file) => dialog
+                    .add_filter("Report", &[file.extension()])
+                    .set_file_name(name)
+                    .save_file(),
             };
             Done::Chosen(purpose, path, asked.elapsed())
         }));
@@ -129,7 +135,8 @@ fn suggestion(model: &Model, purpose: PathUse) -> String {
         .and_then(Path::file_stem)
         .map_or_else(|| "mesh".into(), |s| s.to_string_lossy().into_owned());
     match purpose {
-        PathUse::Open => String::new(),
+        PathUse::Open | PathUse::Reference => String::new(),
+        PathUse::Report(file) => format!("{stem}_{}", file.suffix()),
         PathUse::SaveAs => format!("{stem}_filled.obj"),
         PathUse::ExportPatch => format!("{stem}_patch.obj"),
     }
@@ -159,6 +166,9 @@ impl Model {
             PathUse::Open => load(self, path),
             PathUse::SaveAs => save(self, &path),
             PathUse::ExportPatch => export_patch(self, path),
+            PathUse::Reference | PathUse::Report(_) => {
+                self.act(Action::Report(ReportAction::Path(purpose, path)));
+            }
         }
     }
 
@@ -269,7 +279,7 @@ fn load(model: &mut Model, path: PathBuf) {
 }
 
 /// Whether writing there would destroy the opened file.
-fn is_source(model: &Model, path: &Path) -> bool {
+pub(super) fn is_source(model: &Model, path: &Path) -> bool {
     model
         .source_path()
         .is_some_and(|source| io::same_file(&source, path))

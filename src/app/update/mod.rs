@@ -1,16 +1,22 @@
 //! What each action does.
 
+mod edits;
 mod files;
 mod pictures;
+mod report;
+mod report_files;
 mod runs;
+mod select;
 mod view;
 
 pub use pictures::WRITING;
+pub use report::tick as tick_report;
 pub use runs::params_for;
 
-use super::action::{Action, SelectHow};
+use super::action::Action;
 use super::model::Model;
-use super::view_state::{Modal, Task};
+use super::report::Pick;
+use super::view_state::Modal;
 
 /// Carries out an action.
 pub fn update(model: &mut Model, action: Action) {
@@ -33,7 +39,11 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::SelectAllButLargest
         | Action::SelectNone
         | Action::Task(_)
-        | Action::Hover(_) => select(model, &action),
+        | Action::Selecting(_)
+        | Action::Refining(_)
+        | Action::Bridging(_)
+        | Action::Faces(_)
+        | Action::Hover(_) => select::update(model, action),
         Action::Controls(_)
         | Action::Settle
         | Action::EnergyText(_)
@@ -41,6 +51,7 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::AddParameter(_)
         | Action::CompareEnergy(_)
         | Action::Fill
+        | Action::Fair
         | Action::PlayPause
         | Action::Step
         | Action::Finish
@@ -51,6 +62,7 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::Accept(_)
         | Action::Reject
         | Action::CopyCommand => runs::update(model, action),
+        Action::Erase | Action::Flip(_) | Action::Bridge(..) => edits::update(model, &action),
         Action::Escape => escape(model),
         Action::Undo => undo(model),
         Action::Redo => redo(model),
@@ -63,6 +75,7 @@ pub fn update(model: &mut Model, action: Action) {
         | Action::Navigation(_)
         | Action::Dark(_)
         | Action::UiScale(_) => view::update(model, &action),
+        Action::Report(action) => report::update(model, action),
         Action::DismissToast(i) => model.log.dismiss(i),
         Action::Modal(modal) => model.view.modal = modal,
         Action::Picture(_)
@@ -72,65 +85,6 @@ pub fn update(model: &mut Model, action: Action) {
     }
 }
 
-fn select(model: &mut Model, action: &Action) {
-    if let Action::Hover(hover) = action {
-        model.view.hover = *hover;
-        return;
-    }
-    if model.run.is_some() {
-        model
-            .log
-            .info("accept or reject the patch before selecting other holes");
-        return;
-    }
-    if let Action::Task(task) = action {
-        model.view.task = *task;
-        return;
-    }
-    let mut selection = model.document.selection.clone();
-    let label = match action {
-        Action::Select(i, _) if *i >= model.document.loops.len() => return,
-        // the rims of a blend are gathered one by one
-        Action::Select(i, SelectHow::Replace) if model.view.task == Task::Blend => {
-            if !selection.remove(i) {
-                selection.insert(*i);
-            }
-            "gather a rim"
-        }
-        Action::Select(i, SelectHow::Replace) => {
-            selection = [*i].into();
-            "select a loop"
-        }
-        Action::Select(i, SelectHow::Add) => {
-            selection.insert(*i);
-            "add a loop"
-        }
-        Action::Select(i, SelectHow::Toggle) => {
-            if !selection.remove(i) {
-                selection.insert(*i);
-            }
-            "toggle a loop"
-        }
-        Action::SelectAll if model.view.task == Task::Blend && model.document.holes().len() < 2 => {
-            selection = (0..model.document.loops.len()).collect();
-            "select all rims"
-        }
-        Action::SelectAll => {
-            selection = model.document.holes();
-            "select all holes"
-        }
-        Action::SelectAllButLargest => {
-            selection = model.document.all_but_largest();
-            "select all but the largest"
-        }
-        _ => {
-            selection.clear();
-            "clear the selection"
-        }
-    };
-    model.select(selection, label);
-}
-
 /// Closes what is open, else stops what runs, else clears the selection.
 fn escape(model: &mut Model) {
     if model.view.modal != Modal::None {
@@ -138,12 +92,16 @@ fn escape(model: &mut Model) {
         model.after_save = None;
     } else if model.view.windows.help {
         model.view.windows.help = false;
+    } else if model.view.report.pick != Pick::Holes {
+        model.view.report.pick = Pick::Holes;
     } else if let Some(run) = &model.run {
         if run.ended() {
             update(model, Action::Reject);
         } else {
             update(model, Action::Stop);
         }
+    } else if model.view.bridging.is_some() {
+        model.view.bridging = None;
     } else {
         update(model, Action::SelectNone);
     }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::app::action::Action;
 use crate::app::display::{DisplayWorker, Request};
 use crate::app::jobs::{Job, Reporter};
+use crate::app::live::Shape;
 use crate::app::model::{Done, Effect, Model};
 use crate::app::scene_builder;
 use crate::app::view_state::{Modal, PictureFormat, PictureKind, PictureSettings};
@@ -83,9 +84,13 @@ fn make(model: &mut Model, settings: &PictureSettings) {
         style: style_for(model, settings),
         settings: settings.clone(),
     };
-    let scene = scene_builder::scene(model, 0);
+    let mut scene = scene_builder::scene(model, 0);
+    if let (false, Some(display)) = (settings.overlays, model.displays[0].latest()) {
+        // without the selected faces, which come last
+        scene.surfaces.truncate(display.surfaces.len());
+    }
     let states = match (settings.kind, &model.run) {
-        (PictureKind::Flow, Some(run)) => run.sides[0].live.timeline().states.clone(),
+        (PictureKind::Flow, Some(run)) => run.sides[0].live.states(),
         (PictureKind::Flow, None) => {
             model
                 .log
@@ -148,7 +153,7 @@ impl Shot {
         &self,
         scene: &Scene,
         request: Option<Request>,
-        states: &[Arc<crate::fill::State>],
+        states: &[Shape],
         reporter: &Reporter,
     ) -> Result<String, RenderError> {
         let Some(request) = request else {
@@ -157,7 +162,7 @@ impl Shot {
         let mut maker = DisplayWorker::maker();
         self.sequence(states.len(), reporter, |i| {
             let display = maker(&Request {
-                state: Some(Arc::clone(&states[i])),
+                state: Some(states[i].clone()),
                 ..request.clone()
             });
             let frame = Scene {

@@ -1,7 +1,8 @@
 //! Controls and runs.
 
+use super::edits;
 use crate::app::action::Action;
-use crate::app::document::{AcceptedFill, window_controls};
+use crate::app::document::{Accepted, Work, window_controls};
 use crate::app::model::{Effect, Model};
 use crate::app::repeat;
 use crate::app::run::Run;
@@ -35,6 +36,11 @@ pub fn update(model: &mut Model, action: Action) {
             }
         }
         Action::Fill => fill(model),
+        Action::Fair => {
+            if let Some(faces) = edits::selected_faces(model) {
+                start(model, Work::Fair(faces));
+            }
+        }
         Action::PlayPause => play_pause(model),
         Action::Step => step(model),
         Action::Finish => on_sides(model, |side| {
@@ -55,7 +61,7 @@ pub fn update(model: &mut Model, action: Action) {
         Action::GoOnFromHere => go_on_from_here(model),
         Action::Pace(pace) => {
             model.view.pace = pace;
-            on_sides(model, |side| side.live.set_pace(Some(pace)));
+            on_sides(model, |side| side.live.set_pace(pace));
         }
         Action::Accept(side) => {
             accept(model, side);
@@ -104,16 +110,19 @@ fn set_controls(model: &mut Model, controls: Controls) {
                     own.params.entry(name.clone()).or_insert(*value);
                 }
             }
-            match side.live.set_controls(&own) {
+            match side.live.set_controls(&own, &run.base, run.own_tension) {
                 Ok(()) => {
                     if (&own.energy, &own.params) != (&side.controls.energy, &side.controls.params)
                     {
                         side.new_energy();
                     }
                     side.controls = own;
+                    if let Work::Refine(work) = &mut run.work {
+                        work.changed = true;
+                    }
                 }
-                Err(error) => {
-                    model.log.error(error.to_string());
+                Err(text) => {
+                    model.log.error(text);
                     return;
                 }
             }
@@ -161,9 +170,20 @@ pub fn params_for(
     params
 }
 
-/// Fills what is selected; with nothing selected all holes that are no outer rims.
+/// Does the task; for fills with nothing selected, all holes that are no outer rims.
 fn fill(model: &mut Model) {
     if model.run.is_some() {
+        return;
+    }
+    model.view.bridging = None;
+    if model.view.task == Task::Refine {
+        refine(model);
+        return;
+    }
+    if model.view.task == Task::Repair {
+        if let Some(faces) = edits::selected_faces(model) {
+            start(model, Work::Refill(faces));
+        }
         return;
     }
     if model.document.selection.is_empty() && model.view.task == Task::Fill {
@@ -185,6 +205,37 @@ fn fill(model: &mut Model) {
             .warning("a blend joins two rims or more: click them, or take all with Ctrl+A");
         return;
     }
+    let loops = model.document.selected().iter().map(|l| l.number).collect();
+    start(
+        model,
+        match task {
+            Task::Blend => Work::Blend(loops),
+            _ => Work::Fill(loops),
+        },
+    );
+}
+
+fn refine(model: &mut Model) {
+    let refining = model.view.refining;
+    if refining.selected_only && model.document.faces.is_empty() {
+        model
+            .log
+            .warning("no face is selected: select some in task Repair, or refine all of the mesh");
+        return;
+    }
+    let (document, controls) = (&model.document, &model.document.controls);
+    let (pace, wake) = (model.view.pace, &model.wake);
+    match Run::start_refinement(&refining, document, controls, pace, wake) {
+        Ok(run) => {
+            // several views are narrower than the one before
+            model.view.fit |= run.sides.len() > 1;
+            model.run = Some(run);
+        }
+        Err(text) => model.log.error(text),
+    }
+}
+
+fn start(model: &mut Model, work: Work) {
     let a = model.document.controls.clone();
     let mut sides = vec![a.clone()];
     if let Some(energy) = &model.view.compare_energy {
@@ -193,15 +244,7 @@ fn fill(model: &mut Model) {
         b.energy.clone_from(energy);
         sides.push(b);
     }
-    let loops = model.document.selected();
-    match Run::start(
-        task,
-        &model.document.mesh,
-        &loops,
-        &sides,
-        model.view.pace,
-        &model.wake,
-    ) {
+    match Run::start(work, &model.document, &sides, model.view.pace, &model.wake) {
         Ok(run) => model.run = Some(run),
         Err(text) => model.log.error(text),
     }
@@ -247,7 +290,8 @@ fn go_on_from_here(model: &mut Model) {
     };
     for side in &mut run.sides {
         if let (Some(state), Some(_)) = (side.state(), side.shown.take()) {
-            side.live.rewind_to(state.index);
+            side.live.rewind_to(&state);
+            side.crossing = None;
         }
         side.live.play();
     }
@@ -271,33 +315,34 @@ pub fn accept(model: &mut Model, index: usize) {
             .info("there is no patch yet: wait for the first one, or press Esc");
         return;
     };
-    let filled = side.live.mesh_at(&state);
-    let faces = model.document.mesh.face_count()..filled.face_count();
-    if faces.is_empty() {
+    let Some(filled) = side.live.mesh_at(&state) else {
+        return;
+    };
+    let mut work = run.work.clone();
+    let mut faces = run.base.face_count()..filled.face_count();
+    if let Work::Refine(work) = &mut work {
+        work.words.clone_from(&side.words);
+        faces = 0..0;
+        // its vertices are points of the limit surface, if it has one
+        model.view.report.on_surface |= state.has_limit();
+    } else if faces.is_empty() && !matches!(work, Work::Fair(_)) {
         model
             .log
             .error("no hole could be filled; the mesh is as before");
         model.run = None;
         return;
     }
-    let fill = AcceptedFill {
-        task: run.task,
-        loops: run.loops.clone(),
+    let done = Accepted {
+        work,
         controls: side.start.clone(),
-        schedule: side.live.schedule_to(&state),
+        schedule: side.live.schedule_to(Some(&state)),
         faces,
     };
-    let n = fill.loops.len();
-    let label = if run.task == Task::Blend {
-        format!("blend of {n} rims")
-    } else if n == 1 {
-        format!("fill of loop {}", fill.loops[0])
-    } else {
-        format!("fill of {n} loops")
-    };
+    let label = done.work.label();
+    let kept = run.kept.take();
     let controls = side.controls.clone();
     model.history.record(&model.document, label.clone(), None);
-    model.document.accept(filled, fill);
+    model.document.accept(filled, kept.as_deref(), done);
     model.document.controls = Controls {
         // numbers of loops mean other loops from now on
         loop_continuity: window_controls().loop_continuity,

@@ -17,11 +17,7 @@ pub fn update(model: &mut Model, action: &Action) {
                 fit(model, &around);
             }
         }
-        Action::FlyTo(place) => {
-            let reach = 0.08 * model.document.origin.bounds.radius();
-            let reach = crate::mesh::DVec3::splat(reach.max(f64::MIN_POSITIVE));
-            fit(model, &Bounds::new(*place - reach, *place + reach));
-        }
+        Action::FlyTo(place) => fly_to(model, *place),
         Action::Style(style) => model.view.style = *style,
         Action::Toggle(switch) => toggle(model, *switch),
         Action::Navigation(navigation) => {
@@ -43,12 +39,19 @@ pub fn update(model: &mut Model, action: &Action) {
     }
 }
 
-fn fit(model: &mut Model, bounds: &Bounds) {
+pub(super) fn fit(model: &mut Model, bounds: &Bounds) {
     let [width, height] = model.view.viewport_px;
     model
         .view
         .camera
         .fit_aspect(bounds, width / height.max(1.0));
+}
+
+/// Fits the surroundings of a place into the view.
+pub(super) fn fly_to(model: &mut Model, place: crate::mesh::DVec3) {
+    let reach = 0.08 * model.document.origin.bounds.radius();
+    let reach = crate::mesh::DVec3::splat(reach.max(f64::MIN_POSITIVE));
+    fit(model, &Bounds::new(place - reach, place + reach));
 }
 
 /// Turns the camera so that it looks onto a loop from outside.
@@ -60,10 +63,15 @@ fn face_loop(model: &mut Model, i: usize) {
     let at = |j: usize| mesh.position(l.vertices[j % n]) - l.centroid;
     let area: crate::mesh::DVec3 = (0..n).map(|j| at(j).cross(at(j + 1))).sum();
     if let Some(out) = area.try_normalize() {
-        let camera = &mut model.view.camera;
-        let turn = glam::DQuat::from_rotation_arc(-camera.forward(), out);
-        camera.orientation = (turn * camera.orientation).normalize();
+        look_against(model, out);
     }
+}
+
+/// Turns the camera so that it looks against a unit vector.
+pub(super) fn look_against(model: &mut Model, out: crate::mesh::DVec3) {
+    let camera = &mut model.view.camera;
+    let turn = glam::DQuat::from_rotation_arc(-camera.forward(), out);
+    camera.orientation = (turn * camera.orientation).normalize();
 }
 
 /// The other axis points up from now on.
@@ -89,6 +97,7 @@ fn toggle(model: &mut Model, switch: Switch) {
         Switch::Help => &mut view.windows.help,
         Switch::Diagnostics => &mut view.windows.diagnostics,
         Switch::Settings => &mut view.windows.settings,
+        Switch::Analysis => &mut view.windows.analysis,
     };
     *flag = !*flag;
 }

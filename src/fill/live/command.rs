@@ -1,51 +1,29 @@
-//! The command that repeats a fill.
+//! The command that repeats what was done.
 
 use std::path::Path;
 
 use crate::fill::Controls;
 
-/// The `meniscus fill` that fills these loops from `controls` on, with the changes of a schedule
-/// file: quoted for a POSIX shell.
+/// `meniscus COMMAND IN -o OUT` with further `words`, `controls` where they are not the defaults, and
+/// the changes of a schedule file: quoted for a POSIX shell.
 pub fn command_line(
-    input: &Path,
-    output: &Path,
-    loops: &[usize],
-    controls: &Controls,
-    schedule: Option<&Path>,
-) -> String {
-    line("fill", input, output, loops, controls, schedule)
-}
-
-/// The `meniscus blend` that joins these loops, likewise.
-pub fn blend_command_line(
-    input: &Path,
-    output: &Path,
-    loops: &[usize],
-    controls: &Controls,
-    schedule: Option<&Path>,
-) -> String {
-    line("blend", input, output, loops, controls, schedule)
-}
-
-fn line(
     command: &str,
     input: &Path,
     output: &Path,
-    loops: &[usize],
-    controls: &Controls,
+    words: &[String],
+    controls: Option<&Controls>,
     schedule: Option<&Path>,
 ) -> String {
     let path = |p: &Path| p.to_string_lossy().into_owned();
-    let numbers: Vec<String> = loops.iter().map(ToString::to_string).collect();
-    let mut words = vec!["meniscus".into(), command.into(), path(input)];
-    words.extend(["-o".into(), path(output)]);
-    words.extend(["--loops".into(), numbers.join(",")]);
-    words.extend(controls.to_arguments());
+    let mut line = vec!["meniscus".into(), command.into(), path(input)];
+    line.extend(["-o".into(), path(output)]);
+    line.extend_from_slice(words);
+    line.extend(controls.into_iter().flat_map(Controls::to_arguments));
     if let Some(schedule) = schedule {
-        words.extend(["--schedule".into(), path(schedule)]);
+        line.extend(["--schedule".into(), path(schedule)]);
     }
-    let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
-    words.join(" ")
+    let line: Vec<String> = line.iter().map(|word| quoted(word)).collect();
+    line.join(" ")
 }
 
 /// A word as a POSIX shell reads it back.
@@ -69,10 +47,11 @@ mod tests {
         assert_eq!(quoted("a-b_c/d.obj"), "a-b_c/d.obj");
         assert_eq!(quoted(""), "''");
         let line = command_line(
+            "fill",
             Path::new("my scan.obj"),
             Path::new("out.obj"),
-            &[1, 3],
-            &Controls::default(),
+            &["--loops".into(), "1,3".into()],
+            Some(&Controls::default()),
             Some(Path::new("s.csv")),
         );
         assert_eq!(

@@ -17,7 +17,8 @@ use crate::fill::live::group::LiveGroup;
 use crate::fill::live::{GroupState, GroupStatus, Layout, LiveEvent, State, Timeline};
 use crate::fill::run::Ground;
 use crate::fill::schedule::{Change, Course, Item, Row};
-use crate::fill::{FillError, Gap, Plan, prepare_gaps, with_islands};
+use crate::fill::{FillError, Gap, Plan, RefillError, prepare_gaps, with_islands};
+use crate::live::until_next_round;
 use crate::mesh::{BoundaryLoop, Mesh, Topology, boundary_loops};
 use crate::solver::SolverError;
 
@@ -41,12 +42,22 @@ pub(super) enum Message {
     Statuses(Vec<GroupStatus>, bool),
 }
 
+/// What is made of the mesh.
+#[derive(Clone, Debug)]
+pub(super) enum Kind {
+    /// Each loop gets a patch of its own.
+    Holes,
+    /// One patch joins all loops.
+    Blend,
+    /// The inner vertices of the selected faces flow; there are no loops.
+    Fair(Vec<bool>),
+}
+
 /// What a fill is made of.
 pub(super) struct Task {
     pub mesh: Arc<Mesh>,
     pub loops: Vec<BoundaryLoop>,
-    /// Whether one patch joins all loops.
-    pub together: bool,
+    pub kind: Kind,
     pub course: Course,
     pub playing: bool,
     pub pace: Option<f64>,
@@ -97,21 +108,26 @@ pub(super) fn run(task: Task, lines: Lines) {
     wake();
 }
 
-fn conduct(task: Task, lines: &Lines) -> Result<(), FillError> {
+fn conduct(task: Task, lines: &Lines) -> Result<(), RefillError> {
     let mesh = &*task.mesh;
     // all loops of the mesh, by their numbers: any may be the rim of an island
     let all = boundary_loops(mesh);
-    let gaps: Vec<Gap<'_>> = if task.together {
-        vec![task.loops.iter().collect()]
-    } else {
-        let chosen: Vec<usize> = task.loops.iter().map(|l| l.number - 1).collect();
-        with_islands(mesh, &all, &chosen)
+    let gaps: Vec<Gap<'_>> = match task.kind {
+        Kind::Blend => vec![task.loops.iter().collect()],
+        Kind::Holes => {
+            let chosen: Vec<usize> = task.loops.iter().map(|l| l.number - 1).collect();
+            with_islands(mesh, &all, &chosen)
+        }
+        Kind::Fair(_) => Vec::new(),
     };
     // checked before the thread was started
     let Ok(options) = task.course.options() else {
         return Ok(());
     };
-    let mut plan = prepare_gaps(mesh, &gaps, &options);
+    let mut plan = match &task.kind {
+        Kind::Fair(selected) => Plan::fairing(mesh, selected)?,
+        Kind::Holes | Kind::Blend => prepare_gaps(mesh, &gaps, &options),
+    };
     if lines.is_cancelled() {
         return Ok(());
     }
@@ -134,7 +150,7 @@ fn conduct(task: Task, lines: &Lines) -> Result<(), FillError> {
     if lines.is_cancelled() {
         return Ok(());
     }
-    let topology = Arc::new(plan.topology(mesh)?);
+    let topology = Arc::new(plan.topology(mesh).map_err(FillError::from)?);
     let shapes = groups.iter().map(|g| Arc::clone(&g.state.shape)).collect();
     let layout = Arc::new(Layout::new(mesh, plan.clone(), shapes));
     let conductor = Conductor {
@@ -154,7 +170,7 @@ fn conduct(task: Task, lines: &Lines) -> Result<(), FillError> {
         pace: task.pace,
         last_round: Instant::now(),
     };
-    conductor.run()
+    Ok(conductor.run()?)
 }
 
 struct Conductor<'a> {
@@ -197,7 +213,7 @@ impl Conductor<'_> {
             } else if self.single || self.hurry {
                 Some(Duration::ZERO)
             } else {
-                Some(self.until_next_round())
+                Some(until_next_round(self.pace, self.last_round))
             };
             match self.wait(due) {
                 Ok(command) => self.obey(command)?,
@@ -214,11 +230,6 @@ impl Conductor<'_> {
             Some(due) => self.lines.inbox.recv_timeout(due),
             None => Ok(self.lines.inbox.recv()?),
         }
-    }
-
-    fn until_next_round(&self) -> Duration {
-        let period = self.pace.map_or(0.0, |pace| 1.0 / pace.max(1e-3));
-        Duration::from_secs_f64(period).saturating_sub(self.last_round.elapsed())
     }
 
     fn ended(&self) -> bool {
@@ -345,8 +356,8 @@ impl Conductor<'_> {
 
     /// Puts the present shapes into the timeline.
     fn show(&mut self) -> Result<(), FillError> {
-        let mesh = self.ground.mesh;
-        let groups: Vec<Arc<GroupState>> = self.groups.iter_mut().map(|g| g.show(mesh)).collect();
+        let (ground, mesh) = (self.ground, self.ground.mesh);
+        let groups: Vec<Arc<GroupState>> = self.groups.iter_mut().map(|g| g.show(ground)).collect();
         if !self.layout.fits(&groups) {
             let shapes: Vec<_> = groups.iter().map(|g| Arc::clone(&g.shape)).collect();
             let borrowed: Vec<_> = shapes.iter().map(AsRef::as_ref).collect();

@@ -10,7 +10,7 @@ use crate::fill::run::{Ground, GroupRun};
 use crate::fill::schedule::Change;
 use crate::fill::scheduled::refusal;
 use crate::fill::shape::Shape;
-use crate::mesh::{DVec3, Mesh};
+use crate::mesh::{DVec3, VertexId};
 use crate::solver::{Flow, STOP, SolverError, StepRecord, sharpest_cosine};
 
 /// A group, its latest state and what was said of it.
@@ -39,7 +39,7 @@ impl LiveGroup {
             energy: run.flow().map_or(f64::NAN, |flow| flow.energy().value),
             residual: None,
             tau: 0.0,
-            worst_angle: worst_angle(ground.mesh, run.shape(), &run.positions()),
+            worst_angle: worst_angle(ground, run.shape(), &run.positions()),
             shape: Arc::clone(run.shape()),
         };
         Self {
@@ -130,7 +130,7 @@ impl LiveGroup {
     }
 
     /// The state of the present shape.
-    pub fn show(&mut self, mesh: &Mesh) -> Arc<GroupState> {
+    pub fn show(&mut self, ground: Ground<'_>) -> Arc<GroupState> {
         if std::mem::take(&mut self.fresh) {
             let positions = self.run.positions();
             let shape = self.run.shape();
@@ -141,7 +141,7 @@ impl LiveGroup {
                 energy: self.run.flow().map_or(f64::NAN, |flow| flow.energy().value),
                 residual: last.map(|(r, _)| r.residual),
                 tau: last.map_or(0.0, |(r, _)| r.tau),
-                worst_angle: worst_angle(mesh, shape, &positions),
+                worst_angle: worst_angle(ground, shape, &positions),
                 positions: positions.into(),
                 shape: Arc::clone(shape),
             });
@@ -188,7 +188,7 @@ impl LiveGroup {
         GroupStatus {
             holes,
             radius,
-            vertices: self.run.shape().new_vertices(),
+            vertices: self.state.positions.len(),
             step: self.run.steps(),
             attempts,
             rejected: self.rejected,
@@ -209,9 +209,21 @@ fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, SolverError> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|panic| SolverError::from_panic(&*panic))
 }
 
-/// Smallest angle of a triangle of the patches, in degrees.
-fn worst_angle(mesh: &Mesh, shape: &Shape, positions: &[DVec3]) -> f64 {
+/// Smallest angle of a triangle of the patches or of those that are faired, in degrees.
+fn worst_angle(ground: Ground<'_>, shape: &Shape, positions: &[DVec3]) -> f64 {
+    let mesh = ground.mesh;
     let (mut sharpest, mut first) = (-1.0f64, 0);
+    let moved = &ground.plan.moved;
+    if !moved.is_empty() {
+        let place = |v: VertexId| match moved.binary_search(&v) {
+            Ok(i) => positions[i],
+            Err(_) => mesh.position(v),
+        };
+        let faces = moved.iter().flat_map(|&v| mesh.topology.outgoing(v));
+        for f in faces.map(|h| mesh.topology.face(h)) {
+            sharpest = sharpest.max(sharpest_cosine(mesh.topology.face_vertices(f).map(place)));
+        }
+    }
     for hole in &shape.holes {
         let new = &positions[first..first + hole.new_vertices];
         let place = |v: u32| {

@@ -23,22 +23,12 @@ use crate::fill::{Controls, ControlsError, Row, Schedule};
 use crate::mesh::{BoundaryLoop, Mesh};
 use crate::solver::StepRecord;
 
-pub use command::{blend_command_line, command_line};
-use conductor::{Command, Lines, Message, Task};
+pub use crate::live::LiveSettings;
+pub use command::command_line;
+use conductor::{Command, Kind, Lines, Message, Task};
 pub use events::{GroupStatus, LiveError, LiveEvent};
 pub use state::{GroupState, HoleLayout, Layout, State};
 pub use timeline::Timeline;
-
-/// How a live fill starts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LiveSettings {
-    /// Whether it runs at once or waits for [`LiveFill::play`].
-    pub playing: bool,
-    /// Rounds a second at most; `None` as fast as they come.
-    pub pace: Option<f64>,
-    /// Bytes the kept states may take.
-    pub timeline_bytes: usize,
-}
 
 /// A fill running in the background. Dropping it cancels: the call returns at once, and the thread
 /// ends within one step.
@@ -70,7 +60,7 @@ impl LiveFill {
         settings: LiveSettings,
         wake: Arc<dyn Fn() + Send + Sync>,
     ) -> Result<Self, LiveError> {
-        Self::start(mesh, loops, false, controls, settings, wake)
+        Self::start(mesh, loops, Kind::Holes, controls, settings, wake)
     }
 
     /// Starts the blend of the given loops of a mesh: one patch joins them all.
@@ -84,13 +74,29 @@ impl LiveFill {
         settings: LiveSettings,
         wake: Arc<dyn Fn() + Send + Sync>,
     ) -> Result<Self, LiveError> {
-        Self::start(mesh, loops, true, controls, settings, wake)
+        Self::start(mesh, loops, Kind::Blend, controls, settings, wake)
+    }
+
+    /// Starts the fairing of the selected faces (one flag each): their inner vertices flow, the
+    /// triangles stay. A selection without inner vertices comes back as [`LiveEvent::Failed`].
+    ///
+    /// # Errors
+    /// As [`Self::spawn`].
+    pub fn spawn_fair(
+        mesh: Arc<Mesh>,
+        selected: Vec<bool>,
+        controls: Controls,
+        settings: LiveSettings,
+        wake: Arc<dyn Fn() + Send + Sync>,
+    ) -> Result<Self, LiveError> {
+        let kind = Kind::Fair(selected);
+        Self::start(mesh, Vec::new(), kind, controls, settings, wake)
     }
 
     fn start(
         mesh: Arc<Mesh>,
         mut loops: Vec<BoundaryLoop>,
-        together: bool,
+        kind: Kind,
         controls: Controls,
         settings: LiveSettings,
         wake: Arc<dyn Fn() + Send + Sync>,
@@ -113,7 +119,7 @@ impl LiveFill {
         let task = Task {
             mesh: Arc::clone(&mesh),
             loops,
-            together,
+            kind,
             course: Course::new(controls.clone()),
             playing: settings.playing,
             pace: settings.pace,

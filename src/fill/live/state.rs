@@ -113,7 +113,13 @@ impl State {
         self.groups.iter().map(|g| g.worst_angle).reduce(f64::min)
     }
 
-    /// Positions of all new vertices in the order of the filled mesh.
+    /// Positions of all vertices of the filled mesh; `given` is the mesh it was started on.
+    pub fn positions(&self, given: &Mesh) -> Vec<DVec3> {
+        self.layout.plan.positions(given, &self.new_positions())
+    }
+
+    /// Positions of the vertices that flow: all new ones in the order of the filled mesh, or those
+    /// of a fairing, ascending.
     pub fn new_positions(&self) -> Vec<DVec3> {
         let plan = &self.layout.plan;
         let mut out = vec![DVec3::ZERO; plan.new_positions.len()];

@@ -108,19 +108,37 @@ pub fn blend(gap: &Gap, options: &PatchOptions) -> Result<PatchMesh, PatchError>
 
 /// Brings a patch whose shape has changed (by a warm start) back to the rims' density: splits,
 /// collapses and flips, vertices moving along the surface only. `patch` is a result of [`blend`] over
-/// the same gap, its positions those of the new shape.
+/// the same gap, its positions those of the new shape. A patch that has grown so much that this would
+/// take 16 times its vertices stays as it is.
 pub fn reblend(gap: &Gap, patch: &PatchMesh, options: &PatchOptions) -> PatchMesh {
     let frame = Frame::around(gap.rims.iter().flat_map(|r| &r.points));
     let rims: Vec<Rim> = gap.rims.iter().map(|r| frame.local(r)).collect();
     let points: Vec<DVec3> = patch.points.iter().map(|&p| frame.to_local(p)).collect();
     let mut size = sizes(&rims, *options);
     let middle = size.iter().sum::<f64>() / size.len() as f64;
+    // equilateral triangles have √3/4 of their squared edge as area, and two come on a vertex
+    let needed = patch_area(&points, &patch.triangles) / (0.75f64.sqrt() * middle * middle);
+    let most = MOST_GROWTH * points.len() as f64;
+    if needed.is_nan() || needed >= most {
+        return patch.clone();
+    }
     size.resize(points.len(), middle);
     let mut surface = Surface::new(points, size, gap.len(), &patch.triangles);
     let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
     let wanted = rim_valences(&surface, &loose);
     refit(&mut surface, &wanted);
     frame.world(compacted(surface), gap)
+}
+
+/// How many times its vertices a patch may get by [`reblend`].
+const MOST_GROWTH: f64 = 16.0;
+
+fn patch_area(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
+    let area = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| points[v as usize]);
+        0.5 * (b - a).cross(c - a).length()
+    };
+    triangles.iter().map(area).sum()
 }
 
 fn compacted(surface: Surface) -> PatchMesh {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::curve::RimCurve;
 use super::loft::{sheet, ways};
 use super::spine::{Cubic, Spine};
-use super::{Gap, bending, blend, bridges, formed, layout};
+use super::{Gap, bending, blend, bridges, formed, layout, reblend};
 use crate::mesh::shapes::SplitMix;
 use crate::mesh::{DVec3, Mesh, Topology, check_mesh, self_intersections};
 use crate::patch::surface::Surface;
@@ -411,4 +411,22 @@ fn swept_surfaces_cross_nothing_where_films_do() {
         .is_empty()
     );
     assert!(formed(&gap(vec![mouth(X, X, 1.0, 8)]), &PatchOptions::default()).is_empty());
+}
+
+/// A surface that runs away would take vertices without end.
+#[test]
+fn a_patch_that_has_grown_out_of_all_proportion_stays() {
+    let gap = gap(vec![mouth(O, -Z, 1.0, 16), mouth(Z, Z, 1.0, 16)]);
+    let options = PatchOptions::default();
+    let mut patch = blend(&gap, &options).expect("joined");
+    let again = reblend(&gap, &patch, &options);
+    assert!(again.points.len() < 2 * patch.points.len());
+    for p in &mut patch.points[32..] {
+        *p *= 1e4;
+    }
+    let same = reblend(&gap, &patch, &options);
+    assert_eq!(
+        (&same.points, &same.triangles),
+        (&patch.points, &patch.triangles)
+    );
 }

@@ -150,6 +150,7 @@ fn modes_and_flags_have_the_numbers_of_the_shaders() {
         ("K1", ViewMode::K1),
         ("K2", ViewMode::K2),
         ("DEVIATION", ViewMode::Deviation),
+        ("DISTANCE", ViewMode::Distance),
     ] {
         assert_eq!(constant(&scene, name), mode as u32, "{name}");
     }
@@ -159,6 +160,7 @@ fn modes_and_flags_have_the_numbers_of_the_shaders() {
         ("SELECTED", Vertex::SELECTED),
         ("CURVATURE", Vertex::CURVATURE),
         ("DEVIATION_KNOWN", Vertex::DEVIATION),
+        ("DISTANCE_KNOWN", Vertex::DISTANCE),
     ] {
         assert_eq!(constant(&scene, name), flag, "{name}");
     }

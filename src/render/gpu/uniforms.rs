@@ -60,7 +60,10 @@ impl Frame {
             PULL * pixel / camera.distance
         };
         let [near, _] = camera.near_far(&scene.bounds);
-        let light = if style.light_follows_view {
+        let light = if style.mode == ViewMode::Zebra {
+            let (sin, cos) = style.zebra_turn.to_radians().sin_cos();
+            camera.up() * cos + camera.right() * sin
+        } else if style.light_follows_view {
             camera.orientation * style.light
         } else {
             style.light

@@ -221,5 +221,9 @@ fn as_vertex(sample: &Sample, from: Option<DVec3>, flags: u32, what: &Evaluation
         vertex.deviation = (sample.position - from).dot(sample.normal) as f32;
         vertex.flags |= Vertex::DEVIATION;
     }
+    if let Some(distance) = what.distance {
+        vertex.deviation = distance(sample.position + what.centre) as f32;
+        vertex.flags = (vertex.flags & !Vertex::DEVIATION) | Vertex::DISTANCE;
+    }
     vertex
 }

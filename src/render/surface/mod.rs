@@ -40,6 +40,9 @@ pub struct Evaluation<'a> {
     /// Positions the deviation is measured from, one per vertex of the mesh: the signed distance
     /// along the normal from the same point of that surface.
     pub start: Option<&'a [DVec3]>,
+    /// Signed distance of a point (in units of the file) to a reference surface, to be shown in
+    /// place of the deviation.
+    pub distance: Option<&'a (dyn Fn(DVec3) -> f64 + Sync)>,
     /// Whether the flow is ill-posed at mean curvature `H` and Gaussian curvature `K`.
     pub ill_posed: Option<&'a (dyn Fn(f64, f64) -> bool + Sync)>,
 }
@@ -100,7 +103,7 @@ impl DynamicSurface {
                 centre,
                 limit,
                 start,
-                ill_posed: None,
+                ..Evaluation::default()
             },
         )
     }

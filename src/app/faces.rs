@@ -1,0 +1,299 @@
+//! The selection of faces: strokes, lassos and what changes it as a whole.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::document::Document;
+use crate::mesh::{
+    DVec3, FaceId, Mesh, connected_faces, face_flags, face_list, faces_near, grow, invert, shrink,
+    smooth_border,
+};
+use crate::render::{Camera, Picker, Sight};
+
+/// A dab of the brush: the face hit, where, and the radius in units of the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dab {
+    /// The face under the brush's middle.
+    pub face: FaceId,
+    /// The place on it.
+    pub point: DVec3,
+    /// How far it reaches.
+    pub radius: f64,
+}
+
+/// A closed line drawn over a view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lasso {
+    /// Corners, in pixels from the upper left.
+    pub corners: Vec<[f64; 2]>,
+    /// Size of the view in the same pixels.
+    pub size: [f64; 2],
+    /// Where it was drawn.
+    pub camera: Camera,
+    /// Whether hidden faces are taken too.
+    pub through: bool,
+}
+
+/// A change of the selection. `take` takes away instead of adding.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FaceEdit {
+    /// Part of a stroke of the brush; the parts are one change.
+    Paint {
+        /// Dabs.
+        dabs: Vec<Dab>,
+        /// Take away.
+        take: bool,
+    },
+    /// A lasso.
+    Lasso {
+        /// The line.
+        lasso: Lasso,
+        /// Take away.
+        take: bool,
+    },
+    /// What a lasso has caught: ascending faces of this mesh.
+    Caught {
+        /// The mesh.
+        mesh: Arc<Mesh>,
+        /// The faces.
+        faces: Vec<u32>,
+        /// Take away.
+        take: bool,
+    },
+    /// A face with those around it; where it is selected already, the connected part of the
+    /// selection widens (or narrows) by a ring.
+    Spread {
+        /// The face.
+        face: FaceId,
+        /// Narrow.
+        take: bool,
+    },
+    /// A ring more.
+    Grow,
+    /// A ring less.
+    Shrink,
+    /// The other faces.
+    Invert,
+    /// Without ears and notches.
+    Smooth,
+    /// None.
+    Clear,
+}
+
+impl FaceEdit {
+    /// For the undo list.
+    pub fn label(&self) -> &'static str {
+        match self {
+            Self::Paint { take: false, .. } => "paint faces",
+            Self::Paint { take: true, .. } => "unpaint faces",
+            Self::Lasso { .. } | Self::Caught { .. } => "lasso",
+            Self::Spread { .. } => "spread the selection",
+            Self::Grow => "grow the selection",
+            Self::Shrink => "shrink the selection",
+            Self::Invert => "invert the selection",
+            Self::Smooth => "smooth the selection's border",
+            Self::Clear => "clear the selection",
+        }
+    }
+}
+
+/// The selection after a change; a lasso has to be [caught](catch) first and changes nothing here.
+pub fn edited(document: &Document, edit: &FaceEdit) -> Vec<u32> {
+    let mesh = &document.mesh;
+    let now = &document.faces;
+    let whole = |change: &dyn Fn(&mut Vec<bool>)| {
+        let mut flags = face_flags(now, mesh.face_count());
+        change(&mut flags);
+        face_list(&flags)
+    };
+    match edit {
+        FaceEdit::Paint { dabs, take } => {
+            let mut faces: Vec<u32> = dabs
+                .iter()
+                .flat_map(|dab| faces_near(mesh, dab.face, dab.point, dab.radius))
+                .collect();
+            faces.sort_unstable();
+            faces.dedup();
+            joined(now, &faces, *take)
+        }
+        FaceEdit::Caught { faces, take, .. } => joined(now, faces, *take),
+        FaceEdit::Lasso { .. } => now.to_vec(),
+        FaceEdit::Spread { face, take } => whole(&|flags| spread(mesh, flags, *face, *take)),
+        FaceEdit::Grow => whole(&|flags| grow(&mesh.topology, flags)),
+        FaceEdit::Shrink => whole(&|flags| shrink(&mesh.topology, flags)),
+        FaceEdit::Invert => whole(&|flags| invert(flags)),
+        FaceEdit::Smooth => whole(&|flags| smooth_border(&mesh.topology, flags, 10)),
+        FaceEdit::Clear => Vec::new(),
+    }
+}
+
+/// The union of two ascending lists, or the first without the second.
+fn joined(now: &[u32], faces: &[u32], take: bool) -> Vec<u32> {
+    let mut out = Vec::with_capacity(now.len() + faces.len());
+    let (mut i, mut j) = (0, 0);
+    while i < now.len() || j < faces.len() {
+        let a = now.get(i).copied().unwrap_or(u32::MAX);
+        let b = faces.get(j).copied().unwrap_or(u32::MAX);
+        if a < b || (a <= b && !take) {
+            out.push(a);
+        } else if b < a && !take {
+            out.push(b);
+        }
+        i += usize::from(a <= b);
+        j += usize::from(b <= a);
+    }
+    out
+}
+
+fn spread(mesh: &Mesh, flags: &mut [bool], face: FaceId, take: bool) {
+    let topology = &mesh.topology;
+    if flags[face.index()] {
+        let part = connected_faces(topology, face, flags);
+        let mut other = part.clone();
+        if take {
+            shrink(topology, &mut other);
+        } else {
+            grow(topology, &mut other);
+        }
+        for (flag, (before, after)) in flags.iter_mut().zip(part.into_iter().zip(other)) {
+            *flag = after || (*flag && !before);
+        }
+    } else if !take {
+        flags[face.index()] = true;
+        let mut one = vec![false; flags.len()];
+        one[face.index()] = true;
+        grow(topology, &mut one);
+        for (flag, new) in flags.iter_mut().zip(one) {
+            *flag |= new;
+        }
+    }
+}
+
+/// The faces whose middle is within a lasso: ascending. Without [`Lasso::through`] those that face the
+/// eye with nothing before them, which the mesh's picker knows.
+pub fn catch(mesh: &Mesh, picker: &Picker, lasso: &Lasso) -> Vec<u32> {
+    let sight = Sight::new(&lasso.camera, lasso.size);
+    let polygon = &lasso.corners;
+    let mut boxed = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    for c in polygon {
+        for k in 0..2 {
+            boxed[0][k] = boxed[0][k].min(c[k]);
+            boxed[1][k] = boxed[1][k].max(c[k]);
+        }
+    }
+    let inside = |p: [f64; 2]| {
+        (0..2).all(|k| (boxed[0][k]..=boxed[1][k]).contains(&p[k])) && is_inside(polygon, p)
+    };
+    let middle = |f: u32| mesh.corners(FaceId(f)).into_iter().sum::<DVec3>() / 3.0;
+    let within: Vec<u32> = (0..mesh.face_count() as u32)
+        .into_par_iter()
+        .filter(|&f| sight.pixel(middle(f)).is_some_and(inside))
+        .collect();
+    if lasso.through || within.is_empty() {
+        return within;
+    }
+    within
+        .into_par_iter()
+        .filter(|&f| {
+            let [a, b, c] = mesh.corners(FaceId(f));
+            let (origin, direction, far) = sight.line_to(middle(f));
+            let faces_eye = (b - a).cross(c - a).dot(direction) < 0.0;
+            let first = picker.first_face(&sight, origin, direction, far);
+            faces_eye && first.is_none_or(|first| first.0 == f)
+        })
+        .collect()
+}
+
+/// Whether a closed polygon winds around a point, by the even-odd rule.
+fn is_inside(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let mut inside = false;
+    for (i, a) in polygon.iter().enumerate() {
+        let b = polygon[(i + 1) % polygon.len()];
+        if (a[1] > y) != (b[1] > y) {
+            let at = a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+            inside ^= x < at;
+        }
+    }
+    inside
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Topology, shapes};
+    use crate::render::Bounds;
+
+    fn ball() -> Mesh {
+        let (positions, triangles) = shapes::icosphere(8);
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
+        Mesh::new(positions, topology)
+    }
+
+    #[test]
+    fn lists_are_joined_and_taken_away() {
+        assert_eq!(joined(&[1, 3, 5], &[2, 3, 9], false), [1, 2, 3, 5, 9]);
+        assert_eq!(joined(&[1, 3, 5], &[2, 3, 9], true), [1, 5]);
+        assert_eq!(joined(&[], &[4], false), [4]);
+        assert!(joined(&[4], &[4], true).is_empty());
+    }
+
+    #[test]
+    fn a_lasso_around_everything_takes_the_near_half_or_all() {
+        let mesh = ball();
+        let picker = Picker::new(&mesh.positions, &mesh.topology, &[]);
+        let bounds = Bounds::of(mesh.positions.iter().copied()).expect("a box");
+        let mut lasso = Lasso {
+            corners: vec![[0.0, 0.0], [400.0, 0.0], [400.0, 300.0], [0.0, 300.0]],
+            size: [400.0, 300.0],
+            camera: Camera::fit(&bounds),
+            through: true,
+        };
+        let all = mesh.face_count();
+        assert_eq!(catch(&mesh, &picker, &lasso).len(), all);
+        lasso.through = false;
+        let near = catch(&mesh, &picker, &lasso);
+        // from a finite distance less than half of a ball is seen
+        assert!(
+            (all / 4..all / 2).contains(&near.len()),
+            "{} of {all}",
+            near.len()
+        );
+        let towards_eye = -lasso.camera.forward();
+        for &f in &near {
+            assert!(mesh.corners(FaceId(f))[0].dot(towards_eye) > 0.0);
+        }
+        // the left half of the view
+        lasso.corners = vec![[0.0, 0.0], [200.0, 0.0], [200.0, 300.0], [0.0, 300.0]];
+        let half = catch(&mesh, &picker, &lasso);
+        let left = -lasso.camera.right();
+        assert!(half.iter().all(|f| near.contains(f)));
+        let middle = |f: u32| mesh.corners(FaceId(f)).into_iter().sum::<DVec3>();
+        assert!(half.iter().all(|&f| middle(f).dot(left) > -1e-9));
+        assert!((near.len() / 3..=2 * near.len() / 3).contains(&half.len()));
+    }
+
+    #[test]
+    fn clicks_spread_ring_by_ring_and_back() {
+        let mesh = ball();
+        let mut flags = vec![false; mesh.face_count()];
+        let count = |flags: &[bool]| face_list(flags).len();
+        spread(&mesh, &mut flags, FaceId(100), false);
+        let first = count(&flags);
+        assert!(first > 1);
+        // another part far away stays as it is
+        let far = (0..mesh.face_count() as u32)
+            .map(FaceId)
+            .max_by(|&a, &b| {
+                let at = |f: FaceId| mesh.corners(f)[0].distance(mesh.corners(FaceId(100))[0]);
+                at(a).total_cmp(&at(b))
+            })
+            .expect("faces");
+        spread(&mesh, &mut flags, far, false);
+        let both = flags.clone();
+        spread(&mesh, &mut flags, FaceId(100), false);
+        assert!(count(&flags) > count(&both));
+        spread(&mesh, &mut flags, FaceId(100), true);
+        assert_eq!(flags, both);
+    }
+}

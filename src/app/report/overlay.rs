@@ -1,0 +1,279 @@
+//! What the report draws into the view: chosen edges, the section with its comb, a marked place.
+
+use std::sync::Arc;
+
+use super::subject::Places;
+use super::view::{Chain, Comb};
+use crate::analysis::{Section, SectionCurve, SectionPoint};
+use crate::app::model::Model;
+use crate::mesh::{DVec3, Mesh, VertexId};
+use crate::render::{Bounds, LineStyle, Marker, Overlay, Polyline};
+use crate::subdivision::limit_position;
+
+/// Chosen edges.
+const CHOSEN: [f32; 4] = [0.95, 0.35, 0.85, 1.0];
+/// The section.
+const SECTION: [f32; 4] = [1.0, 1.0, 1.0, 1.0];
+/// Teeth where it bends away from the normals, and where it bends towards them.
+const CONVEX: [f32; 4] = [0.25, 0.75, 0.95, 1.0];
+const CONCAVE: [f32; 4] = [1.0, 0.55, 0.25, 1.0];
+/// Ends of the teeth.
+const ENDS: [f32; 4] = [0.98, 0.85, 0.35, 1.0];
+/// The marked place.
+const MARK: [f32; 4] = [1.0, 0.25, 0.2, 1.0];
+
+/// Part of the model's radius that a comb of natural length has at the curvature that only a twentieth
+/// of the section exceeds.
+const NATURAL: f64 = 0.25;
+/// Teeth at most; a denser comb is a plain area.
+const MOST_TEETH: usize = 6000;
+
+/// Overlays made so far, by what they were made of.
+#[derive(Default)]
+pub struct ReportOverlays {
+    chains: Option<(ChainKey, Arc<Overlay>)>,
+    comb: Option<(CombKey, Arc<Overlay>, Option<Bounds>)>,
+    /// Around the comb that was drawn last.
+    reach: Option<Bounds>,
+    mark: Option<(DVec3, Arc<Overlay>)>,
+}
+
+type ChainKey = (Arc<Mesh>, bool, Vec<Chain>);
+type CombKey = (Arc<Section>, Comb, DVec3);
+
+impl ReportOverlays {
+    /// What is to be drawn now.
+    pub fn of(&mut self, model: &Model) -> Vec<Arc<Overlay>> {
+        let mut all = Vec::new();
+        self.reach = None;
+        let view = &model.view.report;
+        let shown = model.view.windows.analysis;
+        if shown && !view.chains.is_empty() {
+            all.push(self.chains(model));
+        }
+        if let (Some(cut), Some(_)) = (&model.report.cut, view.cut) {
+            let (comb, reach) = self.comb(model, &cut.section);
+            self.reach = reach;
+            all.push(comb);
+        }
+        if let Some(mark) = view.mark.filter(|_| shown) {
+            if self.mark.as_ref().is_none_or(|(at, _)| *at != mark) {
+                let marker = Marker {
+                    position: narrow(mark - model.centre()),
+                    color: MARK,
+                    radius_px: 6.0,
+                    style: LineStyle::OnTopFaintWhenHidden,
+                };
+                let overlay = Arc::new(Overlay::new(Vec::new(), vec![marker]));
+                self.mark = Some((mark, overlay));
+            }
+            all.extend(self.mark.as_ref().map(|(_, o)| Arc::clone(o)));
+        }
+        all
+    }
+
+    /// The box that holds `bounds` and what was drawn last.
+    pub fn around(&self, bounds: Bounds) -> Bounds {
+        self.reach.map_or(bounds, |r| {
+            Bounds::new(bounds.low.min(r.low), bounds.high.max(r.high))
+        })
+    }
+
+    fn chains(&mut self, model: &Model) -> Arc<Overlay> {
+        let mesh = &model.document.mesh;
+        let (limit, chains) = (model.view.limit_surface, &model.view.report.chains);
+        if let Some(((m, l, c), overlay)) = &self.chains
+            && Arc::ptr_eq(m, mesh)
+            && (*l, c) == (limit, chains)
+        {
+            return Arc::clone(overlay);
+        }
+        let centre = model.centre();
+        let topology = &mesh.topology;
+        let point = |v: VertexId| {
+            let p = if limit {
+                limit_position(topology, &mesh.positions, v)
+            } else {
+                mesh.position(v)
+            };
+            narrow(p - centre)
+        };
+        let places = Places::new(mesh, chains);
+        let edges = chains.iter().flat_map(|c| &c.edges);
+        let lines = edges
+            .filter_map(|e| places.edge(mesh, e))
+            .map(|h| [topology.origin(h), topology.target(h)].map(point))
+            .map(|ends| line(ends.to_vec(), CHOSEN, 4.0))
+            .collect();
+        let overlay = Arc::new(Overlay::new(lines, Vec::new()));
+        let key = (Arc::clone(mesh), limit, chains.clone());
+        self.chains = Some((key, Arc::clone(&overlay)));
+        overlay
+    }
+
+    fn comb(&mut self, model: &Model, section: &Arc<Section>) -> (Arc<Overlay>, Option<Bounds>) {
+        let (comb, centre) = (model.view.report.comb, model.centre());
+        if let Some(((s, c, at), overlay, reach)) = &self.comb
+            && Arc::ptr_eq(s, section)
+            && (*c, *at) == (comb, centre)
+        {
+            return (Arc::clone(overlay), *reach);
+        }
+        let radius = model.document.origin.bounds.radius();
+        let overlay = Arc::new(comb_overlay(section, &comb, radius, centre));
+        let points = overlay.lines.iter().flat_map(|l| &l.points);
+        let reach = Bounds::of(points.map(|p| DVec3::from_array(p.map(f64::from)) + centre));
+        let key = (Arc::clone(section), comb, centre);
+        self.comb = Some((key, Arc::clone(&overlay), reach));
+        (overlay, reach)
+    }
+}
+
+fn narrow(p: DVec3) -> [f32; 3] {
+    p.to_array().map(|x| x as f32)
+}
+
+fn line(points: Vec<[f32; 3]>, color: [f32; 4], width_px: f32) -> Polyline {
+    Polyline {
+        points,
+        closed: false,
+        color,
+        width_px,
+        style: LineStyle::OnTopFaintWhenHidden,
+    }
+}
+
+fn curvature(comb: &Comb, p: &SectionPoint) -> f64 {
+    if comb.own { p.curvature } else { p.averaged }
+}
+
+/// The length ([`Comb::length`]) at which the teeth of a section are seen and not in the way, for a
+/// model of a given radius.
+pub fn natural_length(section: &Section, comb: &Comb, radius: f64) -> f64 {
+    let points = section.curves.iter().flat_map(|c| &c.points);
+    let mut sizes: Vec<f64> = points
+        .map(|p| curvature(comb, p).abs())
+        .filter(|k| k.is_finite())
+        .collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let high = sizes.get(sizes.len().saturating_sub(1) * 19 / 20);
+    match high {
+        Some(&k) if k * radius > 1e-9 => NATURAL / (k * radius),
+        _ => NATURAL,
+    }
+}
+
+fn comb_overlay(section: &Section, comb: &Comb, radius: f64, centre: DVec3) -> Overlay {
+    let length = comb
+        .length
+        .unwrap_or_else(|| natural_length(section, comb, radius));
+    let whole: f64 = section.curves.iter().map(|c| c.length).sum();
+    let spacing = (radius / comb.density).max(whole / MOST_TEETH as f64);
+    let mut lines = Vec::new();
+    for curve in &section.curves {
+        let mut ends: Vec<[f32; 3]> = Vec::new();
+        let flush = |ends: &mut Vec<[f32; 3]>, lines: &mut Vec<Polyline>| {
+            if ends.len() > 1 {
+                lines.push(line(std::mem::take(ends), ENDS, 1.5));
+            }
+            ends.clear();
+        };
+        for p in teeth(curve, spacing) {
+            let k = curvature(comb, p);
+            if !k.is_finite() {
+                flush(&mut ends, &mut lines);
+                continue;
+            }
+            let foot = DVec3::from_array(p.at) - centre;
+            // away from the centre of curvature; a spike must not leave the picture
+            let size = (-k * length * radius * radius).clamp(-radius, radius);
+            let end = narrow(foot + size * DVec3::from_array(p.normal));
+            let color = if k < 0.0 { CONVEX } else { CONCAVE };
+            lines.push(Polyline {
+                style: LineStyle::Depth,
+                ..line(vec![narrow(foot), end], color, 1.0)
+            });
+            ends.push(end);
+        }
+        if curve.closed && ends.len() > 2 {
+            ends.push(ends[0]);
+        }
+        flush(&mut ends, &mut lines);
+        lines.push(Polyline {
+            closed: curve.closed,
+            ..line(
+                curve
+                    .points
+                    .iter()
+                    .map(|p| narrow(DVec3::from_array(p.at) - centre))
+                    .collect(),
+                SECTION,
+                2.0,
+            )
+        });
+    }
+    Overlay::new(lines, Vec::new())
+}
+
+/// Points of a curve about `spacing` apart, the first among them.
+fn teeth(curve: &SectionCurve, spacing: f64) -> impl Iterator<Item = &SectionPoint> {
+    let mut due = 0.0;
+    curve.points.iter().filter(move |p| {
+        let take = p.arc >= due;
+        if take {
+            due = (p.arc / spacing).floor() * spacing + spacing;
+        }
+        take
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn circle(radius: f64, n: usize) -> Section {
+        let step = std::f64::consts::TAU / n as f64;
+        let points = (0..n)
+            .map(|i| {
+                let (sin, cos) = (step * i as f64).sin_cos();
+                SectionPoint {
+                    at: [radius * cos, radius * sin, 0.0],
+                    normal: [cos, sin, 0.0],
+                    curvature: -1.0 / radius,
+                    averaged: -1.0 / radius,
+                    arc: radius * step * i as f64,
+                }
+            })
+            .collect();
+        Section {
+            point: [0.0; 3],
+            normal: [0.0, 0.0, 1.0],
+            curves: vec![SectionCurve {
+                closed: true,
+                length: radius * std::f64::consts::TAU,
+                points,
+            }],
+        }
+    }
+
+    #[test]
+    fn the_comb_of_a_circle_is_a_circle_around_it() {
+        let section = circle(2.0, 300);
+        let comb = Comb {
+            length: Some(0.5),
+            density: 10.0,
+            own: false,
+        };
+        let drawn = comb_overlay(&section, &comb, 2.0, DVec3::ZERO);
+        let teeth: Vec<&Polyline> = drawn.lines.iter().filter(|l| l.color == CONVEX).collect();
+        // ten in the length of the radius
+        assert!((60..=64).contains(&teeth.len()), "{}", teeth.len());
+        for tooth in teeth {
+            let [x, y, _] = tooth.points[1];
+            // 0.5 radii of 2 beyond the circle of radius 2
+            assert!((x.hypot(y) - 3.0).abs() < 1e-5);
+        }
+        let natural = natural_length(&section, &comb, 2.0);
+        assert!((natural - 0.25).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,310 @@
+//! What is measured: the document's mesh or a state of the run, with its rims and chosen chains.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::view::Chain;
+use crate::analysis::{EdgeChain, patch_rims, sharp_edges};
+use crate::app::document::{Accepted, Work, left_of};
+use crate::app::live::Shape;
+use crate::app::model::Model;
+use crate::fill::{Choice, Continuity, Controls};
+use crate::mesh::{BoundaryLoop, HalfedgeId, Mesh, Topology, VertexId, boundary_loops};
+
+/// Sharp edges listed at most, the longest chains first.
+const MOST_SHARP: usize = 24;
+
+/// A mesh, or a mesh and the patch of a run at a moment.
+#[derive(Clone)]
+pub struct Subject {
+    mesh: Arc<Mesh>,
+    state: Option<Shape>,
+    /// How much was accepted.
+    changes: usize,
+    /// Whether two flows are compared.
+    compared: bool,
+}
+
+impl Subject {
+    /// What the window shows (of a comparison, side A).
+    pub fn of(model: &Model) -> Self {
+        let run = model.run.as_ref();
+        let state = run.and_then(|r| r.sides.first()?.state());
+        let base = run.filter(|_| state.is_some()).map(|r| &r.base);
+        Self {
+            mesh: Arc::clone(base.unwrap_or(&model.document.mesh)),
+            state,
+            changes: model.document.accepted.len(),
+            compared: run.is_some_and(|r| r.sides.len() > 1),
+        }
+    }
+
+    /// Whether both are of the same mesh, at the same or at different moments of a run.
+    pub fn same_but_state(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.mesh, &other.mesh) && self.state.is_some() == other.state.is_some()
+    }
+
+    /// Whether both are the same.
+    pub fn same(&self, other: &Self) -> bool {
+        let states = match (&self.state, &other.state) {
+            (Some(a), Some(b)) => a.same(b),
+            (None, None) => true,
+            _ => false,
+        };
+        states && self.same_but_state(other)
+    }
+
+    /// What it is, in words.
+    pub fn words(&self) -> String {
+        match (&self.state, self.changes) {
+            (Some(state), _) => {
+                let side = if self.compared { "side A, " } else { "" };
+                format!("{side}the flow after {} attempts", state.attempt())
+            }
+            (None, 0) => "the mesh as it was opened".into(),
+            (None, 1) => "the mesh after one change".into(),
+            (None, n) => format!("the mesh after {n} changes"),
+        }
+    }
+
+    /// The whole mesh; with `on_surface` its vertices are points of the limit surface, where a
+    /// refinement has both.
+    pub fn mesh(&self, on_surface: bool) -> Arc<Mesh> {
+        let Some(state) = &self.state else {
+            return Arc::clone(&self.mesh);
+        };
+        let topology = (**state.topology()).clone();
+        let mut mesh = Mesh::new(state.positions(&self.mesh, on_surface), topology);
+        mesh.one_sided.clone_from(&self.mesh.one_sided);
+        Arc::new(mesh)
+    }
+}
+
+/// Faces that were made or moved, and how they join the others.
+struct Patch {
+    faces: Range<usize>,
+    /// Faces that flowed as they were.
+    faired: Arc<Vec<u32>>,
+    controls: Controls,
+    loops: Loops,
+}
+
+/// The loops of the mesh a patch was made for, which have its continuity.
+enum Loops {
+    /// They are the boundary of the faces before the patch's.
+    Before,
+    /// These.
+    Known(BTreeMap<VertexId, usize>),
+}
+
+/// All patches of a [`Subject`].
+pub struct Patches(Vec<Patch>);
+
+impl Patches {
+    /// Those of the document and of the run.
+    pub fn of(model: &Model) -> Self {
+        let accepted = &model.document.accepted;
+        let run = model.run.as_ref().and_then(|run| {
+            let side = run.sides.first()?;
+            side.state().map(|state| (run, side, state))
+        });
+        if matches!(run, Some((.., Shape::Refine(_)))) {
+            // the faces are others
+            return Self(Vec::new());
+        }
+        let kept = run.as_ref().and_then(|(run, ..)| run.kept.as_deref());
+        let renumbers = |w: &Work| matches!(w, Work::Refill(_) | Work::Erase(_) | Work::Refine(_));
+        let mut patches: Vec<Patch> = accepted
+            .iter()
+            .enumerate()
+            .map(|(i, one)| {
+                let later = accepted[i + 1..].iter().any(|l| renumbers(&l.work)) || kept.is_some();
+                let faces = match kept {
+                    Some(kept) => left_of(kept, one.faces.start)..left_of(kept, one.faces.end),
+                    None => one.faces.clone(),
+                };
+                let faired = match &one.work {
+                    Work::Fair(faces) if !later => Arc::clone(faces),
+                    _ => Arc::default(),
+                };
+                Patch {
+                    faces,
+                    faired,
+                    controls: last_continuity(one),
+                    // loops had other numbers before something was erased
+                    loops: if later {
+                        Loops::Known(BTreeMap::new())
+                    } else {
+                        Loops::Before
+                    },
+                }
+            })
+            .collect();
+        if let Some((run, side, Shape::Fill(state))) = run {
+            let numbered = |l: &BoundaryLoop| {
+                let number = l.number;
+                l.vertices.clone().into_iter().map(move |v| (v, number))
+            };
+            patches.push(Patch {
+                faces: state.patch_faces(),
+                faired: run.faired(),
+                controls: side.controls.clone(),
+                loops: Loops::Known(run.loops.iter().flat_map(numbered).collect()),
+            });
+        }
+        Self(patches)
+    }
+
+    /// The rims of all patches in the whole `mesh`, those of G0 as creases.
+    fn rims(&self, mesh: &Mesh) -> Vec<EdgeChain> {
+        let mut rims = Vec::new();
+        let made = |p: &&Patch| !p.faces.is_empty() || !p.faired.is_empty();
+        for patch in self.0.iter().filter(made) {
+            let is_patch: Vec<bool> = (0..mesh.face_count())
+                .map(|f| {
+                    patch.faces.contains(&f) || patch.faired.binary_search(&(f as u32)).is_ok()
+                })
+                .collect();
+            let numbers = patch.numbers(mesh);
+            for rim in patch_rims(mesh, &is_patch, false) {
+                let at = rim.edges.first().map(|&h| mesh.topology.origin(h));
+                let continuity = match at.and_then(|v| numbers.get(&v)) {
+                    Some(&number) => patch.controls.continuity_at(number),
+                    None => patch.controls.continuity,
+                };
+                rims.push(EdgeChain {
+                    name: format!("rim {}", rims.len() + 1),
+                    is_crease: patch.faired.is_empty() && continuity == Continuity::G0,
+                    ..rim
+                });
+            }
+        }
+        rims
+    }
+
+    /// Chosen chains as far as their edges are there, rims, and the sharp edges above an angle in
+    /// degrees, with how many were left out.
+    pub fn chains(&self, mesh: &Mesh, chosen: &[Chain], sharp: Option<f64>) -> Chains {
+        let places = Places::new(mesh, chosen);
+        let mut all: Vec<EdgeChain> = chosen
+            .iter()
+            .enumerate()
+            .map(|(n, chain)| {
+                let edges = chain.edges.iter();
+                EdgeChain {
+                    name: format!("edges {}", n + 1),
+                    is_crease: chain.is_crease,
+                    edges: edges.filter_map(|e| places.edge(mesh, e)).collect(),
+                }
+            })
+            .collect();
+        let rims = self.rims(mesh);
+        let rim_count = rims.len();
+        all.extend(rims);
+        let mut sharp = sharp.map_or_else(Vec::new, |angle| sharp_edges(mesh, angle.to_radians()));
+        sharp.sort_by_key(|c| std::cmp::Reverse(c.edges.len()));
+        let left_out = sharp.len().saturating_sub(MOST_SHARP);
+        sharp.truncate(MOST_SHARP);
+        all.extend(sharp.into_iter().enumerate().map(|(n, c)| EdgeChain {
+            name: format!("sharp edges {}", n + 1),
+            ..c
+        }));
+        Chains {
+            all,
+            chosen: chosen.len(),
+            rims: rim_count,
+            left_out,
+        }
+    }
+}
+
+/// All chains to be measured: chosen ones, rims, sharp edges.
+pub struct Chains {
+    /// In this order.
+    pub all: Vec<EdgeChain>,
+    /// How many were chosen.
+    pub chosen: usize,
+    /// How many are rims.
+    pub rims: usize,
+    /// Chains of sharp edges that are not among them.
+    pub left_out: usize,
+}
+
+/// The vertices at the ends of chosen edges. They are found by their places, for vertices are numbered
+/// anew where faces are erased, but stay where they are.
+pub struct Places(BTreeMap<[u64; 3], Vec<VertexId>>);
+
+impl Places {
+    /// Of all edges of the chains.
+    pub fn new(mesh: &Mesh, chains: &[Chain]) -> Self {
+        let ends = chains.iter().flat_map(|c| &c.edges).flatten();
+        let mut wanted: Vec<[u64; 3]> = ends.map(|p| p.map(f64::to_bits)).collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let mut found: Vec<Vec<VertexId>> = vec![Vec::new(); wanted.len()];
+        if !wanted.is_empty() {
+            for (v, p) in mesh.positions.iter().enumerate() {
+                if let Ok(i) = wanted.binary_search(&p.to_array().map(f64::to_bits)) {
+                    found[i].push(VertexId::from(v));
+                }
+            }
+        }
+        Self(wanted.into_iter().zip(found).collect())
+    }
+
+    /// The half-edge from one place to the other, if there is one.
+    pub fn edge(&self, mesh: &Mesh, ends: &[[f64; 3]; 2]) -> Option<HalfedgeId> {
+        let topology = &mesh.topology;
+        let [from, to] = ends.map(|p| self.0.get(&p.map(f64::to_bits)));
+        let to = to?;
+        from?
+            .iter()
+            .flat_map(|&v| topology.outgoing(v))
+            .find(|&h| to.contains(&topology.target(h)))
+    }
+}
+
+/// The controls something was accepted with, with the continuity it ended with.
+fn last_continuity(done: &Accepted) -> Controls {
+    let mut controls = done.controls.clone();
+    for row in &done.schedule.rows {
+        if row.control == "continuity" {
+            controls.continuity = Continuity::named(&row.value).unwrap_or(controls.continuity);
+        } else if row.control == "loop-continuity"
+            && let Some((number, value)) = row.value.split_once('=')
+            && let Ok(number) = number.trim().parse()
+        {
+            match Continuity::named(value.trim()) {
+                Some(own) => controls.loop_continuity.insert(number, own),
+                None => controls.loop_continuity.remove(&number),
+            };
+        }
+    }
+    controls
+}
+
+impl Patch {
+    /// Numbers of the loops by their vertices; empty where all are alike.
+    fn numbers(&self, mesh: &Mesh) -> BTreeMap<VertexId, usize> {
+        if self.controls.loop_continuity.is_empty() {
+            return BTreeMap::new();
+        }
+        match &self.loops {
+            Loops::Known(numbers) => numbers.clone(),
+            Loops::Before => {
+                let old = mesh.topology.triangles().take(self.faces.start);
+                let old: Vec<[u32; 3]> = old.collect();
+                let before = Topology::from_triangles(mesh.vertex_count(), &old).ok();
+                let loops = before.map_or_else(Vec::new, |topology| {
+                    boundary_loops(&Mesh::new(mesh.positions.clone(), topology))
+                });
+                let numbered = |l: BoundaryLoop| {
+                    let number = l.number;
+                    l.vertices.into_iter().map(move |v| (v, number))
+                };
+                loops.into_iter().flat_map(numbered).collect()
+            }
+        }
+    }
+}

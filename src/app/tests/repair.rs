@@ -1,0 +1,237 @@
+//! Faces: selected, erased, refilled, faired.
+
+use std::sync::Arc;
+
+use super::*;
+use crate::app::document::{Accepted, Work};
+use crate::app::faces::{Dab, FaceEdit};
+use crate::app::run::Run;
+use crate::app::view_state::Bridging;
+use crate::mesh::FaceId;
+
+/// A stroke far from both holes, ended.
+fn paint(m: &mut Model, radius: f64) {
+    let mesh = Arc::clone(&m.document.mesh);
+    let high = |f: &u32| mesh.corners(FaceId(*f))[0].z;
+    let faces = 0..mesh.face_count() as u32;
+    let face = faces
+        .max_by(|a, b| high(a).total_cmp(&high(b)))
+        .map(FaceId)
+        .expect("faces");
+    let point = mesh.corners(face)[0];
+    for radius in [0.5 * radius, radius] {
+        let dabs = vec![Dab {
+            face,
+            point,
+            radius,
+        }];
+        m.act(Action::Faces(FaceEdit::Paint { dabs, take: false }));
+    }
+    m.act(Action::Settle);
+}
+
+fn in_repair() -> Model {
+    let mut m = model();
+    m.act(Action::Task(Task::Repair));
+    m.act(Action::Pace(240.0));
+    m
+}
+
+fn run_to_end(m: &mut Model) {
+    until(m, |m| m.run.as_ref().is_some_and(Run::ended));
+}
+
+fn last(m: &Model) -> &Accepted {
+    m.document.accepted.last().expect("something was accepted")
+}
+
+#[test]
+fn a_stroke_is_one_undo_entry() {
+    let mut m = in_repair();
+    paint(&mut m, 0.4);
+    let painted = m.document.faces.len();
+    assert!(painted > 10);
+    m.act(Action::Faces(FaceEdit::Grow));
+    assert!(m.document.faces.len() > painted);
+    m.act(Action::Undo);
+    assert_eq!(m.document.faces.len(), painted);
+    m.act(Action::Undo);
+    assert!(m.document.faces.is_empty());
+    m.act(Action::Redo);
+    assert_eq!(m.document.faces.len(), painted);
+    m.act(Action::Faces(FaceEdit::Invert));
+    assert_eq!(
+        m.document.faces.len(),
+        m.document.mesh.face_count() - painted
+    );
+    m.act(Action::SelectNone);
+    assert!(m.document.faces.is_empty());
+    // nothing to be done without faces
+    for action in [Action::Fill, Action::Fair, Action::Erase] {
+        m.act(action);
+        assert!(m.run.is_none());
+        assert!(last_message(&m).starts_with("no face is selected"));
+    }
+}
+
+#[test]
+fn refill_replaces_the_faces_and_can_be_rejected_and_undone() {
+    let mut m = in_repair();
+    let before = Arc::clone(&m.document.mesh);
+    paint(&mut m, 0.5);
+    let selected = Arc::clone(&m.document.faces);
+    m.act(Action::Fill);
+    run_to_end(&mut m);
+    m.act(Action::Reject);
+    assert!(Arc::ptr_eq(&before, &m.document.mesh));
+    assert!(Arc::ptr_eq(&selected, &m.document.faces), "still selected");
+    m.act(Action::Fill);
+    run_to_end(&mut m);
+    m.act(Action::Accept(0));
+    let after = Arc::clone(&m.document.mesh);
+    check_mesh(&after).expect("sound");
+    assert_eq!(m.document.loops.len(), 2, "the holes are open as before");
+    assert_eq!(
+        m.document.first_patch_face,
+        before.face_count() - selected.len()
+    );
+    assert_eq!(last(&m).work, Work::Refill(selected));
+    assert_eq!(
+        last(&m).faces,
+        m.document.first_patch_face..after.face_count()
+    );
+    // what was not selected is as it was
+    let old = &after.positions[..after.vertex_count()];
+    let kept = before.positions.iter().filter(|p| old.contains(p)).count();
+    assert!(kept > before.vertex_count() / 2);
+    for p in m.document.patches().expect("one").positions {
+        assert!((p.length() - 1.0).abs() < 5e-3, "the sphere goes on: {p}");
+    }
+    m.act(Action::Undo);
+    assert!(Arc::ptr_eq(&before, &m.document.mesh));
+}
+
+#[test]
+fn fairing_moves_inner_vertices_only_and_shows_them() {
+    let mut m = in_repair();
+    let before = Arc::clone(&m.document.mesh);
+    paint(&mut m, 0.5);
+    m.act(Action::Fair);
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(|r| r.state_count() > 3)
+    });
+    let run = m.run.as_ref().expect("a run");
+    assert!(!run.faired().is_empty());
+    let state = run.sides[0].state().expect("a state");
+    assert_eq!(state.positions(&before, false).len(), before.vertex_count());
+    m.act(Action::Scrub(Some(1)));
+    m.act(Action::GoOnFromHere);
+    run_to_end(&mut m);
+    assert!(
+        m.run
+            .as_ref()
+            .is_some_and(|r| r.sides[0].live.radius() > 0.1)
+    );
+    m.act(Action::Accept(0));
+    let after = Arc::clone(&m.document.mesh);
+    assert_eq!(before.topology, after.topology);
+    assert_eq!(m.document.first_patch_face, before.face_count());
+    let Work::Fair(faces) = &last(&m).work else {
+        panic!("a fairing");
+    };
+    let flags = crate::mesh::face_flags(faces, before.face_count());
+    let inner = crate::mesh::inner_vertices(&before.topology, &flags);
+    let moved = |v: usize| before.positions[v] != after.positions[v];
+    assert!((0..before.vertex_count()).all(|v| inner.contains(&v.into()) || !moved(v)));
+    assert!(inner.iter().any(|v| moved(v.index())));
+}
+
+#[test]
+fn erasing_leaves_a_hole_to_be_filled() {
+    let mut m = in_repair();
+    m.act(Action::Task(Task::Fill));
+    m.act(Action::Select(0, SelectHow::Replace));
+    filled(&mut m);
+    m.act(Action::Accept(0));
+    let patch = last(&m).faces.clone();
+    m.act(Action::Task(Task::Repair));
+    paint(&mut m, 0.3);
+    let count = m.document.faces.len();
+    m.act(Action::Erase);
+    assert_eq!(m.document.loops.len(), 2);
+    // the earlier patch is known by its new faces
+    assert_eq!(
+        m.document.accepted[0].faces,
+        patch.start - count..patch.end - count
+    );
+    assert_eq!(m.document.first_patch_face, patch.start - count);
+    m.act(Action::Faces(FaceEdit::Invert));
+    m.act(Action::Erase);
+    assert!(last_message(&m).starts_with("all faces are selected"));
+}
+
+#[test]
+fn turning_over_keeps_the_rims_gathered() {
+    let mut m = model();
+    m.act(Action::Task(Task::Blend));
+    m.act(Action::Select(1, SelectHow::Replace));
+    let place = m.document.loops[1].centroid;
+    let face = m.document.mesh.topology.face_vertices(FaceId(0));
+    m.act(Action::Flip(1));
+    let [a, b, c] = m.document.mesh.topology.face_vertices(FaceId(0));
+    assert!([[a, c, b], [c, b, a], [b, a, c]].contains(&face));
+    let gathered: Vec<_> = m.document.selected().iter().map(|l| l.centroid).collect();
+    assert_eq!(gathered.len(), 1);
+    assert!(gathered[0].distance(place) < 1e-12);
+    m.act(Action::Undo);
+    assert_eq!(m.document.mesh.topology.face_vertices(FaceId(0)), face);
+}
+
+#[test]
+fn a_bridge_makes_two_holes_of_one() {
+    let mut m = model();
+    m.act(Action::Bridging(Some(Bridging {
+        from: None,
+        width: 1,
+    })));
+    m.act(Action::Escape);
+    assert!(m.view.bridging.is_none());
+    let l = &m.document.loops[0];
+    let at = |i: usize| m.document.mesh.position(l.vertices[i]);
+    let ends = [at(0), at(l.edges() / 2)];
+    let first = m.document.mesh.face_count();
+    m.act(Action::Bridge(ends, 1));
+    assert_eq!(m.document.loops.len(), 3);
+    assert_eq!(last(&m).work, Work::Bridge(ends, 1));
+    assert_eq!(last(&m).faces, first..m.document.mesh.face_count());
+    // from a place to itself there is none
+    m.act(Action::Bridge([ends[0], ends[0]], 1));
+    assert_eq!(m.document.loops.len(), 3);
+    assert!(last_message(&m).contains("ends of the bridge meet"));
+    m.act(Action::Undo);
+    assert_eq!(m.document.loops.len(), 2);
+}
+
+#[test]
+fn a_project_keeps_repairs_and_the_selection() {
+    let mut m = in_repair();
+    let l = &m.document.loops[0];
+    let at = |i: usize| m.document.mesh.position(l.vertices[i]);
+    m.act(Action::Bridge([at(0), at(l.edges() / 2)], 2));
+    paint(&mut m, 0.4);
+    m.act(Action::Erase);
+    paint(&mut m, 0.5);
+    m.act(Action::Fair);
+    run_to_end(&mut m);
+    m.act(Action::Accept(0));
+    paint(&mut m, 0.2);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("work.meniscus");
+    let text = project::write(&m.document, &m.view, folder.path());
+    std::fs::write(&path, text).expect("written");
+    let (again, _) = project::read(&path).expect("read");
+    assert_eq!(again.mesh.positions, m.document.mesh.positions);
+    assert_eq!(again.accepted, m.document.accepted);
+    assert_eq!(again.faces, m.document.faces);
+    assert_eq!(again.first_patch_face, m.document.first_patch_face);
+}

@@ -1,0 +1,163 @@
+//! The panel of refinements.
+
+use eframe::egui::{self, RichText, Ui};
+
+use crate::app::action::Action;
+use crate::app::model::Model;
+use crate::app::run::method_name;
+use crate::app::shortcuts::{Command, hint};
+use crate::app::view_state::Refining;
+use crate::refine::{BoundaryRule, Hold, Method};
+
+const METHODS: [(Method, &str); 3] = [
+    (
+        Method::Pde,
+        "a flow places the new vertices: the limit surface passes all given ones and makes the energy least",
+    ),
+    (
+        Method::Butterfly,
+        "the modified Butterfly scheme: given vertices stay, the surface is C1",
+    ),
+    (
+        Method::Loop,
+        "Loop's scheme: smooth, but given vertices move",
+    ),
+];
+
+/// Levels, method and what is compared.
+pub fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let document = &model.document;
+    let mut next = model.view.refining;
+    ui.horizontal(|ui| {
+        ui.heading("Refine");
+        ui.weak(format!("{} faces", document.mesh.face_count()));
+    });
+    ui.add_enabled_ui(model.run.is_none(), |ui| {
+        levels_ui(ui, model, &mut next);
+        ui.horizontal_wrapped(|ui| {
+            ui.label("Method");
+            for (method, tip) in METHODS {
+                ui.selectable_value(&mut next.method, method, method_name(method))
+                    .on_hover_text(tip);
+            }
+        });
+        ui.horizontal_wrapped(|ui| {
+            ui.label("Beside it");
+            for (method, tip) in METHODS.into_iter().filter(|(m, _)| *m != next.method) {
+                let mut shown = next.beside.contains(&Some(method));
+                if ui
+                    .checkbox(&mut shown, method_name(method))
+                    .on_hover_text(tip)
+                    .changed()
+                {
+                    next.beside
+                        .iter_mut()
+                        .filter(|m| **m == Some(method))
+                        .for_each(|m| *m = None);
+                    if let (true, Some(free)) =
+                        (shown, next.beside.iter_mut().find(|m| m.is_none()))
+                    {
+                        *free = Some(method);
+                    }
+                }
+            }
+        });
+        // a method is not shown beside itself
+        let own = Some(next.method);
+        next.beside
+            .iter_mut()
+            .filter(|m| **m == own)
+            .for_each(|m| *m = None);
+        ui.checkbox(&mut next.own_tension, "tension by edge length").on_hover_text(
+            "H^2 alone knows no length and bulges between sparse vertices; off: the tension of the \
+             controls at the right",
+        );
+        choice(
+            ui,
+            "Later levels keep",
+            &mut next.hold,
+            [
+                (
+                    Hold::Previous,
+                    "all vertices",
+                    "the surface passes all vertices of the level before, as in the paper",
+                ),
+                (
+                    Hold::Given,
+                    "given ones",
+                    "only the vertices of the opened mesh: smoother",
+                ),
+            ],
+        );
+        choice(
+            ui,
+            "Boundaries",
+            &mut next.boundary,
+            [
+                (
+                    BoundaryRule::Spline,
+                    "spline",
+                    "cubic B-splines through their vertices",
+                ),
+                (BoundaryRule::Straight, "straight", "edges stay straight"),
+            ],
+        );
+        let selected = document.faces.len();
+        ui.add_enabled(
+            selected > 0 || next.selected_only,
+            egui::Checkbox::new(
+                &mut next.selected_only,
+                format!("only the {selected} selected faces"),
+            ),
+        )
+        .on_hover_text("faces beside them are cut to fit; select faces in task Repair (F4)");
+    });
+    if next != model.view.refining {
+        actions.push(Action::Refining(Box::new(next)));
+    }
+    ui.separator();
+}
+
+fn levels_ui(ui: &mut Ui, model: &Model, next: &mut Refining) {
+    let faces = if next.selected_only {
+        model.document.faces.len()
+    } else {
+        model.document.mesh.face_count()
+    };
+    ui.horizontal(|ui| {
+        let label = ui.label("Levels");
+        ui.add(egui::Slider::new(&mut next.levels, 1..=6))
+            .labelled_by(label.id)
+            .on_hover_text("times every triangle becomes four");
+    });
+    let after = (faces as u64) << (2 * next.levels);
+    ui.weak(format!("{after} faces afterwards"));
+}
+
+fn choice<T: PartialEq + Copy, const N: usize>(
+    ui: &mut Ui,
+    name: &str,
+    value: &mut T,
+    choices: [(T, &str, &str); N],
+) {
+    ui.horizontal_wrapped(|ui| {
+        ui.label(name);
+        for (one, title, tip) in choices {
+            ui.selectable_value(value, one, title).on_hover_text(tip);
+        }
+    });
+}
+
+/// The button that starts it.
+pub fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let wide = egui::vec2(ui.available_width(), 28.0);
+    let button = egui::Button::new(RichText::new("Refine the mesh").strong()).min_size(wide);
+    let tip = format!(
+        "every triangle becomes four, again and again{}",
+        hint(ui.ctx(), Command::Fill)
+    );
+    let some = model.document.mesh.face_count() > 0;
+    if ui.add_enabled(some, button).on_hover_text(tip).clicked() {
+        actions.push(Action::Fill);
+    }
+}

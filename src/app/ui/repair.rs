@@ -1,0 +1,322 @@
+//! Selecting faces: the panel, and what the mouse does in the view.
+
+use eframe::egui::{
+    self, Color32, Modifiers, PointerButton, Pos2, Rect, Response, RichText, Slider, Stroke, Ui,
+};
+
+use super::navigation::CLICK;
+use crate::app::action::Action;
+use crate::app::faces::{Dab, FaceEdit, Lasso};
+use crate::app::model::Model;
+use crate::app::report::Pick;
+use crate::app::shortcuts::{Command, hint};
+use crate::app::view_state::{Task, Tool};
+use crate::mesh::DVec3;
+use crate::render::{Picker, Sight};
+
+/// What is being drawn.
+#[derive(Clone, Debug)]
+pub enum Draft {
+    /// Of the brush; where it was last.
+    Brush(Pos2),
+    /// Of the lasso, in points of the window.
+    Lasso(Vec<Pos2>),
+}
+
+/// Tools and what changes the selection as a whole.
+pub fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let idle = model.run.is_none();
+    ui.horizontal(|ui| {
+        ui.heading("Faces");
+        ui.weak(format!("{} selected", model.document.faces.len()));
+    });
+    let mut selecting = model.view.selecting;
+    ui.horizontal(|ui| {
+        for (tool, name, tip) in [
+            (
+                Tool::Brush,
+                "Brush",
+                "drag over the surface to select, with Ctrl to take away",
+            ),
+            (
+                Tool::Lasso,
+                "Lasso",
+                "draw around faces to select them, with Ctrl to take them away",
+            ),
+            (
+                Tool::Grow,
+                "Grow",
+                "click a face, and again to widen the selection there ring by ring, with Ctrl to \
+                 narrow it",
+            ),
+        ] {
+            let button = egui::Button::selectable(selecting.tool == tool, name);
+            if ui.add_enabled(idle, button).on_hover_text(tip).clicked() {
+                selecting.tool = tool;
+            }
+        }
+    });
+    match selecting.tool {
+        Tool::Brush => {
+            ui.add(
+                Slider::new(&mut selecting.brush, 3.0..=150.0)
+                    .logarithmic(true)
+                    .fixed_decimals(0)
+                    .text("brush radius"),
+            )
+            .on_hover_text("in points of the screen: zoom in for finer strokes");
+        }
+        Tool::Lasso => {
+            ui.checkbox(&mut selecting.through, "hidden faces too")
+                .on_hover_text("take everything within the line, also what lies behind");
+        }
+        Tool::Grow => {
+            ui.weak("each click widens by one ring");
+        }
+    }
+    if selecting != model.view.selecting {
+        actions.push(Action::Selecting(selecting));
+    }
+    ui.horizontal_wrapped(|ui| {
+        for (name, tip, edit) in [
+            ("Grow", "one ring of faces more", FaceEdit::Grow),
+            ("Shrink", "one ring of faces less", FaceEdit::Shrink),
+            (
+                "Smooth",
+                "take off ears and fill notches of its border",
+                FaceEdit::Smooth,
+            ),
+            ("Invert", "the other faces", FaceEdit::Invert),
+            ("None", "clear the selection", FaceEdit::Clear),
+        ] {
+            let button = egui::Button::new(name).small();
+            let some = idle && (edit == FaceEdit::Invert || !model.document.faces.is_empty());
+            let named = ui.add_enabled(some, button).on_hover_text(tip);
+            named.widget_info(|| {
+                let label = format!("{name} the selection");
+                egui::WidgetInfo::labeled(egui::Role::Button, some, label)
+            });
+            if named.clicked() {
+                actions.push(Action::Faces(edit));
+            }
+        }
+    });
+    ui.weak(
+        "Right drag turns the view; so does a drag of the brush that begins beside the surface.",
+    );
+    ui.separator();
+}
+
+/// The buttons that do something with the selection.
+pub fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let ctx = ui.ctx().clone();
+    let some = !model.document.faces.is_empty();
+    let wide = egui::vec2(ui.available_width(), 28.0);
+    let strong = |text: &str| egui::Button::new(RichText::new(text).strong()).min_size(wide);
+    for (button, tip, action) in [
+        (
+            strong("Erase and refill"),
+            format!(
+                "erase the selected faces and grow a smooth patch in their place{}",
+                hint(&ctx, Command::Fill)
+            ),
+            Action::Fill,
+        ),
+        (
+            strong("Fair in place"),
+            "keep the triangles and let the vertices inside the selection flow; those on its border \
+             stay"
+                .to_owned(),
+            Action::Fair,
+        ),
+        (
+            egui::Button::new("Erase only"),
+            format!("erase the selected faces and leave a hole{}", hint(&ctx, Command::Erase)),
+            Action::Erase,
+        ),
+    ] {
+        if ui.add_enabled(some, button).on_hover_text(tip).clicked() {
+            actions.push(action);
+        }
+    }
+}
+
+/// Whether the mouse selects faces now.
+pub fn is_active(model: &Model) -> bool {
+    let picks = model.view.report.pick != Pick::Holes;
+    model.view.task == Task::Repair && model.run.is_none() && !picks
+}
+
+/// Lets the tool act. Returns whether the primary button belongs to it.
+pub fn select(
+    model: &Model,
+    draft: &mut Option<Draft>,
+    response: &Response,
+    rect: Rect,
+    actions: &mut Vec<Action>,
+) -> bool {
+    let Some((_, picker)) = model.picker.as_ref().filter(|_| is_active(model)) else {
+        *draft = None;
+        return false;
+    };
+    let input = |i: &egui::InputState| {
+        (
+            i.pointer.latest_pos(),
+            i.modifiers,
+            i.pointer.primary_pressed(),
+        )
+    };
+    let (Some(at), keys, pressed) = response.ctx.input(input) else {
+        return draft.is_some();
+    };
+    let canvas = Canvas {
+        model,
+        picker,
+        rect,
+    };
+    let tool = model.view.selecting.tool;
+    if pressed && response.contains_pointer() && !keys.alt {
+        *draft = match tool {
+            Tool::Brush => canvas.dab(at).map(|_| Draft::Brush(at)),
+            Tool::Lasso => Some(Draft::Lasso(vec![at])),
+            Tool::Grow => None,
+        };
+        if matches!(draft, Some(Draft::Brush(_))) {
+            canvas.paint(at, at, keys, actions);
+        }
+    }
+    if response.dragged_by(PointerButton::Primary) {
+        match draft {
+            Some(Draft::Brush(last)) if *last != at => {
+                canvas.paint(*last, at, keys, actions);
+                *last = at;
+            }
+            Some(Draft::Lasso(line)) if line.last().is_none_or(|p| p.distance(at) >= 2.0) => {
+                line.push(at);
+            }
+            _ => {}
+        }
+    }
+    if response.drag_stopped_by(PointerButton::Primary) || response.clicked() {
+        match draft.take() {
+            Some(Draft::Lasso(line)) if line.len() > 2 => {
+                actions.push(Action::Faces(canvas.lasso(&line, keys)));
+            }
+            Some(Draft::Brush(_)) => actions.push(Action::Settle),
+            _ if tool == Tool::Grow && response.clicked() => {
+                let size = canvas.size();
+                if let Some(hit) = picker.surface(&model.view.camera, size, canvas.place(at)) {
+                    let take = keys.command;
+                    actions.push(Action::Faces(FaceEdit::Spread {
+                        face: hit.face,
+                        take,
+                    }));
+                }
+            }
+            _ => {}
+        }
+        return true;
+    }
+    draft.is_some()
+}
+
+/// The brush's circle or the lasso's line.
+pub fn draw(ui: &Ui, model: &Model, draft: Option<&Draft>, response: &Response) {
+    if !is_active(model) {
+        return;
+    }
+    let painter = ui.painter();
+    let ink = |width| {
+        let take = ui.input(|i| i.modifiers.command);
+        let color = if take {
+            Color32::from_rgb(255, 120, 100)
+        } else {
+            Color32::from_rgb(110, 170, 255)
+        };
+        Stroke::new(width, color)
+    };
+    let shade = Stroke::new(3.5, Color32::from_black_alpha(140));
+    match (model.view.selecting.tool, draft) {
+        (Tool::Brush, _) => {
+            if let Some(at) = response.hover_pos() {
+                painter.circle_stroke(at, model.view.selecting.brush, shade);
+                painter.circle_stroke(at, model.view.selecting.brush, ink(1.5));
+            }
+        }
+        (Tool::Lasso, Some(Draft::Lasso(line))) => {
+            let closed: Vec<Pos2> = line.iter().chain(line.first()).copied().collect();
+            painter.add(egui::Shape::line(closed.clone(), shade));
+            painter.add(egui::Shape::line(closed, ink(1.5)));
+        }
+        _ => {}
+    }
+}
+
+/// A view that is drawn on.
+struct Canvas<'a> {
+    model: &'a Model,
+    picker: &'a Picker,
+    rect: Rect,
+}
+
+impl Canvas<'_> {
+    fn size(&self) -> [f64; 2] {
+        [f64::from(self.rect.width()), f64::from(self.rect.height())]
+    }
+
+    fn place(&self, p: Pos2) -> [f64; 2] {
+        [
+            f64::from(p.x - self.rect.left()),
+            f64::from(p.y - self.rect.top()),
+        ]
+    }
+
+    /// What the brush touches at a place of the window.
+    fn dab(&self, at: Pos2) -> Option<Dab> {
+        let camera = &self.model.view.camera;
+        let hit = self.picker.surface(camera, self.size(), self.place(at))?;
+        let [x, y] = self.place(at);
+        let beside = [x + f64::from(self.model.view.selecting.brush), y];
+        let (origin, direction) = Sight::new(camera, self.size()).line_through(beside);
+        // where the neighbouring line of sight is as deep
+        let forward = camera.forward();
+        let depth = |p: DVec3| (p - origin).dot(forward);
+        let other = origin + direction * (depth(hit.point) / direction.dot(forward));
+        Some(Dab {
+            face: hit.face,
+            point: hit.point,
+            radius: other.distance(hit.point),
+        })
+    }
+
+    /// Dabs from one place to another, close enough to leave no gaps.
+    fn paint(&self, from: Pos2, to: Pos2, keys: Modifiers, actions: &mut Vec<Action>) {
+        let spacing = (0.5 * self.model.view.selecting.brush).max(2.0);
+        let count = (from.distance(to) / spacing).ceil().clamp(1.0, 64.0) as usize;
+        let places = (1..=count).map(|i| from.lerp(to, i as f32 / count as f32));
+        let dabs: Vec<Dab> = places.filter_map(|p| self.dab(p)).collect();
+        if !dabs.is_empty() {
+            let take = keys.command;
+            actions.push(Action::Faces(FaceEdit::Paint { dabs, take }));
+        }
+    }
+
+    fn lasso(&self, line: &[Pos2], keys: Modifiers) -> FaceEdit {
+        let far = line.iter().map(|p| p.distance(line[0])).fold(0.0, f32::max);
+        if far <= CLICK {
+            return FaceEdit::Paint {
+                dabs: Vec::new(),
+                take: false,
+            };
+        }
+        FaceEdit::Lasso {
+            lasso: Lasso {
+                corners: line.iter().map(|&p| self.place(p)).collect(),
+                size: self.size(),
+                camera: self.model.view.camera,
+                through: self.model.view.selecting.through,
+            },
+            take: keys.command,
+        }
+    }
+}

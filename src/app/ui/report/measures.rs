@@ -1,0 +1,288 @@
+//! Shape, energies, curvatures, triangles, distances.
+
+use eframe::egui::{self, Grid, Ui};
+use egui_plot::{Bar, BarChart, Plot};
+
+use super::{grid, place, row};
+use crate::app::action::Action;
+use crate::app::model::Model;
+use crate::app::report::{Measured, ReportAction};
+use crate::app::ui::side::short;
+use crate::render::ViewMode;
+
+/// Places of intersections that are listed.
+const LISTED: usize = 12;
+
+/// Energies that have a row of their own.
+const LISTED_ENERGIES: [&str; 5] = ["1", "H^2", "K", "K^2", "k1^2+k2^2"];
+
+/// Counts, integrals.
+pub fn shape_ui(ui: &mut Ui, measured: &Measured) {
+    let s = &measured.analysis.shape;
+    let e = &s.energies;
+    let or_open = |v: Option<f64>| v.map_or_else(|| "open".into(), short);
+    grid(ui, "shape", |ui| {
+        row(
+            ui,
+            "Vertices, faces, edges",
+            "",
+            format!("{}, {}, {}", s.vertices, s.faces, s.edges),
+        );
+        row(
+            ui,
+            "Components, loops",
+            "connected parts; boundary loops",
+            format!("{}, {}", s.components, s.boundary_loops),
+        );
+        row(
+            ui,
+            "Euler number, genus",
+            "vertices - edges + faces; handles, holes thought filled",
+            format!("{}, {}", s.euler, s.genus),
+        );
+        let tip = "of the limit surface, and of the triangles";
+        row(
+            ui,
+            "Area",
+            tip,
+            format!("{}  (triangles {})", short(s.area), short(s.mesh_area)),
+        );
+        row(
+            ui,
+            "Volume",
+            tip,
+            format!(
+                "{}  (triangles {})",
+                or_open(s.volume),
+                or_open(s.mesh_volume)
+            ),
+        );
+        let tip = "integral over the limit surface, creases taken as smooth";
+        row(ui, "Energy 1", tip, digits(s.area));
+        row(ui, "Energy H^2", tip, digits(e.willmore));
+        row(ui, "Energy K", tip, digits(e.total_curvature));
+        row(ui, "Energy K^2", tip, digits(e.gauss_squared));
+        row(ui, "Energy k1^2+k2^2", tip, digits(e.bending));
+        if let (Some(given), Some(energy)) = (e.given, &measured.wanted.energy)
+            && !LISTED_ENERGIES.contains(&energy.text())
+        {
+            row(ui, &format!("Energy {}", energy.text()), tip, digits(given));
+        }
+    });
+}
+
+/// Energies are compared in more digits than other numbers.
+fn digits(x: f64) -> String {
+    if x != 0.0 && (1e-3..1e6).contains(&x.abs()) {
+        format!("{x:.6}")
+    } else {
+        format!("{x:.6e}")
+    }
+}
+
+/// Range and histogram of one curvature.
+pub fn curvature_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut Vec<Action>) {
+    let c = &measured.analysis.curvature;
+    let all = [
+        ("H", &c.mean),
+        ("K", &c.gauss),
+        ("k1", &c.k1),
+        ("k2", &c.k2),
+    ];
+    let chosen = model.view.report.curvature.min(all.len() - 1);
+    ui.horizontal(|ui| {
+        for (i, (name, _)) in all.iter().enumerate() {
+            let name = format!("{name} ");
+            if ui.selectable_label(i == chosen, name).clicked() {
+                actions.push(Action::Report(ReportAction::Curvature(i)));
+            }
+        }
+    });
+    let (name, range) = all[chosen];
+    let h = &range.histogram;
+    let width = (h.to - h.from) / h.share.len().max(1) as f64;
+    if width > 0.0 {
+        let bars = h.share.iter().enumerate().map(|(i, &share)| {
+            let middle = h.from + (i as f64 + 0.5) * width;
+            Bar::new(middle, 100.0 * share).width(width)
+        });
+        Plot::new("histogram")
+            .height(96.0)
+            .allow_scroll(false)
+            .allow_drag(false)
+            .allow_zoom(false)
+            .allow_boxed_zoom(false)
+            .show_axes([true, true])
+            .show_grid([false, true])
+            .show(ui, |plot| {
+                plot.bar_chart(BarChart::new(name, bars.collect()).allow_hover(false));
+            })
+            .response
+            .on_hover_text(
+                "per cent of the area by value; what lies outside the range counts for the bars \
+                 at its ends",
+            );
+    }
+    Grid::new("range")
+        .num_columns(4)
+        .spacing([12.0, 3.0])
+        .show(ui, |ui| {
+            ui.label("least");
+            place(ui, range.min, range.min_at, actions);
+            ui.label("greatest");
+            place(ui, range.max, range.max_at, actions);
+            ui.end_row();
+            ui.label("average");
+            ui.label(short(range.average));
+            ui.label("deviation");
+            ui.label(short(range.deviation));
+            ui.end_row();
+        });
+}
+
+/// Shape of the triangles, where they cross.
+pub fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
+    let q = &measured.analysis.quality;
+    grid(ui, "quality", |ui| {
+        ui.label("Smallest angle");
+        place(ui, q.min_angle, q.min_angle_at, actions);
+        ui.end_row();
+        row(
+            ui,
+            "Mean of smallest, largest",
+            "degrees",
+            format!("{}, {}", short(q.mean_min_angle), short(q.max_angle)),
+        );
+        row(
+            ui,
+            "Below 10°, without area",
+            "triangles",
+            format!("{}, {}", q.slivers, q.degenerate),
+        );
+        row(
+            ui,
+            "Radius ratio",
+            "twice the inscribed over the circumscribed radius, 1 for an equilateral triangle: \
+             least, mean",
+            format!("{}, {}", short(q.radius_ratio[0]), short(q.radius_ratio[1])),
+        );
+        let [low, mean, high] = q.edge_length.map(short);
+        row(
+            ui,
+            "Edges",
+            "shortest, mean, longest",
+            format!("{low}, {mean}, {high}"),
+        );
+        row(
+            ui,
+            "Greatest dihedral angle",
+            "degrees between the normals of neighbouring triangles",
+            short(q.max_dihedral),
+        );
+        row(
+            ui,
+            "Folded edges",
+            "dihedral angle above 150°",
+            q.folded_edges.to_string(),
+        );
+        row(
+            ui,
+            "Self-intersections",
+            "pairs of triangles that meet elsewhere than at their own edges and corners",
+            q.self_intersections.to_string(),
+        );
+    });
+    let listed = q.self_intersections_at.iter().take(LISTED).enumerate();
+    ui.horizontal_wrapped(|ui| {
+        for (i, at) in listed {
+            if i == 0 {
+                ui.label("show");
+            }
+            if ui.link((i + 1).to_string()).clicked() {
+                let at = crate::mesh::DVec3::from_array(*at);
+                actions.push(Action::Report(ReportAction::Inspect(at)));
+            }
+        }
+    });
+}
+
+/// The reference, and how far both are apart.
+pub fn distance_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut Vec<Action>) {
+    let report = &model.report;
+    ui.horizontal_wrapped(|ui| {
+        if ui
+            .button("Choose a mesh…")
+            .on_hover_text("a file that what is shown is compared with (analyze --against)")
+            .clicked()
+        {
+            actions.push(Action::Report(ReportAction::AskReference));
+        }
+        if let Some((path, _)) = &report.loading {
+            ui.add(egui::Spinner::new().size(12.0));
+            ui.weak(file_name(path));
+        } else if let Some(reference) = &report.reference {
+            ui.label(file_name(&reference.path))
+                .on_hover_text(reference.path.display().to_string());
+            if ui.small_button("Remove").clicked() {
+                actions.push(Action::Report(ReportAction::DropReference));
+            }
+        }
+    });
+    if report.reference.is_none() {
+        return;
+    }
+    let mut style = model.view.style;
+    let mut coloured = style.mode == ViewMode::Distance;
+    if ui
+        .checkbox(&mut coloured, "Colour the view by distance")
+        .on_hover_text(
+            "of the surface that is drawn (limit surface or triangles), positive on the outer \
+             side of the reference; the range is set above the view",
+        )
+        .changed()
+    {
+        style.mode = if coloured {
+            ViewMode::Distance
+        } else {
+            ViewMode::Shaded
+        };
+        style.range = None;
+        actions.push(Action::Style(style));
+    }
+    let Some(d) = &measured.analysis.distances else {
+        ui.weak("measuring…");
+        return;
+    };
+    Grid::new("distances")
+        .striped(true)
+        .num_columns(4)
+        .spacing([8.0, 3.0])
+        .show(ui, |ui| {
+            for title in ["triangles", "RMS", "mean", "largest"] {
+                ui.strong(title);
+            }
+            ui.end_row();
+            for (name, one) in [
+                ("to reference", &d.to_reference),
+                ("from reference", &d.from_reference),
+            ] {
+                ui.label(name);
+                ui.label(short(one.rms));
+                ui.label(short(one.mean));
+                place(ui, one.max, one.max_at, actions);
+                ui.end_row();
+            }
+            ui.label("both");
+            ui.label(short(d.rms));
+            ui.label("");
+            ui.label(short(d.max));
+            ui.end_row();
+        });
+}
+
+fn file_name(path: &std::path::Path) -> String {
+    path.file_name().map_or_else(
+        || path.display().to_string(),
+        |n| n.to_string_lossy().into_owned(),
+    )
+}

@@ -1,0 +1,159 @@
+//! The report, in place of the controls while it is open.
+
+mod continuity;
+mod measures;
+mod section;
+mod view;
+
+use eframe::egui::{CollapsingHeader, Grid, RichText, ScrollArea, Spinner, Ui};
+
+use super::side::short;
+use crate::app::action::Action;
+use crate::app::model::Model;
+use crate::app::report::{Pick, ReportAction, ReportFile};
+use crate::mesh::DVec3;
+
+pub use view::{click, hint_words};
+
+/// All measures of what is shown.
+pub fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    header_ui(ui, model, actions);
+    ui.separator();
+    ScrollArea::vertical()
+        .auto_shrink([false; 2])
+        .show(ui, |ui| {
+            let Some(measured) = model.report.measured.clone() else {
+                let words = if model.report.measuring.is_some() {
+                    "measuring…"
+                } else {
+                    "nothing to measure"
+                };
+                ui.weak(words);
+                return;
+            };
+            part(ui, "Shape and energies", true, false, |ui| {
+                measures::shape_ui(ui, &measured);
+            });
+            part(ui, "Curvature", true, false, |ui| {
+                measures::curvature_ui(ui, model, &measured, actions);
+            });
+            part(ui, "Triangles", false, false, |ui| {
+                measures::quality_ui(ui, &measured, actions);
+            });
+            let wanted = model.report.loading.is_some();
+            part(ui, "Distance to a reference", false, wanted, |ui| {
+                measures::distance_ui(ui, model, &measured, actions);
+            });
+            let wanted = matches!(model.view.report.pick, Pick::Section(_));
+            part(ui, "Section and curvature comb", false, wanted, |ui| {
+                section::section_ui(ui, model, actions);
+            });
+            let wanted = model.view.report.pick == Pick::Edges;
+            part(ui, "Continuity", true, wanted, |ui| {
+                continuity::chains_ui(ui, model, &measured, actions);
+            });
+        });
+}
+
+/// A part of the report that folds; unfolded at first if `open`, and in any case while it is `wanted`.
+fn part(ui: &mut Ui, title: &str, open: bool, wanted: bool, body: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(RichText::new(title).strong())
+        .default_open(open)
+        .open(wanted.then_some(true))
+        .show_unindented(ui, body);
+}
+
+fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        for file in [ReportFile::Json, ReportFile::Measures] {
+            let name = file.extension().to_uppercase();
+            if ui
+                .button(format!("Copy {name}"))
+                .on_hover_text(format!("{}, to the clipboard", file.title()))
+                .clicked()
+            {
+                actions.push(Action::Report(ReportAction::Copy(file)));
+            }
+        }
+        ui.menu_button("Save", |ui| {
+            for file in ReportFile::ALL {
+                if ui.button(format!("{}…", file.title())).clicked() {
+                    actions.push(Action::Report(ReportAction::AskSave(file)));
+                    ui.close();
+                }
+            }
+        });
+    });
+    ui.horizontal(|ui| {
+        if let Some(measured) = &model.report.measured {
+            ui.weak(format!("of {}", measured.wanted.subject.words()));
+        }
+        if let Some((_, job)) = &model.report.measuring {
+            ui.add(Spinner::new().size(12.0));
+            if let Some(part) = job.progress() {
+                ui.weak(format!("{:.0} %", 100.0 * part));
+            }
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Vertices are");
+        for (on, title, tip) in [
+            (
+                false,
+                "control points",
+                "of the limit surface, as in what a fill makes (analyze)",
+            ),
+            (
+                true,
+                "on the surface",
+                "points that the limit surface passes, as of a scan or a refined mesh \
+                 (analyze --on-surface)",
+            ),
+        ] {
+            let chosen = model.view.report.on_surface == on;
+            if ui
+                .selectable_label(chosen, title)
+                .on_hover_text(tip)
+                .clicked()
+            {
+                actions.push(Action::Report(ReportAction::OnSurface(on)));
+            }
+        }
+    });
+}
+
+/// Two columns of words and values.
+fn grid(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui)) {
+    Grid::new(name)
+        .striped(true)
+        .num_columns(2)
+        .spacing([12.0, 3.0])
+        .show(ui, body);
+}
+
+fn row(ui: &mut Ui, name: &str, tip: &str, value: impl Into<String>) {
+    let label = ui.label(name);
+    if !tip.is_empty() {
+        label.on_hover_text(tip);
+    }
+    ui.label(value.into());
+    ui.end_row();
+}
+
+/// A number that leads to where it was found.
+fn place(ui: &mut Ui, value: f64, at: [f64; 3], actions: &mut Vec<Action>) {
+    let [x, y, z] = at;
+    if ui
+        .link(short(value))
+        .on_hover_text(format!(
+            "show where: {}, {}, {}",
+            short(x),
+            short(y),
+            short(z)
+        ))
+        .clicked()
+    {
+        let action = ReportAction::Inspect(DVec3::from_array(at));
+        actions.push(Action::Report(action));
+    }
+}

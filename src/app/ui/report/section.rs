@@ -1,0 +1,108 @@
+//! The section and its comb.
+
+use eframe::egui::{Button, Slider, Ui};
+
+use super::{grid, row};
+use crate::app::action::Action;
+use crate::app::model::Model;
+use crate::app::report::{Across, Pick, ReportAction, natural_length};
+use crate::app::ui::side::short;
+
+/// Choice of the plane, figures, and how the comb is drawn.
+pub fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let view = &model.view.report;
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Click a point, cut across");
+        for (across, title, tip) in [
+            (Across::Axis(0), "x", "perpendicular to the x axis"),
+            (Across::Axis(1), "y", "perpendicular to the y axis"),
+            (Across::Axis(2), "z", "perpendicular to the z axis"),
+            (
+                Across::View,
+                "the view",
+                "upright in the view, along the line of sight",
+            ),
+        ] {
+            let chosen = view.pick == Pick::Section(across);
+            if ui
+                .add(Button::selectable(chosen, title))
+                .on_hover_text(format!(
+                    "then click the surface: the plane goes through that point, {tip}"
+                ))
+                .clicked()
+            {
+                let pick = if chosen {
+                    Pick::Holes
+                } else {
+                    Pick::Section(across)
+                };
+                actions.push(Action::Report(ReportAction::Pick(pick)));
+            }
+        }
+        if view.cut.is_some() && ui.button("Remove").clicked() {
+            actions.push(Action::Report(ReportAction::DropCut));
+        }
+    });
+    let Some(cut) = &model.report.cut else {
+        return;
+    };
+    let section = &cut.section;
+    let mut comb = view.comb;
+    let points = section.curves.iter().flat_map(|c| &c.points);
+    let known = points.map(|p| if comb.own { p.curvature } else { p.averaged });
+    let known: Vec<f64> = known.filter(|k| k.is_finite()).collect();
+    grid(ui, "section", |ui| {
+        let length: f64 = section.curves.iter().map(|c| c.length).sum();
+        row(
+            ui,
+            "Curves, length",
+            "connected curves; sum of their lengths",
+            format!("{}, {}", section.curves.len(), short(length)),
+        );
+        if let (Some(low), Some(high)) = (
+            known.iter().copied().reduce(f64::min),
+            known.iter().copied().reduce(f64::max),
+        ) {
+            row(
+                ui,
+                "Curvature",
+                "of the plane curve; negative where it bends away from the normals, as on a sphere",
+                format!("{} to {}", short(low), short(high)),
+            );
+        }
+    });
+    let radius = model.document.origin.bounds.radius();
+    let natural = natural_length(section, &comb, radius);
+    let mut length = comb.length.unwrap_or(natural);
+    let mut longer = false;
+    ui.horizontal(|ui| {
+        let label = ui.label("Length of the teeth");
+        let slider = Slider::new(&mut length, natural * 0.02..=natural * 50.0)
+            .logarithmic(true)
+            .custom_formatter(|x, _| short(x));
+        longer = ui
+            .add(slider)
+            .labelled_by(label.id)
+            .on_hover_text(
+                "length at the curvature of a sphere of the model's radius, in these radii",
+            )
+            .changed();
+    });
+    if longer {
+        comb.length = Some(length);
+    }
+    ui.horizontal(|ui| {
+        let label = ui.label("Density of the teeth");
+        let slider = Slider::new(&mut comb.density, 5.0..=400.0);
+        ui.add(slider.logarithmic(true).integer())
+            .labelled_by(label.id)
+            .on_hover_text("teeth in the length of the model's radius, as far as there are points");
+    });
+    ui.checkbox(&mut comb.own, "not averaged").on_hover_text(
+        "the limit surface's own curvature: with jumps at the edges of a G2 break and spikes at \
+         irregular vertices, where it has none",
+    );
+    if comb != view.comb {
+        actions.push(Action::Report(ReportAction::Comb(comb)));
+    }
+}

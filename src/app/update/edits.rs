@@ -1,0 +1,125 @@
+//! Changes of the mesh without a flow.
+
+use std::sync::Arc;
+
+use crate::app::action::Action;
+use crate::app::document::{Accepted, Work};
+use crate::app::model::Model;
+use crate::fill::{Schedule, bridge as build_bridge, stretch_at};
+use crate::mesh::{DVec3, Mesh, erase as erase_faces, face_flags};
+
+/// Carries out the actions of this kind.
+pub fn update(model: &mut Model, action: &Action) {
+    match *action {
+        Action::Erase => erase(model),
+        Action::Flip(i) => flip(model, i),
+        Action::Bridge(ends, width) => bridge(model, ends, width),
+        _ => {}
+    }
+}
+
+/// The selected faces, if there are any.
+pub fn selected_faces(model: &mut Model) -> Option<Arc<Vec<u32>>> {
+    if model.run.is_some() {
+        model
+            .log
+            .info("accept or reject the patch before changing something else");
+        return None;
+    }
+    if model.document.faces.is_empty() {
+        model
+            .log
+            .warning("no face is selected: paint over the place with the brush, or use the lasso");
+        return None;
+    }
+    Some(Arc::clone(&model.document.faces))
+}
+
+/// Takes in what needs no flow.
+fn accept_at_once(model: &mut Model, work: Work, mesh: Mesh, kept: Option<&[u32]>) {
+    let label = work.label();
+    model.history.record(&model.document, label.clone(), None);
+    let end = mesh.face_count();
+    // only what is there already may be erased
+    let start = match kept {
+        Some(_) => end,
+        None => model.document.mesh.face_count(),
+    };
+    let done = Accepted {
+        work,
+        controls: model.document.controls.clone(),
+        schedule: Schedule::default(),
+        faces: start..end,
+    };
+    model.document.accept(mesh, kept, done);
+    model.revision += 1;
+    model.view.hover = None;
+    model.log.info(label);
+}
+
+fn erase(model: &mut Model) {
+    let Some(faces) = selected_faces(model) else {
+        return;
+    };
+    let mesh = &model.document.mesh;
+    if faces.len() == mesh.face_count() {
+        model
+            .log
+            .warning("all faces are selected: nothing would be left; Ctrl takes faces away");
+        return;
+    }
+    let erased = erase_faces(mesh, &face_flags(&faces, mesh.face_count()));
+    accept_at_once(
+        model,
+        Work::Erase(faces),
+        erased.mesh,
+        Some(&erased.old_face),
+    );
+}
+
+/// Builds a strip between two rim vertices.
+fn bridge(model: &mut Model, ends: [DVec3; 2], width: usize) {
+    if model.run.is_some() {
+        return;
+    }
+    let (mesh, loops) = (&model.document.mesh, &model.document.loops);
+    let [Some(from), Some(to)] = ends.map(|p| stretch_at(mesh, loops, p, width)) else {
+        return;
+    };
+    match build_bridge(mesh, loops, from, to) {
+        Ok(bridged) => {
+            accept_at_once(model, Work::Bridge(ends, width), bridged, None);
+            model.view.bridging = None;
+        }
+        Err(error) => model.log.error(error.to_string()),
+    }
+}
+
+/// Turns over the component of a loop, by its index.
+fn flip(model: &mut Model, i: usize) {
+    if model.run.is_some() {
+        model
+            .log
+            .info("accept or reject the patch before changing something else");
+        return;
+    }
+    let Some(l) = model.document.loops.get(i) else {
+        return;
+    };
+    let mesh = model.document.mesh.turned_over(&[l.component]);
+    let work = Work::Flip(l.number);
+    let before = std::mem::take(&mut model.document.selection);
+    let places: Vec<DVec3> = before
+        .iter()
+        .map(|&i| model.document.loops[i].centroid)
+        .collect();
+    model.document.selection = before;
+    accept_at_once(model, work, mesh, None);
+    // the same rims stay gathered, by their new numbers
+    let loops = &model.document.loops;
+    let nearest = |p: &DVec3| {
+        let far = |i: &usize| loops[*i].centroid.distance_squared(*p);
+        (0..loops.len()).min_by(|a, b| far(a).total_cmp(&far(b)))
+    };
+    model.document.selection = places.iter().filter_map(nearest).collect();
+}

@@ -1,0 +1,101 @@
+//! Shapes of a refinement on its way.
+
+use std::sync::Arc;
+
+use crate::live::Kept;
+use crate::mesh::{DVec3, Mesh, Topology};
+use crate::refine::{Method, Refinement};
+
+/// What the states of one level share.
+#[derive(Clone, Debug)]
+pub struct LevelFrame {
+    /// The level; 0 is the mesh as it was given.
+    pub level: usize,
+    /// Connectivity; the given vertices come first.
+    pub topology: Arc<Topology>,
+    /// Colours of the vertices; empty if the mesh has none.
+    pub colors: Vec<[f32; 4]>,
+    /// Tags of the faces, as in [`Mesh::face_tags`].
+    pub face_tags: Vec<u32>,
+    /// Whether `control` of the states is the control mesh of a smooth limit surface (not for
+    /// Butterfly, whose mesh is all there is).
+    pub has_limit: bool,
+}
+
+/// A refined mesh at one moment.
+#[derive(Clone, Debug)]
+pub struct RefineState {
+    /// Serial number, never used twice in one refinement.
+    pub index: usize,
+    /// Attempted steps before it, those of all levels.
+    pub attempt: usize,
+    /// Accepted steps of its level.
+    pub step: usize,
+    /// Connectivity and attributes; the same `Arc` for all states of a level.
+    pub frame: Arc<LevelFrame>,
+    /// The vertices of the refined mesh: points of the limit surface (of the scheme), the given ones
+    /// as they were.
+    pub points: Arc<[DVec3]>,
+    /// Control points of the limit surface over the same connectivity.
+    pub control: Arc<[DVec3]>,
+    /// Energy by the rule of the steps; NaN before the first step of a level.
+    pub energy: f64,
+    /// Residual of the step; `None` at the start of a level.
+    pub residual: Option<f64>,
+    /// Time step of the step; 0 at the start of a level.
+    pub tau: f64,
+}
+
+impl LevelFrame {
+    pub(super) fn of(refinement: &Refinement) -> Self {
+        Self {
+            level: refinement.level(),
+            topology: Arc::clone(refinement.topology()),
+            colors: refinement.colors().to_vec(),
+            face_tags: refinement.face_tags().to_vec(),
+            has_limit: refinement.options().method != Method::Butterfly,
+        }
+    }
+}
+
+impl RefineState {
+    /// The refined mesh with the attributes of the given one.
+    pub fn mesh(&self, given: &Mesh) -> Mesh {
+        self.with(given, &self.points)
+    }
+
+    /// The control mesh of its limit surface, likewise.
+    pub fn control_mesh(&self, given: &Mesh) -> Mesh {
+        self.with(given, &self.control)
+    }
+
+    fn with(&self, given: &Mesh, positions: &[DVec3]) -> Mesh {
+        let mut mesh = Mesh::new(positions.to_vec(), (*self.frame.topology).clone());
+        mesh.colors.clone_from(&self.frame.colors);
+        mesh.face_tags.clone_from(&self.frame.face_tags);
+        mesh.tags.clone_from(&given.tags);
+        mesh.one_sided.clone_from(&given.one_sided);
+        mesh.one_sided_tags.clone_from(&given.one_sided_tags);
+        mesh
+    }
+}
+
+impl Kept for RefineState {
+    fn index(&self) -> usize {
+        self.index
+    }
+
+    fn bytes(&self, before: Option<&Self>) -> usize {
+        let frame = if before.is_some_and(|s| Arc::ptr_eq(&s.frame, &self.frame)) {
+            0
+        } else {
+            let frame = &self.frame;
+            frame.topology.bytes() + frame.colors.len() * 16 + frame.face_tags.len() * 4
+        };
+        let mut positions = self.points.len();
+        if !Arc::ptr_eq(&self.points, &self.control) {
+            positions += self.control.len();
+        }
+        frame + positions * size_of::<DVec3>()
+    }
+}
