@@ -51,7 +51,7 @@ pub struct RefineOptions {
 /// Most levels: 4^12 triangles of each.
 pub const MAX_LEVELS: usize = 12;
 /// Weight of the area in [`natural_tension`], in units of the inverse squared edge length.
-pub const TENSION: f64 = 2.0;
+pub const TENSION: f64 = 4.0;
 
 impl RefineOptions {
     /// Three levels by the flow of the given energy, everything else at its default.
@@ -99,7 +99,7 @@ impl RefineOptions {
 }
 
 /// The tension ([`FlowOptions::tension`]) that makes bending and area balance over the mesh's own edge
-/// length, `2 r²/h²` with `h` the mean edge length and `r` the [`radius`]: the surface does not bulge
+/// length, `4 r²/h²` with `h` the mean edge length and `r` the [`radius`]: the surface does not bulge
 /// between sparse vertices. `H²` alone knows no scale and inflates what the mesh leaves open.
 pub fn natural_tension(mesh: &Mesh) -> f64 {
     let topology = &mesh.topology;
