@@ -20,7 +20,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("meniscus: {error:#}");
+            eprintln!("meniscus: {}", words(&error));
             if error.is::<UsageError>() {
                 ExitCode::from(2)
             } else {
@@ -28,4 +28,15 @@ fn main() -> ExitCode {
             }
         }
     }
+}
+
+/// The message with its causes, but for those it names itself.
+fn words(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text
 }

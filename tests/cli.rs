@@ -778,3 +778,14 @@ fn the_demo_fills_its_sample() {
     assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
     assert!(desk.bytes("there/again/filled.obj") == desk.bytes(&name("filled.obj")));
 }
+
+#[test]
+fn a_message_says_everything_once() {
+    let desk = Desk::new();
+    let faces = (0..5).map(|i| format!("f {} {} {}\n", i + 1, (i + 1) % 5 + 1, (i + 2) % 5 + 1));
+    let strip = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 1\nv 0 0 1\n".to_owned();
+    desk.write("strip.obj", &(strip + &faces.collect::<String>()));
+    let run = desk.run(&["fill", "strip.obj", "-o", "out.obj"]);
+    let run = run.fails(1, &["one-sided", "strip.obj"]);
+    assert_eq!(run.stderr.matches("one-sided").count(), 1, "{}", run.stderr);
+}
