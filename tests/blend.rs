@@ -7,7 +7,9 @@ use std::process::{Command, Output};
 
 use common::judge::{Keep, Verdict, judge};
 use common::raw::{self, RawMesh};
-use meniscus::mesh::DVec3;
+use meniscus::io::save_mesh;
+use meniscus::mesh::shapes::sphere;
+use meniscus::mesh::{DVec3, FaceId, Mesh, Topology, boundary_loops, erase};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -210,6 +212,30 @@ fn refilling_erases_and_fills_and_fairing_keeps_the_triangles() {
     desk.fails(2, &["refill", "in.obj", "-o", "out.obj", "--ball", "0,0,0"]);
     let wrong = ["refill", "in.obj", "-o", "out.obj", "--faces", "7,x"];
     assert!(desk.fails(2, &wrong).contains("`x`"));
+}
+
+/// Two bowls open to the same side: their rims look like borders of open surfaces.
+#[test]
+fn where_each_piece_has_one_rim_nothing_else_can_be_meant() {
+    let desk = Desk::with("torus");
+    let (positions, triangles) = sphere(900, 3);
+    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a ball");
+    let ball = Mesh::new(positions, topology);
+    let high = |f: usize| ball.corners(FaceId::from(f)).iter().any(|p| p.z > -0.5);
+    let bowl = erase(&ball, &(0..ball.face_count()).map(high).collect::<Vec<_>>()).mesh;
+    let (mut points, mut faces) = (Vec::new(), Vec::new());
+    for x in [0.0, 3.0] {
+        let first = points.len() as u32;
+        points.extend(bowl.positions.iter().map(|&p| p + x * DVec3::X));
+        faces.extend(bowl.topology.triangles().map(|t| t.map(|v| v + first)));
+    }
+    let topology = Topology::from_triangles(points.len(), &faces).expect("two bowls");
+    let mesh = Mesh::new(points, topology);
+    assert!(boundary_loops(&mesh).iter().all(|l| l.outer_rim));
+    save_mesh(&desk.path("in.obj"), &mesh, &[]).expect("written");
+    desk.runs(&["blend", "in.obj", "-o", "out.obj"]);
+    let verdict = desk.verdict(Keep::Everything);
+    assert_eq!((verdict.loops_left, verdict.components), (0, 1));
 }
 
 #[test]

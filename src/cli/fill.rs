@@ -177,8 +177,12 @@ pub fn fill_opened(args: &FillArguments, start: &Start, task: Task) -> Result<()
     } = start;
     let mesh = &opened.mesh;
     let loops = boundary_loops(mesh);
-    let chosen = chosen_loops(args, opened, &loops)?;
+    let mut chosen = chosen_loops(args, opened, &loops)?;
     let auto = args.loop_at.is_empty() && args.loops == LoopChoice::Auto;
+    if auto && task == Task::Blend && chosen.len() < 2 && is_one_each(&loops) {
+        // wherever they look, nothing else can be meant
+        chosen = (0..loops.len()).collect();
+    }
     let gaps = task.gaps(args, mesh, &loops, &chosen)?;
     let joined: Vec<usize> = gaps.iter().flatten().map(|l| l.number - 1).collect();
     let skipped = skipped(&loops, &joined, auto);
@@ -300,6 +304,13 @@ fn summary(report: &FillReport<'_>) -> Result<()> {
         t.faces_added,
         t.seconds
     ))
+}
+
+/// Whether no component has two of the loops.
+fn is_one_each(loops: &[BoundaryLoop]) -> bool {
+    let mut components: Vec<u32> = loops.iter().map(|l| l.component).collect();
+    components.sort_unstable();
+    components.windows(2).all(|pair| pair[0] != pair[1])
 }
 
 fn nothing_to_do(loops: usize) -> String {
