@@ -99,11 +99,10 @@ fn samples_are_blended() {
 fn joins_get_smoother_with_density() {
     let angle = |around: usize| {
         let (positions, triangles) = meniscus::mesh::shapes::four_cylinders(around);
-        let topology =
-            meniscus::mesh::Topology::from_triangles(positions.len(), &triangles).expect("tubes");
-        let mesh = meniscus::mesh::Mesh::new(positions, topology);
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("tubes");
+        let mesh = Mesh::new(positions, topology);
         let desk = Desk(tempfile::tempdir().expect("a temporary folder"));
-        meniscus::io::save_mesh(&desk.path("in.obj"), &mesh, &[]).expect("written");
+        save_mesh(&desk.path("in.obj"), &mesh, &[]).expect("written");
         desk.runs(&["blend", "in.obj", "-o", "out.obj"]);
         desk.verdict(Keep::Everything).rim_angle
     };
