@@ -3,17 +3,8 @@
 # and docs/fig2.md. MENISCUS names a program to use; without it one is built.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-meniscus=${MENISCUS:-}
-if [ -z "$meniscus" ]; then
-    . scripts/prepare.sh
-    prepare
-    prepare_window
-    cargo build --release --locked --bin meniscus
-    meniscus=target/release/meniscus
-fi
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-mkdir -p docs/pictures
+. scripts/prepare.sh
+prepare_pictures
 look=(--camera iso --up z --size 640x480)
 "$meniscus" sample four-cylinders -o "$scratch/in.obj"
 "$meniscus" render "$scratch/in.obj" -o docs/pictures/fig2-a.png --view shaded "${look[@]}"

@@ -4,17 +4,8 @@
 # built. A mesh named as the argument takes the place of the built-in torus.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-meniscus=${MENISCUS:-}
-if [ -z "$meniscus" ]; then
-    . scripts/prepare.sh
-    prepare
-    prepare_window
-    cargo build --release --locked --bin meniscus
-    meniscus=target/release/meniscus
-fi
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-mkdir -p docs/pictures
+. scripts/prepare.sh
+prepare_pictures
 look=(--camera iso --up z --size 480x400)
 
 # torus FILE: 10 x 6 vertices on the Clifford torus, no diagonal in line with its neighbour

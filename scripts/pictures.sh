@@ -3,13 +3,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . scripts/prepare.sh
-prepare
-prepare_window
-cargo build --release --locked --bin meniscus
-meniscus=target/release/meniscus
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-mkdir -p docs/pictures
+prepare_pictures
 "$meniscus" sample creature -o "$scratch/creature.obj"
 "$meniscus" fill "$scratch/creature.obj" -o "$scratch/filled.obj" --quiet \
     --picture docs/pictures/filled.png --size 640x480

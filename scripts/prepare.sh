@@ -90,3 +90,18 @@ prepare_tests() {
     command -v xdotool >/dev/null 2>&1 || missing+=(xdotool)
     [ ${#missing[@]} -eq 0 ] || install "${missing[@]}"
 }
+
+# What the pictures of docs/ need: the program to make them with as `meniscus` (MENISCUS names one; without it
+# one is built), a folder that is gone afterwards as `scratch`, and a place for them.
+prepare_pictures() {
+    meniscus=${MENISCUS:-}
+    if [ -z "$meniscus" ]; then
+        prepare
+        prepare_window
+        cargo build --release --locked --bin meniscus
+        meniscus=target/release/meniscus
+    fi
+    scratch=$(mktemp -d)
+    trap 'rm -rf "$scratch"' EXIT
+    mkdir -p docs/pictures
+}

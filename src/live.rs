@@ -1,6 +1,7 @@
 //! What every flow in the background has in common: how it starts, and the states kept of it.
 
-use std::sync::Arc;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How a flow in the background starts.
@@ -18,6 +19,17 @@ pub struct LiveSettings {
 pub(crate) fn until_next_round(pace: Option<f64>, last_round: Instant) -> Duration {
     let period = pace.map_or(0.0, |pace| 1.0 / pace.max(1e-3));
     Duration::from_secs_f64(period).saturating_sub(last_round.elapsed())
+}
+
+/// Runs the work of a background thread on a pool of its own, so that no one else has to wait for a long
+/// step; `Err` is a panic's payload.
+pub(crate) fn on_own_pool<T: Send>(work: impl FnOnce() -> T + Send) -> std::thread::Result<T> {
+    catch_unwind(AssertUnwindSafe(|| {
+        match rayon::ThreadPoolBuilder::new().build() {
+            Ok(pool) => pool.install(work),
+            Err(_) => work(),
+        }
+    }))
 }
 
 /// A state that a [`Timeline`] can keep.
@@ -76,6 +88,41 @@ impl<S: Kept> Timeline<S> {
             let states = self.states.iter().enumerate();
             self.bytes = states.map(|(i, s)| s.bytes(before(i))).sum();
         }
+    }
+}
+
+/// A timeline that one thread fills and another looks at, neither waiting for long.
+#[derive(Debug)]
+pub(crate) struct SharedTimeline<S>(Arc<Mutex<Arc<Timeline<S>>>>);
+
+impl<S> Clone for SharedTimeline<S> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<S: Kept> SharedTimeline<S> {
+    /// An empty one that may take `limit` bytes.
+    pub fn new(limit: usize) -> Self {
+        Self(Arc::new(Mutex::new(Arc::new(Timeline::new(limit)))))
+    }
+
+    /// The timeline as it is now.
+    pub fn now(&self) -> Arc<Timeline<S>> {
+        Arc::clone(&self.lock())
+    }
+
+    /// Adds a state.
+    pub fn push(&self, state: Arc<S>)
+    where
+        Timeline<S>: Clone,
+    {
+        Arc::make_mut(&mut self.lock()).push(state);
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Arc<Timeline<S>>> {
+        // a timeline is whole between any two of its operations
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -26,6 +26,18 @@ pub struct CurvatureReport {
     pub k2: Range,
 }
 
+impl CurvatureReport {
+    /// All four with their names.
+    pub fn named(&self) -> [(&'static str, &Range); 4] {
+        [
+            ("H", &self.mean),
+            ("K", &self.gauss),
+            ("k1", &self.k1),
+            ("k2", &self.k2),
+        ]
+    }
+}
+
 /// Distribution of a quantity over a surface, at the points of the 12-point rule.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Range {

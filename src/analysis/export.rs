@@ -90,13 +90,7 @@ pub fn sections_csv(sections: &[Section]) -> String {
 pub fn measures_csv(analysis: &Analysis) -> String {
     let mut table = Table(String::from("of,measure,value,x,y,z,remark\n"));
     shape_rows(&mut table, analysis);
-    let c = &analysis.curvature;
-    for (name, range) in [
-        ("H", &c.mean),
-        ("K", &c.gauss),
-        ("k1", &c.k1),
-        ("k2", &c.k2),
-    ] {
+    for (name, range) in analysis.curvature.named() {
         range_rows(&mut table, name, range);
     }
     for chain in &analysis.chains {

@@ -1,11 +1,13 @@
 //! Flows of both kinds behind one face: fills and refinements.
 
+mod figures;
+
 use std::sync::Arc;
 
 use crate::fill::{Controls, LiveEvent, LiveFill, Schedule, State};
 use crate::mesh::{DVec3, Mesh, Topology};
 use crate::refine::{LiveRefine, RefineEvent, RefineState, natural_tension};
-use crate::solver::{End, FlowOptions, StepRecord};
+use crate::solver::{FlowOptions, StepRecord};
 
 /// A flow in the background.
 pub enum Live {
@@ -43,29 +45,6 @@ pub enum Said {
     Warning(String),
     /// An error.
     Error(String),
-}
-
-/// A row of figures: of a group of holes, or of a refinement.
-#[derive(Clone, Debug, Default)]
-pub struct Figures {
-    /// Loops solved together; of a refinement the level.
-    pub holes: Vec<usize>,
-    /// Accepted steps at the state that is shown.
-    pub step: Option<usize>,
-    /// Time step over the natural time.
-    pub relative_tau: Option<f64>,
-    /// Energy at the state.
-    pub energy: Option<f64>,
-    /// Residual at the state.
-    pub residual: Option<f64>,
-    /// Rejected attempts.
-    pub rejected: usize,
-    /// Smallest angle of a triangle, degrees.
-    pub angle: Option<f64>,
-    /// How it has ended.
-    pub end: Option<Result<End, String>>,
-    /// What it is busy with.
-    pub doing: String,
 }
 
 impl Live {
@@ -240,9 +219,16 @@ impl Live {
 
     /// All kept states, oldest first.
     pub fn states(&self) -> Vec<Shape> {
-        (0..self.state_count())
-            .filter_map(|i| self.state(i))
-            .collect()
+        match self {
+            Self::Fill(live) => {
+                let states = live.timeline().states.clone();
+                states.into_iter().map(Shape::Fill).collect()
+            }
+            Self::Refine(live) => {
+                let states = live.timeline().states.clone();
+                states.into_iter().map(Shape::Refine).collect()
+            }
+        }
     }
 
     /// The first state with the vertices of another.
@@ -312,14 +298,6 @@ impl Live {
             Self::Refine(_) => None,
         }
     }
-
-    /// A row for each group, at the state that is shown.
-    pub fn figures(&self, shown: Option<&Shape>) -> Vec<Figures> {
-        match self {
-            Self::Fill(live) => fill_figures(live, shown),
-            Self::Refine(live) => vec![refine_figures(live, shown)],
-        }
-    }
 }
 
 fn crossing_words(live: &LiveFill, text: &str, last_good: Option<usize>) -> String {
@@ -330,70 +308,6 @@ fn crossing_words(live: &LiveFill, text: &str, last_good: Option<usize>) -> Stri
         format!("; state {number} is the last that was looked at and does not")
     });
     format!("the surface passes through itself or the mesh: {text}{back}")
-}
-
-fn fill_figures(live: &LiveFill, shown: Option<&Shape>) -> Vec<Figures> {
-    let state = match shown {
-        Some(Shape::Fill(state)) => Some(state),
-        _ => None,
-    };
-    let groups = live.groups().iter().enumerate();
-    groups
-        .map(|(g, group)| {
-            let at = state.and_then(|s| s.groups.get(g));
-            let end = match (&group.failed, group.end) {
-                (Some(text), _) => Some(Err(text.clone())),
-                (None, end) => end.map(Ok),
-            };
-            let iterations = live.records(g).last().and_then(|r| r.iterations);
-            let iterations = iterations.map_or_else(String::new, |n| format!("GMRES {n}  "));
-            let eta = group.eta;
-            let eta = eta.map_or_else(String::new, |s| format!("about {} s to go", s.ceil()));
-            Figures {
-                holes: group.holes.clone(),
-                step: at.map(|s| s.step),
-                relative_tau: Some(group.tau / group.tau_ref),
-                energy: at.map(|s| s.energy),
-                residual: at.and_then(|s| s.residual).or(group.residual),
-                rejected: group.rejected,
-                angle: at.map(|s| s.worst_angle),
-                end,
-                doing: iterations + &eta,
-            }
-        })
-        .collect()
-}
-
-fn refine_figures(live: &LiveRefine, shown: Option<&Shape>) -> Figures {
-    let status = live.status();
-    let state = match shown {
-        Some(Shape::Refine(state)) => Some(state),
-        _ => None,
-    };
-    let end = match &status.failed {
-        Some(text) => Some(Err(text.clone())),
-        None if status.ended => Some(Ok(match live.levels().last().map(|l| l.end) {
-            Some("steps") => End::Steps,
-            Some("stuck") => End::Stuck,
-            Some("cancelled") => End::Cancelled,
-            _ => End::Converged,
-        })),
-        None => None,
-    };
-    Figures {
-        holes: state.map(|s| s.frame.level).into_iter().collect(),
-        step: state.map(|s| s.step),
-        relative_tau: status.relative_tau,
-        energy: state.map(|s| s.energy).filter(|e| e.is_finite()),
-        residual: state.and_then(|s| s.residual).or(status.residual),
-        rejected: live.records().iter().filter(|(_, r)| r.rejected).count(),
-        angle: None,
-        end,
-        doing: format!(
-            "level {} of {}, {} vertices",
-            status.level, status.levels, status.vertices
-        ),
-    }
 }
 
 impl Shape {

@@ -161,6 +161,16 @@ impl Model {
         self.revision != self.saved_revision
     }
 
+    /// Whether a run waits to be accepted or rejected; the person is told to do that before `what`.
+    pub fn is_busy(&mut self, what: &str) -> bool {
+        let busy = self.run.is_some();
+        if busy {
+            let text = format!("accept or reject the patch before {what}");
+            self.log.info(text);
+        }
+        busy
+    }
+
     /// Puts another document in place of this one.
     pub fn replace(&mut self, document: Document) {
         self.run = None;

@@ -15,20 +15,21 @@ pub struct Seam {
     pub jump: Option<f64>,
 }
 
-/// Measures the rims of the faces that flow. `sharp` are the edges of G0 rims.
+/// Measures the rims of the faces that flow: those from `first` on and `others`, which are ascending.
+/// `sharp` are the edges of G0 rims.
 pub fn seam(
     topology: &Topology,
     positions: &[DVec3],
-    flows: &dyn Fn(FaceId) -> bool,
+    first: usize,
+    others: &[u32],
     sharp: &[[VertexId; 2]],
 ) -> Seam {
     let mut edges: Vec<[VertexId; 2]> = sharp.iter().map(|&e| ordered(e)).collect();
     edges.sort_unstable();
     let (mut smooth, mut creased) = (Vec::new(), Vec::new());
-    for f in (0..topology.face_count())
-        .map(FaceId::from)
-        .filter(|&f| flows(f))
-    {
+    let flows = &|f: FaceId| f.index() >= first || others.binary_search(&f.0).is_ok();
+    let patch = (first..topology.face_count()).map(FaceId::from);
+    for f in others.iter().copied().map(FaceId).chain(patch) {
         let mut h = topology.halfedge_of_face(f);
         for _ in 0..3 {
             let beyond = topology.face(h.twin());
@@ -140,18 +141,18 @@ mod tests {
     #[test]
     fn a_smooth_sphere_has_no_seam_and_a_flat_lid_has_one() {
         let (topology, round, first, rim) = cut_sphere(1.0);
-        let smooth = seam(&topology, &round, &|f| f.index() >= first, &[]);
+        let smooth = seam(&topology, &round, first, &[], &[]);
         assert_eq!(smooth.angle, None);
         // H = -1 on either side, up to the discretisation: (2 pi / 5 / 24)^2
         assert!(smooth.jump.expect("a rim") < 0.01, "{smooth:?}");
         // ghosts at a jagged rim turn its normals by about an edge, 360 / (5 * 24) degrees
-        let creased = seam(&topology, &round, &|f| f.index() >= first, &rim);
+        let creased = seam(&topology, &round, first, &[], &rim);
         assert_eq!(creased.jump, None);
         assert!(creased.angle.expect("a rim") < 6.0, "{creased:?}");
 
         // the lid flattened to nothing is a disc at right angles to the half sphere
         let (topology, flat, first, rim) = cut_sphere(1e-9);
-        let angle = seam(&topology, &flat, &|f| f.index() >= first, &rim)
+        let angle = seam(&topology, &flat, first, &[], &rim)
             .angle
             .expect("a rim");
         assert!((80.0..=100.0).contains(&angle), "{angle}");
@@ -162,11 +163,10 @@ mod tests {
         let (topology, positions, first, rim) = cut_sphere(0.6);
         let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
         let moved: Vec<DVec3> = positions.iter().map(|&p| turn * p * 4.0).collect();
-        let [a, b] = [&positions, &moved].map(|p| seam(&topology, p, &|f| f.index() >= first, &[]));
+        let [a, b] = [&positions, &moved].map(|p| seam(&topology, p, first, &[], &[]));
         let [a, b] = [a.jump.expect("a rim"), b.jump.expect("a rim")];
         assert!((a - 4.0 * b).abs() < 1e-9 * a, "{a} {b}");
-        let [a, b] =
-            [&positions, &moved].map(|p| seam(&topology, p, &|f| f.index() >= first, &rim));
+        let [a, b] = [&positions, &moved].map(|p| seam(&topology, p, first, &[], &rim));
         let [a, b] = [a.angle.expect("a rim"), b.angle.expect("a rim")];
         assert!((a - b).abs() < 1e-6, "{a} {b}");
     }

@@ -123,13 +123,7 @@ fn text(input: &str, analysis: &Analysis) -> Result<String, std::fmt::Error> {
     if let Some(given) = e.given {
         writeln!(out, "  energy given: {given:.6e}")?;
     }
-    let c = &analysis.curvature;
-    for (name, range) in [
-        ("H", &c.mean),
-        ("K", &c.gauss),
-        ("k1", &c.k1),
-        ("k2", &c.k2),
-    ] {
+    for (name, range) in analysis.curvature.named() {
         writeln!(out, "  {}", curvature_line(name, range))?;
     }
     writeln!(

@@ -3,18 +3,15 @@
 use anyhow::{Result, bail};
 
 use crate::cli::args::BridgeArguments;
+use crate::cli::edit::opened;
 use crate::cli::print::print;
 use crate::fill::{self, stretch_at};
-use crate::io::{check_target, open, same_file, save_mesh};
+use crate::io::save_mesh;
 use crate::mesh::boundary_loops;
 
 /// Runs the command.
 pub fn bridge(args: &BridgeArguments) -> Result<()> {
-    if same_file(&args.output, &args.input) {
-        bail!("OUT is the same file as IN; give another name, nothing was overwritten");
-    }
-    check_target(&args.output)?;
-    let opened = open(&args.input)?;
+    let opened = opened(&args.input, &args.output)?;
     let mesh = &opened.mesh;
     let loops = boundary_loops(mesh);
     let end = |point| stretch_at(mesh, &loops, point, args.width);

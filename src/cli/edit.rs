@@ -126,7 +126,7 @@ impl SelectionArguments {
 }
 
 /// Opens IN, after a look at whether OUT can be written.
-fn opened(input: &Path, output: &Path) -> Result<Opened> {
+pub fn opened(input: &Path, output: &Path) -> Result<Opened> {
     if same_file(output, input) {
         bail!("OUT is the same file as IN; give another name, nothing was overwritten");
     }

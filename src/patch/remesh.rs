@@ -92,7 +92,8 @@ impl Film {
     }
 }
 
-fn area(s: &Surface) -> f64 {
+/// Area of all its triangles.
+pub(super) fn area(s: &Surface) -> f64 {
     (0..s.corner.len() as u32)
         .step_by(3)
         .filter(|&h| !s.is_dead(h))

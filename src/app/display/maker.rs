@@ -184,10 +184,15 @@ impl Maker {
         });
         let bounds = Bounds::of(positions.iter().copied()).unwrap_or(request.bounds);
         let first = request.mesh.face_count();
-        let flows = |f: FaceId| f.index() >= first || split.is_faired(f);
-        let seam = state
-            .is_some_and(|state| !state.is_whole())
-            .then(|| seam(topology, &positions, &flows, &request.creases));
+        let seam = state.is_some_and(|state| !state.is_whole()).then(|| {
+            seam(
+                topology,
+                &positions,
+                first,
+                &request.faired,
+                &request.creases,
+            )
+        });
         Display {
             surfaces,
             highlights: Vec::new(),
@@ -245,10 +250,6 @@ impl Split {
             original: request.original,
             topology: key,
         }
-    }
-
-    fn is_faired(&self, f: FaceId) -> bool {
-        self.faired.binary_search(&f.0).is_ok()
     }
 
     /// The listed faces as they are in the surfaces, flagged as selected.

@@ -1,8 +1,10 @@
 //! The panels: functions of the model that collect actions.
 
+mod bridge;
 mod controls;
 mod dialogs;
 mod energy;
+mod legend;
 mod menu;
 mod navigation;
 mod refine;
@@ -36,7 +38,7 @@ pub struct UiState {
     /// The stroke or lasso that is under way.
     pub draft: Option<repair::Draft>,
     /// Range of the colour map that is shown.
-    pub range: viewport::KnownRange,
+    pub range: legend::KnownRange,
     /// Measured frames.
     pub frames: windows::FrameStats,
     /// Where all views are, in points.

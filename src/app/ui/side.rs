@@ -6,7 +6,7 @@ use egui_extras::{Column, TableBuilder};
 use crate::app::action::{Action, SelectHow};
 use crate::app::model::Model;
 use crate::app::shortcuts::{Command, hint};
-use crate::app::view_state::{Bridging, Task};
+use crate::app::view_state::Task;
 
 /// Loops and the button that fills them.
 pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -96,7 +96,7 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
     });
     run_ui(ui, model, actions);
-    bridge_ui(ui, model, actions);
+    super::bridge::bridge_ui(ui, model, actions);
     ui.separator();
     if document.is_blank() {
         return;
@@ -106,29 +106,6 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         return;
     }
     loops_ui(ui, model, actions);
-}
-
-/// A bridge splits a difficult hole, or joins two.
-fn bridge_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    ui.horizontal(|ui| {
-        let now = model.view.bridging;
-        let some = model.run.is_none() && !model.document.loops.is_empty();
-        let button = egui::Button::selectable(now.is_some(), "Bridge");
-        let tip = "click two places of the rims: a strip of triangles joins them, so that a difficult \
-                   hole becomes two easy ones";
-        if ui.add_enabled(some, button).on_hover_text(tip).clicked() {
-            actions.push(Action::Bridging(match now {
-                Some(_) => None,
-                None => Some(Bridging { from: None, width: 2 }),
-            }));
-        }
-        if let Some(mut next) = now {
-            let drag = egui::DragValue::new(&mut next.width).range(1..=64).suffix(" edges wide");
-            if ui.add(drag).changed() {
-                actions.push(Action::Bridging(Some(next)));
-            }
-        }
-    });
 }
 
 fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {

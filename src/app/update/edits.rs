@@ -20,10 +20,7 @@ pub fn update(model: &mut Model, action: &Action) {
 
 /// The selected faces, if there are any.
 pub fn selected_faces(model: &mut Model) -> Option<Arc<Vec<u32>>> {
-    if model.run.is_some() {
-        model
-            .log
-            .info("accept or reject the patch before changing something else");
+    if model.is_busy("changing something else") {
         return None;
     }
     if model.document.faces.is_empty() {
@@ -97,10 +94,7 @@ fn bridge(model: &mut Model, ends: [DVec3; 2], width: usize) {
 
 /// Turns over the component of a loop, by its index.
 fn flip(model: &mut Model, i: usize) {
-    if model.run.is_some() {
-        model
-            .log
-            .info("accept or reject the patch before changing something else");
+    if model.is_busy("changing something else") {
         return;
     }
     let Some(l) = model.document.loops.get(i) else {
@@ -108,12 +102,8 @@ fn flip(model: &mut Model, i: usize) {
     };
     let mesh = model.document.mesh.turned_over(&[l.component]);
     let work = Work::Flip(l.number);
-    let before = std::mem::take(&mut model.document.selection);
-    let places: Vec<DVec3> = before
-        .iter()
-        .map(|&i| model.document.loops[i].centroid)
-        .collect();
-    model.document.selection = before;
+    let gathered = model.document.selected();
+    let places: Vec<DVec3> = gathered.iter().map(|l| l.centroid).collect();
     accept_at_once(model, work, mesh, None);
     // the same rims stay gathered, by their new numbers
     let loops = &model.document.loops;

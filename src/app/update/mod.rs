@@ -120,10 +120,7 @@ fn undo(model: &mut Model) {
 }
 
 fn redo(model: &mut Model) {
-    if model.run.is_some() {
-        model
-            .log
-            .info("accept or reject the patch before doing things again");
+    if model.is_busy("doing things again") {
         return;
     }
     match model.history.redo(&mut model.document) {

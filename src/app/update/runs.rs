@@ -27,13 +27,10 @@ pub fn update(model: &mut Model, action: Action) {
             }
         }
         Action::CompareEnergy(energy) => {
-            if model.run.is_some() {
-                model
-                    .log
-                    .info("accept or reject the patch before comparing other energies");
-            } else {
-                model.view.compare_energy = energy;
+            if model.is_busy("comparing other energies") {
+                return;
             }
+            model.view.compare_energy = energy;
         }
         Action::Fill => fill(model),
         Action::Fair => {

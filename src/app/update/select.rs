@@ -25,10 +25,7 @@ pub fn update(model: &mut Model, action: Action) {
         }
         action => action,
     };
-    if model.run.is_some() {
-        model
-            .log
-            .info("accept or reject the patch before selecting something else");
+    if model.is_busy("selecting something else") {
         return;
     }
     match action {

@@ -5,20 +5,19 @@
 //! what is changed to and fro meanwhile is one change, as in the [schedule](crate::fill::Schedule);
 //! a rewind or a stop acts at once.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
 use crate::fill::live::group::LiveGroup;
-use crate::fill::live::{GroupState, GroupStatus, Layout, LiveEvent, State, Timeline};
+use crate::fill::live::{GroupState, GroupStatus, Layout, LiveEvent, State};
 use crate::fill::run::Ground;
 use crate::fill::schedule::{Change, Course, Item, Row};
 use crate::fill::{FillError, Gap, Plan, RefillError, prepare_gaps, with_islands};
-use crate::live::until_next_round;
+use crate::live::{SharedTimeline, on_own_pool, until_next_round};
 use crate::mesh::{BoundaryLoop, Mesh, Topology, boundary_loops};
 use crate::solver::SolverError;
 
@@ -67,7 +66,7 @@ pub(super) struct Task {
 pub(super) struct Lines {
     pub inbox: Receiver<Command>,
     pub outbox: Sender<Message>,
-    pub timeline: Arc<Mutex<Arc<Timeline>>>,
+    pub timeline: SharedTimeline<State>,
     pub cancelled: Arc<AtomicBool>,
     pub wake: Arc<dyn Fn() + Send + Sync>,
 }
@@ -87,14 +86,7 @@ impl Lines {
 pub(super) fn run(task: Task, lines: Lines) {
     let (outbox, wake) = (lines.outbox.clone(), Arc::clone(&lines.wake));
     let work = move || conduct(task, &lines);
-    let ran = catch_unwind(AssertUnwindSafe(|| {
-        // on a pool of its own no one else has to wait for a long step
-        match rayon::ThreadPoolBuilder::new().build() {
-            Ok(pool) => pool.install(work),
-            Err(_) => work(),
-        }
-    }));
-    let text = match ran {
+    let text = match on_own_pool(work) {
         Ok(Ok(())) => return,
         Ok(Err(error)) => error.to_string(),
         Err(panic) => SolverError::from_panic(&*panic).to_string(),
@@ -378,10 +370,7 @@ impl Conductor<'_> {
             group.number(self.next_index);
         }
         self.next_index += 1;
-        // a timeline is whole between any two of its operations
-        let timeline = self.lines.timeline.lock();
-        let mut timeline = timeline.unwrap_or_else(PoisonError::into_inner);
-        Arc::make_mut(&mut timeline).push(state);
+        self.lines.timeline.push(state);
         Ok(())
     }
 

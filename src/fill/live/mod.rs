@@ -14,9 +14,9 @@ mod group;
 mod state;
 mod timeline;
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::fill::schedule::{Course, Item};
 use crate::fill::{Controls, ControlsError, Row, Schedule};
@@ -24,6 +24,7 @@ use crate::mesh::{BoundaryLoop, Mesh};
 use crate::solver::StepRecord;
 
 pub use crate::live::LiveSettings;
+use crate::live::SharedTimeline;
 pub use command::command_line;
 use conductor::{Command, Kind, Lines, Message, Task};
 pub use events::{GroupStatus, LiveError, LiveEvent};
@@ -39,7 +40,7 @@ pub struct LiveFill {
     asked: Controls,
     commands: Sender<Command>,
     messages: Receiver<Message>,
-    timeline: Arc<Mutex<Arc<Timeline>>>,
+    timeline: SharedTimeline<State>,
     cancelled: Arc<AtomicBool>,
     playing: AtomicBool,
     statuses: Vec<GroupStatus>,
@@ -107,12 +108,12 @@ impl LiveFill {
         loops.dedup_by_key(|l| l.number);
         let (commands, inbox) = channel();
         let (outbox, messages) = channel();
-        let timeline = Arc::new(Mutex::new(Arc::new(Timeline::new(settings.timeline_bytes))));
+        let timeline = SharedTimeline::new(settings.timeline_bytes);
         let cancelled = Arc::new(AtomicBool::new(false));
         let lines = Lines {
             inbox,
             outbox,
-            timeline: Arc::clone(&timeline),
+            timeline: timeline.clone(),
             cancelled: Arc::clone(&cancelled),
             wake,
         };
@@ -245,9 +246,7 @@ impl LiveFill {
     /// The kept states, oldest first; the first and the latest are always there. Empty until the
     /// plan is made.
     pub fn timeline(&self) -> Arc<Timeline> {
-        let timeline = self.timeline.lock();
-        // a timeline is whole between any two of its operations
-        Arc::clone(&timeline.unwrap_or_else(PoisonError::into_inner))
+        self.timeline.now()
     }
 
     /// Whether it runs (or would, had it not ended) or waits.

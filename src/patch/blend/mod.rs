@@ -19,7 +19,7 @@ mod tests;
 use curve::RimCurve;
 
 use super::fill::{fineness, loose_angles, rim_sizes, validate};
-use super::remesh::{refit, rim_valences, split_chords};
+use super::remesh::{area, refit, rim_valences, split_chords};
 use super::surface::Surface;
 use super::{PatchError, PatchMesh, PatchOptions, Rim};
 use crate::mesh::DVec3;
@@ -116,14 +116,14 @@ pub fn reblend(gap: &Gap, patch: &PatchMesh, options: &PatchOptions) -> PatchMes
     let points: Vec<DVec3> = patch.points.iter().map(|&p| frame.to_local(p)).collect();
     let mut size = sizes(&rims, *options);
     let middle = size.iter().sum::<f64>() / size.len() as f64;
-    // equilateral triangles have √3/4 of their squared edge as area, and two come on a vertex
-    let needed = patch_area(&points, &patch.triangles) / (0.75f64.sqrt() * middle * middle);
+    size.resize(points.len(), middle);
     let most = MOST_GROWTH * points.len() as f64;
+    let mut surface = Surface::new(points, size, gap.len(), &patch.triangles);
+    // equilateral triangles have √3/4 of their squared edge as area, and two come on a vertex
+    let needed = area(&surface) / (0.75f64.sqrt() * middle * middle);
     if needed.is_nan() || needed >= most {
         return patch.clone();
     }
-    size.resize(points.len(), middle);
-    let mut surface = Surface::new(points, size, gap.len(), &patch.triangles);
     let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
     let wanted = rim_valences(&surface, &loose);
     refit(&mut surface, &wanted);
@@ -132,14 +132,6 @@ pub fn reblend(gap: &Gap, patch: &PatchMesh, options: &PatchOptions) -> PatchMes
 
 /// How many times its vertices a patch may get by [`reblend`].
 const MOST_GROWTH: f64 = 16.0;
-
-fn patch_area(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
-    let area = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| points[v as usize]);
-        0.5 * (b - a).cross(c - a).length()
-    };
-    triangles.iter().map(area).sum()
-}
 
 fn compacted(surface: Surface) -> PatchMesh {
     let (points, triangles) = surface.compact();

@@ -1,14 +1,13 @@
 //! The background thread of a live refinement.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::live::{LiveSettings, until_next_round};
+use crate::live::{LiveSettings, SharedTimeline, on_own_pool, until_next_round};
 use crate::mesh::{DVec3, Mesh};
-use crate::refine::live::{LevelFrame, RefineEvent, RefineState, RefineStatus, RefineTimeline};
+use crate::refine::live::{LevelFrame, RefineEvent, RefineState, RefineStatus};
 use crate::refine::{Method, Progress, RefineError, RefineOptions, Refinement};
 use crate::solver::{FlowOptions, Mode, StepRecord, Tau, panic_text};
 
@@ -36,7 +35,7 @@ pub(super) enum Message {
 pub(super) struct Lines {
     pub inbox: Receiver<Command>,
     pub outbox: Sender<Message>,
-    pub timeline: Arc<Mutex<Arc<RefineTimeline>>>,
+    pub timeline: SharedTimeline<RefineState>,
     pub cancelled: Arc<AtomicBool>,
     pub wake: Arc<dyn Fn() + Send + Sync>,
 }
@@ -59,14 +58,7 @@ pub(super) fn run(mesh: Arc<Mesh>, options: RefineOptions, settings: LiveSetting
         let refinement = Refinement::new(mesh, options)?;
         Conductor::new(refinement, settings, &lines).run()
     };
-    let ran = catch_unwind(AssertUnwindSafe(|| {
-        // on a pool of its own no one else has to wait for a long step
-        match rayon::ThreadPoolBuilder::new().build() {
-            Ok(pool) => pool.install(work),
-            Err(_) => work(),
-        }
-    }));
-    let text = match ran {
+    let text = match on_own_pool(work) {
         Ok(Ok(())) => return,
         Ok(Err(error)) => error.to_string(),
         Err(panic) => panic_text(&*panic),
@@ -246,10 +238,7 @@ impl<'a> Conductor<'a> {
             tau: record.map_or(0.0, |r| r.tau),
         });
         self.next_index += 1;
-        // a timeline is whole between any two of its operations
-        let timeline = self.lines.timeline.lock();
-        let mut timeline = timeline.unwrap_or_else(PoisonError::into_inner);
-        Arc::make_mut(&mut timeline).push(state);
+        self.lines.timeline.push(state);
     }
 
     /// Tells the handle how things stand and, once, that they have ended, and wakes whoever waits.

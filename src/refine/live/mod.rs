@@ -8,12 +8,12 @@
 mod conductor;
 mod state;
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
 
 pub use crate::live::LiveSettings;
-use crate::live::Timeline;
+use crate::live::{SharedTimeline, Timeline};
 use crate::mesh::Mesh;
 use crate::refine::{LevelReport, RefineError, RefineOptions};
 use crate::solver::{FlowOptions, StepRecord};
@@ -91,7 +91,7 @@ pub struct LiveRefine {
     mesh: Arc<Mesh>,
     commands: Sender<Command>,
     messages: Receiver<Message>,
-    timeline: Arc<Mutex<Arc<RefineTimeline>>>,
+    timeline: SharedTimeline<RefineState>,
     cancelled: Arc<AtomicBool>,
     playing: AtomicBool,
     status: RefineStatus,
@@ -115,12 +115,12 @@ impl LiveRefine {
         let levels = options.levels;
         let (commands, inbox) = channel();
         let (outbox, messages) = channel();
-        let timeline = Arc::new(Mutex::new(Arc::new(Timeline::new(settings.timeline_bytes))));
+        let timeline = SharedTimeline::new(settings.timeline_bytes);
         let cancelled = Arc::new(AtomicBool::new(false));
         let lines = Lines {
             inbox,
             outbox,
-            timeline: Arc::clone(&timeline),
+            timeline: timeline.clone(),
             cancelled: Arc::clone(&cancelled),
             wake,
         };
@@ -244,9 +244,7 @@ impl LiveRefine {
     /// The kept states, oldest first, beginning with the mesh as it was given; the first and the
     /// latest are always there. Empty until the thread has started.
     pub fn timeline(&self) -> Arc<RefineTimeline> {
-        let timeline = self.timeline.lock();
-        // a timeline is whole between any two of its operations
-        Arc::clone(&timeline.unwrap_or_else(PoisonError::into_inner))
+        self.timeline.now()
     }
 
     /// Whether it runs (or would, had it not ended) or waits.

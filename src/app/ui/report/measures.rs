@@ -82,13 +82,7 @@ fn digits(x: f64) -> String {
 
 /// Range and histogram of one curvature.
 pub fn curvature_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut Vec<Action>) {
-    let c = &measured.analysis.curvature;
-    let all = [
-        ("H", &c.mean),
-        ("K", &c.gauss),
-        ("k1", &c.k1),
-        ("k2", &c.k2),
-    ];
+    let all = measured.analysis.curvature.named();
     let chosen = model.view.report.curvature.min(all.len() - 1);
     ui.horizontal(|ui| {
         for (i, (name, _)) in all.iter().enumerate() {
