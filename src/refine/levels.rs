@@ -3,66 +3,17 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use serde::Serialize;
-
-use crate::mesh::{DVec3, FaceId, Mesh, Split, Topology, VertexId, split_faces};
+use crate::mesh::{DVec3, Mesh, Split, Topology, VertexId, split_faces};
 use crate::refine::boundary::BoundaryCurves;
+use crate::refine::measures::{radius, surface_energy};
 use crate::refine::options::{Hold, Method, RefineError, RefineOptions};
+use crate::refine::progress::{LevelReport, Progress};
 use crate::refine::region::Region;
+use crate::refine::running::{Running, level_options};
 use crate::refine::schemes::{butterfly_step, loop_step};
-use crate::refine::start::{fair_points, graded_points};
-use crate::solver::energy::Energy;
-use crate::solver::{
-    Assembler, End, Flow, FlowOptions, FlowProblem, FoldState, Mode, Scheme, SolverError,
-    StepRecord, Unknowns,
-};
-use crate::subdivision::{Rule, TableCache, elements, limit_positions};
-
-/// What a finished level is like.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LevelReport {
-    /// From 1.
-    pub level: usize,
-    /// Vertices of the mesh.
-    pub vertices: usize,
-    /// Triangles.
-    pub faces: usize,
-    /// Accepted steps of the flow.
-    pub steps: usize,
-    /// Rejected ones.
-    pub rejected: usize,
-    /// Whether the stopping rule was met (always for the schemes without a flow).
-    pub converged: bool,
-    /// `converged`, `steps` (as many as allowed), `stuck` (τ collapsed) or `cancelled`.
-    pub end: &'static str,
-    /// Energy of the limit surface at the start of the level, 12-point rule.
-    pub energy_start: f64,
-    /// At its end.
-    pub energy_end: f64,
-    /// Largest distance of the limit surface from a vertex it has to pass, over the radius of the
-    /// mesh; null for Loop's scheme and Butterfly.
-    pub held_error: Option<f64>,
-    /// Wall clock.
-    pub seconds: f64,
-    /// Warnings in plain words.
-    pub warnings: Vec<String>,
-}
-
-/// What [`Refinement::step`] did.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Progress {
-    /// A level was begun: topology and positions are those of the finer mesh.
-    Level(usize),
-    /// A step of the level's flow was attempted.
-    Step(StepRecord),
-    /// The level is finished.
-    Finished(LevelReport),
-}
-
-/// Part of the steps that may go to the guarded descent before the normal flow takes over.
-const GUARDED_SHARE: usize = 2;
-/// The normal flow takes over when so many steps together gained less than this part.
-const SETTLED: (usize, f64) = (10, 1e-4);
+use crate::refine::start::drawn_start;
+use crate::solver::{End, Flow, FlowOptions, FlowProblem, Scheme, SolverError};
+use crate::subdivision::limit_positions;
 
 /// A mesh being refined.
 ///
@@ -85,16 +36,6 @@ pub struct Refinement {
     levels: Vec<LevelReport>,
     is_cancelled: bool,
     input: Arc<Mesh>,
-}
-
-/// The flow of the level under way.
-struct Running {
-    flow: Flow,
-    start: Instant,
-    held: Vec<(u32, DVec3)>,
-    /// Energies after the last accepted steps of the guarded descent.
-    recent: Vec<f64>,
-    is_guarded: bool,
 }
 
 /// The result of a refinement.
@@ -215,7 +156,8 @@ impl Refinement {
     pub fn set_flow(&mut self, flow: FlowOptions) -> Result<(), RefineError> {
         flow.validate()?;
         if let Some(running) = &mut self.current {
-            running.flow.set_options(level_options(&flow))?;
+            let options = level_options(&flow, running.splits);
+            running.flow.set_options(options)?;
             running.is_guarded = running.flow.options().scheme == Scheme::Guarded;
             running.recent.clear();
         }
@@ -305,9 +247,6 @@ impl Refinement {
                 self.points = self.nested(&old, &split, &self.points);
                 self.control.clone_from(&self.points);
             }
-            Method::Pde if self.level == 0 => {
-                self.control = graded_points(&old, &self.points, &split);
-            }
             Method::Pde => self.control = self.nested(&old, &split, &self.control),
         }
         self.level += 1;
@@ -322,15 +261,17 @@ impl Refinement {
         }
         let (free, held) = self.roles(&old, &split);
         let triangles: Vec<[u32; 3]> = self.topology.triangles().collect();
-        let problem =
-            FlowProblem::new(&self.control, &triangles, &free, self.radius)?.holding(&held)?;
-        let problem = if self.level == 1 && self.region.is_none() {
-            best_start(problem, &self.options.flow.energy_at(self.radius))
+        let splits = self.options.levels.saturating_sub(self.level);
+        let options = level_options(&self.options.flow, splits);
+        let problem = FlowProblem::new(&self.control, &triangles, &free, self.radius)?;
+        let problem = if self.level == 1 {
+            let energy = self.options.flow.energy_at(self.radius);
+            drawn_start(problem, &held, &energy, options.quadrature)?
         } else {
-            problem
+            problem.holding(&held)?
         };
-        let options = level_options(&self.options.flow);
         self.current = Some(Running {
+            splits,
             is_guarded: options.scheme == Scheme::Guarded,
             flow: Flow::new(problem, options)?,
             start,
@@ -471,106 +412,4 @@ impl Refinement {
             warnings: Vec::new(),
         }
     }
-}
-
-impl Running {
-    /// Hands over to the normal flow when the guarded descent gains little.
-    fn watch(&mut self, record: &StepRecord, flow: &FlowOptions) -> Result<(), SolverError> {
-        if !self.is_guarded || record.rejected {
-            return Ok(());
-        }
-        self.recent.push(record.energy);
-        let (count, part) = SETTLED;
-        let n = self.recent.len();
-        let settled = n > count && {
-            let before = self.recent[n - 1 - count];
-            before - record.energy < part * before.abs()
-        };
-        if settled || GUARDED_SHARE * record.step >= flow.max_steps || self.flow.end().is_some() {
-            self.settle(flow)?;
-        }
-        Ok(())
-    }
-
-    /// Goes on along the normals alone.
-    fn settle(&mut self, flow: &FlowOptions) -> Result<(), SolverError> {
-        self.is_guarded = false;
-        if self.flow.end() == Some(End::Cancelled) {
-            return Ok(());
-        }
-        let mut options = level_options(flow);
-        options.scheme = Scheme::Normal;
-        self.flow.set_options(options)
-    }
-}
-
-/// The problem from its own starting positions or from the fair ones, whichever is less folded, then
-/// of less energy. On even meshes the graph bi-Laplacian comes near to the stationary shape; on
-/// uneven ones it folds.
-fn best_start(problem: FlowProblem, energy: &Energy) -> FlowProblem {
-    let topology = problem.topology();
-    let elements = elements(
-        topology,
-        problem.active_faces(),
-        Rule::Twelve,
-        &mut TableCache::default(),
-    );
-    let judge = |positions: &[DVec3]| {
-        let folded = FoldState::new(topology, &elements, positions).folded();
-        (folded, surface_energy(topology, positions, energy))
-    };
-    let Some(interpolation) = problem.interpolation() else {
-        return problem;
-    };
-    let Ok(mut fair) = fair_points(topology, problem.positions(), interpolation) else {
-        return problem; // the other start does without a factorization
-    };
-    interpolation.settle(&mut fair);
-    let (own, other) = (judge(problem.positions()), judge(&fair));
-    if other.0 < own.0 || (other.0 == own.0 && other.1 < own.1) {
-        problem.with_positions(&fair)
-    } else {
-        problem
-    }
-}
-
-/// The options of a level's flow: the guarded descent first, or the flow in true time; always the
-/// 12-point rule, for coarse meshes fold between fewer points.
-fn level_options(flow: &FlowOptions) -> FlowOptions {
-    FlowOptions {
-        scheme: match flow.mode {
-            Mode::Fast => Scheme::Guarded,
-            Mode::Flow => Scheme::Normal,
-        },
-        quadrature: Rule::Twelve,
-        relaxation: 0.0,
-        ..flow.clone()
-    }
-}
-
-/// `∫ f dA` over the whole Loop limit surface, 12-point rule.
-pub fn surface_energy(topology: &Topology, control: &[DVec3], energy: &Energy) -> f64 {
-    let faces: Vec<FaceId> = (0..topology.face_count()).map(FaceId::from).collect();
-    let elements = elements(topology, &faces, Rule::Twelve, &mut TableCache::default());
-    Assembler::new(&elements, Rule::Twelve, Unknowns::none(control.len()))
-        .gradient(control, energy, &mut Vec::new())
-        .value
-}
-
-/// RMS distance of the vertices of triangles from their mean, the unit of length of a refinement; 1
-/// if they coincide.
-pub fn radius(mesh: &Mesh) -> f64 {
-    let used: Vec<DVec3> = (0..mesh.vertex_count())
-        .filter(|&v| {
-            mesh.topology
-                .halfedge_of_vertex(VertexId::from(v))
-                .is_some()
-        })
-        .map(|v| mesh.positions[v])
-        .collect();
-    let n = used.len().max(1) as f64;
-    let origin = used.first().copied().unwrap_or_default();
-    let mean = origin + used.iter().map(|&p| p - origin).sum::<DVec3>() / n;
-    let square = used.iter().map(|p| p.distance_squared(mean)).sum::<f64>() / n;
-    if square > 0.0 { square.sqrt() } else { 1.0 }
 }

@@ -8,13 +8,18 @@
 mod boundary;
 mod levels;
 pub mod live;
+mod measures;
 mod options;
+mod progress;
 mod region;
+mod running;
 mod schemes;
 mod start;
 
 pub use boundary::BoundaryRule;
-pub use levels::{LevelReport, Progress, Refined, Refinement, radius, surface_energy};
+pub use levels::{Refined, Refinement};
 pub use live::{LiveRefine, RefineEvent, RefineState, RefineStatus, RefineTimeline};
+pub use measures::{radius, surface_energy};
 pub use options::{Hold, MAX_LEVELS, Method, RefineError, RefineOptions, TENSION, natural_tension};
+pub use progress::{LevelReport, Progress};
 pub use schemes::{butterfly_step, loop_step};

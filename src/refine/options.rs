@@ -2,7 +2,7 @@
 
 use crate::mesh::{HalfedgeId, Mesh};
 use crate::refine::BoundaryRule;
-use crate::refine::levels::radius;
+use crate::refine::measures::radius;
 use crate::solver::energy::Energy;
 use crate::solver::{FlowOptions, SolverError};
 

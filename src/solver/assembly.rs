@@ -52,6 +52,7 @@ pub struct Assembler {
     vertices: Vec<u32>,
     slots: Option<Slots>,
     membrane: bool,
+    isotropic: bool,
     buffers: [Buffer; 2],
 }
 
@@ -121,6 +122,7 @@ impl Assembler {
             vertices: elements.vertices.clone(),
             slots: None,
             membrane: true,
+            isotropic: false,
             buffers: Default::default(),
         }
     }
@@ -129,6 +131,13 @@ impl Assembler {
     /// elliptic: faster towards the stationary shape, and not quite the flow's linearisation.
     pub fn drop_membrane(&mut self) {
         self.membrane = false;
+    }
+
+    /// Takes `<N_i, n>` for 1 in the matrix, which then is one for each component of the
+    /// displacements: as stiff along the surface as across it, and no less so where the normal
+    /// turns far within an element.
+    pub fn make_isotropic(&mut self) {
+        self.isotropic = true;
     }
 
     /// The vertices that move.
@@ -156,7 +165,7 @@ impl Assembler {
     }
 
     /// Energy, gradient and the matrix `M/τ + S` of scheme B for displacements along `normals`
-    /// (one per unknown). `values` is resized to the pattern's length.
+    /// (one per unknown; [`Self::make_isotropic`] makes them irrelevant). `values` is resized to the pattern's length.
     pub fn matrix(
         &mut self,
         positions: &[DVec3],
@@ -202,6 +211,7 @@ impl Assembler {
             radius,
             inv_tau,
             membrane: self.membrane,
+            isotropic: self.isotropic,
             weight: self.weight,
             points: self.points,
         };
@@ -332,7 +342,11 @@ impl Assembler {
                 x[2 * chunks + c][l] = p.z;
                 if MATRIX {
                     let u = self.unknowns.of_vertex[v as usize] as usize;
-                    let d = if u < n { normals[u] } else { DVec3::ZERO };
+                    let d = match (u < n, self.isotropic) {
+                        (false, _) => DVec3::ZERO,
+                        (true, true) => DVec3::X,
+                        (true, false) => normals[u],
+                    };
                     normal[c][l] = d.x;
                     normal[chunks + c][l] = d.y;
                     normal[2 * chunks + c][l] = d.z;

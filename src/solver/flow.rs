@@ -57,10 +57,10 @@ impl Flow {
         options.validate()?;
         let energy = options.energy_at(problem.radius());
         let (topology, faces) = (problem.topology(), problem.active_faces());
-        // the reported energies' twelve points beside the steps' own
+        // the reported energies' points, twelve or more, beside the steps' own
         let ((report, energy_start), prepared) = rayon::join(
             || {
-                let rule = Rule::Twelve;
+                let rule = options.quadrature.max(Rule::Twelve);
                 let fine = elements(topology, faces, rule, &mut TableCache::default());
                 let nothing = Unknowns::none(problem.positions().len());
                 let mut report = Assembler::new(&fine, rule, nothing);

@@ -7,6 +7,8 @@
 //! step is searched for a decrease of the energy (Armijo) and must fold nothing ([`FoldState`]); where
 //! it would, the vertices concerned are damped one by one, `H → D H D`, and the others go on.
 
+mod approach;
+
 use std::sync::Arc;
 
 use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs};
@@ -16,7 +18,6 @@ use crate::solver::control::{Attempt, Progress};
 use crate::solver::energy::Energy;
 use crate::solver::fold_guard::FoldState;
 use crate::solver::held::Held;
-use crate::solver::normals::LimitNormals;
 use crate::solver::survey::survey;
 use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
@@ -39,7 +40,6 @@ pub struct GuardedFlow {
     topology: Topology,
     elements: Elements,
     assembler: Assembler,
-    ring: LimitNormals,
     cholesky: Cholesky,
     radius: f64,
     energy: Energy,
@@ -79,8 +79,8 @@ impl GuardedFlow {
         energy: &Energy,
     ) -> Result<Self, SolverError> {
         let unknowns = Unknowns::new(elements, problem.positions(), &problem.moving());
-        let ring = LimitNormals::new(problem.topology(), &unknowns.vertex);
         let mut assembler = Assembler::new(elements, rule, unknowns);
+        assembler.make_isotropic();
         let symbolic = Arc::new(CholeskySymbolic::new(assembler.pattern())?);
         let held = Held::of(problem, &mut assembler);
         let positions = problem.positions().to_vec();
@@ -95,7 +95,6 @@ impl GuardedFlow {
             elements: elements.clone(),
             damping: vec![1.0; assembler.unknowns().len()],
             assembler,
-            ring,
             cholesky: Cholesky::new(symbolic),
             radius: problem.radius(),
             energy: energy.clone(),
@@ -170,8 +169,8 @@ impl GuardedFlow {
     }
 
     fn factorize(&mut self, tau: f64) -> Result<(), String> {
-        let (mut normals, mut values) = (Vec::new(), Vec::new());
-        self.ring.evaluate(&self.positions, &mut normals);
+        let mut values = Vec::new();
+        let normals = vec![DVec3::X; self.assembler.unknowns().len()];
         self.assembler.matrix(
             &self.positions,
             &normals,
@@ -181,7 +180,7 @@ impl GuardedFlow {
             &mut Vec::new(),
             &mut values,
         );
-        if let Some(held) = &self.held {
+        if let Some(held) = &mut self.held {
             held.hold(&normals, &mut values);
         }
         self.cholesky

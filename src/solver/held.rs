@@ -14,6 +14,8 @@ pub struct Held {
     interpolation: Arc<Interpolation>,
     penalty: Penalty,
     unknowns: Vec<u32>,
+    /// Weight of each held vertex in the matrix last made.
+    weights: Vec<f64>,
 }
 
 impl Held {
@@ -26,6 +28,7 @@ impl Held {
             penalty: Penalty::new(interpolation, &unknown, assembler.pattern()),
             unknowns: held.map(|&v| unknown[v as usize]).collect(),
             interpolation: Arc::clone(interpolation),
+            weights: Vec::new(),
         })
     }
 
@@ -35,8 +38,38 @@ impl Held {
     }
 
     /// Holds them in a matrix for displacements along `normals`.
-    pub fn hold(&self, normals: &[DVec3], values: &mut [f64]) {
-        self.penalty.add(normals, values);
+    pub fn hold(&mut self, normals: &[DVec3], values: &mut [f64]) {
+        self.weights = self.penalty.add(normals, values);
+    }
+
+    /// Where the limit surface passes them, and what it is to pass instead.
+    pub fn targets(&self) -> &[DVec3] {
+        self.interpolation.targets()
+    }
+
+    /// Holds them elsewhere.
+    pub fn retarget(&mut self, targets: Vec<DVec3>) {
+        self.interpolation = Arc::new(self.interpolation.with_targets(targets));
+    }
+
+    /// Adds to the right-hand side (x, y and z components one after the other) what makes the solution
+    /// with the matrix last made move the limit surface by `shifts` at the held vertices.
+    pub fn pull(&self, shifts: &[DVec3], rhs: &mut [f64]) {
+        let n = rhs.len() / 3;
+        for (i, (&shift, &weight)) in shifts.iter().zip(&self.weights).enumerate() {
+            for &(u, part) in self.penalty.row(i) {
+                let force = weight * part * shift;
+                let u = u as usize;
+                rhs[u] += force.x;
+                rhs[n + u] += force.y;
+                rhs[2 * n + u] += force.z;
+            }
+        }
+    }
+
+    /// The unknowns of the held vertices.
+    pub fn unknowns(&self) -> &[u32] {
+        &self.unknowns
     }
 
     /// Lets the held vertices follow the others.

@@ -87,6 +87,19 @@ impl Interpolation {
         &self.target
     }
 
+    /// The same vertices held at other points, in the same order.
+    ///
+    /// # Panics
+    /// If there is not one point for each.
+    #[must_use]
+    pub fn with_targets(&self, targets: Vec<DVec3>) -> Self {
+        assert_eq!(targets.len(), self.held.len(), "one point for each");
+        Self {
+            target: targets,
+            ..self.clone()
+        }
+    }
+
     /// Weight of the `i`-th held vertex in its own limit position, and those of its neighbours.
     pub fn row(&self, i: usize) -> (f64, &[(u32, f64)]) {
         let range = self.start[i] as usize..self.start[i + 1] as usize;

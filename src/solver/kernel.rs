@@ -28,6 +28,9 @@ pub struct KernelInput<'a> {
     /// Whether the membrane term enters everywhere, or only where the Hessian part is not strictly
     /// elliptic.
     pub membrane: bool,
+    /// Whether the directions stand for displacements that lie along the surface's normal
+    /// everywhere: `<N_i, n>` is 1 for those that move.
+    pub isotropic: bool,
     /// Quadrature weight of a point (before ½√g).
     pub weight: f64,
     /// Number of quadrature points.
@@ -170,7 +173,7 @@ fn element_impl<const MATRIX: bool>(
                 &list.terms[..list.len],
                 table,
                 element.normals,
-                p.normal,
+                (!input.isotropic).then_some(p.normal),
                 &mut out.terms[term_count * chunks..],
             );
             term_count += list.len;
@@ -217,7 +220,8 @@ impl TermList {
     }
 }
 
-/// `<N_i, n> c · (φ_i, φ_i,u, …)` for all control vertices of the element, for each `c` of `list`.
+/// `<N_i, n> c · (φ_i, φ_i,u, …)` for all control vertices of the element, for each `c` of `list`;
+/// without a normal the first component of the direction stands for `<N_i, n>`.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "part of the element kernels")]
 fn project_terms(
@@ -225,14 +229,19 @@ fn project_terms(
     list: &[Coefficients],
     table: &[Lane],
     normals: &[Lane],
-    n: DVec3,
+    n: Option<DVec3>,
     terms: &mut [Lane],
 ) {
     for c in 0..chunks {
         let (nx, ny, nz) = (&normals[c], &normals[chunks + c], &normals[2 * chunks + c]);
         let mut along = [0.0; 4];
-        for l in 0..4 {
-            along[l] = n.x * nx[l] + n.y * ny[l] + n.z * nz[l];
+        match n {
+            Some(n) => {
+                for l in 0..4 {
+                    along[l] = n.x * nx[l] + n.y * ny[l] + n.z * nz[l];
+                }
+            }
+            None => along = *nx,
         }
         for (k, coefficients) in list.iter().enumerate() {
             let mut value = [0.0; 4];

@@ -202,7 +202,7 @@ impl NormalFlow {
                 &mut self.gradient,
                 &mut self.values,
             );
-            if let Some(held) = &self.held {
+            if let Some(held) = &mut self.held {
                 held.pull_back(self.assembler.unknowns(), &mut self.gradient);
                 held.hold(&self.normals, &mut self.values);
             }
@@ -237,7 +237,7 @@ impl NormalFlow {
                 &mut self.trial_gradient,
                 &mut self.values,
             );
-            if let Some(held) = &self.held {
+            if let Some(held) = &mut self.held {
                 held.pull_back(self.assembler.unknowns(), &mut self.trial_gradient);
                 held.hold(&self.trial_normals, &mut self.values);
             }

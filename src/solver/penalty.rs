@@ -54,10 +54,16 @@ impl Penalty {
         out
     }
 
-    /// Adds the terms to the matrix; `normals` are the directions of the unknowns.
-    pub fn add(&self, normals: &[DVec3], values: &mut [f64]) {
+    /// Unknown and weight of each member of a row of the limit mask, the held vertex first.
+    pub fn row(&self, i: usize) -> &[(u32, f64)] {
+        &self.members[self.start[i] as usize..self.start[i + 1] as usize]
+    }
+
+    /// Adds the terms to the matrix; `normals` are the directions of the unknowns. Returns the `ρ` of
+    /// each held vertex.
+    pub fn add(&self, normals: &[DVec3], values: &mut [f64]) -> Vec<f64> {
         let mut slots = self.slots.iter();
-        for row in self.start.windows(2) {
+        let add_row = |row: &[u32]| {
             let members = &self.members[row[0] as usize..row[1] as usize];
             let (u, own) = members[0];
             let normal = normals[u as usize];
@@ -74,7 +80,9 @@ impl Penalty {
                     *value += weight * a * along(member);
                 }
             }
-        }
+            weight
+        };
+        self.start.windows(2).map(add_row).collect()
     }
 }
 

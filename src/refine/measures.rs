@@ -1,0 +1,33 @@
+//! Measures of the surfaces of a refinement.
+
+use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId};
+use crate::solver::energy::Energy;
+use crate::solver::{Assembler, Unknowns};
+use crate::subdivision::{Rule, TableCache, elements};
+
+/// `∫ f dA` over the whole Loop limit surface, 12-point rule.
+pub fn surface_energy(topology: &Topology, control: &[DVec3], energy: &Energy) -> f64 {
+    let faces: Vec<FaceId> = (0..topology.face_count()).map(FaceId::from).collect();
+    let elements = elements(topology, &faces, Rule::Twelve, &mut TableCache::default());
+    Assembler::new(&elements, Rule::Twelve, Unknowns::none(control.len()))
+        .gradient(control, energy, &mut Vec::new())
+        .value
+}
+
+/// RMS distance of the vertices of triangles from their mean, the unit of length of a refinement; 1
+/// if they coincide.
+pub fn radius(mesh: &Mesh) -> f64 {
+    let used: Vec<DVec3> = (0..mesh.vertex_count())
+        .filter(|&v| {
+            mesh.topology
+                .halfedge_of_vertex(VertexId::from(v))
+                .is_some()
+        })
+        .map(|v| mesh.positions[v])
+        .collect();
+    let n = used.len().max(1) as f64;
+    let origin = used.first().copied().unwrap_or_default();
+    let mean = origin + used.iter().map(|&p| p - origin).sum::<DVec3>() / n;
+    let square = used.iter().map(|p| p.distance_squared(mean)).sum::<f64>() / n;
+    if square > 0.0 { square.sqrt() } else { 1.0 }
+}

@@ -1,0 +1,46 @@
+//! What a refinement tells of itself.
+
+use serde::Serialize;
+
+use crate::solver::StepRecord;
+
+/// What a finished level is like.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LevelReport {
+    /// From 1.
+    pub level: usize,
+    /// Vertices of the mesh.
+    pub vertices: usize,
+    /// Triangles.
+    pub faces: usize,
+    /// Accepted steps of the flow.
+    pub steps: usize,
+    /// Rejected ones.
+    pub rejected: usize,
+    /// Whether the stopping rule was met (always for the schemes without a flow).
+    pub converged: bool,
+    /// `converged`, `steps` (as many as allowed), `stuck` (τ collapsed) or `cancelled`.
+    pub end: &'static str,
+    /// Energy of the limit surface at the start of the level, 12-point rule.
+    pub energy_start: f64,
+    /// At its end.
+    pub energy_end: f64,
+    /// Largest distance of the limit surface from a vertex it has to pass, over the radius of the
+    /// mesh; null for Loop's scheme and Butterfly.
+    pub held_error: Option<f64>,
+    /// Wall clock.
+    pub seconds: f64,
+    /// Warnings in plain words.
+    pub warnings: Vec<String>,
+}
+
+/// What [`Refinement::step`] did.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Progress {
+    /// A level was begun: topology and positions are those of the finer mesh.
+    Level(usize),
+    /// A step of the level's flow was attempted.
+    Step(StepRecord),
+    /// The level is finished.
+    Finished(LevelReport),
+}

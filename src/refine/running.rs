@@ -1,0 +1,69 @@
+//! The flow of one level.
+
+use std::time::Instant;
+
+use crate::mesh::DVec3;
+use crate::solver::{End, Flow, FlowOptions, Mode, Scheme, SolverError, StepRecord};
+use crate::subdivision::Rule;
+
+/// Part of the steps that may go to the guarded descent before the normal flow takes over.
+const GUARDED_SHARE: usize = 2;
+/// The normal flow takes over when so many steps together gained less than this part.
+const SETTLED: (usize, f64) = (10, 1e-4);
+
+/// The flow of the level under way.
+pub struct Running {
+    /// Levels after this one.
+    pub splits: usize,
+    pub flow: Flow,
+    pub start: Instant,
+    pub held: Vec<(u32, DVec3)>,
+    /// Energies after the last accepted steps of the guarded descent.
+    pub recent: Vec<f64>,
+    pub is_guarded: bool,
+}
+
+impl Running {
+    /// Hands over to the normal flow when the guarded descent gains little.
+    pub fn watch(&mut self, record: &StepRecord, flow: &FlowOptions) -> Result<(), SolverError> {
+        if !self.is_guarded || record.rejected {
+            return Ok(());
+        }
+        self.recent.push(record.energy);
+        let (count, part) = SETTLED;
+        let n = self.recent.len();
+        let settled = n > count && {
+            let before = self.recent[n - 1 - count];
+            before - record.energy < part * before.abs()
+        };
+        if settled || GUARDED_SHARE * record.step >= flow.max_steps || self.flow.end().is_some() {
+            self.settle(flow)?;
+        }
+        Ok(())
+    }
+
+    /// Goes on along the normals alone.
+    pub fn settle(&mut self, flow: &FlowOptions) -> Result<(), SolverError> {
+        self.is_guarded = false;
+        if self.flow.end() == Some(End::Cancelled) {
+            return Ok(());
+        }
+        let mut options = level_options(flow, self.splits);
+        options.scheme = Scheme::Normal;
+        self.flow.set_options(options)
+    }
+}
+
+/// The options of a level's flow: the guarded descent first, or the flow in true time; always the
+/// 12-point rule, for coarse meshes fold between fewer points.
+pub fn level_options(flow: &FlowOptions, splits: usize) -> FlowOptions {
+    FlowOptions {
+        scheme: match flow.mode {
+            Mode::Fast => Scheme::Guarded,
+            Mode::Flow => Scheme::Normal,
+        },
+        quadrature: Rule::twelve_after(splits),
+        relaxation: 0.0,
+        ..flow.clone()
+    }
+}
