@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::fill::{Controls, LiveEvent, LiveFill, Schedule, State};
 use crate::mesh::{DVec3, Mesh, Topology};
-use crate::refine::{LiveRefine, RefineEvent, RefineState, natural_tension};
+use crate::refine::{LiveRefine, RefineEvent, RefineState, natural_flow};
 use crate::solver::{FlowOptions, StepRecord};
 
 /// A flow in the background.
@@ -113,7 +113,7 @@ impl Live {
     }
 
     /// Changes controls from the next step on; `base` is the mesh it was started on, and
-    /// `own_tension` whether a refinement has the tension of its edge length.
+    /// `own_energy` whether a refinement has the energy of its edge length.
     ///
     /// # Errors
     /// A message for the person; the flow goes on as before.
@@ -121,12 +121,12 @@ impl Live {
         &mut self,
         controls: &Controls,
         base: &Mesh,
-        own_tension: bool,
+        own_energy: bool,
     ) -> Result<(), String> {
         match self {
             Self::Fill(live) => live.set_controls(controls).map_err(|e| e.to_string()),
             Self::Refine(live) => {
-                let flow = refining_flow(controls, base, own_tension)?;
+                let flow = refining_flow(controls, base, own_energy)?;
                 live.set_flow(flow).map_err(|e| e.to_string())
             }
         }
@@ -367,11 +367,11 @@ impl Shape {
 pub fn refining_flow(
     controls: &Controls,
     base: &Mesh,
-    own_tension: bool,
+    own_energy: bool,
 ) -> Result<FlowOptions, String> {
     let mut flow = controls.options().map_err(|e| e.to_string())?.flow;
-    if own_tension {
-        flow.tension = natural_tension(base);
+    if own_energy {
+        (flow.energy, flow.tension) = natural_flow(base);
     }
     Ok(flow)
 }

@@ -61,8 +61,8 @@ pub struct Run {
     pub kept: Option<Vec<u32>>,
     /// The loops of `base` it fills or joins.
     pub loops: Vec<BoundaryLoop>,
-    /// Whether a refinement has the tension of its edge length.
-    pub own_tension: bool,
+    /// Whether a refinement has the energy of its edge length.
+    pub own_energy: bool,
     /// One side, or several that are compared.
     pub sides: Vec<Side>,
     /// Whether it plays.
@@ -135,7 +135,7 @@ impl Run {
             first_patch_face,
             kept,
             loops,
-            own_tension: false,
+            own_energy: false,
             sides,
             playing: true,
             next_frame: None,

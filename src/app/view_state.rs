@@ -94,8 +94,8 @@ pub struct Refining {
     pub hold: Hold,
     /// Boundaries between their vertices.
     pub boundary: BoundaryRule,
-    /// Tension by the edge length of the mesh instead of that of the controls.
-    pub own_tension: bool,
+    /// Energy and tension by the edge length of the mesh instead of those of the controls.
+    pub own_energy: bool,
     /// Only the selected faces.
     pub selected_only: bool,
     /// Methods shown beside it.
@@ -109,7 +109,7 @@ impl Default for Refining {
             method: Method::default(),
             hold: Hold::default(),
             boundary: BoundaryRule::default(),
-            own_tension: true,
+            own_energy: true,
             selected_only: false,
             beside: [None; 2],
         }

@@ -20,7 +20,7 @@ use crate::fill::TauChoice;
 use crate::io::{self, Opened, open, save_mesh};
 use crate::memory::peak_memory;
 use crate::mesh::{LoadReport, Mesh, folded_edges, self_intersections};
-use crate::refine::{self, LevelReport, RefineOptions, Refinement, natural_tension};
+use crate::refine::{self, LevelReport, RefineOptions, Refinement, natural_flow};
 use crate::solver::energy::Energy;
 use crate::solver::{FlowOptions, Tau};
 
@@ -37,6 +37,7 @@ struct RefineReport<'a> {
     output: String,
     method: String,
     energy: String,
+    parameters: BTreeMap<String, f64>,
     /// Weight of the area beside the energy, in units of 1 / r².
     tension: f64,
     load: &'a LoadReport,
@@ -63,11 +64,11 @@ struct RefineReport<'a> {
 /// Runs the command.
 pub fn refine(args: &RefineArguments) -> Result<()> {
     check_targets(args)?;
-    let flow = flow(args)?;
+    let typed = typed(args)?;
     let opened = open(&args.input)?;
     let reference = args.against.as_deref().map(open).transpose()?;
-    let options = options(args, flow, &opened.mesh)?;
-    let tension = options.flow.tension;
+    let flow = flow(args, typed, &opened.mesh);
+    let options = options(args, flow.clone(), &opened.mesh)?;
     let start = Instant::now();
     let progress = Progress::new(1, args.quiet);
     let mut trace = String::from("level,step,tau,energy,residual,rejected\n");
@@ -97,7 +98,7 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
         control.positions.clone_from(&refined.control);
         save_mesh(path, &control, &opened.material_libraries)?;
     }
-    let mut report = report(args, &opened, &refined, seconds, tension);
+    let mut report = report(args, &opened, &refined, seconds, &flow);
     report.distances = reference.and_then(|r| distances(&refined.mesh, &r.mesh));
     if let Some(path) = &args.report {
         write_text(path, &(serde_json::to_string_pretty(&report)? + "\n"))?;
@@ -113,7 +114,7 @@ fn report<'a>(
     opened: &'a Opened,
     refined: &'a refine::Refined,
     seconds: f64,
-    tension: f64,
+    flow: &FlowOptions,
 ) -> RefineReport<'a> {
     let (mesh, given) = (&refined.mesh, &opened.mesh);
     let bits = |m: &Mesh| -> Vec<[u64; 3]> {
@@ -139,8 +140,9 @@ fn report<'a>(
         input: args.input.display().to_string(),
         output: args.output.display().to_string(),
         method: name(&args.method),
-        energy: args.energy.clone().unwrap_or_else(|| "H^2".into()),
-        tension,
+        energy: flow.energy.text().to_owned(),
+        parameters: flow.energy.params().clone(),
+        tension: flow.tension,
         load: &opened.report,
         levels: &refined.levels,
         vertices: mesh.vertex_count(),
@@ -226,27 +228,33 @@ fn check_targets(args: &RefineArguments) -> Result<()> {
     Ok(())
 }
 
-fn flow(args: &RefineArguments) -> Result<FlowOptions> {
-    let text = args.energy.as_deref().unwrap_or("H^2");
+/// The energy asked for, if one was.
+fn typed(args: &RefineArguments) -> Result<Option<Energy>> {
     let params: BTreeMap<String, f64> = args.param.iter().cloned().collect();
-    let energy = Energy::parse(text, &params)
-        .map_err(|e| UsageError(format!("--energy\n{}", e.render())))?;
+    let parse = |text: &str| {
+        Energy::parse(text, &params)
+            .map_err(|e| UsageError(format!("--energy\n{}", e.render())).into())
+    };
+    args.energy.as_deref().map(parse).transpose()
+}
+
+fn flow(args: &RefineArguments, typed: Option<Energy>, mesh: &Mesh) -> FlowOptions {
+    let (energy, tension) = match typed {
+        Some(energy) => (energy, 0.0),
+        None => natural_flow(mesh),
+    };
     let mut flow = FlowOptions::new(energy);
+    flow.tension = args.tension.unwrap_or(tension);
     flow.mode = args.mode;
     flow.tau = match args.tau {
         TauChoice::Auto => Tau::Auto,
         TauChoice::Fixed(tau) => Tau::Fixed(tau),
     };
     flow.max_steps = args.steps;
-    Ok(flow)
+    flow
 }
 
-fn options(args: &RefineArguments, mut flow: FlowOptions, mesh: &Mesh) -> Result<RefineOptions> {
-    flow.tension = match (args.tension, &args.energy) {
-        (Some(tension), _) => tension,
-        (None, Some(_)) => 0.0,
-        (None, None) => natural_tension(mesh),
-    };
+fn options(args: &RefineArguments, flow: FlowOptions, mesh: &Mesh) -> Result<RefineOptions> {
     let selection = &args.selection;
     let region = (!selection.is_empty())
         .then(|| selection.flags(mesh))
@@ -258,7 +266,7 @@ fn options(args: &RefineArguments, mut flow: FlowOptions, mesh: &Mesh) -> Result
         boundary: args.boundary.into(),
         corner_angle: args.corner_angle.to_radians(),
         region,
-        flow: flow.clone(),
+        flow,
     })
 }
 

@@ -28,8 +28,8 @@ pub struct RefineArguments {
     /// schemes of these names.
     #[arg(long, value_enum, default_value = "pde")]
     pub method: MethodArgument,
-    /// Energy f(H,K): a preset or an expression. Without it, H^2 with the tension that suits the
-    /// mesh's edge length; with it, just this energy.
+    /// Energy f(H,K): a preset or an expression. Without it, sqrt(k1^2+k2^2+c^2) with the c and the
+    /// tension that suit the mesh's edge length; with it, just this energy.
     #[arg(long, value_name = "F", allow_hyphen_values = true)]
     pub energy: Option<String>,
     /// Value of a parameter of the energy (repeatable).

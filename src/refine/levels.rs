@@ -266,7 +266,7 @@ impl Refinement {
         let problem = FlowProblem::new(&self.control, &triangles, &free, self.radius)?;
         let problem = if self.level == 1 {
             let energy = self.options.flow.energy_at(self.radius);
-            drawn_start(problem, &held, &energy, options.quadrature)?
+            drawn_start(problem, &held, &energy)?
         } else {
             problem.holding(&held)?
         };

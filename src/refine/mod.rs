@@ -20,6 +20,6 @@ pub use boundary::BoundaryRule;
 pub use levels::{Refined, Refinement};
 pub use live::{LiveRefine, RefineEvent, RefineState, RefineStatus, RefineTimeline};
 pub use measures::{radius, surface_energy};
-pub use options::{Hold, MAX_LEVELS, Method, RefineError, RefineOptions, TENSION, natural_tension};
+pub use options::{Hold, MAX_LEVELS, Method, RefineError, RefineOptions, natural_flow};
 pub use progress::{LevelReport, Progress};
 pub use schemes::{butterfly_step, loop_step};

@@ -3,7 +3,7 @@
 use crate::mesh::{HalfedgeId, Mesh};
 use crate::refine::BoundaryRule;
 use crate::refine::measures::radius;
-use crate::solver::energy::Energy;
+use crate::solver::energy::{Energy, Preset};
 use crate::solver::{FlowOptions, SolverError};
 
 /// How new vertices are placed.
@@ -50,8 +50,10 @@ pub struct RefineOptions {
 
 /// Most levels: 4^12 triangles of each.
 pub const MAX_LEVELS: usize = 12;
-/// Weight of the area in [`natural_tension`], in units of the inverse squared edge length.
-pub const TENSION: f64 = 4.0;
+/// Curvature above which bends cost their angle in [`natural_flow`], in median bends over an edge.
+const BENDS: f64 = 3.0;
+/// Weight of the area against that of the bending there, over the inverse squared edge length.
+const AREA: f64 = 3.0;
 
 impl RefineOptions {
     /// Three levels by the flow of the given energy, everything else at its default.
@@ -98,20 +100,60 @@ impl RefineOptions {
     }
 }
 
-/// The tension ([`FlowOptions::tension`]) that makes bending and area balance over the mesh's own edge
-/// length, `4 r²/h²` with `h` the mean edge length and `r` the [`radius`]: the surface does not bulge
-/// between sparse vertices. `H²` alone knows no scale and inflates what the mesh leaves open.
-pub fn natural_tension(mesh: &Mesh) -> f64 {
+/// The energy and the tension ([`FlowOptions::tension`]) that suit a mesh: `√(κ1² + κ2² + c²) + t` with
+/// `c = max(1, 3 θ) / h` and `c + t = 3 / (c h²)`, `h` the mean length of its edges and `θ` the median
+/// angle between triangles, radians.
+///
+/// Bends that are much sharper than most edges of the mesh cost their angle, weaker ones their square as
+/// under `H²`, and the area counts as much as the bending over one edge. `H²` pays for every bend by its
+/// square: it rounds edges off and bulges beside them; and, knowing no length, it inflates what sparse
+/// vertices leave open.
+pub fn natural_flow(mesh: &Mesh) -> (Energy, f64) {
+    let (length, angle) = (mean_edge(mesh), median_bend(mesh));
+    let c = (BENDS * angle).max(1.0) / length;
+    let total = Energy::preset(Preset::TotalCurvature);
+    match total.with_param("c", c) {
+        Ok(energy) if c > 0.0 => {
+            let tension = AREA / (c * length * length) - c;
+            (energy, tension * radius(mesh).powi(2))
+        }
+        _ => (total, 0.0), // all vertices in one place
+    }
+}
+
+fn mean_edge(mesh: &Mesh) -> f64 {
     let topology = &mesh.topology;
     let lengths = (0..topology.halfedge_count()).step_by(2).map(|h| {
         let h = HalfedgeId::from(h);
         mesh.position(topology.origin(h))
             .distance(mesh.position(topology.target(h)))
     });
-    let edges = (topology.halfedge_count() / 2).max(1);
-    let mean = lengths.sum::<f64>() / edges as f64;
-    let tension = TENSION * (radius(mesh) / mean).powi(2);
-    if tension.is_finite() { tension } else { 0.0 }
+    lengths.sum::<f64>() / (topology.halfedge_count() / 2).max(1) as f64
+}
+
+/// Median over the inner edges of the angle their triangles' normals make, radians.
+fn median_bend(mesh: &Mesh) -> f64 {
+    let topology = &mesh.topology;
+    let normal = |h: HalfedgeId| {
+        let [a, b, c] = topology
+            .face_vertices(topology.face(h))
+            .map(|v| mesh.position(v));
+        (b - a).cross(c - a)
+    };
+    let mut bends: Vec<f64> = (0..topology.halfedge_count())
+        .step_by(2)
+        .map(HalfedgeId::from)
+        .filter(|&h| !topology.is_boundary(h) && !topology.is_boundary(h.twin()))
+        .map(|h| {
+            let (a, b) = (normal(h), normal(h.twin()));
+            a.cross(b).length().atan2(a.dot(b))
+        })
+        .collect();
+    let middle = bends.len() / 2;
+    if bends.is_empty() {
+        return 0.0;
+    }
+    *bends.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Why a mesh cannot be refined.

@@ -14,7 +14,6 @@ pub fn drawn_start(
     free: FlowProblem,
     held: &[(u32, DVec3)],
     energy: &Energy,
-    rule: Rule,
 ) -> Result<FlowProblem, SolverError> {
     let surface = limit_positions(free.topology(), free.positions());
     let at_rest: Vec<(u32, DVec3)> = held
@@ -26,6 +25,7 @@ pub fn drawn_start(
     let Some(goals) = there.interpolation().map(|i| i.targets().to_vec()) else {
         return Ok(there);
     };
+    let rule = Rule::Twelve;
     let elements = elements(
         near.topology(),
         near.active_faces(),
@@ -34,6 +34,10 @@ pub fn drawn_start(
     );
     let tau = survey(&elements, near.positions(), energy, near.radius()).tau_ref;
     let mut flow = GuardedFlow::new(&near, &elements, rule, energy)?;
-    flow.approach(&goals, tau);
+    let t = std::time::Instant::now();
+    let late = flow.approach(&goals, tau);
+    if std::env::var("TRACE").is_ok() {
+        eprintln!("approach late {late} {:?}", t.elapsed());
+    }
     Ok(there.with_positions(flow.positions()))
 }

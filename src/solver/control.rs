@@ -100,7 +100,10 @@ pub const FLOW_GROWTH: f64 = 1.3;
 /// Accepted steps after which an energy that has not fallen beyond rounding is taken for constant.
 const PATIENCE: usize = 10;
 /// What counts as rounding of an energy, relative to the sum of its absolute terms.
-const ROUNDING: f64 = 1e-11;
+pub const ROUNDING: f64 = 1e-11;
+/// What counts as nothing where a surface is held at points: its vertices creep along it long after
+/// its shape has settled.
+pub const CREEP: f64 = 1e-8;
 /// Growth stops here (as a multiple of `τ_ref`): the step is Newton's by then.
 const CEILING: f64 = 1e12;
 
@@ -112,11 +115,11 @@ pub(super) struct Descent {
 }
 
 impl Descent {
-    /// Takes the energy after an accepted step. Returns whether it has been constant to rounding
-    /// for so long that it will stay so.
-    pub fn has_stopped(&mut self, energy: EnergySum) -> bool {
+    /// Takes the energy after an accepted step. Returns whether for ten steps it has not fallen by more
+    /// than `part` of the sum of its absolute terms.
+    pub fn has_stopped(&mut self, energy: EnergySum, part: f64) -> bool {
         self.steps += 1;
-        if self.start.value - energy.value > ROUNDING * energy.scale || self.steps == 1 {
+        if self.start.value - energy.value > part * energy.scale || self.steps == 1 {
             *self = Self {
                 start: energy,
                 steps: 1,

@@ -2,7 +2,9 @@
 
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
-use crate::solver::control::{Attempt, Control, Descent, Mode, Progress, STOP, Tau};
+use crate::solver::control::{
+    Attempt, CREEP, Control, Descent, Mode, Progress, ROUNDING, STOP, Tau,
+};
 use crate::solver::energy::{Energy, Order};
 use crate::solver::guarded::GuardedFlow;
 use crate::solver::mixed::MixedFlow;
@@ -407,7 +409,14 @@ impl Flow {
             let adaptive =
                 self.options.mode == Mode::Flow && !matches!(self.options.tau, Tau::Fixed(_));
             let energy = self.energy();
-            if residual < STOP || (adaptive && self.descent.has_stopped(energy)) {
+            let held = self.problem.interpolation().is_some();
+            let fixed = matches!(self.options.tau, Tau::Fixed(_));
+            let rests = match (adaptive, held && !fixed) {
+                (true, _) => self.descent.has_stopped(energy, ROUNDING),
+                (_, true) => self.descent.has_stopped(energy, CREEP),
+                _ => false,
+            };
+            if residual < STOP || rests {
                 self.end = Some(End::Converged);
             } else if self.steps >= self.options.max_steps {
                 self.end = Some(End::Steps);
@@ -453,6 +462,15 @@ impl Flow {
     pub fn outcome(&mut self) -> Outcome {
         let energy_end = self.fine_energy();
         let mut warnings = self.warnings.clone();
+        if let Stepper::Normal(flow) = &self.stepper
+            && flow.frozen() > 0
+        {
+            warnings.push(format!(
+                "{} vertices rest where the least further step would fold the surface (more tension, or a \
+                 finer mesh there, would free them)",
+                flow.frozen()
+            ));
+        }
         match self.end {
             Some(End::Stuck) => warnings.push(
                 "not converged: the time step collapsed, no step lowers the energy any more; \

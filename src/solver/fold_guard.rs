@@ -20,6 +20,16 @@ const WORSE: f64 = 0.3;
 /// Cosine of the most that the flat triangle of a face in order may turn in one step.
 const TURN: f64 = 0.5;
 
+/// Cosine between a vector and a unit vector; -1 for one that has no direction.
+fn cosine(vector: DVec3, unit: DVec3) -> f64 {
+    let length = vector.length();
+    if length > 0.0 && length.is_finite() {
+        vector.dot(unit) / length
+    } else {
+        -1.0
+    }
+}
+
 /// How a surface is folded: the state steps are compared with.
 #[derive(Clone, Debug, Default)]
 pub struct FoldState {
@@ -41,27 +51,29 @@ impl FoldState {
                 (b - a).cross(c - a).normalize_or_zero()
             })
             .collect();
-        let upright = |e: usize| {
+        let upright = |local: &mut Vec<DVec3>, e: usize| {
             let (table, vertices) = (elements.table(e), elements.vertices_of(e));
             let face = flat[elements.faces[e] as usize];
-            let tangent = |point: usize, derivative: usize| -> DVec3 {
-                let row = table.row(point, derivative).iter();
-                row.zip(vertices)
-                    .map(|(&b, &v)| b * positions[v as usize])
-                    .sum()
-            };
-            let inside =
-                (0..table.points).map(|p| tangent(p, 1).cross(tangent(p, 2)).normalize_or_zero());
-            let corners = vertices[..3].iter().map(|&v| normals[v as usize]);
-            inside
-                .chain(corners)
-                .fold(1.0, |least, n| n.dot(face).min(least))
+            local.clear();
+            local.extend(vertices.iter().map(|&v| positions[v as usize]));
+            let inside = (0..table.points).map(|point| {
+                let (du, dv) = (table.row(point, 1), table.row(point, 2));
+                let (mut u, mut v) = (DVec3::ZERO, DVec3::ZERO);
+                for ((&a, &b), &p) in du.iter().zip(dv).zip(&*local) {
+                    u += a * p;
+                    v += b * p;
+                }
+                cosine(u.cross(v), face)
+            });
+            let least = inside.fold(1.0, f64::min);
+            let corners = vertices[..3].iter().map(|&v| normals[v as usize].dot(face));
+            corners.fold(least, f64::min)
         };
         Self {
             upright: (0..elements.len())
                 .into_par_iter()
                 .with_min_len(64)
-                .map(upright)
+                .map_init(Vec::new, upright)
                 .collect(),
             flat,
         }

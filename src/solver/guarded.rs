@@ -20,13 +20,15 @@ use crate::solver::fold_guard::FoldState;
 use crate::solver::held::Held;
 use crate::solver::survey::survey;
 use crate::solver::unknowns::Unknowns;
+use crate::solver::watch::{FOLDS, METRIC, at_most};
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule};
 
 /// Steps with one matrix.
 const REFRESH: usize = 10;
-/// Trial points of one step.
-const TRIALS: usize = 16;
+/// Halvings of one step, and trial points in all, those that fold included.
+const HALVINGS: usize = 16;
+const TRIALS: usize = 48;
 /// Part of the slope a step must gain.
 const ARMIJO: f64 = 1e-4;
 /// Factor on the steps of vertices next to a fold; below `FROZEN` they rest.
@@ -38,8 +40,11 @@ const RECOVER: f64 = 4.0;
 /// State of the guarded descent.
 pub struct GuardedFlow {
     topology: Topology,
-    elements: Elements,
+    /// Where normals are watched.
+    watched: Elements,
     assembler: Assembler,
+    /// Of the metric, by no more than 12 points.
+    metric: Assembler,
     cholesky: Cholesky,
     radius: f64,
     energy: Energy,
@@ -79,10 +84,14 @@ impl GuardedFlow {
         energy: &Energy,
     ) -> Result<Self, SolverError> {
         let unknowns = Unknowns::new(elements, problem.positions(), &problem.moving());
-        let mut assembler = Assembler::new(elements, rule, unknowns);
-        assembler.make_isotropic();
-        let symbolic = Arc::new(CholeskySymbolic::new(assembler.pattern())?);
-        let held = Held::of(problem, &mut assembler);
+        let coarse = at_most(problem, elements, rule, METRIC);
+        let mut metric = Assembler::new(&coarse, rule.min(METRIC), unknowns);
+        metric.make_isotropic();
+        let symbolic = Arc::new(CholeskySymbolic::new(metric.pattern())?);
+        let held = Held::of(problem, &mut metric);
+        // in the order of the factorization
+        let mut assembler = Assembler::new(elements, rule, metric.unknowns().clone());
+        let watched = at_most(problem, elements, rule, FOLDS).into_owned();
         let positions = problem.positions().to_vec();
         let mut gradient = Vec::new();
         let current = assembler.gradient(&positions, energy, &mut gradient);
@@ -90,11 +99,12 @@ impl GuardedFlow {
             return Err(survey(elements, &positions, energy, problem.radius()).not_finite());
         }
         let mut flow = Self {
-            folds: FoldState::new(problem.topology(), elements, &positions),
+            folds: FoldState::new(problem.topology(), &watched, &positions),
             topology: problem.topology().clone(),
-            elements: elements.clone(),
+            watched,
             damping: vec![1.0; assembler.unknowns().len()],
             assembler,
+            metric,
             cholesky: Cholesky::new(symbolic),
             radius: problem.radius(),
             energy: energy.clone(),
@@ -128,7 +138,18 @@ impl GuardedFlow {
         if fresh && let Err(note) = self.factorize(tau) {
             return Attempt::rejected(Some(note));
         }
-        let Some(found) = self.search() else {
+        let found = self.search();
+        if std::env::var("TRACE").is_ok() {
+            eprintln!(
+                "guarded fresh {fresh} E {} -> {:?} longest {:?} damped {} frozen {}",
+                self.current.value,
+                found.as_ref().map(|f| f.sum.value),
+                found.as_ref().map(|f| f.longest),
+                self.damping.iter().filter(|&&d| d < 1.0).count(),
+                self.damping.iter().filter(|&&d| d == 0.0).count()
+            );
+        }
+        let Some(found) = found else {
             self.age = None;
             return Attempt {
                 stale: !fresh,
@@ -170,8 +191,8 @@ impl GuardedFlow {
 
     fn factorize(&mut self, tau: f64) -> Result<(), String> {
         let mut values = Vec::new();
-        let normals = vec![DVec3::X; self.assembler.unknowns().len()];
-        self.assembler.matrix(
+        let normals = vec![DVec3::X; self.metric.unknowns().len()];
+        self.metric.matrix(
             &self.positions,
             &normals,
             &self.energy,
@@ -207,6 +228,9 @@ impl GuardedFlow {
         let mut positions = self.positions.clone();
         let mut gradient = Vec::new();
         for _ in 0..TRIALS {
+            if length < 0.5f64.powi(HALVINGS as i32) {
+                return None;
+            }
             let mut slope = 0.0;
             let mut longest = 0.0f64;
             for (i, &v) in self.assembler.unknowns().vertex.iter().enumerate() {
@@ -221,11 +245,11 @@ impl GuardedFlow {
             if let Some(held) = &self.held {
                 held.settle(&mut positions);
             }
-            let folds = FoldState::new(&self.topology, &self.elements, &positions);
+            let folds = FoldState::new(&self.topology, &self.watched, &positions);
             marked.fill(false);
             if self
                 .folds
-                .mark_folds(&folds, &self.topology, &self.elements, &mut marked)
+                .mark_folds(&folds, &self.topology, &self.watched, &mut marked)
             {
                 self.damp(&marked);
                 direction = self.direction();

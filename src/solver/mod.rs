@@ -28,6 +28,7 @@ mod relax;
 mod slots;
 mod survey;
 mod unknowns;
+mod watch;
 
 pub use assembly::{Assembler, EnergySum};
 pub use control::{Attempt, Control, FLOW_GROWTH, Mode, Progress, STOP, Tau};

@@ -17,15 +17,25 @@ use crate::solver::normals::LimitNormals;
 use crate::solver::relax::may_slide;
 use crate::solver::survey::survey;
 use crate::solver::unknowns::Unknowns;
+use crate::solver::watch::{FOLDS, METRIC, at_most};
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule};
 
 /// A quasi-Newton step that is not this much shorter than the one before calls for a new matrix.
 const SHRINK: f64 = 0.4;
 
+/// Factor on the diagonal of the matrix at vertices that rest.
+const RIGID: f64 = 1e6;
+/// Length, over the radius, below which steps that fold lay vertices to rest.
+const SHORT: f64 = 1e-3;
+/// How often a step under guard is halved before τ is made smaller.
+const HALVINGS: usize = 8;
+
 /// State of scheme B.
 pub struct NormalFlow {
     assembler: Assembler,
+    /// Of the matrix, where that of the energy has more points than it needs.
+    metric: Option<Assembler>,
     ring: LimitNormals,
     cholesky: Cholesky,
     values: Vec<f64>,
@@ -45,6 +55,8 @@ pub struct NormalFlow {
     w: Vec<f64>,
     held: Option<Held>,
     guard: Option<Guard>,
+    /// Whether the last step tried was short and folded the surface.
+    folded: bool,
 }
 
 /// The watch over folds, on the coarse meshes of a refinement.
@@ -53,6 +65,10 @@ struct Guard {
     elements: Elements,
     folds: FoldState,
     next: FoldState,
+    /// Scratch: vertices next to a fold.
+    marked: Vec<bool>,
+    /// Unknowns that rest for good, since the least step of theirs would fold the surface.
+    frozen: Vec<bool>,
 }
 
 /// Steps with the frozen factor.
@@ -77,15 +93,28 @@ impl NormalFlow {
     ) -> Result<Self, SolverError> {
         let unknowns = Unknowns::new(local, problem.positions(), &problem.moving());
         let ring = LimitNormals::new(problem.topology(), &unknowns.vertex);
-        let mut assembler = Assembler::new(local, rule, unknowns);
+        // the one that makes the matrix puts the unknowns in their order
+        let is_held = problem.interpolation().is_some();
+        let coarse = (is_held && rule > METRIC).then(|| at_most(problem, local, rule, METRIC));
+        let mut maker = match &coarse {
+            Some(coarse) => Assembler::new(coarse, METRIC, unknowns),
+            None => Assembler::new(local, rule, unknowns),
+        };
         if !membrane {
-            assembler.drop_membrane();
+            maker.drop_membrane();
         }
-        let symbolic = Arc::new(CholeskySymbolic::new(assembler.pattern())?);
-        let held = Held::of(problem, &mut assembler);
-        let count = assembler.unknowns().len();
+        let symbolic = Arc::new(CholeskySymbolic::new(maker.pattern())?);
+        let held = Held::of(problem, &mut maker);
+        let count = maker.unknowns().len();
+        let (assembler, metric) = if coarse.is_some() {
+            let exact = Assembler::new(local, rule, maker.unknowns().clone());
+            (exact, Some(maker))
+        } else {
+            (maker, None)
+        };
         let mut flow = Self {
             assembler,
+            metric,
             ring,
             cholesky: Cholesky::new(symbolic),
             values: Vec::new(),
@@ -101,13 +130,19 @@ impl NormalFlow {
             trial_gradient: Vec::new(),
             quasi_newton: None,
             w: vec![0.0; count],
-            guard: problem.interpolation().map(|_| Guard {
-                topology: problem.topology().clone(),
-                elements: local.clone(),
-                folds: FoldState::new(problem.topology(), local, problem.positions()),
-                next: FoldState::default(),
+            guard: is_held.then(|| {
+                let elements = at_most(problem, local, rule, FOLDS).into_owned();
+                Guard {
+                    folds: FoldState::new(problem.topology(), &elements, problem.positions()),
+                    topology: problem.topology().clone(),
+                    elements,
+                    next: FoldState::default(),
+                    marked: vec![false; problem.positions().len()],
+                    frozen: vec![false; count],
+                }
             }),
             held,
+            folded: false,
         };
         flow.ring.evaluate(&flow.positions, &mut flow.normals);
         flow.current = flow
@@ -193,59 +228,38 @@ impl NormalFlow {
 
     fn factorized_step(&mut self, tau: f64, next_tau: f64, freeze: bool) -> Attempt {
         if self.matrix_tau != Some(tau) {
-            self.assembler.matrix(
+            // the gradient is known; of a coarser rule it would be another
+            self.metric.as_mut().unwrap_or(&mut self.assembler).matrix(
                 &self.positions,
                 &self.normals,
                 &self.energy,
                 self.radius,
                 tau,
-                &mut self.gradient,
+                &mut Vec::new(),
                 &mut self.values,
             );
             if let Some(held) = &mut self.held {
-                held.pull_back(self.assembler.unknowns(), &mut self.gradient);
                 held.hold(&self.normals, &mut self.values);
             }
             self.matrix_tau = Some(tau);
         }
+        self.stiffen_frozen();
         if let Err(error) = self.cholesky.factorize(&self.values) {
             // M/τ dominates for small τ: reject and let the control shrink it
             return Attempt::rejected(Some(error.to_string()));
         }
         project(&self.gradient, &self.normals, -1.0, &mut self.w);
+        self.rest_frozen();
         self.cholesky.solve_in_place(&mut self.w, 1);
         self.free_only();
-        let longest = self.displace();
-        if !longest.is_finite() || self.would_fold() {
-            return Attempt::rejected(None);
-        }
-        let sum;
-        if freeze {
-            // quasi-Newton steps keep the normals of this factor
-            sum = self
-                .assembler
-                .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
-            self.pull_back_trial();
-        } else {
-            self.ring.evaluate(&self.trial, &mut self.trial_normals);
-            sum = self.assembler.matrix(
-                &self.trial,
-                &self.trial_normals,
-                &self.energy,
-                self.radius,
-                next_tau,
-                &mut self.trial_gradient,
-                &mut self.values,
-            );
-            if let Some(held) = &mut self.held {
-                held.pull_back(self.assembler.unknowns(), &mut self.trial_gradient);
-                held.hold(&self.trial_normals, &mut self.values);
-            }
-            self.matrix_tau = None;
-        }
-        if !self.current.admits(&sum) {
-            return Attempt::rejected(None);
-        }
+        let Some((longest, sum)) = self.try_step(next_tau, freeze) else {
+            // the same τ again, if the rest can go on without the vertices at a fold
+            let stale = self.folded && self.freeze();
+            return Attempt {
+                stale,
+                ..Attempt::rejected(None)
+            };
+        };
         if freeze {
             let mut memory = Lbfgs::new();
             self.remember(&mut memory);
@@ -256,10 +270,79 @@ impl NormalFlow {
             self.matrix_tau = None;
         } else {
             std::mem::swap(&mut self.normals, &mut self.trial_normals);
-            self.matrix_tau = Some(next_tau);
         }
         self.accept(sum);
         Attempt::accepted(longest, Progress::Factorized)
+    }
+
+    /// Moves `trial` by the step `w`, or under guard by as much of it as lowers the energy and folds
+    /// nothing (`w` is shortened to that). Returns the length of the whole step and the energy;
+    /// `None` if the step is not acceptable. With `freeze` only the gradient is made at the new
+    /// point, else the normals too and, where no shorter step can come, the matrix for `next_tau`.
+    fn try_step(&mut self, next_tau: f64, freeze: bool) -> Option<(f64, EnergySum)> {
+        self.matrix_tau = None;
+        if self.guard.is_some() {
+            let found = self.search()?;
+            if !freeze {
+                self.ring.evaluate(&self.trial, &mut self.trial_normals);
+            }
+            return Some(found);
+        }
+        let longest = self.displace();
+        if !longest.is_finite() {
+            return None;
+        }
+        let sum = if freeze {
+            // quasi-Newton steps keep the normals of this factor
+            self.assembler
+                .gradient(&self.trial, &self.energy, &mut self.trial_gradient)
+        } else {
+            self.ring.evaluate(&self.trial, &mut self.trial_normals);
+            self.matrix_tau = Some(next_tau);
+            self.assembler.matrix(
+                &self.trial,
+                &self.trial_normals,
+                &self.energy,
+                self.radius,
+                next_tau,
+                &mut self.trial_gradient,
+                &mut self.values,
+            )
+        };
+        let admitted = self.current.admits(&sum);
+        if !admitted {
+            self.matrix_tau = None;
+        }
+        admitted.then_some((longest, sum))
+    }
+
+    /// Halves the step until it lowers the energy and folds nothing.
+    fn search(&mut self) -> Option<(f64, EnergySum)> {
+        let mut whole = None;
+        for _ in 0..=HALVINGS {
+            let longest = self.displace();
+            let whole = *whole.get_or_insert(longest);
+            self.folded = false;
+            if !longest.is_finite() {
+                return None;
+            }
+            if self.would_fold() {
+                self.folded = longest < SHORT * self.radius;
+            } else {
+                let sum =
+                    self.assembler
+                        .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
+                if self.current.admits(&sum) {
+                    self.pull_back_trial();
+                    return Some((whole, sum));
+                }
+            }
+            self.w.iter_mut().for_each(|w| *w *= 0.5);
+        }
+        if std::env::var("TRACE").is_ok() {
+            eprintln!("normal: no step, longest {whole:?}");
+        }
+        None
     }
 
     fn quasi_newton_step(&mut self) -> Attempt {
@@ -267,24 +350,20 @@ impl NormalFlow {
             return Attempt::rejected(None);
         };
         project(&self.gradient, &self.normals, 1.0, &mut self.w);
+        self.rest_frozen();
         let cholesky = &mut self.cholesky;
         state
             .memory
             .direction(&mut self.w, |q| cholesky.solve_in_place(q, 1));
         self.free_only();
-        let longest = self.displace();
-        let sum = self
-            .assembler
-            .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
-        self.pull_back_trial();
-        if !longest.is_finite() || !self.current.admits(&sum) || self.would_fold() {
+        let Some((longest, sum)) = self.try_step(0.0, true) else {
             // back to a fresh matrix at the current point
             self.leave_quasi_newton();
             return Attempt {
                 stale: true,
                 ..Attempt::rejected(None)
             };
-        }
+        };
         self.remember(&mut state.memory);
         let stale = longest > SHRINK * state.last_move;
         state.last_move = longest;
@@ -339,10 +418,32 @@ impl NormalFlow {
         longest
     }
 
-    /// Held vertices follow and have no step of their own.
+    /// Held vertices follow and have no step of their own, and frozen ones have none.
     fn free_only(&mut self) {
         if let Some(held) = &self.held {
             held.clear(&mut self.w);
+        }
+        self.rest_frozen();
+    }
+
+    /// Makes the frozen vertices immovable in the matrix.
+    fn stiffen_frozen(&mut self) {
+        let Some(guard) = &self.guard else { return };
+        let maker = self.metric.as_mut().unwrap_or(&mut self.assembler);
+        let columns = &maker.pattern().col_ptr;
+        for (&diagonal, _) in columns.iter().zip(&guard.frozen).filter(|c| *c.1) {
+            self.values[diagonal] *= RIGID;
+        }
+    }
+
+    /// No step, and no say in the others', for frozen vertices.
+    fn rest_frozen(&mut self) {
+        if let Some(guard) = &self.guard {
+            for (w, &frozen) in self.w.iter_mut().zip(&guard.frozen) {
+                if frozen {
+                    *w = 0.0;
+                }
+            }
         }
     }
 
@@ -350,8 +451,30 @@ impl NormalFlow {
     fn would_fold(&mut self) -> bool {
         self.guard.as_mut().is_some_and(|g| {
             g.next = FoldState::new(&g.topology, &g.elements, &self.trial);
-            !g.folds.admits(&g.next, &g.topology, &g.elements)
+            g.marked.fill(false);
+            g.folds
+                .mark_folds(&g.next, &g.topology, &g.elements, &mut g.marked)
         })
+    }
+
+    /// Lays the vertices next to the last fold to rest; whether there were any that moved.
+    fn freeze(&mut self) -> bool {
+        let Some(g) = &mut self.guard else {
+            return false;
+        };
+        let mut any = false;
+        for (&v, frozen) in self.assembler.unknowns().vertex.iter().zip(&mut g.frozen) {
+            any |=
+                g.marked[v as usize] && !std::mem::replace(frozen, *frozen || g.marked[v as usize]);
+        }
+        any
+    }
+
+    /// Vertices that rest because a step of theirs would fold the surface.
+    pub fn frozen(&self) -> usize {
+        self.guard
+            .as_ref()
+            .map_or(0, |g| g.frozen.iter().filter(|&&f| f).count())
     }
 
     fn pull_back_trial(&mut self) {

@@ -25,7 +25,7 @@ impl Run {
         wake: &Wake,
     ) -> Result<Self, String> {
         let base = Arc::clone(&document.mesh);
-        let flow = refining_flow(controls, &base, refining.own_tension)?;
+        let flow = refining_flow(controls, &base, refining.own_energy)?;
         let faces = if refining.selected_only {
             Arc::clone(&document.faces)
         } else {
@@ -63,7 +63,7 @@ impl Run {
             base,
             kept: None,
             loops: Vec::new(),
-            own_tension: refining.own_tension,
+            own_energy: refining.own_energy,
             sides,
             playing: true,
             next_frame: None,
@@ -89,8 +89,8 @@ fn refine_words(
 ) -> Vec<String> {
     let mut words = vec!["--levels".into(), refining.levels.to_string()];
     if method == Method::Pde {
-        words.extend(["--energy".into(), controls.energy.clone()]);
-        for (name, value) in &controls.params {
+        words.extend(["--energy".into(), flow.energy.text().to_owned()]);
+        for (name, value) in flow.energy.params() {
             words.extend(["--param".into(), format!("{name}={value}")]);
         }
         words.extend(["--tension".into(), flow.tension.to_string()]);

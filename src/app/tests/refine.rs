@@ -31,7 +31,7 @@ fn on_icosahedron(refining: Refining) -> Model {
 fn three_methods_side_by_side_and_one_is_taken() {
     let mut m = on_icosahedron(Refining {
         levels: 2,
-        own_tension: false,
+        own_energy: false,
         beside: [Some(Method::Butterfly), Some(Method::Loop)],
         ..Refining::default()
     });

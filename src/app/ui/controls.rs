@@ -15,7 +15,11 @@ pub fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     egui::ScrollArea::vertical().show(ui, |ui| {
         ui.add_space(4.0);
         ui.heading("Energy");
-        super::energy::energy_ui(ui, model, actions);
+        if model.view.task == Task::Refine && model.view.refining.own_energy {
+            ui.weak("by the mesh's edge length, see the task at the left");
+        } else {
+            super::energy::energy_ui(ui, model, actions);
+        }
         let mut next = model.document.controls.clone();
         let refining = model.view.task == Task::Refine;
         ui.separator();
@@ -179,7 +183,7 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
             0.25..=4.0,
         );
     });
-    let own_tension = refining && model.view.refining.own_tension;
+    let own_energy = refining && model.view.refining.own_energy;
     for (name, tip, value, range) in [
         (
             "Tension",
@@ -203,7 +207,7 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
         if refining && name == "Noise" {
             continue;
         }
-        let used = !(own_tension && name == "Tension");
+        let used = !(own_energy && name == "Tension");
         ui.horizontal_wrapped(|ui| {
             let label = ui.label(name);
             ui.add_enabled(used, egui::Slider::new(value, range).max_decimals(3))

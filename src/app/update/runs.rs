@@ -107,7 +107,7 @@ fn set_controls(model: &mut Model, controls: Controls) {
                     own.params.entry(name.clone()).or_insert(*value);
                 }
             }
-            match side.live.set_controls(&own, &run.base, run.own_tension) {
+            match side.live.set_controls(&own, &run.base, run.own_energy) {
                 Ok(()) => {
                     if (&own.energy, &own.params) != (&side.controls.energy, &side.controls.params)
                     {
@@ -161,8 +161,10 @@ pub fn params_for(
     known: &std::collections::BTreeMap<String, f64>,
 ) -> std::collections::BTreeMap<String, f64> {
     let mut params = known.clone();
-    if text.replace(' ', "") == Preset::HMinusH0Squared.text().replace(' ', "") {
-        params.entry("H0".into()).or_insert(0.0);
+    let plain = text.replace(' ', "");
+    let named = Preset::ALL.into_iter().find(|p| p.text() == plain);
+    if let Some((name, value)) = named.and_then(Preset::parameter) {
+        params.entry(name.into()).or_insert(value);
     }
     params
 }

@@ -49,7 +49,7 @@ pub struct Energy {
 
 #[derive(Clone)]
 enum Density {
-    /// A preset, with `H0`.
+    /// A preset, with its parameter.
     Preset(Preset, f64),
     /// An expression in `H` and `K`.
     Plain(Arc<expr::Program>),
@@ -60,14 +60,15 @@ enum Density {
 }
 
 impl Energy {
-    /// A preset; the parameter `H0` of [`Preset::HMinusH0Squared`] is 0.
+    /// A preset; its parameter, if it has one, at its usual value ([`Preset::parameter`]).
     pub fn preset(preset: Preset) -> Self {
         let mut params = BTreeMap::new();
-        if preset == Preset::HMinusH0Squared {
-            params.insert("H0".to_owned(), 0.0);
+        let parameter = preset.parameter();
+        if let Some((name, value)) = parameter {
+            params.insert(name.to_owned(), value);
         }
         Self {
-            density: Density::Preset(preset, 0.0),
+            density: Density::Preset(preset, parameter.map_or(0.0, |p| p.1)),
             order: match preset {
                 Preset::K => Order::Stationary,
                 Preset::One => Order::Second,
@@ -102,8 +103,12 @@ impl Energy {
         let (program, used) = expr::parse(text, params)?;
         expr::check_symmetry(text, &program)?;
         let polynomial = expr::as_polynomial(&program);
-        let density = match polynomial.as_ref().and_then(as_preset) {
-            Some((preset, h0)) => Density::Preset(preset, h0),
+        let preset = match &polynomial {
+            Some(polynomial) => as_preset(polynomial),
+            None => program.radicand().and_then(|p| as_root(&p)),
+        };
+        let density = match preset {
+            Some((preset, parameter)) => Density::Preset(preset, parameter),
             None if program.uses_principal() => {
                 let even = program.is_smooth_in_principal();
                 Density::Principal(Arc::new(program), even)
@@ -187,7 +192,7 @@ impl Energy {
     #[inline]
     pub fn jet(&self, h: f64, k: f64) -> Jet2 {
         match &self.density {
-            Density::Preset(preset, h0) => preset.jet(*h0, h, k),
+            Density::Preset(preset, parameter) => preset.jet(*parameter, h, k),
             Density::Plain(program) => program.eval(&expr::JetAlgebra::plain(h, k)),
             Density::Principal(program, even) => expr::PairAlgebra::jet(program, *even, h, k),
             Density::Shifted(shift) => shift.jet(h, k),
@@ -276,8 +281,19 @@ fn as_preset(p: &expr::Polynomial) -> Option<(Preset, f64)> {
     let h0 = -0.5 * p[1][0];
     Preset::ALL
         .into_iter()
+        .filter(|&preset| preset != Preset::TotalCurvature)
         .find(|preset| preset.coefficients(h0) == *p)
         .map(|x| (x, h0))
+}
+
+/// The preset whose square `radicand` is, with its parameter.
+fn as_root(radicand: &expr::Program) -> Option<(Preset, f64)> {
+    let p = expr::as_polynomial(radicand)?;
+    let c = p[0][0].max(0.0).sqrt();
+    let mut square = Preset::TotalCurvature.coefficients(c);
+    // c² may differ from the number under the root by rounding
+    square[0][0] = p[0][0];
+    (c > 0.0 && square == p).then_some((Preset::TotalCurvature, c))
 }
 
 fn polynomial_order(p: &expr::Polynomial) -> Order {

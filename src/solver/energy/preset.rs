@@ -28,11 +28,15 @@ pub enum Preset {
     K1SqPlusK2Sq,
     /// `f = (κ1 − κ2)²`.
     K1MinusK2Squared,
+    /// `f = √(κ1² + κ2² + c²)`: total curvature, rounded off below the parameter `c`, which is 1 until
+    /// it is set. It grows with the angle a surface turns by, not with its square, so that a bend may
+    /// be sharp: edges stay where `H²` would round them off and bulge beside them.
+    TotalCurvature,
 }
 
 impl Preset {
     /// All presets, in the order they are listed to users.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::One,
         Self::H2,
         Self::K2,
@@ -43,6 +47,7 @@ impl Preset {
         Self::HMinusH0Squared,
         Self::K1SqPlusK2Sq,
         Self::K1MinusK2Squared,
+        Self::TotalCurvature,
     ];
 
     /// The expression that [`Energy::parse`](super::Energy::parse) reads back as this preset.
@@ -58,6 +63,16 @@ impl Preset {
             Self::HMinusH0Squared => "(H-H0)^2",
             Self::K1SqPlusK2Sq => "k1^2+k2^2",
             Self::K1MinusK2Squared => "(k1-k2)^2",
+            Self::TotalCurvature => "sqrt(k1^2+k2^2+c^2)",
+        }
+    }
+
+    /// The parameter in its text, if it has one, with its value until it is set.
+    pub const fn parameter(self) -> Option<(&'static str, f64)> {
+        match self {
+            Self::HMinusH0Squared => Some(("H0", 0.0)),
+            Self::TotalCurvature => Some(("c", 1.0)),
+            _ => None,
         }
     }
 
@@ -68,12 +83,13 @@ impl Preset {
             Self::H2 | Self::K | Self::K1SqPlusK2Sq | Self::K1MinusK2Squared => Some(2),
             Self::K2 | Self::K1P4PlusK2P4 => Some(4),
             Self::H2K2 => Some(6),
-            Self::H2PlusK2 | Self::HMinusH0Squared => None,
+            Self::H2PlusK2 | Self::HMinusH0Squared | Self::TotalCurvature => None,
         }
     }
 
-    /// The coefficient `c[i][j]` of `H^i K^j`, `i ≤ 4`, `j ≤ 2`.
-    pub(super) const fn coefficients(self, h0: f64) -> [[f64; 3]; 5] {
+    /// The coefficient `c[i][j]` of `H^i K^j`, `i ≤ 4`, `j ≤ 2`, of a polynomial one; of the square
+    /// of [`Preset::TotalCurvature`]. `parameter` is that of the preset.
+    pub(super) const fn coefficients(self, parameter: f64) -> [[f64; 3]; 5] {
         let mut c = [[0.0; 3]; 5];
         match self {
             Self::One => c[0][0] = 1.0,
@@ -92,8 +108,8 @@ impl Preset {
             Self::K => c[0][1] = 1.0,
             Self::HMinusH0Squared => {
                 c[2][0] = 1.0;
-                c[1][0] = -2.0 * h0;
-                c[0][0] = h0 * h0;
+                c[1][0] = -2.0 * parameter;
+                c[0][0] = parameter * parameter;
             }
             Self::K1SqPlusK2Sq => {
                 c[2][0] = 4.0;
@@ -103,13 +119,18 @@ impl Preset {
                 c[2][0] = 4.0;
                 c[0][1] = -4.0;
             }
+            Self::TotalCurvature => {
+                c[2][0] = 4.0;
+                c[0][1] = -2.0;
+                c[0][0] = parameter * parameter;
+            }
         }
         c
     }
 
-    /// `f` and its derivatives at `(H, K)`; `h0` matters to [`Preset::HMinusH0Squared`] only.
+    /// `f` and its derivatives at `(H, K)`; `parameter` is that of the preset.
     #[inline]
-    pub(super) fn jet(self, h0: f64, h: f64, k: f64) -> Jet2 {
+    pub(super) fn jet(self, parameter: f64, h: f64, k: f64) -> Jet2 {
         let zero = Jet2::default();
         match self {
             Self::One => Jet2::constant(1.0),
@@ -157,7 +178,7 @@ impl Preset {
             }
             Self::K => Jet2::gauss(k),
             Self::HMinusH0Squared => {
-                let d = h - h0;
+                let d = h - parameter;
                 Jet2 {
                     f: d * d,
                     h: 2.0 * d,
@@ -179,6 +200,18 @@ impl Preset {
                 hh: 8.0,
                 ..zero
             },
+            Self::TotalCurvature => {
+                let f = (4.0 * h * h - 2.0 * k + parameter * parameter).sqrt();
+                let (g, third) = (f.recip(), (f * f * f).recip());
+                Jet2 {
+                    f,
+                    h: 4.0 * h * g,
+                    k: -g,
+                    hh: 4.0 * g - 16.0 * h * h * third,
+                    hk: 4.0 * h * third,
+                    kk: -third,
+                }
+            }
         }
     }
 }

@@ -8,7 +8,11 @@ mod umbilics;
 mod wellposed;
 
 fn parsed(text: &str) -> Energy {
-    let params = BTreeMap::from([("H0".to_owned(), 0.3), ("a".to_owned(), 1.7)]);
+    let params = BTreeMap::from([
+        ("H0".to_owned(), 0.3),
+        ("a".to_owned(), 1.7),
+        ("c".to_owned(), 1.0),
+    ]);
     Energy::parse(text, &params).unwrap_or_else(|error| panic!("{}", error.render()))
 }
 
@@ -91,10 +95,19 @@ fn other_ways_to_write_a_preset_are_recognised() {
         ("k1^2*k2^2*((k1+k2)/2)^2", Preset::H2K2),
         (" ( k2^4+k1^4 ) ", Preset::K1P4PlusK2P4),
         ("3/3", Preset::One),
+        ("sqrt(4*H^2 - 2*K + 7)", Preset::TotalCurvature),
+        ("(k1^2 + k2^2 + 7)^0.5", Preset::TotalCurvature),
     ] {
         assert_eq!(parsed(text).as_preset(), Some(preset), "{text}");
     }
-    for text in ["H^2 + 1e-30", "2*H^2", "H^4", "abs(H)^2", "H^2 + 1e-20*K"] {
+    for text in [
+        "H^2 + 1e-30",
+        "2*H^2",
+        "H^4",
+        "abs(H)^2",
+        "H^2 + 1e-20*K",
+        "sqrt(k1^2+k2^2)",
+    ] {
         assert_eq!(parsed(text).as_preset(), None, "{text}");
     }
 }
@@ -258,6 +271,7 @@ fn spheres_flow_as_in_section_9() {
         (Preset::HMinusH0Squared, 0.25),
         (Preset::K1SqPlusK2Sq, 0.5),
         (Preset::K1MinusK2Squared, 0.0),
+        (Preset::TotalCurvature, 1.5f64.sqrt()),
     ] {
         assert_eq!(Energy::preset(preset).jet(-0.5, 0.25).f, value, "{preset}");
     }

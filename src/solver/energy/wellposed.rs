@@ -61,6 +61,7 @@ impl Energy {
                     | Preset::HMinusH0Squared
                     | Preset::K1SqPlusK2Sq
                     | Preset::K1MinusK2Squared
+                    | Preset::TotalCurvature
             )
         )
     }

@@ -15,7 +15,7 @@ const GROW: f64 = 1.6;
 const ROUNDS: usize = 60;
 const DESCENTS: usize = 2;
 /// Trial points of one round.
-const TRIALS: usize = 12;
+const TRIALS: usize = 40;
 
 impl GuardedFlow {
     /// Leads the held points from where the surface passes now to `goals`, each as far at once as
@@ -93,11 +93,11 @@ impl GuardedFlow {
                 .collect();
             held.retarget(targets);
             held.settle(&mut positions);
-            let folds = FoldState::new(&self.topology, &self.elements, &positions);
+            let folds = FoldState::new(&self.topology, &self.watched, &positions);
             marked.fill(false);
             let any = self
                 .folds
-                .mark_folds(&folds, &self.topology, &self.elements, &mut marked);
+                .mark_folds(&folds, &self.topology, &self.watched, &mut marked);
             if !any {
                 self.positions = positions;
                 self.folds = folds;
@@ -112,6 +112,7 @@ impl GuardedFlow {
             }
             held.retarget(now);
             let unknowns = held.unknowns().to_vec();
+            let mut any = false;
             for (i, &u) in unknowns.iter().enumerate() {
                 let v = self.assembler.unknowns().vertex[u as usize];
                 let near = marked[v as usize]
@@ -120,6 +121,7 @@ impl GuardedFlow {
                         .neighbours(VertexId(v))
                         .any(|w| marked[w.index()]);
                 if near && went[i] > 0.0 {
+                    any = true;
                     slowed[i] = true;
                     stride[i] = (SHRINK * stride[i]).max(SHORTEST);
                     went[i] *= SHRINK;
@@ -127,6 +129,9 @@ impl GuardedFlow {
                         went[i] = 0.0;
                     }
                 }
+            }
+            if !any {
+                return false;
             }
         }
         false
@@ -138,7 +143,7 @@ impl GuardedFlow {
             held.retarget(targets);
             held.settle(&mut self.positions);
         }
-        self.folds = FoldState::new(&self.topology, &self.elements, &self.positions);
+        self.folds = FoldState::new(&self.topology, &self.watched, &self.positions);
         self.refresh();
     }
 

@@ -118,6 +118,14 @@ impl Program {
         (depth == 1 && slots <= MAX_STACK).then_some(Self { ops, slots })
     }
 
+    /// What an expression that is a square root is the root of.
+    pub fn radicand(&self) -> Option<Self> {
+        let (last, rest) = self.ops.split_last()?;
+        (*last == Op::Call(Function::Power(0.5)))
+            .then(|| Self::new(rest.to_vec()))
+            .flatten()
+    }
+
     /// Number of instructions.
     #[cfg(test)]
     pub fn len(&self) -> usize {
