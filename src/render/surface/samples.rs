@@ -1,7 +1,7 @@
 //! Where the surface is sampled, and the triangles between the samples.
 
-use super::cut::{Cut, halfedges};
-use crate::mesh::{FaceId, Topology, VertexId};
+use super::cut::Cut;
+use crate::mesh::{FaceId, Topology, VertexId, face_halfedges};
 use crate::subdivision::{Elements, Rule};
 
 /// "Not numbered yet".
@@ -211,7 +211,7 @@ impl<'a> Numbering<'a> {
     /// Numbers the samples of a face, after the corners of all faces, and triangulates it.
     fn add_face(&mut self, f: FaceId) {
         let n = self.lattice.pieces;
-        let around = halfedges(self.topology, f);
+        let around = face_halfedges(self.topology, f);
         let corners = self.topology.face_vertices(f);
         let element = self.element_of[f.index()];
         let first = (self.corners.len() + self.inner.len()) as u32;
@@ -284,7 +284,7 @@ impl<'a> Numbering<'a> {
         let mut done = vec![false; self.edge_sample.len()];
         let mut segments = Vec::new();
         for &f in faces {
-            for h in halfedges(self.topology, f) {
+            for h in face_halfedges(self.topology, f) {
                 if std::mem::replace(&mut done[h.edge()], true) {
                     continue;
                 }
