@@ -94,7 +94,7 @@ fn is_sound(refined: &Refined, given: &Mesh) {
     check_mesh(mesh).expect("sound");
     let euler = |m: &Mesh| {
         let t = &m.topology;
-        t.vertex_count() as i64 - (t.halfedge_count() / 2) as i64 + t.face_count() as i64
+        t.vertex_count() + t.face_count() - t.halfedge_count() / 2
     };
     assert_eq!(euler(mesh), euler(given));
     assert_eq!(

@@ -1,7 +1,7 @@
 //! Cutting a mesh open along edges.
 
 use super::union_find::{find, unite};
-use super::{FaceId, HalfedgeId, Topology, VertexId};
+use super::{FaceId, HalfedgeId, Topology, TopologyError, VertexId};
 
 /// The half-edges of a face, from its first, second and third corner.
 pub fn face_halfedges(topology: &Topology, f: FaceId) -> [HalfedgeId; 3] {
@@ -54,7 +54,10 @@ pub struct CutOpen {
 /// Cuts a mesh open along edges (one flag each). Where they separate the faces around a vertex, the fan
 /// of the lowest face keeps the vertex and the others get copies of it; where a cut ends inside,
 /// there is one fan and one vertex. An edge alone, both ends of which lie inside, opens nothing.
-pub fn cut_open(topology: &Topology, cut: &[bool]) -> CutOpen {
+///
+/// # Errors
+/// The mesh that comes out is no manifold, which that of a manifold is.
+pub fn cut_open(topology: &Topology, cut: &[bool]) -> Result<CutOpen, TopologyError> {
     let faces: Vec<FaceId> = (0..topology.face_count()).map(FaceId::from).collect();
     let fans = corner_fans(topology, &faces, cut);
     let mut is_cut_at = vec![false; topology.vertex_count()];
@@ -81,9 +84,8 @@ pub fn cut_open(topology: &Topology, cut: &[bool]) -> CutOpen {
         number[c] = number[root];
     }
     let triangles: Vec<[u32; 3]> = number.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-    let topology = Topology::from_triangles(to_whole.len(), &triangles)
-        .expect("of a manifold, with one vertex for each fan where it is cut");
-    CutOpen { topology, to_whole }
+    let topology = Topology::from_triangles(to_whole.len(), &triangles)?;
+    Ok(CutOpen { topology, to_whole })
 }
 
 /// For each edge whether it is between two of the given vertices.
@@ -123,20 +125,17 @@ mod tests {
             (ring[..2].to_vec(), 1, 1, 1), // a slit
             (ring.clone(), n, 2, 2),       // a disk out of a disk
             (spokes, n - 1, 1, 1),         // a star: its ends are single
-            (star, 2 * n + n - 1, 1 + n, 1 + n as i64),
+            (star, 2 * n + n - 1, 1 + n, 1 + n),
         ] {
             let flags = edge_flags(&whole, &edges);
             assert_eq!(flags.iter().filter(|&&f| f).count(), edges.len());
-            let cut = cut_open(&whole, &flags);
+            let cut = cut_open(&whole, &flags).expect("a manifold");
             check_topology(&cut.topology).expect("sound");
             assert_eq!(cut.to_whole.len(), whole.vertex_count() + copies);
             assert_eq!(cut.topology.boundary_loops().len(), loops);
             let t = &cut.topology;
-            let v = t.vertex_count() as i64;
-            assert_eq!(
-                v - (t.halfedge_count() / 2) as i64 + t.face_count() as i64,
-                euler
-            );
+            let vertices_and_faces = t.vertex_count() + t.face_count();
+            assert_eq!(vertices_and_faces - t.halfedge_count() / 2, euler);
             for (there, here) in whole.triangles().zip(t.triangles()) {
                 assert_eq!(here.map(|v| cut.to_whole[v as usize]), there);
             }
@@ -147,7 +146,8 @@ mod tests {
     fn nothing_cut_is_the_same_mesh() {
         let (positions, triangles) = icosphere(2);
         let whole = Topology::from_triangles(positions.len(), &triangles).expect("closed");
-        let cut = cut_open(&whole, &vec![false; whole.halfedge_count() / 2]);
+        let none = vec![false; whole.halfedge_count() / 2];
+        let cut = cut_open(&whole, &none).expect("a manifold");
         assert_eq!(cut.topology, whole);
     }
 }

@@ -14,6 +14,7 @@ use crate::mesh::{
 };
 use crate::refine::boundary::BoundaryCurves;
 use crate::refine::options::{RefineError, RefineOptions};
+use crate::solver::SolverError;
 
 /// For each edge of a mesh whether it is to be a crease: inner edges at which the triangles differ by
 /// more than the options' angle, and those named. A single sharp edge with both ends inside makes no
@@ -172,7 +173,7 @@ impl Features {
         );
         let (mut cut, mut weld, mut corners) = (topology.clone(), None, Vec::new());
         if creases.contains(&true) {
-            let open = cut_open(topology, &creases);
+            let open = cut_open(topology, &creases).map_err(SolverError::from)?;
             cut = open.topology;
             weld = Some(Arc::new(Weld {
                 topology: topology.clone(),
