@@ -1,11 +1,12 @@
-//! Refinement of coarse closed meshes under `H²`: known minima, vertices kept, monotone energies.
+//! Refinement of coarse closed meshes under `H²`: known minima, vertices kept; parts of meshes.
 
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use meniscus::mesh::shapes::icosphere;
+use meniscus::mesh::shapes::{graph, icosphere};
 use meniscus::mesh::{DVec3, Mesh, Topology, check_mesh};
-use meniscus::refine::{RefineOptions, Refinement, surface_energy};
+use meniscus::refine::{Hold, Method, RefineOptions, Refined, Refinement, surface_energy};
 use meniscus::solver::energy::{Energy, Preset};
 use meniscus::subdivision::limit_position;
 
@@ -52,7 +53,7 @@ fn refined(mesh: Mesh) -> f64 {
     let refined = refinement.run(|_, _| true).expect("refined");
     check_mesh(&refined.mesh).expect("sound");
     assert_eq!(refined.mesh.positions[..given.len()], given);
-    let control = &refined.control;
+    let control = &refined.control.positions;
     for (v, p) in given.iter().enumerate() {
         let at = limit_position(&refined.mesh.topology, control, v.into());
         assert!(
@@ -72,4 +73,96 @@ fn an_octahedron_and_an_icosahedron_become_spheres() {
     assert!((least..=12.570).contains(&octahedron), "{octahedron}");
     let icosahedron = refined(icosahedron());
     assert!((least..=12.5672).contains(&icosahedron), "{icosahedron}");
+}
+
+/// A sphere of 80 faces, and options to refine the chosen ones twice.
+fn ball_and_region(chosen: impl Fn(usize) -> bool) -> (Mesh, RefineOptions) {
+    let (positions, triangles) = icosphere(2);
+    let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
+    let ball = Mesh::new(positions, topology);
+    let mut options = RefineOptions::new(Energy::preset(Preset::H2));
+    options.levels = 2;
+    options.region = Some((0..ball.face_count()).map(chosen).collect());
+    (ball, options)
+}
+
+fn run(mesh: &Mesh, options: &RefineOptions) -> Refined {
+    let refinement = Refinement::new(Arc::new(mesh.clone()), options.clone()).expect("options");
+    refinement.run(|_, _| true).expect("refined")
+}
+
+#[test]
+fn a_region_is_refined_and_nothing_else() {
+    let cap = |f: usize| (10..30).contains(&f);
+    for method in [Method::Pde, Method::Butterfly, Method::Loop] {
+        let (ball, mut options) = ball_and_region(cap);
+        options.method = method;
+        let mesh = run(&ball, &options).mesh;
+        // conforming: closed as before, every edge with two faces
+        check_mesh(&mesh).expect("sound");
+        assert!(mesh.topology.boundary_loops().is_empty());
+        assert!(mesh.face_count() > ball.face_count() + 20 * 3);
+        if method != Method::Loop {
+            assert_eq!(mesh.positions[..ball.vertex_count()], ball.positions);
+        }
+        // vertices without a face of the region stay, and so do the faces among them
+        let touched: BTreeSet<u32> = (0..ball.face_count())
+            .filter(|&f| cap(f))
+            .flat_map(|f| ball.topology.face_vertices(f.into()).map(|v| v.0))
+            .collect();
+        let faces: BTreeSet<[u32; 3]> = mesh.topology.triangles().collect();
+        let far = |t: &[u32; 3]| t.iter().all(|v| !touched.contains(v));
+        for t in ball.topology.triangles().filter(far) {
+            assert!(faces.contains(&t));
+            for v in t {
+                assert_eq!(mesh.positions[v as usize], ball.positions[v as usize]);
+            }
+        }
+        // those beside the region are no worse than a halved one
+        for t in mesh.topology.triangles() {
+            let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+            for (p, q, r) in [(a, b, c), (b, c, a), (c, a, b)] {
+                let angle = (q - p).angle_between(r - p).to_degrees();
+                assert!((20.0..130.0).contains(&angle), "{method:?}: {angle}");
+            }
+        }
+        // new vertices are as near to the sphere as the methods come; H² alone bulges
+        let off = |p: &DVec3| (p.length() - 1.0).abs();
+        let most = match method {
+            Method::Pde => 0.02,
+            Method::Butterfly => 0.01,
+            Method::Loop => 0.09,
+        };
+        assert!(mesh.positions.iter().all(|p| off(p) < most), "{method:?}");
+    }
+}
+
+#[test]
+fn a_region_of_everything_is_no_region() {
+    for hold in [Hold::Previous, Hold::Given] {
+        let (ball, mut everything) = ball_and_region(|_| true);
+        everything.hold = hold;
+        let mut none = everything.clone();
+        none.region = None;
+        let [with, without] = [&everything, &none].map(|o| run(&ball, o));
+        assert_eq!(with.mesh, without.mesh);
+        assert_eq!(with.control, without.control);
+    }
+}
+
+#[test]
+fn a_region_may_reach_the_boundary() {
+    let (positions, triangles) = graph(2.0, 6, |x, y| 0.3 * (x * x - y * y), 2);
+    let topology = Topology::from_triangles(positions.len(), &triangles).expect("open");
+    let sheet = Mesh::new(positions, topology);
+    let mut options = RefineOptions::new(Energy::preset(Preset::H2));
+    options.levels = 2;
+    for first in [0, sheet.face_count() / 2] {
+        let chosen = (0..sheet.face_count()).map(|f| f >= first && f < first + 3);
+        options.region = Some(chosen.collect());
+        let mesh = run(&sheet, &options).mesh;
+        check_mesh(&mesh).expect("sound");
+        assert_eq!(mesh.topology.boundary_loops().len(), 1);
+        assert_eq!(mesh.positions[..sheet.vertex_count()], sheet.positions);
+    }
 }

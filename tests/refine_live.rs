@@ -95,7 +95,7 @@ fn every_method_ends_where_it_does_in_the_foreground() {
         let timeline = live.live.timeline();
         let latest = timeline.latest().expect("states");
         assert_eq!(live.live.mesh_at(latest), plain.mesh);
-        assert_eq!(latest.control[..], plain.control[..]);
+        assert_eq!(latest.control[..], plain.control.positions[..]);
         assert_eq!(timeline.states[0].mesh(&mesh()), *mesh());
         let accepted = live.live.records().iter().filter(|(_, r)| !r.rejected);
         // the given mesh, the start of each level, every accepted step

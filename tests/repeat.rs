@@ -209,3 +209,33 @@ fn refinements_are_repeated_too() {
     m.act(Action::Accept(0));
     repeats(&mut m, &output);
 }
+
+/// Sharp edges by angle, by choice and around a selection, on the line and in a file.
+#[test]
+fn sharp_edges_are_repeated_too() {
+    for (frequency, is_long) in [(2, false), (9, true)] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let input = folder.path().join("coarse.obj");
+        let output = folder.path().join("done.obj");
+        let (positions, triangles) = meniscus::mesh::shapes::icosphere(frequency);
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
+        io::save_mesh(&input, &Mesh::new(positions, topology), &[]).expect("written");
+        let mut m = opened(input);
+        m.act(Action::Task(Task::Repair));
+        paint(&mut m, DVec3::Z, 0.6);
+        m.act(Action::Task(Task::Refine));
+        m.act(Action::Refining(Box::new(Refining {
+            levels: 1,
+            sharp: true,
+            sharp_angle: 41.8,
+            selection_rim: true,
+            ..Refining::default()
+        })));
+        m.act(Action::Fill);
+        until(&mut m, "the end", ended);
+        m.act(Action::Accept(0));
+        repeats(&mut m, &output);
+        let list = output.with_extension("creases.txt");
+        assert_eq!(list.exists(), is_long);
+    }
+}

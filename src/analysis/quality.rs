@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh, folded_edges, self_intersections};
+use crate::mesh::{
+    DVec3, FaceId, HalfedgeId, Mesh, dihedral_angle, folded_edges, self_intersections,
+};
 
 /// Intersecting pairs counted at most.
 const MOST_INTERSECTIONS: usize = 10_000;
@@ -144,13 +146,5 @@ fn max_dihedral(mesh: &Mesh) -> f64 {
 
 /// Angle between the normals of the triangles at an inner edge, radians; 0 where one has no area.
 pub(super) fn dihedral(mesh: &Mesh, h: HalfedgeId) -> f64 {
-    let normal = |h: HalfedgeId| {
-        let [a, b, c] = mesh.corners(mesh.topology.face(h));
-        (b - a).cross(c - a)
-    };
-    let (m, n) = (normal(h), normal(h.twin()));
-    if m.length_squared() == 0.0 || n.length_squared() == 0.0 {
-        return 0.0;
-    }
-    m.cross(n).length().atan2(m.dot(n))
+    dihedral_angle(&mesh.positions, &mesh.topology, h)
 }

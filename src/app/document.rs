@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::live::Shape;
 use crate::fill::{Controls, Schedule};
 use crate::io::Opened;
 use crate::mesh::{BoundaryLoop, DVec3, LoadReport, Mesh, Topology, boundary_loops};
@@ -70,6 +71,9 @@ pub enum Work {
     /// The mesh is refined.
     Refine(RefineWork),
 }
+
+/// The argument that names a chain of sharp edges.
+pub const CREASE: &str = "--crease";
 
 /// A refinement.
 #[derive(Clone, Debug, PartialEq)]
@@ -158,6 +162,8 @@ pub struct Document {
     pub origin: Arc<Origin>,
     /// The mesh with all that was accepted; what is left of the opened one comes first.
     pub mesh: Arc<Mesh>,
+    /// The surface behind it, if it is a refinement just accepted: its vertices are points of that.
+    pub surface: Option<Shape>,
     /// Faces from here on belong to patches.
     pub first_patch_face: usize,
     /// Its boundary loops.
@@ -185,6 +191,7 @@ impl Document {
                 bounds: bounds_of(&mesh),
             }),
             first_patch_face: mesh.face_count(),
+            surface: None,
             mesh,
             loops: Arc::new(loops),
             selection: BTreeSet::new(),
@@ -228,6 +235,7 @@ impl Document {
             }
         }
         self.mesh = Arc::new(mesh);
+        self.surface = None;
         self.loops = Arc::new(boundary_loops(&self.mesh));
         self.selection.clear();
         self.faces = Arc::default();

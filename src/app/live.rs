@@ -320,7 +320,7 @@ impl Shape {
         }
     }
 
-    /// Connectivity of the whole mesh.
+    /// Connectivity of the whole mesh; of a refinement cut open along creases.
     pub fn topology(&self) -> &Arc<Topology> {
         match self {
             Self::Fill(state) => &state.topology,
@@ -343,6 +343,14 @@ impl Shape {
         match self {
             Self::Fill(_) => true,
             Self::Refine(state) => state.frame.has_limit,
+        }
+    }
+
+    /// Whether its mesh is cut open along creases.
+    pub fn is_cut(&self) -> bool {
+        match self {
+            Self::Fill(_) => false,
+            Self::Refine(state) => state.frame.weld.is_some(),
         }
     }
 

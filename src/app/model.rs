@@ -301,6 +301,10 @@ impl Model {
             (mesh, first_patch_face) = (&run.base, run.first_patch_face);
             faired = run.faired();
         }
+        // what was accepted as a surface is drawn as that until there is another
+        let is_there = Arc::ptr_eq(mesh, &document.mesh);
+        let accepted = document.surface.clone().filter(|_| is_there);
+        let state = state.or(accepted);
         let repairs = self.view.task == Task::Repair && self.run.is_none();
         Request {
             mesh: Arc::clone(mesh),
@@ -323,6 +327,12 @@ impl Model {
             energy: energy.filter(|_| radius > 0.0).map(|e| (e, radius)),
             reference: self.report.shown_reference(self.view.style.mode),
         }
+    }
+
+    /// Whether vertices of the document's mesh are drawn where its limit surface passes them, rather
+    /// than where they are.
+    pub fn draws_limit_of_mesh(&self) -> bool {
+        self.view.limit_surface && self.document.surface.is_none()
     }
 
     /// What drawn positions are relative to.

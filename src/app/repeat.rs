@@ -3,14 +3,14 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::document::{Accepted, Source, Work};
+use super::document::{Accepted, CREASE, Source, Work};
 use super::model::Model;
 use crate::fill::command_line;
 use crate::io;
 use crate::mesh::{DVec3, ranges_text};
 
 /// Commands that repeat everything that was accepted and the run that is shown, one after the other, in
-/// lines of a shell script. Schedules and long lists of faces are written beside the
+/// lines of a shell script. Schedules and long lists of faces and sharp edges are written beside the
 /// result.
 ///
 /// # Errors
@@ -84,7 +84,7 @@ pub fn command(model: &Model) -> Result<String, String> {
     Ok(text)
 }
 
-/// Lists of faces longer than this are written to files.
+/// Lists of faces and sharp edges longer than this are written to files.
 const LONG: usize = 120;
 
 /// What the command is about, as arguments.
@@ -101,7 +101,7 @@ fn words(work: &Work, output: &Path) -> Result<Vec<String>, String> {
                 .map(str::to_owned)
                 .to_vec()
         }
-        Work::Refine(work) => work.words.clone(),
+        Work::Refine(work) => refine_words(&work.words, output)?,
         Work::Refill(_) | Work::Fair(_) | Work::Erase(_) => Vec::new(),
     };
     let list = ranges_text(work.faces());
@@ -117,4 +117,22 @@ fn words(work: &Work, output: &Path) -> Result<Vec<String>, String> {
         words.push("--fair".into());
     }
     Ok(words)
+}
+
+/// The arguments of a refinement; long chains of sharp edges go into a file.
+fn refine_words(words: &[String], output: &Path) -> Result<Vec<String>, String> {
+    let is_chain = |i: usize| i > 0 && words[i - 1] == CREASE;
+    let chains: Vec<&str> = (0..words.len())
+        .filter(|&i| is_chain(i))
+        .map(|i| words[i].as_str())
+        .collect();
+    if chains.iter().map(|c| c.len()).sum::<usize>() <= LONG {
+        return Ok(words.to_vec());
+    }
+    let path = output.with_extension("creases.txt");
+    io::save_text(&path, &(chains.join("\n") + "\n")).map_err(|e| e.to_string())?;
+    let others = (0..words.len()).filter(|&i| !is_chain(i) && words[i] != CREASE);
+    let mut left: Vec<String> = others.map(|i| words[i].clone()).collect();
+    left.extend(["--creases-from".into(), path.to_string_lossy().into_owned()]);
+    Ok(left)
 }

@@ -51,7 +51,7 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
     let document = &model.document;
     let mesh = &document.mesh;
     let centre = model.centre();
-    let limit = model.view.limit_surface;
+    let limit = model.draws_limit_of_mesh();
     if cache.limit != limit {
         *cache = OverlayCache {
             limit,

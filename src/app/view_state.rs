@@ -92,8 +92,16 @@ pub struct Refining {
     pub method: Method,
     /// What later levels keep passing.
     pub hold: Hold,
-    /// Boundaries between their vertices.
+    /// Boundaries and sharp edges between their vertices.
     pub boundary: BoundaryRule,
+    /// Whether edges above an angle stay sharp.
+    pub sharp: bool,
+    /// The angle, degrees.
+    pub sharp_angle: f64,
+    /// Whether the edges chosen for the report stay sharp.
+    pub chosen_edges: bool,
+    /// Whether the rim of the selected faces stays sharp.
+    pub selection_rim: bool,
     /// Energy and tension by the edge length of the mesh instead of those of the controls.
     pub own_energy: bool,
     /// Only the selected faces.
@@ -109,6 +117,10 @@ impl Default for Refining {
             method: Method::default(),
             hold: Hold::default(),
             boundary: BoundaryRule::default(),
+            sharp: false,
+            sharp_angle: 40.0,
+            chosen_edges: false,
+            selection_rim: false,
             own_energy: true,
             selected_only: false,
             beside: [None; 2],

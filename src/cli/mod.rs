@@ -5,6 +5,7 @@ mod args;
 mod blend;
 mod bridge;
 mod controls;
+mod creases;
 mod demo;
 mod edit;
 mod fill;

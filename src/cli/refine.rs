@@ -94,9 +94,7 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     let seconds = start.elapsed().as_secs_f64();
     save_mesh(&args.output, &refined.mesh, &opened.material_libraries)?;
     if let Some(path) = &args.control {
-        let mut control = refined.mesh.clone();
-        control.positions.clone_from(&refined.control);
-        save_mesh(path, &control, &opened.material_libraries)?;
+        save_mesh(path, &refined.control, &opened.material_libraries)?;
     }
     let mut report = report(args, &opened, &refined, seconds, &flow);
     report.distances = reference.and_then(|r| distances(&refined.mesh, &r.mesh));
@@ -265,6 +263,8 @@ fn options(args: &RefineArguments, flow: FlowOptions, mesh: &Mesh) -> Result<Ref
         hold: args.hold.into(),
         boundary: args.boundary.into(),
         corner_angle: args.corner_angle.to_radians(),
+        crease_angle: args.creases.crease_angle.map(f64::to_radians),
+        creases: args.creases.edges()?,
         region,
         flow,
     })

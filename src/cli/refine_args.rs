@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use crate::analysis::Plane;
 use crate::cli::args::point;
 use crate::cli::controls::{choice, parameter, tau};
+use crate::cli::creases::CreaseArguments;
 use crate::cli::edit::SelectionArguments;
 use crate::fill::TauChoice;
 use crate::refine::{BoundaryRule, Hold, Method};
@@ -43,12 +44,15 @@ pub struct RefineArguments {
     /// those of IN only.
     #[arg(long, value_enum, default_value = "previous")]
     pub hold: HoldArgument,
-    /// Boundaries between their vertices.
+    /// Boundaries and creases between their vertices.
     #[arg(long, value_enum, default_value = "spline")]
     pub boundary: BoundaryArgument,
-    /// A boundary vertex is a corner where the boundary turns by more than this, in degrees.
+    /// A vertex of a boundary or crease is a corner where that turns by more than this, in degrees.
     #[arg(long, value_name = "DEG", default_value_t = 45.0)]
     pub corner_angle: f64,
+    /// Which edges stay sharp.
+    #[command(flatten)]
+    pub creases: CreaseArguments,
     /// Refine only these faces; those beside them are cut to fit.
     #[command(flatten)]
     pub selection: SelectionArguments,
@@ -64,7 +68,7 @@ pub struct RefineArguments {
     /// Measure the result against this mesh.
     #[arg(long, value_name = "REF")]
     pub against: Option<PathBuf>,
-    /// Write the control mesh of the limit surface as well.
+    /// Write the control mesh of the limit surface as well, open along sharp edges.
     #[arg(long, value_name = "FILE")]
     pub control: Option<PathBuf>,
     /// Write a report as JSON.

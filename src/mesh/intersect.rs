@@ -65,28 +65,39 @@ pub fn self_intersections(
     found
 }
 
-/// Pairs of edge-adjacent faces whose normals differ by at least `min_angle` radians (pi: folded
-/// flat onto each other), as `[smaller, larger]` face indices in edge order. Faces of zero area
-/// have no normal and are left out.
-pub fn folded_edges(positions: &[DVec3], topology: &Topology, min_angle: f64) -> Vec<[u32; 2]> {
-    let normal = |f: super::FaceId| {
-        let [a, b, c] = topology.face_vertices(f).map(|v| positions[v.index()]);
-        (b - a).cross(c - a)
-    };
-    let mut folded = Vec::new();
-    for h in (0..topology.halfedge_count() as u32).step_by(2) {
-        let h = super::HalfedgeId(h);
-        if topology.is_boundary(h) || topology.is_boundary(h.twin()) {
-            continue;
-        }
-        let (f, g) = (topology.face(h), topology.face(h.twin()));
-        let (m, n) = (normal(f), normal(g));
-        let zero = m.length_squared() == 0.0 || n.length_squared() == 0.0;
-        if !zero && m.cross(n).length().atan2(m.dot(n)) >= min_angle {
-            folded.push([f.0.min(g.0), f.0.max(g.0)]);
-        }
+/// Angle between the normals of the triangles at an edge, radians; 0 on a boundary and where one has no
+/// area.
+pub fn dihedral_angle(positions: &[DVec3], topology: &Topology, h: super::HalfedgeId) -> f64 {
+    if topology.is_boundary(h) || topology.is_boundary(h.twin()) {
+        return 0.0;
     }
-    folded
+    let [m, n] = [h, h.twin()].map(|h| {
+        let corners = topology.face_vertices(topology.face(h));
+        let [a, b, c] = corners.map(|v| positions[v.index()]);
+        (b - a).cross(c - a)
+    });
+    if m.length_squared() == 0.0 || n.length_squared() == 0.0 {
+        return 0.0;
+    }
+    m.cross(n).length().atan2(m.dot(n))
+}
+
+/// Pairs of edge-adjacent faces whose normals differ by at least `min_angle` radians (positive; pi:
+/// folded flat onto each other), as `[smaller, larger]` face indices in edge order. Faces of zero
+/// area have no normal and are left out.
+pub fn folded_edges(positions: &[DVec3], topology: &Topology, min_angle: f64) -> Vec<[u32; 2]> {
+    let edges = (0..topology.halfedge_count() as u32).step_by(2);
+    edges
+        .map(super::HalfedgeId)
+        .filter(|&h| {
+            let angle = dihedral_angle(positions, topology, h);
+            angle > 0.0 && angle >= min_angle
+        })
+        .map(|h| {
+            let (f, g) = (topology.face(h), topology.face(h.twin()));
+            [f.0.min(g.0), f.0.max(g.0)]
+        })
+        .collect()
 }
 
 /// For each vertex the first vertex at the same position.

@@ -3,6 +3,7 @@
 mod boundary;
 mod build;
 mod check;
+mod cut;
 mod data;
 mod erase;
 mod ids;
@@ -19,11 +20,12 @@ pub(crate) mod union_find;
 pub use boundary::{BoundaryLoop, boundary_loops};
 pub use build::{BuildError, ComponentReport, Defect, DefectKind, LoadReport, build};
 pub use check::{Fault, check_filled, check_mesh, check_topology};
+pub use cut::{CutOpen, corner_fans, cut_open, edge_between, edge_flags, face_halfedges};
 pub use data::{Components, Mesh, components};
 pub use erase::{Erased, erase};
 pub use glam::DVec3;
 pub use ids::{FaceId, HalfedgeId, VertexId};
-pub use intersect::{folded_edges, self_intersections, triangles_meet};
+pub use intersect::{dihedral_angle, folded_edges, self_intersections, triangles_meet};
 pub use selection::{
     connected_faces, face_flags, face_list, faces_in_ball, faces_near, grow, inner_vertices,
     invert, parse_ranges, ranges_text, shrink, smooth_border,

@@ -1,6 +1,6 @@
 //! Splitting triangles at the midpoints of their edges.
 
-use super::{FaceId, HalfedgeId, Topology, VertexId};
+use super::{FaceId, HalfedgeId, Topology, VertexId, face_halfedges};
 
 /// Triangles after their marked edges were split, and where everything comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,7 +45,7 @@ pub fn split_faces(topology: &Topology, chosen: &[bool]) -> Split {
     let mut triangles = Vec::with_capacity(4 * topology.face_count());
     let mut parent = Vec::with_capacity(4 * topology.face_count());
     for f in (0..topology.face_count()).map(FaceId::from) {
-        let sides = sides(topology, f);
+        let sides = face_halfedges(topology, f);
         let corners = sides.map(|h| topology.origin(h).0);
         let halves = sides.map(|h| middle[h.edge()]);
         let parts = triangles.len();
@@ -70,13 +70,6 @@ pub fn split_faces(topology: &Topology, chosen: &[bool]) -> Split {
     }
 }
 
-/// The half-edges of a face, from its first corner on.
-fn sides(topology: &Topology, f: FaceId) -> [HalfedgeId; 3] {
-    let h = topology.halfedge_of_face(f);
-    let n = topology.next(h);
-    [h, n, topology.next(n)]
-}
-
 /// The edges of the chosen faces and of those which these leave with two halved edges, and so on.
 fn marked_edges(topology: &Topology, chosen: &[bool]) -> Vec<bool> {
     let mut marked = vec![false; topology.halfedge_count() / 2];
@@ -85,13 +78,13 @@ fn marked_edges(topology: &Topology, chosen: &[bool]) -> Vec<bool> {
         .map(FaceId::from)
         .collect();
     while let Some(f) = stack.pop() {
-        for h in sides(topology, f) {
+        for h in face_halfedges(topology, f) {
             if std::mem::replace(&mut marked[h.edge()], true) {
                 continue;
             }
             let g = topology.face(h.twin());
             if g.is_some()
-                && sides(topology, g)
+                && face_halfedges(topology, g)
                     .iter()
                     .filter(|s| marked[s.edge()])
                     .count()

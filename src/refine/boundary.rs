@@ -1,8 +1,10 @@
-//! Boundary curves of an open surface under refinement.
+//! Boundary curves and creases of a surface under refinement.
 
-use crate::mesh::{DVec3, Split, Topology, VertexId};
+use std::collections::BTreeSet;
 
-/// How boundaries are continued between their vertices.
+use crate::mesh::{DVec3, HalfedgeId, Split, Topology, VertexId};
+
+/// How boundaries and creases are continued between their vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum BoundaryRule {
     /// By interpolating cubic B-splines, broken at corners.
@@ -12,14 +14,26 @@ pub enum BoundaryRule {
     Straight,
 }
 
-/// Cubic B-splines through the boundary vertices. Their control points are refined like those of a
-/// crease of Loop's scheme; between two corners the spline is natural.
+/// Where a vertex is on the curves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    /// On none.
+    Off,
+    /// A curve passes it smoothly, between these neighbours.
+    Between([u32; 2]),
+    /// A curve has a kink or ends there, curves meet, or they are straight throughout.
+    Corner,
+}
+
+/// Cubic B-splines through the vertices of boundaries and creases. Their control points are refined
+/// like those of a crease of Loop's scheme; between two corners the spline is natural.
 #[derive(Clone, Debug)]
 pub struct BoundaryCurves {
-    /// Control point of each vertex; of no meaning off the boundary.
+    /// Control point of each vertex; of no meaning off the curves.
     control: Vec<DVec3>,
-    /// Vertices the curve passes with a kink, or straight ones throughout.
-    is_corner: Vec<bool>,
+    place: Vec<Place>,
+    /// The edges of the curves, the lower vertex first.
+    edges: BTreeSet<[u32; 2]>,
     rule: BoundaryRule,
 }
 
@@ -27,44 +41,48 @@ pub struct BoundaryCurves {
 const SWEEPS: usize = 60;
 
 impl BoundaryCurves {
-    /// Curves through the boundary vertices. A vertex where the boundary turns by more than
-    /// `corner_angle` (radians) is a corner, as is one in which several loops meet.
+    /// Curves through the vertices of the boundary and of the edges that are `creases` (one flag
+    /// each). A vertex where a curve turns by more than `corner_angle` (radians) is a corner, as is
+    /// one in which other than two edges of curves meet.
     pub fn new(
         topology: &Topology,
         positions: &[DVec3],
+        creases: &[bool],
         rule: BoundaryRule,
         corner_angle: f64,
     ) -> Self {
-        let is_corner = (0..positions.len())
-            .map(|v| match ends(topology, VertexId::from(v)) {
-                Some([a, b]) => {
-                    let p = positions[v];
-                    let (into, out) = (p - positions[a.index()], positions[b.index()] - p);
-                    into.cross(out).length().atan2(into.dot(out)) > corner_angle
-                }
-                None => true,
+        let edges: BTreeSet<[u32; 2]> = (0..topology.halfedge_count())
+            .step_by(2)
+            .map(HalfedgeId::from)
+            .filter(|&h| {
+                creases[h.edge()] || topology.is_boundary(h) || topology.is_boundary(h.twin())
             })
+            .map(|h| pair(topology.origin(h).0, topology.target(h).0))
             .collect();
         let mut curves = Self {
             control: positions.to_vec(),
-            is_corner,
+            place: places(&edges, positions, rule, corner_angle),
+            edges,
             rule,
         };
-        if rule == BoundaryRule::Spline {
-            curves.interpolate(topology, positions);
-        }
+        curves.interpolate(positions);
         curves
     }
 
-    fn interpolate(&mut self, topology: &Topology, positions: &[DVec3]) {
-        let smooth: Vec<(usize, [usize; 2])> = (0..positions.len())
-            .filter(|&v| !self.is_corner[v])
-            .filter_map(|v| Some((v, ends(topology, VertexId::from(v))?.map(VertexId::index))))
+    fn interpolate(&mut self, positions: &[DVec3]) {
+        let smooth: Vec<(usize, [u32; 2])> = self
+            .place
+            .iter()
+            .enumerate()
+            .filter_map(|(v, &place)| match place {
+                Place::Between(ends) => Some((v, ends)),
+                _ => None,
+            })
             .collect();
         for _ in 0..SWEEPS {
             for &(v, [a, b]) in &smooth {
                 let p = positions[v];
-                let pull = (self.control[a] - p) + (self.control[b] - p);
+                let pull = (self.control[a as usize] - p) + (self.control[b as usize] - p);
                 self.control[v] = p - 0.25 * pull;
             }
         }
@@ -73,56 +91,92 @@ impl BoundaryCurves {
     /// The curves over the mesh after a split.
     #[must_use]
     pub fn split(&self, old: &Topology, split: &Split) -> Self {
-        let mut control = self.control.clone();
-        let mut is_corner = self.is_corner.clone();
-        if self.rule == BoundaryRule::Spline {
-            for v in (0..self.control.len()).filter(|&v| !self.is_corner[v]) {
-                if let Some([a, b]) = ends(old, VertexId::from(v)) {
-                    let p = self.control[v];
-                    let spokes = (self.control[a.index()] - p) + (self.control[b.index()] - p);
-                    control[v] = p + 0.125 * spokes;
-                }
+        let mut next = self.clone();
+        for (v, &place) in self.place.iter().enumerate() {
+            if let Place::Between(ends) = place {
+                next.control[v] += 0.125 * self.spokes(v, ends);
             }
         }
         for &h in &split.edges {
-            let [a, b] = [old.origin(h), old.target(h)].map(|v| self.control[v.index()]);
-            control.push(0.5 * (a + b));
-            is_corner.push(false);
+            let ends = [old.origin(h).0, old.target(h).0];
+            let [a, b] = ends.map(|v| self.control[v as usize]);
+            let middle = next.control.len() as u32;
+            next.control.push(0.5 * (a + b));
+            if !next.edges.remove(&pair(ends[0], ends[1])) {
+                next.place.push(Place::Off);
+                continue;
+            }
+            next.place.push(match self.rule {
+                BoundaryRule::Spline => Place::Between(ends),
+                BoundaryRule::Straight => Place::Corner,
+            });
+            for [here, there] in [ends, [ends[1], ends[0]]] {
+                next.edges.insert(pair(here, middle));
+                if let Place::Between(around) = &mut next.place[here as usize] {
+                    for end in around.iter_mut().filter(|end| **end == there) {
+                        *end = middle;
+                    }
+                }
+            }
         }
-        Self {
-            control,
-            is_corner,
-            rule: self.rule,
+        next
+    }
+
+    /// Where a curve passes a vertex; `None` off the curves.
+    pub fn point(&self, v: VertexId) -> Option<DVec3> {
+        let p = self.control[v.index()];
+        match self.place[v.index()] {
+            Place::Off => None,
+            Place::Corner => Some(p),
+            Place::Between(ends) => Some(p + self.spokes(v.index(), ends) / 6.0),
         }
     }
 
-    /// Where the curve passes a boundary vertex; `None` off the boundary.
-    pub fn point(&self, topology: &Topology, v: VertexId) -> Option<DVec3> {
-        if !topology.is_boundary_vertex(v) {
-            return None;
-        }
-        let p = self.control[v.index()];
-        match ends(topology, v) {
-            Some([a, b]) if !self.is_corner[v.index()] && self.rule == BoundaryRule::Spline => {
-                let spokes = (self.control[a.index()] - p) + (self.control[b.index()] - p);
-                Some(p + spokes / 6.0)
-            }
-            _ => Some(p),
-        }
+    /// Whether a vertex of a curve is one of its corners.
+    pub fn is_corner(&self, v: VertexId) -> bool {
+        self.place[v.index()] == Place::Corner
+    }
+
+    /// Sum of the differences of two control points to that of a vertex.
+    fn spokes(&self, v: usize, ends: [u32; 2]) -> DVec3 {
+        let p = self.control[v];
+        let [a, b] = ends.map(|w| self.control[w as usize] - p);
+        a + b
     }
 }
 
-/// The neighbours before and after a vertex along its boundary; `None` if it has not just one.
-fn ends(topology: &Topology, v: VertexId) -> Option<[VertexId; 2]> {
-    let mut along = topology.outgoing(v).filter(|&h| topology.is_boundary(h));
-    let out = along.next()?;
-    if along.next().is_some() {
-        return None;
+fn pair(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+fn places(
+    edges: &BTreeSet<[u32; 2]>,
+    positions: &[DVec3],
+    rule: BoundaryRule,
+    corner_angle: f64,
+) -> Vec<Place> {
+    let mut count = vec![0usize; positions.len()];
+    let mut ends = vec![[0u32; 2]; positions.len()];
+    for &[a, b] in edges {
+        for [here, there] in [[a, b], [b, a]].map(|e| e.map(|v| v as usize)) {
+            if let Some(end) = ends[here].get_mut(count[here]) {
+                *end = there as u32;
+            }
+            count[here] += 1;
+        }
     }
-    let into = topology
-        .outgoing(v)
-        .find(|&h| topology.is_boundary(h.twin()))?;
-    Some([topology.target(into), topology.target(out)])
+    let turns = |v: usize, [a, b]: [u32; 2]| {
+        let p = positions[v];
+        let (into, out) = (p - positions[a as usize], positions[b as usize] - p);
+        into.cross(out).length().atan2(into.dot(out)) > corner_angle
+    };
+    (0..positions.len())
+        .map(|v| match count[v] {
+            0 => Place::Off,
+            2 if rule == BoundaryRule::Spline && !turns(v, ends[v]) => Place::Between(ends[v]),
+            _ => Place::Corner,
+        })
+        .collect()
 }
 
 #[cfg(test)]
@@ -131,17 +185,28 @@ mod tests {
     use crate::mesh::shapes::{cylinder, graph};
     use crate::mesh::split_all;
 
+    fn curves(topology: &Topology, positions: &[DVec3], corner_angle: f64) -> BoundaryCurves {
+        let none = vec![false; topology.halfedge_count() / 2];
+        BoundaryCurves::new(
+            topology,
+            positions,
+            &none,
+            BoundaryRule::Spline,
+            corner_angle,
+        )
+    }
+
     #[test]
     fn curves_pass_the_given_vertices() {
         let (positions, triangles) = cylinder(1.0, 1.0, 12, 1);
         let old = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
-        let curves = BoundaryCurves::new(&old, &positions, BoundaryRule::Spline, 1.0);
+        let coarse = curves(&old, &positions, 1.0);
         let split = split_all(&old);
         let new = Topology::from_triangles(split.vertex_count(&old), &split.triangles);
         let new = new.expect("manifold");
-        let fine = curves.split(&old, &split);
+        let fine = coarse.split(&old, &split);
         for v in (0..new.vertex_count()).map(VertexId::from) {
-            let Some(p) = fine.point(&new, v) else {
+            let Some(p) = fine.point(v) else {
                 continue;
             };
             if v.index() < positions.len() {
@@ -157,16 +222,16 @@ mod tests {
     fn corners_stay_and_straight_sides_stay_straight() {
         let (positions, triangles) = graph(2.0, 5, |_, _| 0.0, 1);
         let mut topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
-        let mut curves = BoundaryCurves::new(&topology, &positions, BoundaryRule::Spline, 0.7);
+        let mut lines = curves(&topology, &positions, 0.7);
         for _ in 0..2 {
             let split = split_all(&topology);
-            curves = curves.split(&topology, &split);
+            lines = lines.split(&topology, &split);
             let n = split.vertex_count(&topology);
             topology = Topology::from_triangles(n, &split.triangles).expect("manifold");
         }
         let mut corners = 0;
         for v in (0..topology.vertex_count()).map(VertexId::from) {
-            if let Some(p) = curves.point(&topology, v) {
+            if let Some(p) = lines.point(v) {
                 assert!((p.x.abs().max(p.y.abs()) - 1.0).abs() < 1e-14);
                 corners += usize::from(p.x.abs().min(p.y.abs()) > 1.0 - 1e-14);
             }

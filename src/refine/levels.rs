@@ -3,21 +3,23 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::mesh::{DVec3, Mesh, Split, Topology, VertexId, split_faces};
-use crate::refine::boundary::BoundaryCurves;
+use crate::mesh::{DVec3, Mesh, Split, Topology, VertexId};
+use crate::refine::creases::{Features, Weld};
 use crate::refine::measures::{radius, surface_energy};
 use crate::refine::options::{Hold, Method, RefineError, RefineOptions};
 use crate::refine::progress::{LevelReport, Progress};
-use crate::refine::region::Region;
+use crate::refine::refined::{Refined, refined_mesh};
+use crate::refine::region::{Region, nested_step};
 use crate::refine::running::{Running, level_options};
-use crate::refine::schemes::{butterfly_step, loop_step};
+use crate::refine::schemes::butterfly_step;
 use crate::refine::start::drawn_start;
-use crate::solver::{End, Flow, FlowOptions, FlowProblem, Scheme, SolverError};
+use crate::solver::{End, Flow, FlowOptions, FlowProblem, Interpolation, Scheme, SolverError};
 use crate::subdivision::limit_positions;
 
-/// A mesh being refined.
+/// A mesh being refined, cut open along its creases.
 ///
-/// The first `given` vertices keep their positions to the bit (but for Loop's scheme).
+/// The first `given` vertices keep their positions to the bit (but for Loop's scheme): those of the
+/// mesh and the copies of them that the cut made.
 pub struct Refinement {
     options: RefineOptions,
     given: usize,
@@ -30,7 +32,7 @@ pub struct Refinement {
     points: Vec<DVec3>,
     colors: Vec<[f32; 4]>,
     face_tags: Vec<u32>,
-    curves: BoundaryCurves,
+    features: Features,
     region: Option<Region>,
     current: Option<Running>,
     levels: Vec<LevelReport>,
@@ -38,44 +40,42 @@ pub struct Refinement {
     input: Arc<Mesh>,
 }
 
-/// The result of a refinement.
-#[derive(Clone, Debug)]
-pub struct Refined {
-    /// The refined mesh, on the limit surface; the given vertices first.
-    pub mesh: Mesh,
-    /// The control mesh of the limit surface; for Butterfly, which has none, the mesh itself.
-    pub control: Vec<DVec3>,
-    /// Level by level.
-    pub levels: Vec<LevelReport>,
-}
-
 impl Refinement {
     /// Sets a refinement up; nothing is split yet.
     ///
     /// # Errors
-    /// An option out of range, or a mesh without triangles.
+    /// An option out of range, a crease that is none, or a mesh without triangles.
     pub fn new(mesh: Arc<Mesh>, options: RefineOptions) -> Result<Self, RefineError> {
         options.validate(&mesh)?;
         if mesh.face_count() == 0 {
             return Err(RefineError::NoFaces);
         }
-        let curves = BoundaryCurves::new(
-            &mesh.topology,
-            &mesh.positions,
-            options.boundary,
-            options.corner_angle,
-        );
+        let (topology, features) = Features::new(&mesh, &options)?;
+        let points = features.opened(&mesh.positions);
+        let mut control = points.clone();
+        // a region of everything is none
+        let region = options
+            .region
+            .clone()
+            .filter(|faces| faces.contains(&false));
+        if region.is_some() && options.method == Method::Pde {
+            // the surface outside, which stays, has to pass its vertices as that inside does
+            let used = |&v: &VertexId| topology.halfedge_of_vertex(v).is_some();
+            let all = (0..points.len()).map(VertexId::from).filter(used);
+            let held: Vec<(u32, DVec3)> = all.map(|v| (v.0, points[v.index()])).collect();
+            Interpolation::new(&topology, &held).settle(&mut control);
+        }
         Ok(Self {
-            given: mesh.vertex_count(),
+            given: points.len(),
             radius: radius(&mesh),
             level: 0,
-            topology: Arc::new(mesh.topology.clone()),
-            control: mesh.positions.clone(),
-            points: mesh.positions.clone(),
-            colors: mesh.colors.clone(),
+            topology: Arc::new(topology),
+            control,
+            points,
+            colors: features.opened(&mesh.colors),
             face_tags: mesh.face_tags.clone(),
-            curves,
-            region: options.region.clone().map(Region::new),
+            features,
+            region: region.map(Region::new),
             current: None,
             levels: Vec::new(),
             is_cancelled: false,
@@ -84,9 +84,19 @@ impl Refinement {
         })
     }
 
-    /// Connectivity of the current level.
+    /// Connectivity of the current level, cut open along creases.
     pub fn topology(&self) -> &Arc<Topology> {
         &self.topology
+    }
+
+    /// How the mesh of the current level is welded; `None` without creases.
+    pub fn weld(&self) -> Option<&Arc<Weld>> {
+        self.features.weld()
+    }
+
+    /// Vertices of the current level, copies along creases counted once.
+    pub fn vertex_count(&self) -> usize {
+        self.features.whole(&self.topology).vertex_count()
     }
 
     /// Current positions of the refined mesh: points of the limit surface, the given vertices as
@@ -212,15 +222,13 @@ impl Refinement {
 
     /// The mesh as it is now.
     pub fn result(&self) -> Refined {
-        let mut mesh = Mesh::new(self.points(), Topology::clone(&self.topology));
-        mesh.colors.clone_from(&self.colors);
-        mesh.face_tags.clone_from(&self.face_tags);
-        mesh.tags.clone_from(&self.input.tags);
-        mesh.one_sided.clone_from(&self.input.one_sided);
-        mesh.one_sided_tags.clone_from(&self.input.one_sided_tags);
+        let part = |weld, positions: &[DVec3]| {
+            let (colors, tags) = (&self.colors, &self.face_tags);
+            refined_mesh(&self.input, &self.topology, weld, positions, colors, tags)
+        };
         Refined {
-            mesh,
-            control: self.control(),
+            mesh: part(self.weld().map(Arc::as_ref), &self.points()),
+            control: part(None, &self.control()),
             levels: self.levels.clone(),
         }
     }
@@ -233,26 +241,19 @@ impl Refinement {
             Some(region) => region.faces().to_vec(),
             None => everything(),
         };
-        let split = split_faces(&old, &chosen);
+        let split = (self.features.split(&old, &chosen)).map_err(SolverError::from)?;
         let count = split.vertex_count(&old);
         let new = Topology::from_triangles(count, &split.triangles).map_err(SolverError::from)?;
-        self.curves = self.curves.split(&old, &split);
         self.inherit(&old, &split);
-        match self.options.method {
-            Method::Butterfly => {
-                self.points = butterfly_step(&old, &self.points, &split);
-                self.control.clone_from(&self.points);
-            }
-            Method::Loop => {
-                self.points = self.nested(&old, &split, &self.points);
-                self.control.clone_from(&self.points);
-            }
-            Method::Pde => self.control = self.nested(&old, &split, &self.control),
+        if self.options.method == Method::Pde {
+            self.control = nested_step(&old, &self.control, &split, &[], self.region.as_ref());
+        } else {
+            self.by_scheme(&old, &split);
         }
         self.level += 1;
         self.topology = Arc::new(new);
         if let Some(region) = &mut self.region {
-            region.descend(&self.topology, &split);
+            region.descend(self.features.whole(&self.topology), &split);
         }
         let level = Progress::Level(self.level);
         if self.options.method != Method::Pde {
@@ -260,6 +261,12 @@ impl Refinement {
             return Ok(level);
         }
         let (free, held) = self.roles(&old, &split);
+        if free.is_empty() {
+            // creases and boundaries are all there is
+            self.hold(&held);
+            self.levels.push(self.scheme_report(start));
+            return Ok(level);
+        }
         let triangles: Vec<[u32; 3]> = self.topology.triangles().collect();
         let splits = self.options.levels.saturating_sub(self.level);
         let options = level_options(&self.options.flow, splits);
@@ -281,21 +288,24 @@ impl Refinement {
         Ok(level)
     }
 
-    /// Loop's scheme where the mesh is split all around; elsewhere old vertices stay.
-    fn nested(&self, old: &Topology, split: &Split, positions: &[DVec3]) -> Vec<DVec3> {
-        let mut new = loop_step(old, positions, split);
-        if let Some(region) = &self.region {
-            for v in 0..positions.len() {
-                let inside = old
-                    .outgoing(VertexId::from(v))
-                    .map(|h| old.face(h))
-                    .all(|f| !f.is_some() || region.faces()[f.index()]);
-                if !inside {
-                    new[v] = positions[v];
-                }
-            }
-        }
-        new
+    /// One step of Butterfly or of Loop's scheme.
+    fn by_scheme(&mut self, old: &Topology, split: &Split) {
+        // the new mesh has corners only where the old one has
+        let corners = self.features.corners();
+        let mut points = if self.options.method == Method::Butterfly {
+            butterfly_step(old, &self.points, split, &corners)
+        } else {
+            nested_step(old, &self.points, split, &corners, self.region.as_ref())
+        };
+        self.features.join(&mut points, &self.points);
+        self.control.clone_from(&points);
+        self.points = points;
+    }
+
+    /// Puts the limit surface through points where there is nothing else to choose.
+    fn hold(&mut self, held: &[(u32, DVec3)]) {
+        Interpolation::new(&self.topology, held).settle(&mut self.control);
+        self.points = self.points_of(&self.control, held);
     }
 
     /// The vertices that move and those held, with the points to pass.
@@ -311,7 +321,7 @@ impl Refinement {
             let stays = self.options.hold == Hold::Previous || v.index() < self.given;
             if is_old && (stays || topology.is_boundary_vertex(v) || self.region.is_some()) {
                 held.push((v.0, self.points[v.index()]));
-            } else if let Some(p) = self.curves.point(topology, v) {
+            } else if let Some(p) = self.features.point(v) {
                 held.push((v.0, p));
             } else {
                 free.push(v.0);
@@ -370,7 +380,7 @@ impl Refinement {
         self.points = self.points_of(&self.control, &running.held);
         let report = LevelReport {
             level: self.level,
-            vertices: self.points.len(),
+            vertices: self.vertex_count(),
             faces: self.topology.face_count(),
             steps: outcome.steps,
             rejected: outcome.rejected,
@@ -399,7 +409,7 @@ impl Refinement {
         );
         LevelReport {
             level: self.level,
-            vertices: self.points.len(),
+            vertices: self.vertex_count(),
             faces: self.topology.face_count(),
             steps: 0,
             rejected: 0,

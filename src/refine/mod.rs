@@ -2,24 +2,28 @@
 //!
 //! By the flow ([`Method::Pde`]) the limit surface of Loop's scheme passes every given vertex and makes
 //! `∫ f(H, K) dA` stationary among all that do; the refined mesh has its vertices on that surface.
-//! From one level to the next the surface is the same, only freer. The modified Butterfly scheme
+//! From one level to the next the surface is the same, only freer. Sharp edges may be kept as creases. The modified Butterfly scheme
 //! and Loop's own are there to compare with.
 
 mod boundary;
+mod creases;
 mod levels;
 pub mod live;
 mod measures;
 mod options;
 mod progress;
+mod refined;
 mod region;
 mod running;
 mod schemes;
 mod start;
 
 pub use boundary::BoundaryRule;
-pub use levels::{Refined, Refinement};
+pub use creases::{Weld, crease_edges};
+pub use levels::Refinement;
 pub use live::{LiveRefine, RefineEvent, RefineState, RefineStatus, RefineTimeline};
 pub use measures::{radius, surface_energy};
 pub use options::{Hold, MAX_LEVELS, Method, RefineError, RefineOptions, natural_flow};
 pub use progress::{LevelReport, Progress};
+pub use refined::Refined;
 pub use schemes::{butterfly_step, loop_step};

@@ -2,6 +2,7 @@
 
 use crate::mesh::{HalfedgeId, Mesh};
 use crate::refine::BoundaryRule;
+use crate::refine::creases::crease_edges;
 use crate::refine::measures::radius;
 use crate::solver::energy::{Energy, Preset};
 use crate::solver::{FlowOptions, SolverError};
@@ -40,10 +41,14 @@ pub struct RefineOptions {
     /// Energy, mode, τ and steps (of each level) of the flow. Scheme and quadrature are chosen by
     /// the refinement.
     pub flow: FlowOptions,
-    /// Boundaries between their vertices.
+    /// Boundaries and creases between their vertices.
     pub boundary: BoundaryRule,
-    /// A boundary vertex is a corner where the boundary turns by more than this, radians.
+    /// A vertex of a boundary or crease is a corner where that turns by more than this, radians.
     pub corner_angle: f64,
+    /// Edges at which the triangles differ by more than this are creases, radians.
+    pub crease_angle: Option<f64>,
+    /// More creases, by the ends of the edges.
+    pub creases: Vec<[u32; 2]>,
     /// Refine only these faces (one flag each); those beside them are cut to fit.
     pub region: Option<Vec<bool>>,
 }
@@ -65,6 +70,8 @@ impl RefineOptions {
             flow: FlowOptions::new(energy),
             boundary: BoundaryRule::default(),
             corner_angle: std::f64::consts::FRAC_PI_4,
+            crease_angle: None,
+            creases: Vec::new(),
             region: None,
         }
     }
@@ -93,9 +100,19 @@ impl RefineOptions {
         }
         if self.corner_angle.is_nan() || self.corner_angle <= 0.0 {
             return Err(RefineError::BadAngle {
+                which: "corner",
                 angle: self.corner_angle.to_degrees(),
             });
         }
+        if let Some(angle) = self.crease_angle
+            && (angle.is_nan() || angle <= 0.0)
+        {
+            return Err(RefineError::BadAngle {
+                which: "crease",
+                angle: angle.to_degrees(),
+            });
+        }
+        crease_edges(mesh, self)?;
         Ok(self.flow.validate()?)
     }
 }
@@ -177,10 +194,34 @@ pub enum RefineError {
         faces: usize,
     },
     /// An angle is not positive.
-    #[error("the corner angle is {angle} degrees; give a positive number")]
+    #[error("the {which} angle is {angle} degrees; give a positive number")]
     BadAngle {
+        /// Of corners or of creases.
+        which: &'static str,
         /// In degrees.
         angle: f64,
+    },
+    /// A crease is no edge of the mesh.
+    #[error(
+        "the crease from vertex {} to vertex {} (counted from 1) is no edge of the mesh; name \
+         neighbouring vertices",
+        ends[0] + 1,
+        ends[1] + 1
+    )]
+    NoCrease {
+        /// The vertices.
+        ends: [u32; 2],
+    },
+    /// A crease is too short to be one.
+    #[error(
+        "the crease from vertex {} to vertex {} (counted from 1) is a single edge that meets no \
+         other crease and no boundary; add a neighbouring edge or leave it out",
+        ends[0] + 1,
+        ends[1] + 1
+    )]
+    LoneCrease {
+        /// The vertices.
+        ends: [u32; 2],
     },
     /// There is nothing to refine.
     #[error("the mesh has no triangle that can be refined")]

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use crate::mesh::{FaceId, Split, Topology, VertexId};
+use crate::mesh::{DVec3, FaceId, Split, Topology, VertexId};
+use crate::refine::schemes::loop_step;
 
 /// The faces to be refined at a level.
 #[derive(Clone, Debug)]
@@ -69,4 +70,28 @@ impl Region {
         }
         near
     }
+}
+
+/// Loop's scheme (see [`loop_step`]) where the mesh is split all around; beside and outside the region
+/// that is split old vertices stay.
+pub fn nested_step(
+    old: &Topology,
+    positions: &[DVec3],
+    split: &Split,
+    corners: &[bool],
+    region: Option<&Region>,
+) -> Vec<DVec3> {
+    let mut new = loop_step(old, positions, split, corners);
+    if let Some(region) = region {
+        for v in 0..positions.len() {
+            let inside = old
+                .outgoing(VertexId::from(v))
+                .map(|h| old.face(h))
+                .all(|f| !f.is_some() || region.faces()[f.index()]);
+            if !inside {
+                new[v] = positions[v];
+            }
+        }
+    }
+    new
 }

@@ -9,13 +9,23 @@ use crate::mesh::{DVec3, HalfedgeId, Split, Topology, VertexId, edge_diamond};
 use crate::subdivision::{EDGE_END, EDGE_OPPOSITE, beta, ring_points};
 
 /// Loop's scheme: new positions of all vertices, old and new, of a mesh whose edges were split.
-/// On a boundary cubic B-splines. Where the mesh was split everywhere, the control points given and
-/// returned have the same limit surface.
-pub fn loop_step(topology: &Topology, positions: &[DVec3], split: &Split) -> Vec<DVec3> {
+/// On a boundary cubic B-splines, but for its vertices at `corners` (one flag each, or none), which
+/// stay. Where the mesh was split everywhere, the control points given and returned have the same
+/// limit surface.
+pub fn loop_step(
+    topology: &Topology,
+    positions: &[DVec3],
+    split: &Split,
+    corners: &[bool],
+) -> Vec<DVec3> {
     let at = |v: VertexId| positions[v.index()];
     let mut new = Vec::with_capacity(split.vertex_count(topology));
     for v in (0..positions.len()).map(VertexId::from) {
-        new.push(at(v) + loop_shift(topology, positions, v));
+        new.push(if is_flagged(corners, v) {
+            at(v)
+        } else {
+            at(v) + loop_shift(topology, positions, v)
+        });
     }
     for &h in &split.edges {
         let ([a, b], opposite) = edge_diamond(topology, h);
@@ -26,6 +36,10 @@ pub fn loop_step(topology: &Topology, positions: &[DVec3], split: &Split) -> Vec
         });
     }
     new
+}
+
+fn is_flagged(flags: &[bool], v: VertexId) -> bool {
+    flags.get(v.index()).copied().unwrap_or(false)
 }
 
 /// How far Loop's scheme moves an old vertex.
@@ -60,14 +74,19 @@ fn boundary_neighbours(topology: &Topology, v: VertexId) -> Vec<VertexId> {
 
 /// The modified Butterfly scheme (Zorin, Schröder and Sweldens, "Interpolating Subdivision for Meshes
 /// with Arbitrary Topology", 1996): positions of all vertices, the old ones as they were. On a
-/// boundary the four-point scheme.
-pub fn butterfly_step(topology: &Topology, positions: &[DVec3], split: &Split) -> Vec<DVec3> {
+/// boundary the four-point scheme, straight on beyond `corners` (one flag for each vertex, or none).
+pub fn butterfly_step(
+    topology: &Topology,
+    positions: &[DVec3],
+    split: &Split,
+    corners: &[bool],
+) -> Vec<DVec3> {
     let mut new = positions.to_vec();
     let mut rings = [Vec::new(), Vec::new()];
     for &h in &split.edges {
         new.push(
             if topology.is_boundary(h) || topology.is_boundary(h.twin()) {
-                four_point(topology, positions, h)
+                four_point(topology, positions, h, corners)
             } else {
                 butterfly_point(topology, positions, h, &mut rings)
             },
@@ -120,7 +139,7 @@ fn irregular_point(centre: DVec3, ring: &[DVec3]) -> DVec3 {
 }
 
 /// `(-1, 9, 9, -1) / 16` along the boundary.
-fn four_point(topology: &Topology, positions: &[DVec3], h: HalfedgeId) -> DVec3 {
+fn four_point(topology: &Topology, positions: &[DVec3], h: HalfedgeId, corners: &[bool]) -> DVec3 {
     let along = if topology.is_boundary(h) { h } else { h.twin() };
     let (p, q) = (topology.origin(along), topology.target(along));
     let beyond = |v: VertexId, other: VertexId| {
@@ -128,9 +147,9 @@ fn four_point(topology: &Topology, positions: &[DVec3], h: HalfedgeId) -> DVec3 
             .into_iter()
             .filter(|&w| w != other)
             .collect();
-        // at a pinched vertex the curve has no single continuation: a straight one
+        // at a corner or pinched vertex the curve has no single continuation: a straight one
         match others[..] {
-            [w] => positions[w.index()],
+            [w] if !is_flagged(corners, v) => positions[w.index()],
             _ => 2.0 * positions[v.index()] - positions[other.index()],
         }
     };
@@ -154,7 +173,7 @@ mod tests {
         let ball = sphere(200, 3);
         let old = topology(&ball);
         let split = split_all(&old);
-        let new = loop_step(&old, &ball.0, &split);
+        let new = loop_step(&old, &ball.0, &split, &[]);
         let fine = Topology::from_triangles(new.len(), &split.triangles).expect("closed");
         let (before, after) = (limit_positions(&old, &ball.0), limit_positions(&fine, &new));
         for (p, q) in before.iter().zip(&after) {
@@ -171,12 +190,15 @@ mod tests {
             let map = |p: DVec3| DVec3::new(2.0 * p.x + p.y, p.y - p.z, 0.5 * p.z) + 3.0;
             let mapped: Vec<DVec3> = shape.0.iter().map(|&p| map(p)).collect();
             for step in [loop_step, butterfly_step] {
-                let (plain, moved) = (step(&old, &shape.0, &split), step(&old, &mapped, &split));
+                let (plain, moved) = (
+                    step(&old, &shape.0, &split, &[]),
+                    step(&old, &mapped, &split, &[]),
+                );
                 for (p, q) in plain.iter().zip(&moved) {
                     assert!(map(*p).distance(*q) < 1e-14);
                 }
             }
-            let kept = butterfly_step(&old, &shape.0, &split);
+            let kept = butterfly_step(&old, &shape.0, &split, &[]);
             assert_eq!(kept[..shape.0.len()], shape.0[..]);
         }
     }
@@ -200,7 +222,7 @@ mod tests {
         }
         let old = topology(&(points.clone(), triangles));
         let split = split_all(&old);
-        let new = butterfly_step(&old, &points, &split);
+        let new = butterfly_step(&old, &points, &split, &[]);
         let mut inside = 0;
         for (k, &h) in split.edges.iter().enumerate() {
             let ends = [old.origin(h), old.target(h)];
@@ -228,7 +250,10 @@ mod tests {
             }
         }
         for step in [loop_step, butterfly_step] {
-            let (low, high) = (step(&old, &sheet.0, &split), step(&old, &raised, &split));
+            let (low, high) = (
+                step(&old, &sheet.0, &split, &[]),
+                step(&old, &raised, &split, &[]),
+            );
             for (k, &h) in split.edges.iter().enumerate() {
                 let k = k + sheet.0.len();
                 if old.is_boundary(h) || old.is_boundary(h.twin()) {

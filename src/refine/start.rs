@@ -34,10 +34,6 @@ pub fn drawn_start(
     );
     let tau = survey(&elements, near.positions(), energy, near.radius()).tau_ref;
     let mut flow = GuardedFlow::new(&near, &elements, rule, energy)?;
-    let t = std::time::Instant::now();
-    let late = flow.approach(&goals, tau);
-    if std::env::var("TRACE").is_ok() {
-        eprintln!("approach late {late} {:?}", t.elapsed());
-    }
+    flow.approach(&goals, tau);
     Ok(there.with_positions(flow.positions()))
 }

@@ -139,16 +139,6 @@ impl GuardedFlow {
             return Attempt::rejected(Some(note));
         }
         let found = self.search();
-        if std::env::var("TRACE").is_ok() {
-            eprintln!(
-                "guarded fresh {fresh} E {} -> {:?} longest {:?} damped {} frozen {}",
-                self.current.value,
-                found.as_ref().map(|f| f.sum.value),
-                found.as_ref().map(|f| f.longest),
-                self.damping.iter().filter(|&&d| d < 1.0).count(),
-                self.damping.iter().filter(|&&d| d == 0.0).count()
-            );
-        }
         let Some(found) = found else {
             self.age = None;
             return Attempt {

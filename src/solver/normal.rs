@@ -339,9 +339,6 @@ impl NormalFlow {
             }
             self.w.iter_mut().for_each(|w| *w *= 0.5);
         }
-        if std::env::var("TRACE").is_ok() {
-            eprintln!("normal: no step, longest {whole:?}");
-        }
         None
     }
 

@@ -139,7 +139,30 @@ impl FlowProblem {
         let interpolation = Interpolation::new(&self.topology, &relative);
         interpolation.settle(&mut self.positions);
         self.interpolation = Some(Arc::new(interpolation));
+        self.take_in(held.iter().map(|&(v, _)| VertexId(v)));
         Ok(self)
+    }
+
+    /// Makes faces around the given vertices active where none is: held vertices are unknowns, and
+    /// each needs an element to have a row of the matrix.
+    fn take_in(&mut self, vertices: impl Iterator<Item = VertexId>) {
+        let topology = &self.topology;
+        let faces = |v| {
+            topology
+                .outgoing(v)
+                .map(|h| topology.face(h))
+                .filter(|f| f.is_some())
+        };
+        let is_active = |f: FaceId| self.active.binary_search(&f).is_ok();
+        let more: Vec<FaceId> = vertices
+            .filter(|&v| !faces(v).any(is_active))
+            .flat_map(faces)
+            .collect();
+        if !more.is_empty() {
+            self.active.extend(more);
+            self.active.sort_unstable();
+            self.active.dedup();
+        }
     }
 
     /// Connectivity of the region.
@@ -167,8 +190,8 @@ impl FlowProblem {
         &self.interior
     }
 
-    /// Faces with a vertex at graph distance at most 1 from an interior vertex: where the energy
-    /// is integrated.
+    /// Where the energy is integrated: faces with a vertex at graph distance at most 1 from an
+    /// interior vertex, and those around held vertices farther away.
     pub fn active_faces(&self) -> &[FaceId] {
         &self.active
     }

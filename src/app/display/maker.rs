@@ -238,6 +238,7 @@ impl Split {
         let options = SurfaceOptions {
             samples_per_edge: None,
             creases: request.creases.to_vec(),
+            is_cut: request.state.as_ref().is_some_and(Shape::is_cut),
             flags: moving.iter().map(flag).collect(),
         };
         Self {

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 pub use overlay::{ReportOverlays, natural_length};
 pub use reference::Reference;
-pub use subject::{Patches, Subject};
+pub use subject::{Patches, Places, Subject};
 pub use view::{Across, Chain, Comb, Cut, Pick, ReportFile, ReportView};
 
 use super::jobs::Job;

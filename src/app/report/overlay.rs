@@ -6,6 +6,7 @@ use super::subject::Places;
 use super::view::{Chain, Comb};
 use crate::analysis::{Section, SectionCurve, SectionPoint};
 use crate::app::model::Model;
+use crate::app::view_state::Task;
 use crate::mesh::{DVec3, Mesh, VertexId};
 use crate::render::{Bounds, LineStyle, Marker, Overlay, Polyline};
 use crate::subdivision::limit_position;
@@ -48,7 +49,8 @@ impl ReportOverlays {
         self.reach = None;
         let view = &model.view.report;
         let shown = model.view.windows.analysis;
-        if shown && !view.chains.is_empty() {
+        let refining = model.view.task == Task::Refine && model.view.refining.chosen_edges;
+        if (shown || refining) && !view.chains.is_empty() {
             all.push(self.chains(model));
         }
         if let (Some(cut), Some(_)) = (&model.report.cut, view.cut) {
@@ -81,7 +83,7 @@ impl ReportOverlays {
 
     fn chains(&mut self, model: &Model) -> Arc<Overlay> {
         let mesh = &model.document.mesh;
-        let (limit, chains) = (model.view.limit_surface, &model.view.report.chains);
+        let (limit, chains) = (model.draws_limit_of_mesh(), &model.view.report.chains);
         if let Some(((m, l, c), overlay)) = &self.chains
             && Arc::ptr_eq(m, mesh)
             && (*l, c) == (limit, chains)

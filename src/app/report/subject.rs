@@ -69,11 +69,14 @@ impl Subject {
     }
 
     /// The whole mesh; with `on_surface` its vertices are points of the limit surface, where a
-    /// refinement has both.
+    /// refinement has both. Its control mesh is open along creases.
     pub fn mesh(&self, on_surface: bool) -> Arc<Mesh> {
         let Some(state) = &self.state else {
             return Arc::clone(&self.mesh);
         };
+        if let (Shape::Refine(state), true) = (state, on_surface) {
+            return Arc::new(state.mesh(&self.mesh));
+        }
         let topology = (**state.topology()).clone();
         let mut mesh = Mesh::new(state.positions(&self.mesh, on_surface), topology);
         mesh.one_sided.clone_from(&self.mesh.one_sided);

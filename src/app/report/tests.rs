@@ -145,7 +145,7 @@ fn edges_are_chosen_and_let_go() {
     assert_eq!(overlays.len(), 1);
     assert_eq!(overlays[0].lines.len(), chain.edges);
 
-    let again = subject::Places::new(&m.document.mesh, &m.view.report.chains)
+    let again = Places::new(&m.document.mesh, &m.view.report.chains)
         .edge(&m.document.mesh, &m.view.report.chains[0].edges[0])
         .expect("still there");
     m.act(report(ReportAction::Edge(again.twin())));

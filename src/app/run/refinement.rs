@@ -1,11 +1,14 @@
 //! Starting a refinement.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{Run, Side, settings};
-use crate::app::document::{Document, RefineWork, Work};
+use crate::analysis::patch_rims;
+use crate::app::document::{CREASE, Document, RefineWork, Work};
 use crate::app::jobs::Wake;
 use crate::app::live::{Live, refining_flow};
+use crate::app::report::{Chain, Places};
 use crate::app::view_state::Refining;
 use crate::fill::{Choice, Controls, TauChoice};
 use crate::mesh::face_flags;
@@ -13,12 +16,13 @@ use crate::refine::{BoundaryRule, Hold, LiveRefine, Method, RefineOptions};
 use crate::solver::FlowOptions;
 
 impl Run {
-    /// Starts a refinement, with the other methods asked for beside it.
+    /// Starts a refinement, with the other methods asked for beside it; `chains` are the chosen edges.
     ///
     /// # Errors
     /// A message for the person.
     pub fn start_refinement(
         refining: &Refining,
+        chains: &[Chain],
         document: &Document,
         controls: &Controls,
         pace: f64,
@@ -32,6 +36,7 @@ impl Run {
             Arc::default()
         };
         let region = (!faces.is_empty()).then(|| face_flags(&faces, base.face_count()));
+        let creases = crease_ends(refining, chains, document);
         let others = refining.beside.iter().flatten().copied();
         let methods = [refining.method].into_iter().chain(others);
         let sides = methods
@@ -41,6 +46,8 @@ impl Run {
                     method,
                     hold: refining.hold,
                     boundary: refining.boundary,
+                    crease_angle: refining.sharp.then(|| refining.sharp_angle.to_radians()),
+                    creases: creases.clone(),
                     region: region.clone(),
                     flow: flow.clone(),
                     ..RefineOptions::new(flow.energy.clone())
@@ -50,6 +57,7 @@ impl Run {
                 let live = Live::Refine(Box::new(live.map_err(|error| error.to_string())?));
                 let mut side = Side::new(live, method_name(method), controls);
                 side.words = refine_words(refining, method, &flow, controls);
+                side.words.extend(crease_words(refining, &creases));
                 Ok(side)
             })
             .collect::<Result<Vec<Side>, String>>()?;
@@ -109,4 +117,68 @@ fn refine_words(
         words.extend(["--boundary".into(), "straight".into()]);
     }
     words
+}
+
+/// The edges that are to stay sharp beside those above the angle.
+fn crease_ends(refining: &Refining, chains: &[Chain], document: &Document) -> Vec<[u32; 2]> {
+    let mesh = &document.mesh;
+    let ends = |h| [mesh.topology.origin(h).0, mesh.topology.target(h).0];
+    let mut edges = Vec::new();
+    if refining.chosen_edges {
+        let places = Places::new(mesh, chains);
+        let chosen = chains.iter().flat_map(|c| &c.edges);
+        edges.extend(chosen.filter_map(|e| places.edge(mesh, e)).map(ends));
+    }
+    if refining.selection_rim {
+        let flags = face_flags(&document.faces, mesh.face_count());
+        let rims = patch_rims(mesh, &flags, true);
+        edges.extend(rims.iter().flat_map(|rim| &rim.edges).map(|&h| ends(h)));
+    }
+    edges
+}
+
+/// The arguments for them.
+fn crease_words(refining: &Refining, creases: &[[u32; 2]]) -> Vec<String> {
+    let mut words = Vec::new();
+    if refining.sharp {
+        words.extend(["--crease-angle".into(), refining.sharp_angle.to_string()]);
+    }
+    for path in paths(creases) {
+        let numbers: Vec<String> = path.iter().map(|v| (v + 1).to_string()).collect();
+        words.extend([CREASE.into(), numbers.join(",")]);
+    }
+    words
+}
+
+/// Directed edges joined to paths, each as its vertices.
+fn paths(edges: &[[u32; 2]]) -> Vec<Vec<u32>> {
+    let mut onwards: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for &[a, b] in edges.iter().rev() {
+        onwards.entry(a).or_default().push(b);
+    }
+    let mut paths = Vec::new();
+    for &[first, _] in edges {
+        let mut path = vec![first];
+        let mut at = first;
+        while let Some(next) = onwards.get_mut(&at).and_then(Vec::pop) {
+            path.push(next);
+            at = next;
+        }
+        if path.len() > 1 {
+            paths.push(path);
+        }
+    }
+    paths
+}
+
+#[cfg(test)]
+mod tests {
+    use super::paths;
+
+    #[test]
+    fn edges_join_to_paths() {
+        let edges = [[1, 2], [5, 6], [2, 3], [3, 1], [6, 7], [9, 5]];
+        assert_eq!(paths(&edges), [vec![1, 2, 3, 1], vec![5, 6, 7], vec![9, 5]]);
+        assert!(paths(&[]).is_empty());
+    }
 }

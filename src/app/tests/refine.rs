@@ -4,13 +4,18 @@ use std::sync::Arc;
 
 use super::*;
 use crate::app::document::Work;
+use crate::app::report::Chain;
 use crate::app::run::Run;
 use crate::app::view_state::Refining;
-use crate::mesh::shapes::icosphere;
+use crate::mesh::VertexId;
+use crate::mesh::shapes::{Shape, icosphere};
 use crate::refine::Method;
 
 fn on_icosahedron(refining: Refining) -> Model {
-    let (positions, triangles) = icosphere(1);
+    on_mesh(icosphere(1), refining)
+}
+
+fn on_mesh((positions, triangles): Shape, refining: Refining) -> Model {
     let soup = Soup {
         positions,
         offsets: (0..=triangles.len() as u32).map(|i| 3 * i).collect(),
@@ -96,4 +101,112 @@ fn a_refinement_needs_its_selected_faces() {
     m.act(Action::Accept(0));
     let faces = m.document.mesh.face_count();
     assert!((20 + 9..80).contains(&faces), "{faces}");
+}
+
+/// What is drawn of the newest request, once it is there.
+fn drawn(m: &mut Model, is_asked: impl Fn(&Model) -> bool) -> Vec<[f32; 3]> {
+    m.displays[0].forget();
+    until(m, |m| is_asked(m) && m.displays[0].latest().is_some());
+    let display = m.displays[0].latest().expect("there");
+    let vertices = display.surfaces.iter().flat_map(|s| &s.vertices);
+    vertices.map(|v| v.position).collect()
+}
+
+/// An accepted refinement is drawn as before, sharp edges and all, until something else is done.
+#[test]
+fn an_accepted_surface_stays_as_it_was() {
+    let mut m = on_icosahedron(Refining {
+        levels: 2,
+        sharp: true,
+        sharp_angle: 1.0,
+        ..Refining::default()
+    });
+    m.act(Action::Fill);
+    m.act(Action::Finish);
+    until(&mut m, |m| m.run.as_ref().is_some_and(Run::ended));
+    let before = drawn(&mut m, |m| m.run.is_some());
+    m.act(Action::Accept(0));
+    let after = drawn(&mut m, |m| m.run.is_none());
+    assert!(!before.is_empty() && before == after);
+    let mesh = Arc::clone(&m.document.mesh);
+    check_mesh(&mesh).expect("welded");
+    assert!(mesh.topology.boundary_loops().is_empty());
+    // undone, done again, and gone with the next change
+    m.act(Action::Undo);
+    assert!(m.document.surface.is_none());
+    m.act(Action::Redo);
+    assert!(Arc::ptr_eq(&mesh, &m.document.mesh));
+    assert!(drawn(&mut m, |_| true) == before);
+    m.document.faces = Arc::new(vec![0, 1]);
+    m.act(Action::Erase);
+    assert!(m.document.surface.is_none() && m.document.is_changed());
+}
+
+#[test]
+fn chosen_edges_and_the_rim_of_the_selection_stay_sharp() {
+    let mut m = on_mesh(
+        icosphere(2),
+        Refining {
+            levels: 1,
+            method: Method::Butterfly,
+            chosen_edges: true,
+            selection_rim: true,
+            ..Refining::default()
+        },
+    );
+    let mesh = Arc::clone(&m.document.mesh);
+    // a fan is selected, and two edges elsewhere are chosen
+    let v = VertexId(0);
+    let fan = mesh.topology.outgoing(v).map(|h| mesh.topology.face(h).0);
+    let mut faces: Vec<u32> = fan.collect();
+    faces.sort_unstable();
+    let rim = faces.len();
+    m.document.faces = Arc::new(faces);
+    let far = (1..mesh.vertex_count()).map(VertexId::from);
+    let far = far.max_by(|&a, &b| {
+        let distance = |v| mesh.position(v).distance(mesh.position(VertexId(0)));
+        distance(a).total_cmp(&distance(b))
+    });
+    let far = far.expect("vertices");
+    let ends: Vec<VertexId> = mesh.topology.neighbours(far).take(2).collect();
+    let place = |v: VertexId| mesh.position(v).to_array();
+    m.view.report.chains = vec![Chain {
+        is_crease: true,
+        edges: vec![[place(ends[0]), place(far)], [place(far), place(ends[1])]],
+    }];
+    m.act(Action::Fill);
+    m.act(Action::Finish);
+    until(&mut m, |m| m.run.as_ref().is_some_and(Run::ended));
+    let state = m.run.as_ref().and_then(|r| r.sides[0].state());
+    let state = state.expect("a state");
+    // the fan is a piece of its own, and the chosen edges are a slit
+    let copies = state.topology().vertex_count() - {
+        m.act(Action::Accept(0));
+        m.document.mesh.vertex_count()
+    };
+    assert_eq!(copies, 2 * rim + 3);
+    let Work::Refine(work) = &m.document.accepted[0].work else {
+        panic!("a refinement");
+    };
+    let chains = work.words.iter().filter(|w| *w == "--crease").count();
+    assert!((2..=1 + rim).contains(&chains), "{:?}", work.words);
+    let slit = [ends[0], far, ends[1]].map(|v| (v.0 + 1).to_string());
+    assert!(work.words.contains(&slit.join(",")), "{:?}", work.words);
+}
+
+#[test]
+fn a_crease_that_is_none_is_said() {
+    let mut m = on_icosahedron(Refining {
+        chosen_edges: true,
+        ..Refining::default()
+    });
+    let mesh = Arc::clone(&m.document.mesh);
+    let near = mesh.topology.neighbours(VertexId(0)).next();
+    let ends = [VertexId(0), near.expect("a neighbour")];
+    m.view.report.chains = vec![Chain {
+        is_crease: true,
+        edges: vec![ends.map(|v| mesh.position(v).to_array())],
+    }];
+    m.act(Action::Fill);
+    assert!(m.run.is_none() && last_message(&m).contains("single edge"));
 }

@@ -4,6 +4,7 @@ use eframe::egui::{self, RichText, Ui};
 
 use crate::app::action::Action;
 use crate::app::model::Model;
+use crate::app::report::{Pick, ReportAction};
 use crate::app::run::method_name;
 use crate::app::shortcuts::{Command, hint};
 use crate::app::view_state::Refining;
@@ -97,11 +98,12 @@ pub fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 (
                     BoundaryRule::Spline,
                     "spline",
-                    "cubic B-splines through their vertices",
+                    "cubic B-splines through the vertices of boundaries and sharp edges",
                 ),
                 (BoundaryRule::Straight, "straight", "edges stay straight"),
             ],
         );
+        sharp_ui(ui, model, &mut next, actions);
         let selected = document.faces.len();
         ui.add_enabled(
             selected > 0 || next.selected_only,
@@ -132,6 +134,51 @@ fn levels_ui(ui: &mut Ui, model: &Model, next: &mut Refining) {
     });
     let after = (faces as u64) << (2 * next.levels);
     ui.weak(format!("{after} faces afterwards"));
+}
+
+/// Which edges stay sharp.
+fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<Action>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.checkbox(&mut next.sharp, "Sharp edges").on_hover_text(
+            "edges at which the triangles differ by more stay sharp: curves of their own, with a \
+             smooth surface on either side",
+        );
+        let angle = egui::DragValue::new(&mut next.sharp_angle);
+        ui.add_enabled(next.sharp, angle.range(1.0..=179.0).speed(0.5).suffix("°"));
+    });
+    ui.horizontal_wrapped(|ui| {
+        let count: usize = (model.view.report.chains.iter())
+            .map(|c| c.edges.len())
+            .sum();
+        ui.add_enabled(
+            count > 0 || next.chosen_edges,
+            egui::Checkbox::new(
+                &mut next.chosen_edges,
+                format!("the {count} chosen edges sharp"),
+            ),
+        )
+        .on_hover_text("edges picked here or for the report");
+        let picking = model.view.report.pick == Pick::Edges;
+        let button = egui::Button::selectable(picking, "Pick edges");
+        if ui
+            .add(button)
+            .on_hover_text("a click takes an edge with those that go on from it, or lets it go")
+            .clicked()
+        {
+            next.chosen_edges = true;
+            let pick = if picking { Pick::Holes } else { Pick::Edges };
+            actions.push(Action::Report(ReportAction::Pick(pick)));
+        }
+    });
+    let selected = model.document.faces.len();
+    ui.add_enabled(
+        selected > 0 || next.selection_rim,
+        egui::Checkbox::new(
+            &mut next.selection_rim,
+            format!("rim of the {selected} selected faces sharp"),
+        ),
+    )
+    .on_hover_text("select faces in task Repair (F4)");
 }
 
 fn choice<T: PartialEq + Copy, const N: usize>(

@@ -224,7 +224,8 @@ fn refine(model: &mut Model) {
     }
     let (document, controls) = (&model.document, &model.document.controls);
     let (pace, wake) = (model.view.pace, &model.wake);
-    match Run::start_refinement(&refining, document, controls, pace, wake) {
+    let chains = &model.view.report.chains;
+    match Run::start_refinement(&refining, chains, document, controls, pace, wake) {
         Ok(run) => {
             // several views are narrower than the one before
             model.view.fit |= run.sides.len() > 1;
@@ -317,6 +318,7 @@ pub fn accept(model: &mut Model, index: usize) {
     let Some(filled) = side.live.mesh_at(&state) else {
         return;
     };
+    let surface = (state.is_whole() && state.has_limit()).then(|| state.clone());
     let mut work = run.work.clone();
     let mut faces = run.base.face_count()..filled.face_count();
     if let Work::Refine(work) = &mut work {
@@ -342,6 +344,7 @@ pub fn accept(model: &mut Model, index: usize) {
     let controls = side.controls.clone();
     model.history.record(&model.document, label.clone(), None);
     model.document.accept(filled, kept.as_deref(), done);
+    model.document.surface = surface;
     model.document.controls = Controls {
         // numbers of loops mean other loops from now on
         loop_continuity: window_controls().loop_continuity,

@@ -188,10 +188,10 @@ impl<'a> Conductor<'a> {
                 self.show(None);
                 self.lines.say(RefineEvent::Level {
                     level,
-                    vertices: self.frame.topology.vertex_count(),
+                    vertices: self.refinement.vertex_count(),
                     faces: self.frame.topology.face_count(),
                 });
-                if self.refinement.options().method != Method::Pde {
+                if self.refinement.flow().is_none() {
                     self.level_done();
                 }
             }
@@ -253,7 +253,7 @@ impl<'a> Conductor<'a> {
         self.status.ended = ended;
         self.status.level = refinement.level();
         self.status.levels = refinement.options().levels;
-        self.status.vertices = refinement.topology().vertex_count();
+        self.status.vertices = refinement.vertex_count();
         self.status.attempts = self.clock;
         self.status.relative_tau = flow.map(|f| f.tau() / f.tau_ref());
         self.status.energy = flow.map(|f| f.energy().value);

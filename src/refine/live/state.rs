@@ -4,15 +4,19 @@ use std::sync::Arc;
 
 use crate::live::Kept;
 use crate::mesh::{DVec3, Mesh, Topology};
-use crate::refine::{Method, Refinement};
+use crate::refine::refined::refined_mesh;
+use crate::refine::{Method, Refinement, Weld};
 
 /// What the states of one level share.
 #[derive(Clone, Debug)]
 pub struct LevelFrame {
     /// The level; 0 is the mesh as it was given.
     pub level: usize,
-    /// Connectivity; the given vertices come first.
+    /// Connectivity, cut open along creases; the given vertices come first, then the copies of them
+    /// that the cut made.
     pub topology: Arc<Topology>,
+    /// How the mesh is welded, if it is cut.
+    pub weld: Option<Arc<Weld>>,
     /// Colours of the vertices; empty if the mesh has none.
     pub colors: Vec<[f32; 4]>,
     /// Tags of the faces, as in [`Mesh::face_tags`].
@@ -51,6 +55,7 @@ impl LevelFrame {
         Self {
             level: refinement.level(),
             topology: Arc::clone(refinement.topology()),
+            weld: refinement.weld().cloned(),
             colors: refinement.colors().to_vec(),
             face_tags: refinement.face_tags().to_vec(),
             has_limit: refinement.options().method != Method::Butterfly,
@@ -59,24 +64,20 @@ impl LevelFrame {
 }
 
 impl RefineState {
-    /// The refined mesh with the attributes of the given one.
+    /// The refined mesh, welded, with the attributes of the given one.
     pub fn mesh(&self, given: &Mesh) -> Mesh {
-        self.with(given, &self.points)
+        self.with(given, self.frame.weld.as_deref(), &self.points)
     }
 
-    /// The control mesh of its limit surface, likewise.
+    /// The control mesh of its limit surface, open along creases, likewise.
     pub fn control_mesh(&self, given: &Mesh) -> Mesh {
-        self.with(given, &self.control)
+        self.with(given, None, &self.control)
     }
 
-    fn with(&self, given: &Mesh, positions: &[DVec3]) -> Mesh {
-        let mut mesh = Mesh::new(positions.to_vec(), (*self.frame.topology).clone());
-        mesh.colors.clone_from(&self.frame.colors);
-        mesh.face_tags.clone_from(&self.frame.face_tags);
-        mesh.tags.clone_from(&given.tags);
-        mesh.one_sided.clone_from(&given.one_sided);
-        mesh.one_sided_tags.clone_from(&given.one_sided_tags);
-        mesh
+    fn with(&self, given: &Mesh, weld: Option<&Weld>, positions: &[DVec3]) -> Mesh {
+        let frame = &self.frame;
+        let (colors, tags) = (&frame.colors, &frame.face_tags);
+        refined_mesh(given, &frame.topology, weld, positions, colors, tags)
     }
 }
 
@@ -90,7 +91,9 @@ impl Kept for RefineState {
             0
         } else {
             let frame = &self.frame;
-            frame.topology.bytes() + frame.colors.len() * 16 + frame.face_tags.len() * 4
+            let weld = frame.weld.as_ref();
+            let weld = weld.map_or(0, |w| w.topology.bytes() + 4 * w.to_whole.len());
+            frame.topology.bytes() + weld + frame.colors.len() * 16 + frame.face_tags.len() * 4
         };
         let mut positions = self.points.len();
         if !Arc::ptr_eq(&self.points, &self.control) {

@@ -1,7 +1,6 @@
 //! The neighbourhood of some faces as a mesh of its own, cut along creases.
 
-use crate::mesh::union_find::{find, unite};
-use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology, VertexId};
+use crate::mesh::{DVec3, FaceId, Topology, VertexId, corner_fans, edge_flags};
 
 /// Rings of faces around the given ones: curvatures at their corners need the next faces, whose
 /// stencils need the ones after.
@@ -28,34 +27,15 @@ impl Cut {
             };
         }
         let kept = with_rings(topology, faces);
-        let mut local_face = vec![u32::MAX; topology.face_count()];
-        for (i, f) in kept.iter().enumerate() {
-            local_face[f.index()] = i as u32;
-        }
-        let crease = crease_edges(topology, creases);
         // a vertex for each fan of faces that no crease divides
-        let mut link: Vec<u32> = (0..3 * kept.len() as u32).collect();
-        for (i, &f) in kept.iter().enumerate() {
-            for (k, h) in halfedges(topology, f).into_iter().enumerate() {
-                let g = topology.face(h.twin());
-                if !g.is_some() || local_face[g.index()] == u32::MAX || crease[h.edge()] {
-                    continue;
-                }
-                let twin = halfedges(topology, g).iter().position(|&t| t == h.twin());
-                let (Some(m), j) = (twin, 3 * local_face[g.index()]) else {
-                    continue;
-                };
-                let corner = |c: usize| 3 * i as u32 + c as u32 % 3;
-                // the edge runs from corner k to k + 1 here and from m to m + 1 there
-                unite(&mut link, corner(k), j + (m as u32 + 1) % 3);
-                unite(&mut link, corner(k + 1), j + m as u32);
-            }
-        }
+        let fans = corner_fans(topology, &kept, &edge_flags(topology, creases));
+        // the kept faces are in ascending order
+        let local = |f| FaceId::from(kept.partition_point(|&k| k < f));
         let mut to_mesh = Vec::new();
-        let mut number = vec![u32::MAX; link.len()];
+        let mut number = vec![u32::MAX; fans.len()];
         let mut triangles = vec![[0; 3]; kept.len()];
-        for c in 0..link.len() {
-            let root = find(&mut link, c as u32) as usize;
+        for c in 0..fans.len() {
+            let root = fans[c] as usize;
             if root == c {
                 number[c] = to_mesh.len() as u32;
                 to_mesh.push(topology.face_vertices(kept[c / 3])[c % 3].0);
@@ -66,10 +46,7 @@ impl Cut {
             .expect("part of a manifold, with one vertex for each fan");
         Self {
             topology: cut,
-            faces: faces
-                .iter()
-                .map(|f| FaceId(local_face[f.index()]))
-                .collect(),
+            faces: faces.iter().map(|&f| local(f)).collect(),
             to_mesh: Some(to_mesh),
         }
     }
@@ -96,13 +73,6 @@ impl Cut {
                 .collect(),
         }
     }
-}
-
-/// The half-edges of a face from its first, second and third corner.
-pub(super) fn halfedges(topology: &Topology, f: FaceId) -> [HalfedgeId; 3] {
-    let h = topology.halfedge_of_face(f);
-    let n = topology.next(h);
-    [h, n, topology.next(n)]
 }
 
 /// The faces and [`RINGS`] more around them, ascending.
@@ -134,16 +104,4 @@ fn grow(topology: &Topology, marked: &mut [bool]) {
 fn chosen(marked: &[bool]) -> Vec<FaceId> {
     let faces = (0..marked.len()).filter(|&f| marked[f]);
     faces.map(FaceId::from).collect()
-}
-
-/// For each edge whether it is one of the creases.
-fn crease_edges(topology: &Topology, creases: &[[VertexId; 2]]) -> Vec<bool> {
-    let mut crease = vec![false; topology.halfedge_count() / 2];
-    for &[a, b] in creases {
-        let between = topology.outgoing(a).find(|&h| topology.target(h) == b);
-        if let Some(h) = between {
-            crease[h.edge()] = true;
-        }
-    }
-    crease
 }

@@ -25,6 +25,9 @@ pub struct SurfaceOptions {
     /// Edges along which the surface has a crease (rims joined G0): either side is drawn as if the
     /// other were not there. Pairs that are no edge are ignored.
     pub creases: Vec<[VertexId; 2]>,
+    /// The mesh was cut open along creases: its boundary edges are drawn straight between the points
+    /// that the sides have in common, so that no gap opens between the curves either would take.
+    pub is_cut: bool,
     /// Flags of the faces ([`super::Vertex`]), one for each; empty for none.
     pub flags: Vec<u32>,
 }
@@ -72,7 +75,7 @@ impl DynamicSurface {
         let lattice = Lattice::new(pieces);
         let around = cut.faces_around();
         let elements = elements_at(&cut.topology, &around, &lattice.points);
-        let samples = Samples::new(&cut, &elements, &lattice, &options.flags);
+        let samples = Samples::new(&cut, &elements, &lattice, options);
         Self {
             cut,
             elements,
@@ -130,8 +133,8 @@ pub fn static_surface(
 ) -> Geometry {
     let options = SurfaceOptions {
         samples_per_edge: Some(1),
-        creases: Vec::new(),
         flags: vec![flags; faces.len()],
+        ..SurfaceOptions::default()
     };
     DynamicSurface::new(topology, faces, &options).evaluate(positions, centre, limit, None)
 }

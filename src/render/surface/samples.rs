@@ -1,7 +1,8 @@
 //! Where the surface is sampled, and the triangles between the samples.
 
-use super::cut::{Cut, halfedges};
-use crate::mesh::{FaceId, Topology, VertexId};
+use super::SurfaceOptions;
+use super::cut::Cut;
+use crate::mesh::{FaceId, Topology, VertexId, face_halfedges};
 use crate::subdivision::{Elements, Rule};
 
 /// "Not numbered yet".
@@ -56,8 +57,8 @@ pub(super) struct Inner {
     /// Point of the element's table.
     pub(super) point: u32,
     /// It is on the straight line between the ends of its edge: beyond the edge the surface goes on
-    /// with faces that are not sampled here and may be drawn with one piece an edge, and there must
-    /// be no gap between.
+    /// with faces that are not sampled here and may be drawn with one piece an edge, or with the
+    /// other side of a crease, and there must be no gap between.
     pub(super) straight: bool,
 }
 
@@ -86,8 +87,13 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    pub(super) fn new(cut: &Cut, elements: &Elements, lattice: &Lattice, flags: &[u32]) -> Self {
-        let mut numbering = Numbering::new(cut, elements, lattice);
+    pub(super) fn new(
+        cut: &Cut,
+        elements: &Elements,
+        lattice: &Lattice,
+        options: &SurfaceOptions,
+    ) -> Self {
+        let mut numbering = Numbering::new(cut, elements, lattice, options.is_cut);
         for &f in &cut.faces {
             numbering.add_corners(f);
         }
@@ -107,7 +113,7 @@ impl Samples {
             triangles: Vec::new(),
             edges: Vec::new(),
         };
-        samples.set_flags(flags);
+        samples.set_flags(&options.flags);
         samples
     }
 
@@ -160,6 +166,8 @@ impl Samples {
 struct Numbering<'a> {
     topology: &'a Topology,
     lattice: &'a Lattice,
+    /// Whether boundary edges are drawn straight.
+    is_cut: bool,
     element_of: Vec<u32>,
     corners: Vec<u32>,
     inner: Vec<Inner>,
@@ -174,7 +182,7 @@ struct Numbering<'a> {
 }
 
 impl<'a> Numbering<'a> {
-    fn new(cut: &'a Cut, elements: &Elements, lattice: &'a Lattice) -> Self {
+    fn new(cut: &'a Cut, elements: &Elements, lattice: &'a Lattice, is_cut: bool) -> Self {
         let topology = &cut.topology;
         let mut listed = vec![false; topology.face_count()];
         for f in &cut.faces {
@@ -187,6 +195,7 @@ impl<'a> Numbering<'a> {
         Self {
             topology,
             lattice,
+            is_cut,
             element_of,
             corners: Vec::new(),
             inner: Vec::new(),
@@ -211,7 +220,7 @@ impl<'a> Numbering<'a> {
     /// Numbers the samples of a face, after the corners of all faces, and triangulates it.
     fn add_face(&mut self, f: FaceId) {
         let n = self.lattice.pieces;
-        let around = halfedges(self.topology, f);
+        let around = face_halfedges(self.topology, f);
         let corners = self.topology.face_vertices(f);
         let element = self.element_of[f.index()];
         let first = (self.corners.len() + self.inner.len()) as u32;
@@ -225,7 +234,11 @@ impl<'a> Numbering<'a> {
                 let new = Inner {
                     element,
                     point: NONE,
-                    straight: beyond.is_some() && !self.listed[beyond.index()],
+                    straight: if beyond.is_some() {
+                        !self.listed[beyond.index()]
+                    } else {
+                        self.is_cut
+                    },
                 };
                 self.inner.extend((1..n).map(|_| new));
             }
@@ -284,7 +297,7 @@ impl<'a> Numbering<'a> {
         let mut done = vec![false; self.edge_sample.len()];
         let mut segments = Vec::new();
         for &f in faces {
-            for h in halfedges(self.topology, f) {
+            for h in face_halfedges(self.topology, f) {
                 if std::mem::replace(&mut done[h.edge()], true) {
                     continue;
                 }

@@ -1,0 +1,153 @@
+//! Cutting a mesh open along edges.
+
+use super::union_find::{find, unite};
+use super::{FaceId, HalfedgeId, Topology, TopologyError, VertexId};
+
+/// The half-edges of a face, from its first, second and third corner.
+pub fn face_halfedges(topology: &Topology, f: FaceId) -> [HalfedgeId; 3] {
+    let h = topology.halfedge_of_face(f);
+    let n = topology.next(h);
+    [h, n, topology.next(n)]
+}
+
+/// The fans of the corners of some faces: corner `k` of the `i`-th face is number `3i + k`, and each
+/// gets the lowest number in its fan. Fans are joined through edges between two of the faces but
+/// for those that are `cut` (one flag for each edge).
+pub fn corner_fans(topology: &Topology, faces: &[FaceId], cut: &[bool]) -> Vec<u32> {
+    let mut place = vec![u32::MAX; topology.face_count()];
+    for (i, f) in faces.iter().enumerate() {
+        place[f.index()] = i as u32;
+    }
+    let mut link: Vec<u32> = (0..3 * faces.len() as u32).collect();
+    for (i, &f) in faces.iter().enumerate() {
+        for (k, h) in face_halfedges(topology, f).into_iter().enumerate() {
+            let g = topology.face(h.twin());
+            if !g.is_some() || place[g.index()] == u32::MAX || cut[h.edge()] {
+                continue;
+            }
+            let around = face_halfedges(topology, g);
+            let (Some(m), j) = (
+                around.iter().position(|&t| t == h.twin()),
+                3 * place[g.index()],
+            ) else {
+                continue;
+            };
+            let corner = |c: usize| 3 * i as u32 + c as u32 % 3;
+            // the edge runs from corner k to k + 1 here and from m to m + 1 there
+            unite(&mut link, corner(k), j + (m as u32 + 1) % 3);
+            unite(&mut link, corner(k + 1), j + m as u32);
+        }
+    }
+    (0..link.len() as u32).map(|c| find(&mut link, c)).collect()
+}
+
+/// A mesh cut open along edges.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CutOpen {
+    /// Its connectivity: faces, and their corners, in the order of the whole mesh; the vertices of
+    /// that first, then the copies.
+    pub topology: Topology,
+    /// The vertex of the whole mesh behind each vertex.
+    pub to_whole: Vec<u32>,
+}
+
+/// Cuts a mesh open along edges (one flag each). Where they separate the faces around a vertex, the fan
+/// of the lowest face keeps the vertex and the others get copies of it; where a cut ends inside,
+/// there is one fan and one vertex. An edge alone, both ends of which lie inside, opens nothing.
+///
+/// # Errors
+/// The mesh that comes out is no manifold, which that of a manifold is.
+pub fn cut_open(topology: &Topology, cut: &[bool]) -> Result<CutOpen, TopologyError> {
+    let faces: Vec<FaceId> = (0..topology.face_count()).map(FaceId::from).collect();
+    let fans = corner_fans(topology, &faces, cut);
+    let mut is_cut_at = vec![false; topology.vertex_count()];
+    for (e, _) in cut.iter().enumerate().filter(|&(_, &is)| is) {
+        let h = HalfedgeId::from(2 * e);
+        for v in [topology.origin(h), topology.target(h)] {
+            is_cut_at[v.index()] = true;
+        }
+    }
+    let mut to_whole: Vec<u32> = (0..topology.vertex_count() as u32).collect();
+    let mut taken = vec![false; topology.vertex_count()];
+    let mut number = vec![u32::MAX; fans.len()];
+    let corners = topology.triangles().flatten();
+    for (c, (fan, v)) in fans.iter().zip(corners).enumerate() {
+        let root = *fan as usize;
+        if root == c {
+            // where nothing is cut, the fans of a pinched vertex stay together
+            let is_copy = std::mem::replace(&mut taken[v as usize], true) && is_cut_at[v as usize];
+            number[c] = if is_copy { to_whole.len() as u32 } else { v };
+            if is_copy {
+                to_whole.push(v);
+            }
+        }
+        number[c] = number[root];
+    }
+    let triangles: Vec<[u32; 3]> = number.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    let topology = Topology::from_triangles(to_whole.len(), &triangles)?;
+    Ok(CutOpen { topology, to_whole })
+}
+
+/// For each edge whether it is between two of the given vertices.
+pub fn edge_flags(topology: &Topology, ends: &[[VertexId; 2]]) -> Vec<bool> {
+    let mut flags = vec![false; topology.halfedge_count() / 2];
+    for &[a, b] in ends {
+        if let Some(h) = edge_between(topology, a, b) {
+            flags[h.edge()] = true;
+        }
+    }
+    flags
+}
+
+/// The half-edge from a vertex to another, if they are neighbours.
+pub fn edge_between(topology: &Topology, a: VertexId, b: VertexId) -> Option<HalfedgeId> {
+    topology.outgoing(a).find(|&h| topology.target(h) == b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::check_topology;
+    use crate::mesh::shapes::icosphere;
+
+    /// Chains of edges on an icosahedron: what they do to Euler number, boundary loops and vertices.
+    #[test]
+    fn cuts_open_what_they_separate() {
+        let (positions, triangles) = icosphere(1);
+        let whole = Topology::from_triangles(positions.len(), &triangles).expect("closed");
+        let around: Vec<VertexId> = whole.neighbours(VertexId(0)).collect();
+        let n = around.len();
+        let ring: Vec<[VertexId; 2]> = (0..n).map(|i| [around[i], around[(i + 1) % n]]).collect();
+        let spokes: Vec<[VertexId; 2]> = around.iter().map(|&v| [VertexId(0), v]).collect();
+        let star = [ring.clone(), spokes.clone()].concat();
+        for (edges, copies, loops, euler) in [
+            (ring[..1].to_vec(), 0, 0, 2), // one edge opens nothing
+            (ring[..2].to_vec(), 1, 1, 1), // a slit
+            (ring.clone(), n, 2, 2),       // a disk out of a disk
+            (spokes, n - 1, 1, 1),         // a star: its ends are single
+            (star, 2 * n + n - 1, 1 + n, 1 + n),
+        ] {
+            let flags = edge_flags(&whole, &edges);
+            assert_eq!(flags.iter().filter(|&&f| f).count(), edges.len());
+            let cut = cut_open(&whole, &flags).expect("a manifold");
+            check_topology(&cut.topology).expect("sound");
+            assert_eq!(cut.to_whole.len(), whole.vertex_count() + copies);
+            assert_eq!(cut.topology.boundary_loops().len(), loops);
+            let t = &cut.topology;
+            let vertices_and_faces = t.vertex_count() + t.face_count();
+            assert_eq!(vertices_and_faces - t.halfedge_count() / 2, euler);
+            for (there, here) in whole.triangles().zip(t.triangles()) {
+                assert_eq!(here.map(|v| cut.to_whole[v as usize]), there);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_cut_is_the_same_mesh() {
+        let (positions, triangles) = icosphere(2);
+        let whole = Topology::from_triangles(positions.len(), &triangles).expect("closed");
+        let none = vec![false; whole.halfedge_count() / 2];
+        let cut = cut_open(&whole, &none).expect("a manifold");
+        assert_eq!(cut.topology, whole);
+    }
+}

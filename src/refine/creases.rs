@@ -1,0 +1,267 @@
+//! Sharp edges: creases of the limit surface.
+//!
+//! On a crease the limit curve is a cubic B-spline of the crease's own vertices, and the surface on
+//! either side has a tangent plane of its own (Hoppe et al., "Piecewise Smooth Surface
+//! Reconstruction", 1994). Open boundaries are just that, so the mesh is cut open along its creases
+//! and refined as an open one; both sides are held on the same curves, those of the whole mesh, and
+//! the result is welded.
+
+use std::sync::Arc;
+
+use crate::mesh::{
+    DVec3, FaceId, HalfedgeId, Mesh, Split, Topology, TopologyError, VertexId, cut_open,
+    dihedral_angle, edge_between, face_halfedges, split_faces,
+};
+use crate::refine::boundary::BoundaryCurves;
+use crate::refine::options::{RefineError, RefineOptions};
+use crate::solver::SolverError;
+
+/// For each edge of a mesh whether it is to be a crease: inner edges at which the triangles differ by
+/// more than the options' angle, and those named. A single sharp edge with both ends inside makes no
+/// crease; found by the angle it is passed over.
+///
+/// # Errors
+/// [`RefineError::NoCrease`] for two vertices that are not neighbours, [`RefineError::LoneCrease`]
+/// for a named edge that makes no crease.
+pub fn crease_edges(mesh: &Mesh, options: &RefineOptions) -> Result<Vec<bool>, RefineError> {
+    let topology = &mesh.topology;
+    let edges = (0..topology.halfedge_count()).step_by(2);
+    let mut flags: Vec<bool> = match options.crease_angle {
+        Some(angle) => edges
+            .map(|h| dihedral_angle(&mesh.positions, topology, HalfedgeId::from(h)) > angle)
+            .collect(),
+        None => edges.map(|_| false).collect(),
+    };
+    let mut named = vec![false; flags.len()];
+    for &ends in &options.creases {
+        let [a, b] = ends.map(VertexId);
+        let are_there = ends.iter().all(|&v| (v as usize) < mesh.vertex_count());
+        let h = are_there.then(|| edge_between(topology, a, b)).flatten();
+        let h = h.ok_or(RefineError::NoCrease { ends })?;
+        if !topology.is_boundary(h) && !topology.is_boundary(h.twin()) {
+            named[h.edge()] = true;
+        }
+    }
+    for (flag, named) in flags.iter_mut().zip(&named) {
+        *flag |= named;
+    }
+    for e in lone_edges(topology, &flags) {
+        if named[e] {
+            let h = HalfedgeId::from(2 * e);
+            let ends = [topology.origin(h).0, topology.target(h).0];
+            return Err(RefineError::LoneCrease { ends });
+        }
+        flags[e] = false;
+    }
+    Ok(flags)
+}
+
+/// Creases that meet neither another nor a boundary.
+fn lone_edges(topology: &Topology, creases: &[bool]) -> Vec<usize> {
+    let chosen = creases.iter().enumerate().filter(|&(_, &is)| is);
+    let ends_here = |v: VertexId| {
+        let meeting = topology.outgoing(v).filter(|h| creases[h.edge()]).count();
+        meeting == 1 && !topology.is_boundary_vertex(v)
+    };
+    chosen
+        .map(|(e, _)| e)
+        .filter(|&e| {
+            let h = HalfedgeId::from(2 * e);
+            ends_here(topology.origin(h)) && ends_here(topology.target(h))
+        })
+        .collect()
+}
+
+/// How a mesh that was cut open is welded again: the whole mesh has the same faces, in the same order.
+#[derive(Clone, Debug)]
+pub struct Weld {
+    /// Connectivity of the whole mesh.
+    pub topology: Topology,
+    /// The vertex of the whole mesh for each vertex of the cut one.
+    pub to_whole: Vec<u32>,
+}
+
+impl Weld {
+    /// What belongs to the vertices of the whole mesh, from what belongs to those of the cut one: of
+    /// several copies the first counts.
+    pub fn welded<T: Copy + Default>(&self, of_cut: &[T]) -> Vec<T> {
+        let mut of_whole = vec![T::default(); self.topology.vertex_count()];
+        for (&w, &value) in self.to_whole.iter().zip(of_cut).rev() {
+            of_whole[w as usize] = value;
+        }
+        of_whole
+    }
+
+    /// Goes over to the meshes after a split of the faces `chosen` and those beside them.
+    fn split(&self, cut: &Topology, whole: &Split) -> Result<(Split, Self), TopologyError> {
+        let topology =
+            Topology::from_triangles(whole.vertex_count(&self.topology), &whole.triangles)?;
+        let mut to_whole = self.to_whole.clone();
+        let mut middle_of = vec![u32::MAX; self.topology.halfedge_count() / 2];
+        for (i, h) in whole.edges.iter().enumerate() {
+            middle_of[h.edge()] = (self.topology.vertex_count() + i) as u32;
+        }
+        let mut edges = Vec::new();
+        // of each edge of the cut mesh, its middle there
+        let mut middle = vec![u32::MAX; cut.halfedge_count() / 2];
+        let sides = |f: FaceId| {
+            face_halfedges(cut, f)
+                .into_iter()
+                .zip(face_halfedges(&self.topology, f))
+        };
+        for e in 0..middle.len() {
+            let h = HalfedgeId::from(2 * e);
+            let inner = if cut.is_boundary(h) { h.twin() } else { h };
+            let there = sides(cut.face(inner)).find(|&(here, _)| here == inner);
+            let m = there.map_or(u32::MAX, |(_, there)| middle_of[there.edge()]);
+            if m != u32::MAX {
+                middle[e] = to_whole.len() as u32;
+                to_whole.push(m);
+                edges.push(h);
+            }
+        }
+        let mut triangles = Vec::with_capacity(whole.triangles.len());
+        for (triangle, &f) in whole.triangles.iter().zip(&whole.parent) {
+            let f = FaceId(f);
+            triangles.push(triangle.map(|v| {
+                let mut sides = sides(f);
+                let vertex = if (v as usize) < self.topology.vertex_count() {
+                    sides
+                        .find(|&(_, there)| self.topology.origin(there).0 == v)
+                        .map(|(here, _)| cut.origin(here).0)
+                } else {
+                    sides
+                        .find(|&(_, there)| middle_of[there.edge()] == v)
+                        .map(|(here, _)| middle[here.edge()])
+                };
+                vertex.expect("a part of a face has its corners or middles")
+            }));
+        }
+        let split = Split {
+            triangles,
+            parent: whole.parent.clone(),
+            edges,
+        };
+        Ok((split, Self { topology, to_whole }))
+    }
+}
+
+/// Boundaries and creases of the mesh that is refined.
+#[derive(Clone, Debug)]
+pub struct Features {
+    curves: BoundaryCurves,
+    /// If there are creases.
+    weld: Option<Arc<Weld>>,
+    /// For each given vertex whether a crease has a corner there.
+    corners: Vec<bool>,
+}
+
+impl Features {
+    /// Finds the creases; the mesh to be refined comes first.
+    ///
+    /// # Errors
+    /// As [`crease_edges`].
+    pub fn new(mesh: &Mesh, options: &RefineOptions) -> Result<(Topology, Self), RefineError> {
+        let topology = &mesh.topology;
+        let creases = crease_edges(mesh, options)?;
+        let curves = BoundaryCurves::new(
+            topology,
+            &mesh.positions,
+            &creases,
+            options.boundary,
+            options.corner_angle,
+        );
+        let (mut cut, mut weld, mut corners) = (topology.clone(), None, Vec::new());
+        if creases.contains(&true) {
+            let open = cut_open(topology, &creases).map_err(SolverError::from)?;
+            cut = open.topology;
+            weld = Some(Arc::new(Weld {
+                topology: topology.clone(),
+                to_whole: open.to_whole,
+            }));
+            let meets = |v: VertexId| topology.outgoing(v).any(|h| creases[h.edge()]);
+            corners = (0..mesh.vertex_count())
+                .map(VertexId::from)
+                .map(|v| meets(v) && curves.is_corner(v))
+                .collect();
+        }
+        let features = Self {
+            curves,
+            weld,
+            corners,
+        };
+        Ok((cut, features))
+    }
+
+    /// How the mesh is welded, if it is cut.
+    pub fn weld(&self) -> Option<&Arc<Weld>> {
+        self.weld.as_ref()
+    }
+
+    /// The whole mesh behind the cut one, which may be the same.
+    pub fn whole<'a>(&'a self, cut: &'a Topology) -> &'a Topology {
+        self.weld.as_ref().map_or(cut, |weld| &weld.topology)
+    }
+
+    /// What belongs to the vertices of the cut mesh, from what belongs to those of the whole one.
+    pub fn opened<T: Copy>(&self, of_whole: &[T]) -> Vec<T> {
+        match &self.weld {
+            Some(weld) if !of_whole.is_empty() => {
+                let of = |&w: &u32| of_whole[w as usize];
+                weld.to_whole.iter().map(of).collect()
+            }
+            _ => of_whole.to_vec(),
+        }
+    }
+
+    /// Splits the faces `chosen` of the mesh and those beside them, and goes over to the finer one.
+    ///
+    /// # Errors
+    /// The finer mesh has too many vertices.
+    pub fn split(&mut self, cut: &Topology, chosen: &[bool]) -> Result<Split, TopologyError> {
+        let Some(weld) = &self.weld else {
+            let split = split_faces(cut, chosen);
+            self.curves = self.curves.split(cut, &split);
+            return Ok(split);
+        };
+        // both sides of a crease are to be split alike
+        let whole = split_faces(&weld.topology, chosen);
+        self.curves = self.curves.split(&weld.topology, &whole);
+        let (split, finer) = weld.split(cut, &whole)?;
+        self.weld = Some(Arc::new(finer));
+        Ok(split)
+    }
+
+    /// Where a curve passes a vertex; `None` off boundaries and creases.
+    pub fn point(&self, v: VertexId) -> Option<DVec3> {
+        self.curves.point(match &self.weld {
+            Some(weld) => VertexId(weld.to_whole[v.index()]),
+            None => v,
+        })
+    }
+
+    /// For each vertex whether a crease has a corner there; empty if there are no creases.
+    pub fn corners(&self) -> Vec<bool> {
+        let is_corner = |&w: &u32| self.corners.get(w as usize).copied().unwrap_or(false);
+        self.weld.as_ref().map_or_else(Vec::new, |weld| {
+            weld.to_whole.iter().map(is_corner).collect()
+        })
+    }
+
+    /// Gives the copies of a vertex the same point, bit for bit: the one before (`old`, of the coarser
+    /// mesh) if one of them stays there, or the first one's.
+    pub fn join(&self, points: &mut [DVec3], old: &[DVec3]) {
+        let Some(weld) = &self.weld else {
+            return;
+        };
+        let mut common = weld.welded(points);
+        for ((&w, &point), &before) in weld.to_whole.iter().zip(&*points).zip(old) {
+            if point == before {
+                common[w as usize] = before;
+            }
+        }
+        for (point, &w) in points.iter_mut().zip(&weld.to_whole) {
+            *point = common[w as usize];
+        }
+    }
+}

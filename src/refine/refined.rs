@@ -1,0 +1,42 @@
+//! What comes out of a refinement.
+
+use crate::mesh::{DVec3, Mesh, Topology};
+use crate::refine::{LevelReport, Weld};
+
+/// The result of a refinement.
+#[derive(Clone, Debug)]
+pub struct Refined {
+    /// The refined mesh, on the limit surface; the given vertices first.
+    pub mesh: Mesh,
+    /// The control mesh of the limit surface, open along creases, where either side has control
+    /// points of its own: the faces in the order of `mesh`, the given vertices first, then those that
+    /// the cut doubles. For Butterfly, which has no limit surface, its points are those of the mesh.
+    pub control: Mesh,
+    /// Level by level.
+    pub levels: Vec<LevelReport>,
+}
+
+/// A refined mesh with the attributes of the given one, welded if it was cut. `colors` and
+/// `face_tags` may be empty.
+pub fn refined_mesh(
+    given: &Mesh,
+    topology: &Topology,
+    weld: Option<&Weld>,
+    points: &[DVec3],
+    colors: &[[f32; 4]],
+    face_tags: &[u32],
+) -> Mesh {
+    let mut mesh = match weld {
+        Some(weld) => Mesh::new(weld.welded(points), weld.topology.clone()),
+        None => Mesh::new(points.to_vec(), topology.clone()),
+    };
+    mesh.colors = match weld {
+        Some(weld) if !colors.is_empty() => weld.welded(colors),
+        _ => colors.to_vec(),
+    };
+    mesh.face_tags = face_tags.to_vec();
+    mesh.tags.clone_from(&given.tags);
+    mesh.one_sided.clone_from(&given.one_sided);
+    mesh.one_sided_tags.clone_from(&given.one_sided_tags);
+    mesh
+}
