@@ -271,14 +271,14 @@ impl Refinement {
         let splits = self.options.levels.saturating_sub(self.level);
         let options = level_options(&self.options.flow, splits);
         let problem = FlowProblem::new(&self.control, &triangles, &free, self.radius)?;
-        let problem = if self.level == 1 {
-            let energy = self.options.flow.energy_at(self.radius);
-            drawn_start(problem, &held, &energy)?
+        let (problem, late) = if self.level == 1 {
+            drawn_start(problem, &held)?
         } else {
-            problem.holding(&held)?
+            (problem.holding(&held)?, 0)
         };
         self.current = Some(Running {
             splits,
+            late,
             is_guarded: options.scheme == Scheme::Guarded,
             flow: Flow::new(problem, options)?,
             start,
@@ -395,7 +395,7 @@ impl Refinement {
             energy_end: outcome.energy_end,
             held_error: error,
             seconds: running.start.elapsed().as_secs_f64(),
-            warnings: outcome.warnings,
+            warnings,
         };
         self.levels.push(report.clone());
         report

@@ -15,6 +15,8 @@ const SETTLED: (usize, f64) = (10, 1e-4);
 pub struct Running {
     /// Levels after this one.
     pub splits: usize,
+    /// Vertices that the surface came to pass only by folding.
+    pub late: usize,
     pub flow: Flow,
     pub start: Instant,
     pub held: Vec<(u32, DVec3)>,

@@ -1,20 +1,21 @@
 //! The first position of new vertices.
 
 use crate::mesh::DVec3;
-use crate::solver::energy::Energy;
+use crate::solver::energy::{Energy, Preset};
 use crate::solver::{FlowProblem, GuardedFlow, SolverError, survey};
 use crate::subdivision::{Rule, TableCache, elements, limit_positions};
 
 /// The flow of a surface held at points, from a surface near to them: it is led to them without
-/// folding on the way, as far as that can be.
+/// folding on the way, as far as that can be, while it relaxes under `H²` whatever the energy of the flow.
+///
+/// Returns beside it how many points could not be reached without a fold.
 ///
 /// # Errors
 /// As [`FlowProblem::holding`] and [`GuardedFlow::new`].
 pub fn drawn_start(
     free: FlowProblem,
     held: &[(u32, DVec3)],
-    energy: &Energy,
-) -> Result<FlowProblem, SolverError> {
+) -> Result<(FlowProblem, usize), SolverError> {
     let surface = limit_positions(free.topology(), free.positions());
     let at_rest: Vec<(u32, DVec3)> = held
         .iter()
@@ -23,17 +24,17 @@ pub fn drawn_start(
     let near = free.clone().holding(&at_rest)?;
     let there = free.holding(held)?;
     let Some(goals) = there.interpolation().map(|i| i.targets().to_vec()) else {
-        return Ok(there);
+        return Ok((there, 0));
     };
-    let rule = Rule::Twelve;
+    let (rule, energy) = (Rule::Twelve, Energy::preset(Preset::H2));
     let elements = elements(
         near.topology(),
         near.active_faces(),
         rule,
         &mut TableCache::default(),
     );
-    let tau = survey(&elements, near.positions(), energy, near.radius()).tau_ref;
-    let mut flow = GuardedFlow::new(&near, &elements, rule, energy)?;
-    flow.approach(&goals, tau);
-    Ok(there.with_positions(flow.positions()))
+    let tau = survey(&elements, near.positions(), &energy, near.radius()).tau_ref;
+    let mut flow = GuardedFlow::new(&near, &elements, rule, &energy)?;
+    let late = flow.approach(&goals, tau);
+    Ok((there.with_positions(flow.positions()), late))
 }

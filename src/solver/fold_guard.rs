@@ -12,9 +12,9 @@ use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology};
 use crate::subdivision::{Elements, limit_normals, limit_positions};
 
 /// A face is in order if its normals keep at least this cosine to the flat triangle.
-const UPRIGHT: f64 = 0.0;
+const UPRIGHT: f64 = -0.3;
 /// Two flat triangles are in order if their normals keep at least this cosine.
-const OPEN: f64 = -0.2;
+const OPEN: f64 = -0.77;
 /// How much worse a face or edge that is not in order may get in one step.
 const WORSE: f64 = 0.3;
 /// Cosine of the most that the flat triangle of a face in order may turn in one step.
