@@ -378,6 +378,14 @@ impl Refinement {
             .map(|i| i.error(running.flow.positions()) / self.radius);
         self.control = self.control_of(&running);
         self.points = self.points_of(&self.control, &running.held);
+        let mut warnings = outcome.warnings;
+        if running.late > 0 {
+            warnings.push(format!(
+                "{} vertices could not be reached without a fold in the surface (the mesh itself may be \
+                 folded there)",
+                running.late
+            ));
+        }
         let report = LevelReport {
             level: self.level,
             vertices: self.vertex_count(),
