@@ -12,7 +12,7 @@ use meniscus::mesh::{
     DVec3, HalfedgeId, Mesh, Topology, VertexId, check_mesh, dihedral_angle, face_halfedges,
 };
 use meniscus::refine::{
-    Method, RefineError, RefineOptions, Refined, Refinement, crease_edges, natural_tension,
+    Method, RefineError, RefineOptions, Refined, Refinement, crease_edges, radius,
 };
 use meniscus::solver::energy::{Energy, Preset};
 use meniscus::subdivision::limit_normal;
@@ -69,7 +69,9 @@ fn capped_cylinder(n: u32) -> Mesh {
 
 fn options(mesh: &Mesh, levels: usize, degrees: f64) -> RefineOptions {
     let mut options = RefineOptions::new(Energy::preset(Preset::H2));
-    options.flow.tension = natural_tension(mesh);
+    // bending and area balance over an edge
+    let edge = mesh.position(0.into()).distance(mesh.position(1.into()));
+    options.flow.tension = 4.0 * (radius(mesh) / edge).powi(2);
     options.flow.max_steps = 60;
     options.levels = levels;
     options.crease_angle = Some(degrees.to_radians());

@@ -1,6 +1,6 @@
 //! What may be chosen about a refinement, and what can keep it from starting.
 
-use crate::mesh::{HalfedgeId, Mesh};
+use crate::mesh::{HalfedgeId, Mesh, dihedral_angle};
 use crate::refine::BoundaryRule;
 use crate::refine::creases::crease_edges;
 use crate::refine::measures::radius;
@@ -151,20 +151,11 @@ fn mean_edge(mesh: &Mesh) -> f64 {
 /// Median over the inner edges of the angle their triangles' normals make, radians.
 fn median_bend(mesh: &Mesh) -> f64 {
     let topology = &mesh.topology;
-    let normal = |h: HalfedgeId| {
-        let [a, b, c] = topology
-            .face_vertices(topology.face(h))
-            .map(|v| mesh.position(v));
-        (b - a).cross(c - a)
-    };
     let mut bends: Vec<f64> = (0..topology.halfedge_count())
         .step_by(2)
         .map(HalfedgeId::from)
         .filter(|&h| !topology.is_boundary(h) && !topology.is_boundary(h.twin()))
-        .map(|h| {
-            let (a, b) = (normal(h), normal(h.twin()));
-            a.cross(b).length().atan2(a.dot(b))
-        })
+        .map(|h| dihedral_angle(&mesh.positions, topology, h))
         .collect();
     let middle = bends.len() / 2;
     if bends.is_empty() {
