@@ -1,12 +1,14 @@
-//! Refinement of coarse closed meshes under `H²`: known minima, vertices kept; parts of meshes.
+//! Refinement of coarse closed meshes: known minima, vertices kept, bad triangles; parts of meshes.
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use meniscus::mesh::shapes::{graph, icosphere};
-use meniscus::mesh::{DVec3, Mesh, Topology, check_mesh};
-use meniscus::refine::{Hold, Method, RefineOptions, Refined, Refinement, surface_energy};
+use meniscus::mesh::shapes::{SplitMix, graph, icosphere};
+use meniscus::mesh::{DVec3, Mesh, Topology, check_mesh, folded_edges, self_intersections};
+use meniscus::refine::{
+    Hold, Method, RefineOptions, Refined, Refinement, natural_flow, surface_energy,
+};
 use meniscus::solver::energy::{Energy, Preset};
 use meniscus::subdivision::limit_position;
 
@@ -164,5 +166,83 @@ fn a_region_may_reach_the_boundary() {
         check_mesh(&mesh).expect("sound");
         assert_eq!(mesh.topology.boundary_loops().len(), 1);
         assert_eq!(mesh.positions[..sheet.vertex_count()], sheet.positions);
+    }
+}
+
+/// A ball with spikes, dents and slivers: every vertex off by up to a third of the radius, some along the
+/// surface by most of an edge.
+fn crumpled(seed: u64) -> Mesh {
+    let (mut positions, triangles) = icosphere(2);
+    let mut random = SplitMix::new(seed);
+    for p in &mut positions {
+        *p *= random.range(0.7, 1.3);
+        *p += 0.1 * random.direction();
+    }
+    let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
+    Mesh::new(positions, topology)
+}
+
+/// Coarse meshes with bad triangles: nothing folds or crosses, the energy falls and goes on where a level
+/// ends, all levels being integrated at the same points of the surface.
+#[test]
+fn energies_fall_over_all_levels_and_nothing_folds() {
+    for seed in 1..3 {
+        let given = crumpled(seed);
+        let (natural, tension) = natural_flow(&given);
+        for (energy, tension) in [(natural, tension), (Energy::preset(Preset::H2), 0.0)] {
+            let mut options = RefineOptions::new(energy);
+            options.flow.tension = tension;
+            options.levels = 2;
+            let refined = run(&given, &options);
+            let mut last = f64::INFINITY;
+            for level in &refined.levels {
+                assert!(level.energy_start <= last * (1.0 + 1e-12), "{level:?}");
+                assert!(level.energy_end <= level.energy_start, "{level:?}");
+                assert!(
+                    !last.is_finite() || level.energy_start > last * (1.0 - 1e-12),
+                    "{level:?} after {last}"
+                );
+                assert!(["converged", "stuck"].contains(&level.end), "{level:?}");
+                last = level.energy_end;
+            }
+            let mesh = &refined.mesh;
+            let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+            let of_input: Vec<[u32; 3]> = given.topology.triangles().collect();
+            let before = self_intersections(&given.positions, &of_input, None, 100).len();
+            let after = self_intersections(&mesh.positions, &triangles, None, 100).len();
+            assert!(
+                after <= before,
+                "seed {seed}: {after} crossings, {before} given"
+            );
+            let folds = folded_edges(&mesh.positions, &mesh.topology, 150_f64.to_radians());
+            assert!(folds.is_empty(), "seed {seed}: {folds:?}");
+        }
+    }
+}
+
+/// The natural energy has the units of the mesh: another scale, the same shape.
+#[test]
+fn the_natural_energy_goes_with_the_scale() {
+    let given = crumpled(7);
+    let (energy, tension) = natural_flow(&given);
+    let mut large = given.clone();
+    for p in &mut large.positions {
+        *p *= 8.0; // exact in binary
+    }
+    let (scaled, scaled_tension) = natural_flow(&large);
+    assert_eq!(scaled.params()["c"], energy.params()["c"] / 8.0);
+    // f is a curvature, and the tension counts in f over the squared radius
+    assert!((scaled_tension / (8.0 * tension) - 1.0).abs() < 1e-12);
+    let refined = |mesh: &Mesh, energy: Energy, tension: f64| {
+        let mut options = RefineOptions::new(energy);
+        options.flow.tension = tension;
+        options.levels = 1;
+        options.flow.max_steps = 5;
+        run(mesh, &options).mesh.positions
+    };
+    let small = refined(&given, energy, tension);
+    let big = refined(&large, scaled, scaled_tension);
+    for (p, q) in small.iter().zip(&big) {
+        assert!((*p - *q / 8.0).length() < 1e-9, "{p} {q}");
     }
 }
