@@ -26,8 +26,8 @@ use crate::subdivision::{Elements, Rule};
 
 /// Steps with one matrix.
 const REFRESH: usize = 10;
-/// Halvings of one step, and trial points in all, those that fold included.
-const HALVINGS: usize = 16;
+/// Shortest part of a step tried, and trial points in all, those that fold included.
+const SHORTEST: f64 = 1.0 / 65536.0;
 const TRIALS: usize = 48;
 /// Part of the slope a step must gain.
 const ARMIJO: f64 = 1e-4;
@@ -218,7 +218,7 @@ impl GuardedFlow {
         let mut positions = self.positions.clone();
         let mut gradient = Vec::new();
         for _ in 0..TRIALS {
-            if length < 0.5f64.powi(HALVINGS as i32) {
+            if length < SHORTEST {
                 return None;
             }
             let mut slope = 0.0;

@@ -52,6 +52,12 @@ impl Held {
         self.interpolation = Arc::new(self.interpolation.with_targets(targets));
     }
 
+    /// Lets the held vertices follow the others as if they were held at `targets`.
+    pub fn settle_at(&self, targets: &[DVec3], positions: &mut [DVec3]) {
+        let elsewhere = self.interpolation.with_targets(targets.to_vec());
+        elsewhere.settle(positions);
+    }
+
     /// Adds to the right-hand side (x, y and z components one after the other) what makes the solution
     /// with the matrix last made move the limit surface by `shifts` at the held vertices.
     pub fn pull(&self, shifts: &[DVec3], rhs: &mut [f64]) {
