@@ -306,7 +306,7 @@ fn expressions_without_a_value_are_refused() {
 
 #[test]
 fn all_presets_read_back() {
-    let params = BTreeMap::from([("H0".to_owned(), 0.0)]);
+    let params = BTreeMap::from([("H0".to_owned(), 0.0), ("c".to_owned(), 1.0)]);
     for preset in Preset::ALL {
         let energy = Energy::parse(preset.text(), &params).expect("a preset");
         // With H0 = 0, (H-H0)^2 is H^2.
