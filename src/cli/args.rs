@@ -57,9 +57,9 @@ const FILL_EXAMPLES: &str = "Examples:
   meniscus fill pipe.obj -o out.obj --energy 1 --loop-continuity 2=g0
   meniscus fill scan.obj -o out.obj --part 0,0,1 0,1,0
 
-Energies: 1, H^2, K^2, H^2+K^2, H^2*K^2, k1^4+k2^4, K, (H-H0)^2, k1^2+k2^2, (k1-k2)^2, or any
-expression in H, K, k1, k2 and parameters with + - * / ^, abs, sqrt, exp, log, sin, cos, tanh,
-min and max. It must be symmetric in k1 and k2. H is negative on a sphere with outward normals.
+Energies: 1, H^2, K^2, H^2+K^2, H^2*K^2, k1^4+k2^4, K, (H-H0)^2, k1^2+k2^2, (k1-k2)^2,
+sqrt(k1^2+k2^2+c^2), or any expression in H, K, k1, k2 and parameters with + - * / ^, abs, sqrt,
+exp, log, sin, cos, tanh, min and max. It must be symmetric in k1 and k2. H is negative on a sphere with outward normals.
 A typed energy is in the units of the file.";
 
 const BLEND_EXAMPLES: &str = "Examples:
