@@ -112,4 +112,6 @@ pub fn analyze_while(
 }
 
 #[cfg(test)]
+mod order_tests;
+#[cfg(test)]
 mod tests;

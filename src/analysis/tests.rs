@@ -6,12 +6,12 @@ use super::*;
 use crate::mesh::shapes::{Shape, catenoid, cylinder, icosphere, sphere, torus};
 use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology, VertexId};
 
-fn mesh((positions, triangles): Shape) -> Mesh {
+pub(super) fn mesh((positions, triangles): Shape) -> Mesh {
     let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
     Mesh::new(positions, topology)
 }
 
-fn on_surface(mesh: &Mesh) -> Analysis {
+pub(super) fn on_surface(mesh: &Mesh) -> Analysis {
     let options = AnalysisOptions {
         vertices: Vertices::OnSurface,
         ..AnalysisOptions::default()
@@ -330,54 +330,4 @@ fn tables_are_whole() {
     assert_eq!(value["sections"][0]["curves"][0]["closed"], true);
     assert_eq!(value["chains"][0]["smooth_by_construction"], true);
     assert_eq!(value["input"], "ball");
-}
-
-/// Relative errors of area and `∫ H² dA` at three densities have the orders of docs/accuracy.md: fourth on
-/// a regular grid, and lower where vertices of valence 5 are, at which Loop's surfaces are not curved
-/// as those they approximate.
-#[test]
-fn integrals_have_their_orders() {
-    let clifford = 2.0_f64.sqrt();
-    let ball = |n: usize| icosphere(n as u32);
-    let ring = |n: usize| grid_torus(6 * n, 4 * n);
-    let torus_exact = [4.0 * PI * PI * clifford, 2.0 * PI * PI];
-    check_orders(ball, [4.0 * PI, 4.0 * PI], [2.2, 1.3]);
-    check_orders(ring, torus_exact, [3.9, 3.9]);
-}
-
-fn check_orders(make: impl Fn(usize) -> Shape, exact: [f64; 2], least: [f64; 2]) {
-    let errors = [3, 6, 12].map(|n| {
-        let s = on_surface(&mesh(make(n))).shape;
-        [
-            s.area / exact[0] - 1.0,
-            s.energies.willmore / exact[1] - 1.0,
-        ]
-        .map(f64::abs)
-    });
-    for pair in errors.windows(2) {
-        for i in 0..2 {
-            let order = (pair[0][i] / pair[1][i]).log2();
-            assert!(order > least[i], "{order} of {errors:?}");
-        }
-    }
-}
-
-/// A regular grid on the torus of radii √2 and 1.
-fn grid_torus(n: usize, m: usize) -> Shape {
-    use std::f64::consts::TAU;
-    let point = |i: usize, j: usize| {
-        let (u, v) = (TAU * i as f64 / n as f64, TAU * j as f64 / m as f64);
-        let r = 2.0_f64.sqrt() + v.cos();
-        DVec3::new(r * u.cos(), r * u.sin(), v.sin())
-    };
-    let at = |i: usize, j: usize| ((i % n) * m + j % m) as u32;
-    let mut shape = (Vec::new(), Vec::new());
-    for i in 0..n {
-        for j in 0..m {
-            shape.0.push(point(i, j));
-            shape.1.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-            shape.1.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-        }
-    }
-    shape
 }
