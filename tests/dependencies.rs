@@ -18,7 +18,7 @@ const MODULES: [(&str, &[&str]); 14] = [
     ("render", &["mesh", "io", "subdivision", "solver"]),
     (
         "refine",
-        &["live", "mesh", "linear", "subdivision", "solver"],
+        &["live", "memory", "mesh", "linear", "subdivision", "solver"],
     ),
     ("analysis", &["mesh", "subdivision", "solver"]),
     (

@@ -246,3 +246,15 @@ fn the_natural_energy_goes_with_the_scale() {
         assert!((*p - *q / 8.0).length() < 1e-9, "{p} {q}");
     }
 }
+
+/// Each level says up to where the memory of the process has gone.
+#[test]
+fn the_peak_of_memory_only_rises() {
+    let (ball, options) = ball_and_region(|_| true);
+    let levels = run(&ball, &options).levels;
+    let peaks: Vec<u64> = levels.iter().map(|l| l.peak_memory).collect();
+    assert!(peaks.is_sorted(), "{peaks:?}");
+    if cfg!(target_os = "linux") {
+        assert!(peaks[0] > 1 << 20, "{peaks:?}");
+    }
+}

@@ -174,8 +174,14 @@ fn summary(report: &RefineReport<'_>) -> Result<()> {
     for l in report.levels {
         writeln!(
             text,
-            "level {}: {} vertices, energy {:.6e}, {} steps, {}, {:.2} s",
-            l.level, l.vertices, l.energy_end, l.steps, l.end, l.seconds
+            "level {}: {} vertices, energy {:.6e}, {} steps, {}, {:.2} s, peak memory {} MiB",
+            l.level,
+            l.vertices,
+            l.energy_end,
+            l.steps,
+            l.end,
+            l.seconds,
+            l.peak_memory >> 20
         )?;
     }
     if let Some(d) = &report.distances {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::memory::peak_memory;
 use crate::mesh::{DVec3, Mesh, Split, Topology, VertexId};
 use crate::refine::creases::{Features, Weld};
 use crate::refine::measures::{radius, surface_energy};
@@ -403,6 +404,7 @@ impl Refinement {
             energy_end: outcome.energy_end,
             held_error: error,
             seconds: running.start.elapsed().as_secs_f64(),
+            peak_memory: peak_memory(),
             warnings,
         };
         self.levels.push(report.clone());
@@ -427,6 +429,7 @@ impl Refinement {
             energy_end: energy,
             held_error: None,
             seconds: start.elapsed().as_secs_f64(),
+            peak_memory: peak_memory(),
             warnings: Vec::new(),
         }
     }

@@ -30,6 +30,9 @@ pub struct LevelReport {
     pub held_error: Option<f64>,
     /// Wall clock.
     pub seconds: f64,
+    /// Largest resident set of the process up to the end of the level, bytes; 0 where the system does
+    /// not tell.
+    pub peak_memory: u64,
     /// Warnings in plain words.
     pub warnings: Vec<String>,
 }
