@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use meniscus::mesh::shapes::icosphere;
-use meniscus::mesh::{DVec3, Mesh, Topology};
+use meniscus::mesh::{Mesh, Topology};
 use meniscus::refine::{LevelReport, Progress, RefineOptions, Refinement, natural_flow};
 
 /// Levels of the table, and those that are repeated.
