@@ -37,7 +37,7 @@ pub struct LevelReport {
     pub warnings: Vec<String>,
 }
 
-/// What [`Refinement::step`] did.
+/// What [`Refinement::step`](crate::refine::Refinement::step) did.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Progress {
     /// A level was begun: topology and positions are those of the finer mesh.
