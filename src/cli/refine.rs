@@ -65,10 +65,11 @@ struct RefineReport<'a> {
 pub fn refine(args: &RefineArguments) -> Result<()> {
     check_targets(args)?;
     let typed = typed(args)?;
+    let creases = args.creases.edges()?;
     let opened = open(&args.input)?;
     let reference = args.against.as_deref().map(open).transpose()?;
     let flow = flow(args, typed, &opened.mesh);
-    let options = options(args, flow.clone(), &opened.mesh)?;
+    let options = options(args, flow.clone(), creases, &opened.mesh)?;
     let start = Instant::now();
     let progress = Progress::new(1, args.quiet);
     let mut trace = String::from("level,step,tau,energy,residual,rejected\n");
@@ -258,7 +259,12 @@ fn flow(args: &RefineArguments, typed: Option<Energy>, mesh: &Mesh) -> FlowOptio
     flow
 }
 
-fn options(args: &RefineArguments, flow: FlowOptions, mesh: &Mesh) -> Result<RefineOptions> {
+fn options(
+    args: &RefineArguments,
+    flow: FlowOptions,
+    creases: Vec<[u32; 2]>,
+    mesh: &Mesh,
+) -> Result<RefineOptions> {
     let selection = &args.selection;
     let region = (!selection.is_empty())
         .then(|| selection.flags(mesh))
@@ -270,7 +276,7 @@ fn options(args: &RefineArguments, flow: FlowOptions, mesh: &Mesh) -> Result<Ref
         boundary: args.boundary.into(),
         corner_angle: args.corner_angle.to_radians(),
         crease_angle: args.creases.crease_angle.map(f64::to_radians),
-        creases: args.creases.edges()?,
+        creases,
         region,
         flow,
     })

@@ -372,41 +372,10 @@ impl Refinement {
         let Some(mut running) = self.current.take() else {
             return self.scheme_report(Instant::now());
         };
-        let outcome = running.flow.outcome();
-        let problem = running.flow.problem();
-        let error = problem
-            .interpolation()
-            .map(|i| i.error(running.flow.positions()) / self.radius);
         self.control = self.control_of(&running);
         self.points = self.points_of(&self.control, &running.held);
-        let mut warnings = outcome.warnings;
-        if running.late > 0 {
-            warnings.push(format!(
-                "{} vertices could not be reached without a fold in the surface (the mesh itself may be \
-                 folded there)",
-                running.late
-            ));
-        }
-        let report = LevelReport {
-            level: self.level,
-            vertices: self.vertex_count(),
-            faces: self.topology.face_count(),
-            steps: outcome.steps,
-            rejected: outcome.rejected,
-            converged: outcome.end == End::Converged,
-            end: match outcome.end {
-                End::Converged => "converged",
-                End::Steps => "steps",
-                End::Stuck | End::Pinched | End::Crossed => "stuck",
-                End::Cancelled => "cancelled",
-            },
-            energy_start: outcome.energy_start,
-            energy_end: outcome.energy_end,
-            held_error: error,
-            seconds: running.start.elapsed().as_secs_f64(),
-            peak_memory: peak_memory(),
-            warnings,
-        };
+        let faces = self.topology.face_count();
+        let report = running.report(self.level, self.vertex_count(), faces);
         self.levels.push(report.clone());
         report
     }

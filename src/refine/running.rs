@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
+use crate::memory::peak_memory;
 use crate::mesh::DVec3;
+use crate::refine::progress::LevelReport;
 use crate::solver::{End, Flow, FlowOptions, Mode, Scheme, SolverError, StepRecord};
 use crate::subdivision::Rule;
 
@@ -17,11 +19,15 @@ pub struct Running {
     pub splits: usize,
     /// Vertices that the surface came to pass only by folding.
     pub late: usize,
+    /// The flow.
     pub flow: Flow,
+    /// When the level was begun.
     pub start: Instant,
+    /// Vertices the limit surface passes, and where.
     pub held: Vec<(u32, DVec3)>,
     /// Energies after the last accepted steps of the guarded descent.
     pub recent: Vec<f64>,
+    /// Whether the guarded descent is at work.
     pub is_guarded: bool,
 }
 
@@ -44,6 +50,42 @@ impl Running {
         Ok(())
     }
 
+    /// What the level has come to, on a mesh of so many vertices and faces.
+    pub fn report(&mut self, level: usize, vertices: usize, faces: usize) -> LevelReport {
+        let outcome = self.flow.outcome();
+        let problem = self.flow.problem();
+        let mut warnings = outcome.warnings;
+        if self.late > 0 {
+            warnings.push(format!(
+                "{} vertices could not be reached without a fold in the surface (the mesh itself may be \
+                 folded there)",
+                self.late
+            ));
+        }
+        LevelReport {
+            level,
+            vertices,
+            faces,
+            steps: outcome.steps,
+            rejected: outcome.rejected,
+            converged: outcome.end == End::Converged,
+            end: match outcome.end {
+                End::Converged => "converged",
+                End::Steps => "steps",
+                End::Stuck | End::Pinched | End::Crossed => "stuck",
+                End::Cancelled => "cancelled",
+            },
+            energy_start: outcome.energy_start,
+            energy_end: outcome.energy_end,
+            held_error: problem
+                .interpolation()
+                .map(|i| i.error(self.flow.positions()) / problem.radius()),
+            seconds: self.start.elapsed().as_secs_f64(),
+            peak_memory: peak_memory(),
+            warnings,
+        }
+    }
+
     /// Goes on along the normals alone.
     pub fn settle(&mut self, flow: &FlowOptions) -> Result<(), SolverError> {
         self.is_guarded = false;
@@ -56,8 +98,8 @@ impl Running {
     }
 }
 
-/// The options of a level's flow: the guarded descent first, or the flow in true time; always the
-/// 12-point rule, for coarse meshes fold between fewer points.
+/// The options of a level's flow: the guarded descent first, or the flow in true time; by the 12 points of
+/// each triangle there will be after the `splits` to come, for coarse meshes fold between fewer points.
 pub fn level_options(flow: &FlowOptions, splits: usize) -> FlowOptions {
     FlowOptions {
         scheme: match flow.mode {

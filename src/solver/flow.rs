@@ -208,12 +208,12 @@ impl Flow {
         &self.warnings
     }
 
-    /// Energy where this flow started, by the 12-point rule.
+    /// Energy where this flow started, by the rule of the steps, 12 points at least.
     pub fn energy_start(&self) -> f64 {
         self.energy_start
     }
 
-    /// Energy of the present shape, by the 12-point rule.
+    /// Energy of the present shape, by the rule of the steps, 12 points at least.
     pub fn fine_energy(&mut self) -> f64 {
         let positions = match &self.stepper {
             Stepper::Normal(flow) => flow.positions(),
@@ -406,16 +406,16 @@ impl Flow {
             }
             // adaptive steps in true time may go on and off between a stable and an unstable τ where
             // the shape is stationary to rounding
-            let adaptive =
-                self.options.mode == Mode::Flow && !matches!(self.options.tau, Tau::Fixed(_));
+            let is_adaptive = !matches!(self.options.tau, Tau::Fixed(_));
             let energy = self.energy();
-            let held = self.problem.interpolation().is_some();
-            let fixed = matches!(self.options.tau, Tau::Fixed(_));
-            let rests = match (adaptive, held && !fixed) {
-                (true, _) => self.descent.has_stopped(energy, ROUNDING),
-                (_, true) => self.descent.has_stopped(energy, CREEP),
-                _ => false,
+            let least = if self.options.mode == Mode::Flow {
+                Some(ROUNDING)
+            } else {
+                self.problem.interpolation().map(|_| CREEP)
             };
+            let rests = least
+                .filter(|_| is_adaptive)
+                .is_some_and(|part| self.descent.has_stopped(energy, part));
             if residual < STOP || rests {
                 self.end = Some(End::Converged);
             } else if self.steps >= self.options.max_steps {

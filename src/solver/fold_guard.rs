@@ -125,12 +125,6 @@ impl FoldState {
         any
     }
 
-    /// Whether a step to `next` folds nothing.
-    pub fn admits(&self, next: &Self, topology: &Topology, elements: &Elements) -> bool {
-        let mut marked = vec![false; topology.vertex_count()];
-        !self.mark_folds(next, topology, elements, &mut marked)
-    }
-
     /// Elements whose normals turn away from their flat triangle.
     pub fn folded(&self) -> usize {
         self.upright.iter().filter(|&&u| u < UPRIGHT).count()

@@ -3,7 +3,8 @@
 //! Scheme B moves vertices along the normals. On coarse irregular meshes that is not enough: where
 //! the parametrization is bad the discrete energy can be lowered only by sliding vertices along the
 //! surface, and steps along normals alone creep. Here the whole exact gradient is followed,
-//! `d = −H G` with `H` the inverse of scheme B's matrix for each component, corrected by L-BFGS. Every
+//! `d = −H G` with `H` for each component the inverse of scheme B's matrix as if all displacements lay along
+//! the normals ([`Assembler::make_isotropic`]), corrected by L-BFGS. Every
 //! step is searched for a decrease of the energy (Armijo) and must fold nothing ([`FoldState`]); where
 //! it would, the vertices concerned are damped one by one, `H → D H D`, and the others go on.
 
@@ -19,8 +20,7 @@ use crate::solver::energy::Energy;
 use crate::solver::fold_guard::FoldState;
 use crate::solver::held::Held;
 use crate::solver::survey::survey;
-use crate::solver::unknowns::Unknowns;
-use crate::solver::watch::{FOLDS, METRIC, at_most};
+use crate::solver::watch::{FOLDS, METRIC, assemblers, at_most};
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule};
 
@@ -43,8 +43,8 @@ pub struct GuardedFlow {
     /// Where normals are watched.
     watched: Elements,
     assembler: Assembler,
-    /// Of the metric, by no more than 12 points.
-    metric: Assembler,
+    /// Of the metric, where the energy has more points than that needs.
+    metric: Option<Assembler>,
     cholesky: Cholesky,
     radius: f64,
     energy: Energy,
@@ -83,14 +83,11 @@ impl GuardedFlow {
         rule: Rule,
         energy: &Energy,
     ) -> Result<Self, SolverError> {
-        let unknowns = Unknowns::new(elements, problem.positions(), &problem.moving());
-        let coarse = at_most(problem, elements, rule, METRIC);
-        let mut metric = Assembler::new(&coarse, rule.min(METRIC), unknowns);
-        metric.make_isotropic();
-        let symbolic = Arc::new(CholeskySymbolic::new(metric.pattern())?);
-        let held = Held::of(problem, &mut metric);
-        // in the order of the factorization
-        let mut assembler = Assembler::new(elements, rule, metric.unknowns().clone());
+        let (mut assembler, mut metric) = assemblers(problem, elements, rule, METRIC);
+        let maker = metric.as_mut().unwrap_or(&mut assembler);
+        maker.make_isotropic();
+        let symbolic = Arc::new(CholeskySymbolic::new(maker.pattern())?);
+        let held = Held::of(problem, maker);
         let watched = at_most(problem, elements, rule, FOLDS).into_owned();
         let positions = problem.positions().to_vec();
         let mut gradient = Vec::new();
@@ -181,8 +178,8 @@ impl GuardedFlow {
 
     fn factorize(&mut self, tau: f64) -> Result<(), String> {
         let mut values = Vec::new();
-        let normals = vec![DVec3::X; self.metric.unknowns().len()];
-        self.metric.matrix(
+        let normals = vec![DVec3::X; self.assembler.unknowns().len()];
+        self.metric.as_mut().unwrap_or(&mut self.assembler).matrix(
             &self.positions,
             &normals,
             &self.energy,

@@ -42,7 +42,7 @@ impl Held {
         self.weights = self.penalty.add(normals, values);
     }
 
-    /// Where the limit surface passes them, and what it is to pass instead.
+    /// Where the limit surface passes them.
     pub fn targets(&self) -> &[DVec3] {
         self.interpolation.targets()
     }
@@ -54,8 +54,7 @@ impl Held {
 
     /// Lets the held vertices follow the others as if they were held at `targets`.
     pub fn settle_at(&self, targets: &[DVec3], positions: &mut [DVec3]) {
-        let elsewhere = self.interpolation.with_targets(targets.to_vec());
-        elsewhere.settle(positions);
+        self.interpolation.settle_at(targets, positions);
     }
 
     /// Adds to the right-hand side (x, y and z components one after the other) what makes the solution

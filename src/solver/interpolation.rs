@@ -109,12 +109,17 @@ impl Interpolation {
     /// Moves the control points of the held vertices to where the limit surface passes the targets:
     /// `x_f = A_ff⁻¹ (p_f − A_fc x_c)`.
     pub fn settle(&self, positions: &mut [DVec3]) {
+        self.settle_at(&self.target, positions);
+    }
+
+    /// The same for other targets, one for each held vertex.
+    pub fn settle_at(&self, targets: &[DVec3], positions: &mut [DVec3]) {
         let mut largest = 0.0f64;
         for sweep in 0..MAX_SWEEPS {
             let mut change = 0.0f64;
             for (i, &v) in self.held.iter().enumerate() {
                 let (own, row) = self.row(i);
-                let p = self.target[i];
+                let p = targets[i];
                 // differences to the target, so that nothing is lost far from the origin
                 let pull: DVec3 = row
                     .iter()

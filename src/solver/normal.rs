@@ -16,8 +16,7 @@ use crate::solver::held::Held;
 use crate::solver::normals::LimitNormals;
 use crate::solver::relax::may_slide;
 use crate::solver::survey::survey;
-use crate::solver::unknowns::Unknowns;
-use crate::solver::watch::{FOLDS, METRIC, at_most};
+use crate::solver::watch::{FOLDS, METRIC, assemblers, at_most};
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule};
 
@@ -55,8 +54,15 @@ pub struct NormalFlow {
     w: Vec<f64>,
     held: Option<Held>,
     guard: Option<Guard>,
-    /// Whether the last step tried was short and folded the surface.
-    folded: bool,
+}
+
+/// Why a step was not taken.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Refusal {
+    /// The least part of it tried, a short one, folds the surface.
+    Fold,
+    /// It lowers no energy, goes too far or is no number.
+    Other,
 }
 
 /// The watch over folds, on the coarse meshes of a refinement.
@@ -91,27 +97,17 @@ impl NormalFlow {
         energy: &Energy,
         membrane: bool,
     ) -> Result<Self, SolverError> {
-        let unknowns = Unknowns::new(local, problem.positions(), &problem.moving());
-        let ring = LimitNormals::new(problem.topology(), &unknowns.vertex);
-        // the one that makes the matrix puts the unknowns in their order
         let is_held = problem.interpolation().is_some();
-        let coarse = (is_held && rule > METRIC).then(|| at_most(problem, local, rule, METRIC));
-        let mut maker = match &coarse {
-            Some(coarse) => Assembler::new(coarse, METRIC, unknowns),
-            None => Assembler::new(local, rule, unknowns),
-        };
+        let most = if is_held { METRIC } else { rule };
+        let (mut assembler, mut metric) = assemblers(problem, local, rule, most);
+        let ring = LimitNormals::new(problem.topology(), &assembler.unknowns().vertex);
+        let maker = metric.as_mut().unwrap_or(&mut assembler);
         if !membrane {
             maker.drop_membrane();
         }
         let symbolic = Arc::new(CholeskySymbolic::new(maker.pattern())?);
-        let held = Held::of(problem, &mut maker);
+        let held = Held::of(problem, maker);
         let count = maker.unknowns().len();
-        let (assembler, metric) = if coarse.is_some() {
-            let exact = Assembler::new(local, rule, maker.unknowns().clone());
-            (exact, Some(maker))
-        } else {
-            (maker, None)
-        };
         let mut flow = Self {
             assembler,
             metric,
@@ -142,7 +138,6 @@ impl NormalFlow {
                 }
             }),
             held,
-            folded: false,
         };
         flow.ring.evaluate(&flow.positions, &mut flow.normals);
         flow.current = flow
@@ -252,13 +247,15 @@ impl NormalFlow {
         self.rest_frozen();
         self.cholesky.solve_in_place(&mut self.w, 1);
         self.free_only();
-        let Some((longest, sum)) = self.try_step(next_tau, freeze) else {
-            // the same τ again, if the rest can go on without the vertices at a fold
-            let stale = self.folded && self.freeze();
-            return Attempt {
-                stale,
-                ..Attempt::rejected(None)
-            };
+        let (longest, sum) = match self.try_step(next_tau, freeze) {
+            Ok(step) => step,
+            Err(refusal) => {
+                return Attempt {
+                    // the same τ again, if the rest can go on without the vertices at a fold
+                    stale: refusal == Refusal::Fold && self.lay_to_rest(),
+                    ..Attempt::rejected(None)
+                };
+            }
         };
         if freeze {
             let mut memory = Lbfgs::new();
@@ -276,21 +273,21 @@ impl NormalFlow {
     }
 
     /// Moves `trial` by the step `w`, or under guard by as much of it as lowers the energy and folds
-    /// nothing (`w` is shortened to that). Returns the length of the whole step and the energy;
-    /// `None` if the step is not acceptable. With `freeze` only the gradient is made at the new
-    /// point, else the normals too and, where no shorter step can come, the matrix for `next_tau`.
-    fn try_step(&mut self, next_tau: f64, freeze: bool) -> Option<(f64, EnergySum)> {
+    /// nothing (`w` is shortened to that). Returns the length of the whole step and the energy. With
+    /// `freeze` only the gradient is made at the new point, else the normals too and, where no
+    /// shorter step can come, the matrix for `next_tau`.
+    fn try_step(&mut self, next_tau: f64, freeze: bool) -> Result<(f64, EnergySum), Refusal> {
         self.matrix_tau = None;
         if self.guard.is_some() {
             let found = self.search()?;
             if !freeze {
                 self.ring.evaluate(&self.trial, &mut self.trial_normals);
             }
-            return Some(found);
+            return Ok(found);
         }
         let longest = self.displace();
         if !longest.is_finite() {
-            return None;
+            return Err(Refusal::Other);
         }
         let sum = if freeze {
             // quasi-Newton steps keep the normals of this factor
@@ -309,37 +306,40 @@ impl NormalFlow {
                 &mut self.values,
             )
         };
-        let admitted = self.current.admits(&sum);
-        if !admitted {
+        if !self.current.admits(&sum) {
             self.matrix_tau = None;
+            return Err(Refusal::Other);
         }
-        admitted.then_some((longest, sum))
+        Ok((longest, sum))
     }
 
     /// Halves the step until it lowers the energy and folds nothing.
-    fn search(&mut self) -> Option<(f64, EnergySum)> {
+    fn search(&mut self) -> Result<(f64, EnergySum), Refusal> {
         let mut whole = None;
+        let mut refusal = Refusal::Other;
         for _ in 0..=HALVINGS {
             let longest = self.displace();
             let whole = *whole.get_or_insert(longest);
-            self.folded = false;
+            refusal = Refusal::Other;
             if !longest.is_finite() {
-                return None;
+                return Err(refusal);
             }
             if self.would_fold() {
-                self.folded = longest < SHORT * self.radius;
+                if longest < SHORT * self.radius {
+                    refusal = Refusal::Fold;
+                }
             } else {
                 let sum =
                     self.assembler
                         .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
                 if self.current.admits(&sum) {
                     self.pull_back_trial();
-                    return Some((whole, sum));
+                    return Ok((whole, sum));
                 }
             }
             self.w.iter_mut().for_each(|w| *w *= 0.5);
         }
-        None
+        Err(refusal)
     }
 
     fn quasi_newton_step(&mut self) -> Attempt {
@@ -353,7 +353,7 @@ impl NormalFlow {
             .memory
             .direction(&mut self.w, |q| cholesky.solve_in_place(q, 1));
         self.free_only();
-        let Some((longest, sum)) = self.try_step(0.0, true) else {
+        let Ok((longest, sum)) = self.try_step(0.0, true) else {
             // back to a fresh matrix at the current point
             self.leave_quasi_newton();
             return Attempt {
@@ -455,14 +455,15 @@ impl NormalFlow {
     }
 
     /// Lays the vertices next to the last fold to rest; whether there were any that moved.
-    fn freeze(&mut self) -> bool {
+    fn lay_to_rest(&mut self) -> bool {
         let Some(g) = &mut self.guard else {
             return false;
         };
         let mut any = false;
         for (&v, frozen) in self.assembler.unknowns().vertex.iter().zip(&mut g.frozen) {
-            any |=
-                g.marked[v as usize] && !std::mem::replace(frozen, *frozen || g.marked[v as usize]);
+            if g.marked[v as usize] {
+                any |= !std::mem::replace(frozen, true);
+            }
         }
         any
     }

@@ -48,7 +48,7 @@ pub struct FlowOptions {
     /// Scheme A's linear solver.
     pub linear: LinearSolver,
     /// Quadrature of scheme B's steps. Three interior points give the same errors as twelve on
-    /// scans (measured) at a third of the cost; scheme A and reported energies always use twelve.
+    /// scans (measured) at a third of the cost; scheme A and reported energies use twelve at least.
     pub quadrature: Rule,
 }
 

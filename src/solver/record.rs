@@ -49,9 +49,9 @@ pub struct Outcome {
     pub steps: usize,
     /// Rejected steps.
     pub rejected: usize,
-    /// Energy at the start, by the 12-point rule.
+    /// Energy at the start, by the rule of the steps, 12 points at least.
     pub energy_start: f64,
-    /// Energy at the end, by the 12-point rule.
+    /// Energy at the end, by the rule of the steps, 12 points at least.
     pub energy_end: f64,
     /// Warnings in plain words.
     pub warnings: Vec<String>,

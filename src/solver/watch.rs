@@ -1,8 +1,10 @@
-//! What a surface held at points is watched and measured with, beside the elements of its energy.
+//! What a surface held at points is measured and watched with, beside the elements of its energy.
 
 use std::borrow::Cow;
 
 use crate::solver::FlowProblem;
+use crate::solver::assembly::Assembler;
+use crate::solver::unknowns::Unknowns;
 use crate::subdivision::{self, Elements, Rule, TableCache};
 
 /// Points that are enough for the metric of a step, which need not be exact.
@@ -10,7 +12,7 @@ pub const METRIC: Rule = Rule::Twelve;
 /// Points at which normals are watched for folds.
 pub const FOLDS: Rule = Rule::FortyEight;
 
-/// The elements of a problem with tables for `rule` or, if that is coarser, for `most`; `elements` have
+/// The elements of a problem with tables for `rule` or, if that is finer, for `most`; `elements` have
 /// those for `rule`.
 pub fn at_most<'a>(
     problem: &FlowProblem,
@@ -27,4 +29,24 @@ pub fn at_most<'a>(
         most,
         &mut TableCache::default(),
     ))
+}
+
+/// What energies and gradients are assembled by, at the points of `rule`, and what makes matrices, at no
+/// more points than `most` has, where that is not the same; both with the unknowns in one order.
+pub fn assemblers(
+    problem: &FlowProblem,
+    elements: &Elements,
+    rule: Rule,
+    most: Rule,
+) -> (Assembler, Option<Assembler>) {
+    let unknowns = Unknowns::new(elements, problem.positions(), &problem.moving());
+    if rule <= most {
+        return (Assembler::new(elements, rule, unknowns), None);
+    }
+    let coarse = at_most(problem, elements, rule, most);
+    let mut maker = Assembler::new(&coarse, most, unknowns);
+    // takes from the unknowns what only a matrix needs
+    maker.pattern();
+    let exact = Assembler::new(elements, rule, maker.unknowns().clone());
+    (exact, Some(maker))
 }
