@@ -4,8 +4,8 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use meniscus::fill::{FillOptions, fill_holes, prepare, warm_start};
-use meniscus::mesh::shapes::{self, Hole, HoleShape};
 use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
+use meniscus::shapes::{self, Hole, HoleShape};
 use meniscus::solver::{Flow, FlowOptions, Mode};
 
 /// A unit sphere with a disc of half-angle 50° missing, of about `missing` vertices.

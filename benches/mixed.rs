@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::hint::black_box;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use meniscus::energy::Energy;
 use meniscus::mesh::{DVec3, Topology, VertexId};
-use meniscus::solver::energy::Energy;
 use meniscus::solver::{
     Flow, FlowOptions, FlowProblem, LinearSolver, MixedFlow, Mode, Scheme, Tau,
 };

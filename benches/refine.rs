@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use meniscus::mesh::shapes::icosphere;
 use meniscus::mesh::{Mesh, Topology};
 use meniscus::refine::{LevelReport, Progress, RefineOptions, Refinement, natural_flow};
+use meniscus::shapes::icosphere;
 
 /// Levels of the table, and those that are repeated.
 const LEVELS: usize = 4;

@@ -5,7 +5,8 @@
 //!
 //! ```
 //! use meniscus::fill::{FillOptions, LoopChoice, choose, fill_holes};
-//! use meniscus::mesh::{Mesh, Topology, boundary_loops, shapes};
+//! use meniscus::mesh::{Mesh, Topology, boundary_loops};
+//! use meniscus::shapes;
 //!
 //! // a unit sphere with a cap cut off
 //! let (positions, triangles) = shapes::cut_where(&shapes::sphere(600, 1), |p| p.z > 0.8);
@@ -29,6 +30,7 @@
 pub mod analysis;
 pub mod app;
 pub mod cli;
+pub mod energy;
 pub mod fill;
 pub mod io;
 pub mod linear;
@@ -36,7 +38,9 @@ pub mod live;
 pub mod memory;
 pub mod mesh;
 pub mod patch;
+pub mod random;
 pub mod refine;
 pub mod render;
+pub mod shapes;
 pub mod solver;
 pub mod subdivision;

@@ -3,10 +3,10 @@
 use std::fs;
 use std::process::Command;
 
-use meniscus::mesh::shapes::{Shape, icosphere};
+use meniscus::shapes::{TriangleMesh, icosphere};
 use serde_json::Value;
 
-fn obj((positions, triangles): &Shape) -> String {
+fn obj((positions, triangles): &TriangleMesh) -> String {
     let vertices = positions
         .iter()
         .map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));

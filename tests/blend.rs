@@ -8,8 +8,8 @@ use std::process::{Command, Output};
 use common::judge::{Keep, Verdict, judge};
 use common::raw::{self, RawMesh};
 use meniscus::io::save_mesh;
-use meniscus::mesh::shapes::sphere;
 use meniscus::mesh::{DVec3, FaceId, Mesh, Topology, boundary_loops, erase};
+use meniscus::shapes::sphere;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -98,7 +98,7 @@ fn samples_are_blended() {
 #[test]
 fn joins_get_smoother_with_density() {
     let angle = |around: usize| {
-        let (positions, triangles) = meniscus::mesh::shapes::four_cylinders(around);
+        let (positions, triangles) = meniscus::shapes::four_cylinders(around);
         let topology = Topology::from_triangles(positions.len(), &triangles).expect("tubes");
         let mesh = Mesh::new(positions, topology);
         let desk = Desk(tempfile::tempdir().expect("a temporary folder"));

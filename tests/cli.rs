@@ -8,8 +8,8 @@ use std::process::{Command, Output, Stdio};
 use clap::Parser;
 use meniscus::cli::Arguments;
 use meniscus::io;
-use meniscus::mesh::shapes::{self, Hole, HoleShape, Shape};
 use meniscus::mesh::{self, DVec3, boundary_loops};
+use meniscus::shapes::{self, Hole, HoleShape, TriangleMesh};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -109,7 +109,7 @@ fn disc(centre: [f64; 3], radius: f64) -> Hole {
 }
 
 /// A unit sphere with three round holes of different sizes, about +x, +y and +z.
-fn sphere() -> Shape {
+fn sphere() -> TriangleMesh {
     let holes = [
         disc([1.0, 0.0, 0.0], 0.3),
         disc([0.0, 1.0, 0.0], 0.4),
@@ -119,11 +119,11 @@ fn sphere() -> Shape {
 }
 
 /// A flat square with a round hole in its middle.
-fn plate() -> Shape {
+fn plate() -> TriangleMesh {
     shapes::cut_holes(&shapes::plane(2.0, 16, 1), &[disc([0.0; 3], 0.45)])
 }
 
-fn obj(shape: &Shape) -> String {
+fn obj(shape: &TriangleMesh) -> String {
     let mut text = String::new();
     for p in &shape.0 {
         writeln!(text, "v {} {} {}", p.x, p.y, p.z).expect("text");

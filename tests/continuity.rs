@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use meniscus::fill::{Continuity, Controls, Filled, GroupResult, fill_holes};
-use meniscus::mesh::shapes::{self, Hole, HoleShape, Shape};
 use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
+use meniscus::shapes::{self, Hole, HoleShape, TriangleMesh};
 use meniscus::solver::{End, Mode, Scheme, sharpest_cosine};
 use meniscus::subdivision::limit_positions;
 
-fn mesh((positions, triangles): Shape) -> Mesh {
+fn mesh((positions, triangles): TriangleMesh) -> Mesh {
     let topology = Topology::from_triangles(positions.len(), &triangles).expect("a manifold");
     Mesh::new(positions, topology)
 }

@@ -6,15 +6,15 @@ use std::fs;
 use std::process::Command;
 use std::sync::Arc;
 
+use meniscus::energy::{Energy, Preset};
 use meniscus::io;
-use meniscus::mesh::shapes::icosphere;
 use meniscus::mesh::{
     DVec3, HalfedgeId, Mesh, Topology, VertexId, check_mesh, dihedral_angle, face_halfedges,
 };
 use meniscus::refine::{
     Method, RefineError, RefineOptions, Refined, Refinement, crease_edges, radius,
 };
-use meniscus::solver::energy::{Energy, Preset};
+use meniscus::shapes::icosphere;
 use meniscus::subdivision::limit_normal;
 
 fn mesh(positions: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {

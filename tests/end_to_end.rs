@@ -7,9 +7,9 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use meniscus::io;
-use meniscus::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
 use meniscus::mesh::{DVec3, Mesh, Topology, boundary_loops, check_mesh};
 use meniscus::render::{Bounds, Camera};
+use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
 /// Ended when the test is, however it ends.
 struct Process(Child);

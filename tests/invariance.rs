@@ -1,10 +1,10 @@
 //! Fills do not depend on units, place or orientation, nor on the density beyond their accuracy.
 
 use glam::{DMat3, DQuat};
+use meniscus::energy::Energy;
 use meniscus::fill::{FillOptions, fill_holes, prepare, warm_start};
-use meniscus::mesh::shapes::{self, Hole, HoleShape, Shape};
 use meniscus::mesh::{DVec3, Mesh, Topology, boundary_loops};
-use meniscus::solver::energy::Energy;
+use meniscus::shapes::{self, Hole, HoleShape, TriangleMesh};
 use meniscus::solver::{End, Flow, FlowOptions, FlowProblem, Scheme};
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ fn holed(radius: f64, seed: u64) -> Mesh {
 
 /// The region of the first hole: local positions, triangles, interior vertices, hole radius.
 struct Region {
-    shape: Shape,
+    shape: TriangleMesh,
     interior: Vec<u32>,
     radius: f64,
 }

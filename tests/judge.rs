@@ -6,7 +6,7 @@ use common::judge::{Keep, Verdict, judge, loops_of};
 use common::raw::RawMesh;
 use common::truth::Truth;
 use meniscus::mesh::DVec3;
-use meniscus::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
+use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
 /// A sphere with two holes, and the same filled by what was cut out.
 fn cut_and_whole() -> (RawMesh, RawMesh) {

@@ -12,8 +12,8 @@ use meniscus::fill::{
     fill_scheduled,
 };
 use meniscus::io::{open, save_mesh};
-use meniscus::mesh::shapes::{self, Hole, HoleShape};
 use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
+use meniscus::shapes::{self, Hole, HoleShape};
 use meniscus::solver::{End, Mode, Scheme};
 
 /// A sphere with two holes near each other and one apart.

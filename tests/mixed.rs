@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use meniscus::energy::Energy;
 use meniscus::mesh::{DVec3, Topology, VertexId};
-use meniscus::solver::energy::Energy;
 use meniscus::solver::{
     End, Flow, FlowOptions, FlowProblem, LinearSolver, MixedFlow, Mode, Scheme, Tau,
 };

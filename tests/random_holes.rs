@@ -1,10 +1,10 @@
 //! Random holes in random spheres and tori: every fill is sound.
 
 use meniscus::fill::{FillOptions, fill_holes};
-use meniscus::mesh::shapes::{self, Hole, HoleShape};
 use meniscus::mesh::{
     BoundaryLoop, DVec3, Mesh, Topology, boundary_loops, check_filled, self_intersections,
 };
+use meniscus::shapes::{self, Hole, HoleShape};
 use proptest::prelude::*;
 
 fn hole_shape() -> impl Strategy<Value = HoleShape> {

@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use meniscus::mesh::shapes::{SplitMix, graph, icosphere};
+use meniscus::energy::{Energy, Preset};
 use meniscus::mesh::{DVec3, Mesh, Topology, check_mesh, folded_edges, self_intersections};
+use meniscus::random::SplitMix;
 use meniscus::refine::{
     Hold, Method, RefineOptions, Refined, Refinement, natural_flow, surface_energy,
 };
-use meniscus::solver::energy::{Energy, Preset};
+use meniscus::shapes::{graph, icosphere};
 use meniscus::subdivision::limit_position;
 
 fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Mesh {

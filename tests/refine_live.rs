@@ -5,10 +5,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
+use meniscus::energy::{Energy, Preset};
 use meniscus::live::LiveSettings;
-use meniscus::mesh::{Mesh, Topology, shapes};
+use meniscus::mesh::{Mesh, Topology};
 use meniscus::refine::{LiveRefine, Method, RefineEvent, RefineOptions, Refinement};
-use meniscus::solver::energy::{Energy, Preset};
+use meniscus::shapes;
 use meniscus::solver::{FlowOptions, Mode, Tau};
 
 fn mesh() -> Arc<Mesh> {

@@ -3,11 +3,12 @@
 
 use std::sync::Arc;
 
-use meniscus::mesh::{DVec3, FaceId, Topology, shapes};
+use meniscus::mesh::{DVec3, FaceId, Topology};
 use meniscus::render::{
     Background, Bounds, Camera, DynamicSurface, Geometry, Gpu, LineStyle, Marker, Overlay,
     Polyline, Scene, StandardView, SurfaceOptions, Vertex, ViewMode, ViewStyle, colormap, picture,
 };
+use meniscus::shapes;
 
 fn gpu() -> Gpu {
     Gpu::new().unwrap_or_else(|e| panic!("these tests need a graphics adapter: {e}"))

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
-use meniscus::mesh::shapes;
+use meniscus::shapes;
 use tempfile::TempDir;
 
 /// A folder with a sphere that has a hole at the top, `cup.obj`.

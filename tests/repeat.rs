@@ -11,8 +11,8 @@ use meniscus::app::{
 };
 use meniscus::fill::Continuity;
 use meniscus::io;
-use meniscus::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
 use meniscus::mesh::{DVec3, FaceId, Mesh, Topology};
+use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
 fn until(model: &mut Model, what: &str, done: impl Fn(&Model) -> bool) {
     let begun = Instant::now();
@@ -192,7 +192,7 @@ fn refinements_are_repeated_too() {
     let folder = tempfile::tempdir().expect("a folder");
     let input = folder.path().join("coarse.obj");
     let output = folder.path().join("done.obj");
-    let (positions, triangles) = meniscus::mesh::shapes::icosphere(1);
+    let (positions, triangles) = meniscus::shapes::icosphere(1);
     let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
     io::save_mesh(&input, &Mesh::new(positions, topology), &[]).expect("written");
     let mut m = opened(input);
@@ -217,7 +217,7 @@ fn sharp_edges_are_repeated_too() {
         let folder = tempfile::tempdir().expect("a folder");
         let input = folder.path().join("coarse.obj");
         let output = folder.path().join("done.obj");
-        let (positions, triangles) = meniscus::mesh::shapes::icosphere(frequency);
+        let (positions, triangles) = meniscus::shapes::icosphere(frequency);
         let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
         io::save_mesh(&input, &Mesh::new(positions, topology), &[]).expect("written");
         let mut m = opened(input);

@@ -6,8 +6,8 @@ mod icosphere;
 use icosphere::area_radius;
 use std::collections::BTreeMap;
 
+use meniscus::energy::Energy;
 use meniscus::mesh::{DVec3, Topology, VertexId};
-use meniscus::solver::energy::Energy;
 use meniscus::solver::{
     Assembler, End, EnergySum, Flow, FlowOptions, FlowProblem, Mode, Tau, Unknowns,
 };

@@ -10,9 +10,9 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
 use meniscus::app::{App, Autosave, Document, Model, Run, Settings, Source};
 use meniscus::io;
-use meniscus::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
 use meniscus::mesh::{DVec3, Soup};
 use meniscus::render::{Bounds, Camera};
+use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
 /// A sphere with a hole towards the first camera and one on the other side.
 fn document() -> Document {

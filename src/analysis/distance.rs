@@ -126,7 +126,7 @@ fn sample([a, b, c]: [DVec3; 3], distance: impl Fn(DVec3) -> f64) -> (f64, f64, 
 mod tests {
     use super::*;
     use crate::mesh::Topology;
-    use crate::mesh::shapes::icosphere;
+    use crate::shapes::icosphere;
 
     fn ball(radius: f64, frequency: u32) -> Mesh {
         let (positions, triangles) = icosphere(frequency);

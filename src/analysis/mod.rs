@@ -27,8 +27,8 @@ pub use shape::{Energies, ShapeReport, Vertices, control_points, shape};
 
 use serde::Serialize;
 
+use crate::energy::Energy;
 use crate::mesh::Mesh;
-use crate::solver::energy::Energy;
 
 /// Everything [`analyze`] finds out.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use super::tests::{mesh, on_surface};
 use super::*;
-use crate::mesh::shapes::{Shape, icosphere};
 use crate::mesh::{DVec3, FaceId};
+use crate::shapes::{TriangleMesh, icosphere};
 use crate::solver::each_point;
 use crate::subdivision::{Rule, TableCache, elements};
 
@@ -23,7 +23,7 @@ fn integrals_have_their_orders() {
 }
 
 /// Relative errors of the area and of `∫ H² dA`.
-fn closed(shape: Shape, exact: [f64; 2]) -> [f64; 2] {
+fn closed(shape: TriangleMesh, exact: [f64; 2]) -> [f64; 2] {
     let s = on_surface(&mesh(shape)).shape;
     [
         s.area / exact[0] - 1.0,
@@ -43,7 +43,7 @@ fn check_orders<const N: usize>(errors: &[[f64; N]], least: [f64; N]) {
 }
 
 /// A regular grid on the torus of radii √2 and 1.
-fn grid_torus(n: usize, m: usize) -> Shape {
+fn grid_torus(n: usize, m: usize) -> TriangleMesh {
     let r = |v: f64| 2.0_f64.sqrt() + v.cos();
     grid(n, m, true, |u, y| {
         let v = TAU * y;
@@ -53,7 +53,7 @@ fn grid_torus(n: usize, m: usize) -> Shape {
 
 /// A regular grid of `n` by `m` squares, each cut in two, row by row; the rows are rings about an axis, the columns
 /// closed or open; `point` is given the angle about the axis and the part of the column, from 0 to 1.
-fn grid(n: usize, m: usize, is_closed: bool, point: impl Fn(f64, f64) -> DVec3) -> Shape {
+fn grid(n: usize, m: usize, is_closed: bool, point: impl Fn(f64, f64) -> DVec3) -> TriangleMesh {
     let rows = if is_closed { m } else { m + 1 };
     let at = |i: usize, j: usize| ((j % rows) * n + i % n) as u32;
     let mut shape = (Vec::new(), Vec::new());

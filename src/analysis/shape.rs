@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
+use crate::energy::Energy;
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId, components};
-use crate::solver::energy::Energy;
 use crate::solver::{Interpolation, each_point};
 use crate::subdivision::{Elements, Rule, TableCache, elements};
 

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::mesh::shapes::{Shape, catenoid, cylinder, icosphere, sphere, torus};
 use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology, VertexId};
+use crate::shapes::{TriangleMesh, catenoid, cylinder, icosphere, sphere, torus};
 
-pub(super) fn mesh((positions, triangles): Shape) -> Mesh {
+pub(super) fn mesh((positions, triangles): TriangleMesh) -> Mesh {
     let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
     Mesh::new(positions, topology)
 }

@@ -221,8 +221,9 @@ fn is_inside(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Topology, shapes};
+    use crate::mesh::Topology;
     use crate::render::Bounds;
+    use crate::shapes;
 
     fn ball() -> Mesh {
         let (positions, triangles) = shapes::icosphere(8);

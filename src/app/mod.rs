@@ -45,8 +45,8 @@ pub use run::Run;
 pub use settings::Settings;
 pub use view_state::{Modal, Navigation, Refining, Selecting, Task, Tool};
 
-use crate::mesh::shapes::SAMPLES;
 use crate::render::{Gpu, ViewportCallback};
+use crate::shapes::SAMPLES;
 use crate::solver::panic_text;
 use jobs::Wake;
 use ui::UiState;

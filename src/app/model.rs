@@ -17,10 +17,10 @@ use super::report::Report;
 use super::run::Run;
 use super::settings::Settings;
 use super::view_state::{AfterUnsaved, Modal, PathUse, Task, ViewState};
+use crate::energy::Energy;
 use crate::fill::Continuity;
 use crate::mesh::{Mesh, VertexId};
 use crate::render::{Bounds, Gpu, Picker, ViewStyle};
-use crate::solver::energy::Energy;
 
 /// What only the window itself can do.
 #[derive(Clone, Debug)]

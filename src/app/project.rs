@@ -14,9 +14,9 @@ use super::report::ReportView;
 use super::view_state::ViewState;
 use crate::fill::{Controls, Schedule};
 use crate::io::{self, Format, Opened};
-use crate::mesh::shapes::Sample;
 use crate::mesh::{DVec3, parse_ranges, ranges_text};
 use crate::render::{Camera, ViewMode};
+use crate::shapes::Sample;
 
 /// Extension of project files.
 pub const EXTENSION: &str = "meniscus";

@@ -111,7 +111,7 @@ fn jump(topology: &Topology, positions: &[DVec3], edges: &[[FaceId; 2]]) -> Opti
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::icosphere;
+    use crate::shapes::icosphere;
 
     /// A sphere of radius 1 cut at its equator, the upper half scaled by `height`: the halves are
     /// faces below and from `first`.

@@ -12,8 +12,8 @@ use super::project;
 use super::settings::Settings;
 use super::view_state::{AfterUnsaved, Modal, Task};
 use crate::io;
-use crate::mesh::shapes::{Hole, HoleShape, cut_holes, sphere};
 use crate::mesh::{DVec3, Soup, check_mesh, components};
+use crate::shapes::{Hole, HoleShape, cut_holes, sphere};
 use crate::solver::Mode;
 
 mod refine;

@@ -14,8 +14,8 @@ use crate::cli::UsageError;
 use crate::cli::fill::write_text;
 use crate::cli::print::print;
 use crate::cli::refine_args::AnalyzeArguments;
+use crate::energy::Energy;
 use crate::io::{self, open};
-use crate::solver::energy::Energy;
 
 /// Runs the command.
 pub fn analyze(args: &AnalyzeArguments) -> Result<()> {

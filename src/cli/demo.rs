@@ -7,7 +7,8 @@ use crate::cli::args::{Arguments, Command, DemoArguments};
 use crate::cli::fill;
 use crate::cli::print::print;
 use crate::io::save_mesh;
-use crate::mesh::{Mesh, Topology, shapes};
+use crate::mesh::{Mesh, Topology};
+use crate::shapes;
 
 /// Writes the sample, fills it from its file, writes the result and the report.
 pub fn demo(args: &DemoArguments) -> Result<()> {

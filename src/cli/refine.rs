@@ -16,12 +16,12 @@ use crate::cli::fill::write_text;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::refine_args::RefineArguments;
+use crate::energy::Energy;
 use crate::fill::TauChoice;
 use crate::io::{self, Opened, open, save_mesh};
 use crate::memory::peak_memory;
 use crate::mesh::{LoadReport, Mesh, folded_edges, self_intersections};
 use crate::refine::{self, LevelReport, RefineOptions, Refinement, natural_flow};
-use crate::solver::energy::Energy;
 use crate::solver::{FlowOptions, Tau};
 
 /// Intersecting pairs counted at most.

@@ -8,7 +8,7 @@ use crate::cli::UsageError;
 use crate::cli::args::SampleArguments;
 use crate::cli::print::print;
 use crate::io;
-use crate::mesh::shapes::{SAMPLES, Sample};
+use crate::shapes::{SAMPLES, Sample};
 
 /// Runs the command.
 pub fn sample(args: &SampleArguments) -> Result<()> {

@@ -174,7 +174,8 @@ fn check(loops: &[BoundaryLoop], from: Stretch, to: Stretch) -> Result<(), Bridg
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{boundary_loops, check_mesh, self_intersections, shapes};
+    use crate::mesh::{boundary_loops, check_mesh, self_intersections};
+    use crate::shapes;
 
     fn holed() -> Mesh {
         let ball = shapes::sphere(2000, 7);

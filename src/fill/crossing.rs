@@ -197,7 +197,8 @@ pub(super) fn crossings(mesh: &Mesh, own: &[[u32; 3]], new: &[DVec3], limit: usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Topology, shapes};
+    use crate::mesh::Topology;
+    use crate::shapes;
 
     #[test]
     fn crossings_with_oneself_and_the_mesh_are_found_where_they_are() {

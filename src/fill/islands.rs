@@ -147,7 +147,8 @@ fn area(mesh: &Mesh, one: &BoundaryLoop) -> DVec3 {
 mod tests {
     use super::*;
     use crate::fill::{FillOptions, fill_gaps};
-    use crate::mesh::{Topology, boundary_loops, check_filled, components, erase, shapes};
+    use crate::mesh::{Topology, boundary_loops, check_filled, components, erase};
+    use crate::shapes;
 
     /// A sphere of radius 1 with a wide hole at its top, in which the faces that `stays` says float.
     fn islands(stays: impl Fn(DVec3) -> bool) -> Mesh {

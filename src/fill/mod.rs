@@ -30,9 +30,9 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use crate::energy::{Energy, Preset};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError, VertexId};
 use crate::patch::{self, PatchError, PatchMesh, PatchOptions};
-use crate::solver::energy::{Energy, Preset};
 use crate::solver::{End, FlowOptions, FlowProblem, Outcome, SolverError, StepRecord};
 
 use run::Ground;

@@ -1,7 +1,7 @@
 //! Noise on a starting surface, to see a flow smooth it out (Fig. 2(b) of the paper).
 
-use crate::mesh::shapes::SplitMix;
 use crate::mesh::{DVec3, VertexId};
+use crate::random::SplitMix;
 use crate::solver::FlowProblem;
 
 /// The same problem with every interior vertex moved along its normal by up to `amplitude` mean edge

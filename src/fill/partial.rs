@@ -147,7 +147,8 @@ fn with_vertices(mesh: &Mesh, new: &[DVec3], like: VertexId) -> Result<Mesh, Fil
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{boundary_loops, check_mesh, self_intersections, shapes};
+    use crate::mesh::{boundary_loops, check_mesh, self_intersections};
+    use crate::shapes;
 
     #[test]
     fn a_part_and_the_rest_make_the_whole() {

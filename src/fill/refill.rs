@@ -242,7 +242,9 @@ fn around(mesh: &Mesh, moved: &[VertexId]) -> (Vec<FaceId>, Vec<VertexId>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Topology, check_mesh, faces_in_ball, grow, shapes};
+    use crate::mesh::{Topology, check_mesh, faces_in_ball, grow};
+    use crate::random::SplitMix;
+    use crate::shapes;
 
     fn ball() -> Mesh {
         let (positions, triangles) = shapes::sphere(3000, 11);
@@ -253,7 +255,7 @@ mod tests {
     /// A ball with a dent and noise where it is to be mended.
     fn dented(selected: &[bool]) -> Mesh {
         let mut mesh = ball();
-        let mut random = shapes::SplitMix::new(2);
+        let mut random = SplitMix::new(2);
         for v in inner_vertices(&mesh.topology, selected) {
             mesh.positions[v.index()] *= 0.8 + 0.05 * random.unit();
         }

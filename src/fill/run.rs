@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::energy::Order;
 use crate::fill::crossing::{Crossing, CrossingWatch};
 use crate::fill::noise::roughened;
 use crate::fill::renewal::{Moment, Renewals, remesh};
@@ -12,7 +13,6 @@ use crate::fill::{
 };
 use crate::mesh::{DVec3, Mesh};
 use crate::patch::{PatchError, TransferError};
-use crate::solver::energy::Order;
 use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord};
 
 /// What all groups of a fill share.

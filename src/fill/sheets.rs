@@ -55,7 +55,8 @@ pub(super) fn separate(positions: &mut Vec<DVec3>, triangles: &mut [[u32; 3]]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Topology, shapes};
+    use crate::mesh::Topology;
+    use crate::shapes;
 
     #[test]
     fn sheets_joined_at_a_vertex_come_apart() {

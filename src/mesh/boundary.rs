@@ -125,7 +125,7 @@ fn diameter(points: &[DVec3], centre: DVec3) -> f64 {
 mod tests {
     use super::*;
     use crate::mesh::Topology;
-    use crate::mesh::shapes::SplitMix;
+    use crate::random::SplitMix;
 
     #[test]
     fn measures_of_a_square_hole() {

@@ -108,7 +108,7 @@ pub fn edge_between(topology: &Topology, a: VertexId, b: VertexId) -> Option<Hal
 mod tests {
     use super::*;
     use crate::mesh::check_topology;
-    use crate::mesh::shapes::icosphere;
+    use crate::shapes::icosphere;
 
     /// Chains of edges on an icosahedron: what they do to Euler number, boundary loops and vertices.
     #[test]

@@ -115,7 +115,9 @@ fn loose_faces(ring: &[Option<FaceId>]) -> Vec<FaceId> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{DVec3, check_mesh, faces_in_ball, shapes};
+    use crate::mesh::{DVec3, check_mesh, faces_in_ball};
+    use crate::random::SplitMix;
+    use crate::shapes;
 
     #[test]
     fn what_is_left_is_a_manifold_in_order() {
@@ -124,7 +126,7 @@ mod tests {
         let mut mesh = Mesh::new(positions, topology);
         mesh.colors = (0..mesh.vertex_count()).map(|v| [v as f32; 4]).collect();
         mesh.face_tags = (0..mesh.face_count() as u32).collect();
-        let mut random = shapes::SplitMix::new(1);
+        let mut random = SplitMix::new(1);
         for share in [3, 10, 60] {
             let mut selected = faces_in_ball(&mesh, DVec3::X, 0.8);
             for flag in &mut selected {

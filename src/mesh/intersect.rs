@@ -294,7 +294,7 @@ fn sign(x: f64) -> i8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::SplitMix;
+    use crate::random::SplitMix;
 
     fn v(x: f64, y: f64, z: f64) -> DVec3 {
         DVec3::new(x, y, z)

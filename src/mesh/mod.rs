@@ -10,7 +10,6 @@ mod ids;
 mod intersect;
 mod outer_rim;
 mod selection;
-pub mod shapes;
 mod soup;
 mod spatial;
 mod split;

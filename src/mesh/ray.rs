@@ -143,7 +143,8 @@ impl Ray {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::{self, SplitMix};
+    use crate::random::SplitMix;
+    use crate::shapes;
 
     #[test]
     fn hits_agree_with_all_triangles() {

@@ -204,7 +204,7 @@ pub(super) fn touched_vertices(topology: &Topology, selected: &[bool]) -> Vec<bo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes;
+    use crate::shapes;
 
     fn ball() -> Mesh {
         let (positions, triangles) = shapes::icosphere(8);

@@ -265,7 +265,7 @@ pub fn closest_point_on_segment(p: DVec3, a: DVec3, b: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::SplitMix;
+    use crate::random::SplitMix;
 
     fn random_point(rng: &mut SplitMix) -> DVec3 {
         DVec3::new(rng.unit(), rng.unit(), rng.unit()) * 2.0 - 1.0

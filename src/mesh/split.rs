@@ -111,7 +111,7 @@ pub fn edge_diamond(topology: &Topology, h: HalfedgeId) -> ([VertexId; 2], [Opti
 mod tests {
     use super::*;
     use crate::mesh::check_topology;
-    use crate::mesh::shapes::icosphere;
+    use crate::shapes::icosphere;
 
     fn sphere() -> Topology {
         let (positions, triangles) = icosphere(2);

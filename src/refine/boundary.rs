@@ -182,8 +182,8 @@ fn places(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::{cylinder, graph};
     use crate::mesh::split_all;
+    use crate::shapes::{cylinder, graph};
 
     fn curves(topology: &Topology, positions: &[DVec3], corner_angle: f64) -> BoundaryCurves {
         let none = vec![false; topology.halfedge_count() / 2];

@@ -1,7 +1,7 @@
 //! Measures of the surfaces of a refinement.
 
+use crate::energy::Energy;
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId};
-use crate::solver::energy::Energy;
 use crate::solver::{Assembler, Unknowns};
 use crate::subdivision::{Rule, TableCache, elements};
 

@@ -1,10 +1,10 @@
 //! What may be chosen about a refinement, and what can keep it from starting.
 
+use crate::energy::{Energy, Preset};
 use crate::mesh::{HalfedgeId, Mesh, dihedral_angle};
 use crate::refine::BoundaryRule;
 use crate::refine::creases::crease_edges;
 use crate::refine::measures::radius;
-use crate::solver::energy::{Energy, Preset};
 use crate::solver::{FlowOptions, SolverError};
 
 /// How new vertices are placed.

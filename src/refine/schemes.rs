@@ -160,11 +160,11 @@ fn four_point(topology: &Topology, positions: &[DVec3], h: HalfedgeId, corners: 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::{graph, icosphere, sphere};
     use crate::mesh::split_all;
+    use crate::shapes::{graph, icosphere, sphere};
     use crate::subdivision::limit_positions;
 
-    fn topology((positions, triangles): &crate::mesh::shapes::Shape) -> Topology {
+    fn topology((positions, triangles): &crate::shapes::TriangleMesh) -> Topology {
         Topology::from_triangles(positions.len(), triangles).expect("manifold")
     }
 

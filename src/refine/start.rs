@@ -1,7 +1,7 @@
 //! The first position of new vertices.
 
+use crate::energy::{Energy, Preset};
 use crate::mesh::DVec3;
-use crate::solver::energy::{Energy, Preset};
 use crate::solver::{FlowProblem, GuardedFlow, SolverError, survey};
 use crate::subdivision::{Rule, TableCache, elements, limit_positions};
 

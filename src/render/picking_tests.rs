@@ -1,7 +1,7 @@
 use super::*;
-use crate::mesh::shapes::{self, Hole, HoleShape};
 use crate::mesh::{Mesh, boundary_loops};
 use crate::render::{Bounds, StandardView};
+use crate::shapes::{self, Hole, HoleShape};
 
 const SIZE: [f64; 2] = [400.0, 300.0];
 const TOLERANCE: f64 = 6.0;
@@ -12,7 +12,7 @@ struct Model {
     picker: Picker,
 }
 
-fn model((positions, triangles): shapes::Shape) -> Model {
+fn model((positions, triangles): shapes::TriangleMesh) -> Model {
     let topology = Topology::from_triangles(positions.len(), &triangles).expect("a manifold");
     let mesh = Mesh::new(positions, topology);
     let loops = boundary_loops(&mesh);

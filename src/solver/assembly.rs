@@ -5,9 +5,9 @@
 //! added in element order, so that the sums do not depend on the number of threads. While one batch
 //! is added the next is computed.
 
+use crate::energy::Energy;
 use crate::linear::SymmetricPattern;
 use crate::mesh::DVec3;
-use crate::solver::energy::Energy;
 use crate::solver::kernel::{
     ElementInput, ElementOutput, KernelInput, Lane, TERMS_PER_POINT, element,
 };

@@ -1,11 +1,11 @@
 //! A flow that is advanced step by step, by either scheme.
 
+use crate::energy::{Energy, Order};
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{
     Attempt, CREEP, Control, Descent, Mode, Progress, ROUNDING, STOP, Tau,
 };
-use crate::solver::energy::{Energy, Order};
 use crate::solver::guarded::GuardedFlow;
 use crate::solver::mixed::MixedFlow;
 use crate::solver::normal::NormalFlow;

@@ -3,8 +3,8 @@
 //! Symbols follow the paper: `g_ab` first and `b_ab` second fundamental form, `Δ` the
 //! Laplace–Beltrami and `□` the Giaquinta–Hildebrandt operator, `∇` and `◇` their gradients.
 
+use crate::energy::Jet2;
 use crate::mesh::DVec3;
-use crate::solver::energy::Jet2;
 
 /// First and second fundamental form at a point, and what the operators need of them.
 #[derive(Clone, Copy, Debug)]

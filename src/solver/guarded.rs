@@ -12,11 +12,11 @@ mod approach;
 
 use std::sync::Arc;
 
+use crate::energy::Energy;
 use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs};
 use crate::mesh::{DVec3, Topology};
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Progress};
-use crate::solver::energy::Energy;
 use crate::solver::fold_guard::FoldState;
 use crate::solver::held::Held;
 use crate::solver::survey::survey;

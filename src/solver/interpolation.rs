@@ -197,8 +197,9 @@ impl Interpolation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::{SplitMix, graph, icosphere};
     use crate::mesh::split_all;
+    use crate::random::SplitMix;
+    use crate::shapes::{graph, icosphere};
     use crate::subdivision::limit_position;
 
     /// A mesh split once, its old vertices held; `all`: every vertex of the first mesh held on it.

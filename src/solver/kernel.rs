@@ -4,8 +4,8 @@
 //! of four with zeros ("chunks" of `Lane`), so that the loops over them vectorise; the common chunk
 //! counts are compiled with the count as a constant.
 
+use crate::energy::Energy;
 use crate::mesh::DVec3;
-use crate::solver::energy::Energy;
 use crate::solver::forms::{
     Coefficients, PointGeometry, PositiveHessian, gauss_variation, mean_variation, variation,
 };

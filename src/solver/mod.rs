@@ -6,7 +6,6 @@
 
 mod assembly;
 mod control;
-pub mod energy;
 mod error;
 mod flow;
 mod fold_guard;

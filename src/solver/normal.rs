@@ -6,11 +6,11 @@
 
 use std::sync::Arc;
 
+use crate::energy::Energy;
 use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs};
 use crate::mesh::{DVec3, Topology, VertexId};
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Progress};
-use crate::solver::energy::Energy;
 use crate::solver::fold_guard::FoldState;
 use crate::solver::held::Held;
 use crate::solver::normals::LimitNormals;

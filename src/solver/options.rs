@@ -1,8 +1,8 @@
 //! Everything about a flow that may be chosen.
 
+use crate::energy::Energy;
 use crate::solver::SolverError;
 use crate::solver::control::{Mode, Tau};
-use crate::solver::energy::Energy;
 use crate::solver::mixed::LinearSolver;
 use crate::subdivision::Rule;
 

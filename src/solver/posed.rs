@@ -1,7 +1,7 @@
 //! Where on a surface the flow of an energy is not well posed, face by face.
 
+use crate::energy::{Energy, WellPosed, scan_well_posedness};
 use crate::mesh::{DVec3, FaceId, Topology};
-use crate::solver::energy::{Energy, WellPosed, scan_well_posedness};
 use crate::solver::survey::each_point;
 use crate::subdivision::{Rule, TableCache, elements};
 
@@ -42,9 +42,9 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::mesh::shapes::{self, Shape};
+    use crate::shapes::{self, TriangleMesh};
 
-    fn classes((positions, triangles): Shape, energy: &str) -> Vec<WellPosed> {
+    fn classes((positions, triangles): TriangleMesh, energy: &str) -> Vec<WellPosed> {
         let topology = Topology::from_triangles(positions.len(), &triangles).expect("a manifold");
         // backwards, so that an order of the elements' own would be found out
         let faces: Vec<FaceId> = (0..topology.face_count()).rev().map(FaceId::from).collect();

@@ -103,7 +103,7 @@ pub(super) fn may_slide(before: EnergySum, after: EnergySum, new: EnergySum) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes;
+    use crate::shapes;
 
     #[test]
     fn angles_of_triangles() {

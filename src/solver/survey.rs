@@ -1,8 +1,8 @@
 //! A look over a surface: curvature ranges, the natural time of the hole, well-posedness.
 
+use crate::energy::{Energy, WellPosedScan, scan_well_posedness};
 use crate::mesh::DVec3;
 use crate::solver::SolverError;
-use crate::solver::energy::{Energy, WellPosedScan, scan_well_posedness};
 use crate::solver::forms::PointGeometry;
 use crate::solver::posed::TOLERANCE;
 use crate::subdivision::Elements;

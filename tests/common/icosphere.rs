@@ -1,7 +1,7 @@
 //! The icosphere of tests/data: 642 vertices near the unit sphere, 7 decimals.
 
+use meniscus::energy::{Energy, Preset};
 use meniscus::mesh::DVec3;
-use meniscus::solver::energy::{Energy, Preset};
 use meniscus::solver::{Assembler, FlowProblem, Unknowns};
 use meniscus::subdivision::{Rule, TableCache, elements};
 

@@ -2,15 +2,16 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use meniscus::mesh::shapes::{
-    Shape, SplitMix, Tube, cut_where, ellipsoid, plane, sphere, torus, tube_onto_plane, tubes,
-};
 use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
+use meniscus::random::SplitMix;
+use meniscus::shapes::{
+    TriangleMesh, Tube, cut_where, ellipsoid, plane, sphere, torus, tube_onto_plane, tubes,
+};
 
 /// Surfaces and where their rims to be joined are.
 pub struct Layout {
     pub name: String,
-    pub shape: Shape,
+    pub shape: TriangleMesh,
     /// A point near the middle of each rim.
     pub rims: Vec<DVec3>,
 }
@@ -73,22 +74,22 @@ fn of_tubes(name: &str, list: &[Tube]) -> Layout {
     }
 }
 
-fn mapped(mut shape: Shape, map: impl Fn(DVec3) -> DVec3) -> Shape {
+fn mapped(mut shape: TriangleMesh, map: impl Fn(DVec3) -> DVec3) -> TriangleMesh {
     for p in &mut shape.0 {
         *p = map(*p);
     }
     shape
 }
 
-fn turned_over(mut shape: Shape) -> Shape {
+fn turned_over(mut shape: TriangleMesh) -> TriangleMesh {
     for t in &mut shape.1 {
         t.swap(1, 2);
     }
     shape
 }
 
-fn together(parts: Vec<Shape>) -> Shape {
-    let mut all: Shape = (Vec::new(), Vec::new());
+fn together(parts: Vec<TriangleMesh>) -> TriangleMesh {
+    let mut all: TriangleMesh = (Vec::new(), Vec::new());
     for (positions, triangles) in parts {
         let first = all.0.len() as u32;
         all.0.extend(positions);

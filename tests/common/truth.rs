@@ -143,7 +143,7 @@ fn saddle(p: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use meniscus::mesh::shapes::SplitMix;
+    use meniscus::random::SplitMix;
 
     /// Points offset by a known small distance along a known normal.
     fn check(truth: &Truth, point: DVec3, normal: DVec3) {

@@ -3,9 +3,9 @@ use std::f64::consts::TAU;
 use super::*;
 use crate::analysis::{Vertices, control_points};
 use crate::mesh::Mesh;
-use crate::mesh::shapes::{Shape, cylinder, icosphere};
+use crate::shapes::{TriangleMesh, cylinder, icosphere};
 
-fn mesh((positions, triangles): Shape) -> Mesh {
+fn mesh((positions, triangles): TriangleMesh) -> Mesh {
     let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
     Mesh::new(positions, topology)
 }

@@ -6,9 +6,9 @@ use super::{Display, Request, same_list};
 use crate::app::live::Shape;
 use crate::app::report::Reference;
 use crate::app::seam::seam;
+use crate::energy::{WellPosed, scan_well_posedness};
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId};
 use crate::render::{Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex};
-use crate::solver::energy::{WellPosed, scan_well_posedness};
 
 /// Rings of faces around a patch that are drawn as the limit surface, as the patch is.
 const COLLAR: usize = 3;
@@ -314,7 +314,7 @@ fn around(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::icosphere;
+    use crate::shapes::icosphere;
 
     #[test]
     fn rings_around_a_face() {

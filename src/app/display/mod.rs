@@ -9,9 +9,9 @@ use super::jobs::Wake;
 use super::live::Shape;
 use super::report::Reference;
 use super::seam::Seam;
+use crate::energy::{Energy, WellPosedScan};
 use crate::mesh::{DVec3, Mesh, VertexId};
 use crate::render::{Bounds, Geometry};
-use crate::solver::energy::{Energy, WellPosedScan};
 use maker::Maker;
 
 /// What is to be drawn.

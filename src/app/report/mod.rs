@@ -19,9 +19,9 @@ pub use view::{Across, Chain, Comb, Cut, Pick, ReportFile, ReportView};
 use super::jobs::Job;
 use super::view_state::PathUse;
 use crate::analysis::{Analysis, Plane, Section};
+use crate::energy::Energy;
 use crate::mesh::{DVec3, HalfedgeId, Mesh};
 use crate::render::ViewMode;
-use crate::solver::energy::Energy;
 
 /// A request of the report.
 #[derive(Clone, Debug)]

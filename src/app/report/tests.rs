@@ -14,9 +14,9 @@ use crate::app::tests::{filled, last_message, model, opened, until};
 use crate::app::view_state::Task;
 use crate::fill::Continuity;
 use crate::io;
-use crate::mesh::shapes::icosphere;
 use crate::mesh::{FaceId, Topology};
 use crate::render::Vertex;
+use crate::shapes::icosphere;
 
 fn report(action: ReportAction) -> Action {
     Action::Report(action)

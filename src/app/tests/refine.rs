@@ -8,14 +8,14 @@ use crate::app::report::Chain;
 use crate::app::run::Run;
 use crate::app::view_state::Refining;
 use crate::mesh::VertexId;
-use crate::mesh::shapes::{Shape, icosphere};
 use crate::refine::Method;
+use crate::shapes::{TriangleMesh, icosphere};
 
 fn on_icosahedron(refining: Refining) -> Model {
     on_mesh(icosphere(1), refining)
 }
 
-fn on_mesh((positions, triangles): Shape, refining: Refining) -> Model {
+fn on_mesh((positions, triangles): TriangleMesh, refining: Refining) -> Model {
     let soup = Soup {
         positions,
         offsets: (0..=triangles.len() as u32).map(|i| 3 * i).collect(),

@@ -6,8 +6,8 @@ use crate::app::action::Action;
 use crate::app::model::Model;
 use crate::app::update::params_for;
 use crate::app::view_state::Task;
+use crate::energy::{Energy, ExprError, Preset};
 use crate::fill::Controls;
-use crate::solver::energy::{Energy, ExprError, Preset};
 
 /// What a preset is called by people.
 fn about(preset: Preset) -> &'static str {

@@ -7,8 +7,8 @@ use crate::app::model::Model;
 use crate::app::report::{Across, Pick, ReportAction};
 use crate::app::shortcuts::{Command, ROWS};
 use crate::app::view_state::{Modal, Navigation};
-use crate::mesh::shapes::SAMPLES;
 use crate::render::StandardView;
+use crate::shapes::SAMPLES;
 
 /// An entry with its key.
 fn entry(ui: &mut Ui, text: &str, command: Option<Command>) -> bool {

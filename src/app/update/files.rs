@@ -13,7 +13,7 @@ use crate::app::project;
 use crate::app::report::ReportAction;
 use crate::app::view_state::{AfterUnsaved, Modal, PathUse};
 use crate::io;
-use crate::mesh::shapes::SAMPLES;
+use crate::shapes::SAMPLES;
 
 /// A dialog that is answered sooner was never shown.
 const NO_DIALOG: Duration = Duration::from_millis(400);

@@ -14,9 +14,9 @@ use crate::app::report::{
     Chain, CutMade, Measured, Patches, Reference, ReportAction, Subject, Wanted,
 };
 use crate::app::view_state::PathUse;
+use crate::energy::Energy;
 use crate::mesh::HalfedgeId;
 use crate::render::ViewMode;
-use crate::solver::energy::Energy;
 
 /// A clicked edge is sharp from this angle on, in degrees, where the report says nothing else.
 const SHARP: f64 = 40.0;

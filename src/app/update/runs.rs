@@ -7,8 +7,8 @@ use crate::app::model::{Effect, Model};
 use crate::app::repeat;
 use crate::app::run::Run;
 use crate::app::view_state::Task;
+use crate::energy::{Energy, Preset};
 use crate::fill::Controls;
-use crate::solver::energy::{Energy, Preset};
 
 /// Carries out the actions of this kind.
 pub fn update(model: &mut Model, action: Action) {

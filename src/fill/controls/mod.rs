@@ -10,9 +10,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::energy::{Energy, ExprError};
 use crate::fill::FillOptions;
 use crate::patch::PatchOptions;
-use crate::solver::energy::{Energy, ExprError};
 use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, SolverError, Tau};
 
 pub(in crate::fill) use arguments::difference;

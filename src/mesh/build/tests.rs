@@ -1,8 +1,8 @@
 //! Each kind of bad input, made here, and invariants over random soups.
 
 use super::*;
-use crate::mesh::shapes::SplitMix;
 use crate::mesh::{DVec3, FaceTag, Topology, boundary_loops, check_mesh};
+use crate::random::SplitMix;
 
 /// An octahedron subdivided three times and projected to the unit sphere, 258 vertices.
 fn sphere() -> (Vec<DVec3>, Vec<[u32; 3]>) {

@@ -6,10 +6,10 @@ use super::curve::RimCurve;
 use super::loft::{sheet, ways};
 use super::spine::{Cubic, Spine};
 use super::{Gap, bending, blend, bridges, formed, layout, reblend};
-use crate::mesh::shapes::SplitMix;
 use crate::mesh::{DVec3, Mesh, Topology, check_mesh, self_intersections};
 use crate::patch::surface::Surface;
 use crate::patch::{PatchError, PatchMesh, PatchOptions, Rim};
+use crate::random::SplitMix;
 
 /// The mouth of a round tube that goes away along `axis`, its faces looking outwards.
 fn mouth(centre: DVec3, axis: DVec3, radius: f64, n: usize) -> Rim {
@@ -356,7 +356,7 @@ fn bending_is_that_of_the_cylinder_and_the_sphere() {
         assert!((found / exact - 1.0).abs() < 0.03, "{n}: {found} {exact}");
     }
     // ∫ 6 H² - 4 K over a sphere is 8π
-    let (positions, triangles) = crate::mesh::shapes::icosphere(16);
+    let (positions, triangles) = crate::shapes::icosphere(16);
     let found = bending(&positions, &triangles);
     assert!((found / (4.0 * TAU) - 1.0).abs() < 0.03, "{found}");
     let fold = [O, X, Y, DVec3::new(0.3, 0.3, 0.01)];

@@ -1,10 +1,10 @@
 use glam::DQuat;
 
 use super::*;
-use crate::mesh::shapes;
 use crate::render::Vertex;
+use crate::shapes;
 
-fn mesh(shape: &shapes::Shape) -> (Topology, &[DVec3]) {
+fn mesh(shape: &shapes::TriangleMesh) -> (Topology, &[DVec3]) {
     let topology = Topology::from_triangles(shape.0.len(), &shape.1).expect("a manifold");
     (topology, &shape.0)
 }

@@ -4,9 +4,9 @@ use glam::DMat3;
 use nalgebra_sparse::{CooMatrix, CscMatrix, CsrMatrix};
 use rayon::prelude::*;
 
+use crate::energy::Energy;
 use crate::linear::{SymmetricPattern, nested_dissection};
 use crate::mesh::DVec3;
-use crate::solver::energy::Energy;
 use crate::solver::mixed::kernel::{self, Layout, Scratch};
 use crate::solver::mixed::pattern::{Couplings, Lists};
 use crate::solver::{FlowProblem, Unknowns};

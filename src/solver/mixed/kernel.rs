@@ -1,7 +1,7 @@
 //! Element integrals of scheme A; they know no global index and do not allocate.
 
+use crate::energy::{Energy, Jet2};
 use crate::mesh::DVec3;
-use crate::solver::energy::{Energy, Jet2};
 use crate::solver::forms::PointGeometry;
 use crate::solver::mixed::splitting::Splitting;
 use crate::subdivision::{BasisTable, Rule};

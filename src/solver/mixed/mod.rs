@@ -30,11 +30,11 @@ mod pattern;
 mod precond;
 mod splitting;
 
+use crate::energy::Energy;
 use crate::linear::{GmresOptions, GmresReport, LinearError, SparseLu, gmres};
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, Progress};
-use crate::solver::energy::Energy;
 use crate::solver::normals::LimitNormals;
 use crate::solver::relax::may_slide;
 use crate::solver::survey::survey;

@@ -24,8 +24,8 @@
 
 use std::sync::Arc;
 
+use crate::energy::Jet2;
 use crate::linear::{Cholesky, CholeskySymbolic, LinearError, SymmetricPattern};
-use crate::solver::energy::Jet2;
 use crate::solver::forms::PositiveHessian;
 use crate::solver::mixed::assembly::System;
 use crate::solver::mixed::pattern::{Couplings, Lists};

@@ -1,6 +1,6 @@
 //! The splitting of `f_H`, `f_K` and `f` that makes the scheme linear in `x`, `h`, `k`.
 
-use crate::solver::energy::Jet2;
+use crate::energy::Jet2;
 
 /// Coefficients at a point with `f_H = 2αH + 2βK + μ`, `f_K = 2γH + 2δK + ν` and
 /// `f = 2ωH + 2ϖK + η`.
@@ -64,7 +64,7 @@ impl Splitting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::energy::Energy;
+    use crate::energy::Energy;
 
     #[test]
     fn splitting_restores_f_and_its_derivatives() {

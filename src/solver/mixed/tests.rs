@@ -1,5 +1,5 @@
 use super::*;
-use crate::solver::energy::Jet2;
+use crate::energy::Jet2;
 use crate::solver::forms::{PointGeometry, variation};
 
 /// An octahedron split `levels` times and pushed to the sphere of radius `r`.

@@ -1,15 +1,16 @@
 //! Evening out: vertices move to the middle of their neighbours and back onto the surface.
 
+use super::TriangleMesh;
 use super::flip::delaunay_flips;
-use super::{Shape, SplitMix};
 use crate::mesh::DVec3;
+use crate::random::SplitMix;
 
 /// Share of the way to the neighbours' mean that a vertex goes in one sweep.
 const STEP: f64 = 0.7;
 
 /// Moves every vertex not on a boundary by up to `amount` of its mean edge length in a random
 /// direction, then puts it back onto the surface.
-pub fn jitter(shape: &mut Shape, amount: f64, seed: u64, project: impl Fn(DVec3) -> DVec3) {
+pub fn jitter(shape: &mut TriangleMesh, amount: f64, seed: u64, project: impl Fn(DVec3) -> DVec3) {
     let mut rng = SplitMix::new(seed);
     let ring = Rings::new(shape);
     let old = shape.0.clone();
@@ -24,7 +25,7 @@ pub fn jitter(shape: &mut Shape, amount: f64, seed: u64, project: impl Fn(DVec3)
 
 /// `sweeps` times: Delaunay flips, then Jacobi smoothing of vertices not on a boundary, each put
 /// back by `project`.
-pub fn relax(shape: &mut Shape, sweeps: usize, project: impl Fn(DVec3) -> DVec3) {
+pub fn relax(shape: &mut TriangleMesh, sweeps: usize, project: impl Fn(DVec3) -> DVec3) {
     for _ in 0..sweeps {
         delaunay_flips(&shape.0, &mut shape.1);
         let ring = Rings::new(shape);
@@ -48,7 +49,7 @@ pub struct Rings {
 
 impl Rings {
     /// Every directed edge of a face gives its start a neighbour: inside, each exactly once.
-    pub fn new((positions, triangles): &Shape) -> Self {
+    pub fn new((positions, triangles): &TriangleMesh) -> Self {
         let mut start = vec![0u32; positions.len() + 1];
         for v in triangles.iter().flatten() {
             start[*v as usize + 1] += 1;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_6, TAU};
 
-use super::Shape;
+use super::TriangleMesh;
 use super::open::tube_lattice;
 use super::{cut_where, plane};
 use crate::mesh::DVec3;
@@ -22,15 +22,15 @@ pub struct Tube {
 
 /// Open tubes, one after the other, normals outwards. The lattices are regular: equilateral triangles
 /// wrapped around the cylinder.
-pub fn tubes(tubes: &[Tube]) -> Shape {
-    let mut all: Shape = (Vec::new(), Vec::new());
+pub fn tubes(tubes: &[Tube]) -> TriangleMesh {
+    let mut all: TriangleMesh = (Vec::new(), Vec::new());
     for tube in tubes {
         append(&mut all, one_tube(tube));
     }
     all
 }
 
-fn one_tube(tube: &Tube) -> Shape {
+fn one_tube(tube: &Tube) -> TriangleMesh {
     let length = tube.axis.length();
     let along = tube.axis.normalize_or(DVec3::Z);
     let (u, v) = along.any_orthonormal_pair();
@@ -45,7 +45,7 @@ fn one_tube(tube: &Tube) -> Shape {
     )
 }
 
-fn append(all: &mut Shape, part: Shape) {
+fn append(all: &mut TriangleMesh, part: TriangleMesh) {
     let first = all.0.len() as u32;
     all.0.extend(part.0);
     all.1
@@ -54,7 +54,7 @@ fn append(all: &mut Shape, part: Shape) {
 
 /// Tubes of radius 1/2 and length 1.6 that leave the origin in the given directions; their mouths are 1
 /// away from it.
-fn star_of_tubes(directions: &[DVec3], around: usize) -> Shape {
+fn star_of_tubes(directions: &[DVec3], around: usize) -> TriangleMesh {
     let tube = |&direction: &DVec3| Tube {
         mouth: direction,
         axis: 1.6 * direction,
@@ -65,12 +65,12 @@ fn star_of_tubes(directions: &[DVec3], around: usize) -> Shape {
 }
 
 /// Four tubes along ±x and ±y, as in Fig. 2 of the paper; `around` edges to a turn.
-pub fn four_cylinders(around: usize) -> Shape {
+pub fn four_cylinders(around: usize) -> TriangleMesh {
     star_of_tubes(&[DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y], around)
 }
 
 /// Three tubes in the xy plane, 120° from each other; `around` edges to a turn.
-pub fn three_y(around: usize) -> Shape {
+pub fn three_y(around: usize) -> TriangleMesh {
     let direction = |k: i32| {
         let (sin, cos) = (FRAC_PI_6 * f64::from(4 * k - 1)).sin_cos();
         DVec3::new(cos, sin, 0.0)
@@ -80,7 +80,7 @@ pub fn three_y(around: usize) -> Shape {
 
 /// A tube of radius 0.4 upright above a hole of radius 3/4 in a square of side 3.2; `around` edges to
 /// a turn of the tube, and edges of the same length in the square.
-pub fn tube_onto_plane(around: usize) -> Shape {
+pub fn tube_onto_plane(around: usize) -> TriangleMesh {
     let radius = 0.4;
     let edge = TAU * radius / around as f64;
     let square = plane(3.2, (3.2 / edge).round().max(2.0) as usize, 1);

@@ -2,14 +2,14 @@
 
 use std::f64::consts::PI;
 
-use super::Shape;
+use super::TriangleMesh;
 use super::implicit::implicit_surface;
 use super::relax::{jitter, relax};
 use crate::mesh::DVec3;
 
 /// Geodesic sphere of radius 1: each edge of the icosahedron is divided into `frequency` parts,
 /// which gives 10 f² + 2 vertices. Regular; the twelve corners come first.
-pub fn icosphere(frequency: u32) -> Shape {
+pub fn icosphere(frequency: u32) -> TriangleMesh {
     let f = frequency.max(1);
     let (corners, faces) = icosahedron();
     let mut positions = corners.to_vec();
@@ -101,7 +101,7 @@ fn icosahedron() -> ([DVec3; 12], [[usize; 3]; 20]) {
 
 /// Irregular sphere of radius 1 with about `vertices` vertices (the nearest 10 f² + 2), valences
 /// mostly 5 to 7.
-pub fn sphere(vertices: usize, seed: u64) -> Shape {
+pub fn sphere(vertices: usize, seed: u64) -> TriangleMesh {
     // the frequency whose 10 f² + 2 comes nearest: between f - ½ and f + ½
     let tenth = vertices.saturating_sub(2) / 10;
     let root = tenth.isqrt().max(1);
@@ -117,7 +117,7 @@ pub fn sphere(vertices: usize, seed: u64) -> Shape {
 }
 
 /// Ellipsoid `Σ (x_i / axes_i)² = 1` of even density with about `vertices` vertices.
-pub fn ellipsoid(axes: [f64; 3], vertices: usize, seed: u64) -> Shape {
+pub fn ellipsoid(axes: [f64; 3], vertices: usize, seed: u64) -> TriangleMesh {
     let a = DVec3::from_array(axes);
     let field = |p: DVec3| {
         let q = p / a;
@@ -133,7 +133,7 @@ pub fn ellipsoid(axes: [f64; 3], vertices: usize, seed: u64) -> Shape {
 
 /// Torus about the z axis of even density with about `vertices` vertices: tube of radius `minor`
 /// around a circle of radius `major`.
-pub fn torus(major: f64, minor: f64, vertices: usize, seed: u64) -> Shape {
+pub fn torus(major: f64, minor: f64, vertices: usize, seed: u64) -> TriangleMesh {
     let field = |p: DVec3| {
         let rho = p.x.hypot(p.y).max(f64::MIN_POSITIVE);
         let centre = DVec3::new(p.x, p.y, 0.0) * (major / rho);

@@ -12,7 +12,6 @@ mod flip;
 mod implicit;
 mod open;
 mod outline;
-mod random;
 mod relax;
 mod samples;
 
@@ -22,22 +21,22 @@ pub use cut::{Hole, HoleShape, cut_holes, cut_where};
 pub use demo::{demo, demo_body};
 pub use implicit::implicit_surface;
 pub use open::{catenoid, cylinder, graph, plane};
-pub use random::SplitMix;
 pub use samples::{SAMPLES, Sample};
 
-use super::DVec3;
+use crate::mesh::DVec3;
 
 /// Vertex positions and triangles.
-pub type Shape = (Vec<DVec3>, Vec<[u32; 3]>);
+pub type TriangleMesh = (Vec<DVec3>, Vec<[u32; 3]>);
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mesh::{Topology, self_intersections};
+    use crate::random::SplitMix;
 
     /// Checks that the shape is an oriented manifold without self-intersections or slivers, and
     /// returns its topology.
-    fn check((positions, triangles): &Shape, min_angle: f64) -> Topology {
+    fn check((positions, triangles): &TriangleMesh, min_angle: f64) -> Topology {
         let topology = Topology::from_triangles(positions.len(), triangles).expect("manifold");
         assert_eq!(
             self_intersections(positions, triangles, None, 1),
@@ -60,7 +59,7 @@ mod tests {
         signed(t.vertex_count()) - signed(t.halfedge_count() / 2) + signed(t.face_count())
     }
 
-    fn volume((positions, triangles): &Shape) -> f64 {
+    fn volume((positions, triangles): &TriangleMesh) -> f64 {
         let at = |v: u32| positions[v as usize];
         let six: f64 = triangles
             .iter()

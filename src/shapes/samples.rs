@@ -1,8 +1,8 @@
 //! Samples to try the program on, by name.
 
 use super::{
-    Hole, HoleShape, Shape, catenoid, cut_holes, demo, four_cylinders, graph, sphere, three_y,
-    torus, tube_onto_plane,
+    Hole, HoleShape, TriangleMesh, catenoid, cut_holes, demo, four_cylinders, graph, sphere,
+    three_y, torus, tube_onto_plane,
 };
 use crate::mesh::{DVec3, Soup};
 
@@ -15,7 +15,7 @@ pub struct Sample {
     pub title: &'static str,
     /// What it shows.
     pub about: &'static str,
-    make: fn() -> Shape,
+    make: fn() -> TriangleMesh,
 }
 
 /// All samples; the first is the one to begin with.
@@ -89,7 +89,7 @@ impl Sample {
 }
 
 /// Its legs downwards along −y, as viewers take it.
-fn upright_creature() -> Shape {
+fn upright_creature() -> TriangleMesh {
     let (positions, triangles) = demo();
     let turned = positions.iter().map(|p| DVec3::new(p.x, p.z, -p.y));
     (turned.collect(), triangles)
@@ -104,7 +104,7 @@ fn hole(centre: [f64; 3], shape: HoleShape, seed: u64) -> Hole {
     }
 }
 
-fn sphere_with_holes() -> Shape {
+fn sphere_with_holes() -> TriangleMesh {
     let (outer, inner) = (0.45, 0.2);
     cut_holes(
         &sphere(4000, 21),
@@ -126,7 +126,7 @@ fn sphere_with_holes() -> Shape {
     )
 }
 
-fn torus_with_holes() -> Shape {
+fn torus_with_holes() -> TriangleMesh {
     let (length, width) = (0.9, 0.3);
     cut_holes(
         &torus(2f64.sqrt(), 1.0, 6000, 22),
@@ -139,14 +139,14 @@ fn torus_with_holes() -> Shape {
     )
 }
 
-fn catenoid_with_window() -> Shape {
+fn catenoid_with_window() -> TriangleMesh {
     cut_holes(
         &catenoid(0.6, 0.8, 56, 23),
         &[hole([0.0, -0.6, 0.0], HoleShape::Disc { radius: 0.35 }, 1)],
     )
 }
 
-fn saddle_with_hole() -> Shape {
+fn saddle_with_hole() -> TriangleMesh {
     let saddle = graph(2.4, 44, |x, y| 0.45 * (x * x - y * y), 24);
     cut_holes(
         &saddle,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::scalar::ScalarAlgebra;
 use super::*;
-use crate::solver::energy::{Energy, Preset};
+use crate::energy::{Energy, Preset};
 
 fn params() -> BTreeMap<String, f64> {
     BTreeMap::from([("a".to_owned(), 0.5), ("n".to_owned(), 4.0)])

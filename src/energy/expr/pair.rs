@@ -31,7 +31,7 @@ use std::cell::Cell;
 
 use super::program::{Algebra, Function, Op, Program, Variable};
 use super::scalar::{JetAlgebra, unary as jet_unary};
-use crate::solver::energy::jet::{Jet2, Outer2};
+use crate::energy::jet::{Jet2, Outer2};
 
 /// `a + s b` with `s = √(H² − K) ≥ 0`.
 #[derive(Clone, Copy, Debug)]

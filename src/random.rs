@@ -1,8 +1,8 @@
-//! A small random-number generator with a fixed stream, for reproducible shapes.
+//! A small random-number generator with a fixed stream, for reproducible meshes and noise.
 
 use std::f64::consts::TAU;
 
-use crate::mesh::DVec3;
+use glam::DVec3;
 
 /// `SplitMix64` (Steele, Lea and Flood 2014): 64 bits of state, every seed good.
 #[derive(Clone, Debug)]

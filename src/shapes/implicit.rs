@@ -1,6 +1,6 @@
 //! Closed surfaces from implicit functions, by surface nets.
 
-use super::Shape;
+use super::TriangleMesh;
 use super::relax::{jitter, relax};
 use crate::mesh::DVec3;
 
@@ -19,7 +19,7 @@ pub fn implicit_surface(
     high: DVec3,
     cell: f64,
     seed: u64,
-) -> Shape {
+) -> TriangleMesh {
     let mut shape = surface_net(field, low, high, cell);
     let project = |p| project(field, p, 1);
     jitter(&mut shape, 0.2, seed, project);
@@ -80,7 +80,7 @@ fn surface_net(
     low: DVec3,
     high: DVec3,
     cell: f64,
-) -> Shape {
+) -> TriangleMesh {
     let n = ((high - low) / cell).to_array().map(points_along);
     let mut grid = Grid {
         n,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Hole, HoleShape, Shape, cut_holes, implicit_surface};
+use super::{Hole, HoleShape, TriangleMesh, cut_holes, implicit_surface};
 use crate::mesh::DVec3;
 
 /// Sharpness of the blend between limbs, in 1/length.
@@ -66,14 +66,14 @@ fn body(p: DVec3) -> (f64, DVec3) {
 }
 
 /// The sample without its holes: a closed surface of genus 0, some 12,000 vertices.
-pub fn demo_body() -> Shape {
+pub fn demo_body() -> TriangleMesh {
     let (low, high) = (DVec3::new(-1.6, -0.7, -1.1), DVec3::new(1.7, 0.7, 1.4));
     implicit_surface(&body, low, high, 0.03, 3)
 }
 
 /// The sample: a small four-legged creature with sixteen holes of every kind, in the spirit of
 /// Fig. 3 of the paper.
-pub fn demo() -> Shape {
+pub fn demo() -> TriangleMesh {
     cut_holes(&demo_body(), &demo_holes())
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 
-use super::SplitMix;
+use crate::random::SplitMix;
 
 /// Outline of a hole, in units of length on the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

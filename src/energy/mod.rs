@@ -5,11 +5,11 @@
 //! radius R with outward normal `κ1 = κ2 = H = −1/R`, `K = 1/R²`. `f` is in the units of the file.
 //!
 //! ```
-//! use meniscus::solver::energy::Energy;
+//! use meniscus::energy::Energy;
 //! let willmore = Energy::parse("H^2", &Default::default())?;
 //! let jet = willmore.jet(-0.5, 0.25); // a sphere of radius 2
 //! assert_eq!((jet.f, jet.h, jet.hh), (0.25, -1.0, 2.0));
-//! # Ok::<(), meniscus::solver::energy::ExprError>(())
+//! # Ok::<(), meniscus::energy::ExprError>(())
 //! ```
 
 mod expr;

@@ -2,13 +2,18 @@
 
 use std::f64::consts::TAU;
 
-use super::Shape;
+use super::TriangleMesh;
 use super::relax::{jitter, relax};
 use crate::mesh::DVec3;
 
 /// A triangular lattice over `0..=columns` by `0..=rows`, odd rows shifted by half a column;
 /// straight sides (`around` false) or closed to a ring.
-fn lattice(columns: usize, rows: usize, around: bool, at: impl Fn(f64, f64) -> DVec3) -> Shape {
+fn lattice(
+    columns: usize,
+    rows: usize,
+    around: bool,
+    at: impl Fn(f64, f64) -> DVec3,
+) -> TriangleMesh {
     let mut positions = Vec::new();
     let mut rows_of: Vec<Vec<u32>> = Vec::new();
     for r in 0..=rows {
@@ -65,7 +70,7 @@ fn rows_for(height: f64) -> usize {
 }
 
 /// Jitters and evens out the inside of a parameter surface; `project` is its nearest-height map.
-fn irregular(mut shape: Shape, seed: u64, project: impl Fn(DVec3) -> DVec3) -> Shape {
+fn irregular(mut shape: TriangleMesh, seed: u64, project: impl Fn(DVec3) -> DVec3) -> TriangleMesh {
     jitter(&mut shape, 0.45, seed, &project);
     relax(&mut shape, 2, &project);
     shape
@@ -73,7 +78,7 @@ fn irregular(mut shape: Shape, seed: u64, project: impl Fn(DVec3) -> DVec3) -> S
 
 /// The graph `z = f(x, y)` over the square of side `size` about the origin, `across` edges to a
 /// side, normals up.
-pub fn graph(size: f64, across: usize, f: impl Fn(f64, f64) -> f64, seed: u64) -> Shape {
+pub fn graph(size: f64, across: usize, f: impl Fn(f64, f64) -> f64, seed: u64) -> TriangleMesh {
     let across = across.max(2);
     let rows = rows_for(across as f64);
     let at = |x: f64, y: f64| {
@@ -86,13 +91,17 @@ pub fn graph(size: f64, across: usize, f: impl Fn(f64, f64) -> f64, seed: u64) -
 }
 
 /// The square of side `size` about the origin in the plane z = 0, normals up.
-pub fn plane(size: f64, across: usize, seed: u64) -> Shape {
+pub fn plane(size: f64, across: usize, seed: u64) -> TriangleMesh {
     graph(size, across, |_, _| 0.0, seed)
 }
 
 /// A regular lattice closed to a ring of `around` edges, `height` edges high; `at` is given both
 /// coordinates as fractions.
-pub(super) fn tube_lattice(around: usize, height: f64, at: impl Fn(f64, f64) -> DVec3) -> Shape {
+pub(super) fn tube_lattice(
+    around: usize,
+    height: f64,
+    at: impl Fn(f64, f64) -> DVec3,
+) -> TriangleMesh {
     let rows = rows_for(height);
     lattice(around, rows, true, |x, y| {
         at(x / around as f64, y / rows as f64)
@@ -101,7 +110,7 @@ pub(super) fn tube_lattice(around: usize, height: f64, at: impl Fn(f64, f64) -> 
 
 /// Side of a cylinder about the z axis, centred at the origin, open at both ends; `around` edges
 /// to a turn.
-pub fn cylinder(radius: f64, height: f64, around: usize, seed: u64) -> Shape {
+pub fn cylinder(radius: f64, height: f64, around: usize, seed: u64) -> TriangleMesh {
     let around = around.max(3);
     let edge = TAU * radius / around as f64;
     let at = |x: f64, y: f64| {
@@ -117,7 +126,7 @@ pub fn cylinder(radius: f64, height: f64, around: usize, seed: u64) -> Shape {
 
 /// The catenoid `r = c cosh(z / c)` for |z| up to `half_height`, normals away from the axis;
 /// `around` edges to a turn. The lattice is a conformal one: its edges grow with r.
-pub fn catenoid(c: f64, half_height: f64, around: usize, seed: u64) -> Shape {
+pub fn catenoid(c: f64, half_height: f64, around: usize, seed: u64) -> TriangleMesh {
     let around = around.max(3);
     let at = |x: f64, y: f64| {
         let z = half_height * (2.0 * y - 1.0);

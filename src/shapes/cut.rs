@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::Shape;
+use super::TriangleMesh;
 pub use super::outline::HoleShape;
 use super::outline::Outline;
 use super::relax::Rings;
@@ -27,7 +27,7 @@ pub struct Hole {
 /// them, so that each hole has one rim. Outlines are laid out in
 /// geodesic polar coordinates around their centre (discrete exponential map: Schmidt, Grimm and
 /// Wyvill 2006). The rest is tidied as [`cut_where`] says; vertices keep their order.
-pub fn cut_holes(shape: &Shape, holes: &[Hole]) -> Shape {
+pub fn cut_holes(shape: &TriangleMesh, holes: &[Hole]) -> TriangleMesh {
     let rings = Rings::new(shape);
     let normals = vertex_normals(shape);
     let mut removed = vec![false; shape.1.len()];
@@ -59,7 +59,7 @@ pub fn cut_holes(shape: &Shape, holes: &[Hole]) -> Shape {
 /// Removes the faces whose centroid satisfies `inside`. Then ears (faces hanging by one edge) and
 /// vertices where the rim would touch itself go too, and pieces left floating in a hole, so that
 /// the rest is manifold; unused vertices are dropped, the others keep their order.
-pub fn cut_where(shape: &Shape, inside: impl Fn(DVec3) -> bool) -> Shape {
+pub fn cut_where(shape: &TriangleMesh, inside: impl Fn(DVec3) -> bool) -> TriangleMesh {
     let removed = shape
         .1
         .iter()
@@ -68,7 +68,7 @@ pub fn cut_where(shape: &Shape, inside: impl Fn(DVec3) -> bool) -> Shape {
     without(shape, removed)
 }
 
-fn vertex_normals((positions, triangles): &Shape) -> Vec<DVec3> {
+fn vertex_normals((positions, triangles): &TriangleMesh) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; positions.len()];
     for t in triangles {
         let [a, b, c] = t.map(|v| positions[v as usize]);
@@ -82,7 +82,7 @@ fn vertex_normals((positions, triangles): &Shape) -> Vec<DVec3> {
 /// Coordinates, in units of length, of the vertices around the one nearest to `centre`, in order
 /// of their distance until that exceeds `reach`.
 fn chart_around(
-    shape: &Shape,
+    shape: &TriangleMesh,
     rings: &Rings,
     normals: &[DVec3],
     centre: DVec3,
@@ -128,7 +128,7 @@ fn chart_around(
 }
 
 /// The shape without the removed faces, tidied.
-fn without((positions, triangles): &Shape, mut removed: Vec<bool>) -> Shape {
+fn without((positions, triangles): &TriangleMesh, mut removed: Vec<bool>) -> TriangleMesh {
     let mut touched = vec![false; positions.len()];
     loop {
         for (f, t) in triangles.iter().enumerate() {

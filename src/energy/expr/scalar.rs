@@ -1,7 +1,7 @@
 //! Evaluation over numbers (κ1 and κ2 as given, to test symmetry) and over jets in `(H, K)`.
 
 use super::program::{Algebra, Function, Op, Variable};
-use crate::solver::energy::jet::{Jet2, Outer1};
+use crate::energy::jet::{Jet2, Outer1};
 
 /// Numbers at a pair `(κ1, κ2)` in that order.
 #[derive(Clone, Copy, Debug)]
