@@ -13,7 +13,7 @@
 //! let topology = Topology::from_triangles(positions.len(), &triangles)?;
 //! let mesh = Mesh::new(positions, topology);
 //! let loops = boundary_loops(&mesh);
-//! let holes: Vec<_> = choose(&loops, &LoopChoice::Auto)?.iter().map(|&i| &loops[i]).collect();
+//! let holes: Vec<_> = choose(&loops, &LoopChoice::Auto)?.iter().map(|id| &loops[id.index()]).collect();
 //! let filled = fill_holes(&mesh, &holes, &FillOptions::default(), &|_, _| true)?;
 //! assert!(filled.complete() && boundary_loops(&filled.mesh).is_empty());
 //! // it is a sphere again, the old vertices untouched

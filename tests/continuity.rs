@@ -130,23 +130,23 @@ fn a_group_may_mix_creases_and_smooth_rims() {
         &shapes::sphere(1500, 3),
         &[hole(DVec3::Z, 0.4), hole(DVec3::new(1.0, 0.0, 1.0), 0.25)],
     ));
-    for creased in [1, 2] {
+    for creased in [0, 1] {
         let controls = Controls {
-            loop_continuity: [(creased, Continuity::G0)].into(),
+            loop_continuity: [(creased.into(), Continuity::G0)].into(),
             ..Controls::default()
         };
         let filled = fill(&mesh, &controls);
         assert_eq!(filled.plan.groups.len(), 1);
         assert!(filled.complete());
-        let sagitta = |number: usize| {
-            let hole = &filled.plan.holes[number - 1];
+        let sagitta = |i: usize| {
+            let hole = &filled.plan.holes[i];
             let new = &filled.plan.new_positions[hole.new_vertices.clone()];
             new.iter()
                 .map(|p| (p.length() - 1.0).abs())
                 .fold(0.0, f64::max)
         };
         // f = H² with a free normal is 0 on a flat disc, which lies below the sphere
-        let (flat, round) = (sagitta(creased), sagitta(3 - creased));
+        let (flat, round) = (sagitta(creased), sagitta(1 - creased));
         assert!(flat > 0.01 && round < 5e-3, "{flat} {round}");
     }
 }

@@ -12,7 +12,7 @@ use meniscus::fill::{
     fill_scheduled,
 };
 use meniscus::io::{open, save_mesh};
-use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
+use meniscus::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, boundary_loops};
 use meniscus::shapes::{self, Hole, HoleShape};
 use meniscus::solver::{End, Mode, Scheme};
 
@@ -176,7 +176,9 @@ fn changes_on_the_way_are_repeated_to_the_bit() {
     assert_eq!(live.latest().new_positions(), marked.new_positions());
     assert!(Arc::ptr_eq(&marked.topology, &live.latest().topology));
     controls.scheme = Scheme::Normal;
-    controls.loop_continuity.insert(1, Continuity::G0);
+    controls
+        .loop_continuity
+        .insert(LoopId::FIRST, Continuity::G0);
     live.fill.set_controls(&controls).expect("fine");
     live.steps(3);
     let middle = live.latest();

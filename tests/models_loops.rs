@@ -46,7 +46,7 @@ fn auto_fills_what_the_manifest_marks() {
         for one in &loops {
             println!(
                 "  #{} {} edges, outer {}: {}",
-                one.number,
+                one.id,
                 one.edges(),
                 one.outer_rim,
                 one.reason
@@ -66,7 +66,7 @@ fn auto_fills_what_the_manifest_marks() {
             if found.is_none_or(|one| one.outer_rim == fill) {
                 wrong.push(format!(
                     "{name}: {:?} where fill is {fill}",
-                    found.map(|l| l.number)
+                    found.map(|l| l.id)
                 ));
             }
         }

@@ -71,8 +71,8 @@ fn the_copied_command_gives_the_same_file() {
     let mut m = opened(input);
 
     // first run: two holes, everything changed on the way
-    m.act(Action::Select(0, SelectHow::Replace));
-    m.act(Action::Select(2, SelectHow::Add));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
+    m.act(Action::Select(2.into(), SelectHow::Add));
     m.act(Action::Fill);
     until(&mut m, "states", |m| states(m) > 4);
     m.act(Action::EnergyText("H^2 + 0.1*K^2".into()));
@@ -156,7 +156,7 @@ fn repairs_are_repeated_too() {
     let output = folder.path().join("done.obj");
     scan(&input);
     let mut m = opened(input);
-    m.act(Action::Flip(0));
+    m.act(Action::Flip(0.into()));
     let l = &m.document.loops[0];
     let at = |i: usize| m.document.mesh.position(l.vertices[i]);
     m.act(Action::Bridge([at(0), at(l.edges() / 2)], 2));

@@ -10,7 +10,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
 use meniscus::app::{App, Autosave, Document, Model, Run, Settings, Source};
 use meniscus::io;
-use meniscus::mesh::{DVec3, Soup};
+use meniscus::mesh::{DVec3, LoopId, Soup};
 use meniscus::render::{Bounds, Camera};
 use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
@@ -68,10 +68,10 @@ fn ended(app: &App) -> bool {
     app.model.run.as_ref().is_some_and(Run::ended)
 }
 
-/// The front hole's number in the list, from 0.
-fn front(app: &App) -> usize {
+/// The front hole.
+fn front(app: &App) -> LoopId {
     let loops = &app.model.document.loops;
-    usize::from(loops[1].radius > loops[0].radius)
+    usize::from(loops[1].radius > loops[0].radius).into()
 }
 
 /// Where the front hole is in the window.
@@ -107,9 +107,9 @@ fn the_hole_under_the_cursor_is_the_one_that_is_picked() {
     assert_eq!(harness.state().model.document.selection, [i].into());
 
     // the list and the view are one selection
-    let other = 1 - i;
-    let l = &harness.state().model.document.loops[other];
-    let name = format!("loop {}, {} edges", l.number, l.edges());
+    let other = LoopId::from(1 - i.index());
+    let l = &harness.state().model.document.loops[other.index()];
+    let name = format!("loop {}, {} edges", l.id, l.edges());
     harness.get_by_label(&name).click();
     harness.run_steps(3);
     assert_eq!(harness.state().model.document.selection, [other].into());
@@ -120,8 +120,8 @@ fn enter_fills_space_pauses_the_timeline_scrubs_and_undo_takes_it_back() {
     let mut harness = window();
     let i = front(harness.state());
     harness.get_by_label("view").rect();
-    let l = &harness.state().model.document.loops[i];
-    let name = format!("loop {}, {} edges", l.number, l.edges());
+    let l = &harness.state().model.document.loops[i.index()];
+    let name = format!("loop {}, {} edges", l.id, l.edges());
     harness.get_by_label(&name).click();
     harness.run_steps(2);
     harness.key_press(Key::Enter);

@@ -6,7 +6,7 @@ use super::faces::FaceEdit;
 use super::report::ReportAction;
 use super::view_state::{Bridging, Modal, Navigation, PictureSettings, Refining, Selecting, Task};
 use crate::fill::Controls;
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, LoopId};
 use crate::render::{Camera, ViewStyle};
 
 /// How a click changes the selection.
@@ -82,7 +82,7 @@ pub enum Action {
     DropRecovery,
 
     /// Click on a loop.
-    Select(usize, SelectHow),
+    Select(LoopId, SelectHow),
     /// All loops that are no outer rims.
     SelectAll,
     /// All loops but the largest.
@@ -102,13 +102,13 @@ pub enum Action {
     /// Erase the selected faces.
     Erase,
     /// Turn over the component of a loop.
-    Flip(usize),
+    Flip(LoopId),
     /// Begin a bridge, change it, or leave it.
     Bridging(Option<Bridging>),
     /// Build a bridge between two rim vertices, so many edges wide.
     Bridge([DVec3; 2], usize),
     /// The cursor is over a loop.
-    Hover(Option<usize>),
+    Hover(Option<LoopId>),
 
     /// Set the controls; acts on the run, if there is one.
     Controls(Box<Controls>),
@@ -156,7 +156,7 @@ pub enum Action {
     /// Look at everything.
     FitAll,
     /// Look at a loop.
-    FlyToLoop(usize),
+    FlyToLoop(LoopId),
     /// Look at a place.
     FlyTo(DVec3),
     /// Draw differently.

@@ -3,6 +3,7 @@
 //! Each window holds a lock on a file beside its recovery file; the system lets go of it however
 //! the program ends. A recovery file whose lock is free was left behind.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -11,20 +12,27 @@ use super::document::Document;
 use super::jobs::{Job, Wake};
 use super::project;
 use super::view_state::ViewState;
+use crate::fill::Controls;
 use crate::io;
+use crate::mesh::LoopId;
 
 /// How long after a change it is written.
 const DELAY: Duration = Duration::from_secs(2);
 
-/// What a recovery file holds: revision of the mesh, selection, controls.
-type Print = (u64, Vec<usize>, crate::fill::Controls);
+/// What of a document a recovery file holds; another one is written when it changes.
+#[derive(Clone, PartialEq)]
+struct Fingerprint {
+    revision: u64,
+    selection: BTreeSet<LoopId>,
+    controls: Controls,
+}
 
 /// The recovery file of this window.
 pub struct Autosave {
     file: Option<PathBuf>,
     lock: Option<(PathBuf, File)>,
-    written: Option<Print>,
-    seen: Option<(Print, Instant)>,
+    written: Option<Fingerprint>,
+    seen: Option<(Fingerprint, Instant)>,
     job: Option<Job<Result<(), String>>>,
     errors: Vec<String>,
     told: bool,
@@ -86,23 +94,26 @@ impl Autosave {
                     .push(format!("no recovery file was kept: {text}"));
             }
         }
-        let selection: Vec<usize> = document.selection.iter().copied().collect();
-        if !dirty && selection.is_empty() {
+        if !dirty && document.selection.is_empty() {
             return None;
         }
-        let print = (revision, selection, document.controls.clone());
-        if self.written.as_ref() == Some(&print) {
+        let current = Fingerprint {
+            revision,
+            selection: document.selection.clone(),
+            controls: document.controls.clone(),
+        };
+        if self.written.as_ref() == Some(&current) {
             return None;
         }
         match &self.seen {
-            Some((seen, since)) if *seen == print => {
+            Some((seen, since)) if *seen == current => {
                 let wait = (*since + DELAY).saturating_duration_since(now);
                 if !wait.is_zero() {
                     return Some(wait);
                 }
             }
             _ => {
-                self.seen = Some((print, now));
+                self.seen = Some((current, now));
                 return Some(DELAY);
             }
         }
@@ -112,7 +123,7 @@ impl Autosave {
             io::save_text(&file, &project::write(&document, &view, folder))
                 .map_err(|e| e.to_string())
         }));
-        self.written = Some(print);
+        self.written = Some(current);
         None
     }
 

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::live::Shape;
-use crate::fill::{Controls, Schedule};
+use crate::fill::{Controls, LoopChoice, Schedule, choose};
 use crate::io::Opened;
-use crate::mesh::{BoundaryLoop, DVec3, LoadReport, Mesh, Topology, boundary_loops};
+use crate::mesh::{BoundaryLoop, DVec3, LoadReport, LoopId, Mesh, Topology, boundary_loops};
 use crate::render::Bounds;
 
 /// Where a document came from.
@@ -55,9 +55,9 @@ impl Origin {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Work {
     /// Each loop gets a patch of its own.
-    Fill(Vec<usize>),
+    Fill(Vec<LoopId>),
     /// One patch joins all loops.
-    Blend(Vec<usize>),
+    Blend(Vec<LoopId>),
     /// The faces are erased and what opens is filled.
     Refill(Arc<Vec<u32>>),
     /// The inner vertices of the faces flow.
@@ -65,7 +65,7 @@ pub enum Work {
     /// The faces are erased.
     Erase(Arc<Vec<u32>>),
     /// The component of a loop is turned over.
-    Flip(usize),
+    Flip(LoopId),
     /// A strip of triangles joins two rim vertices, so many edges wide.
     Bridge([DVec3; 2], usize),
     /// The mesh is refined.
@@ -109,7 +109,7 @@ impl Work {
     }
 
     /// The loops it is about.
-    pub fn loops(&self) -> &[usize] {
+    pub fn loops(&self) -> &[LoopId] {
         match self {
             Self::Fill(loops) | Self::Blend(loops) => loops,
             Self::Flip(one) => std::slice::from_ref(one),
@@ -168,8 +168,8 @@ pub struct Document {
     pub first_patch_face: usize,
     /// Its boundary loops.
     pub loops: Arc<Vec<BoundaryLoop>>,
-    /// Indices of the selected ones.
-    pub selection: BTreeSet<usize>,
+    /// The selected ones.
+    pub selection: BTreeSet<LoopId>,
     /// The selected faces, ascending.
     pub faces: Arc<Vec<u32>>,
     /// What the next run is to use.
@@ -250,28 +250,28 @@ impl Document {
         }
     }
 
+    /// A loop, if it exists.
+    pub fn loop_of(&self, id: LoopId) -> Option<&BoundaryLoop> {
+        self.loops.get(id.index())
+    }
+
     /// The selected loops.
     pub fn selected(&self) -> Vec<&BoundaryLoop> {
         self.selection
             .iter()
-            .filter_map(|&i| self.loops.get(i))
+            .filter_map(|&id| self.loop_of(id))
             .collect()
     }
 
-    /// Indices of all loops that are not guessed outer rims.
-    pub fn holes(&self) -> BTreeSet<usize> {
-        (0..self.loops.len())
-            .filter(|&i| !self.loops[i].outer_rim)
-            .collect()
+    /// The loops of a choice that names no loop.
+    pub fn chosen(&self, choice: &LoopChoice) -> BTreeSet<LoopId> {
+        let chosen = choose(&self.loops, choice);
+        chosen.into_iter().flatten().collect()
     }
 
-    /// Indices of all loops but the one with the largest perimeter.
-    pub fn all_but_largest(&self) -> BTreeSet<usize> {
-        let largest = (0..self.loops.len())
-            .max_by(|&a, &b| self.loops[a].perimeter.total_cmp(&self.loops[b].perimeter));
-        (0..self.loops.len())
-            .filter(|&i| Some(i) != largest)
-            .collect()
+    /// All loops that are not guessed outer rims.
+    pub fn holes(&self) -> BTreeSet<LoopId> {
+        self.chosen(&LoopChoice::Auto)
     }
 
     /// Whether something was accepted since the mesh was opened.

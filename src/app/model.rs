@@ -19,7 +19,7 @@ use super::settings::Settings;
 use super::view_state::{AfterUnsaved, Modal, PathUse, Task, ViewState};
 use crate::energy::Energy;
 use crate::fill::Continuity;
-use crate::mesh::{Mesh, VertexId};
+use crate::mesh::{LoopId, Mesh, VertexId};
 use crate::render::{Bounds, Gpu, Picker, ViewStyle};
 
 /// What only the window itself can do.
@@ -118,7 +118,7 @@ pub struct Model {
     /// Draws pictures; `None` before the window has a device, and in tests without one.
     pub gpu: Option<Arc<Gpu>>,
     picker_wanted: Option<Arc<Mesh>>,
-    creases: (Vec<usize>, Arc<Vec<[VertexId; 2]>>),
+    creases: (Vec<LoopId>, Arc<Vec<[VertexId; 2]>>),
 }
 
 impl Model {
@@ -351,15 +351,15 @@ impl Model {
         let Some(side) = run.sides.first() else {
             return Arc::clone(&self.creases.1);
         };
-        let sharp: Vec<usize> = run
+        let sharp: Vec<LoopId> = run
             .loops
             .iter()
-            .map(|l| l.number)
-            .filter(|&n| side.controls.continuity_at(n) == Continuity::G0)
+            .map(|l| l.id)
+            .filter(|&id| side.controls.continuity_at(id) == Continuity::G0)
             .collect();
         if sharp != self.creases.0 {
             let mut edges = Vec::new();
-            for l in run.loops.iter().filter(|l| sharp.contains(&l.number)) {
+            for l in run.loops.iter().filter(|l| sharp.contains(&l.id)) {
                 edges.extend(l.edge_ends());
             }
             self.creases = (sharp, Arc::new(edges));
@@ -395,7 +395,7 @@ impl Model {
     }
 
     /// Changes the selection, as an undo entry.
-    pub fn select(&mut self, selection: std::collections::BTreeSet<usize>, label: &str) {
+    pub fn select(&mut self, selection: std::collections::BTreeSet<LoopId>, label: &str) {
         if selection != self.document.selection {
             self.history.record(&self.document, label, None);
             self.document.selection = selection;

@@ -14,7 +14,7 @@ use super::report::ReportView;
 use super::view_state::ViewState;
 use crate::fill::{Controls, Schedule};
 use crate::io::{self, Format, Opened};
-use crate::mesh::{DVec3, parse_ranges, ranges_text};
+use crate::mesh::{DVec3, LoopId, parse_ranges, ranges_text};
 use crate::render::{Camera, ViewMode};
 use crate::shapes::Sample;
 
@@ -80,7 +80,7 @@ struct FillPart {
     #[serde(default)]
     task: Kind,
     #[serde(default)]
-    loops: Vec<usize>,
+    loops: Vec<LoopId>,
     /// The arguments of a refinement, and whether controls were changed on the way.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     arguments: Vec<String>,
@@ -199,7 +199,7 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
         opened: [document.mesh.vertex_count(), document.mesh.face_count()],
         first_patch_face: document.is_changed().then_some(document.first_patch_face),
         selected_faces: ranges_text(&document.faces),
-        selection: document.selection.iter().copied().collect(),
+        selection: document.selection.iter().map(|id| id.index()).collect(),
         view: ViewPart {
             camera: view.camera.to_text(),
             mode: style.mode.name().into(),
@@ -344,12 +344,9 @@ fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document
             .map(|part| part.accepted().map(Arc::new))
             .collect::<Result<_, String>>()?;
     }
-    let count = document.loops.len();
-    document.selection = project
-        .selection
-        .iter()
-        .copied()
-        .filter(|&i| i < count)
+    let loops = document.loops.iter().map(|l| l.id);
+    document.selection = loops
+        .filter(|id| project.selection.contains(&id.index()))
         .collect();
     document.controls = project.controls.clone();
     Ok(document)

@@ -98,7 +98,10 @@ impl Run {
                     loops: all,
                     opened,
                 } = opening;
-                loops = opened.into_iter().map(|i| all[i].clone()).collect();
+                loops = opened
+                    .into_iter()
+                    .map(|id| all[id.index()].clone())
+                    .collect();
                 first_patch_face = left_of(&erased.old_face, first_patch_face);
                 base = Arc::new(erased.mesh);
                 kept = Some(erased.old_face);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::document::Work;
 use super::model::Model;
 use super::report::ReportOverlays;
-use crate::mesh::{BoundaryLoop, DVec3, Mesh};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh};
 use crate::render::{LineStyle, Marker, Overlay, Polyline, Scene, rim_points};
 
 /// Rim of a hole; told from the others by lightness too, for eyes that see no hues.
@@ -29,8 +29,8 @@ const MOST_MARKERS: usize = 3000;
 pub struct OverlayCache {
     limit: bool,
     rims: Option<(Arc<Mesh>, bool, Arc<Overlay>)>,
-    selection: Option<(Arc<Mesh>, Vec<usize>, Arc<Overlay>)>,
-    hover: Option<(Arc<Mesh>, usize, Arc<Overlay>)>,
+    selection: Option<(Arc<Mesh>, Vec<LoopId>, Arc<Overlay>)>,
+    hover: Option<(Arc<Mesh>, LoopId, Arc<Overlay>)>,
     report: ReportOverlays,
     crossing: Option<(DVec3, Arc<Overlay>)>,
     given: Option<(Arc<Mesh>, Arc<Overlay>)>,
@@ -73,10 +73,9 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
             let lines = document
                 .loops
                 .iter()
-                .enumerate()
                 // the rims of a fill under way would hide how it joins
-                .filter(|(i, _)| !(running && document.selection.contains(i)))
-                .map(|(_, l)| {
+                .filter(|l| !(running && document.selection.contains(&l.id)))
+                .map(|l| {
                     let color = if l.outer_rim { OUTER } else { HOLE };
                     line(l, color, 2.0, LineStyle::OnTopFaintWhenHidden)
                 })
@@ -125,8 +124,8 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
         overlays.extend(cache.crossing.as_ref().map(|(_, o)| Arc::clone(o)));
     }
     if !running {
-        let selected: Vec<usize> = document.selection.iter().copied().collect();
-        let fits = |(m, s, _): &(Arc<Mesh>, Vec<usize>, Arc<Overlay>)| {
+        let selected: Vec<LoopId> = document.selection.iter().copied().collect();
+        let fits = |(m, s, _): &(Arc<Mesh>, Vec<LoopId>, Arc<Overlay>)| {
             Arc::ptr_eq(m, mesh) && *s == selected
         };
         if !cache.selection.as_ref().is_some_and(fits) {
@@ -140,14 +139,14 @@ pub fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene
         }
         overlays.extend(cache.selection.as_ref().map(|(_, _, o)| Arc::clone(o)));
     }
-    if let Some(i) = model.view.hover
-        && let Some(l) = document.loops.get(i)
-    {
-        let fits = |(m, h, _): &(Arc<Mesh>, usize, Arc<Overlay>)| Arc::ptr_eq(m, mesh) && *h == i;
+    let hovered = model.view.hover.and_then(|id| document.loop_of(id));
+    if let Some(l) = hovered {
+        let fits =
+            |(m, id, _): &(Arc<Mesh>, LoopId, Arc<Overlay>)| Arc::ptr_eq(m, mesh) && *id == l.id;
         if !cache.hover.as_ref().is_some_and(fits) {
             let lines = vec![line(l, HOVER, 5.0, LineStyle::OnTop)];
             let overlay = Arc::new(Overlay::new(lines, Vec::new()));
-            cache.hover = Some((Arc::clone(mesh), i, overlay));
+            cache.hover = Some((Arc::clone(mesh), l.id, overlay));
         }
         overlays.extend(cache.hover.as_ref().map(|(_, _, o)| Arc::clone(o)));
     }

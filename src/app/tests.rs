@@ -1,5 +1,6 @@
 //! What actions do, without a window.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -12,7 +13,7 @@ use super::project;
 use super::settings::Settings;
 use super::view_state::{AfterUnsaved, Modal, Task};
 use crate::io;
-use crate::mesh::{DVec3, Soup, check_mesh, components};
+use crate::mesh::{DVec3, LoopId, Soup, check_mesh, components};
 use crate::shapes::{Hole, HoleShape, cut_holes, sphere};
 use crate::solver::Mode;
 
@@ -69,6 +70,10 @@ pub(super) fn filled(model: &mut Model) {
     });
 }
 
+fn loops<const N: usize>(indices: [usize; N]) -> BTreeSet<LoopId> {
+    indices.map(LoopId::from).into()
+}
+
 pub(super) fn last_message(model: &Model) -> &str {
     model.log.entries().last().map_or("", |e| e.text.as_str())
 }
@@ -77,15 +82,15 @@ pub(super) fn last_message(model: &Model) -> &str {
 fn selection_by_click_keys_and_lists() {
     let mut m = model();
     assert_eq!(m.document.loops.len(), 2);
-    m.act(Action::Select(0, SelectHow::Replace));
-    m.act(Action::Select(1, SelectHow::Replace));
-    assert_eq!(m.document.selection, [1].into());
-    m.act(Action::Select(0, SelectHow::Add));
-    assert_eq!(m.document.selection, [0, 1].into());
-    m.act(Action::Select(1, SelectHow::Toggle));
-    assert_eq!(m.document.selection, [0].into());
-    m.act(Action::Select(7, SelectHow::Replace));
-    assert_eq!(m.document.selection, [0].into());
+    m.act(Action::Select(0.into(), SelectHow::Replace));
+    m.act(Action::Select(1.into(), SelectHow::Replace));
+    assert_eq!(m.document.selection, loops([1]));
+    m.act(Action::Select(0.into(), SelectHow::Add));
+    assert_eq!(m.document.selection, loops([0, 1]));
+    m.act(Action::Select(1.into(), SelectHow::Toggle));
+    assert_eq!(m.document.selection, loops([0]));
+    m.act(Action::Select(7.into(), SelectHow::Replace));
+    assert_eq!(m.document.selection, loops([0]));
     m.act(Action::SelectAllButLargest);
     assert_eq!(m.document.selection.len(), 1);
     m.act(Action::SelectAll);
@@ -123,7 +128,7 @@ fn another_document_is_fitted_by_its_own_box() {
 fn fill_accept_undo_redo() {
     let mut m = model();
     let before = Arc::clone(&m.document.mesh);
-    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
     filled(&mut m);
     assert!(Arc::ptr_eq(&before, &m.document.mesh), "not before accept");
     let run = m.run.as_ref().expect("it waits");
@@ -167,7 +172,7 @@ fn undo_in_the_middle_of_a_run_and_redo_brings_it_back() {
 #[test]
 fn pause_step_scrub_and_replay() {
     let mut m = model();
-    m.act(Action::Select(1, SelectHow::Replace));
+    m.act(Action::Select(1.into(), SelectHow::Replace));
     m.act(Action::Fill);
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(|r| r.state_count() > 4)
@@ -223,7 +228,7 @@ fn pause_step_scrub_and_replay() {
 #[test]
 fn controls_act_while_it_runs_and_mistakes_are_told() {
     let mut m = model();
-    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
     m.act(Action::Fill);
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(|r| r.state_count() > 3)
@@ -267,7 +272,7 @@ fn controls_act_while_it_runs_and_mistakes_are_told() {
 #[test]
 fn two_energies_are_compared_and_one_is_taken() {
     let mut m = model();
-    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
     m.act(Action::CompareEnergy(Some("1".into())));
     filled(&mut m);
     let run = m.run.as_ref().expect("there");
@@ -296,7 +301,7 @@ fn two_energies_are_compared_and_one_is_taken() {
 #[test]
 fn compared_energies_keep_their_own_parameters_when_a_control_is_changed() {
     let mut m = model();
-    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
     m.act(Action::CompareEnergy(Some("(H-H0)^2".into())));
     m.act(Action::Fill);
     until(&mut m, |m| {
@@ -324,7 +329,7 @@ fn files_are_saved_reopened_and_never_overwritten() {
     until(&mut m, |m| {
         m.document.origin.source == Source::File(source.clone())
     });
-    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
     filled(&mut m);
     m.act(Action::Accept(0));
     m.act(Action::SaveAs(source.clone()));
@@ -337,7 +342,7 @@ fn files_are_saved_reopened_and_never_overwritten() {
 
     // a project brings everything back
     let project_path = folder.path().join("work.meniscus");
-    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
     m.act(Action::SaveAs(project_path.clone()));
     until(&mut m, |m| !m.is_dirty());
     let (document, _) = project::read(&project_path).expect("a project");
@@ -389,7 +394,7 @@ fn unsaved_work_is_asked_about() {
     let mut m = model();
     m.act(Action::Close);
     assert!(matches!(m.effects.pop(), Some(Effect::Close)));
-    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
     filled(&mut m);
     m.act(Action::Accept(0));
     m.act(Action::Close);
@@ -411,7 +416,7 @@ fn a_recovery_file_survives_its_window() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut m = model();
     m.autosave = Autosave::in_folder(folder.path());
-    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
     filled(&mut m);
     m.act(Action::Accept(0));
     let written = || {
@@ -454,7 +459,7 @@ fn the_command_repeats_the_work() {
         "{}",
         last_message(&m)
     );
-    m.act(Action::Select(1, SelectHow::Replace));
+    m.act(Action::Select(1.into(), SelectHow::Replace));
     filled(&mut m);
     m.act(Action::Accept(0));
     m.act(Action::CopyCommand);
@@ -482,7 +487,7 @@ fn switches_flip_and_views_fit() {
     assert!(m.view.camera.up().z > 0.5 && m.settings.z_up);
     m.act(Action::Toggle(Switch::ZUp));
     assert!(m.view.camera.up().y > 0.5);
-    m.act(Action::FlyToLoop(0));
+    m.act(Action::FlyToLoop(0.into()));
     let l = &m.document.loops[0];
     let [x, y] = m.view.camera.project(l.centroid, 1.6).expect("in front");
     assert!(x.abs() < 1e-9 && y.abs() < 1e-9, "in the middle");
@@ -513,10 +518,10 @@ fn rims_of_a_blend_are_gathered_and_joined() {
         "{}",
         last_message(&m)
     );
-    m.act(Action::Select(0, SelectHow::Replace));
-    m.act(Action::Select(1, SelectHow::Replace));
-    m.act(Action::Select(1, SelectHow::Replace));
-    assert_eq!(m.document.selection, [0].into());
+    m.act(Action::Select(0.into(), SelectHow::Replace));
+    m.act(Action::Select(1.into(), SelectHow::Replace));
+    m.act(Action::Select(1.into(), SelectHow::Replace));
+    assert_eq!(m.document.selection, loops([0]));
     m.act(Action::SelectAll);
     assert_eq!(
         m.document.selection.len(),

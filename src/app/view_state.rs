@@ -1,7 +1,7 @@
 //! What is looked at and how; never saved as work, never undone.
 
 use super::report::{ReportFile, ReportView};
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, LoopId};
 use crate::refine::{BoundaryRule, Hold, Method};
 use crate::render::{Camera, ViewStyle};
 
@@ -302,7 +302,7 @@ pub struct ViewState {
     /// Whether rims are outlined.
     pub show_rims: bool,
     /// Loop under the cursor, in the view or in the list.
-    pub hover: Option<usize>,
+    pub hover: Option<LoopId>,
     /// Text of the energy as typed, not always a valid one.
     pub energy_text: String,
     /// Energy of the second side of a comparison; `None` without comparison.

@@ -10,7 +10,7 @@ use crate::cli::picture_args::PictureArguments;
 use crate::cli::refine_args::{AnalyzeArguments, RefineArguments};
 use crate::cli::render::RenderArguments;
 use crate::fill::LoopChoice;
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, LoopId};
 
 /// Fill holes in triangle meshes with smooth surfaces.
 ///
@@ -201,7 +201,7 @@ pub struct BlendArguments {
     pub fill: FillArguments,
     /// Turn the faces of this loop's component over first (repeatable).
     #[arg(long, value_name = "LOOP")]
-    pub flip: Vec<usize>,
+    pub flip: Vec<LoopId>,
 }
 
 /// `meniscus bridge`.

@@ -24,10 +24,9 @@ pub fn bridge(args: &BridgeArguments) -> Result<()> {
         return Ok(());
     }
     let ends = if from.hole == to.hole {
-        format!("across loop {}", loops[from.hole].number)
+        format!("across loop {}", from.hole)
     } else {
-        let [a, b] = [from, to].map(|s| loops[s.hole].number);
-        format!("from loop {a} to loop {b}")
+        format!("from loop {} to loop {}", from.hole, to.hole)
     };
     print(&format!(
         "{}: a bridge {ends}, {} vertices and {} faces added; {} loops now\n",

@@ -4,6 +4,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::fill::{Choice, Continuity, Controls, Linear, TauChoice};
+use crate::mesh::LoopId;
 use crate::solver::{Mode, Scheme};
 
 /// Flags that make up [`Controls`].
@@ -62,7 +63,7 @@ pub struct ControlArguments {
     pub continuity: Continuity,
     /// The same for one loop, by its number (repeatable).
     #[arg(long, value_name = "LOOP=g0|g1", value_parser = loop_continuity)]
-    pub loop_continuity: Vec<(usize, Continuity)>,
+    pub loop_continuity: Vec<(LoopId, Continuity)>,
 }
 
 impl ControlArguments {
@@ -147,11 +148,10 @@ pub(crate) fn parameter(text: &str) -> Result<(String, f64), String> {
     Ok((name.trim().to_owned(), value))
 }
 
-fn loop_continuity(text: &str) -> Result<(usize, Continuity), String> {
+fn loop_continuity(text: &str) -> Result<(LoopId, Continuity), String> {
     let parts = text.split_once('=');
     let read = parts.and_then(|(number, name)| {
-        let number = number.trim().parse().ok().filter(|&n| n > 0)?;
-        Some((number, Continuity::named(name.trim())?))
+        Some((number.trim().parse().ok()?, Continuity::named(name.trim())?))
     });
     read.ok_or_else(|| "give LOOP=g0 or LOOP=g1, as in 2=g0".into())
 }
@@ -190,7 +190,7 @@ mod tests {
             noise: 0.25,
             density: 0.8,
             continuity: Continuity::G0,
-            loop_continuity: [(1, Continuity::G1), (12, Continuity::G0)].into(),
+            loop_continuity: [(0.into(), Continuity::G1), (11.into(), Continuity::G0)].into(),
             max_steps: 3,
         };
         assert_eq!(parsed(&controls.to_arguments()), controls);

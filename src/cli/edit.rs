@@ -8,10 +8,10 @@ use clap::Args;
 use crate::cli::UsageError;
 use crate::cli::args::ball;
 use crate::cli::print::print;
-use crate::fill::NoSuchLoop;
+use crate::fill::{LoopChoice, choose};
 use crate::io::{Opened, check_target, open, same_file, save_mesh};
 use crate::mesh::{
-    DVec3, Mesh, boundary_loops, erase as erase_faces, face_flags, faces_in_ball, grow,
+    DVec3, LoopId, Mesh, boundary_loops, erase as erase_faces, face_flags, faces_in_ball, grow,
     parse_ranges,
 };
 
@@ -66,7 +66,7 @@ pub struct FlipArguments {
     pub output: PathBuf,
     /// Turn over the component of this loop (`meniscus info` lists them; repeatable).
     #[arg(long, value_name = "LOOP", required = true)]
-    pub component_of: Vec<usize>,
+    pub component_of: Vec<LoopId>,
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
@@ -155,25 +155,17 @@ pub fn erase(args: &EraseArguments) -> Result<()> {
     ))
 }
 
-/// The components of some loops, by the loops' numbers.
+/// The components of some loops.
 ///
 /// # Errors
 /// There is no such loop.
-pub fn components_of(mesh: &Mesh, numbers: &[usize]) -> Result<Vec<u32>> {
+pub fn components_of(mesh: &Mesh, chosen: &[LoopId]) -> Result<Vec<u32>> {
     let loops = boundary_loops(mesh);
-    numbers
+    let chosen = choose(&loops, &LoopChoice::Listed(chosen.to_vec()))?;
+    Ok(chosen
         .iter()
-        .map(|&number| {
-            let one = loops.get(number.wrapping_sub(1));
-            let count = loops.len();
-            Ok(one
-                .ok_or(NoSuchLoop {
-                    number,
-                    loops: count,
-                })?
-                .component)
-        })
-        .collect()
+        .map(|id| loops[id.index()].component)
+        .collect())
 }
 
 /// Runs `meniscus flip`.

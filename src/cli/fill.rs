@@ -18,7 +18,7 @@ use crate::fill::{
 };
 use crate::io::{self, Opened, open};
 use crate::memory::peak_memory;
-use crate::mesh::{BoundaryLoop, DVec3, Mesh, VertexId, boundary_loops};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId, boundary_loops};
 
 /// Runs the command.
 pub fn fill(args: &FillArguments) -> Result<()> {
@@ -33,7 +33,7 @@ pub fn fill(args: &FillArguments) -> Result<()> {
 fn part(args: &FillArguments, start: &Start, from: DVec3, to: DVec3) -> Result<()> {
     let mesh = &start.opened.mesh;
     let loops = boundary_loops(mesh);
-    let Some(hole) = nearest_loop(mesh, &loops, from).map(|i| &loops[i]) else {
+    let Some(hole) = nearest_loop(mesh, &loops, from).map(|id| &loops[id.index()]) else {
         bail!("--part: the mesh has no boundary loop");
     };
     let [from, to] = [from, to].map(|point| nearest_index(mesh, hole, point));
@@ -106,9 +106,9 @@ impl Task {
         args: &FillArguments,
         mesh: &Mesh,
         loops: &'a [BoundaryLoop],
-        chosen: &[usize],
+        chosen: &[LoopId],
     ) -> Result<Vec<Gap<'a>>> {
-        let rims: Gap<'a> = chosen.iter().map(|&i| &loops[i]).collect();
+        let rims: Gap<'a> = chosen.iter().map(|id| &loops[id.index()]).collect();
         match self {
             Self::Holes if args.no_islands => Ok(rims.into_iter().map(|rim| vec![rim]).collect()),
             Self::Holes => Ok(with_islands(mesh, loops, chosen)),
@@ -181,20 +181,17 @@ pub fn fill_opened(args: &FillArguments, start: &Start, task: Task) -> Result<()
     let auto = args.loop_at.is_empty() && args.loops == LoopChoice::Auto;
     if auto && task == Task::Blend && chosen.len() < 2 && is_one_each(&loops) {
         // wherever they look, nothing else can be meant
-        chosen = (0..loops.len()).collect();
+        chosen = loops.iter().map(|l| l.id).collect();
     }
     let gaps = task.gaps(args, mesh, &loops, &chosen)?;
-    let joined: Vec<usize> = gaps.iter().flatten().map(|l| l.number - 1).collect();
+    let joined: Vec<LoopId> = gaps.iter().flatten().map(|l| l.id).collect();
     let skipped = skipped(&loops, &joined, auto);
     if !args.quiet {
         for note in &opened.report.notes {
             eprintln!("{}: {note}", args.input.display());
         }
         for s in &skipped {
-            eprintln!(
-                "loop {} ({} edges) left open: {}",
-                s.number, s.edges, s.reason
-            );
+            eprintln!("loop {} ({} edges) left open: {}", s.id, s.edges, s.reason);
         }
         if chosen.is_empty() {
             eprintln!("{}", nothing_to_do(loops.len()));
@@ -210,7 +207,7 @@ pub fn fill_opened(args: &FillArguments, start: &Start, task: Task) -> Result<()
     let sharp = gaps
         .iter()
         .flatten()
-        .filter(|l| controls.continuity_at(l.number) == Continuity::G0);
+        .filter(|l| controls.continuity_at(l.id) == Continuity::G0);
     let creases = sharp.flat_map(|l| l.edge_ends()).collect();
     save_filled(args, opened, &filled, skipped, creases)
 }
@@ -234,9 +231,9 @@ pub fn save_filled(
         .plan
         .failed
         .iter()
-        .map(|e| FailedHole {
-            number: e.hole().unwrap_or(0),
-            reason: e.to_string(),
+        .filter_map(|e| {
+            let reason = e.to_string();
+            e.hole().map(|id| FailedHole { id, reason })
         })
         .collect();
     let report = FillReport {
@@ -279,9 +276,9 @@ pub fn save_filled(
         .enumerate()
         .find_map(|(g, r)| r.as_ref().err().map(|e| (g, e)))
     {
-        let number = filled.plan.holes[filled.plan.groups[group].holes[0]].number;
+        let id = filled.plan.holes[filled.plan.groups[group].holes[0]].id;
         bail!(
-            "hole {number}: {error}. {} was written with the first patch there",
+            "hole {id}: {error}. {} was written with the first patch there",
             args.output.display()
         );
     }
@@ -291,7 +288,7 @@ pub fn save_filled(
 fn summary(report: &FillReport<'_>) -> Result<()> {
     for hole in &report.holes {
         for warning in &hole.warnings {
-            eprintln!("hole {}: {warning}", hole.number);
+            eprintln!("hole {}: {warning}", hole.id);
         }
     }
     let t = &report.totals;
@@ -328,16 +325,16 @@ fn chosen_loops(
     args: &FillArguments,
     opened: &Opened,
     loops: &[BoundaryLoop],
-) -> Result<Vec<usize>> {
+) -> Result<Vec<LoopId>> {
     if args.loop_at.is_empty() {
         return Ok(choose(loops, &args.loops)?);
     }
     let mut chosen = Vec::new();
     for &point in &args.loop_at {
-        let Some(i) = nearest_loop(&opened.mesh, loops, point) else {
+        let Some(id) = nearest_loop(&opened.mesh, loops, point) else {
             bail!("--loop-at: the mesh has no boundary loop");
         };
-        chosen.push(i);
+        chosen.push(id);
     }
     chosen.sort_unstable();
     chosen.dedup();

@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::cli::args::InfoArguments;
 use crate::cli::print::print;
 use crate::io::open;
-use crate::mesh::{BoundaryLoop, LoadReport, boundary_loops};
+use crate::mesh::{BoundaryLoop, LoadReport, LoopId, boundary_loops};
 
 #[derive(Serialize)]
 struct Info<'a> {
@@ -21,7 +21,7 @@ struct Info<'a> {
 
 #[derive(Serialize)]
 struct LoopInfo<'a> {
-    number: usize,
+    number: LoopId,
     edges: usize,
     perimeter: f64,
     diameter: f64,
@@ -35,7 +35,7 @@ struct LoopInfo<'a> {
 impl<'a> From<&'a BoundaryLoop> for LoopInfo<'a> {
     fn from(l: &'a BoundaryLoop) -> Self {
         Self {
-            number: l.number,
+            number: l.id,
             edges: l.edges(),
             perimeter: l.perimeter,
             diameter: l.diameter,

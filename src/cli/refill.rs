@@ -108,7 +108,7 @@ fn save_faired(
         write_text(path, &(serde_json::to_string_pretty(&report)? + "\n"))?;
     }
     if let Some(path) = &args.fill.trace {
-        write_text(path, &step_lines([(0, &group.records[..])]))?;
+        write_text(path, &step_lines([(None, &group.records[..])]))?;
     }
     if args.fill.quiet {
         return Ok(());

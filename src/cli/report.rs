@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use crate::fill::{Filled, Timings};
-use crate::mesh::{BoundaryLoop, LoadReport};
+use crate::mesh::{BoundaryLoop, LoadReport, LoopId};
 use crate::solver::{End, StepRecord};
 
 /// Everything a fill did.
@@ -40,11 +40,11 @@ pub struct FillReport<'a> {
 /// One filled hole. Holes of one group were solved together and share steps, energies and times.
 #[derive(Debug, Serialize)]
 pub struct HoleReport {
-    /// Number of the loop.
+    /// The loop.
     #[serde(rename = "loop")]
-    pub number: usize,
-    /// Numbers of all loops its patch joins.
-    pub loops: Vec<usize>,
+    pub id: LoopId,
+    /// All loops its patch joins.
+    pub loops: Vec<LoopId>,
     /// Edges of the rims.
     pub edges: usize,
     /// RMS distance of the rim's vertices from their mean, the largest of several rims.
@@ -82,9 +82,9 @@ pub struct HoleReport {
 /// A hole that could not be filled.
 #[derive(Debug, Serialize)]
 pub struct FailedHole {
-    /// Number of the loop, if the failure belongs to one.
+    /// The loop.
     #[serde(rename = "loop")]
-    pub number: usize,
+    pub id: LoopId,
     /// Why.
     pub reason: String,
 }
@@ -92,9 +92,9 @@ pub struct FailedHole {
 /// A loop that was left open.
 #[derive(Debug, Serialize)]
 pub struct SkippedLoop {
-    /// Number of the loop.
+    /// The loop.
     #[serde(rename = "loop")]
-    pub number: usize,
+    pub id: LoopId,
     /// Its edges.
     pub edges: usize,
     /// Why.
@@ -139,7 +139,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
         .iter()
         .map(|hole| {
             let mut report = HoleReport {
-                number: hole.number,
+                id: hole.id,
                 loops: hole.loops.clone(),
                 edges: hole.edges,
                 radius: hole.radius,
@@ -212,13 +212,12 @@ pub fn totals(filled: &Filled, holes: &[HoleReport]) -> Totals {
 }
 
 /// Loops that were not chosen, with the reason.
-pub fn skipped(loops: &[BoundaryLoop], chosen: &[usize], auto: bool) -> Vec<SkippedLoop> {
+pub fn skipped(loops: &[BoundaryLoop], chosen: &[LoopId], auto: bool) -> Vec<SkippedLoop> {
     loops
         .iter()
-        .enumerate()
-        .filter(|(i, _)| !chosen.contains(i))
-        .map(|(_, l)| SkippedLoop {
-            number: l.number,
+        .filter(|l| !chosen.contains(&l.id))
+        .map(|l| SkippedLoop {
+            id: l.id,
             edges: l.edges(),
             reason: if auto {
                 format!("guessed an outer rim: {}", l.reason)
@@ -234,15 +233,18 @@ pub fn trace(filled: &Filled) -> String {
     let plan = &filled.plan;
     let groups = filled.groups.iter().enumerate();
     step_lines(groups.filter_map(|(g, group)| {
-        let number = plan.holes[plan.groups[g].holes[0]].number;
-        Some((number, &group.as_ref().ok()?.records[..]))
+        let id = plan.holes[plan.groups[g].holes[0]].id;
+        Some((Some(id), &group.as_ref().ok()?.records[..]))
     }))
 }
 
-/// The CSV of several flows, each with the number of its loop (0 for none).
-pub fn step_lines<'a>(flows: impl IntoIterator<Item = (usize, &'a [StepRecord])>) -> String {
+/// The CSV of several flows, each with its loop (0 for none).
+pub fn step_lines<'a>(
+    flows: impl IntoIterator<Item = (Option<LoopId>, &'a [StepRecord])>,
+) -> String {
     let mut csv = String::from("loop,step,tau,energy,residual,rejected\n");
-    for (number, records) in flows {
+    for (id, records) in flows {
+        let number = id.map_or_else(|| "0".into(), |id| id.to_string());
         for r in records {
             let residual = if r.rejected {
                 String::new()

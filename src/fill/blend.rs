@@ -102,7 +102,7 @@ fn each_blend(
         .zip(patches)
         .filter(|(gap, _)| gap.len() > 1)
         .for_each(|(gap, (film, ms))| {
-            let hole = plan.holes.iter().find(|hole| hole.number == gap[0].number);
+            let hole = plan.holes.iter().find(|hole| hole.id == gap[0].id);
             change(gap, hole, film, ms);
         });
 }

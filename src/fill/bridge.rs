@@ -1,13 +1,13 @@
 //! A strip of triangles across a hole, or from one hole to another.
 
 use crate::fill::rail::{Place, length, pieces, rail};
-use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, TopologyError};
 
 /// A stretch of a rim: `edges` of them from the vertex `start` on, in the loop's direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stretch {
-    /// Index of the loop.
-    pub hole: usize,
+    /// The loop.
+    pub hole: LoopId,
     /// Index of the first vertex along the loop.
     pub start: usize,
     /// Number of edges.
@@ -30,8 +30,8 @@ pub enum BridgeError {
     /// There is no such loop.
     #[error("there is no loop {hole}: this mesh has {loops} (see `meniscus info`)")]
     NoSuchLoop {
-        /// Number of the loop.
-        hole: usize,
+        /// The loop asked for.
+        hole: LoopId,
         /// How many there are.
         loops: usize,
     },
@@ -49,7 +49,7 @@ pub fn stretch_at(
     edges: usize,
 ) -> Option<Stretch> {
     let hole = crate::fill::nearest_loop(mesh, loops, point)?;
-    let rim = &loops[hole].vertices;
+    let rim = &loops[hole.index()].vertices;
     let distance = |i: &usize| mesh.position(rim[*i]).distance_squared(point);
     let middle = (0..rim.len()).min_by(|i, j| distance(i).total_cmp(&distance(j)))?;
     Some(Stretch {
@@ -75,7 +75,7 @@ pub fn bridge(
     to: Stretch,
 ) -> Result<Mesh, BridgeError> {
     check(loops, from, to)?;
-    let (near, far) = (&loops[from.hole], &loops[to.hole]);
+    let (near, far) = (&loops[from.hole.index()], &loops[to.hole.index()]);
     let width = from.edges;
     // the far rim runs the other way: its last vertex is opposite our first
     let at = |k: usize| (from.start + k) % near.edges();
@@ -148,9 +148,9 @@ pub fn bridge(
 
 fn check(loops: &[BoundaryLoop], from: Stretch, to: Stretch) -> Result<(), BridgeError> {
     for stretch in [from, to] {
-        if stretch.hole >= loops.len() {
+        if stretch.hole.index() >= loops.len() {
             return Err(BridgeError::NoSuchLoop {
-                hole: stretch.hole + 1,
+                hole: stretch.hole,
                 loops: loops.len(),
             });
         }
@@ -159,10 +159,10 @@ fn check(loops: &[BoundaryLoop], from: Stretch, to: Stretch) -> Result<(), Bridg
         return Err(BridgeError::Widths(from.edges, to.edges));
     }
     let vertices = |s: Stretch| {
-        let rim = &loops[s.hole].vertices;
+        let rim = &loops[s.hole.index()].vertices;
         (0..=s.edges).map(move |k| rim[(s.start + k) % rim.len()])
     };
-    let fits = |s: Stretch| s.edges < loops[s.hole].edges();
+    let fits = |s: Stretch| s.edges < loops[s.hole.index()].edges();
     let apart = vertices(from).all(|v| vertices(to).all(|w| v != w));
     if apart && fits(from) && fits(to) {
         Ok(())
@@ -215,7 +215,7 @@ mod tests {
         let mesh = holed();
         let loops = boundary_loops(&mesh);
         let stretch = |start, edges| Stretch {
-            hole: 0,
+            hole: LoopId::FIRST,
             start,
             edges,
         };
@@ -226,10 +226,13 @@ mod tests {
             Some(BridgeError::Widths(2, 1))
         );
         let missing = Stretch {
-            hole: 2,
+            hole: 2.into(),
             ..stretch(0, 1)
         };
-        let no = BridgeError::NoSuchLoop { hole: 3, loops: 2 };
+        let no = BridgeError::NoSuchLoop {
+            hole: 2.into(),
+            loops: 2,
+        };
         assert_eq!(error(stretch(0, 1), missing), Some(no));
     }
 }

@@ -1,7 +1,7 @@
 //! Loose pieces of the mesh inside a hole: its patch has to pass through their rims.
 
 use crate::fill::{Gap, rim_of};
-use crate::mesh::{BoundaryLoop, DVec3, Mesh, TriangleBvh, closest_point_on_segment};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, TriangleBvh, closest_point_on_segment};
 use crate::patch::{self, PatchOptions};
 
 /// An island lies no farther from the first patch of its hole than this, in hole radii.
@@ -18,14 +18,14 @@ const SAMPLES: usize = 64;
 /// If it runs around the other way than the hole it is the island's outer rim and one of the rims
 /// of the hole's patch; if it runs the same way it is a hole in the island, and filled too (with
 /// what lies in it in turn). A rim within several holes belongs to the smallest.
-pub fn with_islands<'a>(mesh: &Mesh, loops: &'a [BoundaryLoop], chosen: &[usize]) -> Vec<Gap<'a>> {
+pub fn with_islands<'a>(mesh: &Mesh, loops: &'a [BoundaryLoop], chosen: &[LoopId]) -> Vec<Gap<'a>> {
     let mut holes: Vec<Opening> = chosen
         .iter()
-        .map(|&i| Opening::new(mesh, loops, i))
+        .map(|id| Opening::new(mesh, loops, id.index()))
         .collect();
     let first = loops.first().map_or(0, |l| l.component);
     if loops.iter().all(|l| l.component == first) {
-        return chosen.iter().map(|&i| vec![&loops[i]]).collect();
+        return chosen.iter().map(|id| vec![&loops[id.index()]]).collect();
     }
     let mut kind: Vec<Option<Kind>> = vec![None; loops.len()];
     // holes of islands are opened in turn, each once
@@ -168,7 +168,7 @@ mod tests {
             .iter()
             .max_by(|a, b| a.perimeter.total_cmp(&b.perimeter))
             .expect("a hole");
-        let gaps = with_islands(mesh, &loops, &[hole.number - 1]);
+        let gaps = with_islands(mesh, &loops, &[hole.id]);
         let result = fill_gaps(mesh, &gaps, &FillOptions::default(), &|_, _| true);
         let result = result.expect("filled");
         assert!(result.complete());
@@ -217,7 +217,7 @@ mod tests {
         let mesh = Mesh::new(shape.0, topology);
         let loops = boundary_loops(&mesh);
         assert_eq!(loops.len(), 3);
-        let gaps = with_islands(&mesh, &loops, &[0]);
+        let gaps = with_islands(&mesh, &loops, &[LoopId::FIRST]);
         assert_eq!(gaps.iter().map(Vec::len).collect::<Vec<_>>(), [1]);
     }
 }

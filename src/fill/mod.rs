@@ -31,7 +31,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::energy::{Energy, Preset};
-use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError, VertexId};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, TopologyError, VertexId};
 use crate::patch::{self, PatchError, PatchMesh, PatchOptions};
 use crate::solver::{End, FlowOptions, FlowProblem, Outcome, SolverError, StepRecord};
 
@@ -68,8 +68,8 @@ pub struct FillOptions {
     pub flow: FlowOptions,
     /// How patches meet the mesh.
     pub continuity: Continuity,
-    /// The same for single loops, by their numbers.
-    pub loop_continuity: BTreeMap<usize, Continuity>,
+    /// The same for single loops.
+    pub loop_continuity: BTreeMap<LoopId, Continuity>,
 }
 
 impl Default for FillOptions {
@@ -87,8 +87,8 @@ impl Default for FillOptions {
 
 impl FillOptions {
     /// How the patch meets the mesh at a loop.
-    pub fn continuity_at(&self, number: usize) -> Continuity {
-        let own = self.loop_continuity.get(&number);
+    pub fn continuity_at(&self, id: LoopId) -> Continuity {
+        let own = self.loop_continuity.get(&id);
         own.copied().unwrap_or(self.continuity)
     }
 }
@@ -99,8 +99,8 @@ pub enum FillError {
     /// No first patch could be made.
     #[error("hole {hole}: no first patch: {source}")]
     Patch {
-        /// Number of the loop.
-        hole: usize,
+        /// The loop.
+        hole: LoopId,
         /// Why.
         source: PatchError,
     },
@@ -110,8 +110,8 @@ pub enum FillError {
 }
 
 impl FillError {
-    /// Number of the loop concerned, if there is one.
-    pub fn hole(&self) -> Option<usize> {
+    /// The loop concerned, if there is one.
+    pub fn hole(&self) -> Option<LoopId> {
         match self {
             Self::Patch { hole, .. } => Some(*hole),
             Self::NotManifold(_) => None,
@@ -142,10 +142,10 @@ impl Timings {
 /// One hole of a plan.
 #[derive(Clone, Debug)]
 pub struct PlannedHole {
-    /// Number of the loop (1-based), of the first of its loops for a blend.
-    pub number: usize,
-    /// Numbers of all loops its patch joins: one, or several for a blend.
-    pub loops: Vec<usize>,
+    /// The loop; the first of its loops for a blend.
+    pub id: LoopId,
+    /// All loops its patch joins: one, or several for a blend.
+    pub loops: Vec<LoopId>,
     /// Vertices of each of these loops.
     pub rims: Vec<Vec<VertexId>>,
     /// Edges of the rims.
@@ -236,7 +236,7 @@ impl Plan {
                     filled.push(&gap[..]);
                 }
                 Err(source) => plan.failed.push(FillError::Patch {
-                    hole: gap[0].number,
+                    hole: gap[0].id,
                     source: *source,
                 }),
             }
@@ -266,8 +266,8 @@ impl Plan {
         self.triangles
             .extend(patch.triangles.iter().map(|t| t.map(global)));
         self.holes.push(PlannedHole {
-            number: gap[0].number,
-            loops: gap.iter().map(|l| l.number).collect(),
+            id: gap[0].id,
+            loops: gap.iter().map(|l| l.id).collect(),
             rims: gap.iter().map(|l| l.vertices.clone()).collect(),
             edges: rim.len(),
             radius: gap.iter().map(|l| l.radius).fold(0.0, f64::max),

@@ -5,7 +5,8 @@ use crate::fill::{
     ScheduledFillError, fill_gaps, fill_scheduled, run_plan, with_islands,
 };
 use crate::mesh::{
-    BoundaryLoop, DVec3, Erased, FaceId, Mesh, VertexId, boundary_loops, erase, inner_vertices,
+    BoundaryLoop, DVec3, Erased, FaceId, LoopId, Mesh, VertexId, boundary_loops, erase,
+    inner_vertices,
 };
 use crate::solver::{COLLAR_RINGS, StepRecord};
 
@@ -51,8 +52,8 @@ pub struct Opening {
     pub erased: Erased,
     /// All its boundary loops.
     pub loops: Vec<BoundaryLoop>,
-    /// Indices of those that the erased faces opened or widened.
-    pub opened: Vec<usize>,
+    /// Those that the erased faces opened or widened.
+    pub opened: Vec<LoopId>,
 }
 
 /// Erases the selected faces, one flag each.
@@ -75,7 +76,7 @@ pub fn open_selection(mesh: &Mesh, selected: &[bool]) -> Result<Opening, RefillE
         })
     };
     let loops = boundary_loops(left);
-    let opened: Vec<usize> = (0..loops.len()).filter(|&i| had_face(&loops[i])).collect();
+    let opened: Vec<LoopId> = loops.iter().filter(|l| had_face(l)).map(|l| l.id).collect();
     if opened.is_empty() {
         return Err(RefillError::Everything);
     }

@@ -27,7 +27,7 @@ pub(super) fn problem(
         let hole = &plan.holes[h];
         let rims = hole.loops.iter().zip(&hole.rims);
         let mut creased: Vec<u32> = rims
-            .filter(|(number, _)| options.continuity_at(**number) == Continuity::G0)
+            .filter(|(id, _)| options.continuity_at(**id) == Continuity::G0)
             .flat_map(|(_, rim)| rim.iter().map(|v| v.0))
             .collect();
         creased.sort_unstable();
@@ -35,7 +35,7 @@ pub(super) fn problem(
     };
     let has_collar = |h: usize| {
         let mut loops = plan.holes[h].loops.iter();
-        loops.any(|&number| options.continuity_at(number) == Continuity::G1)
+        loops.any(|&id| options.continuity_at(id) == Continuity::G1)
     };
     let mut region = Region::new(mesh, positions);
     let mut first = 0;

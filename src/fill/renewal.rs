@@ -4,7 +4,7 @@
 use crate::fill::run::{ChangeError, Ground};
 use crate::fill::shape::{HoleShape, Shape};
 use crate::fill::{FillOptions, gap_of};
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, LoopId};
 use crate::patch::{self, PatchMesh};
 
 /// Blends with a triangle sharper than this (in degrees) are remeshed; every time costs the steps in which
@@ -57,7 +57,7 @@ impl Renewals {
             first += hole.new_vertices;
             let mut next = (hole.clone(), here.to_vec());
             if planned.loops.len() > 1 {
-                let present = Present::of(ground, planned.number, hole, here);
+                let present = Present::of(ground, planned.id, hole, here);
                 let before = present.patch.sharpest_angle();
                 if before < SHARP {
                     let fresh = patch::reblend(&present.gap, &present.patch, &options.patch);
@@ -90,9 +90,9 @@ pub(super) fn remesh(
     let mut out = Shape { holes: Vec::new() };
     let mut moved = Vec::new();
     for (&h, hole) in ground.plan.groups[group].holes.iter().zip(&shape.holes) {
-        let number = ground.plan.holes[h].number;
+        let id = ground.plan.holes[h].id;
         let end = first + hole.new_vertices;
-        let hole = remesh_hole(ground, number, hole, &positions[first..end], options)?;
+        let hole = remesh_hole(ground, id, hole, &positions[first..end], options)?;
         out.holes.push(hole.0);
         moved.extend(hole.1);
         first = end;
@@ -102,22 +102,16 @@ pub(super) fn remesh(
 
 fn remesh_hole(
     ground: Ground<'_>,
-    number: usize,
+    id: LoopId,
     hole: &HoleShape,
     positions: &[DVec3],
     options: &FillOptions,
 ) -> Result<(HoleShape, Vec<DVec3>), ChangeError> {
-    let present = Present::of(ground, number, hole, positions);
+    let present = Present::of(ground, id, hole, positions);
     let fresh = match &present.gap.rims[..] {
         [rim] => {
-            let patch = |source| ChangeError::Patch {
-                hole: number,
-                source,
-            };
-            let transfer = |source| ChangeError::Transfer {
-                hole: number,
-                source,
-            };
+            let patch = |source| ChangeError::Patch { hole: id, source };
+            let transfer = |source| ChangeError::Transfer { hole: id, source };
             let mut fresh = patch::fill(rim, &options.patch).map_err(patch)?;
             patch::transfer(&present.patch, &mut fresh, present.rim.len()).map_err(transfer)?;
             fresh
@@ -139,9 +133,9 @@ struct Present {
 }
 
 impl Present {
-    fn of(ground: Ground<'_>, number: usize, hole: &HoleShape, positions: &[DVec3]) -> Self {
+    fn of(ground: Ground<'_>, id: LoopId, hole: &HoleShape, positions: &[DVec3]) -> Self {
         let old = ground.mesh.positions.len() as u32;
-        let found = ground.gaps.iter().find(|gap| gap[0].number == number);
+        let found = ground.gaps.iter().find(|gap| gap[0].id == id);
         let gap = gap_of(ground.mesh, found.expect("a planned hole has rims"));
         let rims = found.into_iter().flatten();
         let rim: Vec<u32> = rims.flat_map(|l| l.vertices.iter().map(|v| v.0)).collect();

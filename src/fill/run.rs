@@ -11,7 +11,7 @@ use crate::fill::shape::Shape;
 use crate::fill::{
     FillOptions, Gap, Plan, Timings, milliseconds, region, warm_start, warm_start_of,
 };
-use crate::mesh::{DVec3, Mesh};
+use crate::mesh::{DVec3, LoopId, Mesh};
 use crate::patch::{PatchError, TransferError};
 use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord};
 
@@ -29,9 +29,9 @@ pub(super) enum ChangeError {
     #[error(transparent)]
     Flow(#[from] SolverError),
     #[error("hole {hole}: no patch of that density: {source}")]
-    Patch { hole: usize, source: PatchError },
+    Patch { hole: LoopId, source: PatchError },
     #[error("hole {hole}: {source}")]
-    Transfer { hole: usize, source: TransferError },
+    Transfer { hole: LoopId, source: TransferError },
 }
 
 /// How much energy new triangles may add: their vertices lie on the control triangles and not on the smooth
@@ -277,7 +277,8 @@ impl GroupRun {
         // a fairing keeps its triangles
         let remeshed = options.patch != self.options.patch && ground.plan.moved.is_empty();
         let recut = holes.clone().any(|hole| {
-            let differs = |&n: &usize| options.continuity_at(n) != self.options.continuity_at(n);
+            let differs =
+                |&id: &LoopId| options.continuity_at(id) != self.options.continuity_at(id);
             hole.loops.iter().any(differs)
         });
         if remeshed || recut || self.flow.is_none() {

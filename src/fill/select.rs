@@ -1,6 +1,6 @@
 //! Which loops to fill.
 
-use crate::mesh::{BoundaryLoop, DVec3, Mesh};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh};
 
 /// A choice of loops.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -12,8 +12,8 @@ pub enum LoopChoice {
     All,
     /// Every loop but the one of the greatest perimeter.
     AllButLargest,
-    /// These loop numbers (1-based).
-    Numbers(Vec<usize>),
+    /// These.
+    Listed(Vec<LoopId>),
 }
 
 impl std::str::FromStr for LoopChoice {
@@ -26,55 +26,54 @@ impl std::str::FromStr for LoopChoice {
             "all-but-largest" => Ok(Self::AllButLargest),
             _ => text
                 .split(',')
-                .map(|word| match word.trim().parse::<usize>() {
-                    Ok(n) if n > 0 => Ok(n),
-                    _ => Err(format!(
-                        "`{word}` is not a loop number; give auto, all, all-but-largest, or \
-                         numbers from `meniscus info` such as 1,3"
-                    )),
+                .map(|word| {
+                    word.trim().parse().map_err(|_| {
+                        format!(
+                            "`{word}` is not a loop number; give auto, all, all-but-largest, or \
+                             numbers from `meniscus info` such as 1,3"
+                        )
+                    })
                 })
                 .collect::<Result<_, _>>()
-                .map(Self::Numbers),
+                .map(Self::Listed),
         }
     }
 }
 
-/// A loop number that does not exist.
+/// A loop that does not exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no loop {number}: this mesh has {loops} (see `meniscus info`)")]
+#[error("there is no loop {id}: this mesh has {loops} (see `meniscus info`)")]
 pub struct NoSuchLoop {
-    /// The number asked for.
-    pub number: usize,
+    /// The loop asked for.
+    pub id: LoopId,
     /// How many loops there are.
     pub loops: usize,
 }
 
-/// Indices of the chosen loops, ascending, each once.
+/// The chosen loops, ascending, each once.
 ///
 /// # Errors
-/// A number that no loop has.
-pub fn choose(loops: &[BoundaryLoop], choice: &LoopChoice) -> Result<Vec<usize>, NoSuchLoop> {
-    let all = 0..loops.len();
+/// A loop that does not exist.
+pub fn choose(loops: &[BoundaryLoop], choice: &LoopChoice) -> Result<Vec<LoopId>, NoSuchLoop> {
+    let all = loops.iter();
     Ok(match choice {
-        LoopChoice::Auto => all.filter(|&i| !loops[i].outer_rim).collect(),
-        LoopChoice::All => all.collect(),
+        LoopChoice::Auto => all.filter(|l| !l.outer_rim).map(|l| l.id).collect(),
+        LoopChoice::All => all.map(|l| l.id).collect(),
         LoopChoice::AllButLargest => {
             let largest = all
                 .clone()
-                .max_by(|&a, &b| loops[a].perimeter.total_cmp(&loops[b].perimeter));
-            all.filter(|&i| Some(i) != largest).collect()
+                .max_by(|a, b| a.perimeter.total_cmp(&b.perimeter))
+                .map(|l| l.id);
+            all.map(|l| l.id)
+                .filter(|&id| Some(id) != largest)
+                .collect()
         }
-        LoopChoice::Numbers(numbers) => {
-            let mut chosen = Vec::new();
-            for &number in numbers {
-                if number == 0 || number > loops.len() {
-                    return Err(NoSuchLoop {
-                        number,
-                        loops: loops.len(),
-                    });
-                }
-                chosen.push(number - 1);
+        LoopChoice::Listed(chosen) => {
+            let count = loops.len();
+            if let Some(&id) = chosen.iter().find(|id| id.index() >= count) {
+                return Err(NoSuchLoop { id, loops: count });
             }
+            let mut chosen = chosen.clone();
             chosen.sort_unstable();
             chosen.dedup();
             chosen
@@ -82,8 +81,8 @@ pub fn choose(loops: &[BoundaryLoop], choice: &LoopChoice) -> Result<Vec<usize>,
     })
 }
 
-/// Index of the loop with the vertex nearest to `point`; `None` if there are no loops.
-pub fn nearest_loop(mesh: &Mesh, loops: &[BoundaryLoop], point: DVec3) -> Option<usize> {
+/// The loop with the vertex nearest to `point`; `None` if there are no loops.
+pub fn nearest_loop(mesh: &Mesh, loops: &[BoundaryLoop], point: DVec3) -> Option<LoopId> {
     let distance = |l: &BoundaryLoop| {
         l.vertices
             .iter()
@@ -92,8 +91,7 @@ pub fn nearest_loop(mesh: &Mesh, loops: &[BoundaryLoop], point: DVec3) -> Option
     };
     loops
         .iter()
-        .map(distance)
-        .enumerate()
+        .map(|l| (l.id, distance(l)))
         .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(i, _)| i)
+        .map(|(id, _)| id)
 }

@@ -1,13 +1,13 @@
 //! Boundary loops: their measures, and the guess which of them are outer rims.
 
 use super::outer_rim::guess_outer_rims;
-use super::{Components, DVec3, HalfedgeId, Mesh, VertexId, components};
+use super::{Components, DVec3, HalfedgeId, LoopId, Mesh, VertexId, components};
 
 /// A closed chain of boundary edges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundaryLoop {
-    /// Number shown to people, from 1; loops are numbered by their lowest vertex.
-    pub number: usize,
+    /// Which loop of the mesh this is.
+    pub id: LoopId,
     /// The boundary half-edges, in the direction in which a patch runs through the rim.
     pub halfedges: Vec<HalfedgeId>,
     /// Where each half-edge starts; the lowest vertex first.
@@ -41,7 +41,7 @@ impl BoundaryLoop {
     }
 }
 
-/// All boundary loops of a mesh, numbered by their lowest vertex.
+/// All boundary loops of a mesh, in the order of their lowest vertices.
 pub fn boundary_loops(mesh: &Mesh) -> Vec<BoundaryLoop> {
     let parts = components(&mesh.topology);
     let mut loops: Vec<BoundaryLoop> = mesh
@@ -49,7 +49,7 @@ pub fn boundary_loops(mesh: &Mesh) -> Vec<BoundaryLoop> {
         .boundary_loops()
         .into_iter()
         .enumerate()
-        .map(|(i, halfedges)| measure(mesh, &parts, i + 1, halfedges))
+        .map(|(i, halfedges)| measure(mesh, &parts, i.into(), halfedges))
         .collect();
     guess_outer_rims(mesh, &parts, &mut loops);
     loops
@@ -58,7 +58,7 @@ pub fn boundary_loops(mesh: &Mesh) -> Vec<BoundaryLoop> {
 fn measure(
     mesh: &Mesh,
     parts: &Components,
-    number: usize,
+    id: LoopId,
     halfedges: Vec<HalfedgeId>,
 ) -> BoundaryLoop {
     let topology = &mesh.topology;
@@ -73,7 +73,7 @@ fn measure(
         .sum::<f64>()
         / n as f64;
     BoundaryLoop {
-        number,
+        id,
         perimeter: (0..n)
             .map(|i| points[i].distance(points[(i + 1) % n]))
             .sum(),
@@ -145,7 +145,10 @@ mod tests {
             .collect();
         let topology = Topology::from_triangles(8, &triangles).expect("a ring");
         let loops = boundary_loops(&Mesh::new(positions, topology));
-        assert_eq!(loops.iter().map(|l| l.number).collect::<Vec<_>>(), [1, 2]);
+        assert_eq!(
+            loops.iter().map(|l| l.id.index()).collect::<Vec<_>>(),
+            [0, 1]
+        );
         let hole = &loops[1];
         assert_eq!(
             hole.vertices.iter().map(|v| v.0).collect::<Vec<_>>(),

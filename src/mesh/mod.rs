@@ -23,7 +23,7 @@ pub use cut::{CutOpen, corner_fans, cut_open, edge_between, edge_flags, face_hal
 pub use data::{Components, Mesh, components};
 pub use erase::{Erased, erase};
 pub use glam::DVec3;
-pub use ids::{FaceId, HalfedgeId, VertexId};
+pub use ids::{FaceId, HalfedgeId, LoopId, VertexId};
 pub use intersect::{dihedral_angle, folded_edges, self_intersections, triangles_meet};
 pub use selection::{
     connected_faces, face_flags, face_list, faces_in_ball, faces_near, grow, inner_vertices,

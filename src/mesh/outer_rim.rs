@@ -100,7 +100,7 @@ pub(super) fn guess_outer_rims(mesh: &Mesh, parts: &Components, loops: &mut [Bou
             };
             (false, format!("{what} (opening {opening:.0}°)"))
         } else if let Some(j) = faced(loops, &rims, &hole, i) {
-            (false, format!("it faces loop {}", loops[j].number))
+            (false, format!("it faces loop {}", loops[j].id))
         } else if mouths[loops[i].component as usize] > 1 {
             let kind = if opening < CUP_BELOW {
                 "one of several open ends"

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::Camera;
-use crate::mesh::{BoundaryLoop, DVec3, FaceId, Topology, TriangleBvh};
+use crate::mesh::{BoundaryLoop, DVec3, FaceId, LoopId, Topology, TriangleBvh};
 
 /// Sight lines to a rim end this much before it, in lengths of the edge and of the line: the faces
 /// at the rim do not hide it.
@@ -179,7 +179,7 @@ impl Picker {
         Some(FaceId(hit.face))
     }
 
-    /// The loop under the cursor, as index into the loops given: the one whose rim is nearest to the
+    /// The loop under the cursor: the one whose rim is nearest to the
     /// cursor, at most `tolerance_px` away and not hidden by the surface; or else the hole into
     /// whose opening the cursor points, from either side, with no surface before it. Outer rims have
     /// no opening.
@@ -189,10 +189,10 @@ impl Picker {
         size_px: [f64; 2],
         cursor_px: [f64; 2],
         tolerance_px: f64,
-    ) -> Option<usize> {
+    ) -> Option<LoopId> {
         let view = View::new(camera, size_px, cursor_px);
         self.rim_at(&view, tolerance_px)
-            .map(|near| near.rim)
+            .map(|near| near.rim.into())
             .or_else(|| self.opening_at(&view))
     }
 
@@ -256,7 +256,7 @@ impl Picker {
     }
 
     /// The nearest opening before any surface.
-    fn opening_at(&self, view: &View<'_>) -> Option<usize> {
+    fn opening_at(&self, view: &View<'_>) -> Option<LoopId> {
         let within = [view.start, f64::INFINITY];
         let surface = self
             .surface
@@ -269,7 +269,7 @@ impl Picker {
             .filter_map(|(i, rim)| Some((i, rim.opening(view)?)))
             .filter(|&(_, t)| t < surface)
             .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(i, _)| i)
+            .map(|(i, _)| i.into())
     }
 }
 

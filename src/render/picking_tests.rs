@@ -1,5 +1,5 @@
 use super::*;
-use crate::mesh::{Mesh, boundary_loops};
+use crate::mesh::{LoopId, Mesh, boundary_loops};
 use crate::render::{Bounds, StandardView};
 use crate::shapes::{self, Hole, HoleShape};
 
@@ -44,7 +44,7 @@ fn pixel(camera: &Camera, p: DVec3) -> [f64; 2] {
     [0.5 * (x + 1.0) * SIZE[0], 0.5 * (1.0 - y) * SIZE[1]]
 }
 
-fn pick(model: &Model, camera: &Camera, at: [f64; 2]) -> Option<usize> {
+fn pick(model: &Model, camera: &Camera, at: [f64; 2]) -> Option<LoopId> {
     model.picker.pick_loop(camera, SIZE, at, TOLERANCE)
 }
 
@@ -58,9 +58,12 @@ fn a_hole_is_picked_by_rim_and_opening_but_not_through_the_surface() {
         .collect();
     let middle = DVec3::Z;
     for camera in cameras(&cup, StandardView::Front) {
-        assert_eq!(pick(&cup, &camera, pixel(&camera, middle)), Some(0));
+        assert_eq!(
+            pick(&cup, &camera, pixel(&camera, middle)),
+            Some(LoopId::FIRST)
+        );
         for &p in &rim {
-            assert_eq!(pick(&cup, &camera, pixel(&camera, p)), Some(0));
+            assert_eq!(pick(&cup, &camera, pixel(&camera, p)), Some(LoopId::FIRST));
             let outside = DVec3::new(1.3 * p.x, 1.3 * p.y, p.z);
             assert_eq!(pick(&cup, &camera, pixel(&camera, outside)), None);
         }
@@ -75,7 +78,7 @@ fn a_hole_is_picked_by_rim_and_opening_but_not_through_the_surface() {
     for camera in cameras(&cup, StandardView::Top) {
         let nearest = rim.iter().copied().max_by(|a, b| a.y.total_cmp(&b.y));
         let at = pixel(&camera, nearest.expect("a rim"));
-        assert_eq!(pick(&cup, &camera, at), Some(0));
+        assert_eq!(pick(&cup, &camera, at), Some(LoopId::FIRST));
         let below = pixel(&camera, DVec3::new(0.0, 0.8, 0.6));
         assert_eq!(pick(&cup, &camera, below), None);
     }
@@ -89,7 +92,10 @@ fn from_within_holes_are_picked_from_their_other_side() {
     camera.distance = 0.5;
     camera.pivot = DVec3::new(0.0, 0.0, 0.6);
     assert!(camera.eye().length() < 0.2);
-    assert_eq!(pick(&cup, &camera, pixel(&camera, DVec3::Z)), Some(0));
+    assert_eq!(
+        pick(&cup, &camera, pixel(&camera, DVec3::Z)),
+        Some(LoopId::FIRST)
+    );
     let wall = pixel(&camera, DVec3::new(0.55, 0.0, 0.83));
     assert_eq!(pick(&cup, &camera, wall), None);
 }
@@ -109,7 +115,7 @@ fn the_nearer_of_two_openings_is_picked() {
         (StandardView::Back, 1 - north),
     ] {
         for camera in cameras(&pipe, view) {
-            let picker = |i: usize| -> bool {
+            let picker = |i: usize| {
                 // guessed to be outer rims or not, they are holes here
                 let mut loops = pipe.loops.clone();
                 for l in &mut loops {
@@ -117,7 +123,7 @@ fn the_nearer_of_two_openings_is_picked() {
                 }
                 let picker = Picker::new(&pipe.mesh.positions, &pipe.mesh.topology, &loops);
                 let at = pixel(&camera, DVec3::ZERO);
-                picker.pick_loop(&camera, SIZE, at, TOLERANCE) == Some(i)
+                picker.pick_loop(&camera, SIZE, at, TOLERANCE) == Some(i.into())
             };
             assert!(picker(expected));
         }
@@ -147,7 +153,7 @@ fn openings_of_any_outline_are_told_from_their_surroundings() {
             }],
         );
         let plate = model(cut);
-        let hole = plate.loops.iter().position(|l| !l.outer_rim);
+        let hole = plate.loops.iter().find(|l| !l.outer_rim).map(|l| l.id);
         let hole = hole.expect("a hole and the border of the plane");
         for view in [StandardView::Front, StandardView::Back] {
             for camera in cameras(&plate, view) {
@@ -186,7 +192,7 @@ fn outer_rims_are_picked_by_their_line() {
     assert!(plate.loops[0].outer_rim);
     for camera in cameras(&plate, StandardView::Front) {
         let edge = pixel(&camera, DVec3::new(1.0, 0.2, 0.0));
-        assert_eq!(pick(&plate, &camera, edge), Some(0));
+        assert_eq!(pick(&plate, &camera, edge), Some(LoopId::FIRST));
         let beside = [edge[0] + 2.0 * TOLERANCE, edge[1]];
         assert_eq!(pick(&plate, &camera, beside), None);
         assert_eq!(pick(&plate, &camera, pixel(&camera, DVec3::ZERO)), None);

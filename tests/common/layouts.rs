@@ -36,7 +36,7 @@ impl Layout {
             found.expect("a loop")
         };
         let gap: Vec<_> = self.rims.iter().map(nearest).collect();
-        let mut numbers: Vec<usize> = gap.iter().map(|l| l.number).collect();
+        let mut numbers: Vec<_> = gap.iter().map(|l| l.id).collect();
         numbers.sort_unstable();
         numbers.dedup();
         assert_eq!(

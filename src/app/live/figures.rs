@@ -2,14 +2,17 @@
 
 use super::{Live, Shape};
 use crate::fill::LiveFill;
+use crate::mesh::LoopId;
 use crate::refine::LiveRefine;
 use crate::solver::End;
 
 /// A row of figures: of a group of holes, or of a refinement.
 #[derive(Clone, Debug, Default)]
 pub struct Figures {
-    /// Loops solved together; of a refinement the level.
-    pub holes: Vec<usize>,
+    /// Loops solved together; none for a refinement.
+    pub holes: Vec<LoopId>,
+    /// The level of a refinement.
+    pub level: Option<usize>,
     /// Accepted steps at the state that is shown.
     pub step: Option<usize>,
     /// Time step over the natural time.
@@ -57,6 +60,7 @@ fn fill_figures(live: &LiveFill, shown: Option<&Shape>) -> Vec<Figures> {
             let eta = eta.map_or_else(String::new, |s| format!("about {} s to go", s.ceil()));
             Figures {
                 holes: group.holes.clone(),
+                level: None,
                 step: at.map(|s| s.step),
                 relative_tau: Some(group.tau / group.tau_ref),
                 energy: at.map(|s| s.energy),
@@ -87,7 +91,8 @@ fn refine_figures(live: &LiveRefine, shown: Option<&Shape>) -> Figures {
         None => None,
     };
     Figures {
-        holes: state.map(|s| s.frame.level).into_iter().collect(),
+        holes: Vec::new(),
+        level: state.map(|s| s.frame.level),
         step: state.map(|s| s.step),
         relative_tau: status.relative_tau,
         energy: state.map(|s| s.energy).filter(|e| e.is_finite()),

@@ -10,7 +10,7 @@ use crate::app::document::{Accepted, Work, left_of};
 use crate::app::live::Shape;
 use crate::app::model::Model;
 use crate::fill::{Choice, Continuity, Controls};
-use crate::mesh::{BoundaryLoop, HalfedgeId, Mesh, Topology, VertexId, boundary_loops};
+use crate::mesh::{BoundaryLoop, HalfedgeId, LoopId, Mesh, Topology, VertexId, boundary_loops};
 
 /// Sharp edges listed at most, the longest chains first.
 const MOST_SHARP: usize = 24;
@@ -98,7 +98,7 @@ enum Loops {
     /// They are the boundary of the faces before the patch's.
     Before,
     /// These.
-    Known(BTreeMap<VertexId, usize>),
+    Known(BTreeMap<VertexId, LoopId>),
 }
 
 /// All patches of a [`Subject`].
@@ -146,8 +146,8 @@ impl Patches {
             .collect();
         if let Some((run, side, Shape::Fill(state))) = run {
             let numbered = |l: &BoundaryLoop| {
-                let number = l.number;
-                l.vertices.clone().into_iter().map(move |v| (v, number))
+                let id = l.id;
+                l.vertices.clone().into_iter().map(move |v| (v, id))
             };
             patches.push(Patch {
                 faces: state.patch_faces(),
@@ -289,7 +289,7 @@ fn last_continuity(done: &Accepted) -> Controls {
 
 impl Patch {
     /// Numbers of the loops by their vertices; empty where all are alike.
-    fn numbers(&self, mesh: &Mesh) -> BTreeMap<VertexId, usize> {
+    fn numbers(&self, mesh: &Mesh) -> BTreeMap<VertexId, LoopId> {
         if self.controls.loop_continuity.is_empty() {
             return BTreeMap::new();
         }
@@ -303,8 +303,8 @@ impl Patch {
                     boundary_loops(&Mesh::new(mesh.positions.clone(), topology))
                 });
                 let numbered = |l: BoundaryLoop| {
-                    let number = l.number;
-                    l.vertices.into_iter().map(move |v| (v, number))
+                    let id = l.id;
+                    l.vertices.into_iter().map(move |v| (v, id))
                 };
                 loops.into_iter().flat_map(numbered).collect()
             }

@@ -51,7 +51,7 @@ fn rims_are_measured_as_smooth_or_as_creases_and_undo_is_followed() {
 
     // one hole with a crease, the other without, in one fill
     let mut controls = m.document.controls.clone();
-    let sharp = m.document.loops[1].number;
+    let sharp = m.document.loops[1].id;
     controls.loop_continuity.insert(sharp, Continuity::G0);
     m.act(Action::Controls(Box::new(controls)));
     let rim = m.document.loops[1].clone();
@@ -134,7 +134,7 @@ fn edges_are_chosen_and_let_go() {
     let chain = &found.analysis.chains[0];
     assert!(!chain.is_crease && chain.edges == m.view.report.chains[0].edges.len());
     // it stays when patches are added
-    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
     filled(&mut m);
     m.act(Action::Accept(0));
     let after = measured(&mut m);
@@ -161,7 +161,7 @@ fn edges_are_chosen_and_let_go() {
 #[test]
 fn chosen_edges_and_rims_outlive_erasing() {
     let mut m = model();
-    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
     filled(&mut m);
     m.act(Action::Accept(0));
     let mesh = Arc::clone(&m.document.mesh);

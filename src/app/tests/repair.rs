@@ -150,7 +150,7 @@ fn fairing_moves_inner_vertices_only_and_shows_them() {
 fn erasing_leaves_a_hole_to_be_filled() {
     let mut m = in_repair();
     m.act(Action::Task(Task::Fill));
-    m.act(Action::Select(0, SelectHow::Replace));
+    m.act(Action::Select(0.into(), SelectHow::Replace));
     filled(&mut m);
     m.act(Action::Accept(0));
     let patch = last(&m).faces.clone();
@@ -174,10 +174,10 @@ fn erasing_leaves_a_hole_to_be_filled() {
 fn turning_over_keeps_the_rims_gathered() {
     let mut m = model();
     m.act(Action::Task(Task::Blend));
-    m.act(Action::Select(1, SelectHow::Replace));
+    m.act(Action::Select(1.into(), SelectHow::Replace));
     let place = m.document.loops[1].centroid;
     let face = m.document.mesh.topology.face_vertices(FaceId(0));
-    m.act(Action::Flip(1));
+    m.act(Action::Flip(1.into()));
     let [a, b, c] = m.document.mesh.topology.face_vertices(FaceId(0));
     assert!([[a, c, b], [c, b, a], [b, a, c]].contains(&face));
     let gathered: Vec<_> = m.document.selected().iter().map(|l| l.centroid).collect();

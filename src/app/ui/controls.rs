@@ -230,16 +230,16 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
         ui.collapsing("Each rim", |ui| {
             for l in selected {
                 ui.horizontal_wrapped(|ui| {
-                    ui.label(RichText::new(format!("loop {}", l.number)));
-                    let mut own = next.continuity_at(l.number);
+                    ui.label(RichText::new(format!("loop {}", l.id)));
+                    let mut own = next.continuity_at(l.id);
                     let before = own;
                     ui.selectable_value(&mut own, Continuity::G1, "G1");
                     ui.selectable_value(&mut own, Continuity::G0, "G0");
                     if own != before {
                         if own == next.continuity {
-                            next.loop_continuity.remove(&l.number);
+                            next.loop_continuity.remove(&l.id);
                         } else {
-                            next.loop_continuity.insert(l.number, own);
+                            next.loop_continuity.insert(l.id, own);
                         }
                     }
                 });

@@ -189,12 +189,12 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         })
         .body(|body| {
             body.rows(18.0, loops.len(), |mut row| {
-                let i = row.index();
-                let l = &loops[i];
-                row.set_selected(model.document.selection.contains(&i));
-                row.set_hovered(model.view.hover == Some(i));
+                let l = &loops[row.index()];
+                let is_selected = model.document.selection.contains(&l.id);
+                row.set_selected(is_selected);
+                row.set_hovered(model.view.hover == Some(l.id));
                 row.col(|ui| {
-                    let mut text = RichText::new(l.number.to_string());
+                    let mut text = RichText::new(l.id.to_string());
                     if l.outer_rim {
                         text = text.weak();
                     }
@@ -216,16 +216,11 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                         response.on_hover_text(format!("guessed an outer rim: {}", l.reason));
                 }
                 response.widget_info(|| {
-                    let name = format!("loop {}, {} edges", l.number, l.edges());
-                    egui::WidgetInfo::selected(
-                        egui::Role::Button,
-                        true,
-                        model.document.selection.contains(&i),
-                        name,
-                    )
+                    let name = format!("loop {}, {} edges", l.id, l.edges());
+                    egui::WidgetInfo::selected(egui::Role::Button, true, is_selected, name)
                 });
                 if response.hovered() {
-                    hovered = Some(i);
+                    hovered = Some(l.id);
                 }
                 response.context_menu(|ui| {
                     let idle = model.run.is_none();
@@ -233,19 +228,19 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     let tip =
                         "the other side becomes the outer one; for rims whose sides do not fit";
                     if ui.add_enabled(idle, button).on_hover_text(tip).clicked() {
-                        actions.push(Action::Flip(i));
+                        actions.push(Action::Flip(l.id));
                         ui.close();
                     }
                     if ui.button("Look at it").clicked() {
-                        actions.push(Action::FlyToLoop(i));
+                        actions.push(Action::FlyToLoop(l.id));
                         ui.close();
                     }
                 });
                 if response.double_clicked() {
-                    actions.push(Action::FlyToLoop(i));
+                    actions.push(Action::FlyToLoop(l.id));
                 } else if response.clicked() {
                     let modifiers = response.ctx.input(|input| input.modifiers);
-                    actions.push(Action::Select(i, how(modifiers)));
+                    actions.push(Action::Select(l.id, how(modifiers)));
                 }
             });
         });

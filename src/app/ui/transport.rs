@@ -10,6 +10,7 @@ use crate::app::model::Model;
 use crate::app::run::{Run, Side};
 use crate::app::seam::Seam;
 use crate::app::shortcuts::{Command, hint};
+use crate::mesh::LoopId;
 use crate::solver::End;
 
 /// Everything about the run.
@@ -228,14 +229,14 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &Side) {
         ui.end_row();
     }
     for row in rows {
-        let numbers = |holes: &[usize], between| {
-            let words: Vec<String> = holes.iter().map(usize::to_string).collect();
+        let numbers = |holes: &[LoopId], between| {
+            let words: Vec<String> = holes.iter().map(LoopId::to_string).collect();
             words.join(between)
         };
         let what = match &run.work {
             Work::Blend(loops) => numbers(loops, "+"),
             Work::Fair(faces) => format!("{} faces", faces.len()),
-            Work::Refine(_) => format!("level {}", numbers(&row.holes, "")),
+            Work::Refine(_) => row.level.map_or_else(String::new, |n| format!("level {n}")),
             _ => numbers(&row.holes, ", "),
         };
         let text = |value: Option<String>| value.unwrap_or_default();

@@ -242,7 +242,7 @@ fn pick(
             return;
         }
         match picker.pick_loop(camera, size, place(at), f64::from(REACH)) {
-            Some(i) => actions.push(Action::Select(i, how(modifiers))),
+            Some(id) => actions.push(Action::Select(id, how(modifiers))),
             None if how(modifiers) == SelectHow::Replace => actions.push(Action::SelectNone),
             None => {}
         }
@@ -282,7 +282,7 @@ pub fn on_screen(model: &Model, rect: Rect, point: DVec3) -> Option<Pos2> {
 
 /// The figures of the loop under the cursor, beside its middle.
 fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
-    let Some(l) = model.view.hover.and_then(|i| model.document.loops.get(i)) else {
+    let Some(l) = model.view.hover.and_then(|id| model.document.loop_of(id)) else {
         return;
     };
     let Some(at) = on_screen(model, rect, l.centroid) else {
@@ -291,7 +291,7 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
     let rim = if l.outer_rim { ", outer rim?" } else { "" };
     let words = format!(
         "loop {}: {} edges, length {}, width {}{rim}",
-        l.number,
+        l.id,
         l.edges(),
         short(l.perimeter),
         short(l.diameter)

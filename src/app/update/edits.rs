@@ -6,13 +6,13 @@ use crate::app::action::Action;
 use crate::app::document::{Accepted, Work};
 use crate::app::model::Model;
 use crate::fill::{Schedule, bridge as build_bridge, stretch_at};
-use crate::mesh::{DVec3, Mesh, erase as erase_faces, face_flags};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, erase as erase_faces, face_flags};
 
 /// Carries out the actions of this kind.
 pub fn update(model: &mut Model, action: &Action) {
     match *action {
         Action::Erase => erase(model),
-        Action::Flip(i) => flip(model, i),
+        Action::Flip(id) => flip(model, id),
         Action::Bridge(ends, width) => bridge(model, ends, width),
         _ => {}
     }
@@ -92,24 +92,25 @@ fn bridge(model: &mut Model, ends: [DVec3; 2], width: usize) {
     }
 }
 
-/// Turns over the component of a loop, by its index.
-fn flip(model: &mut Model, i: usize) {
+/// Turns over the component of a loop.
+fn flip(model: &mut Model, id: LoopId) {
     if model.is_busy("changing something else") {
         return;
     }
-    let Some(l) = model.document.loops.get(i) else {
+    let Some(l) = model.document.loop_of(id) else {
         return;
     };
     let mesh = model.document.mesh.turned_over(&[l.component]);
-    let work = Work::Flip(l.number);
+    let work = Work::Flip(id);
     let gathered = model.document.selected();
     let places: Vec<DVec3> = gathered.iter().map(|l| l.centroid).collect();
     accept_at_once(model, work, mesh, None);
     // the same rims stay gathered, by their new numbers
     let loops = &model.document.loops;
     let nearest = |p: &DVec3| {
-        let far = |i: &usize| loops[*i].centroid.distance_squared(*p);
-        (0..loops.len()).min_by(|a, b| far(a).total_cmp(&far(b)))
+        let far = |l: &BoundaryLoop| l.centroid.distance_squared(*p);
+        let found = loops.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+        found.map(|l| l.id)
     };
     model.document.selection = places.iter().filter_map(nearest).collect();
 }

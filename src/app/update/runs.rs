@@ -204,7 +204,7 @@ fn fill(model: &mut Model) {
             .warning("a blend joins two rims or more: click them, or take all with Ctrl+A");
         return;
     }
-    let loops = model.document.selected().iter().map(|l| l.number).collect();
+    let loops = model.document.selection.iter().copied().collect();
     start(
         model,
         match task {

@@ -7,6 +7,7 @@ use crate::app::faces::{FaceEdit, catch, edited};
 use crate::app::jobs::Job;
 use crate::app::model::{Done, Model};
 use crate::app::view_state::Task;
+use crate::fill::LoopChoice;
 
 /// Carries out the actions of this kind.
 pub fn update(model: &mut Model, action: Action) {
@@ -76,30 +77,30 @@ fn loops(model: &mut Model, action: &Action) {
     }
     let mut selection = model.document.selection.clone();
     let label = match action {
-        Action::Select(i, _) if *i >= model.document.loops.len() => return,
+        Action::Select(id, _) if model.document.loop_of(*id).is_none() => return,
         // the rims of a blend are gathered one by one
-        Action::Select(i, SelectHow::Replace) if model.view.task == Task::Blend => {
-            if !selection.remove(i) {
-                selection.insert(*i);
+        Action::Select(id, SelectHow::Replace) if model.view.task == Task::Blend => {
+            if !selection.remove(id) {
+                selection.insert(*id);
             }
             "gather a rim"
         }
-        Action::Select(i, SelectHow::Replace) => {
-            selection = [*i].into();
+        Action::Select(id, SelectHow::Replace) => {
+            selection = [*id].into();
             "select a loop"
         }
-        Action::Select(i, SelectHow::Add) => {
-            selection.insert(*i);
+        Action::Select(id, SelectHow::Add) => {
+            selection.insert(*id);
             "add a loop"
         }
-        Action::Select(i, SelectHow::Toggle) => {
-            if !selection.remove(i) {
-                selection.insert(*i);
+        Action::Select(id, SelectHow::Toggle) => {
+            if !selection.remove(id) {
+                selection.insert(*id);
             }
             "toggle a loop"
         }
         Action::SelectAll if model.view.task == Task::Blend && model.document.holes().len() < 2 => {
-            selection = (0..model.document.loops.len()).collect();
+            selection = model.document.chosen(&LoopChoice::All);
             "select all rims"
         }
         Action::SelectAll => {
@@ -107,7 +108,7 @@ fn loops(model: &mut Model, action: &Action) {
             "select all holes"
         }
         Action::SelectAllButLargest => {
-            selection = model.document.all_but_largest();
+            selection = model.document.chosen(&LoopChoice::AllButLargest);
             "select all but the largest"
         }
         _ => {

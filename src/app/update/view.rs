@@ -2,6 +2,7 @@
 
 use crate::app::action::{Action, Switch};
 use crate::app::model::{Effect, Model};
+use crate::mesh::LoopId;
 use crate::render::{Background, Bounds};
 
 /// Carries out the actions of this kind.
@@ -9,11 +10,11 @@ pub fn update(model: &mut Model, action: &Action) {
     match action {
         Action::Camera(camera) => model.view.camera = *camera,
         Action::FitAll => fit(model, &model.bounds()),
-        Action::FlyToLoop(i) => {
-            if let Some(l) = model.document.loops.get(*i) {
+        Action::FlyToLoop(id) => {
+            if let Some(l) = model.document.loop_of(*id) {
                 let reach = crate::mesh::DVec3::splat(1.6 * l.radius);
                 let around = Bounds::new(l.centroid - reach, l.centroid + reach);
-                face_loop(model, *i);
+                face_loop(model, *id);
                 fit(model, &around);
             }
         }
@@ -55,8 +56,8 @@ pub(super) fn fly_to(model: &mut Model, place: crate::mesh::DVec3) {
 }
 
 /// Turns the camera so that it looks onto a loop from outside.
-fn face_loop(model: &mut Model, i: usize) {
-    let l = &model.document.loops[i];
+fn face_loop(model: &mut Model, id: LoopId) {
+    let l = &model.document.loops[id.index()];
     let mesh = &model.document.mesh;
     // the loop runs as a patch would: its vector area points outwards
     let n = l.vertices.len();

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::energy::{Energy, ExprError};
 use crate::fill::FillOptions;
+use crate::mesh::LoopId;
 use crate::patch::PatchOptions;
 use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, SolverError, Tau};
 
@@ -64,8 +65,8 @@ pub struct Controls {
     pub noise: f64,
     /// How patches meet the mesh.
     pub continuity: Continuity,
-    /// The same for single loops, by their numbers.
-    pub loop_continuity: BTreeMap<usize, Continuity>,
+    /// The same for single loops.
+    pub loop_continuity: BTreeMap<LoopId, Continuity>,
     /// Most steps to take.
     pub max_steps: usize,
 }
@@ -159,9 +160,9 @@ impl Controls {
         })
     }
 
-    /// How the patch of a loop (by number) joins its rim.
-    pub fn continuity_at(&self, number: usize) -> Continuity {
-        let own = self.loop_continuity.get(&number);
+    /// How the patch of a loop joins its rim.
+    pub fn continuity_at(&self, id: LoopId) -> Continuity {
+        let own = self.loop_continuity.get(&id);
         own.copied().unwrap_or(self.continuity)
     }
 }

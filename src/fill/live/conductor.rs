@@ -18,7 +18,7 @@ use crate::fill::run::Ground;
 use crate::fill::schedule::{Change, Course, Item, Row};
 use crate::fill::{FillError, Gap, Plan, RefillError, prepare_gaps, with_islands};
 use crate::live::{SharedTimeline, on_own_pool, until_next_round};
-use crate::mesh::{BoundaryLoop, Mesh, Topology, boundary_loops};
+use crate::mesh::{BoundaryLoop, LoopId, Mesh, Topology, boundary_loops};
 use crate::solver::SolverError;
 
 /// What the handle tells the thread.
@@ -107,7 +107,7 @@ fn conduct(task: Task, lines: &Lines) -> Result<(), RefillError> {
     let gaps: Vec<Gap<'_>> = match task.kind {
         Kind::Blend => vec![task.loops.iter().collect()],
         Kind::Holes => {
-            let chosen: Vec<usize> = task.loops.iter().map(|l| l.number - 1).collect();
+            let chosen: Vec<LoopId> = task.loops.iter().map(|l| l.id).collect();
             with_islands(mesh, &all, &chosen)
         }
         Kind::Fair(_) => Vec::new(),
@@ -340,10 +340,10 @@ impl Conductor<'_> {
         Ok(())
     }
 
-    fn holes(&self, g: usize) -> Vec<usize> {
+    fn holes(&self, g: usize) -> Vec<LoopId> {
         let plan = self.ground.plan;
         let holes = plan.groups[g].holes.iter();
-        holes.map(|&h| plan.holes[h].number).collect()
+        holes.map(|&h| plan.holes[h].id).collect()
     }
 
     /// Puts the present shapes into the timeline.

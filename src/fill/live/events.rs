@@ -1,6 +1,6 @@
 //! What a live fill says, and how its groups stand.
 
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, LoopId};
 use crate::solver::{End, Outcome, StepRecord};
 
 /// Something that happened to a live fill.
@@ -57,8 +57,8 @@ pub enum LiveEvent {
     Failed {
         /// The group; `None` for a hole without a patch.
         group: Option<usize>,
-        /// Numbers of the loops concerned.
-        holes: Vec<usize>,
+        /// The loops concerned.
+        holes: Vec<LoopId>,
         /// Why, in plain words.
         text: String,
     },
@@ -78,8 +78,8 @@ pub enum LiveError {
 /// How a group of holes that are solved together stands.
 #[derive(Clone, Debug)]
 pub struct GroupStatus {
-    /// Numbers of its loops.
-    pub holes: Vec<usize>,
+    /// Its loops.
+    pub holes: Vec<LoopId>,
     /// Hole radius: the largest of the group.
     pub radius: f64,
     /// Vertices that move.

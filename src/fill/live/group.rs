@@ -10,7 +10,7 @@ use crate::fill::run::{Ground, GroupRun};
 use crate::fill::schedule::Change;
 use crate::fill::scheduled::refusal;
 use crate::fill::shape::Shape;
-use crate::mesh::{DVec3, VertexId};
+use crate::mesh::{DVec3, LoopId, VertexId};
 use crate::solver::{Flow, STOP, SolverError, StepRecord, sharpest_cosine};
 
 /// A group, its latest state and what was said of it.
@@ -170,7 +170,7 @@ impl LiveGroup {
     }
 
     /// How the flow has ended, once.
-    pub fn end_event(&mut self, group: usize, holes: Vec<usize>) -> Option<LiveEvent> {
+    pub fn end_event(&mut self, group: usize, holes: Vec<LoopId>) -> Option<LiveEvent> {
         if self.end_reported || !self.run.ended() {
             return None;
         }
@@ -183,7 +183,7 @@ impl LiveGroup {
         Some(LiveEvent::Failed { group, holes, text })
     }
 
-    pub fn status(&self, holes: Vec<usize>, radius: f64, attempts: usize) -> GroupStatus {
+    pub fn status(&self, holes: Vec<LoopId>, radius: f64, attempts: usize) -> GroupStatus {
         let flow = self.run.flow();
         GroupStatus {
             holes,

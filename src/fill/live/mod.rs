@@ -104,8 +104,8 @@ impl LiveFill {
     ) -> Result<Self, LiveError> {
         controls.options()?;
         // as the command line takes them
-        loops.sort_by_key(|l| l.number);
-        loops.dedup_by_key(|l| l.number);
+        loops.sort_by_key(|l| l.id);
+        loops.dedup_by_key(|l| l.id);
         let (commands, inbox) = channel();
         let (outbox, messages) = channel();
         let timeline = SharedTimeline::new(settings.timeline_bytes);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::fill::Plan;
 use crate::fill::schedule::Row;
 use crate::fill::shape::Shape;
-use crate::mesh::{DVec3, Mesh, Topology};
+use crate::mesh::{DVec3, LoopId, Mesh, Topology};
 
 /// One group's shape after an accepted step.
 #[derive(Clone, Debug)]
@@ -31,8 +31,8 @@ pub struct GroupState {
 /// A hole's part of a filled mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HoleLayout {
-    /// Number of the loop.
-    pub number: usize,
+    /// The loop.
+    pub id: LoopId,
     /// The group it is solved with; `None` if it has no interior vertex.
     pub group: Option<usize>,
     /// Its vertices in the filled mesh.
@@ -61,7 +61,7 @@ impl Layout {
         let (old_vertices, old_faces) = (mesh.vertex_count(), mesh.face_count());
         let from = |range: &Range<usize>, old: usize| old + range.start..old + range.end;
         let holes = plan.holes.iter().map(|hole| HoleLayout {
-            number: hole.number,
+            id: hole.id,
             group: hole.group,
             vertices: from(&hole.new_vertices, old_vertices),
             faces: from(&hole.new_faces, old_faces),

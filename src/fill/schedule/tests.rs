@@ -18,7 +18,7 @@ fn changed() -> Controls {
         noise: 0.25,
         density: 1.5,
         continuity: Continuity::G0,
-        loop_continuity: [(3, Continuity::G1)].into(),
+        loop_continuity: [(2.into(), Continuity::G1)].into(),
         max_steps: 17,
     }
 }
