@@ -138,7 +138,7 @@ fn a_flow_that_runs_into_the_mesh_ends_before_it() {
     let filled = fill_gaps(&mesh, &[gap], &FillOptions::default(), &|_, _| true);
     let filled = filled.expect("a manifold");
     let outcome = &filled.groups[0].as_ref().expect("a flow").outcome;
-    assert_eq!(outcome.end, End::Crossed);
+    assert_eq!(outcome.end, End::SelfIntersected);
     assert!(outcome.steps > 0);
     let text = outcome.warnings.join(" ");
     assert!(text.contains("passes through itself or the mesh"), "{text}");

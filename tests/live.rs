@@ -437,5 +437,5 @@ fn a_surface_that_runs_into_the_mesh_pauses_there() {
     // who goes on gets to the last shape without a crossing
     live.fill.finish();
     live.until(|fill, _| fill.ended());
-    assert_eq!(live.fill.groups()[0].end, Some(End::Crossed));
+    assert_eq!(live.fill.groups()[0].end, Some(End::SelfIntersected));
 }

@@ -238,7 +238,7 @@ fn corrected_scheme_reaches_the_reference_minimum() {
         while longest > 1e-6 * cap.radius || tau < 0.1 {
             let attempt = flow.attempt(tau);
             if attempt.accepted {
-                longest = attempt.longest;
+                longest = attempt.max_displacement;
                 tau = (2.0 * tau).min(1e3);
             } else {
                 rejected += 1;

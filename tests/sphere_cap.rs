@@ -11,7 +11,7 @@ use meniscus::mesh::{DVec3, Topology, VertexId};
 use meniscus::solver::{
     Assembler, End, EnergySum, Flow, FlowOptions, FlowProblem, Mode, Tau, Unknowns,
 };
-use meniscus::subdivision::{Rule, TableCache, elements};
+use meniscus::subdivision::{Rule, elements};
 
 const REFERENCE: &str = include_str!("data/sphere_cap.json");
 const ENERGIES: [&str; 7] = ["1", "H^2", "K", "K^2", "H^2+K^2", "H^2*K^2", "k1^4+k2^4"];
@@ -81,13 +81,7 @@ impl Cap {
     fn new(points: &[DVec3], faces: &[[u32; 3]], interior: &[u32]) -> Self {
         let problem =
             FlowProblem::new(points, faces, interior, 40f64.to_radians().sin()).expect("cap");
-        let mut tables = TableCache::default();
-        let local = elements(
-            problem.topology(),
-            problem.active_faces(),
-            Rule::Twelve,
-            &mut tables,
-        );
+        let local = elements(problem.topology(), problem.active_faces(), Rule::Twelve);
         let unknowns = Unknowns::new(&local, problem.positions(), problem.interior());
         let assembler = Assembler::new(&local, Rule::Twelve, unknowns);
         Self { problem, assembler }
@@ -202,8 +196,7 @@ fn flow_reaches_the_reference_minimum() {
         let problem = FlowProblem::new(&start, &faces, &interior, 1.0).expect("cap");
         let mut options = FlowOptions::new(energy(name));
         options.mode = Mode::Flow;
-        // quadrature, first step and growth as the reference was computed
-        options.tau = Tau::From(1e-6);
+        // quadrature and growth as the reference was computed
         options.growth = Some(4.0);
         options.quadrature = Rule::Twelve;
         let mut flow = Flow::new(problem, options).expect("start");

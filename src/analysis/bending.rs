@@ -7,7 +7,7 @@ use glam::DMat3;
 use crate::mesh::{DVec3, FaceId, Topology};
 use crate::solver::each_point;
 use crate::solver::forms::PointGeometry;
-use crate::subdivision::{Rule, TableCache, elements};
+use crate::subdivision::{Rule, elements};
 
 /// The symmetric tensor `b^ab x_a x_bᵀ`: `t · (form t)` is the normal curvature along a unit tangent
 /// `t`, half the trace the mean curvature.
@@ -43,7 +43,7 @@ pub(super) fn vertex_forms(
         .collect();
     around.sort_unstable();
     around.dedup();
-    let elements = elements(topology, &around, Rule::Twelve, &mut TableCache::default());
+    let elements = elements(topology, &around, Rule::Twelve);
     for e in 0..elements.len() {
         let corners = &elements.vertices_of(e)[..3];
         let mut point = 0;

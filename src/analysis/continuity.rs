@@ -8,7 +8,7 @@ use crate::analysis::quality::dihedral;
 use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh};
 use crate::solver::forms::PointGeometry;
 use crate::solver::{each_point, mean_curvature};
-use crate::subdivision::{Rule, TableCache, elements, elements_at};
+use crate::subdivision::{Rule, elements, elements_at};
 
 /// Where each edge is looked at, as parts of its length; not at its ends, where a limit surface may
 /// have no curvature.
@@ -193,14 +193,14 @@ impl Sides {
         });
         let topology = &local.topology;
         let sampled = elements_at(topology, &ids, on_sides.as_flattened());
-        let inside = elements(topology, &ids, Rule::Twelve, &mut TableCache::default());
+        let inside = elements(topology, &ids, Rule::Twelve);
         let mut out = Self {
             points: vec![Vec::new(); faces.len()],
             average: vec![0.0; faces.len()],
             faces,
         };
         for e in 0..sampled.len() {
-            let place = out.place(local.source_face(FaceId(sampled.faces[e])));
+            let place = out.place(local.source_face(FaceId(sampled.faces()[e])));
             let mut points = Vec::with_capacity(9);
             each_point(&sampled, e, &control, |at, p: &PointGeometry| {
                 points.push(Point {
@@ -212,7 +212,7 @@ impl Sides {
             out.points[place] = points;
         }
         for e in 0..inside.len() {
-            let place = out.place(local.source_face(FaceId(inside.faces[e])));
+            let place = out.place(local.source_face(FaceId(inside.faces()[e])));
             out.average[place] = mean_curvature(&inside, e, &control);
         }
         Some(out)

@@ -7,7 +7,7 @@ use super::*;
 use crate::mesh::{DVec3, FaceId};
 use crate::shapes::{TriangleMesh, icosphere};
 use crate::solver::each_point;
-use crate::subdivision::{Rule, TableCache, elements};
+use crate::subdivision::{Rule, elements};
 
 /// Relative errors of area and `∫ H² dA` at three densities have the orders of docs/accuracy.md: fourth on
 /// a regular grid, and lower where vertices of valence 5 are, at which Loop's surfaces are not curved
@@ -147,8 +147,8 @@ impl Piece {
         let control = control_points(&tube, Vertices::OnSurface);
         let chosen = 2 * around * skipped..2 * around * (rings - skipped);
         let faces: Vec<FaceId> = chosen.map(FaceId::from).collect();
-        let (rule, mut tables) = (Rule::Twelve, TableCache::default());
-        let elements = elements(&tube.topology, &faces, rule, &mut tables);
+        let rule = Rule::Twelve;
+        let elements = elements(&tube.topology, &faces, rule);
         let mut sums = Self::default();
         for e in 0..elements.len() {
             each_point(&elements, e, &control, |x, p| {

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::energy::Energy;
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId, components};
 use crate::solver::{Interpolation, each_point};
-use crate::subdivision::{Elements, Rule, TableCache, elements};
+use crate::subdivision::{Elements, Rule, elements};
 
 /// What the vertices of a mesh are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -82,7 +82,7 @@ pub fn control_points(mesh: &Mesh, vertices: Vertices) -> Vec<DVec3> {
 /// The stencils of all faces.
 pub(super) fn all_elements(topology: &Topology, rule: Rule) -> Elements {
     let faces: Vec<FaceId> = (0..topology.face_count()).map(FaceId::from).collect();
-    elements(topology, &faces, rule, &mut TableCache::default())
+    elements(topology, &faces, rule)
 }
 
 /// Counts and integrals of a mesh and the limit surface of the `control` points.

@@ -2,7 +2,7 @@
 
 use crate::mesh::{DVec3, FaceId, Topology, VertexId};
 use crate::solver::mean_curvature;
-use crate::subdivision::{Rule, TableCache, elements, limit_normal};
+use crate::subdivision::{Rule, elements, limit_normal};
 
 /// The worst places along all rims.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -93,10 +93,10 @@ fn jump(topology: &Topology, positions: &[DVec3], edges: &[[FaceId; 2]]) -> Opti
     let mut faces: Vec<FaceId> = edges.iter().flatten().copied().collect();
     faces.sort_unstable();
     faces.dedup();
-    let local = elements(topology, &faces, Rule::Three, &mut TableCache::default());
+    let local = elements(topology, &faces, Rule::Three);
     let mut mean = vec![f64::NAN; faces.len()];
     for e in 0..local.len() {
-        if let Ok(place) = faces.binary_search(&FaceId(local.faces[e])) {
+        if let Ok(place) = faces.binary_search(&FaceId(local.faces()[e])) {
             mean[place] = mean_curvature(&local, e, positions);
         }
     }

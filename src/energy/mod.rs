@@ -25,7 +25,7 @@ use std::sync::Arc;
 pub use expr::{ExprError, SyntaxError};
 pub use jet::Jet2;
 pub use preset::Preset;
-pub use wellposed::{WellPosed, WellPosedScan, WorstPoint, scan_well_posedness, well_posedness};
+pub use wellposed::{WellPosed, WellPosedScan, WorstPoint, scan_well_posedness};
 
 /// The order of the flow `∂x/∂t = −δE` that an energy density drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -179,11 +179,6 @@ impl Energy {
         self.order
     }
 
-    /// Whether the second derivatives vanish identically.
-    pub fn is_second_order(&self) -> bool {
-        self.order != Order::Fourth
-    }
-
     /// `f` and its derivatives at mean curvature `h` and Gauss curvature `k`.
     ///
     /// Members are not finite where `f` is not twice differentiable or not defined. Where
@@ -196,17 +191,6 @@ impl Energy {
             Density::Plain(program) => program.eval(&expr::JetAlgebra::plain(h, k)),
             Density::Principal(program, even) => expr::PairAlgebra::jet(program, *even, h, k),
             Density::Shifted(shift) => shift.jet(h, k),
-        }
-    }
-
-    /// [`Energy::jet`] at every `[H, K]` of `hk`.
-    ///
-    /// # Panics
-    /// When the lengths differ.
-    pub fn jets(&self, hk: &[[f64; 2]], out: &mut [Jet2]) {
-        assert_eq!(hk.len(), out.len(), "one jet for every [H, K]");
-        for (&[h, k], jet) in hk.iter().zip(out) {
-            *jet = self.jet(h, k);
         }
     }
 
@@ -281,7 +265,7 @@ fn as_preset(p: &expr::Polynomial) -> Option<(Preset, f64)> {
     let h0 = -0.5 * p[1][0];
     Preset::ALL
         .into_iter()
-        .filter(|&preset| preset != Preset::TotalCurvature)
+        .filter(|&preset| preset != Preset::CurvatureNorm)
         .find(|preset| preset.coefficients(h0) == *p)
         .map(|x| (x, h0))
 }
@@ -290,10 +274,10 @@ fn as_preset(p: &expr::Polynomial) -> Option<(Preset, f64)> {
 fn as_root(radicand: &expr::Program) -> Option<(Preset, f64)> {
     let p = expr::as_polynomial(radicand)?;
     let c = p[0][0].max(0.0).sqrt();
-    let mut square = Preset::TotalCurvature.coefficients(c);
+    let mut square = Preset::CurvatureNorm.coefficients(c);
     // c² may differ from the number under the root by rounding
     square[0][0] = p[0][0];
-    (c > 0.0 && square == p).then_some((Preset::TotalCurvature, c))
+    (c > 0.0 && square == p).then_some((Preset::CurvatureNorm, c))
 }
 
 fn polynomial_order(p: &expr::Polynomial) -> Order {

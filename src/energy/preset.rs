@@ -24,14 +24,14 @@ pub enum Preset {
     K,
     /// `f = (H − H0)²`: Helfrich's energy; the parameter `H0` is 0 until it is set.
     HMinusH0Squared,
-    /// `f = κ1² + κ2²`: total curvature.
+    /// `f = κ1² + κ2²`: bending energy.
     K1SqPlusK2Sq,
     /// `f = (κ1 − κ2)²`.
     K1MinusK2Squared,
-    /// `f = √(κ1² + κ2² + c²)`: total curvature, rounded off below the parameter `c`, which is 1 until
-    /// it is set. It grows with the angle a surface turns by, not with its square, so that a bend may
-    /// be sharp: edges stay where `H²` would round them off and bulge beside them.
-    TotalCurvature,
+    /// `f = √(κ1² + κ2² + c²)`: the norm of the shape operator, regularized by the parameter `c`
+    /// (default 1). A bend costs its angle, not the square of its angle, so the flow keeps sharp
+    /// edges. `H²` rounds them off and bulges beside them.
+    CurvatureNorm,
 }
 
 impl Preset {
@@ -47,7 +47,7 @@ impl Preset {
         Self::HMinusH0Squared,
         Self::K1SqPlusK2Sq,
         Self::K1MinusK2Squared,
-        Self::TotalCurvature,
+        Self::CurvatureNorm,
     ];
 
     /// The expression that [`Energy::parse`](super::Energy::parse) reads back as this preset.
@@ -63,7 +63,7 @@ impl Preset {
             Self::HMinusH0Squared => "(H-H0)^2",
             Self::K1SqPlusK2Sq => "k1^2+k2^2",
             Self::K1MinusK2Squared => "(k1-k2)^2",
-            Self::TotalCurvature => "sqrt(k1^2+k2^2+c^2)",
+            Self::CurvatureNorm => "sqrt(k1^2+k2^2+c^2)",
         }
     }
 
@@ -71,24 +71,25 @@ impl Preset {
     pub const fn parameter(self) -> Option<(&'static str, f64)> {
         match self {
             Self::HMinusH0Squared => Some(("H0", 0.0)),
-            Self::TotalCurvature => Some(("c", 1.0)),
+            Self::CurvatureNorm => Some(("c", 1.0)),
             _ => None,
         }
     }
 
     /// The degree `p` of `f(cH, c²K) = c^p f(H, K)`, where there is one for every parameter value.
-    pub const fn degree(self) -> Option<i32> {
+    #[cfg(test)]
+    pub(super) const fn degree(self) -> Option<i32> {
         match self {
             Self::One => Some(0),
             Self::H2 | Self::K | Self::K1SqPlusK2Sq | Self::K1MinusK2Squared => Some(2),
             Self::K2 | Self::K1P4PlusK2P4 => Some(4),
             Self::H2K2 => Some(6),
-            Self::H2PlusK2 | Self::HMinusH0Squared | Self::TotalCurvature => None,
+            Self::H2PlusK2 | Self::HMinusH0Squared | Self::CurvatureNorm => None,
         }
     }
 
     /// The coefficient `c[i][j]` of `H^i K^j`, `i ≤ 4`, `j ≤ 2`, of a polynomial one; of the square
-    /// of [`Preset::TotalCurvature`]. `parameter` is that of the preset.
+    /// of [`Preset::CurvatureNorm`]. `parameter` is that of the preset.
     pub(super) const fn coefficients(self, parameter: f64) -> [[f64; 3]; 5] {
         let mut c = [[0.0; 3]; 5];
         match self {
@@ -119,7 +120,7 @@ impl Preset {
                 c[2][0] = 4.0;
                 c[0][1] = -4.0;
             }
-            Self::TotalCurvature => {
+            Self::CurvatureNorm => {
                 c[2][0] = 4.0;
                 c[0][1] = -2.0;
                 c[0][0] = parameter * parameter;
@@ -200,7 +201,7 @@ impl Preset {
                 hh: 8.0,
                 ..zero
             },
-            Self::TotalCurvature => {
+            Self::CurvatureNorm => {
                 let f = (4.0 * h * h - 2.0 * k + parameter * parameter).sqrt();
                 let (g, third) = (f.recip(), (f * f * f).recip());
                 Jet2 {

@@ -32,23 +32,6 @@ struct Symbol {
     scale: f64,
 }
 
-/// Classifies the flow at `(h, k)` from the energy's jet there.
-///
-/// `tol` is relative to the sum of the magnitudes of the symbol's terms; 1e-12 clears roundoff.
-/// A jet without second derivatives is taken for that of a second-order energy, and one with
-/// `f = K f_K ≠ 0` and nothing else for a multiple of `K`; [`Energy::well_posedness`] knows the
-/// energy's order instead.
-pub fn well_posedness(jet: &Jet2, h: f64, k: f64, tol: f64) -> WellPosed {
-    let order = if [jet.hh, jet.hk, jet.kk] != [0.0; 3] {
-        Order::Fourth
-    } else if jet.h == 0.0 && jet.k != 0.0 && (jet.f - jet.k * k).abs() <= tol * jet.f.abs() {
-        Order::Stationary
-    } else {
-        Order::Second
-    };
-    classify(order, jet, h, k, tol, 0.0).0
-}
-
 impl Energy {
     /// Whether the flow is strictly parabolic on every surface, so that there is nothing to scan.
     pub fn is_uniformly_parabolic(&self) -> bool {
@@ -61,13 +44,15 @@ impl Energy {
                     | Preset::HMinusH0Squared
                     | Preset::K1SqPlusK2Sq
                     | Preset::K1MinusK2Squared
-                    | Preset::TotalCurvature
+                    | Preset::CurvatureNorm
             )
         )
     }
 
-    /// What the flow of this energy is at `(h, k)`; `tol` as in [`well_posedness`].
-    pub fn well_posedness(&self, h: f64, k: f64, tol: f64) -> WellPosed {
+    /// The class of the flow at `(h, k)`. `tol` is relative to the sum of the magnitudes of the
+    /// symbol's terms; 1e-12 is above roundoff.
+    #[cfg(test)]
+    pub(super) fn well_posedness(&self, h: f64, k: f64, tol: f64) -> WellPosed {
         classify(self.order(), &self.jet(h, k), h, k, tol, 0.0).0
     }
 

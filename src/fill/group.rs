@@ -3,7 +3,7 @@
 use crate::fill::{FillOptions, Plan, region};
 use crate::mesh::union_find::{find, unite};
 use crate::mesh::{BoundaryLoop, FaceId, Mesh, VertexId};
-use crate::solver::{COLLAR_RINGS, FlowProblem, SolverError};
+use crate::solver::{FlowProblem, SUPPORT_RINGS, SolverError};
 
 /// Holes whose collars share vertices. Creases (G0) are not asked for: they have no collar, but may
 /// get one while the flow runs.
@@ -51,8 +51,8 @@ pub(super) fn groups(mesh: &Mesh, gaps: &[&[&BoundaryLoop]], plan: &Plan) -> Vec
             }
         };
         front.retain(|&v| claim(v, &mut parent));
-        // faces that touch a vertex of ring ≤ COLLAR_RINGS - 1 (the rim is ring 1)
-        for _ in 1..COLLAR_RINGS {
+        // faces that touch a vertex of ring ≤ SUPPORT_RINGS - 1 (the rim is ring 1)
+        for _ in 1..SUPPORT_RINGS {
             let mut next = Vec::new();
             for &v in &front {
                 for half in mesh.topology.outgoing(v) {

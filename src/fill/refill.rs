@@ -8,7 +8,7 @@ use crate::mesh::{
     BoundaryLoop, DVec3, Erased, FaceId, LoopId, Mesh, VertexId, boundary_loops, erase,
     inner_vertices,
 };
-use crate::solver::{COLLAR_RINGS, StepRecord};
+use crate::solver::{SUPPORT_RINGS, StepRecord};
 
 /// Why a selection cannot be made anew.
 #[derive(Debug, thiserror::Error)]
@@ -208,7 +208,7 @@ impl Plan {
     }
 }
 
-/// The faces within [`COLLAR_RINGS`] rings of some vertices, sorted, and the vertices of the first ring.
+/// The faces within [`SUPPORT_RINGS`] rings of some vertices, sorted, and the vertices of the first ring.
 fn around(mesh: &Mesh, moved: &[VertexId]) -> (Vec<FaceId>, Vec<VertexId>) {
     let topology = &mesh.topology;
     let mut reached = vec![false; mesh.vertex_count()];
@@ -218,7 +218,7 @@ fn around(mesh: &Mesh, moved: &[VertexId]) -> (Vec<FaceId>, Vec<VertexId>) {
     let mut has_face = vec![false; mesh.face_count()];
     let (mut faces, mut ring_1) = (Vec::new(), Vec::new());
     let mut front = moved.to_vec();
-    for ring in 0..COLLAR_RINGS {
+    for ring in 0..SUPPORT_RINGS {
         let mut next = Vec::new();
         for &v in &front {
             for h in topology.outgoing(v) {

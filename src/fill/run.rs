@@ -237,7 +237,7 @@ impl GroupRun {
             rejected,
         );
         if let Ok(Some(mut flow)) = built {
-            flow.finish(End::Crossed);
+            flow.finish(End::SelfIntersected);
             self.take(clean.shape, clean.positions, Some(flow));
             self.warn(format!(
                 "not converged: on its way the surface passes through itself or the mesh ({}); its last shape                  without that, after step {}, is kept ({REMEDY})",

@@ -85,27 +85,9 @@ impl CholeskySymbolic {
     }
 
     /// Stored entries of the factor, with the zeros of its dense blocks.
+    #[cfg(test)]
     pub fn factor_len(&self) -> usize {
         self.factor.len_val()
-    }
-
-    /// Multiplications of a numeric factorization, those of stored zeros included.
-    pub fn factor_multiplications(&self) -> f64 {
-        (0..self.factor.n_supernodes())
-            .map(|s| {
-                let begin = self.factor.supernode_begin()[s];
-                let below = self.factor.supernode(s).pattern().len();
-                (0..self.factor.supernode_end()[s] - begin)
-                    .map(|j| (below + j as usize + 1) as f64)
-                    .map(|height| 0.5 * height * height)
-                    .sum::<f64>()
-            })
-            .sum()
-    }
-
-    #[doc(hidden)]
-    pub fn supernodes(&self) -> usize {
-        self.factor.n_supernodes()
     }
 
     /// Workspace of a solve with `columns` right-hand sides.

@@ -197,7 +197,7 @@ impl Refinement {
             running.watch(&record, &self.options.flow)?;
             return Ok(Some(Progress::Step(record)));
         }
-        if running.is_guarded && running.flow.end() == Some(End::Stuck) {
+        if running.is_guarded && running.flow.end() == Some(End::StepSizeCollapsed) {
             // sliding along the surface no longer helps; the normal flow may still
             running.settle(&self.options.flow)?;
             return self.step();

@@ -3,12 +3,12 @@
 use crate::energy::Energy;
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId};
 use crate::solver::{Assembler, Unknowns};
-use crate::subdivision::{Rule, TableCache, elements};
+use crate::subdivision::{Rule, elements};
 
 /// `∫ f dA` over the whole Loop limit surface, 12-point rule.
 pub fn surface_energy(topology: &Topology, control: &[DVec3], energy: &Energy) -> f64 {
     let faces: Vec<FaceId> = (0..topology.face_count()).map(FaceId::from).collect();
-    let elements = elements(topology, &faces, Rule::Twelve, &mut TableCache::default());
+    let elements = elements(topology, &faces, Rule::Twelve);
     Assembler::new(&elements, Rule::Twelve, Unknowns::none(control.len()))
         .gradient(control, energy, &mut Vec::new())
         .value

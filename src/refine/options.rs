@@ -128,7 +128,7 @@ impl RefineOptions {
 pub fn natural_flow(mesh: &Mesh) -> (Energy, f64) {
     let (length, angle) = (mean_edge(mesh), median_bend(mesh));
     let c = (BENDS * angle).max(1.0) / length;
-    let total = Energy::preset(Preset::TotalCurvature);
+    let total = Energy::preset(Preset::CurvatureNorm);
     match total.with_param("c", c) {
         Ok(energy) if c > 0.0 => {
             let tension = AREA / (c * length * length) - c;

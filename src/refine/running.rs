@@ -71,8 +71,8 @@ impl Running {
             converged: outcome.end == End::Converged,
             end: match outcome.end {
                 End::Converged => "converged",
-                End::Steps => "steps",
-                End::Stuck | End::Pinched | End::Crossed => "stuck",
+                End::MaxSteps => "steps",
+                End::StepSizeCollapsed | End::Pinched | End::SelfIntersected => "stuck",
                 End::Cancelled => "cancelled",
             },
             energy_start: outcome.energy_start,

@@ -3,7 +3,7 @@
 use crate::energy::{Energy, Preset};
 use crate::mesh::DVec3;
 use crate::solver::{FlowProblem, GuardedFlow, SolverError, survey};
-use crate::subdivision::{Rule, TableCache, elements, limit_positions};
+use crate::subdivision::{Rule, elements, limit_positions};
 
 /// The flow of a surface held at points, from a surface near to them: it is led to them without
 /// folding on the way, as far as that can be, while it relaxes under `H²` whatever the energy of the flow.
@@ -27,12 +27,7 @@ pub fn drawn_start(
         return Ok((there, 0));
     };
     let (rule, energy) = (Rule::Twelve, Energy::preset(Preset::H2));
-    let elements = elements(
-        near.topology(),
-        near.active_faces(),
-        rule,
-        &mut TableCache::default(),
-    );
+    let elements = elements(near.topology(), near.active_faces(), rule);
     let tau = survey(&elements, near.positions(), &energy, near.radius()).tau_ref;
     let mut flow = GuardedFlow::new(&near, &elements, rule, &energy)?;
     let late = flow.approach(&goals, tau);

@@ -65,8 +65,8 @@ struct Buffer {
 impl Assembler {
     /// Prepares the assembly over `elements`, whose tables are for `rule`, with `unknowns` moving.
     pub fn new(elements: &Elements, rule: Rule, unknowns: Unknowns) -> Self {
-        let count = elements.faces.len();
-        let chunks_of = |e: usize| elements.tables[elements.table_of[e] as usize].n.div_ceil(4);
+        let count = elements.faces().len();
+        let chunks_of = |e: usize| elements.table(e).n.div_ceil(4);
         let most = (0..count).map(chunks_of).max().unwrap_or(0);
         let mut start = vec![0usize; most + 2];
         for e in 0..count {
@@ -95,7 +95,7 @@ impl Assembler {
             *slot += 1;
         }
         let tables = elements
-            .tables
+            .tables()
             .iter()
             .map(|t| {
                 let chunks = t.n.div_ceil(4);
@@ -117,9 +117,9 @@ impl Assembler {
             tables,
             batches,
             order,
-            table_of: elements.table_of.clone(),
-            offset: elements.offset.clone(),
-            vertices: elements.vertices.clone(),
+            table_of: elements.table_of().to_vec(),
+            offset: elements.offsets().to_vec(),
+            vertices: elements.vertices().to_vec(),
             slots: None,
             membrane: true,
             isotropic: false,

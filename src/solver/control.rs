@@ -20,15 +20,13 @@ pub enum Tau {
     /// Grown after accepted, shrunk after rejected steps.
     #[default]
     Auto,
-    /// Grown and shrunk like `Auto`, from this start.
-    From(f64),
     /// Always this one (length² / unit of f), shrunk only where a step is rejected.
     Fixed(f64),
 }
 
 /// How a step was computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
+pub enum StepKind {
     /// With a matrix of the current point.
     Factorized,
     /// With an earlier factor and quasi-Newton updates.
@@ -43,11 +41,11 @@ pub struct Attempt {
     /// Whether the state moved.
     pub accepted: bool,
     /// Largest displacement of a vertex; 0 if rejected.
-    pub longest: f64,
+    pub max_displacement: f64,
     /// How it was computed.
-    pub progress: Progress,
+    pub kind: StepKind,
     /// Whether a quasi-Newton phase ended with this step.
-    pub stale: bool,
+    pub needs_refactorization: bool,
     /// Scheme A: how the linear solve went.
     pub linear: Option<GmresReport>,
     /// Why it was rejected, if there is more to say than "the energy rose".
@@ -55,12 +53,12 @@ pub struct Attempt {
 }
 
 impl Attempt {
-    pub(crate) fn accepted(longest: f64, progress: Progress) -> Self {
+    pub(crate) fn accepted(max_displacement: f64, kind: StepKind) -> Self {
         Self {
             accepted: true,
-            longest,
-            progress,
-            stale: false,
+            max_displacement,
+            kind,
+            needs_refactorization: false,
             linear: None,
             note: None,
         }
@@ -69,9 +67,9 @@ impl Attempt {
     pub(crate) fn rejected(note: Option<String>) -> Self {
         Self {
             accepted: false,
-            longest: 0.0,
-            progress: Progress::Factorized,
-            stale: false,
+            max_displacement: 0.0,
+            kind: StepKind::Factorized,
+            needs_refactorization: false,
             linear: None,
             note,
         }
@@ -88,7 +86,7 @@ impl EnergySum {
 /// Relative displacement (of the hole radius) under which a step counts as none.
 pub const STOP: f64 = 1e-6;
 /// τ below this fraction of `τ_ref` means that the flow is stuck.
-const COLLAPSE: f64 = 1e-14;
+const MIN_TAU_RATIO: f64 = 1e-14;
 const SHRINK: f64 = 8.0;
 const FAST_GROWTH: f64 = 10.0;
 /// Range of the first τ in flow mode, as multiples of `τ_ref`: from a warm start near the
@@ -100,24 +98,24 @@ pub const FLOW_GROWTH: f64 = 1.3;
 /// Accepted steps after which an energy that has not fallen beyond rounding is taken for constant.
 const PATIENCE: usize = 10;
 /// What counts as rounding of an energy, relative to the sum of its absolute terms.
-pub const ROUNDING: f64 = 1e-11;
+pub const STAGNATION: f64 = 1e-11;
 /// What counts as nothing where a surface is held at points: its vertices creep along it long after
 /// its shape has settled.
-pub const CREEP: f64 = 1e-8;
+pub const STAGNATION_CONSTRAINED: f64 = 1e-8;
 /// Growth stops here (as a multiple of `τ_ref`): the step is Newton's by then.
-const CEILING: f64 = 1e12;
+const MAX_TAU_RATIO: f64 = 1e12;
 
 /// Whether an energy still falls.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Descent {
+pub(super) struct StagnationTest {
     start: EnergySum,
     steps: usize,
 }
 
-impl Descent {
+impl StagnationTest {
     /// Takes the energy after an accepted step. Returns whether for ten steps it has not fallen by more
     /// than `part` of the sum of its absolute terms.
-    pub fn has_stopped(&mut self, energy: EnergySum, part: f64) -> bool {
+    pub fn has_stagnated(&mut self, energy: EnergySum, part: f64) -> bool {
         self.steps += 1;
         if self.start.value - energy.value > part * energy.scale || self.steps == 1 {
             *self = Self {
@@ -131,7 +129,7 @@ impl Descent {
 
 /// The time step's law.
 #[derive(Clone, Copy, Debug)]
-pub struct Control {
+pub struct StepSizeControl {
     /// The next step's τ.
     pub tau: f64,
     /// The natural time of the hole, `r² / f̂`.
@@ -140,13 +138,12 @@ pub struct Control {
     wanted: Option<f64>,
 }
 
-impl Control {
+impl StepSizeControl {
     /// The law for a mode; `gentle` is a τ at which no vertex moves by more than an edge, `growth`
     /// the factor after an accepted step if it is not to be the mode's own.
     pub fn new(mode: Mode, tau: Tau, tau_ref: f64, gentle: f64, growth: Option<f64>) -> Self {
         let (start, wanted) = match (tau, mode) {
             (Tau::Fixed(t), _) => (t, Some(t)),
-            (Tau::From(t), _) => (t, None),
             (Tau::Auto, Mode::Fast) => (2.0 * tau_ref, None),
             (Tau::Auto, Mode::Flow) => {
                 let [least, most] = FIRST.map(|part| part * tau_ref);
@@ -168,7 +165,7 @@ impl Control {
     pub fn next(&self) -> f64 {
         match self.wanted {
             Some(t) => t.min(2.0 * self.tau),
-            None => (self.tau * self.growth).min(CEILING * self.tau_ref),
+            None => (self.tau * self.growth).min(MAX_TAU_RATIO * self.tau_ref),
         }
     }
 
@@ -180,11 +177,11 @@ impl Control {
     /// A step was rejected. Returns whether τ has collapsed.
     pub fn reject(&mut self) -> bool {
         self.tau /= SHRINK;
-        self.tau < COLLAPSE * self.tau_ref.min(self.wanted.unwrap_or(f64::INFINITY))
+        self.tau < MIN_TAU_RATIO * self.tau_ref.min(self.wanted.unwrap_or(f64::INFINITY))
     }
 
     /// Displacement of a step of time `tau`, brought to `τ_ref`, over the hole radius.
-    pub fn residual(&self, longest: f64, tau: f64, radius: f64) -> f64 {
-        longest / radius * (self.tau_ref / tau).max(1.0)
+    pub fn residual(&self, displacement: f64, tau: f64, radius: f64) -> f64 {
+        displacement / radius * (self.tau_ref / tau).max(1.0)
     }
 }

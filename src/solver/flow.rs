@@ -4,7 +4,8 @@ use crate::energy::{Energy, Order};
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{
-    Attempt, CREEP, Control, Descent, Mode, Progress, ROUNDING, STOP, Tau,
+    Attempt, Mode, STAGNATION, STAGNATION_CONSTRAINED, STOP, StagnationTest, StepKind,
+    StepSizeControl, Tau,
 };
 use crate::solver::guarded::GuardedFlow;
 use crate::solver::mixed::MixedFlow;
@@ -16,7 +17,7 @@ use crate::solver::relax::Relaxation;
 use crate::solver::survey::{Survey, survey};
 use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
-use crate::subdivision::{Elements, Rule, TableCache, elements};
+use crate::subdivision::{Elements, Rule, elements};
 
 enum Stepper {
     Normal(Box<NormalFlow>),
@@ -36,10 +37,10 @@ pub struct Flow {
     /// The options' energy with tension and bulge.
     energy: Energy,
     stepper: Stepper,
-    control: Control,
+    control: StepSizeControl,
     report: Assembler,
     relaxation: Option<Relaxation>,
-    descent: Descent,
+    descent: StagnationTest,
     local: Elements,
     pinch: PinchWatch,
     steps: usize,
@@ -63,7 +64,7 @@ impl Flow {
         let ((report, energy_start), prepared) = rayon::join(
             || {
                 let rule = options.quadrature.max(Rule::Twelve);
-                let fine = elements(topology, faces, rule, &mut TableCache::default());
+                let fine = elements(topology, faces, rule);
                 let nothing = Unknowns::none(problem.positions().len());
                 let mut report = Assembler::new(&fine, rule, nothing);
                 let start = report.gradient(problem.positions(), &energy, &mut Vec::new());
@@ -71,7 +72,7 @@ impl Flow {
             },
             || {
                 let rule = options.quadrature;
-                let local = elements(topology, faces, rule, &mut TableCache::default());
+                let local = elements(topology, faces, rule);
                 let start = survey(&local, problem.positions(), &energy, problem.radius());
                 let stepper = Self::stepper(&problem, &options, &energy, &local)?;
                 Ok::<_, SolverError>((local, start, stepper))
@@ -83,7 +84,7 @@ impl Flow {
         }
         let warnings = warnings(&problem, &energy, &start);
         let mut flow = Self {
-            control: Control::new(
+            control: StepSizeControl::new(
                 options.mode,
                 options.tau,
                 start.tau_ref,
@@ -91,7 +92,7 @@ impl Flow {
                 options.growth,
             ),
             relaxation: None,
-            descent: Descent::default(),
+            descent: StagnationTest::default(),
             pinch: PinchWatch::new(&problem),
             problem,
             options,
@@ -149,18 +150,18 @@ impl Flow {
 
     fn restart_control(&mut self, survey: &Survey) {
         let gentle = match (&self.stepper, self.options.mode) {
-            (Stepper::Normal(flow), Mode::Flow) => flow.gentle_tau(self.problem.topology()),
+            (Stepper::Normal(flow), Mode::Flow) => flow.edge_limited_tau(self.problem.topology()),
             (Stepper::Mixed(_), _) => 1e-3 * survey.tau_ref,
             _ => survey.tau_ref,
         };
-        self.control = Control::new(
+        self.control = StepSizeControl::new(
             self.options.mode,
             self.options.tau,
             survey.tau_ref,
             gentle,
             self.options.growth,
         );
-        self.descent = Descent::default();
+        self.descent = StagnationTest::default();
         self.factorized = 0;
         self.end = None;
     }
@@ -266,7 +267,6 @@ impl Flow {
                 problem.topology(),
                 problem.active_faces(),
                 options.quadrature,
-                &mut TableCache::default(),
             )
         });
         let local = fresh.as_ref().unwrap_or(&self.local);
@@ -299,7 +299,7 @@ impl Flow {
             return Ok(None);
         }
         if self.options.max_steps == 0 {
-            self.end = Some(End::Steps);
+            self.end = Some(End::MaxSteps);
             return Ok(None);
         }
         let tau = self.control.tau;
@@ -320,7 +320,7 @@ impl Flow {
         };
         let mut record = self.book(&attempt, tau);
         if attempt.accepted && relaxing {
-            self.relax(before, attempt.longest);
+            self.relax(before, attempt.max_displacement);
             record.energy = self.energy().value;
         }
         if attempt.accepted && self.problem.interpolation().is_none() {
@@ -392,15 +392,15 @@ impl Flow {
         let mut residual = f64::NAN;
         if attempt.accepted {
             self.steps += 1;
-            residual = match attempt.progress {
-                Progress::QuasiNewton => attempt.longest / radius,
-                _ => self.control.residual(attempt.longest, tau, radius),
+            residual = match attempt.kind {
+                StepKind::QuasiNewton => attempt.max_displacement / radius,
+                _ => self.control.residual(attempt.max_displacement, tau, radius),
             };
-            if attempt.progress != Progress::QuasiNewton {
+            if attempt.kind != StepKind::QuasiNewton {
                 self.factorized += 1;
                 self.control.accept();
             }
-            if attempt.stale {
+            if attempt.needs_refactorization {
                 // one fresh matrix, then quasi-Newton steps again
                 self.factorized = FACTORIZED_STEPS - 1;
             }
@@ -409,24 +409,24 @@ impl Flow {
             let is_adaptive = !matches!(self.options.tau, Tau::Fixed(_));
             let energy = self.energy();
             let least = if self.options.mode == Mode::Flow {
-                Some(ROUNDING)
+                Some(STAGNATION)
             } else {
-                self.problem.interpolation().map(|_| CREEP)
+                self.problem.interpolation().map(|_| STAGNATION_CONSTRAINED)
             };
             let rests = least
                 .filter(|_| is_adaptive)
-                .is_some_and(|part| self.descent.has_stopped(energy, part));
+                .is_some_and(|part| self.descent.has_stagnated(energy, part));
             if residual < STOP || rests {
                 self.end = Some(End::Converged);
             } else if self.steps >= self.options.max_steps {
-                self.end = Some(End::Steps);
+                self.end = Some(End::MaxSteps);
             }
         } else {
             self.rejected += 1;
-            if attempt.stale {
+            if attempt.needs_refactorization {
                 self.factorized = FACTORIZED_STEPS - 1;
             } else if self.control.reject() {
-                self.end = Some(End::Stuck);
+                self.end = Some(End::StepSizeCollapsed);
             }
         }
         StepRecord {
@@ -435,7 +435,7 @@ impl Flow {
             energy: self.energy().value,
             residual,
             rejected: !attempt.accepted,
-            progress: attempt.progress,
+            kind: attempt.kind,
             iterations: attempt.linear.map(|l| l.iterations),
             linear_residual: attempt.linear.map(|l| l.relative_residual),
         }
@@ -472,12 +472,12 @@ impl Flow {
             ));
         }
         match self.end {
-            Some(End::Stuck) => warnings.push(
+            Some(End::StepSizeCollapsed) => warnings.push(
                 "not converged: the time step collapsed, no step lowers the energy any more; \
                  the last good shape is kept (try another energy, or --tau with a fixed value)"
                     .into(),
             ),
-            Some(End::Steps) => warnings.push(format!(
+            Some(End::MaxSteps) => warnings.push(format!(
                 "not converged after {} steps; allow more with --steps{}",
                 self.steps,
                 if self.options.scheme == Scheme::Mixed {

@@ -53,7 +53,7 @@ impl FoldState {
             .collect();
         let upright = |local: &mut Vec<DVec3>, e: usize| {
             let (table, vertices) = (elements.table(e), elements.vertices_of(e));
-            let face = flat[elements.faces[e] as usize];
+            let face = flat[elements.faces()[e] as usize];
             local.clear();
             local.extend(vertices.iter().map(|&v| positions[v as usize]));
             let inside = (0..table.points).map(|point| {
@@ -93,7 +93,7 @@ impl FoldState {
         };
         let mut any = false;
         for e in 0..elements.len() {
-            let f = elements.faces[e] as usize;
+            let f = elements.faces()[e] as usize;
             let (old, new) = (self.upright[e], next.upright[e]);
             let turned = old >= UPRIGHT && next.flat[f].dot(self.flat[f]) < TURN;
             if turned || gets_bad(old, new, UPRIGHT) {

@@ -16,11 +16,13 @@ use crate::energy::Energy;
 use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs};
 use crate::mesh::{DVec3, Topology};
 use crate::solver::assembly::{Assembler, EnergySum};
-use crate::solver::control::{Attempt, Progress};
+use crate::solver::constraints::Constraints;
+use crate::solver::control::{Attempt, StepKind};
 use crate::solver::fold_guard::FoldState;
-use crate::solver::held::Held;
+use crate::solver::quadrature_levels::{
+    FOLD_CHECK_RULE, PRECONDITIONER_RULE, coarsened, energy_and_preconditioner,
+};
 use crate::solver::survey::survey;
-use crate::solver::watch::{FOLDS, METRIC, assemblers, at_most};
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule};
 
@@ -52,7 +54,7 @@ pub struct GuardedFlow {
     current: EnergySum,
     gradient: Vec<DVec3>,
     folds: FoldState,
-    held: Option<Held>,
+    constraints: Option<Constraints>,
     memory: Lbfgs,
     /// Steps since the last factorization.
     age: Option<usize>,
@@ -83,12 +85,13 @@ impl GuardedFlow {
         rule: Rule,
         energy: &Energy,
     ) -> Result<Self, SolverError> {
-        let (mut assembler, mut metric) = assemblers(problem, elements, rule, METRIC);
+        let (mut assembler, mut metric) =
+            energy_and_preconditioner(problem, elements, rule, PRECONDITIONER_RULE);
         let maker = metric.as_mut().unwrap_or(&mut assembler);
         maker.make_isotropic();
         let symbolic = Arc::new(CholeskySymbolic::new(maker.pattern())?);
-        let held = Held::of(problem, maker);
-        let watched = at_most(problem, elements, rule, FOLDS).into_owned();
+        let held = Constraints::of(problem, maker);
+        let watched = coarsened(problem, elements, rule, FOLD_CHECK_RULE).into_owned();
         let positions = problem.positions().to_vec();
         let mut gradient = Vec::new();
         let current = assembler.gradient(&positions, energy, &mut gradient);
@@ -108,11 +111,11 @@ impl GuardedFlow {
             positions,
             current,
             gradient,
-            held,
+            constraints: held,
             memory: Lbfgs::new(),
             age: None,
         };
-        if let Some(held) = &flow.held {
+        if let Some(held) = &flow.constraints {
             held.pull_back(flow.assembler.unknowns(), &mut flow.gradient);
             held.clear(&mut flow.damping);
         }
@@ -139,7 +142,7 @@ impl GuardedFlow {
         let Some(found) = found else {
             self.age = None;
             return Attempt {
-                stale: !fresh,
+                needs_refactorization: !fresh,
                 ..Attempt::rejected(None)
             };
         };
@@ -169,9 +172,9 @@ impl GuardedFlow {
         Attempt::accepted(
             longest,
             if fresh {
-                Progress::Factorized
+                StepKind::Factorized
             } else {
-                Progress::QuasiNewton
+                StepKind::QuasiNewton
             },
         )
     }
@@ -188,7 +191,7 @@ impl GuardedFlow {
             &mut Vec::new(),
             &mut values,
         );
-        if let Some(held) = &mut self.held {
+        if let Some(held) = &mut self.constraints {
             held.hold(&normals, &mut values);
         }
         self.cholesky
@@ -200,7 +203,7 @@ impl GuardedFlow {
             // frozen vertices get another chance
             *d = d.max(FROZEN);
         }
-        if let Some(held) = &self.held {
+        if let Some(held) = &self.constraints {
             held.clear(&mut self.damping);
         }
         Ok(())
@@ -229,7 +232,7 @@ impl GuardedFlow {
             if !(slope < 0.0 && longest.is_finite()) {
                 return None;
             }
-            if let Some(held) = &self.held {
+            if let Some(held) = &self.constraints {
                 held.settle(&mut positions);
             }
             let folds = FoldState::new(&self.topology, &self.watched, &positions);
@@ -247,7 +250,7 @@ impl GuardedFlow {
                 .gradient(&positions, &self.energy, &mut gradient);
             let limit = self.current.value + ARMIJO * slope + 1e-12 * self.current.scale;
             if sum.value.is_finite() && sum.value <= limit {
-                if let Some(held) = &self.held {
+                if let Some(held) = &self.constraints {
                     held.pull_back(self.assembler.unknowns(), &mut gradient);
                 }
                 for d in &mut direction {

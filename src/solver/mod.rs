@@ -5,13 +5,13 @@
 //! Flipping the orientation flips `n` and `H`, not `K`. `Δx = 2Hn`, `□x = 2Kn`.
 
 mod assembly;
+mod constraints;
 mod control;
 mod error;
 mod flow;
 mod fold_guard;
 pub mod forms;
 mod guarded;
-mod held;
 mod interpolation;
 mod kernel;
 mod mixed;
@@ -20,17 +20,16 @@ mod normals;
 mod options;
 mod penalty;
 mod pinch;
-mod posed;
 mod problem;
+mod quadrature_levels;
 mod record;
 mod relax;
 mod slots;
 mod survey;
 mod unknowns;
-mod watch;
 
 pub use assembly::{Assembler, EnergySum};
-pub use control::{Attempt, Control, FLOW_GROWTH, Mode, Progress, STOP, Tau};
+pub use control::{Attempt, FLOW_GROWTH, Mode, STOP, StepKind, StepSizeControl, Tau};
 pub use error::{SolverError, panic_text};
 pub use flow::Flow;
 pub use fold_guard::FoldState;
@@ -40,8 +39,7 @@ pub use mixed::{LinearSolver, MixedFlow};
 pub use normal::NormalFlow;
 pub use normals::LimitNormals;
 pub use options::{FlowOptions, Scheme};
-pub use posed::ill_posed_faces;
-pub use problem::{COLLAR_RINGS, FlowProblem};
+pub use problem::{FlowProblem, SUPPORT_RINGS};
 pub use record::{End, Outcome, StepRecord};
 pub use relax::sharpest_cosine;
 pub use survey::{Survey, each_point, mean_curvature, surface_point, survey};

@@ -10,13 +10,15 @@ use crate::energy::Energy;
 use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs};
 use crate::mesh::{DVec3, Topology, VertexId};
 use crate::solver::assembly::{Assembler, EnergySum};
-use crate::solver::control::{Attempt, Progress};
+use crate::solver::constraints::Constraints;
+use crate::solver::control::{Attempt, StepKind};
 use crate::solver::fold_guard::FoldState;
-use crate::solver::held::Held;
 use crate::solver::normals::LimitNormals;
+use crate::solver::quadrature_levels::{
+    FOLD_CHECK_RULE, PRECONDITIONER_RULE, coarsened, energy_and_preconditioner,
+};
 use crate::solver::relax::may_slide;
 use crate::solver::survey::survey;
-use crate::solver::watch::{FOLDS, METRIC, assemblers, at_most};
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule};
 
@@ -52,7 +54,7 @@ pub struct NormalFlow {
     trial_gradient: Vec<DVec3>,
     quasi_newton: Option<QuasiNewton>,
     w: Vec<f64>,
-    held: Option<Held>,
+    constraints: Option<Constraints>,
     guard: Option<Guard>,
 }
 
@@ -98,15 +100,15 @@ impl NormalFlow {
         membrane: bool,
     ) -> Result<Self, SolverError> {
         let is_held = problem.interpolation().is_some();
-        let most = if is_held { METRIC } else { rule };
-        let (mut assembler, mut metric) = assemblers(problem, local, rule, most);
+        let most = if is_held { PRECONDITIONER_RULE } else { rule };
+        let (mut assembler, mut metric) = energy_and_preconditioner(problem, local, rule, most);
         let ring = LimitNormals::new(problem.topology(), &assembler.unknowns().vertex);
         let maker = metric.as_mut().unwrap_or(&mut assembler);
         if !membrane {
             maker.drop_membrane();
         }
         let symbolic = Arc::new(CholeskySymbolic::new(maker.pattern())?);
-        let held = Held::of(problem, maker);
+        let held = Constraints::of(problem, maker);
         let count = maker.unknowns().len();
         let mut flow = Self {
             assembler,
@@ -127,7 +129,7 @@ impl NormalFlow {
             quasi_newton: None,
             w: vec![0.0; count],
             guard: is_held.then(|| {
-                let elements = at_most(problem, local, rule, FOLDS).into_owned();
+                let elements = coarsened(problem, local, rule, FOLD_CHECK_RULE).into_owned();
                 Guard {
                     folds: FoldState::new(problem.topology(), &elements, problem.positions()),
                     topology: problem.topology().clone(),
@@ -137,13 +139,13 @@ impl NormalFlow {
                     frozen: vec![false; count],
                 }
             }),
-            held,
+            constraints: held,
         };
         flow.ring.evaluate(&flow.positions, &mut flow.normals);
         flow.current = flow
             .assembler
             .gradient(&flow.positions, energy, &mut flow.gradient);
-        if let Some(held) = &flow.held {
+        if let Some(held) = &flow.constraints {
             held.pull_back(flow.assembler.unknowns(), &mut flow.gradient);
         }
         if !flow.current.value.is_finite() {
@@ -193,7 +195,7 @@ impl NormalFlow {
     }
 
     /// A time step such that an explicit step would move no vertex by more than its shortest edge.
-    pub fn gentle_tau(&self, topology: &Topology) -> f64 {
+    pub fn edge_limited_tau(&self, topology: &Topology) -> f64 {
         let mut tau = f64::INFINITY;
         for (i, &v) in self.assembler.unknowns().vertex.iter().enumerate() {
             let p = self.positions[v as usize];
@@ -233,7 +235,7 @@ impl NormalFlow {
                 &mut Vec::new(),
                 &mut self.values,
             );
-            if let Some(held) = &mut self.held {
+            if let Some(held) = &mut self.constraints {
                 held.hold(&self.normals, &mut self.values);
             }
             self.matrix_tau = Some(tau);
@@ -252,7 +254,7 @@ impl NormalFlow {
             Err(refusal) => {
                 return Attempt {
                     // the same τ again, if the rest can go on without the vertices at a fold
-                    stale: refusal == Refusal::Fold && self.lay_to_rest(),
+                    needs_refactorization: refusal == Refusal::Fold && self.lay_to_rest(),
                     ..Attempt::rejected(None)
                 };
             }
@@ -269,7 +271,7 @@ impl NormalFlow {
             std::mem::swap(&mut self.normals, &mut self.trial_normals);
         }
         self.accept(sum);
-        Attempt::accepted(longest, Progress::Factorized)
+        Attempt::accepted(longest, StepKind::Factorized)
     }
 
     /// Moves `trial` by the step `w`, or under guard by as much of it as lowers the energy and folds
@@ -357,7 +359,7 @@ impl NormalFlow {
             // back to a fresh matrix at the current point
             self.leave_quasi_newton();
             return Attempt {
-                stale: true,
+                needs_refactorization: true,
                 ..Attempt::rejected(None)
             };
         };
@@ -371,8 +373,8 @@ impl NormalFlow {
             self.quasi_newton = Some(state);
         }
         Attempt {
-            stale,
-            ..Attempt::accepted(longest, Progress::QuasiNewton)
+            needs_refactorization: stale,
+            ..Attempt::accepted(longest, StepKind::QuasiNewton)
         }
     }
 
@@ -409,15 +411,15 @@ impl NormalFlow {
             // f64::max would hide a NaN
             longest = if w.abs() <= longest { longest } else { w.abs() };
         }
-        if let Some(held) = &self.held {
+        if let Some(held) = &self.constraints {
             held.settle(&mut self.trial);
         }
         longest
     }
 
-    /// Held vertices follow and have no step of their own, and frozen ones have none.
+    /// Constrained vertices follow and have no step of their own, and frozen ones have none.
     fn free_only(&mut self) {
-        if let Some(held) = &self.held {
+        if let Some(held) = &self.constraints {
             held.clear(&mut self.w);
         }
         self.rest_frozen();
@@ -476,7 +478,7 @@ impl NormalFlow {
     }
 
     fn pull_back_trial(&mut self) {
-        if let Some(held) = &self.held {
+        if let Some(held) = &self.constraints {
             held.pull_back(self.assembler.unknowns(), &mut self.trial_gradient);
         }
     }

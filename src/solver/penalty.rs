@@ -1,4 +1,4 @@
-//! Held limit positions in the matrix of scheme B.
+//! Constrained limit positions in the matrix of scheme B.
 //!
 //! With the matrix `S` over all moving vertices, the step of the interpolating basis has the matrix
 //! `QᵀSQ`. Instead of forming it, whose rows reach two rings further, `ρ AᵀA` is added to `S`, `A` the

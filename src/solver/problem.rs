@@ -7,7 +7,7 @@ use crate::solver::{Interpolation, SolverError};
 
 /// How far from the interior vertices positions can matter: active elements have corners up to
 /// ring 2 whose one-rings reach ring 3; the fixed curvatures of scheme A reach ring 4.
-pub const COLLAR_RINGS: u8 = 4;
+pub const SUPPORT_RINGS: u8 = 4;
 
 /// A local mesh whose interior vertices flow while all others stay.
 ///
@@ -28,7 +28,7 @@ pub struct FlowProblem {
 impl FlowProblem {
     /// A flow of the vertices `interior` of the mesh `positions`, `triangles`.
     ///
-    /// The mesh must hold everything within [`COLLAR_RINGS`] rings of the interior; a boundary
+    /// The mesh must hold everything within [`SUPPORT_RINGS`] rings of the interior; a boundary
     /// nearer than that is taken for a boundary of the surface. `radius` is the hole radius (RMS
     /// distance of the rim from its mean), the unit of length of all tolerances.
     ///
@@ -180,7 +180,7 @@ impl FlowProblem {
         self.centre
     }
 
-    /// Graph distance from the interior vertices, 0 for these, at most [`COLLAR_RINGS`] + 1.
+    /// Graph distance from the interior vertices, 0 for these, at most [`SUPPORT_RINGS`] + 1.
     pub fn ring(&self) -> &[u8] {
         &self.ring
     }
@@ -237,16 +237,16 @@ impl FlowProblem {
 }
 
 fn rings(topology: &Topology, interior: &[u32]) -> Vec<u8> {
-    let mut ring = vec![COLLAR_RINGS + 1; topology.vertex_count()];
+    let mut ring = vec![SUPPORT_RINGS + 1; topology.vertex_count()];
     let mut front: Vec<u32> = interior.to_vec();
     for &v in interior {
         ring[v as usize] = 0;
     }
-    for distance in 1..=COLLAR_RINGS {
+    for distance in 1..=SUPPORT_RINGS {
         let mut next = Vec::new();
         for &v in &front {
             for w in topology.neighbours(VertexId(v)) {
-                if ring[w.index()] > COLLAR_RINGS {
+                if ring[w.index()] > SUPPORT_RINGS {
                     ring[w.index()] = distance;
                     next.push(w.0);
                 }

@@ -1,6 +1,6 @@
 //! What a flow tells of its steps and of its end.
 
-use crate::solver::control::Progress;
+use crate::solver::control::StepKind;
 
 /// One line of the record of a flow.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub struct StepRecord {
     /// Whether it was rejected.
     pub rejected: bool,
     /// How it was computed.
-    pub progress: Progress,
+    pub kind: StepKind,
     /// Scheme A: iterations of GMRES.
     pub iterations: Option<usize>,
     /// Scheme A: relative residual of the linear solve.
@@ -29,13 +29,13 @@ pub enum End {
     /// The stopping rule was met.
     Converged,
     /// `max_steps` were taken.
-    Steps,
+    MaxSteps,
     /// τ collapsed: no step lowers the energy.
-    Stuck,
+    StepSizeCollapsed,
     /// The surface was pinching off; the shape is the last one with an open neck.
     Pinched,
     /// The surface passes through itself; the shape is the last one that does not.
-    Crossed,
+    SelfIntersected,
     /// It was told to.
     Cancelled,
 }

@@ -4,7 +4,6 @@ use crate::energy::{Energy, WellPosedScan, scan_well_posedness};
 use crate::mesh::DVec3;
 use crate::solver::SolverError;
 use crate::solver::forms::PointGeometry;
-use crate::solver::posed::TOLERANCE;
 use crate::subdivision::Elements;
 
 /// What a survey found.
@@ -22,6 +21,8 @@ pub struct Survey {
     pub worst_place: DVec3,
 }
 
+/// Symbols smaller than this, relative to their scale, count as zero.
+const TOLERANCE: f64 = 1e-9;
 /// Elements looked at where the energy may be ill-posed somewhere; a larger region is sampled
 /// evenly.
 const SAMPLES: usize = 8192;
@@ -30,7 +31,7 @@ const FEW_SAMPLES: usize = 256;
 
 /// Surveys the limit surface over `elements`.
 pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius: f64) -> Survey {
-    let count = elements.faces.len();
+    let count = elements.faces().len();
     let samples = if energy.is_uniformly_parabolic() {
         FEW_SAMPLES
     } else {

@@ -104,7 +104,7 @@ impl Incidence {
     fn new(elements: &Elements, unknowns: &Unknowns) -> Self {
         let n = unknowns.len();
         let mut start = vec![0u32; n + 2];
-        for &v in &elements.vertices {
+        for &v in elements.vertices() {
             start[unknowns.of_vertex[v as usize] as usize + 1] += 1;
         }
         for i in 0..=n {
@@ -112,7 +112,7 @@ impl Incidence {
         }
         let mut fill = start.clone();
         let mut entries = vec![[0; 2]; start[n] as usize];
-        for e in 0..elements.faces.len() {
+        for e in 0..elements.faces().len() {
             for (k, &v) in elements.vertices_of(e).iter().enumerate() {
                 let i = unknowns.of_vertex[v as usize] as usize;
                 if i < n {

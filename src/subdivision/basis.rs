@@ -1,8 +1,5 @@
 //! Basis functions of a triangle of the limit surface, by the valences of its corners.
 
-use std::collections::BTreeMap;
-
-use super::folding::Folding;
 use super::masks::limit_mask;
 use super::patch::{Patch, Row};
 use super::regular;
@@ -162,44 +159,6 @@ impl Scratch {
             std::mem::swap(&mut self.rows, &mut self.lifted);
         }
         &self.rows
-    }
-}
-
-/// Tables made so far, kept over calls so that several holes share them.
-#[derive(Clone, Debug, Default)]
-pub struct TableCache {
-    by_valences: BTreeMap<(Rule, [usize; 3]), BasisTable>,
-    folded: BTreeMap<(Rule, Folding), BasisTable>,
-}
-
-impl TableCache {
-    /// An empty cache.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// The table of a triangle by its corner valences (each at least 3).
-    ///
-    /// # Panics
-    /// If a valence is less than 3.
-    pub fn table(&mut self, valences: [usize; 3], rule: Rule) -> &BasisTable {
-        self.by_valences
-            .entry((rule, valences))
-            .or_insert_with(|| BasisTable::new(valences, rule))
-    }
-
-    /// The table of a triangle over its distinct real control vertices.
-    pub(super) fn folded_table(&mut self, folding: &Folding, rule: Rule) -> &BasisTable {
-        let key = (rule, folding.clone());
-        if !self.folded.contains_key(&key) {
-            let table = if folding.is_flat() {
-                BasisTable::flat(rule.points())
-            } else {
-                folding.apply(self.table(folding.valences, rule))
-            };
-            self.folded.insert(key.clone(), table);
-        }
-        &self.folded[&key]
     }
 }
 

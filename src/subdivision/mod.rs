@@ -7,6 +7,7 @@
 //! `p0`. Basis values at fixed points depend on the three corner valences only.
 
 mod basis;
+mod cache;
 mod elements;
 mod folding;
 mod gather;
@@ -17,7 +18,7 @@ mod regular;
 mod ring;
 mod rule;
 
-pub use basis::{BasisTable, DERIVATIVES, TableCache, basis_at};
+pub use basis::{BasisTable, DERIVATIVES, basis_at};
 pub use elements::{Elements, elements, elements_at};
 pub use limit::{
     limit_normal, limit_normals, limit_position, limit_positions, limit_stencil, ring_points,

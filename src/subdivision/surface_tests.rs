@@ -35,7 +35,7 @@ fn all_faces(topology: &Topology) -> Vec<FaceId> {
 }
 
 fn all_elements(topology: &Topology, rule: Rule) -> Elements {
-    elements(topology, &all_faces(topology), rule, &mut TableCache::new())
+    elements(topology, &all_faces(topology), rule)
 }
 
 /// The fast gathering and the general path agree; vertices are distinct, corners come first.
@@ -48,13 +48,13 @@ fn elements_are_the_surface() {
     } in shapes()
     {
         let found = all_elements(&topology, Rule::Twelve);
-        let mut seen: Vec<u32> = found.faces.clone();
+        let mut seen: Vec<u32> = found.faces().to_vec();
         seen.sort_unstable();
         assert!(seen.iter().copied().eq(0..topology.face_count() as u32));
-        assert!(found.table_of.is_sorted());
-        assert_eq!(found.offset.len(), found.len() + 1);
+        assert!(found.table_of().is_sorted());
+        assert_eq!(found.offsets().len(), found.len() + 1);
         for e in 0..found.len() {
-            let f = FaceId(found.faces[e]);
+            let f = FaceId(found.faces()[e]);
             let vertices = found.vertices_of(e);
             let corners = topology.face_vertices(f).map(|v| v.0);
             assert_eq!(vertices[..3], corners);
@@ -83,7 +83,7 @@ fn a_pillow_is_flat() {
     let pillow = Topology::from_triangles(3, &[[0, 1, 2], [0, 2, 1]]).expect("closed");
     let positions = [DVec3::ZERO, DVec3::X, DVec3::new(0.2, 1.0, 0.5)];
     let found = all_elements(&pillow, Rule::Three);
-    assert_eq!(found.vertices, [0, 1, 2, 0, 2, 1]);
+    assert_eq!(found.vertices(), [0, 1, 2, 0, 2, 1]);
     for (q, &[v, w]) in Rule::Three.points().iter().enumerate() {
         let at = |d| combine(found.table(0).row(q, d), found.vertices_of(0), &positions);
         assert!((at(0) - v * positions[1] - w * positions[2]).length() < 1e-15);
@@ -201,7 +201,7 @@ fn straight_boundary_of_a_regular_mesh_is_reproduced() {
     let found = all_elements(&topology, Rule::Three);
     let mut exact = 0;
     for e in 0..found.len() {
-        let corners = topology.face_vertices(FaceId(found.faces[e]));
+        let corners = topology.face_vertices(FaceId(found.faces()[e]));
         let [a, b, c] = corners.map(|v| positions[v.index()]);
         let lattice_corner =
             |v: VertexId| topology.is_boundary_vertex(v) && topology.valence(v) != 4;
@@ -285,17 +285,20 @@ fn rigid_motion() {
     }
 }
 
-/// The result is the same whatever a cache holds already.
+/// The result is the same whatever the cache holds, and another rule shares the stencils.
 #[test]
 fn caches_do_not_show() {
-    let mut cache = TableCache::new();
     for shape in shapes() {
-        let fresh = all_elements(&shape.topology, Rule::Three);
         let faces = all_faces(&shape.topology);
-        let shared = elements(&shape.topology, &faces, Rule::Three, &mut cache);
-        assert_eq!(fresh.tables, shared.tables);
-        assert_eq!(fresh.table_of, shared.table_of);
-        assert_eq!(fresh.vertices, shared.vertices);
+        let first = all_elements(&shape.topology, Rule::Three);
+        let again = all_elements(&shape.topology, Rule::Three);
+        let fresh = elements_at(&shape.topology, &faces, Rule::Three.points());
+        let other = first.at_rule(Rule::Twelve).at_rule(Rule::Three);
+        for shared in [&again, &other] {
+            assert_eq!(fresh.tables(), shared.tables());
+            assert_eq!(fresh.table_of(), shared.table_of());
+            assert_eq!(fresh.vertices(), shared.vertices());
+        }
     }
-    assert!(elements(&shapes()[0].topology, &[], Rule::Three, &mut cache).is_empty());
+    assert!(elements(&shapes()[0].topology, &[], Rule::Three).is_empty());
 }

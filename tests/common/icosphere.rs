@@ -3,7 +3,7 @@
 use meniscus::energy::{Energy, Preset};
 use meniscus::mesh::DVec3;
 use meniscus::solver::{Assembler, FlowProblem, Unknowns};
-use meniscus::subdivision::{Rule, TableCache, elements};
+use meniscus::subdivision::{Rule, elements};
 
 const DATA: &str = include_str!("../data/icosphere3.obj");
 
@@ -33,7 +33,7 @@ pub fn area_radius(points: &[DVec3], faces: &[[u32; 3]]) -> f64 {
     let all: Vec<u32> = (0..points.len() as u32).collect();
     let problem = FlowProblem::new(points, faces, &all, 1.0).expect("closed mesh");
     let (topology, active) = (problem.topology(), problem.active_faces());
-    let local = elements(topology, active, Rule::Twelve, &mut TableCache::default());
+    let local = elements(topology, active, Rule::Twelve);
     let mut assembler = Assembler::new(&local, Rule::Twelve, Unknowns::none(points.len()));
     let area = Energy::preset(Preset::One);
     let sum = assembler.gradient(problem.positions(), &area, &mut Vec::new());

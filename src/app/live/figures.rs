@@ -83,8 +83,8 @@ fn refine_figures(live: &LiveRefine, shown: Option<&Shape>) -> Figures {
     let end = match &status.failed {
         Some(text) => Some(Err(text.clone())),
         None if status.ended => Some(Ok(match live.levels().last().map(|l| l.end) {
-            Some("steps") => End::Steps,
-            Some("stuck") => End::Stuck,
+            Some("steps") => End::MaxSteps,
+            Some("stuck") => End::StepSizeCollapsed,
             Some("cancelled") => End::Cancelled,
             _ => End::Converged,
         })),

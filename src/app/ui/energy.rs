@@ -22,7 +22,7 @@ fn about(preset: Preset) -> &'static str {
         Preset::HMinusH0Squared => "Helfrich energy: wants mean curvature H0",
         Preset::K1SqPlusK2Sq => "thin-plate like total curvature",
         Preset::K1MinusK2Squared => "wants umbilics: spheres",
-        Preset::TotalCurvature => "total curvature: edges may stay sharp, sides stay flat",
+        Preset::CurvatureNorm => "total curvature: edges may stay sharp, sides stay flat",
     }
 }
 

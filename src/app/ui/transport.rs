@@ -136,10 +136,10 @@ fn timeline_ui(ui: &mut Ui, run: &Run, actions: &mut Vec<Action>) {
 fn end_words(end: End) -> &'static str {
     match end {
         End::Converged => "converged",
-        End::Steps => "most steps taken",
-        End::Stuck => "stuck: no step lowers the energy",
+        End::MaxSteps => "most steps taken",
+        End::StepSizeCollapsed => "stuck: no step lowers the energy",
         End::Pinched => "pinched off: the last open shape is kept",
-        End::Crossed => "passes through itself: the last shape that does not is kept",
+        End::SelfIntersected => "passes through itself: the last shape that does not is kept",
         End::Cancelled => "stopped",
     }
 }

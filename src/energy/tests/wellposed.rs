@@ -31,12 +31,6 @@ fn well_posedness_is_that_of_section_8() {
         let found = parsed(text).well_posedness(at[0], at[1], 1e-12);
         assert_eq!(found, class, "{text} {at:?}");
     }
-    for (text, at) in [("H^2", flat), ("1", saddle), ("K", saddle), ("H", sphere)] {
-        let energy = parsed(text);
-        let jet = energy.jet(at[0], at[1]);
-        let class = energy.well_posedness(at[0], at[1], 1e-12);
-        assert_eq!(well_posedness(&jet, at[0], at[1], 1e-12), class, "{text}");
-    }
 }
 
 /// The smallest symbol by brute force over directions: the shape operator diag(κ1, κ2) has

@@ -189,7 +189,7 @@ impl<'a> Numbering<'a> {
             listed[f.index()] = true;
         }
         let mut element_of = vec![NONE; topology.face_count()];
-        for (e, &f) in elements.faces.iter().enumerate() {
+        for (e, &f) in elements.faces().iter().enumerate() {
             element_of[f as usize] = e as u32;
         }
         Self {

@@ -55,7 +55,9 @@ impl GuardedFlow {
     /// nothing folds, the surface following as the metric spreads the move and relaxing between.
     /// Points that cannot arrive without a fold are set there at the end. Returns how many.
     pub fn approach(&mut self, goals: &[DVec3], tau: f64) -> usize {
-        let Some(held) = &self.held else { return 0 };
+        let Some(held) = &self.constraints else {
+            return 0;
+        };
         let mut way = Way {
             start: held.targets().to_vec(),
             goals,
@@ -95,7 +97,7 @@ impl GuardedFlow {
                 .folds
                 .mark_folds(&folds, &self.topology, &self.watched, &mut marked);
             if !folded {
-                if let Some(held) = &mut self.held {
+                if let Some(held) = &mut self.constraints {
                     held.retarget(way.after(&parts));
                 }
                 self.positions = positions;
@@ -119,7 +121,7 @@ impl GuardedFlow {
 
     /// The surface led to `targets`, which the metric spreads, and passing them.
     fn led(&mut self, targets: &[DVec3]) -> Option<Vec<DVec3>> {
-        let held = self.held.as_ref()?;
+        let held = self.constraints.as_ref()?;
         let shifts: Vec<DVec3> = targets
             .iter()
             .zip(held.targets())
@@ -139,7 +141,9 @@ impl GuardedFlow {
 
     /// Shortens the parts of the points next to marked vertices; whether there were any that went.
     fn slow_down(&self, marked: &[bool], parts: &mut [f64]) -> bool {
-        let Some(held) = &self.held else { return false };
+        let Some(held) = &self.constraints else {
+            return false;
+        };
         let mut any = false;
         for (&u, part) in held.unknowns().iter().zip(parts) {
             let v = self.assembler.unknowns().vertex[u as usize];
@@ -157,7 +161,7 @@ impl GuardedFlow {
 
     /// Holds the points elsewhere at once.
     fn hold_at(&mut self, targets: Vec<DVec3>) {
-        if let Some(held) = &mut self.held {
+        if let Some(held) = &mut self.constraints {
             held.retarget(targets);
             held.settle(&mut self.positions);
         }
@@ -170,7 +174,7 @@ impl GuardedFlow {
         self.current = self
             .assembler
             .gradient(&self.positions, &self.energy, &mut self.gradient);
-        if let Some(held) = &self.held {
+        if let Some(held) = &self.constraints {
             held.pull_back(self.assembler.unknowns(), &mut self.gradient);
         }
         self.memory.clear();

@@ -8,7 +8,7 @@ use crate::energy::Energy;
 use crate::linear::{SymmetricPattern, nested_dissection};
 use crate::mesh::DVec3;
 use crate::solver::mixed::kernel::{self, Layout, Scratch};
-use crate::solver::mixed::pattern::{Couplings, Lists};
+use crate::solver::mixed::pattern::{IndexLists, ScatterMap};
 use crate::solver::{FlowProblem, Unknowns};
 use crate::subdivision::{BasisTable, Elements};
 
@@ -73,13 +73,13 @@ pub struct System {
     /// What it is measured in.
     pub units: Units,
     elements: Elements,
-    x_slots: Couplings,
-    h_slots: Couplings,
-    pub(super) coupling_slots: Couplings,
+    x_slots: ScatterMap,
+    h_slots: ScatterMap,
+    pub(super) coupling_slots: ScatterMap,
     buffer: Vec<f64>,
 }
 
-fn matrix_of<T: Copy>(couplings: &Couplings, columns: usize, value: T) -> CsrMatrix<T> {
+fn matrix_of<T: Copy>(couplings: &ScatterMap, columns: usize, value: T) -> CsrMatrix<T> {
     CsrMatrix::try_from_csr_data(
         couplings.offsets.len() - 1,
         columns,
@@ -90,7 +90,7 @@ fn matrix_of<T: Copy>(couplings: &Couplings, columns: usize, value: T) -> CsrMat
     .expect("rows built in order with ascending columns")
 }
 
-fn symmetric(couplings: &Couplings) -> SymmetricPattern {
+fn symmetric(couplings: &ScatterMap) -> SymmetricPattern {
     SymmetricPattern::new(
         couplings.offsets.len() - 1,
         couplings.offsets.clone(),
@@ -100,9 +100,9 @@ fn symmetric(couplings: &Couplings) -> SymmetricPattern {
 
 /// Orders unknowns by nested dissection of the graph in which the members of each list are all
 /// neighbours.
-fn dissected(first: &Unknowns, lists: &Lists, positions: &[DVec3]) -> Unknowns {
+fn dissected(first: &Unknowns, lists: &IndexLists, positions: &[DVec3]) -> Unknowns {
     let n = first.len();
-    let graph = Couplings::new(lists, lists, n, n, false);
+    let graph = ScatterMap::new(lists, lists, n, n, false);
     let mut offsets = vec![0u32; n + 1];
     let mut adjacency = Vec::with_capacity(graph.nnz() - n);
     for i in 0..n {
@@ -129,7 +129,7 @@ impl Numbering {
         let h = dissected(&h, &corner_lists(elements, &h), positions);
         let x = Unknowns::numbered(positions.len(), problem.interior().to_vec());
         let (controls, corners) = (control_lists(elements, &x), corner_lists(elements, &h));
-        let coupling = Couplings::new(&controls, &corners, x.len(), h.len(), false);
+        let coupling = ScatterMap::new(&controls, &corners, x.len(), h.len(), false);
         let (meets, _) = coupling.by_column(h.len());
         Self {
             x: dissected(&x, &meets, positions),
@@ -138,16 +138,16 @@ impl Numbering {
     }
 }
 
-fn control_lists(elements: &Elements, unknowns: &Unknowns) -> Lists {
-    let vertices = elements.vertices.iter();
-    Lists {
-        start: elements.offset.clone(),
+fn control_lists(elements: &Elements, unknowns: &Unknowns) -> IndexLists {
+    let vertices = elements.vertices().iter();
+    IndexLists {
+        start: elements.offsets().to_vec(),
         items: vertices.map(|&v| unknowns.of_vertex[v as usize]).collect(),
     }
 }
 
-fn corner_lists(elements: &Elements, unknowns: &Unknowns) -> Lists {
-    Lists {
+fn corner_lists(elements: &Elements, unknowns: &Unknowns) -> IndexLists {
+    IndexLists {
         start: (0..=elements.len() as u32).map(|e| 3 * e).collect(),
         items: (0..elements.len())
             .flat_map(|e| &elements.vertices_of(e)[..3])
@@ -164,9 +164,9 @@ impl System {
         let (n, m) = (numbering.x.len(), numbering.h.len());
         let controls = control_lists(&elements, &numbering.x);
         let corners = corner_lists(&elements, &numbering.h);
-        let x_slots = Couplings::new(&controls, &controls, n, n, true);
-        let h_slots = Couplings::new(&corners, &corners, m, m, true);
-        let coupling_slots = Couplings::new(&controls, &corners, n, m, false);
+        let x_slots = ScatterMap::new(&controls, &controls, n, n, true);
+        let h_slots = ScatterMap::new(&corners, &corners, m, m, true);
+        let coupling_slots = ScatterMap::new(&controls, &corners, n, m, false);
         Self {
             x_pattern: symmetric(&x_slots),
             h_pattern: symmetric(&h_slots),

@@ -24,7 +24,7 @@
 //! `f` has only such terms (`f = K`, under which the corrected variant stands still as it should).
 
 mod assembly;
-mod fixed;
+mod curvature_projection;
 mod kernel;
 mod pattern;
 mod precond;
@@ -34,15 +34,15 @@ use crate::energy::Energy;
 use crate::linear::{GmresOptions, GmresReport, LinearError, SparseLu, gmres};
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
-use crate::solver::control::{Attempt, Progress};
+use crate::solver::control::{Attempt, StepKind};
 use crate::solver::normals::LimitNormals;
 use crate::solver::relax::may_slide;
 use crate::solver::survey::survey;
 use crate::solver::{FlowProblem, SolverError};
-use crate::subdivision::{Rule, TableCache, elements};
+use crate::subdivision::{Rule, elements};
 
 use assembly::{System, Units};
-use fixed::Projected;
+use curvature_projection::CurvatureProjection;
 use precond::BlockElimination;
 
 /// How the linear system (23) is solved.
@@ -90,7 +90,7 @@ pub struct MixedFlow {
     h: Vec<DVec3>,
     k: Vec<DVec3>,
     /// What renews them at creases, where they are data of the present surface.
-    creases: Option<Projected>,
+    creases: Option<CurvatureProjection>,
     /// The same, with `h(x)` and `k(x)` on rings 0 and 1.
     lifted_h: Vec<DVec3>,
     lifted_k: Vec<DVec3>,
@@ -118,17 +118,16 @@ impl MixedFlow {
         linear: LinearSolver,
         corrected: bool,
     ) -> Result<Self, SolverError> {
-        let mut tables = TableCache::default();
         let (topology, faces) = (problem.topology(), problem.active_faces());
-        let fine = elements(topology, faces, Rule::Twelve, &mut tables);
+        let fine = elements(topology, faces, Rule::Twelve);
         let start = survey(&fine, problem.positions(), energy, problem.radius());
         let count = problem.positions().len();
         let (mut h, mut k) = (vec![DVec3::ZERO; count], vec![DVec3::ZERO; count]);
         let is_crease = problem.crease_marks();
         let data = |v: usize| is_crease[v] || problem.ring()[v] == 2;
-        Projected::new(problem, data, &mut tables).evaluate(problem.positions(), &mut h, &mut k);
+        CurvatureProjection::new(problem, data).evaluate(problem.positions(), &mut h, &mut k);
         let creases = (!problem.creases().is_empty())
-            .then(|| Projected::new(problem, |v| is_crease[v], &mut tables));
+            .then(|| CurvatureProjection::new(problem, |v| is_crease[v]));
         let length = problem.radius();
         let units = Units {
             length,
@@ -237,7 +236,7 @@ impl MixedFlow {
         };
         let mut attempt = Attempt {
             linear,
-            progress: linear.map_or(Progress::Factorized, |_| Progress::Krylov),
+            kind: linear.map_or(StepKind::Factorized, |_| StepKind::Krylov),
             ..Attempt::rejected(None)
         };
         if let Some(report) = linear
@@ -270,7 +269,7 @@ impl MixedFlow {
         }
         self.accept(sum);
         attempt.accepted = true;
-        attempt.longest = longest;
+        attempt.max_displacement = longest;
         attempt
     }
 

@@ -2,14 +2,14 @@
 
 /// Lists of indices, one after another.
 #[derive(Clone, Debug, Default)]
-pub struct Lists {
+pub struct IndexLists {
     /// Start of each list in `items`; one more entry at the end.
     pub start: Vec<u32>,
     /// The items.
     pub items: Vec<u32>,
 }
 
-impl Lists {
+impl IndexLists {
     /// Number of lists.
     pub fn len(&self) -> usize {
         self.start.len() - 1
@@ -49,7 +49,7 @@ impl Lists {
 
 /// Rows of a sparse matrix `Σ_e P_eᵀ a_e Q_e` and where each entry of each small matrix `a_e` goes.
 #[derive(Clone, Debug, Default)]
-pub struct Couplings {
+pub struct ScatterMap {
     /// Start of each row in `columns`.
     pub offsets: Vec<usize>,
     /// Columns of each row, ascending.
@@ -62,11 +62,11 @@ pub struct Couplings {
     slot: Vec<u32>,
 }
 
-impl Couplings {
+impl ScatterMap {
     /// Couples each member of `rows` list e with each member of `columns` list e. Indices from `n`
     /// (of rows) or `m` (of columns) on are fixed values and have no place. With `upper`, only
     /// entries on and above the diagonal are kept.
-    pub fn new(rows: &Lists, columns: &Lists, n: usize, m: usize, upper: bool) -> Self {
+    pub fn new(rows: &IndexLists, columns: &IndexLists, n: usize, m: usize, upper: bool) -> Self {
         let mut start = Vec::with_capacity(rows.len() + 1);
         let mut total = 0;
         start.push(0);
@@ -132,7 +132,7 @@ impl Couplings {
 
     /// The transposed lists: for each of `m` columns the rows that have it, and the place of the
     /// entry.
-    pub fn by_column(&self, m: usize) -> (Lists, Vec<u32>) {
+    pub fn by_column(&self, m: usize) -> (IndexLists, Vec<u32>) {
         let mut start = vec![0u32; m + 1];
         for &j in &self.columns {
             start[j + 1] += 1;
@@ -151,7 +151,7 @@ impl Couplings {
                 *next += 1;
             }
         }
-        (Lists { start, items }, places)
+        (IndexLists { start, items }, places)
     }
 }
 
@@ -161,15 +161,15 @@ mod tests {
 
     #[test]
     fn small_matrices_add_up_where_they_belong() {
-        let rows = Lists {
+        let rows = IndexLists {
             start: vec![0, 2, 4],
             items: vec![0, 2, 1, 9],
         };
-        let columns = Lists {
+        let columns = IndexLists {
             start: vec![0, 3, 5],
             items: vec![1, 0, 7, 1, 0],
         };
-        let c = Couplings::new(&rows, &columns, 3, 2, false);
+        let c = ScatterMap::new(&rows, &columns, 3, 2, false);
         assert_eq!(c.offsets, [0, 2, 4, 6]);
         assert_eq!(c.columns, [0, 1, 0, 1, 0, 1]);
         assert_eq!(c.slots(0), [1, 0, 6, 5, 4, 6]);
@@ -177,7 +177,7 @@ mod tests {
         let (by_column, places) = c.by_column(2);
         assert_eq!(by_column.of(1), [0, 1, 2]);
         assert_eq!(places[3..], [1, 3, 5]);
-        let upper = Couplings::new(&columns, &columns, 2, 2, true);
+        let upper = ScatterMap::new(&columns, &columns, 2, 2, true);
         assert_eq!(upper.columns, [0, 1, 1]);
         assert_eq!(upper.slots(1), [2, 3, 1, 0]);
     }

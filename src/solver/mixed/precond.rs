@@ -28,16 +28,16 @@ use crate::energy::Jet2;
 use crate::linear::{Cholesky, CholeskySymbolic, LinearError, SymmetricPattern};
 use crate::solver::forms::PositiveHessian;
 use crate::solver::mixed::assembly::System;
-use crate::solver::mixed::pattern::{Couplings, Lists};
+use crate::solver::mixed::pattern::{IndexLists, ScatterMap};
 
 /// Structure of the Schur complement with a lumped `m`: for each vertex v of rings 0 and 1, the
 /// vertices whose basis functions meet `ψ_v` are coupled with each other.
 struct SchurPattern {
     /// The vertices i that meet each v.
-    meets: Lists,
+    meets: IndexLists,
     /// The place of each (i, v) among the entries of `l¹` and `l²`.
     place: Vec<u32>,
-    slots: Couplings,
+    slots: ScatterMap,
     /// Where the entries of `M/τ + l^p` go.
     of_position: Vec<u32>,
 }
@@ -46,7 +46,7 @@ impl SchurPattern {
     fn new(system: &System) -> Self {
         let (n, m) = (system.numbering.x.len(), system.numbering.h.len());
         let (meets, place) = system.coupling_slots.by_column(m);
-        let slots = Couplings::new(&meets, &meets, n, n, true);
+        let slots = ScatterMap::new(&meets, &meets, n, n, true);
         let x = &system.x_pattern;
         let mut of_position = Vec::with_capacity(x.nnz());
         for i in 0..n {

@@ -256,11 +256,7 @@ fn fixed_curvatures_are_those_of_the_collar() {
     let mut h = vec![DVec3::ZERO; points.len()];
     let mut k = h.clone();
     let second_ring = |v: usize| problem.ring()[v] == 2;
-    Projected::new(&problem, second_ring, &mut TableCache::default()).evaluate(
-        problem.positions(),
-        &mut h,
-        &mut k,
-    );
+    CurvatureProjection::new(&problem, second_ring).evaluate(problem.positions(), &mut h, &mut k);
     let mut worst = [0.0f64; 2];
     for v in 0..points.len() {
         let n = points[v].normalize();

@@ -3,22 +3,18 @@
 use super::kernel;
 use crate::mesh::{DVec3, FaceId};
 use crate::solver::FlowProblem;
-use crate::subdivision::{Elements, Rule, TableCache, elements};
+use crate::subdivision::{Elements, Rule, elements};
 
 /// Vertices whose `h` and `k` are taken from a surface by the L2 projection with lumped mass over
 /// all faces around.
-pub(super) struct Projected {
+pub(super) struct CurvatureProjection {
     wanted: Vec<bool>,
     around: Elements,
 }
 
-impl Projected {
+impl CurvatureProjection {
     /// For the vertices that satisfy `wanted`.
-    pub(super) fn new(
-        problem: &FlowProblem,
-        wanted: impl Fn(usize) -> bool,
-        tables: &mut TableCache,
-    ) -> Self {
+    pub(super) fn new(problem: &FlowProblem, wanted: impl Fn(usize) -> bool) -> Self {
         let topology = problem.topology();
         let wanted: Vec<bool> = (0..topology.vertex_count()).map(wanted).collect();
         let faces: Vec<FaceId> = (0..topology.face_count())
@@ -26,7 +22,7 @@ impl Projected {
             .filter(|&f| topology.face_vertices(f).iter().any(|v| wanted[v.index()]))
             .collect();
         Self {
-            around: elements(topology, &faces, Rule::Twelve, tables),
+            around: elements(topology, &faces, Rule::Twelve),
             wanted,
         }
     }

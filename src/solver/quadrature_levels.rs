@@ -5,16 +5,16 @@ use std::borrow::Cow;
 use crate::solver::FlowProblem;
 use crate::solver::assembly::Assembler;
 use crate::solver::unknowns::Unknowns;
-use crate::subdivision::{self, Elements, Rule, TableCache};
+use crate::subdivision::{self, Elements, Rule};
 
 /// Points that are enough for the metric of a step, which need not be exact.
-pub const METRIC: Rule = Rule::Twelve;
+pub const PRECONDITIONER_RULE: Rule = Rule::Twelve;
 /// Points at which normals are watched for folds.
-pub const FOLDS: Rule = Rule::FortyEight;
+pub const FOLD_CHECK_RULE: Rule = Rule::FortyEight;
 
 /// The elements of a problem with tables for `rule` or, if that is finer, for `most`; `elements` have
 /// those for `rule`.
-pub fn at_most<'a>(
+pub fn coarsened<'a>(
     problem: &FlowProblem,
     elements: &'a Elements,
     rule: Rule,
@@ -27,13 +27,12 @@ pub fn at_most<'a>(
         problem.topology(),
         problem.active_faces(),
         most,
-        &mut TableCache::default(),
     ))
 }
 
 /// What energies and gradients are assembled by, at the points of `rule`, and what makes matrices, at no
 /// more points than `most` has, where that is not the same; both with the unknowns in one order.
-pub fn assemblers(
+pub fn energy_and_preconditioner(
     problem: &FlowProblem,
     elements: &Elements,
     rule: Rule,
@@ -43,7 +42,7 @@ pub fn assemblers(
     if rule <= most {
         return (Assembler::new(elements, rule, unknowns), None);
     }
-    let coarse = at_most(problem, elements, rule, most);
+    let coarse = coarsened(problem, elements, rule, most);
     let mut maker = Assembler::new(&coarse, most, unknowns);
     // takes from the unknowns what only a matrix needs
     maker.pattern();

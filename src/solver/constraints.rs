@@ -1,4 +1,4 @@
-//! Held limit positions as the schemes use them.
+//! Constrained limit positions as the schemes use them.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::solver::penalty::Penalty;
 use crate::solver::unknowns::Unknowns;
 
 /// Vertices whose limit positions are given, in the numbering of a scheme's unknowns.
-pub struct Held {
+pub struct Constraints {
     interpolation: Arc<Interpolation>,
     penalty: Penalty,
     unknowns: Vec<u32>,
@@ -18,7 +18,7 @@ pub struct Held {
     weights: Vec<f64>,
 }
 
-impl Held {
+impl Constraints {
     /// Those of a problem, if it holds any.
     pub fn of(problem: &FlowProblem, assembler: &mut Assembler) -> Option<Self> {
         let interpolation = problem.interpolation()?;
@@ -82,7 +82,7 @@ impl Held {
         self.interpolation.settle(positions);
     }
 
-    /// Held vertices have no step of their own.
+    /// Constrained vertices have no step of their own.
     pub fn clear(&self, step: &mut [f64]) {
         for &u in &self.unknowns {
             step[u as usize] = 0.0;
