@@ -44,3 +44,4 @@ pub mod render;
 pub mod shapes;
 pub mod solver;
 pub mod subdivision;
+pub mod surface;

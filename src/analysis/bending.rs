@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use glam::DMat3;
 
 use crate::mesh::{DVec3, FaceId, Topology};
-use crate::solver::each_point;
-use crate::solver::forms::PointGeometry;
 use crate::subdivision::{Rule, elements};
+use crate::surface::{PointGeometry, each_point};
 
 /// The symmetric tensor `b^ab x_a x_bᵀ`: `t · (form t)` is the normal curvature along a unit tangent
 /// `t`, half the trace the mean curvature.

@@ -6,9 +6,8 @@ use crate::analysis::chains::EdgeChain;
 use crate::analysis::local::Local;
 use crate::analysis::quality::dihedral;
 use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh};
-use crate::solver::forms::PointGeometry;
-use crate::solver::{each_point, mean_curvature};
 use crate::subdivision::{Rule, elements, elements_at};
+use crate::surface::{PointGeometry, each_point, mean_curvature};
 
 /// Where each edge is looked at, as parts of its length; not at its ends, where a limit surface may
 /// have no curvature.

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::analysis::shape::all_elements;
 use crate::mesh::{DVec3, Topology};
-use crate::solver::each_point;
 use crate::subdivision::Rule;
+use crate::surface::each_point;
 
 /// Bins of a histogram.
 const BINS: usize = 32;

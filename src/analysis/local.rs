@@ -2,9 +2,8 @@
 
 use crate::mesh::union_find::{find, unite};
 use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology};
-use crate::solver::forms::PointGeometry;
-use crate::solver::surface_point;
 use crate::subdivision::elements_at;
+use crate::surface::{PointGeometry, surface_point};
 
 /// Faces with the rings of their corners.
 pub(super) struct Local {

@@ -6,8 +6,8 @@ use super::tests::{mesh, on_surface};
 use super::*;
 use crate::mesh::{DVec3, FaceId};
 use crate::shapes::{TriangleMesh, icosphere};
-use crate::solver::each_point;
 use crate::subdivision::{Rule, elements};
+use crate::surface::each_point;
 
 /// Relative errors of area and `∫ H² dA` at three densities have the orders of docs/accuracy.md: fourth on
 /// a regular grid, and lower where vertices of valence 5 are, at which Loop's surfaces are not curved

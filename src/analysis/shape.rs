@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::energy::Energy;
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId, components};
-use crate::solver::{Interpolation, each_point};
 use crate::subdivision::{Elements, Rule, elements};
+use crate::surface::{Interpolation, each_point};
 
 /// What the vertices of a mesh are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -1,8 +1,8 @@
 //! How a patch meets the mesh: figures of the limit surface along the rims.
 
 use crate::mesh::{DVec3, FaceId, Topology, VertexId};
-use crate::solver::mean_curvature;
 use crate::subdivision::{Rule, elements, limit_normal};
+use crate::surface::mean_curvature;
 
 /// The worst places along all rims.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -14,8 +14,9 @@ use crate::refine::region::{Region, nested_step};
 use crate::refine::running::{Running, level_options};
 use crate::refine::schemes::butterfly_step;
 use crate::refine::start::drawn_start;
-use crate::solver::{End, Flow, FlowOptions, FlowProblem, Interpolation, Scheme, SolverError};
+use crate::solver::{End, Flow, FlowOptions, FlowProblem, Scheme, SolverError};
 use crate::subdivision::limit_positions;
+use crate::surface::Interpolation;
 
 /// A mesh being refined, cut open along its creases.
 ///

@@ -2,8 +2,9 @@
 
 use crate::energy::{Energy, Preset};
 use crate::mesh::DVec3;
-use crate::solver::{FlowProblem, GuardedFlow, SolverError, survey};
+use crate::solver::{FlowProblem, GuardedFlow, SolverError};
 use crate::subdivision::{Rule, elements, limit_positions};
+use crate::surface::sample_surface;
 
 /// The flow of a surface held at points, from a surface near to them: it is led to them without
 /// folding on the way, as far as that can be, while it relaxes under `H²` whatever the energy of the flow.
@@ -28,7 +29,7 @@ pub fn drawn_start(
     };
     let (rule, energy) = (Rule::Twelve, Energy::preset(Preset::H2));
     let elements = elements(near.topology(), near.active_faces(), rule);
-    let tau = survey(&elements, near.positions(), &energy, near.radius()).tau_ref;
+    let tau = sample_surface(&elements, near.positions(), &energy, near.radius()).tau_ref;
     let mut flow = GuardedFlow::new(&near, &elements, rule, &energy)?;
     let late = flow.approach(&goals, tau);
     Ok((there.with_positions(flow.positions()), late))

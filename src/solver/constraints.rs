@@ -5,9 +5,9 @@ use std::sync::Arc;
 use crate::mesh::DVec3;
 use crate::solver::FlowProblem;
 use crate::solver::assembly::Assembler;
-use crate::solver::interpolation::Interpolation;
 use crate::solver::penalty::Penalty;
 use crate::solver::unknowns::Unknowns;
+use crate::surface::Interpolation;
 
 /// Vertices whose limit positions are given, in the numbering of a scheme's unknowns.
 pub struct Constraints {

@@ -2,6 +2,7 @@
 
 use crate::linear::LinearError;
 use crate::mesh::TopologyError;
+use crate::surface::SurfaceStats;
 
 /// Why a flow cannot be set up or continued.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -75,6 +76,16 @@ pub enum SolverError {
 }
 
 impl SolverError {
+    /// The error for an energy that is not finite on the surface of `stats`.
+    pub(super) fn energy_not_finite(stats: &SurfaceStats) -> Self {
+        Self::EnergyNotFinite {
+            h_min: stats.mean[0],
+            h_max: stats.mean[1],
+            k_min: stats.gauss[0],
+            k_max: stats.gauss[1],
+        }
+    }
+
     /// The error of a caught panic.
     pub fn from_panic(panic: &(dyn std::any::Any + Send)) -> Self {
         Self::Panic(panic_text(panic))

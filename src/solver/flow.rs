@@ -14,10 +14,10 @@ use crate::solver::options::{FlowOptions, Scheme};
 use crate::solver::pinch::PinchWatch;
 use crate::solver::record::{End, Outcome, StepRecord};
 use crate::solver::relax::Relaxation;
-use crate::solver::survey::{Survey, survey};
 use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule, elements};
+use crate::surface::{SurfaceStats, sample_surface};
 
 enum Stepper {
     Normal(Box<NormalFlow>),
@@ -73,14 +73,14 @@ impl Flow {
             || {
                 let rule = options.quadrature;
                 let local = elements(topology, faces, rule);
-                let start = survey(&local, problem.positions(), &energy, problem.radius());
+                let start = sample_surface(&local, problem.positions(), &energy, problem.radius());
                 let stepper = Self::stepper(&problem, &options, &energy, &local)?;
                 Ok::<_, SolverError>((local, start, stepper))
             },
         );
         let (local, start, stepper) = prepared?;
         if !energy_start.is_finite() {
-            return Err(start.not_finite());
+            return Err(SolverError::energy_not_finite(&start));
         }
         let warnings = warnings(&problem, &energy, &start);
         let mut flow = Self {
@@ -148,16 +148,16 @@ impl Flow {
         })
     }
 
-    fn restart_control(&mut self, survey: &Survey) {
+    fn restart_control(&mut self, stats: &SurfaceStats) {
         let gentle = match (&self.stepper, self.options.mode) {
             (Stepper::Normal(flow), Mode::Flow) => flow.edge_limited_tau(self.problem.topology()),
-            (Stepper::Mixed(_), _) => 1e-3 * survey.tau_ref,
-            _ => survey.tau_ref,
+            (Stepper::Mixed(_), _) => 1e-3 * stats.tau_ref,
+            _ => stats.tau_ref,
         };
         self.control = StepSizeControl::new(
             self.options.mode,
             self.options.tau,
-            survey.tau_ref,
+            stats.tau_ref,
             gentle,
             self.options.growth,
         );
@@ -270,7 +270,7 @@ impl Flow {
             )
         });
         let local = fresh.as_ref().unwrap_or(&self.local);
-        let now = survey(local, problem.positions(), &energy, problem.radius());
+        let now = sample_surface(local, problem.positions(), &energy, problem.radius());
         self.stepper = Self::stepper(&problem, &options, &energy, local)?;
         if let Some(fresh) = fresh {
             self.local = fresh;
@@ -499,9 +499,9 @@ impl Flow {
     }
 }
 
-/// What is to be said of an energy on the surface of a survey.
-fn warnings(problem: &FlowProblem, energy: &Energy, survey: &Survey) -> Vec<String> {
-    let mut warnings: Vec<String> = survey.warning(problem.centre()).into_iter().collect();
+/// What is to be said of an energy on the surface of a stats.
+fn warnings(problem: &FlowProblem, energy: &Energy, stats: &SurfaceStats) -> Vec<String> {
+    let mut warnings: Vec<String> = stats.warning(problem.centre()).into_iter().collect();
     if energy.order() == Order::Stationary {
         warnings.push(
             "this energy is a multiple of K, whose integral depends on the rim alone: every \

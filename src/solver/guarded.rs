@@ -22,9 +22,9 @@ use crate::solver::fold_guard::FoldState;
 use crate::solver::quadrature_levels::{
     FOLD_CHECK_RULE, PRECONDITIONER_RULE, coarsened, energy_and_preconditioner,
 };
-use crate::solver::survey::survey;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule};
+use crate::surface::sample_surface;
 
 /// Steps with one matrix.
 const REFRESH: usize = 10;
@@ -96,7 +96,12 @@ impl GuardedFlow {
         let mut gradient = Vec::new();
         let current = assembler.gradient(&positions, energy, &mut gradient);
         if !current.value.is_finite() {
-            return Err(survey(elements, &positions, energy, problem.radius()).not_finite());
+            return Err(SolverError::energy_not_finite(&sample_surface(
+                elements,
+                &positions,
+                energy,
+                problem.radius(),
+            )));
         }
         let mut flow = Self {
             folds: FoldState::new(problem.topology(), &watched, &positions),

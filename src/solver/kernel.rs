@@ -6,9 +6,8 @@
 
 use crate::energy::Energy;
 use crate::mesh::DVec3;
-use crate::solver::forms::{
-    Coefficients, PointGeometry, PositiveHessian, gauss_variation, mean_variation, variation,
-};
+use crate::solver::forms::{PositiveHessian, gauss_variation, mean_variation, variation};
+use crate::surface::{Coefficients, PointGeometry};
 
 /// Four numbers that are worked on together.
 pub type Lane = [f64; 4];

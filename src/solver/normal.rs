@@ -18,9 +18,9 @@ use crate::solver::quadrature_levels::{
     FOLD_CHECK_RULE, PRECONDITIONER_RULE, coarsened, energy_and_preconditioner,
 };
 use crate::solver::relax::may_slide;
-use crate::solver::survey::survey;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Elements, Rule};
+use crate::surface::sample_surface;
 
 /// A quasi-Newton step that is not this much shorter than the one before calls for a new matrix.
 const SHRINK: f64 = 0.4;
@@ -149,7 +149,12 @@ impl NormalFlow {
             held.pull_back(flow.assembler.unknowns(), &mut flow.gradient);
         }
         if !flow.current.value.is_finite() {
-            return Err(survey(local, &flow.positions, energy, flow.radius).not_finite());
+            return Err(SolverError::energy_not_finite(&sample_surface(
+                local,
+                &flow.positions,
+                energy,
+                flow.radius,
+            )));
         }
         Ok(flow)
     }

@@ -8,7 +8,7 @@
 
 use crate::linear::SymmetricPattern;
 use crate::mesh::DVec3;
-use crate::solver::interpolation::Interpolation;
+use crate::surface::Interpolation;
 
 /// `ρ` over the diagonal entry of the held vertex. Large against 1, so that held vertices keep
 /// their limit positions in the step to four digits, which is ample for a preconditioner of

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use crate::mesh::{DVec3, FaceId, Topology, VertexId};
-use crate::solver::{Interpolation, SolverError};
+use crate::solver::SolverError;
+use crate::surface::Interpolation;
 
 /// How far from the interior vertices positions can matter: active elements have corners up to
 /// ring 2 whose one-rings reach ring 3; the fixed curvatures of scheme A reach ring 4.

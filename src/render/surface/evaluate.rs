@@ -6,8 +6,8 @@ use super::samples::Inner;
 use super::{DynamicSurface, Evaluation};
 use crate::mesh::{DVec3, VertexId};
 use crate::render::{Geometry, Vertex};
-use crate::solver::surface_point;
 use crate::subdivision::{Elements, Rule, limit_normal, limit_position};
+use crate::surface::surface_point;
 
 /// Mean and Gaussian curvature.
 type Curvature = [f64; 2];

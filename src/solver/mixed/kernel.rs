@@ -2,9 +2,9 @@
 
 use crate::energy::{Energy, Jet2};
 use crate::mesh::DVec3;
-use crate::solver::forms::PointGeometry;
 use crate::solver::mixed::splitting::Splitting;
 use crate::subdivision::{BasisTable, Rule};
+use crate::surface::PointGeometry;
 
 /// Derivatives of the piecewise linear `ψ` of the three corners by the parameters.
 const DPSI: [[f64; 2]; 3] = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];

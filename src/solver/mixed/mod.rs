@@ -37,9 +37,9 @@ use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, StepKind};
 use crate::solver::normals::LimitNormals;
 use crate::solver::relax::may_slide;
-use crate::solver::survey::survey;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::{Rule, elements};
+use crate::surface::sample_surface;
 
 use assembly::{System, Units};
 use curvature_projection::CurvatureProjection;
@@ -120,7 +120,7 @@ impl MixedFlow {
     ) -> Result<Self, SolverError> {
         let (topology, faces) = (problem.topology(), problem.active_faces());
         let fine = elements(topology, faces, Rule::Twelve);
-        let start = survey(&fine, problem.positions(), energy, problem.radius());
+        let start = sample_surface(&fine, problem.positions(), energy, problem.radius());
         let count = problem.positions().len();
         let (mut h, mut k) = (vec![DVec3::ZERO; count], vec![DVec3::ZERO; count]);
         let is_crease = problem.crease_marks();
@@ -139,7 +139,7 @@ impl MixedFlow {
         let mut gradient = Vec::new();
         let current = assembler.gradient(problem.positions(), energy, &mut gradient);
         if !current.value.is_finite() {
-            return Err(start.not_finite());
+            return Err(SolverError::energy_not_finite(&start));
         }
         let ring = LimitNormals::new(topology, &system.numbering.x.vertex);
         let mut normals = Vec::new();

@@ -1,6 +1,7 @@
 use super::*;
 use crate::energy::Jet2;
-use crate::solver::forms::{PointGeometry, variation};
+use crate::solver::forms::variation;
+use crate::surface::PointGeometry;
 
 /// An octahedron split `levels` times and pushed to the sphere of radius `r`.
 fn sphere(levels: usize, r: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {

@@ -1,36 +1,40 @@
-//! A look over a surface: curvature ranges, the natural time of the hole, well-posedness.
+//! Curvature ranges of a limit surface, and how an energy's flow behaves on it.
 
 use crate::energy::{Energy, WellPosedScan, scan_well_posedness};
 use crate::mesh::DVec3;
-use crate::solver::SolverError;
-use crate::solver::forms::PointGeometry;
 use crate::subdivision::Elements;
+use crate::surface::each_point;
 
-/// What a survey found.
+/// What [`sample_surface`] measures.
 #[derive(Clone, Debug)]
-pub struct Survey {
+pub struct SurfaceStats {
     /// `r² / f̂`, `f̂` the mean of `max(|η|, |f_HH|/r², |f_HK|/r³, |f_KK|/r⁴)`.
     pub tau_ref: f64,
     /// Least and greatest mean curvature.
     pub mean: [f64; 2],
     /// Least and greatest Gaussian curvature.
     pub gauss: [f64; 2],
-    /// How the flow is posed at the sampled points.
+    /// Well-posedness of the flow at the samples.
     pub posed: WellPosedScan,
-    /// Where it is posed worst.
+    /// The sample at which the flow is posed worst.
     pub worst_place: DVec3,
 }
 
-/// Symbols smaller than this, relative to their scale, count as zero.
-const TOLERANCE: f64 = 1e-9;
-/// Elements looked at where the energy may be ill-posed somewhere; a larger region is sampled
+/// Largest number of sampled elements where the energy may be ill-posed. Larger regions are sampled
 /// evenly.
 const SAMPLES: usize = 8192;
-/// Elements looked at where only the natural time is in question.
+/// The same where only the natural time step is needed.
 const FEW_SAMPLES: usize = 256;
+/// Symbols smaller than this, relative to their scale, count as zero.
+const TOLERANCE: f64 = 1e-9;
 
-/// Surveys the limit surface over `elements`.
-pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius: f64) -> Survey {
+/// Samples the limit surface over `elements`. `radius` is the unit of length, the hole radius.
+pub fn sample_surface(
+    elements: &Elements,
+    positions: &[DVec3],
+    energy: &Energy,
+    radius: f64,
+) -> SurfaceStats {
     let count = elements.faces().len();
     let samples = if energy.is_uniformly_parabolic() {
         FEW_SAMPLES
@@ -68,7 +72,7 @@ pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius:
     } else {
         r * r * r * r
     };
-    Survey {
+    SurfaceStats {
         tau_ref,
         mean,
         gauss,
@@ -77,51 +81,10 @@ pub fn survey(elements: &Elements, positions: &[DVec3], energy: &Energy, radius:
     }
 }
 
-/// Mean curvature of the limit surface on a face: the average over the points of its table.
-pub fn mean_curvature(elements: &Elements, element: usize, positions: &[DVec3]) -> f64 {
-    let mut sum = 0.0;
-    each_point(elements, element, positions, |_, p| sum += p.mean);
-    sum / elements.table(element).points as f64
-}
-
-/// Calls `look` with the place and the geometry at every quadrature point of an element.
-pub fn each_point(
-    elements: &Elements,
-    element: usize,
-    positions: &[DVec3],
-    mut look: impl FnMut(DVec3, &PointGeometry),
-) {
-    for point in 0..elements.table(element).points {
-        let (at, geometry) = surface_point(elements, element, point, positions);
-        look(at, &geometry);
-    }
-}
-
-/// One point of an element's table on the limit surface, and the geometry there.
-#[inline]
-pub fn surface_point(
-    elements: &Elements,
-    element: usize,
-    point: usize,
-    positions: &[DVec3],
-) -> (DVec3, PointGeometry) {
-    let table = elements.table(element);
-    let vertices = elements.vertices_of(element);
-    let at = |d: usize| {
-        let row = table.row(point, d);
-        vertices
-            .iter()
-            .zip(row)
-            .fold(DVec3::ZERO, |sum, (&v, &b)| sum + positions[v as usize] * b)
-    };
-    let geometry = PointGeometry::new(at(1), at(2), at(3), at(4), at(5));
-    (at(0), geometry)
-}
-
-impl Survey {
+impl SurfaceStats {
     /// A warning where the flow is not well posed, with a place (`centre` is added to it).
     ///
-    /// Isolated degenerate points are common and harmless (flat points under `k1^4 + k2^4`); they
+    /// Isolated degenerate points are common and harmless (flat points under `k1^4 + k2^4`). They
     /// are named only above one sample in a thousand.
     pub fn warning(&self, centre: DVec3) -> Option<String> {
         let bad = self.posed.ill_posed + self.posed.undefined;
@@ -134,15 +97,5 @@ impl Survey {
             "{text}, near ({:.6}, {:.6}, {:.6})",
             at.x, at.y, at.z
         ))
-    }
-
-    /// The error for an energy that is not finite here.
-    pub fn not_finite(&self) -> SolverError {
-        SolverError::EnergyNotFinite {
-            h_min: self.mean[0],
-            h_max: self.mean[1],
-            k_min: self.gauss[0],
-            k_max: self.gauss[1],
-        }
     }
 }
