@@ -28,7 +28,11 @@
 //! its signs are in `docs/formulation.md`, the way the modules hang together in `ARCHITECTURE.md`.
 
 pub mod analysis;
+#[cfg(feature = "window")]
+#[doc(hidden)]
 pub mod app;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod cli;
 pub mod energy;
 pub mod fill;
@@ -40,6 +44,7 @@ pub mod mesh;
 pub mod patch;
 pub mod random;
 pub mod refine;
+#[cfg(feature = "render")]
 pub mod render;
 pub mod shapes;
 pub mod solver;

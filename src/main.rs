@@ -3,7 +3,6 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use meniscus::app::{Startup, run as open_window};
 use meniscus::cli::{Arguments, UsageError, run};
 
 fn main() -> ExitCode {
@@ -11,11 +10,17 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
         Some(command) => run(command),
-        None => open_window(Startup {
+        #[cfg(feature = "window")]
+        None => meniscus::app::run(meniscus::app::Startup {
             file: arguments.file,
             diagnostics: arguments.diagnostics,
         })
         .map_err(Into::into),
+        #[cfg(not(feature = "window"))]
+        None => Err(UsageError(
+            "this program was built without a window: name a command (`meniscus --help`)".into(),
+        )
+        .into()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,9 +1,9 @@
 #!/bin/sh
 # CGAL behind the command line of `meniscus fill IN -o OUT --report FILE`, so that the suite in
-# tests/models.rs judges its results by the same measure:
+# tests/it/models.rs judges its results by the same measure:
 #
 #   MENISCUS_MODELS=... MENISCUS_MODELS_PROGRAM=$PWD/benches/compare/cgal_as_meniscus.sh \
-#       cargo test --test models -- --nocapture
+#       cargo test --test it models -- --nocapture
 #
 # CGAL_FILL names the compiled cgal_fill (run.sh builds it), CONTINUITY is 2 (default) or 1. The
 # loops to leave open are looked up in the manifest. The report holds no steps, so the suite's

@@ -41,6 +41,7 @@ pub use autosave::Autosave;
 pub use document::{Accepted, Document, RefineWork, Source, Work};
 pub use faces::{Dab, FaceEdit, Lasso};
 pub use model::{Effect, Model};
+pub use project::rewrite_project;
 pub use run::Run;
 pub use settings::Settings;
 pub use view_state::{Modal, Navigation, Refining, Selecting, Task, Tool};

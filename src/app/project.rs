@@ -15,7 +15,7 @@ use super::view_state::ViewState;
 use crate::fill::{Controls, Schedule};
 use crate::io::{self, Format, Opened};
 use crate::mesh::{DVec3, LoopId, parse_ranges, ranges_text};
-use crate::render::{Camera, ViewMode};
+use crate::render::{Bounds, Camera, ViewMode, ViewStyle};
 use crate::shapes::Sample;
 
 /// Extension of project files.
@@ -245,12 +245,21 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
 /// # Errors
 /// What is wrong with it or with the mesh it names, for the person.
 pub fn read(path: &Path) -> Result<(Document, Project), String> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| format!("{}: {e}; check the path", path.display()))?;
+    parse(&text, path)
+}
+
+/// Reads the text of a project file that lies at `path`.
+///
+/// # Errors
+/// As [`read`].
+fn parse(text: &str, path: &Path) -> Result<(Document, Project), String> {
     let name = path.display();
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}; check the path"))?;
     let separator = format!("\n{MESH}\n");
     let (head, body) = match text.split_once(&separator) {
         Some((head, body)) => (head, Some(body)),
-        None => (text.as_str(), None),
+        None => (text, None),
     };
     let mut project: Project =
         toml::from_str(head).map_err(|e| format!("{name} is no project file, or damaged: {e}"))?;
@@ -284,6 +293,19 @@ pub fn read(path: &Path) -> Result<(Document, Project), String> {
     };
     let document = restore(opened, source, &project).map_err(|e| format!("{name}: {e}"))?;
     Ok((document, project))
+}
+
+/// Reads the text of a project file and writes it again, for tests of round trips.
+///
+/// # Errors
+/// As for opening the file.
+pub fn rewrite_project(text: &str) -> Result<String, String> {
+    let folder = Path::new("/");
+    let (document, project) = parse(text, &folder.join("project.meniscus"))?;
+    let bounds = Bounds::of(document.mesh.positions.iter().copied()).unwrap_or_default();
+    let mut view = ViewState::new(&bounds, ViewStyle::default());
+    project.view.restore(&mut view, &bounds);
+    Ok(write(&document, &view, folder))
 }
 
 /// Name of the mesh a project file is about, for lists; the file's own if it does not say.
@@ -362,7 +384,7 @@ fn relative(path: &Path, folder: &Path) -> PathBuf {
 
 impl ViewPart {
     /// Looks as when the project was saved.
-    pub fn restore(&self, view: &mut ViewState, bounds: &crate::render::Bounds) {
+    pub fn restore(&self, view: &mut ViewState, bounds: &Bounds) {
         if let Ok(camera) = Camera::parse(&self.camera, bounds) {
             view.camera = camera;
             view.fit = false;

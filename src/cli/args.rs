@@ -6,9 +6,10 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::cli::controls::ControlArguments;
 use crate::cli::edit::{EraseArguments, FlipArguments, SelectionArguments};
-use crate::cli::picture_args::PictureArguments;
 use crate::cli::refine_args::{AnalyzeArguments, RefineArguments};
+#[cfg(feature = "render")]
 use crate::cli::render::RenderArguments;
+use crate::cli::result_picture::ResultPicture;
 use crate::fill::LoopChoice;
 use crate::mesh::{DVec3, LoopId};
 
@@ -29,9 +30,11 @@ pub struct Arguments {
     #[command(subcommand)]
     pub command: Option<Command>,
     /// Mesh or project to open in the window; a sample if none is given.
+    #[cfg(feature = "window")]
     #[arg(value_name = "FILE", value_parser = file)]
     pub file: Option<PathBuf>,
     /// Write frame times and memory as JSON when the window closes.
+    #[cfg(feature = "window")]
     #[arg(long, value_name = "FILE.json")]
     pub diagnostics: Option<PathBuf>,
 }
@@ -90,6 +93,7 @@ const ANALYZE_EXAMPLES: &str = "Examples:
   meniscus analyze filled.obj --first-faces 5000 --csv curvatures.csv
   meniscus analyze part.obj --edge-angle 40 --energy 'H^2+K^2'";
 
+#[cfg(feature = "render")]
 const RENDER_EXAMPLES: &str = "Examples:
   meniscus render scan.obj -o scan.png
   meniscus render filled.obj -o map.png --view H --camera top --size 1920x1080
@@ -124,6 +128,7 @@ pub enum Command {
     #[command(after_help = ANALYZE_EXAMPLES)]
     Analyze(AnalyzeArguments),
     /// Draw a mesh into a picture.
+    #[cfg(feature = "render")]
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArguments),
     /// Write a built-in sample as a mesh file.
@@ -181,12 +186,9 @@ pub struct FillArguments {
     /// Write every step as CSV.
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
-    /// Write a picture of the result as PNG, patches tinted.
-    #[arg(long, value_name = "FILE.png")]
-    pub picture: Option<PathBuf>,
-    /// How the picture looks.
+    /// A picture of the result.
     #[command(flatten)]
-    pub look: PictureArguments,
+    pub picture: ResultPicture,
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
@@ -280,6 +282,7 @@ pub struct DemoArguments {
 }
 
 /// A word that is no command and does not look like a file is more likely a mistyped command.
+#[cfg(feature = "window")]
 fn file(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     if path.exists() || path.extension().is_some() || path.components().count() > 1 {

@@ -6,7 +6,6 @@ use anyhow::{Context, Result, bail};
 
 use crate::cli::UsageError;
 use crate::cli::args::FillArguments;
-use crate::cli::picture::picture;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::{
@@ -76,10 +75,7 @@ pub struct Start {
 pub fn start(args: &FillArguments) -> Result<Start> {
     let controls = args.controls.controls();
     controls.options().map_err(|e| mistaken(&e))?;
-    if args.picture.is_none() && args.look.given() {
-        let message = "the options of pictures need --picture FILE.png";
-        return Err(UsageError(message.into()).into());
-    }
+    args.picture.check()?;
     check_targets(args)?;
     let schedule = schedule(args, &controls)?;
     // the pool's threads start while the file is read
@@ -141,13 +137,13 @@ fn check_targets(args: &FillArguments) -> Result<()> {
     let mut taken = vec![("IN", args.input.as_path())];
     taken.extend(args.schedule.as_deref().map(|path| ("--schedule", path)));
     let records = [
-        ("--report", &args.report),
-        ("--trace", &args.trace),
-        ("--picture", &args.picture),
+        ("--report", args.report.as_deref()),
+        ("--trace", args.trace.as_deref()),
+        ("--picture", args.picture.path()),
     ];
     let records = records
-        .iter()
-        .filter_map(|&(name, path)| Some((name, path.as_deref()?)));
+        .into_iter()
+        .filter_map(|(name, path)| Some((name, path?)));
     for (name, path) in [("OUT", args.output.as_path())].into_iter().chain(records) {
         for &(other, at) in &taken {
             if io::same_file(path, at) {
@@ -222,10 +218,8 @@ pub fn save_filled(
     creases: Vec<[VertexId; 2]>,
 ) -> Result<()> {
     io::save_mesh(&args.output, &filled.mesh, &opened.material_libraries)?;
-    if let Some(path) = &args.picture {
-        let first = filled.mesh.face_count() - filled.plan.triangles.len();
-        picture(path, &filled.mesh, first, creases, &args.look)?;
-    }
+    let first = filled.mesh.face_count() - filled.plan.triangles.len();
+    args.picture.save(&filled.mesh, first, creases)?;
     let holes = hole_reports(filled);
     let failed: Vec<FailedHole> = filled
         .plan

@@ -10,15 +10,23 @@ mod demo;
 mod edit;
 mod fill;
 mod info;
+#[cfg(feature = "render")]
 mod picture;
+#[cfg(feature = "render")]
 mod picture_args;
 mod print;
 mod progress;
 mod refill;
 mod refine;
 mod refine_args;
+#[cfg(feature = "render")]
 mod render;
 mod report;
+#[cfg(feature = "render")]
+mod result_picture;
+#[cfg(not(feature = "render"))]
+#[path = "no_picture.rs"]
+mod result_picture;
 mod sample;
 
 pub use args::{Arguments, Command};
@@ -47,6 +55,7 @@ pub fn run(command: Command) -> Result<()> {
         Command::Analyze(args) => analyze::analyze(&args),
         Command::Info(args) => info::info(&args),
         Command::Demo(args) => demo::demo(&args),
+        #[cfg(feature = "render")]
         Command::Render(args) => render::render(&args),
         Command::Sample(args) => sample::sample(&args),
     }

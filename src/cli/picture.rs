@@ -1,6 +1,5 @@
 //! Pictures of meshes for commands.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::Result;
@@ -10,8 +9,7 @@ use crate::cli::picture_args::{PictureArguments, UpArgument};
 use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops};
 use crate::render::{
     self, Background, Bounds, Camera, DynamicSurface, Geometry, Gpu, LineStyle, Overlay, Polyline,
-    Scene, StandardView, SurfaceOptions, Vertex, ViewMode, ViewStyle, rim_points, save_png,
-    static_surface,
+    Scene, StandardView, SurfaceOptions, Vertex, ViewMode, ViewStyle, rim_points, static_surface,
 };
 
 /// Default size of a picture.
@@ -25,20 +23,6 @@ const SMALL: usize = 20_000;
 /// Light core of the lines along rims; seen on any ground by its dark casing.
 const RIM_COLOR: [f32; 4] = [1.0, 0.78, 0.10, 1.0];
 
-/// Writes a picture of a mesh whose faces from `first_patch_face` on are patches; `creases` are the
-/// edges where patches were joined without continuous normals.
-pub fn picture(
-    path: &Path,
-    mesh: &Mesh,
-    first_patch_face: usize,
-    creases: Vec<[VertexId; 2]>,
-    look: &PictureArguments,
-) -> Result<()> {
-    let shot = Shot::new(mesh, first_patch_face, creases, look)?;
-    let gpu = Gpu::new()?;
-    Ok(save_png(path, &shot.take(&gpu, &shot.camera)?)?)
-}
-
 /// Everything a picture needs but the device.
 pub struct Shot {
     scene: Scene,
@@ -50,7 +34,8 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Prepares pictures of a mesh, as [`picture`] does.
+    /// Prepares pictures of a mesh whose faces from `first_patch_face` on are patches; `creases` are
+    /// the edges where patches were joined without continuous normals.
     pub fn new(
         mesh: &Mesh,
         first_patch_face: usize,

@@ -2,9 +2,10 @@
 //!
 //! A [`Scene`] is made of [`Geometry`] (from [`DynamicSurface`] for what moves and
 //! [`static_surface`] for the rest) and overlays of lines, seen by a [`Camera`] in a [`ViewStyle`].
-//! [`ViewportCallback`] draws it in a window, [`picture`] without one.
+//! `ViewportCallback` draws it in a window (feature `window`), [`picture`] without one.
 
 mod bounds;
+#[cfg(feature = "window")]
 mod callback;
 mod camera;
 mod colormap;
@@ -18,6 +19,7 @@ mod scene;
 mod surface;
 
 pub use bounds::Bounds;
+#[cfg(feature = "window")]
 pub use callback::ViewportCallback;
 pub use camera::{Camera, CameraError, StandardView};
 pub use colormap::{colormap, legend_ticks, robust_range};

@@ -1,11 +1,9 @@
 //! Blends of layouts that the samples do not show, through the library with defaults.
 
-mod common;
-
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use common::layouts::{self, Layout};
+use crate::common::layouts::{self, Layout};
 use meniscus::fill::{FillOptions, fill_gaps};
 use meniscus::mesh::{DVec3, check_mesh, components, folded_edges, self_intersections};
 use meniscus::solver::End;

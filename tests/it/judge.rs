@@ -1,10 +1,8 @@
 //! The judge itself: what is right passes, and every kind of wrong is found.
 
-mod common;
-
-use common::judge::{Keep, Verdict, judge, loops_of};
-use common::raw::RawMesh;
-use common::truth::Truth;
+use crate::common::judge::{Keep, Verdict, judge, loops_of};
+use crate::common::raw::RawMesh;
+use crate::common::truth::Truth;
 use meniscus::mesh::DVec3;
 use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 

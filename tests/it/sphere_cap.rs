@@ -1,9 +1,6 @@
 //! The cap of an icosphere against reference numbers (`tests/data/sphere_cap.json`).
 
-#[path = "common/icosphere.rs"]
-mod icosphere;
-
-use icosphere::area_radius;
+use crate::common::icosphere::{self, area_radius};
 use std::collections::BTreeMap;
 
 use meniscus::energy::Energy;
@@ -13,7 +10,7 @@ use meniscus::solver::{
 };
 use meniscus::subdivision::{Rule, elements};
 
-const REFERENCE: &str = include_str!("data/sphere_cap.json");
+const REFERENCE: &str = include_str!("../data/sphere_cap.json");
 const ENERGIES: [&str; 7] = ["1", "H^2", "K", "K^2", "H^2+K^2", "H^2*K^2", "k1^4+k2^4"];
 
 /// The sphere of the file without the rounding of its coordinates.

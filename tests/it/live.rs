@@ -1,7 +1,5 @@
 //! Fills in the background, and the same repeated by schedule.
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -394,7 +392,7 @@ fn the_command_line_repeats_a_run_to_the_byte() {
 
 #[test]
 fn a_surface_that_runs_into_the_mesh_pauses_there() {
-    let (mesh, loops) = common::layouts::with_obstacle();
+    let (mesh, loops) = crate::common::layouts::with_obstacle();
     let settings = LiveSettings {
         playing: true,
         pace: None,

@@ -8,11 +8,9 @@ use meniscus::solver::{
     End, Flow, FlowOptions, FlowProblem, LinearSolver, MixedFlow, Mode, Scheme, Tau,
 };
 
-#[path = "common/icosphere.rs"]
-mod icosphere;
-use icosphere::{area_radius, icosphere};
+use crate::common::icosphere::{area_radius, icosphere};
 
-const REFERENCE: &str = include_str!("data/sphere_cap.json");
+const REFERENCE: &str = include_str!("../data/sphere_cap.json");
 
 fn energy(text: &str) -> Energy {
     Energy::parse(text, &BTreeMap::new()).expect("known energy")

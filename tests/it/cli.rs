@@ -223,7 +223,7 @@ fn help_has_examples_that_hold() {
 
 #[test]
 fn readme_has_examples_that_hold() {
-    examples_hold(include_str!("../README.md"), 6);
+    examples_hold(include_str!("../../README.md"), 6);
 }
 
 #[test]

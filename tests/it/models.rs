@@ -5,16 +5,14 @@
 //! cases whose name contains one of its comma-separated words, and `MENISCUS_MODELS_PROGRAM` names
 //! another program with the same `fill` command, to judge its results by the same measure.
 
-mod common;
-
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use common::judge::{Keep, Verdict, judge};
-use common::manifest::{self, Case};
-use common::raw::{self, RawMesh};
-use common::truth::Truth;
+use crate::common::judge::{Keep, Verdict, judge};
+use crate::common::manifest::{self, Case};
+use crate::common::raw::{self, RawMesh};
+use crate::common::truth::Truth;
 use serde_json::Value;
 
 /// Longer than any honest fill; what takes longer hangs.

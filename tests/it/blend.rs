@@ -1,12 +1,10 @@
 //! Blends, parts of holes, bridges and refilling from end to end, on the built-in samples.
 
-mod common;
-
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
-use common::judge::{Keep, Verdict, judge};
-use common::raw::{self, RawMesh};
+use crate::common::judge::{Keep, Verdict, judge};
+use crate::common::raw::{self, RawMesh};
 use meniscus::io::save_mesh;
 use meniscus::mesh::{DVec3, FaceId, Mesh, Topology, boundary_loops, erase};
 use meniscus::shapes::sphere;
@@ -165,11 +163,11 @@ fn parts_and_bridges_leave_smaller_holes() {
     let desk = Desk::with("catenoid");
     let holes = |name: &str| {
         let mesh = desk.mesh(name);
-        common::judge::loops_of(&mesh).expect("loops").len()
+        crate::common::judge::loops_of(&mesh).expect("loops").len()
     };
     let before = holes("in.obj");
     let mesh = desk.mesh("in.obj");
-    let loops = common::judge::loops_of(&mesh).expect("loops");
+    let loops = crate::common::judge::loops_of(&mesh).expect("loops");
     let window = loops
         .iter()
         .min_by(|a, b| a.radius.total_cmp(&b.radius))

@@ -5,7 +5,7 @@ use meniscus::mesh::DVec3;
 use meniscus::solver::{Assembler, FlowProblem, Unknowns};
 use meniscus::subdivision::{Rule, elements};
 
-const DATA: &str = include_str!("../data/icosphere3.obj");
+const DATA: &str = include_str!("../../data/icosphere3.obj");
 
 /// Positions and triangles, as in the file.
 pub fn icosphere() -> (Vec<DVec3>, Vec<[u32; 3]>) {

@@ -1,0 +1,34 @@
+//! What stands for `result_picture.rs` in a program built without the feature `render`.
+
+use std::path::Path;
+
+use anyhow::Result;
+use clap::Args;
+
+use crate::mesh::{Mesh, VertexId};
+
+/// No options: this program draws no pictures.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ResultPicture {}
+
+#[expect(
+    clippy::unused_self,
+    clippy::unnecessary_wraps,
+    reason = "as with pictures"
+)]
+impl ResultPicture {
+    /// No file.
+    pub fn path(&self) -> Option<&Path> {
+        None
+    }
+
+    /// Nothing to refuse.
+    pub fn check(&self) -> Result<()> {
+        Ok(())
+    }
+
+    /// Nothing to write.
+    pub fn save(&self, _: &Mesh, _: usize, _: Vec<[VertexId; 2]>) -> Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,217 @@
+//! Short runs of the fuzz targets on any Rust: seeds with random changes from a fixed stream.
+//!
+//! `MENISCUS_FUZZ_SECONDS` is how long each target runs (default 3). `fuzz/` has the same targets for
+//! cargo-fuzz, which follows the branches of the code and finds more.
+
+mod mutate;
+mod targets;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
+
+use meniscus::io::{self, Format, OutputMesh};
+use meniscus::random::SplitMix;
+use meniscus::shapes;
+
+use targets::Target;
+
+/// Inputs longer than this only make the target slow.
+const MAX_BYTES: usize = 1 << 14;
+
+/// Runs a target on changed seeds until its time is over.
+///
+/// # Panics
+/// If the target does; the input lies in the folder for temporary files of the tests.
+fn fuzz(name: &str, target: Target, seeds: &[Vec<u8>], words: &[&str]) {
+    let seconds = std::env::var("MENISCUS_FUZZ_SECONDS")
+        .ok()
+        .and_then(|s| s.parse().ok());
+    let end = Instant::now() + Duration::from_secs_f64(seconds.unwrap_or(3.0));
+    for seed in seeds {
+        target(seed);
+    }
+    let mut runs = 0u64;
+    while Instant::now() < end {
+        let mut random = SplitMix::new(runs);
+        let mut input = seeds[random.below(seeds.len())].clone();
+        mutate::mutate(&mut input, seeds, words, &mut random);
+        input.truncate(MAX_BYTES);
+        if let Err(panic) = catch_unwind(AssertUnwindSafe(|| target(&input))) {
+            let path = format!("{}/fuzz-{name}-{runs}", env!("CARGO_TARGET_TMPDIR"));
+            std::fs::write(&path, &input).expect("the folder takes files");
+            println!("the input that panics: {path}");
+            std::panic::resume_unwind(panic);
+        }
+        runs += 1;
+    }
+    println!("{name}: {runs} runs");
+    assert!(runs > 100, "{name}: only {runs} runs");
+}
+
+/// Small meshes, open and closed, with colours, as files.
+fn mesh_files(format: Format) -> Vec<Vec<u8>> {
+    let open = shapes::cut_where(&shapes::icosphere(3), |p| p.z > 0.6);
+    [shapes::icosphere(1), open]
+        .iter()
+        .map(|(positions, triangles)| {
+            let colors = vec![[0.5, 0.25, 1.0, 1.0]; positions.len()];
+            let mesh = OutputMesh {
+                positions,
+                triangles,
+                colors: if format == Format::Stl { &[] } else { &colors },
+                ..OutputMesh::default()
+            };
+            let mut bytes = Vec::new();
+            io::write(format, &mesh, &mut bytes).expect("a vector takes everything");
+            bytes
+        })
+        .collect()
+}
+
+fn with_texts(mut seeds: Vec<Vec<u8>>, texts: &[&str]) -> Vec<Vec<u8>> {
+    seeds.extend(texts.iter().map(|text| text.as_bytes().to_vec()));
+    seeds
+}
+
+#[test]
+fn obj() {
+    let texts = [
+        "mtllib a.mtl\no one\nv 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0\nv 1 1 1e-3\nvt 0 0\nvn 0 0 1\n\
+         g left\nusemtl red\nf 1/1/1 2/1/1 3/1/1\ng right\nf -1 -2 -3\nf 1 2 4 3\n",
+        "v 0 0 0 \\\n\nv 1,5 0 0\r\nv 0 1 0 # end\nf 1//1 2//1 3//1\nl 1 2\np 1\ns off\n",
+    ];
+    let words = [
+        "v ", "f ", "vn ", "g ", "o ", "usemtl ", "mtllib ", "\\\n", "/", "-", "#", "\t",
+    ];
+    fuzz(
+        "obj",
+        targets::obj,
+        &with_texts(mesh_files(Format::Obj), &texts),
+        &words,
+    );
+}
+
+#[test]
+fn ply() {
+    let texts = [
+        "ply\nformat ascii 1.0\ncomment hello\nelement vertex 4\nproperty float x\nproperty float \
+         y\nproperty double z\nproperty uchar red\nproperty uchar green\nproperty uchar \
+         blue\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0 255 0 \
+         0\n1 0 0 0 255 0\n0 1 0 0 0 255\n1 1 0 9 9 9\n3 0 1 2\n3 1 3 2\n",
+        "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty float \
+         y\nproperty float z\nelement tristrips 1\nproperty list int int \
+         vertex_indices\nend_header\n\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x01\0\0\0\0",
+    ];
+    let words = [
+        "element ",
+        "property ",
+        "list ",
+        "uchar ",
+        "int ",
+        "float ",
+        "double ",
+        "vertex ",
+        "face ",
+        "end_header\n",
+        "ascii",
+        "binary_little_endian",
+        "vertex_index",
+        "tristrips",
+        "comment ",
+    ];
+    fuzz(
+        "ply",
+        targets::ply,
+        &with_texts(mesh_files(Format::Ply), &texts),
+        &words,
+    );
+}
+
+#[test]
+fn stl() {
+    let texts = [
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 \
+         0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 \
+         1 0\nendloop\nendfacet\nendsolid a\n",
+        "solid\nendsolid\nsolid b\nendsolid b\n",
+    ];
+    let words = [
+        "solid ",
+        "facet normal ",
+        "outer loop\n",
+        "vertex ",
+        "endloop\n",
+        "endfacet\n",
+    ];
+    fuzz(
+        "stl",
+        targets::stl,
+        &with_texts(mesh_files(Format::Stl), &texts),
+        &words,
+    );
+}
+
+#[test]
+fn expressions() {
+    let texts = [
+        "H^2+K^2",
+        "k1^4+k2^4",
+        "(H-H0)^2",
+        "sqrt(k1^2+k2^2+a^2)",
+        "max(H,-H)^2 + a*K^2",
+        "abs(k1-k2)^3/(1+exp(-H))",
+        "min(k1,k2)*max(k1,k2)",
+        "log(2+tanh(H))^sin(K)*cos(a)",
+    ];
+    let words = [
+        "H", "K", "k1", "k2", "a", "H0", "+", "-", "*", "/", "^", "(", ")", ",", "sqrt(", "abs(",
+        "exp(", "log(", "sin(", "cos(", "tanh(", "min(", "max(", "²", "κ",
+    ];
+    fuzz(
+        "expression",
+        targets::expression,
+        &with_texts(Vec::new(), &texts),
+        &words,
+    );
+}
+
+#[test]
+fn schedules() {
+    let texts = [
+        "attempt,control,value\n3,energy,H^2+K^2\n6,rewind,2\n9,stop,\n",
+        "attempt,control,value\n1,continuity,g0\n1,loop-continuity,2=g1\n4,tension,2\n4,tau,1e-4\n",
+        "attempt,control,value\n1,energy,\"max(H,-H)^2\"\n2,param,a=0.5\n2,density,1.5\n5,finish,\n",
+    ];
+    let words = [
+        "energy",
+        "param",
+        "scheme",
+        "mixed",
+        "mode",
+        "flow",
+        "linear",
+        "lu",
+        "tau",
+        "auto",
+        "growth",
+        "relaxation",
+        "bulge",
+        "noise",
+        "steps",
+        "rewind",
+        "finish",
+        "stop",
+        "\"",
+        ",",
+        "\n",
+        "\r",
+        "\r\n",
+        "=",
+    ];
+    fuzz(
+        "schedule",
+        targets::schedule,
+        &with_texts(Vec::new(), &texts),
+        &words,
+    );
+}

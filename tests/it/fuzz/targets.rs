@@ -1,0 +1,110 @@
+//! What the fuzz targets do with bytes. `fuzz/` includes this file too: it uses the library alone.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use meniscus::energy::Energy;
+use meniscus::fill::{Controls, Schedule};
+use meniscus::io::{self, Format};
+use meniscus::mesh::{self, check_mesh};
+
+/// A function that takes any bytes and panics where the program is at fault.
+pub type Target = fn(&[u8]);
+
+pub fn obj(bytes: &[u8]) {
+    mesh_file(Format::Obj, bytes);
+}
+
+pub fn ply(bytes: &[u8]) {
+    mesh_file(Format::Ply, bytes);
+}
+
+pub fn stl(bytes: &[u8]) {
+    mesh_file(Format::Stl, bytes);
+}
+
+/// A reader refuses a file or gives a sound soup; building refuses the soup or gives a valid mesh; a
+/// mesh that is written reads back with the same bits.
+fn mesh_file(format: Format, bytes: &[u8]) {
+    let name = Path::new("mesh");
+    let soup = match io::read(format, bytes, name) {
+        Ok(soup) => soup,
+        Err(error) => return assert!(!error.to_string().is_empty()),
+    };
+    let count = soup.positions.len();
+    assert!(soup.positions.iter().all(|p| p.is_finite()));
+    assert!(soup.corners.iter().all(|&v| (v as usize) < count));
+    assert!(soup.offsets.is_sorted());
+    assert_eq!(
+        soup.offsets.last().map_or(0, |&n| n as usize),
+        soup.corners.len()
+    );
+    let Ok(opened) = io::from_soup(soup, name) else {
+        return;
+    };
+    let built = &opened.mesh;
+    assert_eq!(check_mesh(built), Ok(()));
+    let triangles: Vec<[u32; 3]> = built.all_triangles().collect();
+    io::with_output(built, &opened.material_libraries, |output| {
+        for exact in [Format::Obj, Format::Ply] {
+            assert_eq!(io::check(exact, output), Ok(()));
+            let mut written = Vec::new();
+            io::write(exact, output, &mut written).expect("a vector takes everything");
+            let again = io::read(exact, &written, name).expect("what was written");
+            let bits = |p: &mesh::DVec3| p.to_array().map(f64::to_bits);
+            assert!(
+                again
+                    .positions
+                    .iter()
+                    .map(bits)
+                    .eq(output.positions.iter().map(bits))
+            );
+            assert_eq!(again.corners, triangles.as_flattened());
+        }
+    });
+}
+
+/// A typed energy is refused with its place marked, or can be evaluated anywhere.
+pub fn expression(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    let params = BTreeMap::from([("a".to_owned(), 0.5), ("H0".to_owned(), -1.0)]);
+    match Energy::parse(&text, &params) {
+        Ok(energy) => {
+            for (h, k) in [
+                (0.0, 0.0),
+                (1.0, 1.0),
+                (-0.7, 0.1),
+                (0.3, -2.0),
+                (1e200, 1e-200),
+            ] {
+                let jet = energy.jet(h, k);
+                // the same every time, whatever it is
+                let again = energy.jet(h, k);
+                assert_eq!(format!("{jet:?}"), format!("{again:?}"));
+            }
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+/// A schedule is refused, or written as text that reads back as the same schedule.
+pub fn schedule(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    let Ok(schedule) = Schedule::parse(&text) else {
+        return;
+    };
+    assert_eq!(Schedule::parse(&schedule.to_csv()), Ok(schedule.clone()));
+    // refused or not, without a panic
+    schedule.check(&Controls::default()).ok();
+}
+
+/// A project file is refused, or written as text that reads back as the same project.
+#[cfg(feature = "window")]
+pub fn project(bytes: &[u8]) {
+    use meniscus::app::rewrite_project;
+    let text = String::from_utf8_lossy(bytes);
+    let Ok(first) = rewrite_project(&text) else {
+        return;
+    };
+    assert_eq!(rewrite_project(&first), Ok(first.clone()));
+}
