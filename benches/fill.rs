@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use meniscus::fill::{FillOptions, fill_holes, prepare, warm_start};
+use meniscus::fill::{FillOptions, fill_holes, flow_problem};
 use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
 use meniscus::shapes::{self, Hole, HoleShape};
 use meniscus::solver::{Flow, FlowOptions, Mode};
@@ -54,13 +54,8 @@ fn steps(c: &mut Criterion) {
         let mesh = sphere_with_hole(missing);
         let loops = boundary_loops(&mesh);
         let options = FillOptions::default();
-        let plan = prepare(&mesh, &[&loops[0]], &options);
-        let problem = warm_start(
-            plan.groups[0]
-                .problem(&mesh, &plan, &FillOptions::default())
-                .expect("region"),
-        )
-        .expect("start");
+        let problem = flow_problem(&mesh, &loops[0], &options);
+        let problem = problem.expect("a start").expect("new vertices");
         let mut timed = FlowOptions::new(options.flow.energy.clone());
         timed.mode = Mode::Flow;
         group.bench_function(BenchmarkId::new("set-up", missing), |b| {

@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use meniscus::mesh::{DVec3, Topology, VertexId};
-use meniscus::patch::{PatchMesh, PatchOptions, Rim, fill, warm_start};
+use meniscus::patch::{Patch, PatchOptions, Rim, fill, warm_start};
 
 /// The rim of a cap of half-angle 50° of the unit sphere, jittered, its faces on the sphere.
 fn cap(edges: usize) -> Rim {
@@ -44,7 +44,7 @@ fn coil(edges: usize) -> Rim {
 }
 
 /// A strip of two rows of vertices around the patch, so that the rim's rows of L are complete.
-fn with_collar(rim: &Rim, patch: &PatchMesh) -> (Topology, Vec<DVec3>, Vec<VertexId>) {
+fn with_collar(rim: &Rim, patch: &Patch) -> (Topology, Vec<DVec3>, Vec<VertexId>) {
     let n = rim.points.len();
     let mut points = patch.points.clone();
     let interior = (n..points.len()).map(VertexId::from).collect();

@@ -323,7 +323,7 @@ impl Shape {
     /// Connectivity of the whole mesh; of a refinement cut open along creases.
     pub fn topology(&self) -> &Arc<Topology> {
         match self {
-            Self::Fill(state) => &state.topology,
+            Self::Fill(state) => state.topology(),
             Self::Refine(state) => &state.frame.topology,
         }
     }

@@ -9,7 +9,7 @@ use super::document::{Document, Work, left_of};
 use super::jobs::Wake;
 use super::live::{Live, Said, Shape};
 use super::log::Level;
-use crate::fill::{Controls, LiveFill, LiveSettings, Opening, open_selection};
+use crate::fill::{Controls, ErasedRegion, LiveFill, LiveSettings, open_selection};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
 pub use refinement::method_name;
 
@@ -93,7 +93,7 @@ impl Run {
             Work::Refill(faces) => {
                 let flags = face_flags(faces, base.face_count());
                 let opening = open_selection(&base, &flags).map_err(|e| e.to_string())?;
-                let Opening {
+                let ErasedRegion {
                     erased,
                     loops: all,
                     opened,

@@ -5,7 +5,7 @@ use anyhow::{Result, bail};
 use crate::cli::args::BridgeArguments;
 use crate::cli::edit::opened;
 use crate::cli::print::print;
-use crate::fill::{self, stretch_at};
+use crate::fill::{self, segment_at};
 use crate::io::save_mesh;
 use crate::mesh::boundary_loops;
 
@@ -14,7 +14,7 @@ pub fn bridge(args: &BridgeArguments) -> Result<()> {
     let opened = opened(&args.input, &args.output)?;
     let mesh = &opened.mesh;
     let loops = boundary_loops(mesh);
-    let end = |point| stretch_at(mesh, &loops, point, args.width);
+    let end = |point| segment_at(mesh, &loops, point, args.width);
     let (Some(from), Some(to)) = (end(args.from), end(args.to)) else {
         bail!("the mesh has no boundary loop, so there is nothing to bridge");
     };

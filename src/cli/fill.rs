@@ -12,8 +12,8 @@ use crate::cli::report::{
     FailedHole, FillReport, SkippedLoop, hole_reports, skipped, totals, trace,
 };
 use crate::fill::{
-    Choice, Continuity, Controls, ControlsError, Filled, Gap, LoopChoice, Schedule, choose,
-    fill_part, fill_scheduled, nearest_loop, with_islands,
+    Choice, Continuity, Controls, ControlsError, Filled, LoopChoice, RimSet, Schedule,
+    ScheduledOptions, choose, fill_part, fill_rim_sets, nearest_loop, with_islands,
 };
 use crate::io::{self, Opened, open};
 use crate::memory::peak_memory;
@@ -97,14 +97,14 @@ pub enum Task {
 }
 
 impl Task {
-    fn gaps<'a>(
+    fn rim_sets<'a>(
         self,
         args: &FillArguments,
         mesh: &Mesh,
         loops: &'a [BoundaryLoop],
         chosen: &[LoopId],
-    ) -> Result<Vec<Gap<'a>>> {
-        let rims: Gap<'a> = chosen.iter().map(|id| &loops[id.index()]).collect();
+    ) -> Result<Vec<RimSet<'a>>> {
+        let rims: RimSet<'a> = chosen.iter().map(|id| &loops[id.index()]).collect();
         match self {
             Self::Holes if args.no_islands => Ok(rims.into_iter().map(|rim| vec![rim]).collect()),
             Self::Holes => Ok(with_islands(mesh, loops, chosen)),
@@ -179,8 +179,8 @@ pub fn fill_opened(args: &FillArguments, start: &Start, task: Task) -> Result<()
         // wherever they look, nothing else can be meant
         chosen = loops.iter().map(|l| l.id).collect();
     }
-    let gaps = task.gaps(args, mesh, &loops, &chosen)?;
-    let joined: Vec<LoopId> = gaps.iter().flatten().map(|l| l.id).collect();
+    let rim_sets = task.rim_sets(args, mesh, &loops, &chosen)?;
+    let joined: Vec<LoopId> = rim_sets.iter().flatten().map(|l| l.id).collect();
     let skipped = skipped(&loops, &joined, auto);
     if !args.quiet {
         for note in &opened.report.notes {
@@ -193,14 +193,15 @@ pub fn fill_opened(args: &FillArguments, start: &Start, task: Task) -> Result<()
             eprintln!("{}", nothing_to_do(loops.len()));
         }
     }
-    let progress = Progress::new(gaps.len(), args.quiet);
-    let filled = fill_scheduled(mesh, &gaps, controls, schedule, &|group, record| {
+    let progress = Progress::new(rim_sets.len(), args.quiet);
+    let options = ScheduledOptions::new(controls, schedule)?;
+    let filled = fill_rim_sets(mesh, &rim_sets, options, &|group, record| {
         progress.step(group, record);
         true
     })?;
     progress.finish();
     // rims joined without continuous normals are drawn from either side by itself
-    let sharp = gaps
+    let sharp = rim_sets
         .iter()
         .flatten()
         .filter(|l| controls.continuity_at(l.id) == Continuity::G0);
@@ -218,11 +219,10 @@ pub fn save_filled(
     creases: Vec<[VertexId; 2]>,
 ) -> Result<()> {
     io::save_mesh(&args.output, &filled.mesh, &opened.material_libraries)?;
-    let first = filled.mesh.face_count() - filled.plan.triangles.len();
+    let first = filled.mesh.face_count() - filled.faces_added();
     args.picture.save(&filled.mesh, first, creases)?;
     let holes = hole_reports(filled);
     let failed: Vec<FailedHole> = filled
-        .plan
         .failed
         .iter()
         .filter_map(|e| {
@@ -264,13 +264,9 @@ pub fn save_filled(
             first.reason
         );
     }
-    if let Some((group, error)) = filled
-        .groups
-        .iter()
-        .enumerate()
-        .find_map(|(g, r)| r.as_ref().err().map(|e| (g, e)))
-    {
-        let id = filled.plan.holes[filled.plan.groups[group].holes[0]].id;
+    let mut groups = filled.groups.iter().enumerate();
+    let failed = groups.find_map(|(g, r)| Some((filled.first_hole(g)?.id(), r.as_ref().err()?)));
+    if let Some((id, error)) = failed {
         bail!(
             "hole {id}: {error}. {} was written with the first patch there",
             args.output.display()

@@ -9,7 +9,7 @@ use crate::cli::fill::{save_filled, start, write_text};
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::step_lines;
-use crate::fill::{self, Filled, LoopChoice};
+use crate::fill::{self, Filled, LoopChoice, ScheduledOptions};
 use crate::io::{Opened, save_mesh};
 use crate::solver::{End, StepRecord};
 
@@ -27,16 +27,17 @@ pub fn refill(args: &RefillArguments) -> Result<()> {
         progress.step(group, record);
         true
     };
-    let (mesh, controls, schedule) = (&start.opened.mesh, &start.controls, &start.schedule);
+    let mesh = &start.opened.mesh;
+    let options = ScheduledOptions::new(&start.controls, &start.schedule)?;
     if args.fair {
-        let new = fill::fair_scheduled(mesh, &selected, controls, schedule, &observe)?;
+        let new = fill::fair(mesh, &selected, options, &observe)?;
         progress.finish();
         return save_faired(args, &start.opened, &selected, &new);
     }
-    let new = fill::refill_scheduled(mesh, &selected, controls, schedule, &observe)?;
+    let new = fill::refill(mesh, &selected, options, &observe)?;
     progress.finish();
     if !args.fill.quiet {
-        let erased = &new.opening.erased;
+        let erased = &new.region.erased;
         print(&format!(
             "{}: {} faces and {} vertices erased\n",
             args.fill.output.display(),
@@ -95,7 +96,7 @@ fn save_faired(
         output: args.fill.output.display().to_string(),
         energy: &args.fill.controls.energy,
         faces: selected.iter().filter(|&&flag| flag).count(),
-        vertices_moved: new.plan.moved.len(),
+        vertices_moved: new.moved.len(),
         steps: outcome.steps,
         rejected: outcome.rejected,
         converged: outcome.end == End::Converged,

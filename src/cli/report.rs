@@ -134,17 +134,17 @@ pub struct TotalTimings {
 
 /// The reports of all filled holes, in order.
 pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
-    let plan = &filled.plan;
-    plan.holes
+    filled
+        .holes
         .iter()
         .map(|hole| {
             let mut report = HoleReport {
-                id: hole.id,
+                id: hole.id(),
                 loops: hole.loops.clone(),
                 edges: hole.edges,
                 radius: hole.radius,
-                vertices_added: hole.new_vertices.len(),
-                faces_added: hole.new_faces.len(),
+                vertices_added: hole.vertices.len(),
+                faces_added: hole.faces.len(),
                 group: hole.group,
                 steps: 0,
                 rejected: 0,
@@ -188,7 +188,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
 /// Sums for a report.
 pub fn totals(filled: &Filled, holes: &[HoleReport]) -> Totals {
     let mut stages = Timings::default();
-    for hole in &filled.plan.holes {
+    for hole in &filled.holes {
         stages.patch += hole.patch_ms;
     }
     for group in filled.groups.iter().flatten() {
@@ -198,8 +198,8 @@ pub fn totals(filled: &Filled, holes: &[HoleReport]) -> Totals {
     }
     Totals {
         holes: holes.len(),
-        vertices_added: filled.plan.new_positions.len(),
-        faces_added: filled.plan.triangles.len(),
+        vertices_added: filled.vertices_added(),
+        faces_added: filled.faces_added(),
         vertices: filled.mesh.vertex_count(),
         faces: filled.mesh.all_triangles().count(),
         converged: filled.complete(),
@@ -230,10 +230,9 @@ pub fn skipped(loops: &[BoundaryLoop], chosen: &[LoopId], auto: bool) -> Vec<Ski
 
 /// One line a step attempted: loop (the first of its group), step, τ, energy, residual, rejected.
 pub fn trace(filled: &Filled) -> String {
-    let plan = &filled.plan;
     let groups = filled.groups.iter().enumerate();
     step_lines(groups.filter_map(|(g, group)| {
-        let id = plan.holes[plan.groups[g].holes[0]].id;
+        let id = filled.first_hole(g)?.id();
         Some((Some(id), &group.as_ref().ok()?.records[..]))
     }))
 }

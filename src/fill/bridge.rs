@@ -1,11 +1,12 @@
 //! A strip of triangles across a hole, or from one hole to another.
 
-use crate::fill::rail::{Place, length, pieces, rail};
+use crate::fill::hermite::{RimFrame, hermite_between, length, pieces};
+use crate::fill::select::nearest_loop;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, TopologyError};
 
-/// A stretch of a rim: `edges` of them from the vertex `start` on, in the loop's direction.
+/// A segment of a rim: `edges` of them from the vertex `start` on, in the loop's direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stretch {
+pub struct RimSegment {
     /// The loop.
     pub hole: LoopId,
     /// Index of the first vertex along the loop.
@@ -17,12 +18,12 @@ pub struct Stretch {
 /// Why there can be no bridge.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BridgeError {
-    /// The stretches have no or not the same number of edges.
+    /// The segments have no or not the same number of edges.
     #[error(
         "a bridge needs as many rim edges at one end as at the other, at least one: {0} and {1}"
     )]
     Widths(usize, usize),
-    /// The stretches meet, or leave no rim beside the bridge.
+    /// The segments meet, or leave no rim beside the bridge.
     #[error(
         "the two ends of the bridge meet; choose places farther apart on the rim, or a narrower bridge"
     )]
@@ -40,26 +41,26 @@ pub enum BridgeError {
     NotManifold(#[from] TopologyError),
 }
 
-/// The stretch of `edges` edges in the middle of which the rim vertex nearest to `point` lies;
+/// The segment of `edges` edges in the middle of which the rim vertex nearest to `point` lies;
 /// `None` if the mesh has no loops.
-pub fn stretch_at(
+pub fn segment_at(
     mesh: &Mesh,
     loops: &[BoundaryLoop],
     point: DVec3,
     edges: usize,
-) -> Option<Stretch> {
-    let hole = crate::fill::nearest_loop(mesh, loops, point)?;
+) -> Option<RimSegment> {
+    let hole = nearest_loop(mesh, loops, point)?;
     let rim = &loops[hole.index()].vertices;
     let distance = |i: &usize| mesh.position(rim[*i]).distance_squared(point);
     let middle = (0..rim.len()).min_by(|i, j| distance(i).total_cmp(&distance(j)))?;
-    Some(Stretch {
+    Some(RimSegment {
         hole,
         start: (middle + rim.len() - (edges / 2) % rim.len()) % rim.len(),
         edges,
     })
 }
 
-/// The mesh with a strip of triangles between two stretches of its rims, `edges` wide: a hole with a
+/// The mesh with a strip of triangles between two segments of its rims, `edges` wide: a hole with a
 /// bridge across is two holes, two holes with a bridge between them are one.
 ///
 /// The strip leaves both rims in the direction of the surface there (a cubic Hermite curve from each
@@ -71,8 +72,8 @@ pub fn stretch_at(
 pub fn bridge(
     mesh: &Mesh,
     loops: &[BoundaryLoop],
-    from: Stretch,
-    to: Stretch,
+    from: RimSegment,
+    to: RimSegment,
 ) -> Result<Mesh, BridgeError> {
     check(loops, from, to)?;
     let (near, far) = (&loops[from.hole.index()], &loops[to.hole.index()]);
@@ -80,17 +81,17 @@ pub fn bridge(
     // the far rim runs the other way: its last vertex is opposite our first
     let at = |k: usize| (from.start + k) % near.edges();
     let across = |k: usize| (to.start + width - k) % far.edges();
-    let rails: Vec<[Place; 2]> = (0..=width)
+    let rails: Vec<[RimFrame; 2]> = (0..=width)
         .map(|k| {
             [
-                Place::of(mesh, near, at(k)),
-                Place::of(mesh, far, across(k)),
+                RimFrame::of(mesh, near, at(k)),
+                RimFrame::of(mesh, far, across(k)),
             ]
         })
         .collect();
     let curve = |k: usize, t: f64| {
         let [a, b] = rails[k];
-        rail(a.point, a.ahead, b.point, -b.ahead)(t)
+        hermite_between(a.point, a.ahead, b.point, -b.ahead)(t)
     };
     let size = near.perimeter / near.edges() as f64 + far.perimeter / far.edges() as f64;
     // two rows at least, so that no edge of the mesh is there twice
@@ -146,11 +147,11 @@ pub fn bridge(
     })
 }
 
-fn check(loops: &[BoundaryLoop], from: Stretch, to: Stretch) -> Result<(), BridgeError> {
-    for stretch in [from, to] {
-        if stretch.hole.index() >= loops.len() {
+fn check(loops: &[BoundaryLoop], from: RimSegment, to: RimSegment) -> Result<(), BridgeError> {
+    for segment in [from, to] {
+        if segment.hole.index() >= loops.len() {
             return Err(BridgeError::NoSuchLoop {
-                hole: stretch.hole,
+                hole: segment.hole,
                 loops: loops.len(),
             });
         }
@@ -158,11 +159,11 @@ fn check(loops: &[BoundaryLoop], from: Stretch, to: Stretch) -> Result<(), Bridg
     if from.edges == 0 || from.edges != to.edges {
         return Err(BridgeError::Widths(from.edges, to.edges));
     }
-    let vertices = |s: Stretch| {
+    let vertices = |s: RimSegment| {
         let rim = &loops[s.hole.index()].vertices;
         (0..=s.edges).map(move |k| rim[(s.start + k) % rim.len()])
     };
-    let fits = |s: Stretch| s.edges < loops[s.hole.index()].edges();
+    let fits = |s: RimSegment| s.edges < loops[s.hole.index()].edges();
     let apart = vertices(from).all(|v| vertices(to).all(|w| v != w));
     if apart && fits(from) && fits(to) {
         Ok(())
@@ -190,7 +191,7 @@ mod tests {
         let loops = boundary_loops(&mesh);
         assert_eq!(loops.len(), 2);
         let at = |x: f64, z: f64, edges: usize| {
-            stretch_at(&mesh, &loops, DVec3::new(x, 0.0, z), edges).expect("loops")
+            segment_at(&mesh, &loops, DVec3::new(x, 0.0, z), edges).expect("loops")
         };
         for width in 1..5 {
             let across = bridge(&mesh, &loops, at(-1.0, 0.7, width), at(1.0, 0.7, width));
@@ -214,25 +215,25 @@ mod tests {
     fn ends_that_meet_are_refused() {
         let mesh = holed();
         let loops = boundary_loops(&mesh);
-        let stretch = |start, edges| Stretch {
+        let segment = |start, edges| RimSegment {
             hole: LoopId::FIRST,
             start,
             edges,
         };
         let error = |a, b| bridge(&mesh, &loops, a, b).err();
-        assert_eq!(error(stretch(0, 2), stretch(2, 2)), Some(BridgeError::Meet));
+        assert_eq!(error(segment(0, 2), segment(2, 2)), Some(BridgeError::Meet));
         assert_eq!(
-            error(stretch(0, 2), stretch(9, 1)),
+            error(segment(0, 2), segment(9, 1)),
             Some(BridgeError::Widths(2, 1))
         );
-        let missing = Stretch {
+        let missing = RimSegment {
             hole: 2.into(),
-            ..stretch(0, 1)
+            ..segment(0, 1)
         };
         let no = BridgeError::NoSuchLoop {
             hole: 2.into(),
             loops: 2,
         };
-        assert_eq!(error(stretch(0, 1), missing), Some(no));
+        assert_eq!(error(segment(0, 1), missing), Some(no));
     }
 }

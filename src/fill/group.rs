@@ -1,40 +1,43 @@
 //! Holes that have to be solved together.
 
-use crate::fill::{FillOptions, Plan, region};
-use crate::mesh::union_find::{find, unite};
-use crate::mesh::{BoundaryLoop, FaceId, Mesh, VertexId};
-use crate::solver::{FlowProblem, SUPPORT_RINGS, SolverError};
+use std::sync::Arc;
 
-/// Holes whose collars share vertices. Creases (G0) are not asked for: they have no collar, but may
-/// get one while the flow runs.
+use crate::fill::hole::PlannedHole;
+use crate::fill::patch_topology::{HoleTopology, PatchTopology};
+use crate::mesh::union_find::{find, unite};
+use crate::mesh::{FaceId, Mesh, VertexId};
+use crate::solver::SUPPORT_RINGS;
+
+/// Holes whose support regions share vertices. Creases (G0) are not considered: their holes have no
+/// support region, but may get one during the flow.
 #[derive(Clone, Debug)]
-pub struct Group {
-    /// Indices into [`Plan::holes`].
+pub(crate) struct Group {
+    /// Indices into [`Plan::holes`](crate::fill::plan::Plan::holes), ascending; none in a fairing.
     pub holes: Vec<usize>,
-    /// Indices into [`Plan::new_positions`] of the interior vertices, in the problem's order.
-    pub new_vertices: Vec<u32>,
+    /// The triangulations of their first patches.
+    pub topology: Arc<PatchTopology>,
     /// Hole radius: the largest of the group.
     pub radius: f64,
-    /// Faces of the mesh in the collar of each hole, sorted.
-    pub(super) collars: Vec<Vec<FaceId>>,
+    /// For each hole the faces of the mesh in its support region, sorted. A fairing has one region.
+    pub support: Vec<Vec<FaceId>>,
 }
 
-/// Collars are found around every rim by breadth-first search; holes whose collars meet are one
-/// group. Holes without interior vertices need no flow and belong to none.
-pub(super) fn groups(mesh: &Mesh, gaps: &[&[&BoundaryLoop]], plan: &Plan) -> Vec<Group> {
-    let count = gaps.len();
+/// The groups of holes. A breadth-first search around the rims of each hole finds its support
+/// region; holes whose regions meet are one group. Holes without interior vertices need no flow
+/// and belong to no group.
+pub(super) fn groups(mesh: &Mesh, holes: &[PlannedHole]) -> Vec<Group> {
+    let count = holes.len();
     let mut owner = vec![u32::MAX; mesh.positions.len()];
     let mut parent: Vec<u32> = (0..count as u32).collect();
-    let mut collars: Vec<Vec<FaceId>> = Vec::with_capacity(count);
+    let mut support: Vec<Vec<FaceId>> = Vec::with_capacity(count);
     let mut face_owner = vec![u32::MAX; mesh.topology.face_count()];
-    for (h, gap) in gaps.iter().enumerate() {
-        if plan.holes[h].new_vertices.is_empty() {
-            collars.push(Vec::new());
+    for (h, hole) in holes.iter().enumerate() {
+        if hole.patch.new_points().is_empty() {
+            support.push(Vec::new());
             continue;
         }
         let mut faces = Vec::new();
-        let rims = gap.iter().flat_map(|l| l.vertices.iter().copied());
-        let mut front: Vec<VertexId> = rims.collect();
+        let mut front = hole.rims.vertices.clone();
         let mut claim = |v: VertexId, parent: &mut [u32]| -> bool {
             match owner[v.index()] {
                 u32::MAX => {
@@ -44,7 +47,7 @@ pub(super) fn groups(mesh: &Mesh, gaps: &[&[&BoundaryLoop]], plan: &Plan) -> Vec
                 o if o as usize == h => false,
                 o => {
                     unite(parent, o, h as u32);
-                    // walk on as far as this hole's own rings reach, once
+                    // continue, once, as far as the rings of this hole reach
                     owner[v.index()] = h as u32;
                     true
                 }
@@ -70,13 +73,13 @@ pub(super) fn groups(mesh: &Mesh, gaps: &[&[&BoundaryLoop]], plan: &Plan) -> Vec
             front = next;
         }
         faces.sort_unstable();
-        collars.push(faces);
+        support.push(faces);
     }
 
     let mut group_of_root = vec![usize::MAX; count];
     let mut groups: Vec<Group> = Vec::new();
-    for h in 0..count {
-        if plan.holes[h].new_vertices.is_empty() {
+    for (h, hole) in holes.iter().enumerate() {
+        if hole.patch.new_points().is_empty() {
             continue;
         }
         let root = find(&mut parent, h as u32) as usize;
@@ -84,35 +87,17 @@ pub(super) fn groups(mesh: &Mesh, gaps: &[&[&BoundaryLoop]], plan: &Plan) -> Vec
             group_of_root[root] = groups.len();
             groups.push(Group {
                 holes: Vec::new(),
-                new_vertices: Vec::new(),
+                topology: Arc::default(),
                 radius: 0.0,
-                collars: Vec::new(),
+                support: Vec::new(),
             });
         }
         let group = &mut groups[group_of_root[root]];
-        let hole = &plan.holes[h];
         group.holes.push(h);
-        group.radius = group.radius.max(hole.radius);
-        group
-            .new_vertices
-            .extend(hole.new_vertices.clone().map(|v| v as u32));
-        group.collars.push(std::mem::take(&mut collars[h]));
+        group.radius = group.radius.max(hole.rims.radius());
+        let topology = HoleTopology::of(&hole.patch);
+        Arc::make_mut(&mut group.topology).holes.push(topology);
+        group.support.push(std::mem::take(&mut support[h]));
     }
     groups
-}
-
-impl Group {
-    /// The flow of this group's patch vertices from their current places in the plan.
-    ///
-    /// # Errors
-    /// As [`FlowProblem::new`].
-    pub fn problem(
-        &self,
-        mesh: &Mesh,
-        plan: &Plan,
-        options: &FillOptions,
-    ) -> Result<FlowProblem, SolverError> {
-        let (shape, positions) = plan.shape_of(self);
-        region::problem(mesh, plan, self, &shape, &positions, options)
-    }
 }

@@ -1,6 +1,6 @@
 //! Loose pieces of the mesh inside a hole: its patch has to pass through their rims.
 
-use crate::fill::{Gap, rim_of};
+use crate::fill::rim::{RimSet, rim_of};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, TriangleBvh, closest_point_on_segment};
 use crate::patch::{self, PatchOptions};
 
@@ -12,22 +12,26 @@ const BESIDE: f64 = 1e-6;
 /// Vertices of a rim that are looked at, about.
 const SAMPLES: usize = 64;
 
-/// The chosen loops as gaps, each with the islands in it.
+/// The chosen loops as rim sets, each with the islands in it.
 ///
 /// A loop of another component that lies within a hole, near its first patch, belongs to an island.
 /// If it runs around the other way than the hole it is the island's outer rim and one of the rims
 /// of the hole's patch; if it runs the same way it is a hole in the island, and filled too (with
 /// what lies in it in turn). A rim within several holes belongs to the smallest.
-pub fn with_islands<'a>(mesh: &Mesh, loops: &'a [BoundaryLoop], chosen: &[LoopId]) -> Vec<Gap<'a>> {
-    let mut holes: Vec<Opening> = chosen
+pub fn with_islands<'a>(
+    mesh: &Mesh,
+    loops: &'a [BoundaryLoop],
+    chosen: &[LoopId],
+) -> Vec<RimSet<'a>> {
+    let mut holes: Vec<CandidateHole> = chosen
         .iter()
-        .map(|id| Opening::new(mesh, loops, id.index()))
+        .map(|id| CandidateHole::new(mesh, loops, id.index()))
         .collect();
     let first = loops.first().map_or(0, |l| l.component);
     if loops.iter().all(|l| l.component == first) {
         return chosen.iter().map(|id| vec![&loops[id.index()]]).collect();
     }
-    let mut kind: Vec<Option<Kind>> = vec![None; loops.len()];
+    let mut kind: Vec<Option<LoopRole>> = vec![None; loops.len()];
     // holes of islands are opened in turn, each once
     let mut next = 0;
     while next < holes.len() {
@@ -37,53 +41,53 @@ pub fn with_islands<'a>(mesh: &Mesh, loops: &'a [BoundaryLoop], chosen: &[LoopId
                 continue;
             }
             if hole.normal.dot(area(mesh, one)) < 0.0 {
-                let smaller = |other: &Kind| match *other {
-                    Kind::Island(h) => {
+                let smaller = |other: &LoopRole| match *other {
+                    LoopRole::Island(h) => {
                         loops[holes[h].index].perimeter > loops[hole.index].perimeter
                     }
-                    Kind::Hole => true,
+                    LoopRole::Hole => true,
                 };
                 if kind[i].as_ref().is_none_or(smaller) {
-                    kind[i] = Some(Kind::Island(next));
+                    kind[i] = Some(LoopRole::Island(next));
                 }
             } else if kind[i].is_none() && !holes.iter().any(|h| h.index == i) {
-                kind[i] = Some(Kind::Hole);
+                kind[i] = Some(LoopRole::Hole);
             }
         }
         next += 1;
         if next == holes.len() {
             let opened = |i: usize| holes.iter().any(|h| h.index == i);
             let is_island = |component: u32| {
-                let outer = |k: &Option<Kind>| matches!(k, Some(Kind::Island(_)));
+                let outer = |k: &Option<LoopRole>| matches!(k, Some(LoopRole::Island(_)));
                 loops
                     .iter()
                     .zip(&kind)
                     .any(|(l, k)| l.component == component && outer(k))
             };
             let more: Vec<usize> = (0..loops.len())
-                .filter(|&i| matches!(kind[i], Some(Kind::Hole)) && !opened(i))
+                .filter(|&i| matches!(kind[i], Some(LoopRole::Hole)) && !opened(i))
                 .filter(|&i| is_island(loops[i].component))
                 .collect();
-            holes.extend(more.into_iter().map(|i| Opening::new(mesh, loops, i)));
+            holes.extend(more.into_iter().map(|i| CandidateHole::new(mesh, loops, i)));
         }
     }
-    let is_island = |i: usize| matches!(kind[i], Some(Kind::Island(_)));
-    let mut gaps = Vec::new();
+    let is_island = |i: usize| matches!(kind[i], Some(LoopRole::Island(_)));
+    let mut rim_sets = Vec::new();
     for (h, hole) in holes.iter().enumerate() {
         if is_island(hole.index) {
             continue;
         }
-        let mut gap = vec![&loops[hole.index]];
-        let mine = |i: &usize| matches!(kind[*i], Some(Kind::Island(owner)) if owner == h);
-        gap.extend((0..loops.len()).filter(mine).map(|i| &loops[i]));
-        gaps.push(gap);
+        let mut rim_set = vec![&loops[hole.index]];
+        let mine = |i: &usize| matches!(kind[*i], Some(LoopRole::Island(owner)) if owner == h);
+        rim_set.extend((0..loops.len()).filter(mine).map(|i| &loops[i]));
+        rim_sets.push(rim_set);
     }
-    gaps
+    rim_sets
 }
 
 /// What a loop within a hole is.
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+enum LoopRole {
     /// The outer rim of an island in the hole of that number.
     Island(usize),
     /// A hole in an island.
@@ -91,7 +95,7 @@ enum Kind {
 }
 
 /// A hole with a first patch to measure by.
-struct Opening {
+struct CandidateHole {
     index: usize,
     normal: DVec3,
     radius: f64,
@@ -99,7 +103,7 @@ struct Opening {
     patch: Option<TriangleBvh>,
 }
 
-impl Opening {
+impl CandidateHole {
     fn new(mesh: &Mesh, loops: &[BoundaryLoop], index: usize) -> Self {
         let one = &loops[index];
         let patch = patch::fill(&rim_of(mesh, one), &PatchOptions { density: 0.5 });
@@ -146,7 +150,7 @@ fn area(mesh: &Mesh, one: &BoundaryLoop) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fill::{FillOptions, fill_gaps};
+    use crate::fill::{FillOptions, fill_rim_sets};
     use crate::mesh::{Topology, boundary_loops, check_filled, components, erase};
     use crate::shapes;
 
@@ -168,35 +172,35 @@ mod tests {
             .iter()
             .max_by(|a, b| a.perimeter.total_cmp(&b.perimeter))
             .expect("a hole");
-        let gaps = with_islands(mesh, &loops, &[hole.id]);
-        let result = fill_gaps(mesh, &gaps, &FillOptions::default(), &|_, _| true);
+        let rim_sets = with_islands(mesh, &loops, &[hole.id]);
+        let result = fill_rim_sets(mesh, &rim_sets, &FillOptions::default(), &|_, _| true);
         let result = result.expect("filled");
         assert!(result.complete());
         check_filled(mesh, &result.mesh, &[]).expect("closed");
         assert_eq!(components(&result.mesh.topology).count, 1);
-        let off = result
-            .plan
-            .new_positions
-            .iter()
-            .map(|p| (p.length() - 1.0).abs());
-        (gaps.iter().map(Vec::len).collect(), off.fold(0.0, f64::max))
+        let new = &result.mesh.positions[mesh.vertex_count()..];
+        let off = new.iter().map(|p| (p.length() - 1.0).abs());
+        (
+            rim_sets.iter().map(Vec::len).collect(),
+            off.fold(0.0, f64::max),
+        )
     }
 
     #[test]
     fn patches_pass_through_islands() {
         let at = |x: f64, y: f64| DVec3::new(x, y, (1.0 - x * x - y * y).sqrt());
         let mesh = islands(|p| p.distance(at(0.2, 0.1)) < 0.2 || p.distance(at(-0.4, -0.2)) < 0.12);
-        let (gaps, off) = filled(&mesh);
-        assert_eq!(gaps, [3]);
+        let (rim_sets, off) = filled(&mesh);
+        assert_eq!(rim_sets, [3]);
         assert!(off < 5e-3, "{off}");
     }
 
     #[test]
     fn rings_are_filled_inside_and_out() {
         let mesh = islands(|p| (0.25..0.4).contains(&p.x.hypot(p.y)));
-        let (mut gaps, off) = filled(&mesh);
-        gaps.sort_unstable();
-        assert_eq!(gaps, [1, 2]);
+        let (mut rim_sets, off) = filled(&mesh);
+        rim_sets.sort_unstable();
+        assert_eq!(rim_sets, [1, 2]);
         assert!(off < 5e-3, "{off}");
     }
 
@@ -217,7 +221,7 @@ mod tests {
         let mesh = Mesh::new(shape.0, topology);
         let loops = boundary_loops(&mesh);
         assert_eq!(loops.len(), 3);
-        let gaps = with_islands(&mesh, &loops, &[LoopId::FIRST]);
-        assert_eq!(gaps.iter().map(Vec::len).collect::<Vec<_>>(), [1]);
+        let rim_sets = with_islands(&mesh, &loops, &[LoopId::FIRST]);
+        assert_eq!(rim_sets.iter().map(Vec::len).collect::<Vec<_>>(), [1]);
     }
 }

@@ -1,12 +1,17 @@
 //! Part of a hole: from one vertex of its rim to another.
 
+use std::sync::Arc;
 use std::time::Instant;
 
-use crate::fill::rail::{Place, length, pieces, rail};
-use crate::fill::{FillError, FillOptions, Filled, Plan, milliseconds, rim_of, run_plan};
+use crate::fill::hermite::{RimFrame, hermite_between, length, pieces};
+use crate::fill::hole::{DraftHole, HoleRims};
+use crate::fill::options::FillOptions;
+use crate::fill::plan::Plan;
+use crate::fill::result::{FillError, Filled, milliseconds};
+use crate::fill::rim::rim_of;
+use crate::fill::run::{Observer, run_plan};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, VertexId};
-use crate::patch::{self, Rim};
-use crate::solver::StepRecord;
+use crate::patch::{self, Rim, RimGeometry};
 
 /// Why part of a hole cannot be filled.
 #[derive(Debug, thiserror::Error)]
@@ -39,7 +44,7 @@ pub fn fill_part(
     from: usize,
     to: usize,
     options: &FillOptions,
-    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+    observe: Observer<'_>,
 ) -> Result<Filled, PartialError> {
     let start = Instant::now();
     let n = hole.edges();
@@ -53,21 +58,29 @@ pub fn fill_part(
     let longer = with_vertices(mesh, &chord, hole.vertices[to])?;
     let part = part_of_loop(mesh, hole, &along, to, &rim);
     let patch = patch::fill(&rim, &options.patch);
-    let gaps = [vec![&part]];
-    let plan = Plan::new(&longer, &gaps, &[(patch, milliseconds(start))]);
+    let draft = DraftHole {
+        rims: Arc::new(HoleRims::with_geometry(
+            vec![part],
+            RimGeometry::single(rim),
+        )),
+        patch,
+        has_initial_shape: false,
+        patch_ms: milliseconds(start),
+    };
+    let plan = Plan::of_holes(&longer, vec![draft]);
     if let Some(error) = plan.failed.first() {
         return Err(error.clone().into());
     }
-    Ok(run_plan(&longer, &gaps, plan, options, &[], observe)?)
+    Ok(run_plan(&longer, plan, &options.into(), observe)?)
 }
 
 /// New vertices from `to` back to `from`, both left out.
 fn chord(mesh: &Mesh, hole: &BoundaryLoop, from: usize, to: usize, density: f64) -> Vec<DVec3> {
-    let (a, b) = (Place::of(mesh, hole, to), Place::of(mesh, hole, from));
+    let (a, b) = (RimFrame::of(mesh, hole, to), RimFrame::of(mesh, hole, from));
     let straight = b.point - a.point;
     // in the tangent plane, as straight on as it can be
-    let along = |place: &Place| straight.reject_from(place.normal).normalize_or_zero();
-    let curve = rail(a.point, along(&a), b.point, along(&b));
+    let along = |place: &RimFrame| straight.reject_from(place.normal).normalize_or_zero();
+    let curve = hermite_between(a.point, along(&a), b.point, along(&b));
     let size = hole.perimeter / hole.edges() as f64 / density;
     // at least one vertex, so that no edge of the mesh is there twice
     let count = pieces(length(&curve), size, 2);
@@ -87,7 +100,7 @@ fn part_of_rim(
     let mut opposite: Vec<DVec3> = along.iter().map(|&i| whole.opposite[i]).collect();
     points.push(whole.points[to]);
     points.extend_from_slice(chord);
-    // on the edge: a degenerate face, which has no say
+    // on the edge: a degenerate face, which has no influence
     opposite.extend_from_slice(&points[along.len()..]);
     let mut place = vec![u32::MAX; whole.points.len()];
     for (k, &i) in along.iter().chain([&to]).enumerate() {

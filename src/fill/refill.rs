@@ -1,16 +1,11 @@
-//! Part of a surface made anew: erased and filled, or faired in place.
+//! Part of a surface replaced: erased and filled.
 
-use crate::fill::{
-    Controls, FillError, FillOptions, Filled, Gap, Group, Plan, Schedule, ScheduleError,
-    ScheduledFillError, fill_gaps, fill_scheduled, run_plan, with_islands,
-};
-use crate::mesh::{
-    BoundaryLoop, DVec3, Erased, FaceId, LoopId, Mesh, VertexId, boundary_loops, erase,
-    inner_vertices,
-};
-use crate::solver::{SUPPORT_RINGS, StepRecord};
+use crate::fill::islands::with_islands;
+use crate::fill::result::{FillError, Filled};
+use crate::fill::run::{Observer, ScheduledOptions, fill_rim_sets};
+use crate::mesh::{BoundaryLoop, Erased, LoopId, Mesh, VertexId, boundary_loops, erase};
 
-/// Why a selection cannot be made anew.
+/// Why a selection cannot be refilled or faired.
 #[derive(Debug, thiserror::Error)]
 pub enum RefillError {
     /// No face is selected.
@@ -31,23 +26,11 @@ pub enum RefillError {
     /// Filling failed as a whole.
     #[error(transparent)]
     Fill(#[from] FillError),
-    /// The schedule cannot be followed.
-    #[error(transparent)]
-    Schedule(#[from] ScheduleError),
-}
-
-impl From<ScheduledFillError> for RefillError {
-    fn from(error: ScheduledFillError) -> Self {
-        match error {
-            ScheduledFillError::Schedule(error) => error.into(),
-            ScheduledFillError::Fill(error) => error.into(),
-        }
-    }
 }
 
 /// A mesh whose selected faces are erased.
 #[derive(Clone, Debug)]
-pub struct Opening {
+pub struct ErasedRegion {
     /// What was left after erasing, and where it was before.
     pub erased: Erased,
     /// All its boundary loops.
@@ -60,7 +43,7 @@ pub struct Opening {
 ///
 /// # Errors
 /// An empty selection, or one that leaves nothing to fill from.
-pub fn open_selection(mesh: &Mesh, selected: &[bool]) -> Result<Opening, RefillError> {
+pub fn open_selection(mesh: &Mesh, selected: &[bool]) -> Result<ErasedRegion, RefillError> {
     if !selected.contains(&true) {
         return Err(RefillError::Nothing);
     }
@@ -80,7 +63,7 @@ pub fn open_selection(mesh: &Mesh, selected: &[bool]) -> Result<Opening, RefillE
     if opened.is_empty() {
         return Err(RefillError::Everything);
     }
-    Ok(Opening {
+    Ok(ErasedRegion {
         erased,
         loops,
         opened,
@@ -90,160 +73,34 @@ pub fn open_selection(mesh: &Mesh, selected: &[bool]) -> Result<Opening, RefillE
 /// A refilled mesh.
 #[derive(Debug)]
 pub struct Refilled {
-    /// What was left after erasing, and the loops around what was erased.
-    pub opening: Opening,
-    /// The fill of these.
+    /// The mesh without the selected faces, and the loops around them.
+    pub region: ErasedRegion,
+    /// The fill of these loops.
     pub filled: Filled,
 }
 
-/// Erases the selected faces and fills the holes this leaves or widens, islands included.
+/// Erases the selected faces and fills the holes this opens or widens, islands included.
 ///
 /// # Errors
 /// An empty selection, or one after which nothing is left to fill from.
 pub fn refill(
     mesh: &Mesh,
     selected: &[bool],
-    options: &FillOptions,
-    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
+    options: impl Into<ScheduledOptions>,
+    observe: Observer<'_>,
 ) -> Result<Refilled, RefillError> {
-    refill_by(mesh, selected, |left, gaps| {
-        Ok(fill_gaps(left, gaps, options, observe)?)
-    })
-}
-
-/// [`refill`] with changes on the way, as recorded by a live fill.
-///
-/// # Errors
-/// As [`refill`], and a schedule that cannot be followed.
-pub fn refill_scheduled(
-    mesh: &Mesh,
-    selected: &[bool],
-    controls: &Controls,
-    schedule: &Schedule,
-    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
-) -> Result<Refilled, RefillError> {
-    refill_by(mesh, selected, |left, gaps| {
-        Ok(fill_scheduled(left, gaps, controls, schedule, observe)?)
-    })
-}
-
-fn refill_by(
-    mesh: &Mesh,
-    selected: &[bool],
-    fill: impl FnOnce(&Mesh, &[Gap<'_>]) -> Result<Filled, RefillError>,
-) -> Result<Refilled, RefillError> {
-    let opening = open_selection(mesh, selected)?;
-    let left = &opening.erased.mesh;
-    let gaps = with_islands(left, &opening.loops, &opening.opened);
-    let filled = fill(left, &gaps)?;
-    Ok(Refilled { opening, filled })
-}
-
-/// Lets the inner vertices of the selected faces flow, the triangles staying as they are; G1 to the
-/// rest. Like a new patch they start from the smooth spread of the warm start, so that it does not
-/// matter how badly they lay. [`Plan::moved`] of the result says which they are.
-///
-/// # Errors
-/// An empty, narrow or all-embracing selection; what the flow refuses is in the result.
-pub fn fair(
-    mesh: &Mesh,
-    selected: &[bool],
-    options: &FillOptions,
-    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
-) -> Result<Filled, RefillError> {
-    let plan = Plan::fairing(mesh, selected)?;
-    Ok(run_plan(mesh, &[], plan, options, &[], observe)?)
-}
-
-/// [`fair`] with changes on the way, as recorded by a live fill.
-///
-/// # Errors
-/// As [`fair`], and a schedule that cannot be followed.
-pub fn fair_scheduled(
-    mesh: &Mesh,
-    selected: &[bool],
-    controls: &Controls,
-    schedule: &Schedule,
-    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
-) -> Result<Filled, RefillError> {
-    let (options, changes) = schedule.resolve(controls)?;
-    let plan = Plan::fairing(mesh, selected)?;
-    Ok(run_plan(mesh, &[], plan, &options, &changes, observe)?)
-}
-
-impl Plan {
-    /// The plan of a fairing: the inner vertices of the selected faces, with everything near them
-    /// as the collar.
-    pub(super) fn fairing(mesh: &Mesh, selected: &[bool]) -> Result<Self, RefillError> {
-        let faces = selected.iter().filter(|&&flag| flag).count();
-        if faces == 0 {
-            return Err(RefillError::Nothing);
-        }
-        let topology = &mesh.topology;
-        let moved = inner_vertices(topology, selected);
-        if moved.is_empty() {
-            return Err(RefillError::NoInside { faces });
-        }
-        let (collar, ring_1) = around(mesh, &moved);
-        if ring_1.is_empty() {
-            return Err(RefillError::Everything);
-        }
-        let centre = ring_1.iter().map(|&v| mesh.position(v)).sum::<DVec3>() / ring_1.len() as f64;
-        let square = |&v: &VertexId| mesh.position(v).distance_squared(centre);
-        let radius = (ring_1.iter().map(square).sum::<f64>() / ring_1.len() as f64).sqrt();
-        Ok(Self {
-            old_vertices: mesh.vertex_count(),
-            holes: Vec::new(),
-            failed: Vec::new(),
-            new_positions: moved.iter().map(|&v| mesh.position(v)).collect(),
-            triangles: Vec::new(),
-            groups: vec![Group {
-                holes: Vec::new(),
-                new_vertices: (0..moved.len() as u32).collect(),
-                radius,
-                collars: vec![collar],
-            }],
-            moved,
-        })
-    }
-}
-
-/// The faces within [`SUPPORT_RINGS`] rings of some vertices, sorted, and the vertices of the first ring.
-fn around(mesh: &Mesh, moved: &[VertexId]) -> (Vec<FaceId>, Vec<VertexId>) {
-    let topology = &mesh.topology;
-    let mut reached = vec![false; mesh.vertex_count()];
-    for v in moved {
-        reached[v.index()] = true;
-    }
-    let mut has_face = vec![false; mesh.face_count()];
-    let (mut faces, mut ring_1) = (Vec::new(), Vec::new());
-    let mut front = moved.to_vec();
-    for ring in 0..SUPPORT_RINGS {
-        let mut next = Vec::new();
-        for &v in &front {
-            for h in topology.outgoing(v) {
-                let (f, w) = (topology.face(h), topology.target(h));
-                if f.is_some() && !std::mem::replace(&mut has_face[f.index()], true) {
-                    faces.push(f);
-                }
-                if !std::mem::replace(&mut reached[w.index()], true) {
-                    next.push(w);
-                }
-            }
-        }
-        if ring == 0 {
-            ring_1.clone_from(&next);
-        }
-        front = next;
-    }
-    faces.sort_unstable();
-    (faces, ring_1)
+    let region = open_selection(mesh, selected)?;
+    let left = &region.erased.mesh;
+    let rim_sets = with_islands(left, &region.loops, &region.opened);
+    let filled = fill_rim_sets(left, &rim_sets, options, observe)?;
+    Ok(Refilled { region, filled })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Topology, check_mesh, faces_in_ball, grow};
+    use crate::fill::{FillOptions, fair};
+    use crate::mesh::{DVec3, Topology, check_mesh, faces_in_ball, grow, inner_vertices};
     use crate::random::SplitMix;
     use crate::shapes;
 
@@ -274,7 +131,7 @@ mod tests {
         let new =
             refill(&mesh, &selected, &FillOptions::default(), &|_, _| true).expect("refilled");
         assert!(new.filled.complete());
-        assert_eq!(new.opening.opened.len(), 1);
+        assert_eq!(new.region.opened.len(), 1);
         check_mesh(&new.filled.mesh).expect("sound");
         assert!(new.filled.mesh.topology.boundary_loops().is_empty());
         for (p, &old) in new
@@ -282,7 +139,7 @@ mod tests {
             .mesh
             .positions
             .iter()
-            .zip(&new.opening.erased.old_vertex)
+            .zip(&new.region.erased.old_vertex)
         {
             assert_eq!(*p, mesh.positions[old as usize]);
         }
@@ -303,7 +160,7 @@ mod tests {
         assert!(new.complete());
         assert_eq!(new.mesh.topology, mesh.topology);
         for (v, (p, q)) in new.mesh.positions.iter().zip(&mesh.positions).enumerate() {
-            assert!(new.plan.moved.contains(&VertexId::from(v)) || p == q);
+            assert!(new.moved.contains(&VertexId::from(v)) || p == q);
             assert!((p.length() - 1.0).abs() < 3e-3);
         }
     }

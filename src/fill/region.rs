@@ -1,94 +1,47 @@
-//! The region of a group: its patches and their collars, as a mesh of its own.
+//! The region of a group: its patches and the faces around them, as a mesh of its own.
+//!
+//! ```text
+//!        support region            the given faces within SUPPORT_RINGS rings of the rim, fixed
+//!    . . . . . . . . . . .
+//!    . . .-----------. . .         rim vertices, fixed: shared by patch and support region (G1),
+//!    . . |           | . .         or copied (G0), so that the two are not joined
+//!    . . |   patch   | . .         new vertices, which flow; they come first in the region
+//!    . . |           | . .
+//!    . . '-----------' . .
+//!    . . . . . . . . . . .
+//! ```
+//!
+//! The numbers of the region's vertices are, in this order: the new vertices of the group's patches,
+//! then given vertices and copies of given vertices as triangles first use them.
 
-use std::collections::BTreeMap;
-
-use crate::fill::shape::{HoleShape, Shape};
-use crate::fill::{Continuity, FillOptions, Group, Plan, sheets};
-use crate::mesh::{DVec3, FaceId, Mesh, TopologyError, VertexId};
+use crate::fill::Continuity;
+use crate::fill::context::FillContext;
+use crate::fill::group::Group;
+use crate::fill::hole::{HoleRims, PlannedHole};
+use crate::fill::options::FillOptions;
+use crate::fill::patch_topology::{HoleTopology, PatchTopology};
+use crate::fill::plan::Domain;
+use crate::fill::sheets;
+use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, TopologyError, VertexId};
 use crate::solver::{FlowProblem, SolverError};
 
-/// The flow of a group's new vertices from `positions`, those of `shape`.
-///
-/// A patch shares the vertices of its G1 rims with its collar. Of a G0 rim it has its own copies, so
-/// that it ends there, and if it has no other rims it has no collar. Where collars of a group overlap
-/// with a hole that has a crease, they end at its rim likewise.
+/// The flow of a group's vertices from `positions`, those of `topology` (or of a fairing).
 pub(super) fn problem(
-    mesh: &Mesh,
-    plan: &Plan,
-    group: &Group,
-    shape: &Shape,
+    context: FillContext<'_>,
+    group: usize,
+    topology: &PatchTopology,
     positions: &[DVec3],
     options: &FillOptions,
 ) -> Result<FlowProblem, SolverError> {
-    if !plan.moved.is_empty() {
-        return faired(mesh, &plan.moved, group, positions);
+    let group = &context.plan.groups[group];
+    let region = Region::new(context.mesh, positions);
+    match &context.plan.domain {
+        Domain::Holes(holes) => region.of_patches(holes, group, topology, options),
+        Domain::Vertices(moved) => region.of_fairing(moved, group),
     }
-    let creased = |h: usize| -> Vec<u32> {
-        let hole = &plan.holes[h];
-        let rims = hole.loops.iter().zip(&hole.rims);
-        let mut creased: Vec<u32> = rims
-            .filter(|(id, _)| options.continuity_at(**id) == Continuity::G0)
-            .flat_map(|(_, rim)| rim.iter().map(|v| v.0))
-            .collect();
-        creased.sort_unstable();
-        creased
-    };
-    let has_collar = |h: usize| {
-        let mut loops = plan.holes[h].loops.iter();
-        loops.any(|&id| options.continuity_at(id) == Continuity::G1)
-    };
-    let mut region = Region::new(mesh, positions);
-    let mut first = 0;
-    for (&h, hole) in group.holes.iter().zip(&shape.holes) {
-        region.add_patch(hole, first, &creased(h));
-        first += hole.new_vertices as u32;
-    }
-    let collars = group.holes.iter().zip(&group.collars);
-    let mut faces: Vec<FaceId> = collars
-        .filter(|(h, _)| has_collar(**h))
-        .flat_map(|(_, collar)| collar.iter().copied())
-        .collect();
-    faces.sort_unstable();
-    faces.dedup();
-    let mut collar: Vec<VertexId> = faces
-        .iter()
-        .flat_map(|&f| mesh.topology.face_vertices(f))
-        .collect();
-    collar.sort_unstable();
-    collar.dedup();
-    // patches without interior vertices close holes in this collar
-    for (h, hole) in plan.holes.iter().enumerate() {
-        let triangles = &plan.triangles[hole.new_faces.clone()];
-        let touches = |v: &u32| collar.binary_search(&VertexId(*v)).is_ok();
-        if hole.group.is_none() && has_collar(h) && triangles.iter().flatten().any(touches) {
-            region.add(triangles.iter().copied());
-        }
-    }
-    region.add(
-        faces
-            .iter()
-            .map(|&f| mesh.topology.face_vertices(f).map(|v| v.0)),
-    );
-    region.into_problem(first, group.radius)
 }
 
-/// The flow of vertices of the mesh itself from `positions`.
-fn faired(
-    mesh: &Mesh,
-    moved: &[VertexId],
-    group: &Group,
-    positions: &[DVec3],
-) -> Result<FlowProblem, SolverError> {
-    let mut region = Region::new(mesh, positions);
-    for (i, v) in (0..).zip(moved) {
-        region.local[v.index()] = i;
-    }
-    let faces = group.collars.iter().flatten();
-    region.add(faces.map(|&f| mesh.topology.face_vertices(f).map(|v| v.0)));
-    region.into_problem(moved.len() as u32, group.radius)
-}
-
-/// Vertices and triangles of a region under way: new vertices first.
+/// Vertices and triangles of a region under construction: new vertices first.
 struct Region<'a> {
     mesh: &'a Mesh,
     /// Number in the region of each vertex of the mesh.
@@ -109,39 +62,109 @@ impl<'a> Region<'a> {
         }
     }
 
-    fn number(&mut self, v: u32) -> u32 {
-        let slot = &mut self.local[v as usize];
+    /// The region of new vertices in patches.
+    ///
+    /// A hole all of whose rims are creased has no support region. Where the support regions of
+    /// other holes of the group reach such a hole, they end at its rim too.
+    fn of_patches(
+        mut self,
+        holes: &[PlannedHole],
+        group: &Group,
+        topology: &PatchTopology,
+        options: &FillOptions,
+    ) -> Result<FlowProblem, SolverError> {
+        let has_support = |hole: &PlannedHole| {
+            let mut loops = hole.rims.loops.iter();
+            loops.any(|l| options.continuity_at(l.id) == Continuity::G1)
+        };
+        let mut first = 0;
+        for (&h, patch) in group.holes.iter().zip(&topology.holes) {
+            self.add_patch(&holes[h].rims, patch, first, options);
+            first += patch.new_vertices as u32;
+        }
+        let support = group.holes.iter().zip(&group.support);
+        let mut faces: Vec<FaceId> = support
+            .filter(|(h, _)| has_support(&holes[**h]))
+            .flat_map(|(_, faces)| faces.iter().copied())
+            .collect();
+        faces.sort_unstable();
+        faces.dedup();
+        let topology = &self.mesh.topology;
+        let mut support: Vec<VertexId> = faces
+            .iter()
+            .flat_map(|&f| topology.face_vertices(f))
+            .collect();
+        support.sort_unstable();
+        support.dedup();
+        // patches without interior vertices close holes in the support region
+        for hole in holes {
+            let rim = &hole.rims.vertices;
+            let touches = |v: &VertexId| support.binary_search(v).is_ok();
+            let is_loose = hole.patch.new_points().is_empty();
+            if is_loose && has_support(hole) && rim.iter().any(touches) {
+                let triangles = hole.patch.triangles.iter();
+                self.add(triangles.map(|t| t.map(|v| rim[v as usize])));
+            }
+        }
+        self.add(faces.iter().map(|&f| topology.face_vertices(f)));
+        self.into_problem(first, group.radius)
+    }
+
+    /// The region of vertices of the mesh that flow.
+    fn of_fairing(mut self, moved: &[VertexId], group: &Group) -> Result<FlowProblem, SolverError> {
+        for (i, v) in (0..).zip(moved) {
+            self.local[v.index()] = i;
+        }
+        let faces = group.support.iter().flatten();
+        let topology = &self.mesh.topology;
+        self.add(faces.map(|&f| topology.face_vertices(f)));
+        self.into_problem(moved.len() as u32, group.radius)
+    }
+
+    /// The region's number of a given vertex, which is added if it is new to the region.
+    fn number(&mut self, v: VertexId) -> u32 {
+        let slot = &mut self.local[v.index()];
         if *slot == u32::MAX {
             *slot = self.positions.len() as u32;
-            self.positions.push(self.mesh.positions[v as usize]);
+            self.positions.push(self.mesh.position(v));
         }
         *slot
     }
 
     /// Triangles over vertices of the mesh.
-    fn add(&mut self, triangles: impl Iterator<Item = [u32; 3]>) {
+    fn add(&mut self, triangles: impl Iterator<Item = [VertexId; 3]>) {
         for t in triangles {
             let t = t.map(|v| self.number(v));
             self.triangles.push(t);
         }
     }
 
-    /// A patch that goes on into its collar, but ends at rims that are `creased` (sorted vertices);
-    /// `first` is its first new vertex.
-    fn add_patch(&mut self, hole: &HoleShape, first: u32, creased: &[u32]) {
-        let old = self.mesh.positions.len() as u32;
-        let mut copies = BTreeMap::new();
-        for t in &hole.triangles {
+    /// A patch, which shares the vertices of its smooth rims with its surroundings and ends at
+    /// copies of the others. `first` is the region's number of its first new vertex.
+    fn add_patch(
+        &mut self,
+        rims: &HoleRims,
+        topology: &HoleTopology,
+        first: u32,
+        options: &FillOptions,
+    ) {
+        let is_creased = |l: &BoundaryLoop| options.continuity_at(l.id) == Continuity::G0;
+        let rim = rims.loops.iter();
+        let creased: Vec<bool> = rim
+            .flat_map(|l| std::iter::repeat_n(is_creased(l), l.vertices.len()))
+            .collect();
+        let mut copies: Vec<Option<u32>> = vec![None; creased.len()];
+        for t in &topology.triangles {
             let t = t.map(|v| {
-                if v >= old {
-                    return first + (v - old);
+                let Some(&given) = rims.vertices.get(v as usize) else {
+                    return first + (v - rims.vertices.len() as u32);
+                };
+                if !creased[v as usize] {
+                    return self.number(given);
                 }
-                if creased.binary_search(&v).is_err() {
-                    return self.number(v);
-                }
-                *copies.entry(v).or_insert_with(|| {
+                *copies[v as usize].get_or_insert_with(|| {
                     let copy = self.positions.len() as u32;
-                    self.positions.push(self.mesh.positions[v as usize]);
+                    self.positions.push(self.mesh.position(given));
                     self.creases.push(copy);
                     copy
                 })

@@ -1,11 +1,13 @@
-//! Rims of holes, and the attributes new vertices and faces inherit from them.
+//! Rims of holes as the construction of patches takes them.
 
-use crate::fill::Plan;
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, VertexId};
-use crate::patch::{Gap, Rim};
+use crate::patch::{Rim, RimGeometry};
 
-/// The rim of a hole as the patch construction wants it.
-pub fn rim_of(mesh: &Mesh, hole: &BoundaryLoop) -> Rim {
+/// Rims to be joined by one patch: one for a hole, several for a blend or a hole with islands.
+pub type RimSet<'a> = Vec<&'a BoundaryLoop>;
+
+/// The rim of a hole.
+pub(super) fn rim_of(mesh: &Mesh, hole: &BoundaryLoop) -> Rim {
     let topology = &mesh.topology;
     let points: Vec<DVec3> = hole.vertices.iter().map(|&v| mesh.position(v)).collect();
     let opposite = hole
@@ -23,8 +25,8 @@ pub fn rim_of(mesh: &Mesh, hole: &BoundaryLoop) -> Rim {
     }
 }
 
-/// Several rims as the construction of one patch between them wants them.
-pub fn gap_of(mesh: &Mesh, rims: &[&BoundaryLoop]) -> Gap {
+/// The rims that one patch joins.
+pub(super) fn rim_geometry(mesh: &Mesh, rims: &[&BoundaryLoop]) -> RimGeometry {
     let mut vertices = Vec::new();
     let mut rim = Vec::new();
     for (k, one) in rims.iter().enumerate() {
@@ -33,7 +35,7 @@ pub fn gap_of(mesh: &Mesh, rims: &[&BoundaryLoop]) -> Gap {
     }
     let mut forbidden = joined_pairs(mesh, &vertices);
     forbidden.retain(|&[i, j]| rim[i as usize] != rim[j as usize]);
-    Gap {
+    RimGeometry {
         rims: rims.iter().map(|one| rim_of(mesh, one)).collect(),
         forbidden,
         pieces: rims.iter().map(|one| one.component).collect(),
@@ -49,7 +51,7 @@ fn joined_pairs(mesh: &Mesh, vertices: &[VertexId]) -> Vec<[u32; 2]> {
     for (i, &v) in vertices.iter().enumerate() {
         for w in mesh.topology.neighbours(v) {
             let mut at = index.partition_point(|e| e.0 < w.0);
-            // a vertex that several rims run through is there several times
+            // a vertex on several rims has several entries
             while at < index.len() && index[at].0 == w.0 {
                 if (i as u32) < index[at].1 {
                     pairs.push([i as u32, index[at].1]);
@@ -59,48 +61,4 @@ fn joined_pairs(mesh: &Mesh, vertices: &[VertexId]) -> Vec<[u32; 2]> {
         }
     }
     pairs
-}
-
-/// The tag of the face across the rim's first edge.
-pub(super) fn tag_of(mesh: &Mesh, hole: &BoundaryLoop) -> u32 {
-    let face = mesh.topology.face(hole.halfedges[0].twin());
-    mesh.face_tags.get(face.index()).copied().unwrap_or(0)
-}
-
-/// Colours of the filled mesh: new vertices get the mean colour of their rim.
-pub(super) fn colors(mesh: &Mesh, plan: &Plan) -> Vec<[f32; 4]> {
-    let mut colors = mesh.colors.clone();
-    if colors.is_empty() {
-        return colors;
-    }
-    let old_vertices = mesh.positions.len() as u32;
-    for hole in &plan.holes {
-        let mut rim: Vec<u32> = plan.triangles[hole.new_faces.clone()]
-            .iter()
-            .flatten()
-            .copied()
-            .filter(|&v| v < old_vertices)
-            .collect();
-        rim.sort_unstable();
-        rim.dedup();
-        let mut mean = [0.0f32; 4];
-        for &v in &rim {
-            for c in 0..4 {
-                mean[c] += mesh.colors[v as usize][c] / rim.len() as f32;
-            }
-        }
-        colors.extend(std::iter::repeat_n(mean, hole.new_vertices.len()));
-    }
-    colors
-}
-
-/// Face tags of the filled mesh: new faces get the tag of the face across the rim's first edge.
-pub(super) fn face_tags(mesh: &Mesh, plan: &Plan) -> Vec<u32> {
-    let mut tags = mesh.face_tags.clone();
-    if !tags.is_empty() {
-        for hole in &plan.holes {
-            tags.extend(std::iter::repeat_n(hole.tag, hole.new_faces.len()));
-        }
-    }
-    tags
 }

@@ -3,50 +3,19 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use crate::fill::run::{ChangeError, Ground, GroupRun};
+use crate::fill::context::{ChangeError, FillContext};
+use crate::fill::group_flow::GroupFlow;
+use crate::fill::patch_topology::PatchTopology;
 use crate::fill::schedule::{Change, TimedChange};
-use crate::fill::shape::Shape;
-use crate::fill::{
-    Controls, FillError, FillOptions, Filled, Gap, GroupResult, Schedule, ScheduleError,
-    fill_changing,
-};
-use crate::mesh::{DVec3, Mesh};
+use crate::fill::{FillOptions, GroupResult};
+use crate::mesh::DVec3;
 use crate::solver::{SolverError, StepRecord};
-
-/// Why a fill by schedule failed.
-#[derive(Debug, thiserror::Error)]
-pub enum ScheduledFillError {
-    /// The schedule or the controls it starts from.
-    #[error(transparent)]
-    Schedule(#[from] ScheduleError),
-    /// The fill.
-    #[error(transparent)]
-    Fill(#[from] FillError),
-}
-
-/// Fills the given gaps as a [live fill](crate::fill::LiveFill) did that recorded `schedule` and
-/// started with `controls`: the result is the same to the bit.
-///
-/// # Errors
-/// A schedule that cannot be followed, and as [`fill_holes`](crate::fill::fill_holes).
-pub fn fill_scheduled(
-    mesh: &Mesh,
-    gaps: &[Gap<'_>],
-    controls: &Controls,
-    schedule: &Schedule,
-    observe: &(dyn Fn(usize, &StepRecord) -> bool + Sync),
-) -> Result<Filled, ScheduledFillError> {
-    let (options, changes) = schedule.resolve(controls)?;
-    Ok(fill_changing(mesh, gaps, &options, &changes, observe)?)
-}
 
 /// A group that was run to its end.
 pub(super) struct Ran {
     pub result: Result<GroupResult, SolverError>,
-    pub shape: Arc<Shape>,
+    pub topology: Arc<PatchTopology>,
     pub positions: Vec<DVec3>,
-    /// Whether its shape is another one than the plan's.
-    pub remeshed: bool,
 }
 
 /// Runs a group to its end.
@@ -54,7 +23,7 @@ pub(super) struct Ran {
 /// Attempts are counted by a clock that all groups share: where a group has ended before a change,
 /// its clock goes on while those of others take their steps.
 pub(super) fn run_group(
-    ground: Ground<'_>,
+    ground: FillContext<'_>,
     group: usize,
     options: &FillOptions,
     changes: &[TimedChange],
@@ -62,13 +31,12 @@ pub(super) fn run_group(
 ) -> Ran {
     let mut replay = Replay {
         ground,
-        run: GroupRun::start(ground, group, options),
+        run: GroupFlow::start(ground, group, options),
         clock: 0,
         wanted: targets(changes),
         kept: BTreeMap::new(),
         records: Vec::new(),
     };
-    let start = Arc::clone(replay.run.shape());
     replay.keep(0, 0);
     for change in changes {
         if !replay.run_until(change.attempt, observe) {
@@ -87,8 +55,7 @@ pub(super) fn run_group(
             timings,
         }),
         positions: run.positions(),
-        shape: Arc::clone(run.shape()),
-        remeshed: !Arc::ptr_eq(&start, run.shape()),
+        topology: Arc::clone(run.topology()),
     }
 }
 
@@ -103,14 +70,14 @@ fn targets(changes: &[TimedChange]) -> BTreeSet<usize> {
 
 /// A shape to go back to.
 struct Kept {
-    shape: Arc<Shape>,
+    shape: Arc<PatchTopology>,
     positions: Vec<DVec3>,
     step: usize,
 }
 
 struct Replay<'a> {
-    ground: Ground<'a>,
-    run: GroupRun,
+    ground: FillContext<'a>,
+    run: GroupFlow,
     clock: usize,
     wanted: BTreeSet<usize>,
     kept: BTreeMap<usize, Kept>,
@@ -122,7 +89,7 @@ impl Replay<'_> {
     fn keep(&mut self, first: usize, last: usize) {
         for &attempt in self.wanted.range(first..=last) {
             let kept = Kept {
-                shape: Arc::clone(self.run.shape()),
+                shape: Arc::clone(self.run.topology()),
                 positions: self.run.positions(),
                 step: self.run.steps(),
             };

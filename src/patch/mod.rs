@@ -8,6 +8,8 @@
 //! rim, which is where a flow starts.
 
 mod blend;
+mod data;
+mod error;
 mod fair;
 mod fill;
 mod planar;
@@ -18,8 +20,10 @@ mod tests;
 mod transfer;
 mod triangulate;
 
-pub use blend::{Gap, bending, blend, formed, reblend};
+pub use blend::{bending, blend, lofted_candidates, reblend};
+pub use data::{Patch, PatchOptions, Rim, RimGeometry};
+pub use error::PatchError;
 pub use fair::{warm_start, warm_start_with_creases};
-pub use fill::{PatchError, PatchMesh, PatchOptions, Rim, fill};
+pub use fill::fill;
 pub use planar::vector_area;
 pub use transfer::{TransferError, transfer};

@@ -1,6 +1,7 @@
 //! A triangulated disc that is being edited: the patch between its first triangulation and the
 //! finished mesh.
 
+use super::data::Patch;
 use crate::mesh::DVec3;
 
 /// The mark for "no half-edge": the other side of a rim edge.
@@ -448,8 +449,8 @@ impl Surface {
         self.valence = order.iter().map(|&v| self.valence[v as usize]).collect();
     }
 
-    /// The mesh without what was removed: points (rim first) and triangles.
-    pub fn compact(self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    /// The patch without the removed vertices and triangles.
+    pub fn compact(self) -> Patch {
         let mut index = vec![NONE; self.points.len()];
         let mut points = Vec::with_capacity(self.points.len());
         for (v, &p) in self.points.iter().enumerate() {
@@ -464,7 +465,11 @@ impl Surface {
             .filter(|t| t[0] != NONE)
             .map(|t| [0, 1, 2].map(|k| index[t[k] as usize]))
             .collect();
-        (points, triangles)
+        Patch {
+            rim: self.rim,
+            points,
+            triangles,
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Patches over generated loops.
 
-use super::{PatchError, PatchMesh, PatchOptions, Rim, fill};
+use super::{Patch, PatchError, PatchOptions, Rim, fill};
 use crate::mesh::{DVec3, HalfedgeId, Topology};
 use std::f64::consts::TAU;
 
@@ -128,7 +128,7 @@ fn loops() -> Vec<(&'static str, Rim)> {
 }
 
 /// The patch is an oriented disc with exactly the rim, unchanged, as its boundary.
-fn check(name: &str, rim: &Rim, patch: &PatchMesh) {
+fn check(name: &str, rim: &Rim, patch: &Patch) {
     let n = rim.points.len();
     assert_eq!(patch.points[..n], rim.points[..], "{name}: rim moved");
     assert!(patch.points.iter().all(|p| p.is_finite()), "{name}");
@@ -152,7 +152,7 @@ fn check(name: &str, rim: &Rim, patch: &PatchMesh) {
     }
 }
 
-fn fill_default(rim: &Rim) -> PatchMesh {
+fn fill_default(rim: &Rim) -> Patch {
     fill(rim, &PatchOptions::default()).expect("a sound rim")
 }
 
@@ -277,7 +277,7 @@ fn large_loops_of_any_shape() {
 
 /// Median edge length of the patch's inner edges against the rim's mean, and its least angle in
 /// degrees.
-fn measure(rim: &Rim, patch: &PatchMesh) -> (f64, f64) {
+fn measure(rim: &Rim, patch: &Patch) -> (f64, f64) {
     let n = rim.points.len();
     let perimeter: f64 = (0..n)
         .map(|i| rim.points[i].distance(rim.points[(i + 1) % n]))

@@ -10,7 +10,7 @@ use glam::DVec2;
 
 use crate::linear::LinearError;
 use crate::mesh::{DVec3, FaceId, Topology, TopologyError, VertexId};
-use crate::patch::PatchMesh;
+use crate::patch::data::Patch;
 use crate::patch::fair::{Rings, Rows, solve};
 
 /// Why a surface cannot be given another triangulation.
@@ -24,16 +24,13 @@ pub enum TransferError {
     Linear(#[from] LinearError),
 }
 
-/// Moves the new vertices of `fresh`, those after the first `rim`, onto the surface of `present`,
-/// another triangulation over the same rim points.
+/// Moves the new vertices of `fresh` onto the surface of `present`, another triangulation over the
+/// same rim.
 ///
 /// # Errors
 /// If one of the two is no disc over that rim.
-pub fn transfer(
-    present: &PatchMesh,
-    fresh: &mut PatchMesh,
-    rim: usize,
-) -> Result<(), TransferError> {
+pub fn transfer(present: &Patch, fresh: &mut Patch) -> Result<(), TransferError> {
+    let rim = present.rim;
     if fresh.points.len() == rim {
         return Ok(());
     }
@@ -168,7 +165,7 @@ mod tests {
         }
     }
 
-    fn patch(density: f64) -> PatchMesh {
+    fn patch(density: f64) -> Patch {
         fill(&rim(), &PatchOptions { density }).expect("a patch")
     }
 
@@ -176,7 +173,7 @@ mod tests {
     fn the_same_triangulation_stays_where_it_is() {
         let present = patch(1.0);
         let mut fresh = present.clone();
-        transfer(&present, &mut fresh, 40).expect("discs");
+        transfer(&present, &mut fresh).expect("discs");
         for (a, b) in present.points.iter().zip(&fresh.points) {
             assert!(a.distance(*b) < 1e-12, "{a} {b}");
         }
@@ -192,7 +189,7 @@ mod tests {
                 *p = plane(p);
             }
             let untouched = fresh.points[..40].to_vec();
-            transfer(&present, &mut fresh, 40).expect("discs");
+            transfer(&present, &mut fresh).expect("discs");
             assert_eq!(fresh.points[..40], untouched);
             for p in &fresh.points {
                 assert!(p.distance(plane(p)) < 1e-12);

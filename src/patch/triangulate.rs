@@ -1,6 +1,6 @@
 //! Triangulation of a rim without new vertices.
 
-use super::Rim;
+use super::data::Rim;
 use super::planar::constrained_delaunay;
 use crate::mesh::DVec3;
 

@@ -136,11 +136,10 @@ fn a_group_may_mix_creases_and_smooth_rims() {
             ..Controls::default()
         };
         let filled = fill(&mesh, &controls);
-        assert_eq!(filled.plan.groups.len(), 1);
+        assert_eq!(filled.groups.len(), 1);
         assert!(filled.complete());
         let sagitta = |i: usize| {
-            let hole = &filled.plan.holes[i];
-            let new = &filled.plan.new_positions[hole.new_vertices.clone()];
+            let new = &filled.mesh.positions[filled.holes[i].vertices.clone()];
             new.iter()
                 .map(|p| (p.length() - 1.0).abs())
                 .fold(0.0, f64::max)
@@ -154,11 +153,11 @@ fn a_group_may_mix_creases_and_smooth_rims() {
 /// The worst angle of the patches' triangles, in degrees.
 fn worst_angle(filled: &Filled) -> f64 {
     let x = &filled.mesh.positions;
-    let corners = filled
-        .plan
-        .triangles
-        .iter()
-        .map(|t| t.map(|v| x[v as usize]));
+    let faces = filled.holes.iter().flat_map(|hole| hole.faces.clone());
+    let corners = faces.map(|f| {
+        let corners = filled.mesh.topology.face_vertices(f.into());
+        corners.map(|v| x[v.index()])
+    });
     let sharpest = corners.map(sharpest_cosine).fold(-1.0, f64::max);
     sharpest.acos().to_degrees()
 }

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat};
 use meniscus::energy::Energy;
-use meniscus::fill::{FillOptions, fill_holes, prepare, warm_start};
+use meniscus::fill::{FillOptions, fill_holes, flow_problem};
 use meniscus::mesh::{DVec3, Mesh, Topology, boundary_loops};
 use meniscus::shapes::{self, Hole, HoleShape, TriangleMesh};
 use meniscus::solver::{End, Flow, FlowOptions, FlowProblem, Scheme};
@@ -32,13 +32,8 @@ struct Region {
 fn region() -> Region {
     let mesh = holed(0.55, 5);
     let loops = boundary_loops(&mesh);
-    let plan = prepare(&mesh, &[&loops[0]], &FillOptions::default());
-    let problem = warm_start(
-        plan.groups[0]
-            .problem(&mesh, &plan, &FillOptions::default())
-            .expect("region"),
-    )
-    .expect("start");
+    let problem = flow_problem(&mesh, &loops[0], &FillOptions::default());
+    let problem = problem.expect("a start").expect("new vertices");
     let centre = problem.centre();
     Region {
         shape: (
@@ -133,7 +128,7 @@ fn two_densities_give_one_surface() {
         options.patch.density = density;
         let filled = fill_holes(&mesh, &[&loops[0]], &options, &|_, _| true).expect("fill");
         assert!(filled.complete());
-        let new = &filled.plan.new_positions;
+        let new = &filled.mesh.positions[mesh.vertex_count()..];
         let sum: f64 = new.iter().map(|p| (p.length() - 1.0).powi(2)).sum();
         ((sum / new.len() as f64).sqrt() / loops[0].radius, new.len())
     };

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::time::Instant;
 
 use crate::common::layouts::{self, Layout};
-use meniscus::fill::{FillOptions, fill_gaps};
+use meniscus::fill::{FillOptions, fill_rim_sets};
 use meniscus::mesh::{DVec3, check_mesh, components, folded_edges, self_intersections};
 use meniscus::solver::End;
 
@@ -19,14 +19,14 @@ fn blended(layout: &Layout) -> (Vec<String>, String) {
     let loops = Layout::loops(&mesh);
     let gap = layout.gap(&loops, &mesh);
     let start = Instant::now();
-    let filled = fill_gaps(&mesh, &[gap], &FillOptions::default(), &|_, _| true);
+    let filled = fill_rim_sets(&mesh, &[gap], &FillOptions::default(), &|_, _| true);
     let seconds = start.elapsed().as_secs_f64();
     let mut faults = Vec::new();
     let filled = match filled {
         Ok(filled) => filled,
         Err(error) => return (vec![error.to_string()], String::new()),
     };
-    faults.extend(filled.plan.failed.iter().map(ToString::to_string));
+    faults.extend(filled.failed.iter().map(ToString::to_string));
     let out = &filled.mesh;
     if out.positions[..mesh.positions.len()] != mesh.positions[..] {
         faults.push("given vertices moved".into());
@@ -54,7 +54,7 @@ fn blended(layout: &Layout) -> (Vec<String>, String) {
     if folds > 0 {
         faults.push(format!("{folds} folds"));
     }
-    let vertices = filled.plan.new_positions.len();
+    let vertices = filled.vertices_added();
     let sharpest = sharpest(&out.positions, &triangles[mesh.face_count()..]);
     let mut row = format!(
         "{:<18} {} rims, {vertices:>6} new, {sharpest:4.1}°, {seconds:5.1} s",
@@ -133,7 +133,7 @@ fn layouts_are_joined_without_crossings() {
 fn a_flow_that_runs_into_the_mesh_ends_before_it() {
     let (mesh, gap) = layouts::with_obstacle();
     let gap = gap.iter().collect();
-    let filled = fill_gaps(&mesh, &[gap], &FillOptions::default(), &|_, _| true);
+    let filled = fill_rim_sets(&mesh, &[gap], &FillOptions::default(), &|_, _| true);
     let filled = filled.expect("a manifold");
     let outcome = &filled.groups[0].as_ref().expect("a flow").outcome;
     assert_eq!(outcome.end, End::SelfIntersected);

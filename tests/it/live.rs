@@ -6,8 +6,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Duration;
 
 use meniscus::fill::{
-    Continuity, Controls, LiveEvent, LiveFill, LiveSettings, Schedule, State, TauChoice,
-    fill_scheduled,
+    Continuity, Controls, LiveEvent, LiveFill, LiveSettings, Schedule, ScheduledOptions, State,
+    TauChoice, fill_rim_sets,
 };
 use meniscus::io::{open, save_mesh};
 use meniscus::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, boundary_loops};
@@ -111,12 +111,13 @@ fn flow() -> Controls {
 /// The mesh of a fill by schedule, at so many threads.
 fn repeated(controls: &Controls, schedule: &Schedule, threads: usize) -> Mesh {
     let (mesh, loops) = mesh();
-    let gaps: Vec<Vec<&BoundaryLoop>> = loops.iter().map(|l| vec![l]).collect();
+    let rim_sets: Vec<Vec<&BoundaryLoop>> = loops.iter().map(|l| vec![l]).collect();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .expect("threads");
-    pool.install(|| fill_scheduled(&mesh, &gaps, controls, schedule, &|_, _| true))
+    let options = ScheduledOptions::new(controls, schedule).expect("a valid schedule");
+    pool.install(|| fill_rim_sets(&mesh, &rim_sets, options, &|_, _| true))
         .expect("a fill")
         .mesh
 }
@@ -161,7 +162,7 @@ fn changes_on_the_way_are_repeated_to_the_bit() {
     controls.tau = TauChoice::Auto;
     live.fill.set_controls(&controls).expect("fine");
     live.steps(3);
-    assert!(!Arc::ptr_eq(&marked.topology, &live.latest().topology));
+    assert!(!Arc::ptr_eq(marked.topology(), live.latest().topology()));
     controls.scheme = Scheme::MixedCorrected;
     live.fill.set_controls(&controls).expect("fine");
     live.steps(2);
@@ -172,7 +173,7 @@ fn changes_on_the_way_are_repeated_to_the_bit() {
             .any(|e| matches!(e, LiveEvent::Rewound { .. }))
     });
     assert_eq!(live.latest().new_positions(), marked.new_positions());
-    assert!(Arc::ptr_eq(&marked.topology, &live.latest().topology));
+    assert!(Arc::ptr_eq(marked.topology(), live.latest().topology()));
     controls.scheme = Scheme::Normal;
     controls
         .loop_continuity

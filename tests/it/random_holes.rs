@@ -25,7 +25,7 @@ fn fill_all(positions: Vec<DVec3>, triangles: &[[u32; 3]]) -> Result<(), TestCas
     let all: Vec<&BoundaryLoop> = loops.iter().collect();
     let filled = fill_holes(&mesh, &all, &FillOptions::default(), &|_, _| true)
         .map_err(|e| TestCaseError::fail(e.to_string()))?;
-    prop_assert!(filled.plan.failed.is_empty(), "{:?}", filled.plan.failed);
+    prop_assert!(filled.failed.is_empty(), "{:?}", filled.failed);
     prop_assert!(filled.complete(), "not converged");
     check_filled(&mesh, &filled.mesh, &[]).map_err(|e| TestCaseError::fail(e.to_string()))?;
     let faces: Vec<[u32; 3]> = filled.mesh.topology.triangles().collect();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::app::action::Action;
 use crate::app::document::{Accepted, Work};
 use crate::app::model::Model;
-use crate::fill::{Schedule, bridge as build_bridge, stretch_at};
+use crate::fill::{Schedule, bridge as build_bridge, segment_at};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, erase as erase_faces, face_flags};
 
 /// Carries out the actions of this kind.
@@ -80,7 +80,7 @@ fn bridge(model: &mut Model, ends: [DVec3; 2], width: usize) {
         return;
     }
     let (mesh, loops) = (&model.document.mesh, &model.document.loops);
-    let [Some(from), Some(to)] = ends.map(|p| stretch_at(mesh, loops, p, width)) else {
+    let [Some(from), Some(to)] = ends.map(|p| segment_at(mesh, loops, p, width)) else {
         return;
     };
     match build_bridge(mesh, loops, from, to) {

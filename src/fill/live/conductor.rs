@@ -12,13 +12,16 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
+use crate::fill::assemble::Assembly;
+use crate::fill::context::FillContext;
+use crate::fill::fair::plan_fairing;
 use crate::fill::live::group::LiveGroup;
-use crate::fill::live::{GroupState, GroupStatus, Layout, LiveEvent, State};
-use crate::fill::run::Ground;
+use crate::fill::live::{GroupState, GroupStatus, LiveEvent, State};
+use crate::fill::prepare::prepare;
 use crate::fill::schedule::{Change, Course, Item, Row};
-use crate::fill::{FillError, Gap, Plan, RefillError, prepare_gaps, with_islands};
+use crate::fill::{FillError, RefillError, RimSet, with_islands};
 use crate::live::{SharedTimeline, on_own_pool, until_next_round};
-use crate::mesh::{BoundaryLoop, LoopId, Mesh, Topology, boundary_loops};
+use crate::mesh::{BoundaryLoop, LoopId, Mesh, boundary_loops};
 use crate::solver::SolverError;
 
 /// What the handle tells the thread.
@@ -104,7 +107,7 @@ fn conduct(task: Task, lines: &Lines) -> Result<(), RefillError> {
     let mesh = &*task.mesh;
     // all loops of the mesh, by their numbers: any may be the rim of an island
     let all = boundary_loops(mesh);
-    let gaps: Vec<Gap<'_>> = match task.kind {
+    let gaps: Vec<RimSet<'_>> = match task.kind {
         Kind::Blend => vec![task.loops.iter().collect()],
         Kind::Holes => {
             let chosen: Vec<LoopId> = task.loops.iter().map(|l| l.id).collect();
@@ -117,8 +120,8 @@ fn conduct(task: Task, lines: &Lines) -> Result<(), RefillError> {
         return Ok(());
     };
     let mut plan = match &task.kind {
-        Kind::Fair(selected) => Plan::fairing(mesh, selected)?,
-        Kind::Holes | Kind::Blend => prepare_gaps(mesh, &gaps, &options),
+        Kind::Fair(selected) => plan_fairing(mesh, selected)?,
+        Kind::Holes | Kind::Blend => prepare(mesh, &gaps, &options),
     };
     if lines.is_cancelled() {
         return Ok(());
@@ -130,11 +133,7 @@ fn conduct(task: Task, lines: &Lines) -> Result<(), RefillError> {
             text: error.to_string(),
         });
     }
-    let ground = Ground {
-        mesh,
-        gaps: &gaps,
-        plan: &plan,
-    };
+    let ground = FillContext { mesh, plan: &plan };
     let groups: Vec<LiveGroup> = (0..plan.groups.len())
         .into_par_iter()
         .map(|g| LiveGroup::start(ground, g, &options))
@@ -142,9 +141,8 @@ fn conduct(task: Task, lines: &Lines) -> Result<(), RefillError> {
     if lines.is_cancelled() {
         return Ok(());
     }
-    let topology = Arc::new(plan.topology(mesh).map_err(FillError::from)?);
-    let shapes = groups.iter().map(|g| Arc::clone(&g.state.shape)).collect();
-    let layout = Arc::new(Layout::new(mesh, plan.clone(), shapes));
+    let patches = groups.iter().map(|g| Arc::clone(&g.state.patches));
+    let assembly = Assembly::new(mesh, &plan, patches.collect()).map_err(FillError::from)?;
     let conductor = Conductor {
         lines,
         ground,
@@ -154,8 +152,7 @@ fn conduct(task: Task, lines: &Lines) -> Result<(), RefillError> {
         pending: None,
         clock: 0,
         next_index: 0,
-        topology,
-        layout,
+        assembly: Arc::new(assembly),
         playing: task.playing,
         single: false,
         hurry: false,
@@ -167,7 +164,7 @@ fn conduct(task: Task, lines: &Lines) -> Result<(), RefillError> {
 
 struct Conductor<'a> {
     lines: &'a Lines,
-    ground: Ground<'a>,
+    ground: FillContext<'a>,
     groups: Vec<LiveGroup>,
     course: Course,
     rows: Arc<Vec<Row>>,
@@ -176,8 +173,7 @@ struct Conductor<'a> {
     /// Attempts so far.
     clock: usize,
     next_index: usize,
-    topology: Arc<Topology>,
-    layout: Arc<Layout>,
+    assembly: Arc<Assembly>,
     playing: bool,
     /// Whether one round is asked for.
     single: bool,
@@ -251,7 +247,7 @@ impl Conductor<'_> {
                 self.take_pending();
                 self.hurry = false;
                 self.take(&Item::Rewind(state.attempt), Some(&state));
-                (self.topology, self.layout) = (state.topology.clone(), state.layout.clone());
+                self.assembly = Arc::clone(&state.assembly);
                 self.show()?;
                 let attempt = self.clock;
                 self.lines.say(LiveEvent::Rewound { attempt });
@@ -341,28 +337,22 @@ impl Conductor<'_> {
     }
 
     fn holes(&self, g: usize) -> Vec<LoopId> {
-        let plan = self.ground.plan;
-        let holes = plan.groups[g].holes.iter();
-        holes.map(|&h| plan.holes[h].id).collect()
+        self.ground.plan.hole_ids(g)
     }
 
     /// Puts the present shapes into the timeline.
     fn show(&mut self) -> Result<(), FillError> {
         let (ground, mesh) = (self.ground, self.ground.mesh);
         let groups: Vec<Arc<GroupState>> = self.groups.iter_mut().map(|g| g.show(ground)).collect();
-        if !self.layout.fits(&groups) {
-            let shapes: Vec<_> = groups.iter().map(|g| Arc::clone(&g.shape)).collect();
-            let borrowed: Vec<_> = shapes.iter().map(AsRef::as_ref).collect();
-            let plan: Plan = self.ground.plan.reshaped(&borrowed);
-            self.topology = Arc::new(plan.topology(mesh)?);
-            self.layout = Arc::new(Layout::new(mesh, plan, shapes));
+        if !self.assembly.fits(groups.iter().map(|g| &g.patches)) {
+            let patches = groups.iter().map(|g| Arc::clone(&g.patches));
+            self.assembly = Arc::new(Assembly::new(mesh, ground.plan, patches.collect())?);
         }
         let state = Arc::new(State {
             index: self.next_index,
             attempt: self.clock,
             groups,
-            topology: Arc::clone(&self.topology),
-            layout: Arc::clone(&self.layout),
+            assembly: Arc::clone(&self.assembly),
             ended: self.ended(),
             rows: Arc::clone(&self.rows),
         });

@@ -5,17 +5,17 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use crate::fill::FillOptions;
+use crate::fill::context::FillContext;
+use crate::fill::group_flow::GroupFlow;
 use crate::fill::live::{GroupState, GroupStatus, LiveEvent};
-use crate::fill::run::{Ground, GroupRun};
 use crate::fill::schedule::Change;
 use crate::fill::scheduled::refusal;
-use crate::fill::shape::Shape;
-use crate::mesh::{DVec3, LoopId, VertexId};
-use crate::solver::{Flow, STOP, SolverError, StepRecord, sharpest_cosine};
+use crate::mesh::LoopId;
+use crate::solver::{Flow, STOP, SolverError, StepRecord};
 
 /// A group, its latest state and what was said of it.
 pub(super) struct LiveGroup {
-    pub run: GroupRun,
+    pub run: GroupFlow,
     pub state: Arc<GroupState>,
     /// Whether its shape is another one than that of the latest state.
     pub fresh: bool,
@@ -29,9 +29,10 @@ pub(super) struct LiveGroup {
 }
 
 impl LiveGroup {
-    pub fn start(ground: Ground<'_>, group: usize, options: &FillOptions) -> Self {
-        let run = guarded(|| GroupRun::start(ground, group, options));
-        let run = run.unwrap_or_else(|error| GroupRun::still(ground, group, options, error));
+    pub fn start(ground: FillContext<'_>, group: usize, options: &FillOptions) -> Self {
+        let run = guarded(|| GroupFlow::start(ground, group, options));
+        let run =
+            run.unwrap_or_else(|error| GroupFlow::failed_at_start(ground, group, options, error));
         let state = GroupState {
             step: 0,
             attempt: 0,
@@ -39,8 +40,8 @@ impl LiveGroup {
             energy: run.flow().map_or(f64::NAN, |flow| flow.energy().value),
             residual: None,
             tau: 0.0,
-            worst_angle: worst_angle(ground, run.shape(), &run.positions()),
-            shape: Arc::clone(run.shape()),
+            worst_angle: run.worst_angle(ground, &run.positions()),
+            patches: Arc::clone(run.topology()),
         };
         Self {
             run,
@@ -56,7 +57,7 @@ impl LiveGroup {
     }
 
     /// Attempts a step, the fill's `attempt`-th.
-    pub fn attempt(&mut self, ground: Ground<'_>, attempt: usize) -> Option<StepRecord> {
+    pub fn attempt(&mut self, ground: FillContext<'_>, attempt: usize) -> Option<StepRecord> {
         let record = match guarded(|| self.run.attempt(ground)) {
             Ok(record) => record?,
             Err(error) => {
@@ -80,7 +81,7 @@ impl LiveGroup {
     /// What is to be said if the group does not take part in it.
     pub fn change(
         &mut self,
-        ground: Ground<'_>,
+        ground: FillContext<'_>,
         change: &Change,
         earlier: Option<&Arc<GroupState>>,
     ) -> Result<(), String> {
@@ -88,7 +89,7 @@ impl LiveGroup {
         let changed = guarded(|| match (change, earlier) {
             (Change::Options(options), _) => run.change(ground, options),
             (Change::Rewind { options, .. }, Some(to)) => {
-                run.rewind(ground, &to.shape, &to.positions, to.step, options)
+                run.rewind(ground, &to.patches, &to.positions, to.step, options)
             }
             (Change::Rewind { .. }, None) => Ok(()),
             (Change::Stop, _) => {
@@ -108,7 +109,7 @@ impl LiveGroup {
             self.run.warn(text.clone());
         }
         let rewound = earlier.filter(|_| result.is_ok());
-        if !Arc::ptr_eq(self.run.shape(), &self.state.shape) || rewound.is_some() {
+        if !Arc::ptr_eq(self.run.topology(), &self.state.patches) || rewound.is_some() {
             self.fresh = true;
         }
         if let Some(to) = rewound {
@@ -124,16 +125,16 @@ impl LiveGroup {
     /// The group stands still at its latest state.
     fn fail(&mut self, error: SolverError) {
         let state = &self.state;
-        let shape = Arc::clone(&state.shape);
-        self.run.fail(error, shape, state.positions.to_vec());
+        let patches = Arc::clone(&state.patches);
+        self.run.fail(error, patches, state.positions.to_vec());
         self.fresh = false;
     }
 
     /// The state of the present shape.
-    pub fn show(&mut self, ground: Ground<'_>) -> Arc<GroupState> {
+    pub fn show(&mut self, ground: FillContext<'_>) -> Arc<GroupState> {
         if std::mem::take(&mut self.fresh) {
             let positions = self.run.positions();
-            let shape = self.run.shape();
+            let patches = self.run.topology();
             let last = self.last.as_ref();
             self.state = Arc::new(GroupState {
                 step: self.run.steps(),
@@ -141,9 +142,9 @@ impl LiveGroup {
                 energy: self.run.flow().map_or(f64::NAN, |flow| flow.energy().value),
                 residual: last.map(|(r, _)| r.residual),
                 tau: last.map_or(0.0, |(r, _)| r.tau),
-                worst_angle: worst_angle(ground, shape, &positions),
+                worst_angle: self.run.worst_angle(ground, &positions),
                 positions: positions.into(),
-                shape: Arc::clone(shape),
+                patches: Arc::clone(patches),
             });
         }
         Arc::clone(&self.state)
@@ -156,7 +157,7 @@ impl LiveGroup {
 
     /// That the surface has begun to pass through itself, once.
     pub fn crossing_event(&mut self, group: usize, paused: bool) -> Option<LiveEvent> {
-        let crossing = self.run.crossing();
+        let crossing = self.run.self_intersection();
         let before = std::mem::replace(&mut self.crossing_reported, crossing.is_some());
         let crossing = crossing.filter(|_| !before)?;
         let last_good = crossing.last_clean.and_then(|step| self.shown.get(&step));
@@ -207,36 +208,6 @@ impl LiveGroup {
 /// Runs what may panic; the state it leaves behind is only used to be replaced.
 fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, SolverError> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|panic| SolverError::from_panic(&*panic))
-}
-
-/// Smallest angle of a triangle of the patches or of those that are faired, in degrees.
-fn worst_angle(ground: Ground<'_>, shape: &Shape, positions: &[DVec3]) -> f64 {
-    let mesh = ground.mesh;
-    let (mut sharpest, mut first) = (-1.0f64, 0);
-    let moved = &ground.plan.moved;
-    if !moved.is_empty() {
-        let place = |v: VertexId| match moved.binary_search(&v) {
-            Ok(i) => positions[i],
-            Err(_) => mesh.position(v),
-        };
-        let faces = moved.iter().flat_map(|&v| mesh.topology.outgoing(v));
-        for f in faces.map(|h| mesh.topology.face(h)) {
-            sharpest = sharpest.max(sharpest_cosine(mesh.topology.face_vertices(f).map(place)));
-        }
-    }
-    for hole in &shape.holes {
-        let new = &positions[first..first + hole.new_vertices];
-        let place = |v: u32| {
-            let at = v as usize;
-            let given = mesh.positions.get(at).copied();
-            given.unwrap_or_else(|| new[at - mesh.vertex_count()])
-        };
-        for t in &hole.triangles {
-            sharpest = sharpest.max(sharpest_cosine(t.map(place)));
-        }
-        first += hole.new_vertices;
-    }
-    sharpest.clamp(-1.0, 1.0).acos().to_degrees()
 }
 
 /// Tells the time to the end from the last residuals.

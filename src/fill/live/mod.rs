@@ -28,7 +28,7 @@ use crate::live::SharedTimeline;
 pub use command::command_line;
 use conductor::{Command, Kind, Lines, Message, Task};
 pub use events::{GroupStatus, LiveError, LiveEvent};
-pub use state::{GroupState, HoleLayout, Layout, State};
+pub use state::{GroupState, State};
 pub use timeline::Timeline;
 
 /// A fill running in the background. Dropping it cancels: the call returns at once, and the thread

@@ -22,17 +22,12 @@ impl Kept for State {
             if earlier.is_some_and(|e| Arc::ptr_eq(e, group)) {
                 return 0;
             }
-            let own_shape = earlier.is_none_or(|e| !Arc::ptr_eq(&e.shape, &group.shape));
-            let shape = if own_shape { group.shape.bytes() } else { 0 };
+            let own_shape = earlier.is_none_or(|e| !Arc::ptr_eq(&e.patches, &group.patches));
+            let shape = if own_shape { group.patches.bytes() } else { 0 };
             shape + group.positions.len() * size_of::<DVec3>()
         });
-        let topology = if before.is_some_and(|s| Arc::ptr_eq(&s.topology, &self.topology)) {
-            0
-        } else {
-            let plan = &self.layout.plan;
-            let new = plan.new_positions.len() * size_of::<DVec3>() + plan.triangles.len() * 12;
-            new + self.topology.bytes()
-        };
-        groups.sum::<usize>() + topology
+        let is_kept = before.is_some_and(|s| Arc::ptr_eq(&s.assembly, &self.assembly));
+        let assembly = if is_kept { 0 } else { self.assembly.bytes() };
+        groups.sum::<usize>() + assembly
     }
 }

@@ -1,7 +1,7 @@
 //! Rims cut open along bridges into one polygon: the way for rims that overlap from every side.
 
 use crate::mesh::DVec3;
-use crate::patch::Rim;
+use crate::patch::data::Rim;
 use crate::patch::surface::Surface;
 use crate::patch::triangulate::triangulate;
 

@@ -2,7 +2,7 @@
 
 use super::spine::Cubic;
 use crate::mesh::DVec3;
-use crate::patch::Rim;
+use crate::patch::data::Rim;
 use crate::patch::planar::vector_area;
 
 /// Rims are smoothed over this part of their vertices before they are swept along.

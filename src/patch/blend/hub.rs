@@ -3,12 +3,13 @@
 use std::f64::consts::{PI, TAU};
 
 use super::curve::RimCurve;
-use super::loft::{Sheet, sheet, ways};
-use super::{Gap, layout};
+use super::layout;
+use super::loft::{loft_candidates, loft_surface};
 use crate::mesh::{DVec3, Topology, VertexId};
+use crate::patch::data::{Patch, PatchOptions, Rim};
+use crate::patch::fair::warm_start;
 use crate::patch::remesh::{refit, rim_valences};
 use crate::patch::surface::Surface;
-use crate::patch::{Rim, warm_start};
 
 /// How far along their axes, in distances from the middle, the rims are followed to find the hub.
 const FOLLOWED: [f64; 5] = [0.0, 0.3, 0.7, 1.3, 2.2];
@@ -20,7 +21,7 @@ const BALL: f64 = 0.6;
 const ROUNDS: usize = 40;
 
 /// Points and triangles between the rims, rims first, for each hub that is tried and can be reached.
-pub(super) fn hubs(rims: &[RimCurve], side: f64, sizes: &[f64]) -> Vec<Sheet> {
+pub(super) fn hubs(rims: &[RimCurve], side: f64, sizes: &[f64]) -> Vec<Patch> {
     let axes: Vec<DVec3> = rims.iter().map(|rim| rim.axis(side)).collect();
     let middle = rims.iter().map(|r| r.centre).sum::<DVec3>() / rims.len() as f64;
     FOLLOWED
@@ -98,7 +99,7 @@ impl Hub {
         })
     }
 
-    fn surface(&self, rims: &[RimCurve], side: f64, sizes: &[f64]) -> Option<Sheet> {
+    fn surface(&self, rims: &[RimCurve], side: f64, sizes: &[f64]) -> Option<Patch> {
         let mut joined = Joined {
             rim_vertices: rims.iter().map(RimCurve::edges).sum(),
             points: rims.iter().flat_map(RimCurve::points).collect(),
@@ -114,7 +115,8 @@ impl Hub {
         let first = joined.points.len();
         joined.add_core()?;
         joined.relax(first)?;
-        Some(Sheet {
+        Some(Patch {
+            rim: joined.rim_vertices,
             points: joined.points,
             triangles: joined.triangles,
         })
@@ -126,7 +128,7 @@ const LOOSE_RINGS: usize = 2;
 /// Least number of edges around a leg.
 const AROUND: f64 = 8.0;
 
-/// Legs and core under way, the rims' vertices first.
+/// Legs and core under construction, the rims' vertices first.
 struct Joined {
     rim_vertices: usize,
     points: Vec<DVec3>,
@@ -152,8 +154,8 @@ impl Joined {
         let edges = (TAU * radius / size_there).round() as usize;
         let normal = if side < 0.0 { -leg } else { leg };
         let end = RimCurve::circle(at, normal, leg, radius, edges);
-        let way = ways(rim, &end, side).into_iter().next()?;
-        let sheet = sheet([rim, &end], &way, [size, size_there]);
+        let loft = loft_candidates(rim, &end, side).into_iter().next()?;
+        let sheet = loft_surface([rim, &end], &loft, [size, size_there]);
         let (n, new) = (rim.edges(), self.points.len());
         let global = |v: u32| {
             let v = v as usize;
@@ -162,7 +164,7 @@ impl Joined {
         self.points.extend_from_slice(&sheet.points[n..]);
         let triangles = sheet.triangles.iter();
         self.triangles.extend(triangles.map(|t| t.map(global)));
-        // seen from the hub, the circle goes the other way round
+        // seen from the hub, the circle runs the other way around
         let vertices: Vec<u32> = (0..edges).rev().map(|e| (new + e) as u32).collect();
         let points: Vec<DVec3> = vertices.iter().map(|&v| self.points[v as usize]).collect();
         let outer = |i: usize| points[i].midpoint(points[(i + 1) % edges]) + size_there * leg;
@@ -205,18 +207,14 @@ impl Joined {
 }
 
 /// A surface between the mouths of the legs.
-fn core(mouths: &[Rim]) -> Option<Sheet> {
+fn core(mouths: &[Rim]) -> Option<Patch> {
     let triangles = layout::triangulate(mouths)?;
-    let gap = Gap {
-        rims: mouths.to_vec(),
-        ..Gap::default()
-    };
     let points: Vec<DVec3> = mouths.iter().flat_map(|r| r.points.clone()).collect();
-    let size = super::sizes(&gap.rims, crate::patch::PatchOptions::default());
-    let mut surface = Surface::new(points, size, gap.len(), &triangles);
-    let wanted = rim_valences(&surface, &vec![0.0; gap.len()]);
+    let size = super::sizes(mouths, PatchOptions::default());
+    let count = points.len();
+    let mut surface = Surface::new(points, size, count, &triangles);
+    let wanted = rim_valences(&surface, &vec![0.0; count]);
     super::split_double_edges(&mut surface);
     refit(&mut surface, &wanted);
-    let (points, triangles) = surface.compact();
-    Some(Sheet { points, triangles })
+    Some(surface.compact())
 }

@@ -4,7 +4,7 @@
 use spade::Point2;
 
 use crate::mesh::DVec3;
-use crate::patch::Rim;
+use crate::patch::data::Rim;
 use crate::patch::planar::{delaunay_between, vector_area};
 
 /// A triangulation of the surface between the rims without new vertices: of all points of view from

@@ -4,6 +4,7 @@ use super::bending::bending;
 use super::curve::{RimCurve, RimPoint};
 use super::spine::{Cubic, Spine};
 use crate::mesh::{DVec3, self_intersections};
+use crate::patch::data::Patch;
 
 /// How the points of two rims are joined by curves.
 #[derive(Clone, Debug)]
@@ -17,13 +18,13 @@ enum Path {
 
 /// The kinds of [`Path`].
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+enum LoftKind {
     Rails,
     Swept,
 }
 
-impl Kind {
-    /// Between ways that bend alike the one with untwisted cross-sections is taken.
+impl LoftKind {
+    /// Between loft_candidates that bend alike the one with untwisted cross-sections is taken.
     fn handicap(self) -> f64 {
         match self {
             Self::Rails => 1.05,
@@ -34,7 +35,7 @@ impl Kind {
 
 /// A surface swept from one rim to another: which points are joined, and how.
 #[derive(Clone, Debug)]
-pub(super) struct Way {
+pub(super) struct LoftParameters {
     /// The point at `u` of the first rim is joined to that at `shift - u` of the second.
     shift: f64,
     path: Path,
@@ -54,40 +55,40 @@ const LOOKED_AT: usize = 6;
 /// Ways to sweep from rim `a` to rim `b` that do not pass through themselves, those that bend least
 /// first, one of each kind at most. `side` is where a rim without a direction of its own is left to
 /// (see [`RimCurve::side`]).
-pub(super) fn ways(a: &RimCurve, b: &RimCurve, side: f64) -> Vec<Way> {
+pub(super) fn loft_candidates(a: &RimCurve, b: &RimCurve, side: f64) -> Vec<LoftParameters> {
     let ends = [&a.thinned(COARSE), &b.thinned(COARSE)];
-    let mut kinds = vec![Kind::Rails];
+    let mut kinds = vec![LoftKind::Rails];
     if leads_apart(ends) {
-        kinds.push(Kind::Swept);
+        kinds.push(LoftKind::Swept);
     }
-    let mut found: Vec<(f64, Way)> = Vec::new();
+    let mut found: Vec<(f64, LoftParameters)> = Vec::new();
     for kind in kinds {
         let all = candidates(ends, kind, side).into_iter();
-        let best = all.map(|found| refined(ends, found)).find(|(_, way)| {
-            let sheet = sheet(ends, way, mean_edges(ends));
+        let best = all.map(|found| refined(ends, found)).find(|(_, loft)| {
+            let sheet = loft_surface(ends, loft, mean_edges(ends));
             self_intersections(&sheet.points, &sheet.triangles, None, 1).is_empty()
         });
-        found.extend(best.map(|(bends, way)| (kind.handicap() * bends, way)));
+        found.extend(best.map(|(bends, loft)| (kind.handicap() * bends, loft)));
     }
     found.sort_by(|x, y| x.0.total_cmp(&y.0));
     found.into_iter().map(|f| f.1).collect()
 }
 
-/// The ways of one kind that bend least, with how much they do.
-fn candidates(ends: [&RimCurve; 2], kind: Kind, side: f64) -> Vec<(f64, Way)> {
+/// The loft_candidates of one kind that bend least, with how much they do.
+fn candidates(ends: [&RimCurve; 2], kind: LoftKind, side: f64) -> Vec<(f64, LoftParameters)> {
     let mut found = Vec::new();
     // the twist that is best for one length of the slopes is so for all, or nearly
     let mut twists = 0..SHIFTS;
     for pull in PULLS {
         let path = Path::new(ends, kind, side, pull);
         let tried = twists.clone().map(|k| {
-            let way = Way {
+            let loft = LoftParameters {
                 shift: k as f64 / SHIFTS as f64,
                 path: path.clone(),
             };
-            (bends(ends, &way), k, way)
+            (bends(ends, &loft), k, loft)
         });
-        let tried: Vec<(f64, usize, Way)> = tried.collect();
+        let tried: Vec<(f64, usize, LoftParameters)> = tried.collect();
         let best = tried.iter().min_by(|x, y| x.0.total_cmp(&y.0));
         if let Some(&(least, k, _)) = best
             && pull == PULLS[0]
@@ -96,7 +97,7 @@ fn candidates(ends: [&RimCurve; 2], kind: Kind, side: f64) -> Vec<(f64, Way)> {
             twists = k + SHIFTS - 1..k + SHIFTS + 2;
         }
         let finite = tried.into_iter().filter(|(bends, ..)| bends.is_finite());
-        found.extend(finite.map(|(bends, _, way)| (bends, way)));
+        found.extend(finite.map(|(bends, _, loft)| (bends, loft)));
     }
     found.sort_by(|x, y| x.0.total_cmp(&y.0));
     found.truncate(LOOKED_AT);
@@ -105,33 +106,36 @@ fn candidates(ends: [&RimCurve; 2], kind: Kind, side: f64) -> Vec<(f64, Way)> {
 
 /// The same with the twist of a carried cross-section found more closely: the one that turns it least. (How
 /// much a coarse sheet bends says little about so small differences.)
-fn refined(ends: [&RimCurve; 2], (bends, mut way): (f64, Way)) -> (f64, Way) {
-    if matches!(way.path, Path::Rails { .. }) {
-        return (bends, way);
+fn refined(
+    ends: [&RimCurve; 2],
+    (bends, mut loft): (f64, LoftParameters),
+) -> (f64, LoftParameters) {
+    if matches!(loft.path, Path::Rails { .. }) {
+        return (bends, loft);
     }
-    let turned = |way: &Way| -> f64 {
-        let rails = (0..RAILS).map(|i| Rail::new(ends, way, i as f64 / RAILS as f64).curve);
+    let turned = |loft: &LoftParameters| -> f64 {
+        let rails = (0..RAILS).map(|i| Rail::new(ends, loft, i as f64 / RAILS as f64).curve);
         rails.map(|c| c.ends[0].distance_squared(c.ends[1])).sum()
     };
-    let mut least = turned(&way);
+    let mut least = turned(&loft);
     let mut step = 1.0 / SHIFTS as f64;
     for _ in 0..HALVINGS {
-        for shift in [way.shift - step, way.shift + step] {
-            let path = way.path.clone();
-            let other = Way { shift, path };
+        for shift in [loft.shift - step, loft.shift + step] {
+            let path = loft.path.clone();
+            let other = LoftParameters { shift, path };
             let found = turned(&other);
             if found < least {
-                (least, way) = (found, other);
+                (least, loft) = (found, other);
                 break;
             }
         }
         step *= 0.5;
     }
-    (bends, way)
+    (bends, loft)
 }
 
-fn bends(ends: [&RimCurve; 2], way: &Way) -> f64 {
-    let sheet = sheet(ends, way, mean_edges(ends));
+fn bends(ends: [&RimCurve; 2], loft: &LoftParameters) -> f64 {
+    let sheet = loft_surface(ends, loft, mean_edges(ends));
     bending(&sheet.points, &sheet.triangles)
 }
 
@@ -156,10 +160,10 @@ fn leads_apart([a, b]: [&RimCurve; 2]) -> bool {
 }
 
 impl Path {
-    fn new([a, b]: [&RimCurve; 2], kind: Kind, side: f64, pull: f64) -> Self {
+    fn new([a, b]: [&RimCurve; 2], kind: LoftKind, side: f64, pull: f64) -> Self {
         match kind {
-            Kind::Rails => Self::Rails { pull },
-            Kind::Swept => {
+            LoftKind::Rails => Self::Rails { pull },
+            LoftKind::Swept => {
                 let axes = [a, b].map(|rim| rim.axis(side));
                 let curve = Cubic::turning(a.centre, axes[0], b.centre, -axes[1], pull);
                 Self::Swept(Box::new(Spine::new(curve)))
@@ -174,15 +178,15 @@ const RAGGED: f64 = 4.0;
 /// The points of one rail.
 struct Rail<'a> {
     ends: [RimPoint; 2],
-    way: &'a Way,
+    loft: &'a LoftParameters,
     /// The rail itself, or its cross-section's point relative to the spine in the frame at its start.
     curve: Cubic,
 }
 
 impl<'a> Rail<'a> {
-    fn new(ends: [&RimCurve; 2], way: &'a Way, u: f64) -> Self {
-        let [a, b] = [ends[0].at(u), ends[1].at(way.shift - u)];
-        let curve = match &way.path {
+    fn new(ends: [&RimCurve; 2], loft: &'a LoftParameters, u: f64) -> Self {
+        let [a, b] = [ends[0].at(u), ends[1].at(loft.shift - u)];
+        let curve = match &loft.path {
             Path::Rails { pull } => {
                 Cubic::turning(a.smooth, a.conormal, b.smooth, -b.conormal, *pull)
             }
@@ -205,27 +209,20 @@ impl<'a> Rail<'a> {
         };
         Self {
             ends: [a, b],
-            way,
+            loft,
             curve,
         }
     }
 
-    /// At `t` in 0..=1; `fades` are the parts of the way over which the raggedness of the ends fades.
+    /// At `t` in 0..=1; `fades` are the parts of the curve over which the raggedness of the ends fades.
     fn at(&self, t: f64, fades: [f64; 2]) -> DVec3 {
-        let smooth = match &self.way.path {
+        let smooth = match &self.loft.path {
             Path::Rails { .. } => self.curve.at(t),
             Path::Swept(spine) => spine.curve.at(t) + spine.frame(t) * self.curve.at(t),
         };
         let left = |far: f64, fade: f64| (1.0 - far / fade).max(0.0).powi(2);
         smooth + left(t, fades[0]) * self.ends[0].rest + left(1.0 - t, fades[1]) * self.ends[1].rest
     }
-}
-
-/// A triangulated sweep: the vertices of the first rim, of the second, then the others.
-#[derive(Clone, Debug)]
-pub(super) struct Sheet {
-    pub points: Vec<DVec3>,
-    pub triangles: Vec<[u32; 3]>,
 }
 
 /// Rails along which lengths are measured, and their pieces.
@@ -237,8 +234,8 @@ const MOST_ROWS: usize = 4000;
 const ROW: f64 = 0.866;
 
 /// Triangulates a sweep with edges whose lengths go from `sizes[0]` to `sizes[1]`.
-pub(super) fn sheet(ends: [&RimCurve; 2], way: &Way, sizes: [f64; 2]) -> Sheet {
-    let rows = Rows::new(ends, way, sizes);
+pub(super) fn loft_surface(ends: [&RimCurve; 2], loft: &LoftParameters, sizes: [f64; 2]) -> Patch {
+    let rows = Rows::new(ends, loft, sizes);
     let mut points: Vec<DVec3> = ends.iter().flat_map(|rim| rim.points()).collect();
     let numbered = |first: usize, n: usize| (0..n).map(move |k| (first + k) as u32);
     let n = ends.map(RimCurve::edges);
@@ -257,7 +254,7 @@ pub(super) fn sheet(ends: [&RimCurve; 2], way: &Way, sizes: [f64; 2]) -> Sheet {
         let row: Vec<(f64, u32)> = places.zip(numbered(first, count)).collect();
         points.extend(
             row.iter()
-                .map(|&(u, _)| Rail::new(ends, way, u).at(t, rows.fades)),
+                .map(|&(u, _)| Rail::new(ends, loft, u).at(t, rows.fades)),
         );
         stitch(&last, &row, &mut triangles);
         last = row;
@@ -265,13 +262,17 @@ pub(super) fn sheet(ends: [&RimCurve; 2], way: &Way, sizes: [f64; 2]) -> Sheet {
     let mut end: Vec<(f64, u32)> = ends[1]
         .place
         .iter()
-        .map(|&u| way.shift - u)
+        .map(|&u| loft.shift - u)
         .map(|u| u - u.floor())
         .zip(numbered(n[0], n[1]))
         .collect();
     end.sort_by(|a, b| a.0.total_cmp(&b.0));
     stitch(&last, &end, &mut triangles);
-    Sheet { points, triangles }
+    Patch {
+        rim: n[0] + n[1],
+        points,
+        triangles,
+    }
 }
 
 /// Where the rows of a sheet lie.
@@ -282,9 +283,9 @@ struct Rows {
 }
 
 impl Rows {
-    fn new(ends: [&RimCurve; 2], way: &Way, sizes: [f64; 2]) -> Self {
+    fn new(ends: [&RimCurve; 2], loft: &LoftParameters, sizes: [f64; 2]) -> Self {
         let rails: Vec<Rail<'_>> = (0..RAILS)
-            .map(|i| Rail::new(ends, way, i as f64 / RAILS as f64))
+            .map(|i| Rail::new(ends, loft, i as f64 / RAILS as f64))
             .collect();
         let none = [f64::MIN_POSITIVE; 2];
         let time = |p: usize| p as f64 / PIECES as f64;
@@ -293,8 +294,8 @@ impl Rows {
             .collect();
         let mut along = vec![0.0];
         for p in 0..PIECES {
-            let ways = rings[p].iter().zip(&rings[p + 1]);
-            let mean = ways.map(|(a, b)| a.distance(*b)).sum::<f64>() / RAILS as f64;
+            let loft_candidates = rings[p].iter().zip(&rings[p + 1]);
+            let mean = loft_candidates.map(|(a, b)| a.distance(*b)).sum::<f64>() / RAILS as f64;
             along.push(along[p] + mean);
         }
         let length = along[PIECES].max(f64::MIN_POSITIVE);

@@ -8,63 +8,25 @@
 mod bending;
 mod bridges;
 mod curve;
-mod formed;
 mod hub;
 mod layout;
 mod loft;
+mod lofted;
 mod spine;
 #[cfg(test)]
 mod tests;
 
 use curve::RimCurve;
 
-use super::fill::{fineness, loose_angles, rim_sizes, validate};
+use super::data::{Patch, PatchOptions, Rim, RimGeometry};
+use super::error::{PatchError, validate};
+use super::fill::{fineness, loose_angles, rim_sizes};
 use super::remesh::{area, refit, rim_valences, split_chords};
 use super::surface::Surface;
-use super::{PatchError, PatchMesh, PatchOptions, Rim};
 use crate::mesh::DVec3;
 
 pub use bending::bending;
-pub use formed::formed;
-
-/// Rims that one patch is to join.
-///
-/// Indices of rim vertices count through all rims in order: those of the second follow the last of
-/// the first.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Gap {
-    /// The rims, at least one.
-    pub rims: Vec<Rim>,
-    /// Pairs (i < j) of vertices of different rims that are joined by an edge of the mesh already.
-    pub forbidden: Vec<[u32; 2]>,
-    /// For each rim the connected piece of the mesh it belongs to: rims of one piece can only be
-    /// turned over together.
-    pub pieces: Vec<u32>,
-}
-
-impl Gap {
-    /// Number of rim vertices.
-    fn len(&self) -> usize {
-        self.rims.iter().map(|r| r.points.len()).sum()
-    }
-
-    /// All forbidden pairs that are not rim edges.
-    fn chords(&self) -> Vec<[u32; 2]> {
-        let mut chords = self.forbidden.clone();
-        let mut first = 0;
-        for rim in &self.rims {
-            let n = rim.points.len() as u32;
-            let inner = rim.forbidden.iter();
-            chords.extend(
-                inner
-                    .filter(|&&[i, j]| j != i + 1 && (i != 0 || j != n - 1))
-                    .map(|pair| pair.map(|v| v + first)),
-            );
-            first += n;
-        }
-        chords
-    }
-}
+pub use lofted::lofted_candidates;
 
 /// The first surface that joins the rims of a gap: triangulated between them, refined to their
 /// densities (graded from one rim to the other), flipped and evened out.
@@ -75,7 +37,7 @@ impl Gap {
 /// # Errors
 /// What makes a rim unusable; rims that touch ([`PatchError::RimsTouch`]); rims whose faces look to
 /// different sides ([`PatchError::InsideOut`]).
-pub fn blend(gap: &Gap, options: &PatchOptions) -> Result<PatchMesh, PatchError> {
+pub fn blend(gap: &RimGeometry, options: &PatchOptions) -> Result<Patch, PatchError> {
     if let [rim] = &gap.rims[..] {
         return super::fill(rim, options);
     }
@@ -83,7 +45,7 @@ pub fn blend(gap: &Gap, options: &PatchOptions) -> Result<PatchMesh, PatchError>
         validate(rim, options.density)?;
     }
     check_apart(gap)?;
-    let frame = Frame::around(gap.rims.iter().flat_map(|r| &r.points));
+    let frame = Frame::around(gap.points());
     let rims: Vec<Rim> = gap.rims.iter().map(|r| frame.local(r)).collect();
     let chords = gap.chords();
     let mut surface = if let Some(triangles) = layout::triangulate(&rims) {
@@ -103,22 +65,22 @@ pub fn blend(gap: &Gap, options: &PatchOptions) -> Result<PatchMesh, PatchError>
     split_double_edges(&mut surface);
     // a film would pinch off between distant rims
     refit(&mut surface, &wanted);
-    Ok(frame.world(compacted(surface), gap))
+    Ok(frame.world(surface.compact(), gap))
 }
 
 /// Brings a patch whose shape has changed (by a warm start) back to the rims' density: splits,
 /// collapses and flips, vertices moving along the surface only. `patch` is a result of [`blend`] over
 /// the same gap, its positions those of the new shape. A patch that has grown so much that this would
 /// take 16 times its vertices stays as it is.
-pub fn reblend(gap: &Gap, patch: &PatchMesh, options: &PatchOptions) -> PatchMesh {
-    let frame = Frame::around(gap.rims.iter().flat_map(|r| &r.points));
+pub fn reblend(gap: &RimGeometry, patch: &Patch, options: &PatchOptions) -> Patch {
+    let frame = Frame::around(gap.points());
     let rims: Vec<Rim> = gap.rims.iter().map(|r| frame.local(r)).collect();
     let points: Vec<DVec3> = patch.points.iter().map(|&p| frame.to_local(p)).collect();
     let mut size = sizes(&rims, *options);
     let middle = size.iter().sum::<f64>() / size.len() as f64;
     size.resize(points.len(), middle);
     let most = MOST_GROWTH * points.len() as f64;
-    let mut surface = Surface::new(points, size, gap.len(), &patch.triangles);
+    let mut surface = Surface::new(points, size, gap.vertex_count(), &patch.triangles);
     // equilateral triangles have √3/4 of their squared edge as area, and two come on a vertex
     let needed = area(&surface) / (0.75f64.sqrt() * middle * middle);
     if needed.is_nan() || needed >= most {
@@ -127,16 +89,11 @@ pub fn reblend(gap: &Gap, patch: &PatchMesh, options: &PatchOptions) -> PatchMes
     let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
     let wanted = rim_valences(&surface, &loose);
     refit(&mut surface, &wanted);
-    frame.world(compacted(surface), gap)
+    frame.world(surface.compact(), gap)
 }
 
 /// How many times its vertices a patch may get by [`reblend`].
 const MOST_GROWTH: f64 = 16.0;
-
-fn compacted(surface: Surface) -> PatchMesh {
-    let (points, triangles) = surface.compact();
-    PatchMesh { points, triangles }
-}
 
 /// Wanted edge lengths at all rim vertices.
 fn sizes(rims: &[Rim], options: PatchOptions) -> Vec<f64> {
@@ -153,7 +110,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn around<'a>(points: impl Iterator<Item = &'a DVec3> + Clone) -> Self {
+    fn around(points: impl Iterator<Item = DVec3> + Clone) -> Self {
         let count = points.clone().count();
         let centre = points.clone().sum::<DVec3>() / count as f64;
         let radius = points.map(|p| p.distance(centre)).fold(0.0, f64::max);
@@ -173,12 +130,11 @@ impl Frame {
     }
 
     /// The patch in the mesh's coordinates, rim points bit-identical.
-    fn world(&self, mut patch: PatchMesh, gap: &Gap) -> PatchMesh {
+    fn world(&self, mut patch: Patch, gap: &RimGeometry) -> Patch {
         for p in &mut patch.points {
             *p = *p * self.radius + self.centre;
         }
-        let rims = gap.rims.iter().flat_map(|r| &r.points);
-        for (p, &rim) in patch.points.iter_mut().zip(rims) {
+        for (p, rim) in patch.points.iter_mut().zip(gap.points()) {
             *p = rim;
         }
         patch
@@ -186,8 +142,8 @@ impl Frame {
 }
 
 /// No two rims may have a vertex at the same place.
-fn check_apart(gap: &Gap) -> Result<(), PatchError> {
-    let mut all: Vec<([u64; 3], usize, usize)> = Vec::with_capacity(gap.len());
+fn check_apart(gap: &RimGeometry) -> Result<(), PatchError> {
+    let mut all: Vec<([u64; 3], usize, usize)> = Vec::with_capacity(gap.vertex_count());
     for (r, rim) in gap.rims.iter().enumerate() {
         let keys = rim.points.iter().enumerate();
         // adding 0.0 turns -0.0 into 0.0

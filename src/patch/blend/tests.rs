@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use super::curve::RimCurve;
-use super::loft::{sheet, ways};
+use super::loft::{loft_candidates, loft_surface};
 use super::spine::{Cubic, Spine};
-use super::{Gap, bending, blend, bridges, formed, layout, reblend};
+use super::{bending, blend, bridges, layout, lofted_candidates, reblend};
 use crate::mesh::{DVec3, Mesh, Topology, check_mesh, self_intersections};
 use crate::patch::surface::Surface;
-use crate::patch::{PatchError, PatchMesh, PatchOptions, Rim};
+use crate::patch::{Patch, PatchError, PatchOptions, Rim, RimGeometry};
 use crate::random::SplitMix;
 
 /// The mouth of a round tube that goes away along `axis`, its faces looking outwards.
@@ -45,8 +45,8 @@ fn flat(centre: DVec3, normal: DVec3, radius: f64, n: usize, island: bool) -> Ri
     rim
 }
 
-fn gap(rims: Vec<Rim>) -> Gap {
-    Gap {
+fn gap(rims: Vec<Rim>) -> RimGeometry {
+    RimGeometry {
         forbidden: Vec::new(),
         pieces: (0..rims.len() as u32).collect(),
         rims,
@@ -59,7 +59,7 @@ const Y: DVec3 = DVec3::Y;
 const Z: DVec3 = DVec3::Z;
 
 /// Configurations that can be joined without a self-intersection.
-fn joinable() -> Vec<(&'static str, Gap)> {
+fn joinable() -> Vec<(&'static str, RimGeometry)> {
     let three = [O, X, Y].map(|at| flat(0.3 * at - 0.1 * (X + Y), Z, 0.1, 9, true));
     let mut islands = three.to_vec();
     islands.push(flat(O, Z, 1.0, 50, false));
@@ -106,7 +106,7 @@ fn joinable() -> Vec<(&'static str, Gap)> {
 }
 
 /// Checks that the patch is a sphere with the gap's rims as holes.
-fn check(name: &str, gap: &Gap, patch: &PatchMesh) -> Topology {
+fn check(name: &str, gap: &RimGeometry, patch: &Patch) -> Topology {
     let rims: Vec<DVec3> = gap.rims.iter().flat_map(|r| r.points.clone()).collect();
     assert_eq!(patch.points[..rims.len()], rims, "{name}");
     let topology = Topology::from_triangles(patch.points.len(), &patch.triangles)
@@ -157,11 +157,10 @@ fn all_of_them_are_seen_from_somewhere() {
 }
 
 /// The patch along bridges alone.
-fn bridged(gap: &Gap) -> PatchMesh {
+fn bridged(gap: &RimGeometry) -> Patch {
     let mut surface: Surface = bridges::surface(&gap.rims, &[]);
     super::split_double_edges(&mut surface);
-    let (points, triangles) = surface.compact();
-    PatchMesh { points, triangles }
+    surface.compact()
 }
 
 #[test]
@@ -179,8 +178,12 @@ fn between_equal_circles_bridges_find_the_cylinder() {
     let side = 2.0 * (TAU / (2 * n) as f64).sin();
     for patch in [bridged(&gap), {
         let triangles = layout::triangulate(&gap.rims).expect("seen");
-        let points = gap.rims.iter().flat_map(|r| r.points.clone()).collect();
-        PatchMesh { points, triangles }
+        let points = gap.points().collect();
+        Patch {
+            rim: 2 * n,
+            points,
+            triangles,
+        }
     }] {
         let area: f64 = patch
             .triangles
@@ -225,7 +228,7 @@ fn a_piece_inside_out_is_named() {
     let mut inwards = mouth(X, X, 0.5, 30);
     inwards.points.reverse();
     let mut gap = gap(vec![outwards.clone(), inwards.clone()]);
-    let error = |gap: &Gap| blend(gap, &PatchOptions::default()).err();
+    let error = |gap: &RimGeometry| blend(gap, &PatchOptions::default()).err();
     assert_eq!(error(&gap), Some(PatchError::InsideOut { rim: 1 }));
     gap.pieces.fill(5);
     assert_eq!(error(&gap), Some(PatchError::OneSided { rim: 1 }));
@@ -342,9 +345,9 @@ fn bending_is_that_of_the_cylinder_and_the_sphere() {
     let bends = |n: usize| {
         let gap = gap(vec![mouth(O, -Z, 0.5, n), mouth(2.0 * Z, Z, 0.5, n)]);
         let (a, b) = (RimCurve::new(&gap.rims[0]), RimCurve::new(&gap.rims[1]));
-        let way = &ways(&a, &b, a.side())[0];
+        let way = &loft_candidates(&a, &b, a.side())[0];
         let size = TAU * 0.5 / n as f64;
-        let sheet = sheet([&a, &b], way, [size, size]);
+        let sheet = loft_surface([&a, &b], way, [size, size]);
         for p in &sheet.points {
             assert!((p.truncate().length() - 0.5).abs() < 2e-3, "{n} {p}");
         }
@@ -366,7 +369,7 @@ fn bending_is_that_of_the_cylinder_and_the_sphere() {
 #[test]
 fn a_u_turn_is_swept_as_half_a_torus() {
     let gap = gap(vec![mouth(X, Z, 0.4, 28), mouth(-X, Z, 0.4, 28)]);
-    let patch = &formed(&gap, &PatchOptions::default())[0];
+    let patch = &lofted_candidates(&gap, &PatchOptions::default())[0];
     check("u", &gap, patch);
     // a cubic follows half a circle to 2 % of its radius, here up to 1.4
     for p in &patch.points {
@@ -392,7 +395,7 @@ fn swept_surfaces_cross_nothing_where_films_do() {
     ];
     for (name, rims) in layouts {
         let gap = gap(rims);
-        let found = formed(&gap, &PatchOptions::default());
+        let found = lofted_candidates(&gap, &PatchOptions::default());
         assert!(!found.is_empty(), "{name}");
         let bends = found.iter().map(|p| bending(&p.points, &p.triangles));
         assert!(bends.collect::<Vec<_>>().is_sorted(), "{name}");
@@ -404,13 +407,15 @@ fn swept_surfaces_cross_nothing_where_films_do() {
     }
     // nothing to sweep between
     assert!(
-        formed(
+        lofted_candidates(
             &gap(vec![mouth(X, X, 1.0, 8), mouth(X, X, 1.0, 8)]),
             &PatchOptions::default()
         )
         .is_empty()
     );
-    assert!(formed(&gap(vec![mouth(X, X, 1.0, 8)]), &PatchOptions::default()).is_empty());
+    assert!(
+        lofted_candidates(&gap(vec![mouth(X, X, 1.0, 8)]), &PatchOptions::default()).is_empty()
+    );
 }
 
 /// A surface that runs away would take vertices without end.

@@ -90,7 +90,7 @@ fn point_at(model: &Model, picker: &Picker, size: [f64; 2], at: [f64; 2]) -> Opt
         let positions = state.positions(&run.base);
         let faces = state.patch_faces();
         let triangles: Vec<[u32; 3]> = state
-            .topology
+            .topology()
             .triangles()
             .skip(faces.start)
             .take(faces.len())

@@ -3,24 +3,25 @@
 use super::bending::bending;
 use super::curve::RimCurve;
 use super::hub::hubs;
-use super::loft::{Sheet, sheet, ways};
-use super::{Frame, Gap, check_apart, compacted, sizes};
+use super::loft::{loft_candidates, loft_surface};
+use super::{Frame, check_apart, sizes};
 use crate::mesh::self_intersections;
-use crate::patch::fill::{loose_angles, validate};
+use crate::patch::data::{Patch, PatchOptions, Rim, RimGeometry};
+use crate::patch::error::validate;
+use crate::patch::fill::loose_angles;
 use crate::patch::remesh::{refit, rim_valences};
 use crate::patch::surface::Surface;
-use crate::patch::{PatchMesh, PatchOptions, Rim};
 
 /// Surfaces between the rims of a gap that are swept from one of two to the other, or joined at a hub by
 /// tubes that leave the rims smoothly; those that bend least first, none that passes through itself.
 ///
 /// They are patches like that of [`super::blend`], and have already a shape that a flow can start from.
-pub fn formed(gap: &Gap, options: &PatchOptions) -> Vec<PatchMesh> {
+pub fn lofted_candidates(gap: &RimGeometry, options: &PatchOptions) -> Vec<Patch> {
     let usable = |rim: &Rim| validate(rim, options.density).is_ok();
     if gap.rims.len() < 2 || !gap.rims.iter().all(usable) || check_apart(gap).is_err() {
         return Vec::new();
     }
-    let frame = Frame::around(gap.rims.iter().flat_map(|r| &r.points));
+    let frame = Frame::around(gap.points());
     let rims: Vec<Rim> = gap.rims.iter().map(|r| frame.local(r)).collect();
     let curves: Vec<RimCurve> = rims.iter().map(RimCurve::new).collect();
     let size = sizes(&rims, *options);
@@ -33,7 +34,7 @@ pub fn formed(gap: &Gap, options: &PatchOptions) -> Vec<PatchMesh> {
             own.iter().sum::<f64>() / own.len() as f64
         })
         .collect();
-    let mut found: Vec<(f64, PatchMesh)> = Vec::new();
+    let mut found: Vec<(f64, Patch)> = Vec::new();
     for side in sides(&curves) {
         for sheet in sheets(&curves, side, &mean) {
             let patch = fitted(sheet, &rims, &size);
@@ -60,13 +61,13 @@ fn sides(curves: &[RimCurve]) -> Vec<f64> {
     }
 }
 
-fn sheets(curves: &[RimCurve], side: f64, mean: &[f64]) -> Vec<Sheet> {
+fn sheets(curves: &[RimCurve], side: f64, mean: &[f64]) -> Vec<Patch> {
     match curves {
         [a, b] => {
-            let ways = ways(a, b, side);
-            let sheets = ways
+            let loft_candidates = loft_candidates(a, b, side);
+            let sheets = loft_candidates
                 .iter()
-                .map(|way| sheet([a, b], way, [mean[0], mean[1]]));
+                .map(|loft| loft_surface([a, b], loft, [mean[0], mean[1]]));
             sheets.collect()
         }
         _ => hubs(curves, side, mean),
@@ -74,7 +75,7 @@ fn sheets(curves: &[RimCurve], side: f64, mean: &[f64]) -> Vec<Sheet> {
 }
 
 /// With the triangles' sizes and valences of a patch.
-fn fitted(found: Sheet, rims: &[Rim], size: &[f64]) -> PatchMesh {
+fn fitted(found: Patch, rims: &[Rim], size: &[f64]) -> Patch {
     let middle = size.iter().sum::<f64>() / size.len() as f64;
     let mut size = size.to_vec();
     let count = size.len();
@@ -83,5 +84,5 @@ fn fitted(found: Sheet, rims: &[Rim], size: &[f64]) -> PatchMesh {
     let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
     let wanted = rim_valences(&surface, &loose);
     refit(&mut surface, &wanted);
-    compacted(surface)
+    surface.compact()
 }

@@ -1,36 +1,41 @@
-//! Whether patches over several rims pass through themselves or the mesh.
+//! Self-intersections of patches over several rims, and intersections with the mesh.
 
 use std::sync::Arc;
 
-use crate::fill::run::Ground;
-use crate::fill::shape::Shape;
+use crate::fill::assemble::appended_triangles;
+use crate::fill::context::FillContext;
+use crate::fill::patch_topology::PatchTopology;
 use crate::mesh::{DVec3, Mesh, self_intersections};
 
-/// Accepted steps from one look to the next at most.
+/// Maximum number of accepted steps between two checks.
 const STEPS_BETWEEN: usize = 5;
-/// Movement of a vertex, in mean edge lengths of the patches, after which there is a look at once.
+/// Movement of a vertex, in mean edge lengths of the patches, after which a check is due at once.
 const FAR: f64 = 0.5;
-/// Pairs of triangles that are counted; it makes no difference whether there are more.
-const COUNTED: usize = 100;
+/// Pairs of intersecting triangles are counted up to this number.
+const MAX_PAIRS: usize = 100;
 
-/// A surface that passes through itself.
+/// A surface that intersects itself or the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Crossing {
-    /// Where, at one of the places.
+pub(super) struct SelfIntersection {
+    /// One of the places.
     pub place: DVec3,
-    /// Pairs of triangles, at most 100.
+    /// Intersecting pairs of triangles, at most 100.
     pub pairs: usize,
-    /// Accepted steps up to the last shape without one, if there was one.
+    /// Accepted steps up to the last surface known to be free of intersections.
     pub last_clean: Option<usize>,
 }
 
-impl Crossing {
-    /// How much and where.
+impl SelfIntersection {
+    /// Number of pairs and place, for a message.
     pub fn words(&self) -> String {
         let at = self.place;
         let (one, more) = (
             self.pairs == 1,
-            if self.pairs < COUNTED { "" } else { " or more" },
+            if self.pairs < MAX_PAIRS {
+                ""
+            } else {
+                " or more"
+            },
         );
         let pairs = if one { "pair" } else { "pairs" };
         format!(
@@ -40,67 +45,73 @@ impl Crossing {
     }
 }
 
-/// A shape to go back to.
+/// A surface to return to.
 #[derive(Clone, Debug)]
-pub(super) struct CleanShape {
-    pub shape: Arc<Shape>,
+pub(super) struct CheckedSurface {
+    pub topology: Arc<PatchTopology>,
     pub positions: Vec<DVec3>,
     pub steps: usize,
 }
 
-/// Looks at the blends of a group every few steps, and after every long one.
+/// Checks the blends of a group every few steps, and after every long one.
 #[derive(Debug, Default)]
-pub(super) struct CrossingWatch {
-    looked_at: Option<CleanShape>,
-    clean: Option<CleanShape>,
-    found: Option<Crossing>,
+pub(super) struct SelfIntersectionMonitor {
+    checked: Option<CheckedSurface>,
+    clean: Option<CheckedSurface>,
+    found: Option<SelfIntersection>,
 }
 
-impl CrossingWatch {
-    /// What was found at the last look.
-    pub fn found(&self) -> Option<&Crossing> {
+impl SelfIntersectionMonitor {
+    /// The result of the last check.
+    pub fn found(&self) -> Option<&SelfIntersection> {
         self.found.as_ref()
     }
 
-    /// The last shape that was looked at and did not cross.
-    pub fn clean(&self) -> Option<&CleanShape> {
+    /// The last surface that was checked and had no intersection.
+    pub fn clean(&self) -> Option<&CheckedSurface> {
         self.clean.as_ref()
     }
 
-    /// Forgets everything: the group goes on from elsewhere.
+    /// Forgets everything, for a group that continues from another surface.
     pub fn restart(&mut self) {
         *self = Self::default();
     }
 
-    /// Looks at a group's shape after `steps` accepted steps, if it is time or has `ended`.
-    pub fn look(
+    /// Checks a group's surface after `steps` accepted steps, if a check is due or the flow has
+    /// `ended`.
+    pub fn check(
         &mut self,
-        ground: Ground<'_>,
+        context: FillContext<'_>,
         group: usize,
-        shape: &Arc<Shape>,
+        topology: &Arc<PatchTopology>,
         positions: &[DVec3],
         steps: usize,
         ended: bool,
     ) {
-        let holes = &ground.plan.groups[group].holes;
-        let is_blend = |&h: &usize| ground.plan.holes[h].loops.len() > 1;
-        if !holes.iter().any(is_blend)
-            || !(ended || self.is_due(ground.mesh, shape, positions, steps))
+        if !context
+            .plan
+            .holes_of(group)
+            .any(|hole| hole.rims.is_blend())
         {
             return;
         }
-        let now = CleanShape {
-            shape: Arc::clone(shape),
+        let mesh = context.mesh;
+        let patches = context.plan.holes_of(group).zip(&topology.holes);
+        let patches = patches.map(|(hole, patch)| {
+            let rim = &hole.rims.vertices[..];
+            (rim, &patch.triangles[..], patch.new_vertices)
+        });
+        let triangles = appended_triangles(mesh.vertex_count(), patches);
+        if !ended && !self.is_due(mesh, topology, &triangles, positions, steps) {
+            return;
+        }
+        let now = CheckedSurface {
+            topology: Arc::clone(topology),
             positions: positions.to_vec(),
             steps,
         };
-        let places = crossings(
-            ground.mesh,
-            &triangles(ground.mesh, shape),
-            positions,
-            COUNTED,
-        );
-        self.found = places.first().map(|&place| Crossing {
+        let places = intersections(mesh, &triangles, positions, MAX_PAIRS);
+        self.found = places.first().map(|&place| SelfIntersection {
             place,
             pairs: places.len(),
             last_clean: self.clean.as_ref().map(|clean| clean.steps),
@@ -108,39 +119,33 @@ impl CrossingWatch {
         if self.found.is_none() {
             self.clean = Some(now.clone());
         }
-        self.looked_at = Some(now);
+        self.checked = Some(now);
     }
 
-    fn is_due(&self, mesh: &Mesh, shape: &Arc<Shape>, positions: &[DVec3], steps: usize) -> bool {
-        let Some(last) = &self.looked_at else {
+    fn is_due(
+        &self,
+        mesh: &Mesh,
+        topology: &Arc<PatchTopology>,
+        triangles: &[[u32; 3]],
+        positions: &[DVec3],
+        steps: usize,
+    ) -> bool {
+        let Some(last) = &self.checked else {
             return true;
         };
-        if !Arc::ptr_eq(&last.shape, shape) || steps >= last.steps + STEPS_BETWEEN {
+        if !Arc::ptr_eq(&last.topology, topology) || steps >= last.steps + STEPS_BETWEEN {
             return true;
         }
         let pairs = last.positions.iter().zip(positions);
         let moved = pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
-        moved > FAR * mean_edge(mesh, shape, positions)
+        moved > FAR * mean_edge(mesh, triangles, positions)
     }
 }
 
-/// A group's triangles, the new vertices of all its holes numbered on after those of the mesh.
-fn triangles(mesh: &Mesh, shape: &Shape) -> Vec<[u32; 3]> {
-    let old = mesh.vertex_count() as u32;
-    let mut first = 0;
-    let mut all = Vec::new();
-    for hole in &shape.holes {
-        let global = |v: u32| if v < old { v } else { v + first };
-        all.extend(hole.triangles.iter().map(|t| t.map(global)));
-        first += hole.new_vertices as u32;
-    }
-    all
-}
-
-fn mean_edge(mesh: &Mesh, shape: &Shape, positions: &[DVec3]) -> f64 {
+fn mean_edge(mesh: &Mesh, triangles: &[[u32; 3]], positions: &[DVec3]) -> f64 {
     let place = |v: u32| place(mesh, positions, v);
     let (mut sum, mut count) = (0.0, 0.0);
-    for t in triangles(mesh, shape) {
+    for t in triangles {
         for k in 0..3 {
             sum += place(t[k]).distance(place(t[(k + 1) % 3]));
             count += 1.0;
@@ -155,9 +160,15 @@ fn place(mesh: &Mesh, new: &[DVec3], v: u32) -> DVec3 {
     given.unwrap_or_else(|| new[at - mesh.vertex_count()])
 }
 
-/// Where the triangles `own`, over vertices of the mesh and `new` ones numbered on after them, pass
-/// through themselves or the mesh: a place for every pair, at most `limit`.
-pub(super) fn crossings(mesh: &Mesh, own: &[[u32; 3]], new: &[DVec3], limit: usize) -> Vec<DVec3> {
+/// Intersections of the triangles `own` with each other and with the mesh: one place for every pair,
+/// at most `limit`. The triangles are [appended](appended_triangles) to those of the mesh, with new
+/// vertices at `new`.
+pub(super) fn intersections(
+    mesh: &Mesh,
+    own: &[[u32; 3]],
+    new: &[DVec3],
+    limit: usize,
+) -> Vec<DVec3> {
     let place = |v: u32| place(mesh, new, v);
     let span = |t: [u32; 3]| {
         let [a, b, c] = t.map(place);
@@ -201,7 +212,7 @@ mod tests {
     use crate::shapes;
 
     #[test]
-    fn crossings_with_oneself_and_the_mesh_are_found_where_they_are() {
+    fn self_intersections_and_those_with_the_mesh_are_found() {
         let (positions, faces) = shapes::sphere(500, 1);
         let topology = Topology::from_triangles(positions.len(), &faces).expect("a sphere");
         let mesh = Mesh::new(positions, topology);
@@ -211,7 +222,7 @@ mod tests {
             let own: Vec<[u32; 3]> = (0..new.len() as u32 / 3)
                 .map(|k| [0, 1, 2].map(|c| old + 3 * k + c))
                 .collect();
-            crossings(&mesh, &own, new, 100)
+            intersections(&mesh, &own, new, 100)
         };
         // inside, through the sphere, through one another
         assert!(look(&triangle(DVec3::ZERO, 0.5)).is_empty());

@@ -7,7 +7,7 @@ const SMOOTHED: usize = 4;
 
 /// A place on a rim: a vertex and how the surface lies there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct RimFrame {
     pub point: DVec3,
     /// Unit vector into the hole, in the tangent plane and across the rim.
     pub ahead: DVec3,
@@ -15,7 +15,7 @@ pub(super) struct Place {
     pub normal: DVec3,
 }
 
-impl Place {
+impl RimFrame {
     /// At the vertex of that index along the loop. The directions are means over the faces at the
     /// rim edges around it: those of the nearest two alone follow every tooth of a ragged rim, and
     /// neighbouring curves would cross.
@@ -46,7 +46,12 @@ impl Place {
 /// along `arrive`: a cubic Hermite curve. Its end derivatives are as long as those of the circular arc that
 /// turns from the one direction to the other, which it follows closely (the error of a quarter
 /// circle is 3e-4 of its radius).
-pub(super) fn rail(a: DVec3, leave: DVec3, b: DVec3, arrive: DVec3) -> impl Fn(f64) -> DVec3 {
+pub(super) fn hermite_between(
+    a: DVec3,
+    leave: DVec3,
+    b: DVec3,
+    arrive: DVec3,
+) -> impl Fn(f64) -> DVec3 {
     let turn = leave.angle_between(arrive);
     // not a number where a direction is missing: max drops it
     let reach = a.distance(b) / (0.25 * turn).cos().powi(2).max(0.5);
@@ -95,11 +100,11 @@ mod tests {
             let p = hermite(cubic(0.0), slope(0.0), cubic(1.0), slope(1.0), t);
             assert!(p.distance(cubic(t)) < 1e-15);
         }
-        let arc = rail(DVec3::X, DVec3::Y, DVec3::new(0.0, 1.0, 0.0), -DVec3::X);
+        let arc = hermite_between(DVec3::X, DVec3::Y, DVec3::new(0.0, 1.0, 0.0), -DVec3::X);
         for i in 0..=20 {
             assert!((arc(f64::from(i) / 20.0).length() - 1.0).abs() < 3e-4);
         }
-        let straight = rail(DVec3::ZERO, DVec3::X, 0.7 * DVec3::X, DVec3::X);
+        let straight = hermite_between(DVec3::ZERO, DVec3::X, 0.7 * DVec3::X, DVec3::X);
         assert!(straight(0.5).distance(0.35 * DVec3::X) < 1e-15);
         let line = |t: f64| DVec3::new(3.0 * t, 4.0 * t, 1.0);
         assert!((length(line) - 5.0).abs() < 1e-14);

@@ -1,0 +1,215 @@
+//! The filled mesh: patches put into the given mesh.
+//!
+//! A patch has vertex numbers of its own (see [`Patch`](crate::patch::Patch)). Only here do new
+//! vertices get numbers that continue those of the mesh.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::fill::hole::HoleRims;
+use crate::fill::patch_topology::PatchTopology;
+use crate::fill::plan::Plan;
+use crate::fill::result::FilledHole;
+use crate::mesh::{DVec3, Mesh, Topology, TopologyError, VertexId};
+
+/// The triangulation of one patch: its rim vertices in the mesh, its triangles in numbers of its own
+/// and its number of new vertices.
+pub(super) type Part<'a> = (&'a [VertexId], &'a [[u32; 3]], usize);
+
+/// Triangles of patches over the vertices of the mesh and, numbered on after the first `given`, the
+/// new vertices of all patches, one patch after the other.
+pub(super) fn appended_triangles<'a>(
+    given: usize,
+    patches: impl IntoIterator<Item = Part<'a>>,
+) -> Vec<[u32; 3]> {
+    let mut first = given;
+    let mut all = Vec::new();
+    for (rim, triangles, new_vertices) in patches {
+        let number = |v: u32| match rim.get(v as usize) {
+            Some(given) => given.0,
+            None => (first + v as usize - rim.len()) as u32,
+        };
+        all.extend(triangles.iter().map(|t| t.map(number)));
+        first += new_vertices;
+    }
+    all
+}
+
+/// Connectivity and layout of a filled mesh: the given vertices and faces first, then those of the
+/// patches, hole after hole. It does not depend on positions.
+///
+/// Its methods take the positions of each group's vertices: those of a fairing, or new ones in the
+/// order of the group's [`PatchTopology`].
+#[derive(Clone, Debug)]
+pub(crate) struct Assembly {
+    pub topology: Arc<Topology>,
+    pub holes: Vec<FilledHole>,
+    /// Fairing: the given vertices that flow, ascending.
+    pub moved: Vec<VertexId>,
+    given_faces: usize,
+    /// The triangulation of each group.
+    groups: Vec<Arc<PatchTopology>>,
+}
+
+impl Assembly {
+    /// The filled mesh whose groups have these triangulations.
+    ///
+    /// # Errors
+    /// The filled mesh is not a manifold: an internal error.
+    pub fn new(
+        mesh: &Mesh,
+        plan: &Plan,
+        groups: Vec<Arc<PatchTopology>>,
+    ) -> Result<Self, TopologyError> {
+        // patches without new vertices are in no group
+        let loose = plan.holes().iter().map(|hole| {
+            let rim = &hole.rims.vertices[..];
+            (None, (rim, &hole.patch.triangles[..], 0))
+        });
+        let mut parts: Vec<(Option<usize>, Part<'_>)> = loose.collect();
+        for (g, (group, topology)) in plan.groups.iter().zip(&groups).enumerate() {
+            for (&h, hole) in group.holes.iter().zip(&topology.holes) {
+                let (_, (rim, ..)) = parts[h];
+                parts[h] = (Some(g), (rim, &hole.triangles, hole.new_vertices));
+            }
+        }
+        let (mut vertices, mut faces) = (mesh.vertex_count(), mesh.face_count());
+        let mut holes = Vec::with_capacity(parts.len());
+        for (hole, &(group, (rim, triangles, new_vertices))) in plan.holes().iter().zip(&parts) {
+            let (first_vertex, first_face) = (vertices, faces);
+            vertices += new_vertices;
+            faces += triangles.len();
+            holes.push(FilledHole {
+                loops: hole.rims.loops.iter().map(|l| l.id).collect(),
+                edges: rim.len(),
+                radius: hole.rims.radius(),
+                group,
+                vertices: first_vertex..vertices,
+                faces: first_face..faces,
+                patch_ms: hole.patch_ms,
+                tag: tag_of(mesh, &hole.rims),
+                color: mean_color(mesh, rim),
+            });
+        }
+        let mut triangles = Vec::with_capacity(faces);
+        triangles.extend(mesh.topology.triangles());
+        let patches = parts.iter().map(|&(_, part)| part);
+        triangles.extend(appended_triangles(mesh.vertex_count(), patches));
+        Ok(Self {
+            topology: Arc::new(Topology::from_triangles(vertices, &triangles)?),
+            holes,
+            moved: plan.moved().to_vec(),
+            given_faces: mesh.face_count(),
+            groups,
+        })
+    }
+
+    /// Whether it is made of these triangulations.
+    pub fn fits<'a>(&self, groups: impl IntoIterator<Item = &'a Arc<PatchTopology>>) -> bool {
+        let mut pairs = self.groups.iter().zip(groups);
+        pairs.all(|(own, other)| Arc::ptr_eq(own, other))
+    }
+
+    /// The faces of the patches in the filled mesh.
+    pub fn patch_faces(&self) -> Range<usize> {
+        self.given_faces..self.topology.face_count()
+    }
+
+    /// Positions of the vertices that flow: all new ones in the order of the filled mesh, or those
+    /// of a fairing.
+    pub fn flowing_positions<'a>(
+        &self,
+        groups: impl IntoIterator<Item = &'a [DVec3]>,
+    ) -> Vec<DVec3> {
+        let mut rest: Vec<&[DVec3]> = groups.into_iter().collect();
+        if !self.moved.is_empty() {
+            return rest.concat();
+        }
+        let mut out = Vec::with_capacity(self.new_vertices());
+        for hole in &self.holes {
+            if let Some(g) = hole.group {
+                // a group's holes follow each other in the order of all holes
+                let (own, after) = rest[g].split_at(hole.vertices.len());
+                out.extend_from_slice(own);
+                rest[g] = after;
+            }
+        }
+        out
+    }
+
+    /// Positions of all vertices of the filled mesh.
+    pub fn positions<'a>(
+        &self,
+        mesh: &Mesh,
+        groups: impl IntoIterator<Item = &'a [DVec3]>,
+    ) -> Vec<DVec3> {
+        let flowing = self.flowing_positions(groups);
+        let mut positions = Vec::with_capacity(self.topology.vertex_count());
+        positions.extend_from_slice(&mesh.positions);
+        if self.moved.is_empty() {
+            positions.extend(flowing);
+        } else {
+            for (v, p) in self.moved.iter().zip(flowing) {
+                positions[v.index()] = p;
+            }
+        }
+        positions
+    }
+
+    /// The filled mesh. New vertices have the mean colour of their rims, new faces the tag of the
+    /// face across the first edge of the first rim.
+    pub fn mesh<'a>(&self, mesh: &Mesh, groups: impl IntoIterator<Item = &'a [DVec3]>) -> Mesh {
+        let (mut colors, mut face_tags) = (mesh.colors.clone(), mesh.face_tags.clone());
+        for hole in &self.holes {
+            if !mesh.colors.is_empty() {
+                colors.extend(std::iter::repeat_n(hole.color, hole.vertices.len()));
+            }
+            if !mesh.face_tags.is_empty() {
+                face_tags.extend(std::iter::repeat_n(hole.tag, hole.faces.len()));
+            }
+        }
+        Mesh {
+            positions: self.positions(mesh, groups),
+            topology: (*self.topology).clone(),
+            colors,
+            face_tags,
+            tags: mesh.tags.clone(),
+            one_sided: mesh.one_sided.clone(),
+            one_sided_tags: mesh.one_sided_tags.clone(),
+        }
+    }
+
+    fn new_vertices(&self) -> usize {
+        self.holes.iter().map(|hole| hole.vertices.len()).sum()
+    }
+
+    /// Size in bytes, for the memory limit of a timeline.
+    pub fn bytes(&self) -> usize {
+        let flowing = self.new_vertices() + self.moved.len();
+        let faces: usize = self.holes.iter().map(|hole| hole.faces.len()).sum();
+        flowing * size_of::<DVec3>() + faces * size_of::<[u32; 3]>() + self.topology.bytes()
+    }
+}
+
+/// The tag of the face across the first edge of the first rim.
+fn tag_of(mesh: &Mesh, rims: &HoleRims) -> u32 {
+    let face = mesh.topology.face(rims.loops[0].halfedges[0].twin());
+    mesh.face_tags.get(face.index()).copied().unwrap_or(0)
+}
+
+/// The mean colour of the rim vertices.
+fn mean_color(mesh: &Mesh, rim: &[VertexId]) -> [f32; 4] {
+    let mut mean = [0.0; 4];
+    if mesh.colors.is_empty() {
+        return mean;
+    }
+    let mut rim = rim.to_vec();
+    rim.sort_unstable();
+    rim.dedup();
+    for v in &rim {
+        for (sum, part) in mean.iter_mut().zip(mesh.colors[v.index()]) {
+            *sum += part / rim.len() as f32;
+        }
+    }
+    mean
+}

@@ -1,0 +1,24 @@
+//! What the groups of a fill share, and why a change to a group can be refused.
+
+use crate::fill::plan::Plan;
+use crate::mesh::{LoopId, Mesh};
+use crate::patch::{PatchError, TransferError};
+use crate::solver::SolverError;
+
+/// What the groups of a fill share.
+#[derive(Clone, Copy)]
+pub(super) struct FillContext<'a> {
+    pub mesh: &'a Mesh,
+    pub plan: &'a Plan,
+}
+
+/// Why a change cannot be made. The group continues as before.
+#[derive(Clone, Debug, thiserror::Error)]
+pub(super) enum ChangeError {
+    #[error(transparent)]
+    Flow(#[from] SolverError),
+    #[error("hole {hole}: no patch of that density: {source}")]
+    Patch { hole: LoopId, source: PatchError },
+    #[error("hole {hole}: {source}")]
+    Transfer { hole: LoopId, source: TransferError },
+}

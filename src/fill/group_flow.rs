@@ -1,0 +1,475 @@
+//! The flow of one group of holes with its patches, which may change between steps.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::energy::Order;
+use crate::fill::context::{ChangeError, FillContext};
+use crate::fill::noise::roughened;
+use crate::fill::options::FillOptions;
+use crate::fill::patch_topology::PatchTopology;
+use crate::fill::plan::Domain;
+use crate::fill::region;
+use crate::fill::remesh::{RemeshPolicy, remesh, remesh_degraded};
+use crate::fill::result::{Timings, milliseconds};
+use crate::fill::self_intersection::{SelfIntersection, SelfIntersectionMonitor};
+use crate::fill::warm_start::{warm_start, warm_start_of};
+use crate::mesh::{DVec3, VertexId};
+use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord, sharpest_cosine};
+
+/// Maximum factor by which remeshing may raise the energy. A rise is normal: new vertices lie on the
+/// control triangles and not on the smooth surface, which the next steps correct, and stretched
+/// triangles underestimate the curvature.
+const MAX_ENERGY_RISE: f64 = 1.6;
+
+/// What a user can do about a surface that intersects itself.
+const REMEDY: &str = "take another energy or a tension, or join fewer rims at a time";
+
+/// The flow of a group of holes.
+pub(super) struct GroupFlow {
+    group: usize,
+    options: FillOptions,
+    topology: Arc<PatchTopology>,
+    /// The flow; without one the vertices stay at `fallback_positions`.
+    flow: Option<Flow>,
+    fallback_positions: Vec<DVec3>,
+    failed: Option<SolverError>,
+    /// Accepted and rejected steps where there is no flow.
+    counts_before: (usize, usize),
+    remeshing: RemeshPolicy,
+    intersection: SelfIntersectionMonitor,
+    energy_start: Option<f64>,
+    warnings: Vec<String>,
+    timings: Timings,
+}
+
+impl GroupFlow {
+    /// Sets the flow up at the warm start. If that fails the vertices stay where the last successful
+    /// stage put them.
+    pub fn start(context: FillContext<'_>, group: usize, options: &FillOptions) -> Self {
+        let mut run = Self::without_flow(context, group, options);
+        if let Err(error) = run.set_up(context) {
+            run.failed = Some(error);
+        }
+        run
+    }
+
+    /// The group at its first patches, without a flow because of `error`.
+    pub fn failed_at_start(
+        context: FillContext<'_>,
+        group: usize,
+        options: &FillOptions,
+        error: SolverError,
+    ) -> Self {
+        let failed = Some(error);
+        Self {
+            failed,
+            ..Self::without_flow(context, group, options)
+        }
+    }
+
+    fn without_flow(context: FillContext<'_>, group: usize, options: &FillOptions) -> Self {
+        Self {
+            group,
+            options: options.clone(),
+            topology: Arc::clone(&context.plan.groups[group].topology),
+            flow: None,
+            fallback_positions: context.plan.start_positions(context.mesh, group),
+            failed: None,
+            counts_before: (0, 0),
+            remeshing: RemeshPolicy::default(),
+            intersection: SelfIntersectionMonitor::default(),
+            energy_start: None,
+            warnings: Vec::new(),
+            timings: Timings::default(),
+        }
+    }
+
+    fn set_up(&mut self, context: FillContext<'_>) -> Result<(), SolverError> {
+        let mut lap = Instant::now();
+        let mut split = |slot: &mut f64| {
+            *slot += milliseconds(lap);
+            lap = Instant::now();
+        };
+        let options = &self.options;
+        let start = &self.fallback_positions;
+        let problem = region::problem(context, self.group, &self.topology, start, options)?;
+        split(&mut self.timings.setup);
+        let problem = roughened(self.warm_start(context, problem)?, options.noise);
+        self.fallback_positions = problem.to_world(problem.positions());
+        split(&mut self.timings.warm_start);
+        self.flow = Self::flow_of(problem, options)?;
+        self.check_self_intersection(context);
+        split(&mut self.timings.setup);
+        Ok(())
+    }
+
+    /// The warm start of the patches that do not have their topology yet.
+    fn warm_start(
+        &self,
+        context: FillContext<'_>,
+        problem: FlowProblem,
+    ) -> Result<FlowProblem, SolverError> {
+        if let Domain::Vertices(_) = context.plan.domain {
+            return warm_start(problem);
+        }
+        let mut moved = Vec::new();
+        let parts = self.topology.split(problem.interior());
+        for (hole, (_, own)) in context.plan.holes_of(self.group).zip(parts) {
+            if !hole.has_initial_shape {
+                moved.extend_from_slice(own);
+            }
+        }
+        warm_start_of(problem, &moved)
+    }
+
+    /// `None` where nothing can move.
+    fn flow_of(problem: FlowProblem, options: &FillOptions) -> Result<Option<Flow>, SolverError> {
+        if problem.interior().is_empty() {
+            return Ok(None);
+        }
+        Flow::new(problem, options.flow.clone()).map(Some)
+    }
+
+    /// Attempts one step; `None` if the flow has ended.
+    pub fn attempt(&mut self, context: FillContext<'_>) -> Option<StepRecord> {
+        let start = Instant::now();
+        let record = self.flow.as_mut()?.step();
+        self.timings.flow += milliseconds(start);
+        match record {
+            Ok(record) => {
+                if record.as_ref().is_some_and(|record| !record.rejected) {
+                    self.remesh_if_degraded(context);
+                    self.check_self_intersection(context);
+                }
+                record
+            }
+            Err(error) => {
+                let (topology, fallback_positions) = (Arc::clone(&self.topology), self.positions());
+                self.fail(error, topology, fallback_positions);
+                None
+            }
+        }
+    }
+
+    /// Replaces triangles that a large deformation has degraded.
+    fn remesh_if_degraded(&mut self, context: FillContext<'_>) {
+        let end = self.end();
+        let is_fourth = self.options.flow.energy.order() == Order::Fourth;
+        match end {
+            None | Some(End::Converged) => {}
+            // not a neck that closes: a large deformation leaves triangles without area
+            Some(End::Pinched) if is_fourth => {}
+            _ => return,
+        }
+        let start = Instant::now();
+        let (steps, rejected) = self.step_counts();
+        if !self.remeshing.allows(steps, end.is_some()) {
+            return;
+        }
+        let (topology, options) = (&self.topology, &self.options);
+        let next = remesh_degraded(context, self.group, topology, &self.positions(), options);
+        if let Some((topology, positions)) = next {
+            self.remeshing.count(steps);
+            let energy = self.flow.as_mut().map_or(f64::NAN, Flow::fine_energy);
+            let built = self.build(
+                context,
+                &topology,
+                &positions,
+                &self.options,
+                steps,
+                rejected,
+            );
+            if let Ok(Some(flow)) = built
+                && flow.energy_start() <= MAX_ENERGY_RISE * energy
+            {
+                self.install(Arc::new(topology), positions, Some(flow));
+            }
+        }
+        self.timings.setup += milliseconds(start);
+    }
+
+    /// Checks whether the surface intersects itself or the mesh. If it does at the end of the flow, the
+    /// group returns to its last surface without intersections.
+    fn check_self_intersection(&mut self, context: FillContext<'_>) {
+        let (steps, rejected) = self.step_counts();
+        let (positions, ended) = (self.positions(), self.ended());
+        self.intersection.check(
+            context,
+            self.group,
+            &self.topology,
+            &positions,
+            steps,
+            ended,
+        );
+        let Some(found) = self.intersection.found().copied().filter(|_| ended) else {
+            return;
+        };
+        let Some(clean) = self.intersection.clean().cloned() else {
+            self.warn(format!(
+                "the surface passes through itself or the mesh from the start ({}); {REMEDY}",
+                found.words()
+            ));
+            return;
+        };
+        let built = self.build(
+            context,
+            &clean.topology,
+            &clean.positions,
+            &self.options,
+            steps,
+            rejected,
+        );
+        if let Ok(Some(mut flow)) = built {
+            flow.finish(End::SelfIntersected);
+            self.install(clean.topology, clean.positions, Some(flow));
+            self.warn(format!(
+                "not converged: on its way the surface passes through itself or the mesh ({}); its last \
+                 shape without that, after step {}, is kept ({REMEDY})",
+                found.words(),
+                clean.steps
+            ));
+        }
+    }
+
+    /// The intersection found by the last check, if there was one.
+    pub fn self_intersection(&self) -> Option<&SelfIntersection> {
+        self.intersection.found()
+    }
+
+    /// Ends the flow because of `error`. The vertices stay at `fallback_positions`, those of
+    /// `topology`.
+    pub fn fail(
+        &mut self,
+        error: SolverError,
+        topology: Arc<PatchTopology>,
+        fallback_positions: Vec<DVec3>,
+    ) {
+        self.keep_history();
+        self.flow = None;
+        (self.topology, self.fallback_positions) = (topology, fallback_positions);
+        self.failed = Some(error);
+    }
+
+    /// Ends the flow at the present surface.
+    pub fn stop(&mut self) {
+        if let Some(flow) = &mut self.flow {
+            flow.cancel();
+        }
+    }
+
+    /// Continues with other options from the present surface.
+    ///
+    /// # Errors
+    /// The options are refused; the group continues as before.
+    pub fn change(
+        &mut self,
+        context: FillContext<'_>,
+        options: &FillOptions,
+    ) -> Result<(), ChangeError> {
+        let is_patched = matches!(context.plan.domain, Domain::Holes(_));
+        let remeshed = is_patched && options.patch != self.options.patch;
+        let mut loops = context
+            .plan
+            .holes_of(self.group)
+            .flat_map(|hole| &hole.rims.loops);
+        let recut = loops.any(|l| options.continuity_at(l.id) != self.options.continuity_at(l.id));
+        if remeshed || recut || self.flow.is_none() {
+            let mut positions = self.positions();
+            let mut topology = Arc::clone(&self.topology);
+            if remeshed {
+                let remeshed = remesh(context, self.group, &topology, &positions, options)?;
+                (topology, positions) = (Arc::new(remeshed.0), remeshed.1);
+            }
+            let (steps, rejected) = self.step_counts();
+            let flow = self.build(context, &topology, &positions, options, steps, rejected)?;
+            self.install(topology, positions, flow);
+        } else if options.flow != self.options.flow
+            && let Some(flow) = &mut self.flow
+        {
+            flow.set_options(options.flow.clone())?;
+        }
+        self.options = options.clone();
+        Ok(())
+    }
+
+    /// Continues from another surface of the group, `steps` accepted steps from its start.
+    ///
+    /// # Errors
+    /// No flow can start there with these options; the group continues as before.
+    pub fn rewind(
+        &mut self,
+        context: FillContext<'_>,
+        topology: &Arc<PatchTopology>,
+        positions: &[DVec3],
+        steps: usize,
+        options: &FillOptions,
+    ) -> Result<(), ChangeError> {
+        let (_, rejected) = self.step_counts();
+        let flow = self.build(context, topology, positions, options, steps, rejected)?;
+        self.install(Arc::clone(topology), positions.to_vec(), flow);
+        self.intersection.restart();
+        self.options = options.clone();
+        Ok(())
+    }
+
+    fn build(
+        &self,
+        context: FillContext<'_>,
+        topology: &PatchTopology,
+        positions: &[DVec3],
+        options: &FillOptions,
+        steps: usize,
+        rejected: usize,
+    ) -> Result<Option<Flow>, SolverError> {
+        let problem = region::problem(context, self.group, topology, positions, options)?;
+        let flow = Self::flow_of(problem, options)?;
+        Ok(flow.map(|flow| flow.counting_from(steps, rejected)))
+    }
+
+    fn install(&mut self, topology: Arc<PatchTopology>, positions: Vec<DVec3>, flow: Option<Flow>) {
+        self.keep_history();
+        self.topology = topology;
+        self.fallback_positions = positions;
+        self.failed = None;
+        self.flow = flow;
+    }
+
+    /// Stores what outlives a flow that is about to be replaced.
+    fn keep_history(&mut self) {
+        if let Some(flow) = &self.flow {
+            self.energy_start.get_or_insert(flow.energy_start());
+            self.warnings = self.warnings();
+            self.counts_before = flow.counts();
+        }
+    }
+
+    fn step_counts(&self) -> (usize, usize) {
+        self.flow.as_ref().map_or(self.counts_before, Flow::counts)
+    }
+
+    /// Accepted steps from the start to the present surface.
+    pub fn steps(&self) -> usize {
+        self.step_counts().0
+    }
+
+    /// Positions of the vertices that flow, those of [`Self::topology`].
+    pub fn positions(&self) -> Vec<DVec3> {
+        match &self.flow {
+            Some(flow) => flow.problem().to_world(flow.positions()),
+            None => self.fallback_positions.clone(),
+        }
+    }
+
+    /// The triangulations of the patches.
+    pub fn topology(&self) -> &Arc<PatchTopology> {
+        &self.topology
+    }
+
+    /// Smallest angle of a triangle of the patches, or of those that are faired, in degrees.
+    /// `positions` are [`Self::positions`].
+    pub fn worst_angle(&self, context: FillContext<'_>, positions: &[DVec3]) -> f64 {
+        let mesh = context.mesh;
+        let mut sharpest = -1.0f64;
+        if let Domain::Vertices(moved) = &context.plan.domain {
+            let place = |v: VertexId| match moved.binary_search(&v) {
+                Ok(i) => positions[i],
+                Err(_) => mesh.position(v),
+            };
+            let faces = moved.iter().flat_map(|&v| mesh.topology.outgoing(v));
+            for f in faces.map(|h| mesh.topology.face(h)) {
+                let corners = mesh.topology.face_vertices(f).map(place);
+                sharpest = sharpest.max(sharpest_cosine(corners));
+            }
+        }
+        let parts = self.topology.split(positions);
+        for (hole, (own, here)) in context.plan.holes_of(self.group).zip(parts) {
+            let rim = &hole.rims.vertices;
+            let place = |v: u32| match rim.get(v as usize) {
+                Some(&given) => mesh.position(given),
+                None => here[v as usize - rim.len()],
+            };
+            for t in &own.triangles {
+                sharpest = sharpest.max(sharpest_cosine(t.map(place)));
+            }
+        }
+        sharpest.clamp(-1.0, 1.0).acos().to_degrees()
+    }
+
+    /// The flow, unless it failed or no vertex can move.
+    pub fn flow(&self) -> Option<&Flow> {
+        self.flow.as_ref()
+    }
+
+    /// Whether the flow has ended.
+    pub fn ended(&self) -> bool {
+        self.flow.as_ref().is_none_or(|flow| flow.end().is_some())
+    }
+
+    /// Why the flow has ended, if it has and did not fail.
+    pub fn end(&self) -> Option<End> {
+        match &self.flow {
+            Some(flow) => flow.end(),
+            None => self.failed.is_none().then_some(End::Converged),
+        }
+    }
+
+    /// Why the flow failed, if it did.
+    pub fn failed(&self) -> Option<&SolverError> {
+        self.failed.as_ref()
+    }
+
+    /// Adds a warning for the user.
+    pub fn warn(&mut self, text: String) {
+        self.warnings.push(text);
+    }
+
+    /// Warnings so far, each once.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut all = self.warnings.clone();
+        for text in self.flow.iter().flat_map(Flow::warnings) {
+            if !all.contains(text) {
+                all.push(text.clone());
+            }
+        }
+        all
+    }
+
+    /// The outcome of the flow, and the stage times.
+    ///
+    /// # Errors
+    /// Why the flow failed.
+    pub fn outcome(&mut self) -> Result<(Outcome, Timings), SolverError> {
+        let before = std::mem::take(&mut self.warnings);
+        let result = match (&mut self.flow, &self.failed) {
+            (Some(flow), _) => {
+                let mut outcome = flow.outcome();
+                if let Some(start) = self.energy_start {
+                    outcome.energy_start = start;
+                }
+                let own = std::mem::take(&mut outcome.warnings);
+                outcome.warnings.clone_from(&before);
+                outcome
+                    .warnings
+                    .extend(own.into_iter().filter(|text| !before.contains(text)));
+                Ok((outcome, self.timings))
+            }
+            (None, Some(error)) => Err(error.clone()),
+            (None, None) => Ok((nothing_to_do(), self.timings)),
+        };
+        self.warnings = before;
+        result
+    }
+}
+
+/// The outcome of a group without vertices to move.
+fn nothing_to_do() -> Outcome {
+    Outcome {
+        end: End::Converged,
+        steps: 0,
+        rejected: 0,
+        energy_start: 0.0,
+        energy_end: 0.0,
+        warnings: Vec::new(),
+    }
+}

@@ -1,0 +1,83 @@
+//! Holes with their rims and first patches.
+
+use std::sync::Arc;
+
+use crate::fill::patch_topology::HoleTopology;
+use crate::fill::rim::rim_geometry;
+use crate::mesh::DVec3;
+use crate::mesh::{BoundaryLoop, LoopId, Mesh, VertexId};
+use crate::patch::{Patch, PatchError, RimGeometry};
+
+/// The rims that one patch joins.
+#[derive(Clone, Debug)]
+pub(crate) struct HoleRims {
+    /// At least one; the first stands for the hole.
+    pub loops: Vec<BoundaryLoop>,
+    /// Vertices of the mesh along all rims: the first vertices of the patch, in its order.
+    pub vertices: Vec<VertexId>,
+    pub geometry: RimGeometry,
+}
+
+impl HoleRims {
+    pub fn new(mesh: &Mesh, loops: &[&BoundaryLoop]) -> Self {
+        let geometry = rim_geometry(mesh, loops);
+        Self::with_geometry(loops.iter().map(|&one| one.clone()).collect(), geometry)
+    }
+
+    pub fn with_geometry(loops: Vec<BoundaryLoop>, geometry: RimGeometry) -> Self {
+        Self {
+            vertices: loops.iter().flat_map(|l| l.vertices.clone()).collect(),
+            loops,
+            geometry,
+        }
+    }
+
+    pub fn id(&self) -> LoopId {
+        self.loops[0].id
+    }
+
+    /// Whether there are several rims.
+    pub fn is_blend(&self) -> bool {
+        self.loops.len() > 1
+    }
+
+    /// The largest radius of the rims.
+    pub fn radius(&self) -> f64 {
+        self.loops.iter().map(|l| l.radius).fold(0.0, f64::max)
+    }
+
+    /// The patch of a triangulation whose new vertices are at `positions`.
+    pub fn patch(&self, topology: &HoleTopology, positions: &[DVec3]) -> Patch {
+        Patch {
+            rim: self.vertices.len(),
+            points: self
+                .geometry
+                .points()
+                .chain(positions.iter().copied())
+                .collect(),
+            triangles: topology.triangles.clone(),
+        }
+    }
+}
+
+/// A hole and the attempt to make its first patch.
+#[derive(Clone, Debug)]
+pub(super) struct DraftHole {
+    pub rims: Arc<HoleRims>,
+    pub patch: Result<Patch, PatchError>,
+    /// See [`PlannedHole::has_initial_shape`].
+    pub has_initial_shape: bool,
+    /// See [`PlannedHole::patch_ms`].
+    pub patch_ms: f64,
+}
+
+/// A hole with its first patch.
+#[derive(Clone, Debug)]
+pub(crate) struct PlannedHole {
+    pub rims: Arc<HoleRims>,
+    pub patch: Patch,
+    /// Whether the patch has the shape its flow starts from, and needs no warm start.
+    pub has_initial_shape: bool,
+    /// Milliseconds the first patch took.
+    pub patch_ms: f64,
+}

@@ -1,0 +1,89 @@
+//! The plan of a fill: first patches, and the groups to be solved together.
+
+use crate::fill::group::{Group, groups};
+use crate::fill::hole::{DraftHole, PlannedHole};
+use crate::fill::result::FillError;
+use crate::mesh::{DVec3, LoopId, Mesh, VertexId};
+
+/// What flows.
+#[derive(Clone, Debug)]
+pub(crate) enum Domain {
+    /// New vertices, in the patches of these holes.
+    Holes(Vec<PlannedHole>),
+    /// Fairing: these vertices of the mesh, ascending. They form one group.
+    Vertices(Vec<VertexId>),
+}
+
+/// First patches of all holes, and the groups of the flows to run on them.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub domain: Domain,
+    /// Holes that could not be given a patch.
+    pub failed: Vec<FillError>,
+    pub groups: Vec<Group>,
+}
+
+impl Plan {
+    /// The plan of these holes; those without a patch are [`Self::failed`].
+    pub fn of_holes(mesh: &Mesh, drafts: Vec<DraftHole>) -> Self {
+        let (mut holes, mut failed) = (Vec::new(), Vec::new());
+        for draft in drafts {
+            match draft.patch {
+                Ok(patch) => holes.push(PlannedHole {
+                    rims: draft.rims,
+                    patch,
+                    has_initial_shape: draft.has_initial_shape,
+                    patch_ms: draft.patch_ms,
+                }),
+                Err(source) => failed.push(FillError::Patch {
+                    hole: draft.rims.id(),
+                    source,
+                }),
+            }
+        }
+        Self {
+            groups: groups(mesh, &holes),
+            domain: Domain::Holes(holes),
+            failed,
+        }
+    }
+
+    /// All holes; none in a fairing.
+    pub fn holes(&self) -> &[PlannedHole] {
+        match &self.domain {
+            Domain::Holes(holes) => holes,
+            Domain::Vertices(_) => &[],
+        }
+    }
+
+    /// Fairing: the vertices that flow; none otherwise.
+    pub fn moved(&self) -> &[VertexId] {
+        match &self.domain {
+            Domain::Holes(_) => &[],
+            Domain::Vertices(moved) => moved,
+        }
+    }
+
+    /// The holes of a group.
+    pub fn holes_of(&self, group: usize) -> impl Iterator<Item = &PlannedHole> {
+        self.groups[group].holes.iter().map(|&h| &self.holes()[h])
+    }
+
+    /// The loops that stand for the holes of a group.
+    pub fn hole_ids(&self, group: usize) -> Vec<LoopId> {
+        self.holes_of(group).map(|hole| hole.rims.id()).collect()
+    }
+
+    /// Positions of a group's vertices in the first patches.
+    pub fn start_positions(&self, mesh: &Mesh, group: usize) -> Vec<DVec3> {
+        match &self.domain {
+            Domain::Vertices(moved) => moved.iter().map(|&v| mesh.position(v)).collect(),
+            Domain::Holes(_) => {
+                let new = self
+                    .holes_of(group)
+                    .flat_map(|hole| hole.patch.new_points());
+                new.copied().collect()
+            }
+        }
+    }
+}

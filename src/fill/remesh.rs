@@ -1,0 +1,127 @@
+//! New triangulations of patches during a flow: for other densities, and instead of those that a large
+//! deformation has degraded.
+//!
+//! A triangulation is replaced in three steps: the present [`Patch`] is put together from its
+//! connectivity and positions; the patch module makes another one over the same rims whose new
+//! vertices lie on the present surface; that one is taken apart again into connectivity and
+//! positions.
+
+use crate::fill::context::{ChangeError, FillContext};
+use crate::fill::hole::PlannedHole;
+use crate::fill::options::FillOptions;
+use crate::fill::patch_topology::{HoleTopology, PatchTopology};
+use crate::mesh::DVec3;
+use crate::patch::{self, Patch};
+
+/// Blends with a triangle sharper than this (in degrees) are remeshed. Every remeshing costs the steps
+/// in which the new triangles find their places.
+const SHARP: f64 = 18.0;
+/// Minimum number of accepted steps between two remeshings.
+const STEPS_BETWEEN: usize = 3;
+/// Maximum number of remeshings of a group.
+const MAX_REMESHINGS: usize = 8;
+
+/// Decides when the blends of a group are remeshed.
+#[derive(Debug, Default)]
+pub(super) struct RemeshPolicy {
+    count: usize,
+    last: usize,
+}
+
+impl RemeshPolicy {
+    /// Whether degraded blends may be remeshed after `steps` accepted steps.
+    pub fn allows(&self, steps: usize, converged: bool) -> bool {
+        self.count < MAX_REMESHINGS && (converged || steps >= self.last + STEPS_BETWEEN)
+    }
+
+    /// Counts a remeshing after `steps` accepted steps.
+    pub fn count(&mut self, steps: usize) {
+        self.count += 1;
+        self.last = steps;
+    }
+}
+
+/// The patches of a group with its blends remeshed where they have sharp triangles and remeshing
+/// improves them. `None` if no patch is to be remeshed.
+pub(super) fn remesh_degraded(
+    context: FillContext<'_>,
+    group: usize,
+    topology: &PatchTopology,
+    positions: &[DVec3],
+    options: &FillOptions,
+) -> Option<(PatchTopology, Vec<DVec3>)> {
+    let mut next = Remeshed::default();
+    let mut any = false;
+    for (hole, (own, here)) in context.plan.holes_of(group).zip(topology.split(positions)) {
+        let mut better = None;
+        if hole.rims.is_blend() {
+            let present = hole.rims.patch(own, here);
+            let before = present.sharpest_angle();
+            if before < SHARP {
+                let fresh = patch::reblend(&hole.rims.geometry, &present, &options.patch);
+                better = (fresh.sharpest_angle() > before).then_some(fresh);
+            }
+        }
+        match better {
+            Some(patch) => {
+                next.push(&patch);
+                any = true;
+            }
+            None => next.keep(own, here),
+        }
+    }
+    any.then_some((next.topology, next.positions))
+}
+
+/// New triangulations of all holes of a group, whose vertices lie on the present surface.
+///
+/// # Errors
+/// A rim that has no patch of that density, or a surface that cannot be mapped to a disc.
+pub(super) fn remesh(
+    context: FillContext<'_>,
+    group: usize,
+    topology: &PatchTopology,
+    positions: &[DVec3],
+    options: &FillOptions,
+) -> Result<(PatchTopology, Vec<DVec3>), ChangeError> {
+    let mut next = Remeshed::default();
+    for (hole, (own, here)) in context.plan.holes_of(group).zip(topology.split(positions)) {
+        next.push(&remesh_hole(hole, &hole.rims.patch(own, here), options)?);
+    }
+    Ok((next.topology, next.positions))
+}
+
+fn remesh_hole(
+    hole: &PlannedHole,
+    present: &Patch,
+    options: &FillOptions,
+) -> Result<Patch, ChangeError> {
+    let geometry = &hole.rims.geometry;
+    let [rim] = &geometry.rims[..] else {
+        return Ok(patch::reblend(geometry, present, &options.patch));
+    };
+    let hole = hole.rims.id();
+    let mut fresh =
+        patch::fill(rim, &options.patch).map_err(|source| ChangeError::Patch { hole, source })?;
+    patch::transfer(present, &mut fresh)
+        .map_err(|source| ChangeError::Transfer { hole, source })?;
+    Ok(fresh)
+}
+
+/// The patches of a group under construction, as connectivity and positions.
+#[derive(Default)]
+struct Remeshed {
+    topology: PatchTopology,
+    positions: Vec<DVec3>,
+}
+
+impl Remeshed {
+    fn push(&mut self, patch: &Patch) {
+        self.keep(&HoleTopology::of(&patch), patch.new_points());
+    }
+
+    fn keep(&mut self, hole: &HoleTopology, positions: &[DVec3]) {
+        self.topology.holes.push(hole.clone());
+        self.positions.extend_from_slice(positions);
+    }
+}

@@ -1,0 +1,140 @@
+//! A filled mesh, how it came about, and why a fill can fail.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use crate::mesh::{LoopId, Mesh, TopologyError, VertexId};
+use crate::patch::PatchError;
+use crate::solver::{End, Outcome, SolverError, StepRecord};
+
+/// Why a hole, or a whole fill, failed.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum FillError {
+    /// No first patch could be made.
+    #[error("hole {hole}: no first patch: {source}")]
+    Patch {
+        /// The loop.
+        hole: LoopId,
+        /// The reason.
+        source: PatchError,
+    },
+    /// The filled mesh is not a manifold: an internal error. No file is written.
+    #[error("the filled mesh would not be manifold ({0}); nothing was changed")]
+    NotManifold(#[from] TopologyError),
+}
+
+impl FillError {
+    /// The loop concerned, if there is one.
+    pub fn hole(&self) -> Option<LoopId> {
+        match self {
+            Self::Patch { hole, .. } => Some(*hole),
+            Self::NotManifold(_) => None,
+        }
+    }
+}
+
+/// Wall-clock times of the stages of one hole or group, in milliseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Timings {
+    /// First patch.
+    pub patch: f64,
+    /// Region, elements, symbolic factorization.
+    pub setup: f64,
+    /// Graph Laplacian and bi-Laplacian.
+    pub warm_start: f64,
+    /// Steps.
+    pub flow: f64,
+}
+
+impl Timings {
+    /// Sum of the stages.
+    pub fn total(&self) -> f64 {
+        self.patch + self.setup + self.warm_start + self.flow
+    }
+}
+
+/// Milliseconds since `start`.
+pub(super) fn milliseconds(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+/// The flow of one group.
+#[derive(Clone, Debug)]
+pub struct GroupResult {
+    /// Outcome of the flow.
+    pub outcome: Outcome,
+    /// Every attempted step.
+    pub records: Vec<StepRecord>,
+    /// Stage times, patches excluded.
+    pub timings: Timings,
+}
+
+/// A hole's part of a filled mesh.
+#[derive(Clone, Debug)]
+pub struct FilledHole {
+    /// The loops its patch joins: one, or several for a blend or a hole with islands.
+    pub loops: Vec<LoopId>,
+    /// Edges of the rims.
+    pub edges: usize,
+    /// Hole radius: RMS distance of the rim from its mean, the largest of several rims.
+    pub radius: f64,
+    /// The group it is solved with; `None` if the patch has no interior vertex.
+    pub group: Option<usize>,
+    /// Its new vertices in the filled mesh.
+    pub vertices: Range<usize>,
+    /// Its faces in the filled mesh.
+    pub faces: Range<usize>,
+    /// Milliseconds its first patch took.
+    pub patch_ms: f64,
+    /// Tag of its faces.
+    pub(super) tag: u32,
+    /// Colour of its new vertices.
+    pub(super) color: [f32; 4],
+}
+
+impl FilledHole {
+    /// The loop that stands for the hole: the first of [`Self::loops`].
+    pub fn id(&self) -> LoopId {
+        self.loops[0]
+    }
+}
+
+/// A filled mesh and how it came about.
+#[derive(Debug)]
+pub struct Filled {
+    /// Given vertices and faces first, bit-identical; then those of the patches.
+    pub mesh: Mesh,
+    /// Holes with a patch, in the order asked for.
+    pub holes: Vec<FilledHole>,
+    /// Holes without one.
+    pub failed: Vec<FillError>,
+    /// Fairing: the given vertices that flowed, ascending. There are no holes then.
+    pub moved: Vec<VertexId>,
+    /// One result a group; after an error the group's holes are at their warm start.
+    pub groups: Vec<Result<GroupResult, SolverError>>,
+    /// Wall-clock milliseconds of the whole, without reading and writing files.
+    pub milliseconds: f64,
+}
+
+impl Filled {
+    /// Whether every hole has a patch whose flow converged or needed none.
+    pub fn complete(&self) -> bool {
+        let converged = |g: &GroupResult| g.outcome.end == End::Converged;
+        self.failed.is_empty() && self.groups.iter().all(|g| g.as_ref().is_ok_and(converged))
+    }
+
+    /// Number of new vertices.
+    pub fn vertices_added(&self) -> usize {
+        self.holes.iter().map(|hole| hole.vertices.len()).sum()
+    }
+
+    /// Number of new faces.
+    pub fn faces_added(&self) -> usize {
+        self.holes.iter().map(|hole| hole.faces.len()).sum()
+    }
+
+    /// The first hole of a group.
+    pub fn first_hole(&self, group: usize) -> Option<&FilledHole> {
+        self.holes.iter().find(|hole| hole.group == Some(group))
+    }
+}

@@ -1,0 +1,114 @@
+//! Rims, and the patches over them.
+
+use crate::mesh::DVec3;
+
+/// The rim of a hole, in the direction in which the patch runs through it: patch triangles contain
+/// the directed edges `points[i] → points[i+1]`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rim {
+    /// The rim's vertices; the last is joined to the first.
+    pub points: Vec<DVec3>,
+    /// Third vertex of the existing face at rim edge `i → i+1`.
+    pub opposite: Vec<DVec3>,
+    /// Pairs (i < j) of rim indices already joined by an edge of the mesh that is not a rim edge:
+    /// a patch edge there would be non-manifold.
+    pub forbidden: Vec<[u32; 2]>,
+}
+
+/// Rims that one patch is to join.
+///
+/// Indices of rim vertices count through all rims in order: those of the second follow the last of
+/// the first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RimGeometry {
+    /// The rims, at least one.
+    pub rims: Vec<Rim>,
+    /// Pairs (i < j) of vertices of different rims that are joined by an edge of the mesh already.
+    pub forbidden: Vec<[u32; 2]>,
+    /// For each rim the connected piece of the mesh it belongs to: rims of one piece can only be
+    /// turned over together.
+    pub pieces: Vec<u32>,
+}
+
+impl RimGeometry {
+    /// A single rim.
+    pub fn single(rim: Rim) -> Self {
+        Self {
+            rims: vec![rim],
+            ..Self::default()
+        }
+    }
+
+    /// The vertices of all rims.
+    pub fn points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
+        self.rims.iter().flat_map(|r| r.points.iter().copied())
+    }
+
+    /// Number of rim vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.rims.iter().map(|r| r.points.len()).sum()
+    }
+
+    /// All forbidden pairs that are not rim edges.
+    pub(super) fn chords(&self) -> Vec<[u32; 2]> {
+        let mut chords = self.forbidden.clone();
+        let mut first = 0;
+        for rim in &self.rims {
+            let n = rim.points.len() as u32;
+            let inner = rim.forbidden.iter();
+            chords.extend(
+                inner
+                    .filter(|&&[i, j]| j != i + 1 && (i != 0 || j != n - 1))
+                    .map(|pair| pair.map(|v| v + first)),
+            );
+            first += n;
+        }
+        chords
+    }
+}
+
+/// How to make the first patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PatchOptions {
+    /// Vertices per length along the patch, relative to the rim: 1 makes equilateral triangles of
+    /// the rim's edge length, 2 of half of it.
+    pub density: f64,
+}
+
+impl Default for PatchOptions {
+    fn default() -> Self {
+        Self { density: 1.0 }
+    }
+}
+
+/// A triangulated surface over one or several rims, in vertex numbers of its own: first the rim
+/// vertices, rim after rim, then the new ones.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Patch {
+    /// Number of rim vertices.
+    pub rim: usize,
+    /// The rims' points first (bit-identical), then the new ones.
+    pub points: Vec<DVec3>,
+    /// Corners, oriented as the rims run.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Patch {
+    /// The points that are not on a rim.
+    pub fn new_points(&self) -> &[DVec3] {
+        &self.points[self.rim..]
+    }
+
+    /// The smallest angle of a triangle, in degrees.
+    pub fn sharpest_angle(&self) -> f64 {
+        let mut least = f64::INFINITY;
+        for t in &self.triangles {
+            let p = t.map(|v| self.points[v as usize]);
+            for k in 0..3 {
+                let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+                least = least.min(u.angle_between(v).to_degrees());
+            }
+        }
+        least
+    }
+}
