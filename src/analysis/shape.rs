@@ -74,7 +74,7 @@ pub fn control_points(mesh: &Mesh, vertices: Vertices) -> Vec<DVec3> {
             })
             .map(|v| (v as u32, mesh.positions[v]))
             .collect();
-        Interpolation::new(&mesh.topology, &held).settle(&mut control);
+        Interpolation::new(&mesh.topology, &held).enforce(&mut control);
     }
     control
 }

@@ -115,7 +115,7 @@ impl Jet2 {
     /// Chain rule for `φ(self)`.
     ///
     /// A zero first derivative of the argument is kept out of the products, so that an infinite
-    /// `φ''` does not spoil directions in which the argument does not change.
+    /// `φ''` does not affect directions in which the argument does not change.
     pub(super) fn chain(self, p: Outer1) -> Self {
         let second = |x: f64, y: f64, xy: f64| times(p.dd, x * y) + times(p.d, xy);
         Self {

@@ -27,12 +27,12 @@ impl Lbfgs {
         Self::default()
     }
 
-    /// Number of pairs held, at most 5.
+    /// Number of stored pairs, at most 5.
     pub fn len(&self) -> usize {
         self.pairs.len()
     }
 
-    /// Whether no pair is held.
+    /// Whether no pair is stored.
     pub fn is_empty(&self) -> bool {
         self.pairs.is_empty()
     }
@@ -43,11 +43,11 @@ impl Lbfgs {
     }
 
     /// Adds the step `s` and the change `y` of the gradient over it. Without positive curvature
-    /// (sᵀy > 1e-10 |s||y|) the pair would spoil the definiteness of the approximation: it is left
-    /// out and `false` returned. The oldest of more than 5 pairs is dropped, its memory reused.
+    /// (sᵀy > 1e-10 |s||y|) the approximation would not be definite: the pair is left out
+    /// and `false` returned. The oldest of more than 5 pairs is dropped, its memory reused.
     ///
     /// # Panics
-    /// If the lengths differ from each other or from the pairs held.
+    /// If the lengths differ from each other or from those of the stored pairs.
     pub fn push(&mut self, s: &[f64], y: &[f64]) -> bool {
         assert_eq!(s.len(), y.len(), "step and gradient change of one length");
         if let Some(pair) = self.pairs.front() {
@@ -81,10 +81,10 @@ impl Lbfgs {
     }
 
     /// Replaces the gradient `g` by the descent direction -H g, where H is the inverse Hessian
-    /// `apply_h0` (in place, symmetric positive definite) corrected by the pairs held.
+    /// `apply_h0` (in place, symmetric positive definite) corrected by the stored pairs.
     ///
     /// # Panics
-    /// If the length of `g` differs from the pairs held.
+    /// If the length of `g` differs from that of the stored pairs.
     pub fn direction(&self, g: &mut [f64], apply_h0: impl FnOnce(&mut [f64])) {
         let mut alphas = [0.0; MEMORY];
         for (pair, alpha) in self.pairs.iter().zip(&mut alphas).rev() {

@@ -79,8 +79,8 @@ impl Graph<'_> {
         &self.adjacency[self.offsets[v] as usize..self.offsets[v + 1] as usize]
     }
 
-    /// Distance of the farthest neighbour of each vertex: a vertex farther than that from a plane
-    /// has no neighbour beyond it, which spares looking at its neighbours.
+    /// Distance of the farthest neighbour of each vertex. A vertex farther than that from a plane has
+    /// no neighbour beyond the plane, so its neighbours need no check.
     fn reach(&self) -> Vec<f64> {
         (0..self.points.len())
             .map(|v| {

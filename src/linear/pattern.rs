@@ -17,7 +17,7 @@ impl SymmetricPattern {
     /// Wraps the arrays of a pattern.
     ///
     /// # Panics
-    /// With debug assertions on, if the invariants stated at the fields do not hold.
+    /// With debug assertions on, if the invariants stated at the fields are violated.
     pub fn new(n: usize, col_ptr: Vec<usize>, row_idx: Vec<usize>) -> Self {
         debug_assert_eq!(col_ptr.len(), n + 1, "one column pointer more than columns");
         debug_assert_eq!(col_ptr[0], 0);

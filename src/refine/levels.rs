@@ -6,15 +6,15 @@ use std::time::Instant;
 use crate::memory::peak_memory;
 use crate::mesh::{DVec3, Mesh, Split, Topology, VertexId};
 use crate::refine::creases::{Features, Weld};
+use crate::refine::level_flow::LevelFlow;
 use crate::refine::measures::{radius, surface_energy};
 use crate::refine::options::{Hold, Method, RefineError, RefineOptions};
 use crate::refine::progress::{LevelReport, Progress};
 use crate::refine::refined::{Refined, refined_mesh};
 use crate::refine::region::{Region, nested_step};
-use crate::refine::running::{Running, level_options};
 use crate::refine::schemes::butterfly_step;
-use crate::refine::start::drawn_start;
-use crate::solver::{End, Flow, FlowOptions, FlowProblem, Scheme, SolverError};
+use crate::refine::start::constrained_start;
+use crate::solver::{Flow, FlowOptions, FlowProblem, SolverError};
 use crate::subdivision::limit_positions;
 use crate::surface::Interpolation;
 
@@ -36,14 +36,14 @@ pub struct Refinement {
     face_tags: Vec<u32>,
     features: Features,
     region: Option<Region>,
-    current: Option<Running>,
+    current: Option<LevelFlow>,
     levels: Vec<LevelReport>,
     is_cancelled: bool,
     input: Arc<Mesh>,
 }
 
 impl Refinement {
-    /// Sets a refinement up; nothing is split yet.
+    /// A refinement at level 0.
     ///
     /// # Errors
     /// An option out of range, a crease that is none, or a mesh without triangles.
@@ -55,17 +55,17 @@ impl Refinement {
         let (topology, features) = Features::new(&mesh, &options)?;
         let points = features.opened(&mesh.positions);
         let mut control = points.clone();
-        // a region of everything is none
+        // a region of all faces is the same as none
         let region = options
             .region
             .clone()
             .filter(|faces| faces.contains(&false));
         if region.is_some() && options.method == Method::Pde {
-            // the surface outside, which stays, has to pass its vertices as that inside does
+            // the surface outside does not change, and passes its vertices as that inside does
             let used = |&v: &VertexId| topology.halfedge_of_vertex(v).is_some();
             let all = (0..points.len()).map(VertexId::from).filter(used);
             let held: Vec<(u32, DVec3)> = all.map(|v| (v.0, points[v.index()])).collect();
-            Interpolation::new(&topology, &held).settle(&mut control);
+            Interpolation::new(&topology, &held).enforce(&mut control);
         }
         Ok(Self {
             given: points.len(),
@@ -105,7 +105,7 @@ impl Refinement {
     /// they were.
     pub fn points(&self) -> Vec<DVec3> {
         match &self.current {
-            Some(running) => self.points_of(&self.control_of(running), &running.held),
+            Some(running) => self.points_of(&self.control_of(running), &running.constraints),
             None => self.points.clone(),
         }
     }
@@ -128,12 +128,12 @@ impl Refinement {
         &self.face_tags
     }
 
-    /// The flow of the level under way.
+    /// The flow of the current level.
     pub fn flow(&self) -> Option<&Flow> {
         self.current.as_ref().map(|running| &running.flow)
     }
 
-    /// The level under way or finished last; 0 before the first.
+    /// The current level, or the one finished last; 0 before the first.
     pub fn level(&self) -> usize {
         self.level
     }
@@ -153,7 +153,7 @@ impl Refinement {
         self.current.is_none() && (self.is_cancelled || self.level >= self.options.levels)
     }
 
-    /// Ends the refinement: the level under way is finished where it is, and no further one begun.
+    /// Ends the refinement: the current level ends with its current shape, and no other begins.
     pub fn cancel(&mut self) {
         self.is_cancelled = true;
         if let Some(running) = &mut self.current {
@@ -161,23 +161,20 @@ impl Refinement {
         }
     }
 
-    /// Changes energy, mode, τ or steps; the level under way goes on from its current shape.
+    /// Changes energy, mode, τ or steps; the current level goes on from its current shape.
     ///
     /// # Errors
     /// The new options are refused and the old ones stay in force.
     pub fn set_flow(&mut self, flow: FlowOptions) -> Result<(), RefineError> {
         flow.validate()?;
         if let Some(running) = &mut self.current {
-            let options = level_options(&flow, running.splits);
-            running.flow.set_options(options)?;
-            running.is_guarded = running.flow.options().scheme == Scheme::Guarded;
-            running.recent.clear();
+            running.set_options(&flow)?;
         }
         self.options.flow = flow;
         Ok(())
     }
 
-    /// Changes how many levels there are to be; those done are kept.
+    /// Changes the number of levels; finished levels stay.
     pub fn set_levels(&mut self, levels: usize) {
         self.options.levels = levels;
     }
@@ -186,7 +183,7 @@ impl Refinement {
     /// is nothing left to do.
     ///
     /// # Errors
-    /// Only what a smaller step cannot mend; the shape is that of the last step.
+    /// Errors that a smaller step cannot avoid; the shape is that of the last step.
     pub fn step(&mut self) -> Result<Option<Progress>, RefineError> {
         let Some(running) = &mut self.current else {
             if self.is_finished() {
@@ -194,16 +191,10 @@ impl Refinement {
             }
             return self.begin_level().map(Some);
         };
-        if let Some(record) = running.flow.step()? {
-            running.watch(&record, &self.options.flow)?;
-            return Ok(Some(Progress::Step(record)));
-        }
-        if running.is_guarded && running.flow.end() == Some(End::StepSizeCollapsed) {
-            // sliding along the surface no longer helps; the normal flow may still
-            running.settle(&self.options.flow)?;
-            return self.step();
-        }
-        Ok(Some(Progress::Finished(self.finish_level())))
+        Ok(Some(match running.step()? {
+            Some(record) => Progress::Step(record),
+            None => Progress::Finished(self.finish_level()),
+        }))
     }
 
     /// Runs to the end; `observe` is called after every step and returns whether to go on.
@@ -262,31 +253,23 @@ impl Refinement {
             self.levels.push(self.scheme_report(start));
             return Ok(level);
         }
-        let (free, held) = self.roles(&old, &split);
+        let (free, held) = self.partition_vertices(&old, &split);
         if free.is_empty() {
-            // creases and boundaries are all there is
+            // all vertices lie on creases and boundaries
             self.hold(&held);
             self.levels.push(self.scheme_report(start));
             return Ok(level);
         }
         let triangles: Vec<[u32; 3]> = self.topology.triangles().collect();
-        let splits = self.options.levels.saturating_sub(self.level);
-        let options = level_options(&self.options.flow, splits);
         let problem = FlowProblem::new(&self.control, &triangles, &free, self.radius)?;
-        let (problem, late) = if self.level == 1 {
-            drawn_start(problem, &held)?
+        let (problem, unreached) = if self.level == 1 {
+            constrained_start(problem, &held)?
         } else {
-            (problem.holding(&held)?, 0)
+            (problem.with_constraints(&held)?, 0)
         };
-        self.current = Some(Running {
-            splits,
-            late,
-            is_guarded: options.scheme == Scheme::Guarded,
-            flow: Flow::new(problem, options)?,
-            start,
-            held,
-            recent: Vec::new(),
-        });
+        let splits = self.options.levels.saturating_sub(self.level);
+        let flow = LevelFlow::new(problem, &self.options.flow, splits, held, unreached, start)?;
+        self.current = Some(flow);
         Ok(level)
     }
 
@@ -304,14 +287,14 @@ impl Refinement {
         self.points = points;
     }
 
-    /// Puts the limit surface through points where there is nothing else to choose.
+    /// Makes the limit surface pass points where no vertex is free.
     fn hold(&mut self, held: &[(u32, DVec3)]) {
-        Interpolation::new(&self.topology, held).settle(&mut self.control);
+        Interpolation::new(&self.topology, held).enforce(&mut self.control);
         self.points = self.points_of(&self.control, held);
     }
 
-    /// The vertices that move and those held, with the points to pass.
-    fn roles(&self, old: &Topology, split: &Split) -> (Vec<u32>, Vec<(u32, DVec3)>) {
+    /// The free vertices, and the constrained ones with the points to pass.
+    fn partition_vertices(&self, old: &Topology, split: &Split) -> (Vec<u32>, Vec<(u32, DVec3)>) {
         let topology = &self.topology;
         let (mut free, mut held) = (Vec::new(), Vec::new());
         let near = Region::near(topology, old.vertex_count()..split.vertex_count(old));
@@ -346,7 +329,7 @@ impl Refinement {
         }
     }
 
-    fn control_of(&self, running: &Running) -> Vec<DVec3> {
+    fn control_of(&self, running: &LevelFlow) -> Vec<DVec3> {
         let centre = running.flow.problem().centre();
         let mut control = self.control.clone();
         for v in running.flow.problem().moving() {
@@ -357,7 +340,7 @@ impl Refinement {
 
     fn points_of(&self, control: &[DVec3], held: &[(u32, DVec3)]) -> Vec<DVec3> {
         let mut points = limit_positions(&self.topology, control);
-        // vertices far from a region are where they were; those held are exact
+        // vertices far from a region do not move; constrained points are exact
         let known = self.points.len();
         if self.region.is_some() {
             points[..known].copy_from_slice(&self.points);
@@ -374,7 +357,7 @@ impl Refinement {
             return self.scheme_report(Instant::now());
         };
         self.control = self.control_of(&running);
-        self.points = self.points_of(&self.control, &running.held);
+        self.points = self.points_of(&self.control, &running.constraints);
         let faces = self.topology.face_count();
         let report = running.report(self.level, self.vertex_count(), faces);
         self.levels.push(report.clone());

@@ -6,7 +6,10 @@
 //! and Loop's own are there to compare with.
 
 mod boundary;
+mod continuation;
 mod creases;
+mod descent;
+mod level_flow;
 mod levels;
 pub mod live;
 mod measures;
@@ -14,7 +17,6 @@ mod options;
 mod progress;
 mod refined;
 mod region;
-mod running;
 mod schemes;
 mod start;
 

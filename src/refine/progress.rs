@@ -1,10 +1,10 @@
-//! What a refinement tells of itself.
+//! Events and reports of a refinement.
 
 use serde::Serialize;
 
 use crate::solver::StepRecord;
 
-/// What a finished level is like.
+/// Report of a finished level.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LevelReport {
     /// From 1.

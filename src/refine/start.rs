@@ -1,36 +1,38 @@
-//! The first position of new vertices.
+//! The start of the first level.
 
 use crate::energy::{Energy, Preset};
 use crate::mesh::DVec3;
-use crate::solver::{FlowProblem, GuardedFlow, SolverError};
-use crate::subdivision::{Rule, elements, limit_positions};
+use crate::refine::descent::FullGradientDescent;
+use crate::solver::{FlowProblem, SolverError, Stepper};
+use crate::subdivision::{Rule, limit_positions};
 use crate::surface::sample_surface;
 
-/// The flow of a surface held at points, from a surface near to them: it is led to them without
-/// folding on the way, as far as that can be, while it relaxes under `H²` whatever the energy of the flow.
+/// A problem with the limit surface constrained to pass `held`, from a surface near to these points.
+/// The constraints are moved there without folds as far as possible, while the surface relaxes
+/// under `H²` whatever the energy of the flow.
 ///
 /// Returns beside it how many points could not be reached without a fold.
 ///
 /// # Errors
-/// As [`FlowProblem::holding`] and [`GuardedFlow::new`].
-pub fn drawn_start(
+/// As [`FlowProblem::with_constraints`] and [`FullGradientDescent::new`].
+pub fn constrained_start(
     free: FlowProblem,
     held: &[(u32, DVec3)],
 ) -> Result<(FlowProblem, usize), SolverError> {
     let surface = limit_positions(free.topology(), free.positions());
-    let at_rest: Vec<(u32, DVec3)> = held
+    let passed: Vec<(u32, DVec3)> = held
         .iter()
         .map(|&(v, _)| (v, surface[v as usize] + free.centre()))
         .collect();
-    let near = free.clone().holding(&at_rest)?;
-    let there = free.holding(held)?;
+    let near = free.clone().with_constraints(&passed)?;
+    let there = free.with_constraints(held)?;
     let Some(goals) = there.interpolation().map(|i| i.targets().to_vec()) else {
         return Ok((there, 0));
     };
     let (rule, energy) = (Rule::Twelve, Energy::preset(Preset::H2));
-    let elements = elements(near.topology(), near.active_faces(), rule);
-    let tau = sample_surface(&elements, near.positions(), &energy, near.radius()).tau_ref;
-    let mut flow = GuardedFlow::new(&near, &elements, rule, &energy)?;
-    let late = flow.approach(&goals, tau);
-    Ok((there.with_positions(flow.positions()), late))
+    let elements = near.discretization().elements(rule);
+    let tau = sample_surface(elements, near.positions(), &energy, near.radius()).tau_ref;
+    let mut descent = FullGradientDescent::new(&near, &energy, rule)?;
+    let unreached = descent.move_constraints_to(&goals, tau);
+    Ok((there.with_positions(&descent.state().positions), unreached))
 }

@@ -5,13 +5,15 @@
 //! added in element order, so that the sums do not depend on the number of threads. While one batch
 //! is added the next is computed.
 
+use std::sync::Arc;
+
 use crate::energy::Energy;
 use crate::linear::SymmetricPattern;
 use crate::mesh::DVec3;
 use crate::solver::kernel::{
     ElementInput, ElementOutput, KernelInput, Lane, TERMS_PER_POINT, element,
 };
-use crate::solver::slots::Slots;
+use crate::solver::sparsity::SymmetricScatter;
 use crate::solver::unknowns::Unknowns;
 use crate::subdivision::{Elements, Rule};
 
@@ -37,22 +39,32 @@ pub struct EnergySum {
     pub scale: f64,
 }
 
+/// Which displacements the matrix of scheme B is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MatrixForm {
+    /// Along the normals: the linearisation of the flow.
+    Flow,
+    /// Along the normals, without the membrane term where the Hessian part alone is strictly
+    /// elliptic: faster towards the stationary shape.
+    Stationary,
+    /// One matrix for each component of the displacements: `<N_i, n>` counts as 1, so the surface
+    /// is as stiff along itself as across, also where the normal turns far within an element.
+    Isotropic,
+}
+
 /// Assembles over a fixed set of elements and unknowns.
 pub struct Assembler {
-    unknowns: Unknowns,
+    unknowns: Arc<Unknowns>,
+    elements: Elements,
     points: usize,
     weight: f64,
+    /// The tables of the elements in lanes.
     tables: Vec<Vec<Lane>>,
     batches: Vec<Batch>,
     /// Elements in batch order.
     order: Vec<u32>,
-    // per element
-    table_of: Vec<u32>,
-    offset: Vec<u32>,
-    vertices: Vec<u32>,
-    slots: Option<Slots>,
-    membrane: bool,
-    isotropic: bool,
+    scatter: Option<SymmetricScatter>,
+    form: MatrixForm,
     buffers: [Buffer; 2],
 }
 
@@ -64,8 +76,9 @@ struct Buffer {
 
 impl Assembler {
     /// Prepares the assembly over `elements`, whose tables are for `rule`, with `unknowns` moving.
-    pub fn new(elements: &Elements, rule: Rule, unknowns: Unknowns) -> Self {
-        let count = elements.faces().len();
+    /// It makes energies and gradients; see [`Self::with_matrix`] for matrices.
+    pub fn new(elements: &Elements, rule: Rule, unknowns: impl Into<Arc<Unknowns>>) -> Self {
+        let count = elements.len();
         let chunks_of = |e: usize| elements.table(e).n.div_ceil(4);
         let most = (0..count).map(chunks_of).max().unwrap_or(0);
         let mut start = vec![0usize; most + 2];
@@ -111,47 +124,48 @@ impl Assembler {
             })
             .collect();
         Self {
-            unknowns,
+            unknowns: unknowns.into(),
+            elements: elements.clone(),
             points: rule.points().len(),
             weight: rule.weight(),
             tables,
             batches,
             order,
-            table_of: elements.table_of().to_vec(),
-            offset: elements.offsets().to_vec(),
-            vertices: elements.vertices().to_vec(),
-            slots: None,
-            membrane: true,
-            isotropic: false,
+            scatter: None,
+            form: MatrixForm::Flow,
             buffers: Default::default(),
         }
     }
 
-    /// Leaves the membrane term out of the matrix where the Hessian part alone is strictly
-    /// elliptic: faster towards the stationary shape, and not quite the flow's linearisation.
-    pub fn drop_membrane(&mut self) {
-        self.membrane = false;
+    /// The same with the sparsity of a matrix over its unknowns, found by [`Unknowns::dissected`].
+    #[must_use]
+    pub fn with_matrix(mut self, scatter: SymmetricScatter, form: MatrixForm) -> Self {
+        self.scatter = Some(scatter);
+        self.form = form;
+        self
     }
 
-    /// Takes `<N_i, n>` for 1 in the matrix, which then is one for each component of the
-    /// displacements: as stiff along the surface as across it, and no less so where the normal
-    /// turns far within an element.
-    pub fn make_isotropic(&mut self) {
-        self.isotropic = true;
+    /// The elements.
+    pub fn elements(&self) -> &Elements {
+        &self.elements
     }
 
     /// The vertices that move.
-    pub fn unknowns(&self) -> &Unknowns {
+    pub fn unknowns(&self) -> &Arc<Unknowns> {
         &self.unknowns
     }
 
-    /// The sparsity of the matrix, lower triangle in the order of the unknowns; computed once.
-    pub fn pattern(&mut self) -> &SymmetricPattern {
-        let slots = match self.slots.take() {
-            Some(slots) => slots,
-            None => Slots::new(&mut self.unknowns, &self.offset, &self.vertices),
-        };
-        &self.slots.insert(slots).pattern
+    /// The sparsity of the matrix, lower triangle in the order of the unknowns.
+    ///
+    /// # Panics
+    /// If it was made without a matrix.
+    pub fn pattern(&self) -> &SymmetricPattern {
+        &self.scatter.as_ref().expect("made with a matrix").pattern
+    }
+
+    /// Energy alone.
+    pub fn energy(&mut self, positions: &[DVec3], energy: &Energy) -> EnergySum {
+        self.gradient(positions, energy, &mut Vec::new())
     }
 
     /// Energy and its exact gradient (12) at the unknowns, one vector each.
@@ -165,7 +179,11 @@ impl Assembler {
     }
 
     /// Energy, gradient and the matrix `M/τ + S` of scheme B for displacements along `normals`
-    /// (one per unknown; [`Self::make_isotropic`] makes them irrelevant). `values` is resized to the pattern's length.
+    /// (one for each unknown; irrelevant for [`MatrixForm::Isotropic`]). `values` is resized to
+    /// the pattern's length.
+    ///
+    /// # Panics
+    /// If it was made without a matrix.
     pub fn matrix(
         &mut self,
         positions: &[DVec3],
@@ -176,15 +194,9 @@ impl Assembler {
         gradient: &mut Vec<DVec3>,
         values: &mut Vec<f64>,
     ) -> EnergySum {
-        self.pattern();
+        let inv_tau = 1.0 / tau;
         self.run::<true>(
-            positions,
-            normals,
-            energy,
-            radius,
-            1.0 / tau,
-            gradient,
-            values,
+            positions, normals, energy, radius, inv_tau, gradient, values,
         )
     }
 
@@ -202,16 +214,15 @@ impl Assembler {
         gradient.clear();
         gradient.resize(n + 1, DVec3::ZERO);
         if MATRIX {
-            let nnz = self.slots.as_ref().map_or(0, |s| s.pattern.row_idx.len());
             values.clear();
-            values.resize(nnz + 1, 0.0);
+            values.resize(self.pattern().nnz() + 1, 0.0);
         }
         let input = KernelInput {
             energy,
             radius,
             inv_tau,
-            membrane: self.membrane,
-            isotropic: self.isotropic,
+            membrane: self.form != MatrixForm::Stationary,
+            isotropic: self.form == MatrixForm::Isotropic,
             weight: self.weight,
             points: self.points,
         };
@@ -333,7 +344,7 @@ impl Assembler {
         for (k, e_out) in energy.iter_mut().enumerate() {
             let out = &mut local[k * stride..(k + 1) * stride];
             let e = self.order[first + k] as usize;
-            let vertices = &self.vertices[self.offset[e] as usize..self.offset[e + 1] as usize];
+            let vertices = self.elements.vertices_of(e);
             for (i, &v) in vertices.iter().enumerate() {
                 let p = positions[v as usize];
                 let (c, l) = (i / 4, i % 4);
@@ -342,7 +353,7 @@ impl Assembler {
                 x[2 * chunks + c][l] = p.z;
                 if MATRIX {
                     let u = self.unknowns.of_vertex[v as usize] as usize;
-                    let d = match (u < n, self.isotropic) {
+                    let d = match (u < n, input.isotropic) {
                         (false, _) => DVec3::ZERO,
                         (true, true) => DVec3::X,
                         (true, false) => normals[u],
@@ -358,7 +369,7 @@ impl Assembler {
                 chunks,
                 input,
                 &ElementInput {
-                    table: &self.tables[self.table_of[e] as usize],
+                    table: &self.tables[self.elements.table_of()[e] as usize],
                     x: &x,
                     normals: &normal,
                 },
@@ -390,14 +401,13 @@ impl Assembler {
             }
             let local = buffer.local[k * stride..(k + 1) * stride].as_flattened();
             let (g, matrix) = local.split_at(12 * chunks);
-            let vertices = &self.vertices[self.offset[e] as usize..self.offset[e + 1] as usize];
+            let vertices = self.elements.vertices_of(e);
             for (i, &v) in vertices.iter().enumerate() {
                 gradient[self.unknowns.of_vertex[v as usize] as usize] +=
                     DVec3::new(g[i], g[4 * chunks + i], g[8 * chunks + i]);
             }
-            if MATRIX && let Some(slots) = &self.slots {
-                let own = &slots.slot[slots.offset[e] as usize..slots.offset[e + 1] as usize];
-                let mut own = own.iter();
+            if MATRIX && let Some(scatter) = &self.scatter {
+                let mut own = scatter.slots(e).iter();
                 for i in 0..vertices.len() {
                     let row = &matrix[i * 4 * chunks..][..=i];
                     for (value, &s) in row.iter().zip(&mut own) {
@@ -408,3 +418,7 @@ impl Assembler {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "assembly_tests.rs"]
+mod tests;

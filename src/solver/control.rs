@@ -44,11 +44,11 @@ pub struct Attempt {
     pub max_displacement: f64,
     /// How it was computed.
     pub kind: StepKind,
-    /// Whether a quasi-Newton phase ended with this step.
+    /// Whether the next step needs a new matrix: a quasi-Newton phase ended, or vertices were frozen.
     pub needs_refactorization: bool,
     /// Scheme A: how the linear solve went.
     pub linear: Option<GmresReport>,
-    /// Why it was rejected, if there is more to say than "the energy rose".
+    /// Why it was rejected, unless the energy rose.
     pub note: Option<String>,
 }
 
@@ -85,24 +85,24 @@ impl EnergySum {
 
 /// Relative displacement (of the hole radius) under which a step counts as none.
 pub const STOP: f64 = 1e-6;
-/// τ below this fraction of `τ_ref` means that the flow is stuck.
+/// Minimum of τ over `τ_ref`; below, no step lowers the energy.
 const MIN_TAU_RATIO: f64 = 1e-14;
 const SHRINK: f64 = 8.0;
 const FAST_GROWTH: f64 = 10.0;
 /// Range of the first τ in flow mode, as multiples of `τ_ref`: from a warm start near the
 /// stationary shape the gentle one alone would get there in a handful of steps.
 const FIRST: [f64; 2] = [1e-9, 1e-4];
-/// Growth of τ in flow mode: so slow that the way from the upper end of `FIRST` to `τ_ref` takes
-/// over thirty steps, as many shapes to see.
+/// Growth of τ in flow mode. From the upper end of `FIRST` to `τ_ref` it takes more than thirty
+/// steps, so that the flow can be watched.
 pub const FLOW_GROWTH: f64 = 1.3;
-/// Accepted steps after which an energy that has not fallen beyond rounding is taken for constant.
+/// Accepted steps after which an energy that has not fallen beyond rounding counts as constant.
 const PATIENCE: usize = 10;
-/// What counts as rounding of an energy, relative to the sum of its absolute terms.
+/// Fall of the energy that counts as none, relative to the sum of its absolute terms.
 pub const STAGNATION: f64 = 1e-11;
-/// What counts as nothing where a surface is held at points: its vertices creep along it long after
-/// its shape has settled.
+/// The same under constraints, where vertices move along the surface long after its shape has
+/// converged.
 pub const STAGNATION_CONSTRAINED: f64 = 1e-8;
-/// Growth stops here (as a multiple of `τ_ref`): the step is Newton's by then.
+/// Maximum of τ over `τ_ref`: such a step is Newton's.
 const MAX_TAU_RATIO: f64 = 1e12;
 
 /// Whether an energy still falls.
@@ -113,8 +113,8 @@ pub(super) struct StagnationTest {
 }
 
 impl StagnationTest {
-    /// Takes the energy after an accepted step. Returns whether for ten steps it has not fallen by more
-    /// than `part` of the sum of its absolute terms.
+    /// Records the energy after an accepted step. Returns whether for ten steps it has not fallen by
+    /// more than `part` of the sum of its absolute terms.
     pub fn has_stagnated(&mut self, energy: EnergySum, part: f64) -> bool {
         self.steps += 1;
         if self.start.value - energy.value > part * energy.scale || self.steps == 1 {
@@ -127,7 +127,7 @@ impl StagnationTest {
     }
 }
 
-/// The time step's law.
+/// The choice of the time step.
 #[derive(Clone, Copy, Debug)]
 pub struct StepSizeControl {
     /// The next step's τ.
@@ -139,8 +139,8 @@ pub struct StepSizeControl {
 }
 
 impl StepSizeControl {
-    /// The law for a mode; `gentle` is a τ at which no vertex moves by more than an edge, `growth`
-    /// the factor after an accepted step if it is not to be the mode's own.
+    /// For a mode. `gentle` is the first τ proposed for a flow in true time, `growth` the factor after
+    /// an accepted step, `None` for the mode's own.
     pub fn new(mode: Mode, tau: Tau, tau_ref: f64, gentle: f64, growth: Option<f64>) -> Self {
         let (start, wanted) = match (tau, mode) {
             (Tau::Fixed(t), _) => (t, Some(t)),
@@ -185,3 +185,7 @@ impl StepSizeControl {
         displacement / radius * (self.tau_ref / tau).max(1.0)
     }
 }
+
+#[cfg(test)]
+#[path = "control_tests.rs"]
+mod tests;

@@ -1,4 +1,4 @@
-//! What can keep a flow from starting or from going on.
+//! Errors of flows.
 
 use crate::linear::LinearError;
 use crate::mesh::TopologyError;
@@ -32,7 +32,7 @@ pub enum SolverError {
     },
     /// The limit surface cannot pass two points at one vertex.
     #[error("vertex {vertex} is held twice; name each held vertex once")]
-    HeldTwice {
+    ConstrainedTwice {
         /// The local vertex.
         vertex: usize,
     },

@@ -1,29 +1,28 @@
-//! A flow that is advanced step by step, by either scheme.
+//! A flow: steps of one method, their size, and when they end.
 
 use crate::energy::{Energy, Order};
 use crate::mesh::DVec3;
-use crate::solver::assembly::{Assembler, EnergySum};
+use crate::solver::assembly::{Assembler, EnergySum, MatrixForm};
 use crate::solver::control::{
     Attempt, Mode, STAGNATION, STAGNATION_CONSTRAINED, STOP, StagnationTest, StepKind,
     StepSizeControl, Tau,
 };
-use crate::solver::guarded::GuardedFlow;
 use crate::solver::mixed::MixedFlow;
 use crate::solver::normal::NormalFlow;
 use crate::solver::options::{FlowOptions, Scheme};
 use crate::solver::pinch::PinchWatch;
 use crate::solver::record::{End, Outcome, StepRecord};
 use crate::solver::relax::Relaxation;
+use crate::solver::stepper::{StepRequest, Stepper};
 use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
-use crate::subdivision::{Elements, Rule, elements};
+use crate::subdivision::Rule;
 use crate::surface::{SurfaceStats, sample_surface};
 
-enum Stepper {
-    Normal(Box<NormalFlow>),
-    Guarded(Box<GuardedFlow>),
-    Mixed(Box<MixedFlow>),
-}
+/// Makes the stepper of a flow at the starting positions of a problem. The energy is that of the
+/// options on the problem's radius.
+pub type MakeStepper =
+    fn(&FlowProblem, &FlowOptions, &Energy) -> Result<Box<dyn Stepper>, SolverError>;
 
 /// Attempts at relaxing after a step, each half as far as the one before.
 const RELAXATION_TRIES: usize = 3;
@@ -36,12 +35,12 @@ pub struct Flow {
     options: FlowOptions,
     /// The options' energy with tension and bulge.
     energy: Energy,
-    stepper: Stepper,
+    make: MakeStepper,
+    stepper: Box<dyn Stepper>,
     control: StepSizeControl,
     report: Assembler,
     relaxation: Option<Relaxation>,
-    descent: StagnationTest,
-    local: Elements,
+    stagnation: StagnationTest,
     pinch: PinchWatch,
     steps: usize,
     rejected: usize,
@@ -52,118 +51,75 @@ pub struct Flow {
 }
 
 impl Flow {
-    /// Sets a flow up at the problem's starting positions.
+    /// A flow by the scheme of the options from the problem's starting positions.
     ///
     /// # Errors
     /// A bad option, an energy that is not finite at the start, a failed symbolic factorization.
     pub fn new(problem: FlowProblem, options: FlowOptions) -> Result<Self, SolverError> {
+        Self::with_stepper(problem, options, scheme_stepper)
+    }
+
+    /// The same with steps computed by what `make` makes.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_stepper(
+        problem: FlowProblem,
+        options: FlowOptions,
+        make: MakeStepper,
+    ) -> Result<Self, SolverError> {
         options.validate()?;
         let energy = options.energy_at(problem.radius());
-        let (topology, faces) = (problem.topology(), problem.active_faces());
-        // the reported energies' points, twelve or more, beside the steps' own
+        let discretization = problem.discretization();
+        // reported energies have at least twelve points, steps may have fewer
         let ((report, energy_start), prepared) = rayon::join(
             || {
                 let rule = options.quadrature.max(Rule::Twelve);
-                let fine = elements(topology, faces, rule);
                 let nothing = Unknowns::none(problem.positions().len());
-                let mut report = Assembler::new(&fine, rule, nothing);
-                let start = report.gradient(problem.positions(), &energy, &mut Vec::new());
+                let mut report = Assembler::new(discretization.elements(rule), rule, nothing);
+                let start = report.energy(problem.positions(), &energy);
                 (report, start.value)
             },
             || {
-                let rule = options.quadrature;
-                let local = elements(topology, faces, rule);
-                let start = sample_surface(&local, problem.positions(), &energy, problem.radius());
-                let stepper = Self::stepper(&problem, &options, &energy, &local)?;
-                Ok::<_, SolverError>((local, start, stepper))
+                let start = stats(&problem, &options, &energy);
+                Ok::<_, SolverError>((start, make(&problem, &options, &energy)?))
             },
         );
-        let (local, start, stepper) = prepared?;
+        let (start, stepper) = prepared?;
         if !energy_start.is_finite() {
             return Err(SolverError::energy_not_finite(&start));
         }
         let warnings = warnings(&problem, &energy, &start);
-        let mut flow = Self {
-            control: StepSizeControl::new(
-                options.mode,
-                options.tau,
-                start.tau_ref,
-                start.tau_ref,
-                options.growth,
-            ),
+        Ok(Self {
+            control: Self::fresh_control(&options, &*stepper, start.tau_ref),
             relaxation: None,
-            descent: StagnationTest::default(),
+            stagnation: StagnationTest::default(),
             pinch: PinchWatch::new(&problem),
             problem,
             options,
             energy,
+            make,
             stepper,
             report,
-            local,
             steps: 0,
             rejected: 0,
             factorized: 0,
             end: None,
             energy_start,
             warnings,
-        };
-        flow.restart_control(&start);
-        Ok(flow)
-    }
-
-    fn stepper(
-        problem: &FlowProblem,
-        options: &FlowOptions,
-        energy: &Energy,
-        local: &Elements,
-    ) -> Result<Stepper, SolverError> {
-        let is_mixed = matches!(options.scheme, Scheme::Mixed | Scheme::MixedCorrected);
-        if is_mixed && problem.interpolation().is_some() {
-            return Err(SolverError::BadOption {
-                option: "scheme",
-                value: "mixed".into(),
-                expected: "a surface held at given points needs the scheme `normal`",
-            });
-        }
-        Ok(match options.scheme {
-            Scheme::Normal => Stepper::Normal(Box::new(NormalFlow::new(
-                problem,
-                local,
-                options.quadrature,
-                energy,
-                options.mode == Mode::Flow,
-            )?)),
-            Scheme::Guarded => Stepper::Guarded(Box::new(GuardedFlow::new(
-                problem,
-                local,
-                options.quadrature,
-                energy,
-            )?)),
-            Scheme::Mixed | Scheme::MixedCorrected => Stepper::Mixed(Box::new(MixedFlow::new(
-                problem,
-                energy,
-                options.linear,
-                options.scheme == Scheme::MixedCorrected,
-            )?)),
         })
     }
 
-    fn restart_control(&mut self, stats: &SurfaceStats) {
-        let gentle = match (&self.stepper, self.options.mode) {
-            (Stepper::Normal(flow), Mode::Flow) => flow.edge_limited_tau(self.problem.topology()),
-            (Stepper::Mixed(_), _) => 1e-3 * stats.tau_ref,
-            _ => stats.tau_ref,
+    fn fresh_control(
+        options: &FlowOptions,
+        stepper: &dyn Stepper,
+        tau_ref: f64,
+    ) -> StepSizeControl {
+        let first = match options.mode {
+            Mode::Flow => stepper.first_tau(tau_ref),
+            Mode::Fast => tau_ref,
         };
-        self.control = StepSizeControl::new(
-            self.options.mode,
-            self.options.tau,
-            stats.tau_ref,
-            gentle,
-            self.options.growth,
-        );
-        self.descent = StagnationTest::default();
-        self.factorized = 0;
-        self.end = None;
+        StepSizeControl::new(options.mode, options.tau, tau_ref, first, options.growth)
     }
 
     /// The problem.
@@ -178,20 +134,12 @@ impl Flow {
 
     /// Current positions of all vertices of the region, relative to the problem's centre.
     pub fn positions(&self) -> &[DVec3] {
-        match &self.stepper {
-            Stepper::Normal(flow) => flow.positions(),
-            Stepper::Guarded(flow) => flow.positions(),
-            Stepper::Mixed(flow) => flow.positions(),
-        }
+        &self.stepper.state().positions
     }
 
     /// Current energy by the rule of the steps.
     pub fn energy(&self) -> EnergySum {
-        match &self.stepper {
-            Stepper::Normal(flow) => flow.energy(),
-            Stepper::Guarded(flow) => flow.energy(),
-            Stepper::Mixed(flow) => flow.energy(),
-        }
+        self.stepper.state().energy
     }
 
     /// The natural time of the hole, `τ_ref`; show τ relative to it.
@@ -216,15 +164,8 @@ impl Flow {
 
     /// Energy of the present shape, by the rule of the steps, 12 points at least.
     pub fn fine_energy(&mut self) -> f64 {
-        let positions = match &self.stepper {
-            Stepper::Normal(flow) => flow.positions(),
-            Stepper::Guarded(flow) => flow.positions(),
-            Stepper::Mixed(flow) => flow.positions(),
-        };
-        let sum = self
-            .report
-            .gradient(positions, &self.energy, &mut Vec::new());
-        sum.value
+        let positions = &self.stepper.state().positions;
+        self.report.energy(positions, &self.energy).value
     }
 
     /// Accepted and rejected steps.
@@ -259,33 +200,35 @@ impl Flow {
     /// # Errors
     /// The new options are refused and the old ones stay in force.
     pub fn set_options(&mut self, options: FlowOptions) -> Result<(), SolverError> {
+        self.restart(options, self.make)
+    }
+
+    /// [`Self::set_options`] with steps computed by what `make` makes.
+    ///
+    /// # Errors
+    /// As [`Self::set_options`].
+    pub fn restart(&mut self, options: FlowOptions, make: MakeStepper) -> Result<(), SolverError> {
         options.validate()?;
         let energy = options.energy_at(self.problem.radius());
         let problem = self.problem.clone().with_positions(self.positions());
-        let fresh = (options.quadrature != self.options.quadrature).then(|| {
-            elements(
-                problem.topology(),
-                problem.active_faces(),
-                options.quadrature,
-            )
-        });
-        let local = fresh.as_ref().unwrap_or(&self.local);
-        let now = sample_surface(local, problem.positions(), &energy, problem.radius());
-        self.stepper = Self::stepper(&problem, &options, &energy, local)?;
-        if let Some(fresh) = fresh {
-            self.local = fresh;
-        }
+        let now = stats(&problem, &options, &energy);
+        let stepper = make(&problem, &options, &energy)?;
+        self.control = Self::fresh_control(&options, &*stepper, now.tau_ref);
         self.warnings.extend(warnings(&problem, &energy, &now));
+        self.stagnation = StagnationTest::default();
+        self.factorized = 0;
+        self.end = None;
+        self.stepper = stepper;
         self.options = options;
         self.energy = energy;
-        self.restart_control(&now);
+        self.make = make;
         Ok(())
     }
 
     /// Attempts one step. Does nothing and returns `None` once the flow has ended.
     ///
     /// # Errors
-    /// Only what a smaller step cannot mend.
+    /// Errors that a smaller step cannot avoid.
     pub fn step(&mut self) -> Result<Option<StepRecord>, SolverError> {
         if self.end.is_some() {
             return Ok(None);
@@ -303,22 +246,20 @@ impl Flow {
             return Ok(None);
         }
         let tau = self.control.tau;
-        let next = self.control.next();
-        // held vertices follow the others, and the guarded descent slides by itself
+        let next_tau = self.control.next();
+        // constrained vertices follow the others
         let relaxing = self.options.relaxation > 0.0 && self.problem.interpolation().is_none();
         // relaxation moves the vertices for which the factor was made
         let quick = self.options.mode == Mode::Fast
             && !matches!(self.options.tau, Tau::Fixed(_))
             && !relaxing;
         let before = self.energy();
-        let attempt = match &mut self.stepper {
-            Stepper::Normal(flow) => {
-                flow.attempt(tau, next, quick && self.factorized + 1 >= FACTORIZED_STEPS)
-            }
-            Stepper::Guarded(flow) => flow.attempt(tau),
-            Stepper::Mixed(flow) => flow.attempt(tau),
-        };
-        let mut record = self.book(&attempt, tau);
+        let attempt = self.stepper.attempt(&StepRequest {
+            tau,
+            next_tau,
+            may_freeze: quick && self.factorized + 1 >= FACTORIZED_STEPS,
+        });
+        let mut record = self.record(&attempt, tau);
         if attempt.accepted && relaxing {
             self.relax(before, attempt.max_displacement);
             record.energy = self.energy().value;
@@ -331,16 +272,12 @@ impl Flow {
 
     /// Ends the flow at the last shape with open necks if one is closing.
     fn watch_necks(&mut self) -> Result<(), SolverError> {
-        let positions = match &self.stepper {
-            Stepper::Normal(flow) => flow.positions(),
-            Stepper::Guarded(flow) => flow.positions(),
-            Stepper::Mixed(flow) => flow.positions(),
-        };
-        let Some(place) = self.pinch.look(&self.problem, positions) else {
+        let positions = &self.stepper.state().positions;
+        let Some(place) = self.pinch.check(&self.problem, positions) else {
             return Ok(());
         };
         let open = self.problem.clone().with_positions(self.pinch.last_open());
-        self.stepper = Self::stepper(&open, &self.options, &self.energy, &self.local)?;
+        self.stepper = (self.make)(&open, &self.options, &self.energy)?;
         self.end = Some(End::Pinched);
         let at = place + self.problem.centre();
         let reason = if self.energy.order() == Order::Second {
@@ -365,21 +302,12 @@ impl Flow {
             .get_or_insert_with(|| Relaxation::new(&self.problem));
         let mut weight = self.options.relaxation;
         for _ in 0..RELAXATION_TRIES {
-            let (positions, normals, vertices) = match &self.stepper {
-                Stepper::Guarded(_) => return, // it slides by itself
-                Stepper::Normal(flow) => (flow.positions(), flow.normals(), flow.moving()),
-                Stepper::Mixed(flow) => (flow.positions(), flow.normals(), flow.moving()),
-            };
-            let moved = relaxation.propose(positions, vertices, normals, weight, longest);
-            let Some(moved) = moved else {
+            let Some((vertices, normals)) = self.stepper.normals() else {
                 return;
             };
-            let taken = match &mut self.stepper {
-                Stepper::Guarded(_) => return,
-                Stepper::Normal(flow) => flow.slide(moved, before),
-                Stepper::Mixed(flow) => flow.slide(moved, before),
-            };
-            if taken {
+            let positions = &self.stepper.state().positions;
+            let moved = relaxation.propose(positions, vertices, normals, weight, longest);
+            if moved.is_none_or(|moved| self.stepper.slide(moved, before)) {
                 return;
             }
             weight *= 0.5;
@@ -387,7 +315,7 @@ impl Flow {
     }
 
     /// Counts an attempt, moves τ and decides whether the flow has ended.
-    fn book(&mut self, attempt: &Attempt, tau: f64) -> StepRecord {
+    fn record(&mut self, attempt: &Attempt, tau: f64) -> StepRecord {
         let radius = self.problem.radius();
         let mut residual = f64::NAN;
         if attempt.accepted {
@@ -415,7 +343,7 @@ impl Flow {
             };
             let rests = least
                 .filter(|_| is_adaptive)
-                .is_some_and(|part| self.descent.has_stagnated(energy, part));
+                .is_some_and(|part| self.stagnation.has_stagnated(energy, part));
             if residual < STOP || rests {
                 self.end = Some(End::Converged);
             } else if self.steps >= self.options.max_steps {
@@ -462,13 +390,11 @@ impl Flow {
     pub fn outcome(&mut self) -> Outcome {
         let energy_end = self.fine_energy();
         let mut warnings = self.warnings.clone();
-        if let Stepper::Normal(flow) = &self.stepper
-            && flow.frozen() > 0
-        {
+        if self.stepper.frozen() > 0 {
             warnings.push(format!(
                 "{} vertices rest where the least further step would fold the surface (more tension, or a \
                  finer mesh there, would free them)",
-                flow.frozen()
+                self.stepper.frozen()
             ));
         }
         match self.end {
@@ -499,7 +425,42 @@ impl Flow {
     }
 }
 
-/// What is to be said of an energy on the surface of a stats.
+/// Makes the stepper of the scheme in the options.
+///
+/// # Errors
+/// [`SolverError::BadOption`] for the mixed schemes under constraints; those of the schemes.
+pub fn scheme_stepper(
+    problem: &FlowProblem,
+    options: &FlowOptions,
+    energy: &Energy,
+) -> Result<Box<dyn Stepper>, SolverError> {
+    if options.scheme == Scheme::Normal {
+        let form = match options.mode {
+            Mode::Flow => MatrixForm::Flow,
+            Mode::Fast => MatrixForm::Stationary,
+        };
+        let flow = NormalFlow::new(problem, energy, options.quadrature, form)?;
+        return Ok(Box::new(flow));
+    }
+    if problem.interpolation().is_some() {
+        return Err(SolverError::BadOption {
+            option: "scheme",
+            value: "mixed".into(),
+            expected: "a surface held at given points needs the scheme `normal`",
+        });
+    }
+    let corrected = options.scheme == Scheme::MixedCorrected;
+    let flow = MixedFlow::new(problem, energy, options.linear, corrected)?;
+    Ok(Box::new(flow))
+}
+
+/// Curvature ranges and natural time at the problem's starting positions.
+fn stats(problem: &FlowProblem, options: &FlowOptions, energy: &Energy) -> SurfaceStats {
+    let elements = problem.discretization().elements(options.quadrature);
+    sample_surface(elements, problem.positions(), energy, problem.radius())
+}
+
+/// Warnings for an energy on the surface of `stats`.
 fn warnings(problem: &FlowProblem, energy: &Energy, stats: &SurfaceStats) -> Vec<String> {
     let mut warnings: Vec<String> = stats.warning(problem.centre()).into_iter().collect();
     if energy.order() == Order::Stationary {

@@ -1,24 +1,29 @@
-//! A watch over steps that would fold the surface.
+//! A guard against steps that would fold the surface.
 //!
 //! An energy sampled at quadrature points does not see a fold between them, and a minimiser finds
-//! such places. So beside the energy a step has to keep, face by face, the limit surface's normals on
-//! the side of the flat triangle through the limit positions of its corners, and no two neighbouring
-//! flat triangles may close like a book. Faces that are folded already are only kept from getting
+//! such places. Two conditions are checked beside the energy. Face by face, the normals of the limit
+//! surface keep to the side of the flat triangle through the limit positions of the corners. No two
+//! neighbouring flat triangles close like a book. A face that is folded already may not get much
 //! worse: leaving the fold lowers the energy.
+
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology};
-use crate::subdivision::{Elements, limit_normals, limit_positions};
+use crate::solver::discretization::Discretization;
+use crate::subdivision::{Elements, Rule, limit_normals, limit_positions};
 
+/// The finest rule at whose points normals are checked.
+const MAX_RULE: Rule = Rule::FortyEight;
 /// A face is in order if its normals keep at least this cosine to the flat triangle.
-const UPRIGHT: f64 = -0.3;
+const MIN_NORMAL_COSINE: f64 = -0.3;
 /// Two flat triangles are in order if their normals keep at least this cosine.
-const OPEN: f64 = -0.77;
-/// How much worse a face or edge that is not in order may get in one step.
-const WORSE: f64 = 0.3;
-/// Cosine of the most that the flat triangle of a face in order may turn in one step.
-const TURN: f64 = 0.5;
+const MIN_EDGE_COSINE: f64 = -0.77;
+/// How much a cosine that is below its limit may fall in one step.
+const MAX_DEGRADATION: f64 = 0.3;
+/// Cosine of the largest angle by which the flat triangle of a face in order may turn in one step.
+const MIN_TURN_COSINE: f64 = 0.5;
 
 /// Cosine between a vector and a unit vector; -1 for one that has no direction.
 fn cosine(vector: DVec3, unit: DVec3) -> f64 {
@@ -30,30 +35,30 @@ fn cosine(vector: DVec3, unit: DVec3) -> f64 {
     }
 }
 
-/// How a surface is folded: the state steps are compared with.
+/// How a surface is folded: what steps are compared with.
 #[derive(Clone, Debug, Default)]
-pub struct FoldState {
-    /// Least cosine between a normal and the flat triangle's, by element.
-    upright: Vec<f64>,
+struct FoldState {
+    /// Minimum cosine between a normal and that of the flat triangle, by element.
+    min_normal_cosine: Vec<f64>,
     /// Normal of the flat triangle, by face.
-    flat: Vec<DVec3>,
+    facet_normals: Vec<DVec3>,
 }
 
 impl FoldState {
-    /// Looks at the surface over `elements`, which cover the faces that may change.
-    pub fn new(topology: &Topology, elements: &Elements, positions: &[DVec3]) -> Self {
+    /// Of the surface over `elements`, which cover the faces that may change.
+    fn new(topology: &Topology, elements: &Elements, positions: &[DVec3]) -> Self {
         let points = limit_positions(topology, positions);
         let normals = limit_normals(topology, positions);
-        let flat: Vec<DVec3> = (0..topology.face_count())
+        let facet_normals: Vec<DVec3> = (0..topology.face_count())
             .map(|f| {
                 let corners = topology.face_vertices(FaceId::from(f));
                 let [a, b, c] = corners.map(|v| points[v.index()]);
                 (b - a).cross(c - a).normalize_or_zero()
             })
             .collect();
-        let upright = |local: &mut Vec<DVec3>, e: usize| {
+        let min_cosine = |local: &mut Vec<DVec3>, e: usize| {
             let (table, vertices) = (elements.table(e), elements.vertices_of(e));
-            let face = flat[elements.faces()[e] as usize];
+            let facet = facet_normals[elements.faces()[e] as usize];
             local.clear();
             local.extend(vertices.iter().map(|&v| positions[v as usize]));
             let inside = (0..table.points).map(|point| {
@@ -63,70 +68,123 @@ impl FoldState {
                     u += a * p;
                     v += b * p;
                 }
-                cosine(u.cross(v), face)
+                cosine(u.cross(v), facet)
             });
             let least = inside.fold(1.0, f64::min);
-            let corners = vertices[..3].iter().map(|&v| normals[v as usize].dot(face));
+            let corners = vertices[..3]
+                .iter()
+                .map(|&v| normals[v as usize].dot(facet));
             corners.fold(least, f64::min)
         };
         Self {
-            upright: (0..elements.len())
+            min_normal_cosine: (0..elements.len())
                 .into_par_iter()
                 .with_min_len(64)
-                .map_init(Vec::new, upright)
+                .map_init(Vec::new, min_cosine)
                 .collect(),
-            flat,
+            facet_normals,
+        }
+    }
+}
+
+/// Compares steps with the current surface of a flow.
+pub struct FoldGuard {
+    topology: Arc<Topology>,
+    elements: Elements,
+    current: FoldState,
+    trial: FoldState,
+    marked: Vec<bool>,
+}
+
+impl FoldGuard {
+    /// Of the surface over `positions`, sampled by `rule` or by [`MAX_RULE`] where that is coarser.
+    pub fn new(discretization: &Discretization, rule: Rule, positions: &[DVec3]) -> Self {
+        let topology = Arc::clone(discretization.topology());
+        let elements = discretization.elements(rule.min(MAX_RULE)).clone();
+        Self {
+            current: FoldState::new(&topology, &elements, positions),
+            trial: FoldState::default(),
+            marked: vec![false; positions.len()],
+            topology,
+            elements,
         }
     }
 
-    /// Marks the control vertices of the places where a step to `next` would fold the surface;
-    /// returns whether there are any.
-    pub fn mark_folds(
-        &self,
-        next: &Self,
-        topology: &Topology,
-        elements: &Elements,
-        marked: &mut [bool],
-    ) -> bool {
-        let gets_bad = |old: f64, new: f64, limit: f64| {
-            new.is_nan() || (new < limit && (old >= limit || new < old - WORSE))
-        };
+    /// Whether the step to `positions` would fold the surface, or fold it much more than it is.
+    /// Marks the control vertices of such places.
+    pub fn would_fold(&mut self, positions: &[DVec3]) -> bool {
+        self.trial = FoldState::new(&self.topology, &self.elements, positions);
+        self.marked.fill(false);
+        // both, so that all places are marked
+        self.mark_faces() | self.mark_edges()
+    }
+
+    /// For each vertex whether the last step tried folds the surface near it.
+    pub fn marked(&self) -> &[bool] {
+        &self.marked
+    }
+
+    /// Makes the last surface tried the current one.
+    pub fn accept(&mut self) {
+        std::mem::swap(&mut self.current, &mut self.trial);
+    }
+
+    /// Makes any surface the current one.
+    pub fn reset(&mut self, positions: &[DVec3]) {
+        self.current = FoldState::new(&self.topology, &self.elements, positions);
+    }
+
+    /// Marks the faces whose normals leave the side of their flat triangle, or whose flat triangle
+    /// turns too far.
+    fn mark_faces(&mut self) -> bool {
+        let (old, new) = (&self.current, &self.trial);
         let mut any = false;
-        for e in 0..elements.len() {
-            let f = elements.faces()[e] as usize;
-            let (old, new) = (self.upright[e], next.upright[e]);
-            let turned = old >= UPRIGHT && next.flat[f].dot(self.flat[f]) < TURN;
-            if turned || gets_bad(old, new, UPRIGHT) {
+        for (e, &f) in self.elements.faces().iter().enumerate() {
+            let turn = new.facet_normals[f as usize].dot(old.facet_normals[f as usize]);
+            let [before, after] = [old, new].map(|state| state.min_normal_cosine[e]);
+            let has_turned = before >= MIN_NORMAL_COSINE && turn < MIN_TURN_COSINE;
+            if has_turned || degrades(before, after, MIN_NORMAL_COSINE) {
                 any = true;
-                for &v in elements.vertices_of(e) {
-                    marked[v as usize] = true;
-                }
-            }
-        }
-        for h in (0..topology.halfedge_count())
-            .step_by(2)
-            .map(HalfedgeId::from)
-        {
-            if topology.is_boundary(h) || topology.is_boundary(h.twin()) {
-                continue;
-            }
-            let [f, g] = [h, h.twin()].map(|h| topology.face(h).index());
-            let cosine = |flat: &[DVec3]| flat[f].dot(flat[g]);
-            if gets_bad(cosine(&self.flat), cosine(&next.flat), OPEN) {
-                any = true;
-                for v in [topology.origin(h), topology.target(h)] {
-                    marked[v.index()] = true;
-                    for w in topology.neighbours(v) {
-                        marked[w.index()] = true;
-                    }
+                for &v in self.elements.vertices_of(e) {
+                    self.marked[v as usize] = true;
                 }
             }
         }
         any
     }
 
-    /// Elements whose normals turn away from their flat triangle.
-    pub fn folded(&self) -> usize {
-        self.upright.iter().filter(|&&u| u < UPRIGHT).count()
+    /// Marks the edges whose two flat triangles close like a book.
+    fn mark_edges(&mut self) -> bool {
+        let topology = &self.topology;
+        let edges = (0..topology.halfedge_count()).step_by(2);
+        let mut any = false;
+        for h in edges.map(HalfedgeId::from) {
+            if topology.is_boundary(h) || topology.is_boundary(h.twin()) {
+                continue;
+            }
+            let [f, g] = [h, h.twin()].map(|h| topology.face(h).index());
+            let [before, after] = [&self.current, &self.trial]
+                .map(|state| state.facet_normals[f].dot(state.facet_normals[g]));
+            if degrades(before, after, MIN_EDGE_COSINE) {
+                any = true;
+                for v in [topology.origin(h), topology.target(h)] {
+                    self.marked[v.index()] = true;
+                    for w in topology.neighbours(v) {
+                        self.marked[w.index()] = true;
+                    }
+                }
+            }
+        }
+        any
     }
 }
+
+/// Whether a cosine falls below its limit, or below what it was by more than is admitted for a
+/// place that is folded already.
+fn degrades(old: f64, new: f64, limit: f64) -> bool {
+    new.is_nan() || (new < limit && (old >= limit || new < old - MAX_DEGRADATION))
+}
+
+#[cfg(test)]
+#[path = "fold_guard_tests.rs"]
+mod tests;

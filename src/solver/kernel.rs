@@ -1,6 +1,6 @@
 //! Element kernels: energy, gradient (12) and the matrix of scheme B on one triangle.
 //!
-//! A kernel knows no global index and does not allocate. Control vertices are padded to a multiple
+//! A kernel has no global indices and does not allocate. Control vertices are padded to a multiple
 //! of four with zeros ("chunks" of `Lane`), so that the loops over them vectorise; the common chunk
 //! counts are compiled with the count as a constant.
 
@@ -12,8 +12,8 @@ use crate::surface::{Coefficients, PointGeometry};
 /// Four numbers that are worked on together.
 pub type Lane = [f64; 4];
 
-/// Rank-one terms a quadrature point adds to the matrix at most: mass, two of the Hessian, two of
-/// the membrane.
+/// Maximum number of rank-one terms of a quadrature point: mass, two of the Hessian, two of the
+/// membrane.
 pub const TERMS_PER_POINT: usize = 5;
 
 /// What all elements of one assembly share.
@@ -52,7 +52,7 @@ pub struct ElementOutput<'a> {
     /// Gradient of the energy, components as in [`ElementInput::x`].
     pub gradient: &'a mut [Lane],
     /// Rows of `chunks` lanes, filled up to and including the diagonal's lane; empty if no matrix
-    /// is wanted.
+    /// is asked for.
     pub matrix: &'a mut [Lane],
     /// Scratch: `TERMS_PER_POINT * points * chunks` lanes; empty if no matrix is wanted.
     pub terms: &'a mut [Lane],

@@ -1,4 +1,4 @@
-//! Everything about a flow that may be chosen.
+//! Options of a flow.
 
 use crate::energy::Energy;
 use crate::solver::SolverError;
@@ -6,32 +6,29 @@ use crate::solver::control::{Mode, Tau};
 use crate::solver::mixed::LinearSolver;
 use crate::subdivision::Rule;
 
-/// Which of the two methods computes the steps.
+/// The method that computes the steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
     /// Scheme B, the linearly implicit normal flow.
     #[default]
     Normal,
-    /// Descent of all three components in scheme B's metric, guarded against folds: for coarse
-    /// irregular meshes, on which vertices have to slide along the surface as well.
-    Guarded,
     /// Scheme A, the paper's mixed finite elements (21)-(23).
     Mixed,
     /// Scheme A with the exact gradient as right-hand side: the same matrix, another fixed point.
     MixedCorrected,
 }
 
-/// Everything about a flow that may be chosen.
+/// Options of a flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowOptions {
     /// f(H, K).
     pub energy: Energy,
-    /// Weight of the area beside f, in units of 1 / r², r the hole radius (f of the dimension of
-    /// `H²`); 0 for f alone.
+    /// Weight of the area added to f, in units of 1 / r² for an f of the dimension of `H²`; r is the
+    /// hole radius. 0 for f alone.
     pub tension: f64,
     /// Spontaneous curvature, in units of 1 / r, positive along the normals: 1 favours spheres of the
-    /// hole's radius.
+    /// hole radius.
     pub bulge: f64,
     /// The method.
     pub scheme: Scheme,

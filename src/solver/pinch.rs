@@ -1,11 +1,11 @@
-//! Watching for a surface that pinches off.
+//! Detection of a surface that pinches off.
 
 use crate::mesh::{DVec3, FaceId};
 use crate::solver::FlowProblem;
 
 /// A triangle that keeps less than this part of its area belongs to a neck that is closing.
 const CLOSED: f64 = 0.01;
-/// The last shape whose triangles all keep at least this part is the one to go back to.
+/// The last shape whose triangles all keep at least this part is stored.
 const OPEN: f64 = 0.1;
 
 /// Areas of the control triangles that move, compared with what they were at the start. Under an
@@ -36,14 +36,14 @@ impl PinchWatch {
         Self { faces, areas, open }
     }
 
-    /// Looks at the shape after a step. If a neck is closing, the place, relative to the problem's
+    /// Checks the shape after a step. If a neck is closing, the place, relative to the problem's
     /// centre.
-    pub fn look(&mut self, problem: &FlowProblem, positions: &[DVec3]) -> Option<DVec3> {
+    pub fn check(&mut self, problem: &FlowProblem, positions: &[DVec3]) -> Option<DVec3> {
         let mut least = f64::INFINITY;
         let mut place = DVec3::ZERO;
         for (&f, &start) in self.faces.iter().zip(&self.areas) {
             let (now, middle) = area(problem, positions, f);
-            // triangles without area at the start say nothing
+            // triangles without area at the start do not count
             let kept = if start > 0.0 { now / start } else { 1.0 };
             if kept < least {
                 (least, place) = (kept, middle);
@@ -66,4 +66,58 @@ fn area(problem: &FlowProblem, positions: &[DVec3], f: FaceId) -> (f64, DVec3) {
     let corners = problem.topology().face_vertices(f);
     let [a, b, c] = corners.map(|v| positions[v.index()]);
     (0.5 * (b - a).cross(c - a).length(), (a + b + c) / 3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::cylinder;
+
+    /// A tube whose middle moves, and its positions with the middle narrowed to a part of its width.
+    fn tube() -> (FlowProblem, impl Fn(f64) -> Vec<DVec3>) {
+        let (positions, triangles) = cylinder(1.0, 4.0, 16, 1);
+        let interior: Vec<u32> = (0..positions.len() as u32)
+            .filter(|&v| positions[v as usize].z.abs() < 0.8)
+            .collect();
+        let problem = FlowProblem::new(&positions, &triangles, &interior, 1.0).expect("a tube");
+        let start = problem.clone();
+        let narrowed = move |part: f64| {
+            let mut x = start.positions().to_vec();
+            for &v in start.interior() {
+                let p = &mut x[v as usize];
+                let axis = DVec3::new(-start.centre().x, -start.centre().y, p.z);
+                *p = axis + part * (*p - axis);
+            }
+            x
+        };
+        (problem, narrowed)
+    }
+
+    #[test]
+    fn a_closing_neck_is_found_with_the_last_open_shape() {
+        let (problem, narrowed) = tube();
+        let mut watch = PinchWatch::new(&problem);
+        for part in [1.0, 0.5, 0.2] {
+            assert_eq!(watch.check(&problem, &narrowed(part)), None);
+            assert_eq!(watch.last_open(), narrowed(part));
+        }
+        // narrow, but not closed: the shape to go back to stays
+        assert_eq!(watch.check(&problem, &narrowed(0.05)), None);
+        assert_eq!(watch.last_open(), narrowed(0.2));
+        let place = watch.check(&problem, &narrowed(1e-3)).expect("a neck");
+        let place = place + problem.centre();
+        assert!(
+            place.x.hypot(place.y) < 0.01 && place.z.abs() < 0.8,
+            "{place}"
+        );
+        assert_eq!(watch.last_open(), narrowed(0.2));
+    }
+
+    #[test]
+    fn triangles_without_area_at_the_start_are_ignored() {
+        let (problem, narrowed) = tube();
+        let collapsed = problem.clone().with_positions(&narrowed(0.0));
+        let mut watch = PinchWatch::new(&collapsed);
+        assert_eq!(watch.check(&collapsed, collapsed.positions()), None);
+    }
 }

@@ -1,9 +1,10 @@
-//! The validated, immutable description of a flow on a region of a mesh.
+//! The validated description of a flow on a region of a mesh.
 
 use std::sync::Arc;
 
 use crate::mesh::{DVec3, FaceId, Topology, VertexId};
 use crate::solver::SolverError;
+use crate::solver::discretization::Discretization;
 use crate::surface::Interpolation;
 
 /// How far from the interior vertices positions can matter: active elements have corners up to
@@ -15,12 +16,11 @@ pub const SUPPORT_RINGS: u8 = 4;
 /// Positions are kept relative to `centre`, so that a mesh far from the origin loses nothing.
 #[derive(Clone, Debug)]
 pub struct FlowProblem {
-    topology: Topology,
+    discretization: Arc<Discretization>,
     positions: Vec<DVec3>,
     centre: DVec3,
     ring: Vec<u8>,
     interior: Vec<u32>,
-    active: Vec<FaceId>,
     radius: f64,
     creases: Vec<u32>,
     interpolation: Option<Arc<Interpolation>>,
@@ -29,9 +29,9 @@ pub struct FlowProblem {
 impl FlowProblem {
     /// A flow of the vertices `interior` of the mesh `positions`, `triangles`.
     ///
-    /// The mesh must hold everything within [`SUPPORT_RINGS`] rings of the interior; a boundary
-    /// nearer than that is taken for a boundary of the surface. `radius` is the hole radius (RMS
-    /// distance of the rim from its mean), the unit of length of all tolerances.
+    /// The mesh must contain all faces within [`SUPPORT_RINGS`] rings of the interior; a nearer
+    /// boundary counts as a boundary of the surface. `radius` is the hole radius (RMS distance of
+    /// the rim from its mean), the unit of length of all tolerances.
     ///
     /// # Errors
     /// [`SolverError`] if the triangles are not an oriented manifold, a coordinate is not finite,
@@ -75,12 +75,11 @@ impl FlowProblem {
             .sum::<DVec3>()
             / interior.len().max(1) as f64;
         Ok(Self {
-            topology,
+            discretization: Arc::new(Discretization::new(Arc::new(topology), active)),
             positions: positions.iter().map(|&p| p - centre).collect(),
             centre,
             ring,
             interior: interior.to_vec(),
-            active,
             radius,
             creases: Vec::new(),
             interpolation: None,
@@ -116,20 +115,20 @@ impl FlowProblem {
         marks
     }
 
-    /// The same problem with the limit surface held at given points (in the given mesh's own
-    /// coordinates): the control points of the vertices named follow those of the other interior
-    /// vertices. They may lie on a boundary; the others of a boundary stay where they are. The
-    /// starting positions of the vertices named are set accordingly.
+    /// The same problem with the limit surface constrained to pass given points (in the given mesh's
+    /// own coordinates): the control points of these vertices follow those of the other interior
+    /// vertices. The vertices may lie on a boundary; other vertices of a boundary do not move. The
+    /// starting positions of the constrained vertices are set accordingly.
     ///
     /// # Errors
     /// [`SolverError`] if a vertex does not exist, is named twice, or a coordinate is not finite.
-    pub fn holding(mut self, held: &[(u32, DVec3)]) -> Result<Self, SolverError> {
+    pub fn with_constraints(mut self, held: &[(u32, DVec3)]) -> Result<Self, SolverError> {
         let mut seen = vec![false; self.positions.len()];
         for &(v, target) in held {
             let vertex = v as usize;
             match seen.get_mut(vertex) {
                 None => return Err(SolverError::NoSuchVertex { vertex }),
-                Some(seen) if *seen => return Err(SolverError::HeldTwice { vertex }),
+                Some(seen) if *seen => return Err(SolverError::ConstrainedTwice { vertex }),
                 Some(seen) => *seen = true,
             }
             if !target.is_finite() {
@@ -137,38 +136,45 @@ impl FlowProblem {
             }
         }
         let relative: Vec<_> = held.iter().map(|&(v, p)| (v, p - self.centre)).collect();
-        let interpolation = Interpolation::new(&self.topology, &relative);
-        interpolation.settle(&mut self.positions);
+        let interpolation = Interpolation::new(self.topology(), &relative);
+        interpolation.enforce(&mut self.positions);
         self.interpolation = Some(Arc::new(interpolation));
         self.take_in(held.iter().map(|&(v, _)| VertexId(v)));
         Ok(self)
     }
 
-    /// Makes faces around the given vertices active where none is: held vertices are unknowns, and
-    /// each needs an element to have a row of the matrix.
+    /// Makes faces around the given vertices active where none is: constrained vertices are
+    /// unknowns, and each needs an element to have a row of the matrix.
     fn take_in(&mut self, vertices: impl Iterator<Item = VertexId>) {
-        let topology = &self.topology;
+        let topology = self.topology();
         let faces = |v| {
             topology
                 .outgoing(v)
                 .map(|h| topology.face(h))
                 .filter(|f| f.is_some())
         };
-        let is_active = |f: FaceId| self.active.binary_search(&f).is_ok();
+        let is_active = |f: FaceId| self.active_faces().binary_search(&f).is_ok();
         let more: Vec<FaceId> = vertices
             .filter(|&v| !faces(v).any(is_active))
             .flat_map(faces)
             .collect();
         if !more.is_empty() {
-            self.active.extend(more);
-            self.active.sort_unstable();
-            self.active.dedup();
+            let mut active = [self.active_faces(), &more].concat();
+            active.sort_unstable();
+            active.dedup();
+            let topology = Arc::clone(self.topology());
+            self.discretization = Arc::new(Discretization::new(topology, active));
         }
     }
 
     /// Connectivity of the region.
-    pub fn topology(&self) -> &Topology {
-        &self.topology
+    pub fn topology(&self) -> &Arc<Topology> {
+        self.discretization.topology()
+    }
+
+    /// Connectivity and elements.
+    pub fn discretization(&self) -> &Arc<Discretization> {
+        &self.discretization
     }
 
     /// Starting positions relative to [`Self::centre`].
@@ -192,22 +198,22 @@ impl FlowProblem {
     }
 
     /// Where the energy is integrated: faces with a vertex at graph distance at most 1 from an
-    /// interior vertex, and those around held vertices farther away.
+    /// interior vertex, and those around constrained vertices farther away.
     pub fn active_faces(&self) -> &[FaceId] {
-        &self.active
+        self.discretization.active_faces()
     }
 
-    /// The points the limit surface is held at, if any.
+    /// The points that the limit surface passes, if there are constraints.
     pub fn interpolation(&self) -> Option<&Arc<Interpolation>> {
         self.interpolation.as_ref()
     }
 
-    /// The vertices whose control points change: the interior ones, then those held that are not
-    /// among them.
+    /// The vertices whose control points change: the interior ones, then the constrained ones that
+    /// are not among them.
     pub fn moving(&self) -> Vec<u32> {
         let mut moving = self.interior.clone();
         if let Some(interpolation) = &self.interpolation {
-            let others = interpolation.held().iter().copied();
+            let others = interpolation.constrained().iter().copied();
             moving.extend(others.filter(|&v| self.ring[v as usize] > 0));
         }
         moving

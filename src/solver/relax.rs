@@ -1,18 +1,20 @@
 //! Tangential relaxation: vertices slide along the surface to where their neighbours are.
 
+use std::sync::Arc;
+
 use crate::mesh::{DVec3, FaceId, Topology, VertexId};
 use crate::solver::FlowProblem;
 use crate::solver::assembly::EnergySum;
 
-/// How much of what a step has gained relaxation may give back, so that the energy still falls.
+/// Maximum part of a step's gain that relaxation may give back, so that the energy still falls.
 const GIVEN_BACK: f64 = 0.5;
 
-/// Passes over the triangles in which vertices are put back, each of which may spoil others.
+/// Passes over the triangles in which vertices are put back; each may degrade other triangles.
 const GUARD_PASSES: usize = 4;
 
-/// Proposes places of the moving vertices and remembers what is needed for that.
+/// Proposes tangential moves of the moving vertices.
 pub(super) struct Relaxation {
-    topology: Topology,
+    topology: Arc<Topology>,
     /// Faces with a moving vertex.
     faces: Vec<FaceId>,
     trial: Vec<DVec3>,
@@ -20,7 +22,7 @@ pub(super) struct Relaxation {
 
 impl Relaxation {
     pub(super) fn new(problem: &FlowProblem) -> Self {
-        let topology = problem.topology().clone();
+        let topology = Arc::clone(problem.topology());
         let moves = |v: &VertexId| problem.ring()[v.index()] == 0;
         let faces = (0..topology.face_count())
             .map(FaceId::from)
@@ -34,8 +36,8 @@ impl Relaxation {
     }
 
     /// `x + weight (mean of neighbours − x)` without its normal part, at the moving `vertices`, none
-    /// further than `reach`. Vertices that would make a triangle sharper than the sharpest there is stay; `None` if that
-    /// does not help.
+    /// further than `reach`. Vertices that would make a triangle sharper than the sharpest one do not
+    /// move; `None` if that is not enough.
     pub(super) fn propose(
         &mut self,
         positions: &[DVec3],
@@ -62,16 +64,16 @@ impl Relaxation {
         let cosines = self.faces.iter().map(|&f| sharpness(positions, f));
         let sharpest = cosines.fold(-1.0, f64::max);
         for _ in 0..GUARD_PASSES {
-            let mut spoilt = false;
+            let mut degraded = false;
             for &f in &self.faces {
                 if sharpness(&self.trial, f) > sharpest {
-                    spoilt = true;
+                    degraded = true;
                     for v in self.topology.face_vertices(f) {
                         self.trial[v.index()] = positions[v.index()];
                     }
                 }
             }
-            if !spoilt {
+            if !degraded {
                 return Some(&self.trial);
             }
         }

@@ -21,9 +21,10 @@ pub struct Elements {
     stencils: Arc<Stencils>,
 }
 
-/// What does not depend on the points at which basis functions are tabulated.
-#[derive(Debug, Default)]
-struct Stencils {
+/// The control vertices of a list of faces: what does not depend on the points at which basis
+/// functions are tabulated.
+#[derive(Debug)]
+pub struct Stencils {
     classes: Vec<Class>,
     /// For each element its class.
     class_of: Vec<u32>,
@@ -93,10 +94,9 @@ impl Elements {
         &self.stencils.faces
     }
 
-    /// The same elements with tables for the points of another rule.
-    #[must_use]
-    pub fn at_rule(&self, rule: Rule) -> Self {
-        Self::tabulated(Arc::clone(&self.stencils), |class| match class {
+    /// Tables for the points of `rule`.
+    pub fn new(stencils: Arc<Stencils>, rule: Rule) -> Self {
+        Self::tabulated(stencils, |class| match class {
             Class::Valences(valences) => cache::table(*valences, rule),
             Class::Folded(folding) => cache::folded_table(folding, rule),
         })
@@ -110,19 +110,9 @@ impl Elements {
     }
 }
 
-/// Gathers the stencils of `faces`, with tables for the points of `rule`.
-///
-/// Where a corner of a face lies on an open boundary, the mesh is extended: beyond each boundary
-/// edge `(p, q)` of a triangle `(p, q, r)` by a ghost vertex `p + q - r`, and at each boundary
-/// vertex by one more triangle between the ghosts of its two boundary edges. Ghosts do not appear
-/// in the result: their basis functions are added to those of the vertices they are made of.
-/// Likewise a vertex that occurs several times around a triangle of a tiny closed mesh appears once,
-/// with the sum of its functions. Two triangles glued along all their edges are flat elements of
-/// their corners alone.
+/// The elements of `faces` with tables for the points of `rule`; see [`Stencils::new`].
 pub fn elements(topology: &Topology, faces: &[FaceId], rule: Rule) -> Elements {
-    let tables = Vec::new();
-    let stencils = Arc::new(Stencils::new(topology, faces));
-    Elements { tables, stencils }.at_rule(rule)
+    Elements::new(Arc::new(Stencils::new(topology, faces)), rule)
 }
 
 /// [`elements()`] with tables for any `points` `(v, w)` of the closed parameter triangle, which need
@@ -141,7 +131,16 @@ pub fn elements_at(topology: &Topology, faces: &[FaceId], points: &[[f64; 2]]) -
 }
 
 impl Stencils {
-    fn new(topology: &Topology, faces: &[FaceId]) -> Self {
+    /// Gathers the stencils of `faces`.
+    ///
+    /// Where a corner of a face lies on an open boundary, the mesh is extended: beyond each boundary
+    /// edge `(p, q)` of a triangle `(p, q, r)` by a ghost vertex `p + q - r`, and at each boundary
+    /// vertex by one more triangle between the ghosts of its two boundary edges. Ghosts do not
+    /// appear in the result: their basis functions are added to those of the vertices they are made
+    /// of. Likewise a vertex that occurs several times around a triangle of a tiny closed mesh
+    /// appears once, with the sum of its functions. Two triangles glued along all their edges are
+    /// flat elements of their corners alone.
+    pub fn new(topology: &Topology, faces: &[FaceId]) -> Self {
         let gathered = gather(topology, faces);
         let mut out = Self {
             classes: Vec::with_capacity(gathered.classes.len()),

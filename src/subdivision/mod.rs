@@ -19,7 +19,7 @@ mod ring;
 mod rule;
 
 pub use basis::{BasisTable, DERIVATIVES, basis_at};
-pub use elements::{Elements, elements, elements_at};
+pub use elements::{Elements, Stencils, elements, elements_at};
 pub use limit::{
     limit_normal, limit_normals, limit_position, limit_positions, limit_stencil, ring_points,
     tangent_stencil,

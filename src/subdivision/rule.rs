@@ -37,6 +37,14 @@ const fn divided<const N: usize, const M: usize>(rule: [[f64; 2]; N]) -> [[f64; 
 }
 
 impl Rule {
+    /// All rules, from coarse to fine.
+    pub const ALL: [Self; 4] = [
+        Self::Three,
+        Self::Twelve,
+        Self::FortyEight,
+        Self::OneNinetyTwo,
+    ];
+
     /// The points `(v, w)`.
     pub const fn points(self) -> &'static [[f64; 2]] {
         match self {
@@ -76,12 +84,7 @@ mod tests {
     /// `int v^i w^j = i! j! / (i + j + 2)!` for total degree 2.
     #[test]
     fn quadratics_are_exact() {
-        for rule in [
-            Rule::Three,
-            Rule::Twelve,
-            Rule::FortyEight,
-            Rule::OneNinetyTwo,
-        ] {
+        for rule in Rule::ALL {
             let integral = |f: fn(f64, f64) -> f64| -> f64 {
                 let sum: f64 = rule.points().iter().map(|p| f(p[0], p[1])).sum();
                 0.5 * rule.weight() * sum

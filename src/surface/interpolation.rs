@@ -1,47 +1,47 @@
-//! Vertices whose limit positions are given: the interpolating basis (formulation, section 7).
+//! Interpolation constraints: the interpolating basis (formulation, section 7).
 //!
-//! With `A` the limit mask, `f` the held and `c` the free vertices, the control points of the held
-//! ones follow the free ones, `x_f = A_ff⁻¹ (p_f − A_fc x_c)`, so that the limit surface always passes
-//! the given points. Free vertices then have the basis `φ̃ = Qᵀφ`, `Q = [−A_ff⁻¹A_fc; I]`. Where no
-//! two held vertices are adjacent, as after a 1→4 split, `A_ff` is diagonal; otherwise it is solved
-//! with by Gauss-Seidel sweeps, which converge because `A_ff` is diagonally dominant or, by a
-//! scaling of its rows, symmetric positive definite.
+//! `A` is the limit mask, `f` are the constrained and `c` the free vertices. The control points of
+//! the constrained vertices follow the free ones, `x_f = A_ff⁻¹ (p_f − A_fc x_c)`, so that the limit
+//! surface always passes the given points. Free vertices then have the basis `φ̃ = Qᵀφ`,
+//! `Q = [−A_ff⁻¹A_fc; I]`. If no two constrained vertices are adjacent, as after a 1→4 split, `A_ff`
+//! is diagonal. Otherwise Gauss-Seidel sweeps solve with it. They converge because `A_ff` is
+//! diagonally dominant or, by a scaling of its rows, symmetric positive definite.
 
 use crate::mesh::{DVec3, Topology, VertexId};
 use crate::subdivision::limit_stencil;
 
-/// Sweeps after which the solution is taken as it is.
+/// Maximum number of sweeps.
 const MAX_SWEEPS: usize = 400;
 
-/// Points the limit surface has to pass.
+/// Points that the limit surface passes.
 #[derive(Clone, Debug)]
 pub struct Interpolation {
     /// The vertices whose limit positions are given.
     held: Vec<u32>,
-    /// Where the limit surface has to pass.
+    /// Where the limit surface passes.
     target: Vec<DVec3>,
     /// `A_ff`'s diagonal.
     diagonal: Vec<f64>,
     /// Start of each row in `entries`, and the rows: vertex and weight, the diagonal left out.
     start: Vec<u32>,
     entries: Vec<(u32, f64)>,
-    /// Place in `held` of each vertex, `NONE` for the free ones.
+    /// Place of each vertex among the constrained ones, `NONE` for the free ones.
     place: Vec<u32>,
-    /// Whether no two held vertices are adjacent.
+    /// Whether no two constrained vertices are adjacent.
     is_diagonal: bool,
 }
 
 const NONE: u32 = u32::MAX;
 
 impl Interpolation {
-    /// The limit surface over `topology` shall pass `target` at each vertex `held`.
+    /// Constrains the limit surface over `topology` to pass a point at each vertex of `held`.
     ///
     /// # Panics
-    /// If a vertex is held twice or does not exist.
+    /// If a vertex occurs twice or does not exist.
     pub fn new(topology: &Topology, held: &[(u32, DVec3)]) -> Self {
         let mut place = vec![NONE; topology.vertex_count()];
         for (i, &(v, _)) in held.iter().enumerate() {
-            assert_eq!(place[v as usize], NONE, "held vertices are distinct");
+            assert_eq!(place[v as usize], NONE, "constrained vertices are distinct");
             place[v as usize] = i as u32;
         }
         let mut out = Self {
@@ -72,22 +72,22 @@ impl Interpolation {
         out
     }
 
-    /// The held vertices.
-    pub fn held(&self) -> &[u32] {
+    /// The constrained vertices.
+    pub fn constrained(&self) -> &[u32] {
         &self.held
     }
 
-    /// Whether a vertex is held.
-    pub fn holds(&self, v: u32) -> bool {
+    /// Whether a vertex is constrained.
+    pub fn constrains(&self, v: u32) -> bool {
         self.place[v as usize] != NONE
     }
 
-    /// Where the limit surface passes the held vertices.
+    /// The points that the limit surface passes, one for each constrained vertex.
     pub fn targets(&self) -> &[DVec3] {
         &self.target
     }
 
-    /// The same vertices held at other points, in the same order.
+    /// The same vertices with other points, in the same order.
     ///
     /// # Panics
     /// If there is not one point for each.
@@ -100,20 +100,20 @@ impl Interpolation {
         }
     }
 
-    /// Weight of the `i`-th held vertex in its own limit position, and those of its neighbours.
+    /// Weight of the `i`-th constrained vertex in its own limit position, and those of its neighbours.
     pub fn row(&self, i: usize) -> (f64, &[(u32, f64)]) {
         let range = self.start[i] as usize..self.start[i + 1] as usize;
         (self.diagonal[i], &self.entries[range])
     }
 
-    /// Moves the control points of the held vertices to where the limit surface passes the targets:
+    /// Moves the constrained control points such that the limit surface passes the targets:
     /// `x_f = A_ff⁻¹ (p_f − A_fc x_c)`.
-    pub fn settle(&self, positions: &mut [DVec3]) {
-        self.settle_at(&self.target, positions);
+    pub fn enforce(&self, positions: &mut [DVec3]) {
+        self.enforce_at(&self.target, positions);
     }
 
-    /// The same for other targets, one for each held vertex.
-    pub fn settle_at(&self, targets: &[DVec3], positions: &mut [DVec3]) {
+    /// The same for other targets, one for each constrained vertex.
+    pub fn enforce_at(&self, targets: &[DVec3], positions: &mut [DVec3]) {
         let mut largest = 0.0f64;
         for sweep in 0..MAX_SWEEPS {
             let mut change = 0.0f64;
@@ -152,9 +152,9 @@ impl Interpolation {
             .fold(0.0, f64::max)
     }
 
-    /// Turns derivatives by all control points into those by the free ones alone, the held ones
-    /// following: `g_c ← g_c − A_fcᵀ A_ff⁻ᵀ g_f`, `g_f ← 0`. `gradient` has one entry for each vertex
-    /// that `unknown` numbers below its length; derivatives by others are neither known nor wanted.
+    /// Turns derivatives by all control points into those by the free ones, which the constrained
+    /// ones follow: `g_c ← g_c − A_fcᵀ A_ff⁻ᵀ g_f`, `g_f ← 0`. `gradient` has one entry for each vertex
+    /// that `unknown` numbers below its length; it has no derivatives by others.
     pub fn pull_back(&self, unknown: &[u32], gradient: &mut [DVec3]) {
         let n = gradient.len();
         let of = |v: u32| unknown[v as usize] as usize;
@@ -238,7 +238,7 @@ mod tests {
             for p in &mut positions {
                 *p += offset;
             }
-            map.settle(&mut positions);
+            map.enforce(&mut positions);
             assert!(map.error(&positions) < 4e-15, "{}", map.error(&positions));
             for (v, p) in targets {
                 let q = limit_position(&topology, &positions, VertexId(v));
@@ -259,11 +259,11 @@ mod tests {
                     .map(|&v| (v, positions[v as usize]))
                     .collect::<Vec<_>>(),
             );
-            map.settle(&mut positions);
+            map.enforce(&mut positions);
             let mut random = SplitMix::new(5);
             let step: Vec<DVec3> = (0..n as u32)
                 .map(|v| {
-                    if map.holds(v) {
+                    if map.constrains(v) {
                         DVec3::ZERO
                     } else {
                         random.direction()
@@ -271,7 +271,7 @@ mod tests {
                 })
                 .collect();
             let mut moved: Vec<DVec3> = positions.iter().zip(&step).map(|(p, s)| *p + *s).collect();
-            map.settle(&mut moved);
+            map.enforce(&mut moved);
             let gradient: Vec<DVec3> = (0..n).map(|_| random.direction()).collect();
             let direct: f64 = (0..n)
                 .map(|v| gradient[v].dot(moved[v] - positions[v]))

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use meniscus::energy::Energy;
 use meniscus::mesh::{DVec3, Topology, VertexId};
 use meniscus::solver::{
-    End, Flow, FlowOptions, FlowProblem, LinearSolver, MixedFlow, Mode, Scheme, Tau,
+    End, Flow, FlowOptions, FlowProblem, LinearSolver, MixedFlow, Mode, Scheme, Stepper, Tau,
 };
 
 use crate::common::icosphere::{area_radius, icosphere};
@@ -101,13 +101,6 @@ fn gmres_and_lu_agree() {
                 let difference = farthest(one.positions(), two.positions());
                 println!("{f} {corrected} {tau}: {difference:.1e} {:?}", a.linear);
                 assert!(difference < 1e-8 * cap.radius, "{f} {tau}: {difference:e}");
-                let (h1, k1) = one.curvature_normals();
-                let (h2, k2) = two.curvature_normals();
-                let scale = h1.iter().chain(k1).map(|v| v.length()).fold(0.0, f64::max);
-                assert!(
-                    farthest(h1, h2).max(farthest(k1, k2)) < 1e-7 * scale,
-                    "{f} {tau}"
-                );
             }
         }
     }
@@ -182,7 +175,6 @@ fn rejected_steps_leave_no_trace() {
         assert!(flow.attempt(1e-7).accepted);
     }
     assert_eq!(one.positions(), two.positions());
-    assert_eq!(one.curvature_normals(), two.curvature_normals());
 }
 
 /// Growing time steps from a flat disc: the paper's first figure.
@@ -199,12 +191,12 @@ fn flat_disc_becomes_a_cap_without_a_rejected_step() {
             // measured 3e-5 to 3e-3 and 2e-4 to 8e-3: the path matters, and the plain scheme is
             // still creeping then
             let bound = if corrected { 1.005 } else { 1.01 };
-            let (mut tau, mut rejected, mut last) = (1e-6, 0, flow.energy());
+            let (mut tau, mut rejected, mut last) = (1e-6, 0, flow.state().energy);
             while tau < 1e3 {
                 let attempt = flow.attempt(tau);
                 rejected += u32::from(!attempt.accepted);
-                assert!(last.admits(&flow.energy()));
-                last = flow.energy();
+                assert!(last.admits(&flow.state().energy));
+                last = flow.state().energy;
                 tau *= 4.0;
             }
             println!(
@@ -244,7 +236,7 @@ fn corrected_scheme_reaches_the_reference_minimum() {
             }
             assert!(rejected < 20, "{f}");
         }
-        let e = flow.energy().value;
+        let e = flow.state().energy.value;
         println!("{f}: {e} instead of {minimum}, rejected {rejected}");
         let excess = e / minimum - 1.0;
         assert!(excess < 1e-4, "{f}: {e} instead of {minimum}");

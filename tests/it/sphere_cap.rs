@@ -8,7 +8,7 @@ use meniscus::mesh::{DVec3, Topology, VertexId};
 use meniscus::solver::{
     Assembler, End, EnergySum, Flow, FlowOptions, FlowProblem, Mode, Tau, Unknowns,
 };
-use meniscus::subdivision::{Rule, elements};
+use meniscus::subdivision::Rule;
 
 const REFERENCE: &str = include_str!("../data/sphere_cap.json");
 const ENERGIES: [&str; 7] = ["1", "H^2", "K", "K^2", "H^2+K^2", "H^2*K^2", "k1^4+k2^4"];
@@ -78,9 +78,9 @@ impl Cap {
     fn new(points: &[DVec3], faces: &[[u32; 3]], interior: &[u32]) -> Self {
         let problem =
             FlowProblem::new(points, faces, interior, 40f64.to_radians().sin()).expect("cap");
-        let local = elements(problem.topology(), problem.active_faces(), Rule::Twelve);
-        let unknowns = Unknowns::new(&local, problem.positions(), problem.interior());
-        let assembler = Assembler::new(&local, Rule::Twelve, unknowns);
+        let unknowns = Unknowns::new(points.len(), interior.to_vec());
+        let elements = problem.discretization().elements(Rule::Twelve);
+        let assembler = Assembler::new(elements, Rule::Twelve, unknowns);
         Self { problem, assembler }
     }
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a typed energy, told at the character.
+//! Errors of typed energies, with the character at fault.
 
 /// Why a typed energy is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -84,7 +84,7 @@ pub struct SyntaxError {
     pub length: usize,
     /// What is wrong and what was expected.
     pub message: String,
-    /// A name that has no meaning yet: giving it a value as a parameter would mend the error.
+    /// A name that has no meaning yet: as a parameter with a value it is valid.
     pub unknown: Option<String>,
 }
 

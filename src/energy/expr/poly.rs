@@ -1,5 +1,5 @@
 //! Expressions that are polynomials of low degree, expanded: to recognise presets and second-order
-//! energies whatever way they are written.
+//! energies independently of their notation.
 
 use super::program::{Algebra, Op, Variable};
 

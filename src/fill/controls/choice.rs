@@ -67,7 +67,6 @@ impl Choice for Scheme {
     fn name(self) -> &'static str {
         match self {
             Self::Normal => "normal",
-            Self::Guarded => "guarded",
             Self::Mixed => "mixed",
             Self::MixedCorrected => "mixed-corrected",
         }

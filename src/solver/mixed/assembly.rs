@@ -5,10 +5,11 @@ use nalgebra_sparse::{CooMatrix, CscMatrix, CsrMatrix};
 use rayon::prelude::*;
 
 use crate::energy::Energy;
-use crate::linear::{SymmetricPattern, nested_dissection};
+use crate::linear::SymmetricPattern;
 use crate::mesh::DVec3;
 use crate::solver::mixed::kernel::{self, Layout, Scratch};
-use crate::solver::mixed::pattern::{IndexLists, ScatterMap};
+
+use crate::solver::sparsity::{IndexLists, ListGraph, ScatterMap, SymmetricScatter, packed};
 use crate::solver::{FlowProblem, Unknowns};
 use crate::subdivision::{BasisTable, Elements};
 
@@ -48,10 +49,10 @@ pub struct Numbering {
 pub struct System {
     /// Numbering of the unknowns.
     pub numbering: Numbering,
-    /// Pattern of `M` and `l^p`.
-    pub x_pattern: SymmetricPattern,
-    /// Pattern of `m`.
-    pub h_pattern: SymmetricPattern,
+    /// Sparsity of `M` and `l^p`.
+    pub positions: SymmetricScatter,
+    /// Sparsity of `m`.
+    pub curvatures: SymmetricScatter,
     /// `M`, lower triangle.
     pub mass: Vec<f64>,
     /// `l^p`, lower triangle.
@@ -73,48 +74,27 @@ pub struct System {
     /// What it is measured in.
     pub units: Units,
     elements: Elements,
-    x_slots: ScatterMap,
-    h_slots: ScatterMap,
-    pub(super) coupling_slots: ScatterMap,
+    pub(super) couplings: ScatterMap,
     buffer: Vec<f64>,
 }
 
 fn matrix_of<T: Copy>(couplings: &ScatterMap, columns: usize, value: T) -> CsrMatrix<T> {
+    let wide = |items: &[u32]| items.iter().map(|&i| i as usize).collect::<Vec<_>>();
     CsrMatrix::try_from_csr_data(
-        couplings.offsets.len() - 1,
+        couplings.columns.len(),
         columns,
-        couplings.offsets.clone(),
-        couplings.columns.clone(),
+        wide(&couplings.columns.start),
+        wide(&couplings.columns.items),
         vec![value; couplings.nnz()],
     )
     .expect("rows built in order with ascending columns")
 }
 
-fn symmetric(couplings: &ScatterMap) -> SymmetricPattern {
-    SymmetricPattern::new(
-        couplings.offsets.len() - 1,
-        couplings.offsets.clone(),
-        couplings.columns.clone(),
-    )
-}
-
-/// Orders unknowns by nested dissection of the graph in which the members of each list are all
+/// Orders unknowns by nested dissection of the graph in which the members of each list are
 /// neighbours.
 fn dissected(first: &Unknowns, lists: &IndexLists, positions: &[DVec3]) -> Unknowns {
-    let n = first.len();
-    let graph = ScatterMap::new(lists, lists, n, n, false);
-    let mut offsets = vec![0u32; n + 1];
-    let mut adjacency = Vec::with_capacity(graph.nnz() - n);
-    for i in 0..n {
-        let row = &graph.columns[graph.offsets[i]..graph.offsets[i + 1]];
-        adjacency.extend(row.iter().filter(|&&j| j != i).map(|&j| j as u32));
-        offsets[i + 1] = adjacency.len() as u32;
-    }
-    let at = |&v: &u32| positions[v as usize];
-    let points: Vec<DVec3> = first.vertex.iter().map(at).collect();
-    let order = nested_dissection(&points, &offsets, &adjacency);
-    let vertex = order.iter().map(|&i| first.vertex[i as usize]).collect();
-    Unknowns::numbered(positions.len(), vertex)
+    let order = ListGraph::new(lists, first.len()).dissect(&first.points(positions));
+    first.reordered(&order)
 }
 
 impl Numbering {
@@ -125,24 +105,16 @@ impl Numbering {
         let is_crease = problem.crease_marks();
         let near = (0..positions.len() as u32)
             .filter(|&v| problem.ring()[v as usize] <= 1 && !is_crease[v as usize]);
-        let h = Unknowns::numbered(positions.len(), near.collect());
+        let h = Unknowns::new(positions.len(), near.collect());
         let h = dissected(&h, &corner_lists(elements, &h), positions);
-        let x = Unknowns::numbered(positions.len(), problem.interior().to_vec());
-        let (controls, corners) = (control_lists(elements, &x), corner_lists(elements, &h));
-        let coupling = ScatterMap::new(&controls, &corners, x.len(), h.len(), false);
+        let x = Unknowns::new(positions.len(), problem.interior().to_vec());
+        let (controls, corners) = (x.lists(elements), corner_lists(elements, &h));
+        let coupling = ScatterMap::new(&controls, &corners, x.len(), h.len());
         let (meets, _) = coupling.by_column(h.len());
         Self {
             x: dissected(&x, &meets, positions),
             h,
         }
-    }
-}
-
-fn control_lists(elements: &Elements, unknowns: &Unknowns) -> IndexLists {
-    let vertices = elements.vertices().iter();
-    IndexLists {
-        start: elements.offsets().to_vec(),
-        items: vertices.map(|&v| unknowns.of_vertex[v as usize]).collect(),
     }
 }
 
@@ -162,29 +134,25 @@ impl System {
     pub fn new(problem: &FlowProblem, elements: Elements, units: Units) -> Self {
         let numbering = Numbering::new(problem, &elements);
         let (n, m) = (numbering.x.len(), numbering.h.len());
-        let controls = control_lists(&elements, &numbering.x);
+        let controls = numbering.x.lists(&elements);
         let corners = corner_lists(&elements, &numbering.h);
-        let x_slots = ScatterMap::new(&controls, &controls, n, n, true);
-        let h_slots = ScatterMap::new(&corners, &corners, m, m, true);
-        let coupling_slots = ScatterMap::new(&controls, &corners, n, m, false);
+        let couplings = ScatterMap::new(&controls, &corners, n, m);
         Self {
-            x_pattern: symmetric(&x_slots),
-            h_pattern: symmetric(&h_slots),
+            positions: SymmetricScatter::new(&controls, n),
+            curvatures: SymmetricScatter::new(&corners, m),
             mass: Vec::new(),
             stiffness: Vec::new(),
             m: Vec::new(),
             lumped: Vec::new(),
-            curvature_blocks: matrix_of(&coupling_slots, m, [DMat3::ZERO; 2]),
-            gradients: matrix_of(&coupling_slots, m, [0.0; 2]),
+            curvature_blocks: matrix_of(&couplings, m, [DMat3::ZERO; 2]),
+            gradients: matrix_of(&couplings, m, [0.0; 2]),
             weights: Vec::new(),
             rhs_h: Vec::new(),
             rhs_k: Vec::new(),
             units,
             numbering,
             elements,
-            x_slots,
-            h_slots,
-            coupling_slots,
+            couplings,
             buffer: Vec::new(),
         }
     }
@@ -205,13 +173,13 @@ impl System {
         doubled: bool,
     ) {
         let m = self.numbering.h.len();
-        for (values, couplings) in [
-            (&mut self.mass, &self.x_slots),
-            (&mut self.stiffness, &self.x_slots),
-            (&mut self.m, &self.h_slots),
+        for (values, scatter) in [
+            (&mut self.mass, &self.positions),
+            (&mut self.stiffness, &self.positions),
+            (&mut self.m, &self.curvatures),
         ] {
             values.clear();
-            values.resize(couplings.nnz() + 1, 0.0);
+            values.resize(scatter.pattern.nnz() + 1, 0.0);
         }
         self.curvature_blocks.values_mut().fill([DMat3::ZERO; 2]);
         self.gradients.values_mut().fill([0.0; 2]);
@@ -300,6 +268,17 @@ impl System {
         }
     }
 
+    /// Adds the local matrices of one element to the global ones.
+    ///
+    /// ```text
+    ///   local             global
+    ///   mass, stiffness   A over pairs of control vertices (i, j)
+    ///   b, c, l1, l2      B, C and L¹, L² over pairs (control vertex i, corner)
+    ///   m, weight, rhs    m over pairs of corners; sums at each corner
+    /// ```
+    ///
+    /// Symmetric matrices keep the lower triangle. Entries of fixed vertices go to a place behind
+    /// the last value. A fixed corner instead moves its known `h` and `k` to the right-hand side.
     fn scatter(&mut self, e: usize, local: &[f64], h: &[DVec3], k: &[DVec3]) {
         let r = self.units.length;
         let force = self.units.force;
@@ -307,20 +286,12 @@ impl System {
         let vertices = self.elements.vertices_of(e);
         let n = vertices.len();
         let at = Layout::new(n);
-        let slots = self.x_slots.slots(e);
-        for i in 0..n {
-            for j in 0..=i {
-                // the upper triangle has a place for one of the two, the other goes to waste
-                for s in [slots[i * n + j], slots[j * n + i]] {
-                    if (s as usize) < self.x_slots.nnz() {
-                        self.mass[s as usize] += local[at.mass(i, j)] * (r / force);
-                        self.stiffness[s as usize] += local[at.stiffness(i, j)] * (r / force);
-                        break;
-                    }
-                }
-            }
+        let pairs = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        for ((i, j), &s) in pairs.zip(self.positions.slots(e)) {
+            self.mass[s as usize] += local[at.mass(i, j)] * (r / force);
+            self.stiffness[s as usize] += local[at.stiffness(i, j)] * (r / force);
         }
-        let slots = self.coupling_slots.slots(e);
+        let slots = self.couplings.slots(e);
         let blocks = self.curvature_blocks.values_mut();
         let gradients = self.gradients.values_mut();
         for i in 0..n {
@@ -339,10 +310,11 @@ impl System {
                 gradients[slot][1] += local[at.l2(corner) + i] * r;
             }
         }
-        let slots = self.h_slots.slots(e);
+        let slots = self.curvatures.slots(e);
         let count = self.numbering.h.len();
+        let unknown = |corner: usize| self.numbering.h.of_vertex[vertices[corner] as usize];
         for corner in 0..3 {
-            let own = self.numbering.h.of_vertex[vertices[corner] as usize] as usize;
+            let own = unknown(corner) as usize;
             let w = at.weight(corner);
             let scale = [bs, cs, cs / r];
             for q in 0..3 {
@@ -350,7 +322,10 @@ impl System {
             }
             for other in 0..3 {
                 let m = local[at.m(corner, other)];
-                self.m[slots[3 * corner + other] as usize] += m / (r * r);
+                // m(i, j) and m(j, i) differ by rounding: the one with i ≤ j is stored
+                if own <= unknown(other) as usize {
+                    self.m[slots[packed(corner, other)] as usize] += m / (r * r);
+                }
                 self.lumped[own] += m / (r * r);
             }
             if own == count {
@@ -449,11 +424,14 @@ impl System {
         let (yh, yk) = rest.split_at_mut(3 * m);
         for axis in 0..3 {
             let own = |n: usize| axis * n..(axis + 1) * n;
-            self.x_pattern
+            self.positions
+                .pattern
                 .multiply(position, &x[own(n)], &mut yx[own(n)]);
-            self.h_pattern
+            self.curvatures
+                .pattern
                 .multiply(&self.m, &h[own(m)], &mut yh[own(m)]);
-            self.h_pattern
+            self.curvatures
+                .pattern
                 .multiply(&self.m, &k[own(m)], &mut yk[own(m)]);
         }
         let get = |f: &[f64], n: usize, i: usize| DVec3::new(f[i], f[n + i], f[2 * n + i]);
@@ -507,9 +485,9 @@ impl System {
                 }
             }
         };
-        push_symmetric(&self.x_pattern, position, 0);
-        push_symmetric(&self.h_pattern, &self.m, 3 * n);
-        push_symmetric(&self.h_pattern, &self.m, 3 * n + 3 * m);
+        push_symmetric(&self.positions.pattern, position, 0);
+        push_symmetric(&self.curvatures.pattern, &self.m, 3 * n);
+        push_symmetric(&self.curvatures.pattern, &self.m, 3 * n + 3 * m);
         let gradients = self.gradients.values();
         for ((i, j, [b, c]), &[l1, l2]) in self.curvature_blocks.triplet_iter().zip(gradients) {
             for row in 0..3 {

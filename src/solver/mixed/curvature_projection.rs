@@ -1,4 +1,4 @@
-//! Curvature normals that are data of scheme A, not unknowns.
+//! Curvature normals that are data of scheme A instead of unknowns.
 
 use super::kernel;
 use crate::mesh::{DVec3, FaceId};
@@ -27,7 +27,7 @@ impl CurvatureProjection {
         }
     }
 
-    /// `2Hn` and `2Kn` of the limit surface over `positions` into the places of the wanted vertices.
+    /// Writes `2Hn` and `2Kn` of the limit surface over `positions` at the chosen vertices.
     pub(super) fn evaluate(&self, positions: &[DVec3], h: &mut [DVec3], k: &mut [DVec3]) {
         let mut area = vec![0.0; positions.len()];
         for (v, _) in self.wanted.iter().enumerate().filter(|(_, w)| **w) {

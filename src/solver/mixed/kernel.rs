@@ -1,4 +1,4 @@
-//! Element integrals of scheme A; they know no global index and do not allocate.
+//! Element integrals of scheme A. They have no global indices and do not allocate.
 
 use crate::energy::{Energy, Jet2};
 use crate::mesh::DVec3;
@@ -144,7 +144,7 @@ fn combine(c: &[f64; 6], rows: &[&[f64]; 6], out: &mut [f64]) {
     }
 }
 
-/// All matrices of one element, equations (19)-(21), into `out` as [`Layout`] says; `doubled`
+/// All matrices of one element, equations (19)-(21), into `out` in the order of [`Layout`]; `doubled`
 /// as in [`Splitting`].
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled once per instruction set")]

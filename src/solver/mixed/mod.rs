@@ -26,7 +26,6 @@
 mod assembly;
 mod curvature_projection;
 mod kernel;
-mod pattern;
 mod precond;
 mod splitting;
 
@@ -35,10 +34,12 @@ use crate::linear::{GmresOptions, GmresReport, LinearError, SparseLu, gmres};
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum};
 use crate::solver::control::{Attempt, StepKind};
+use crate::solver::evaluator::{Evaluator, State};
+use crate::solver::normal::max_magnitude;
 use crate::solver::normals::LimitNormals;
-use crate::solver::relax::may_slide;
+use crate::solver::stepper::{StepRequest, Stepper};
 use crate::solver::{FlowProblem, SolverError};
-use crate::subdivision::{Rule, elements};
+use crate::subdivision::Rule;
 use crate::surface::sample_surface;
 
 use assembly::{System, Units};
@@ -76,17 +77,14 @@ const IMPLAUSIBLE: f64 = 10.0;
 pub struct MixedFlow {
     system: System,
     precond: BlockElimination,
-    assembler: Assembler,
+    evaluator: Evaluator,
     ring: LimitNormals,
-    energy: Energy,
     linear: LinearSolver,
     corrected: bool,
-    positions: Vec<DVec3>,
-    current: EnergySum,
-    gradient: Vec<DVec3>,
     /// Limit normals at the interior vertices.
     normals: Vec<DVec3>,
-    /// Curvature normals per vertex of the region: fixed ones on ring 2, zero beyond.
+    /// The curvature normals `2Hn` and `2Kn` of all vertices of the region: on rings 0 and 1 as the
+    /// last accepted step gave them (zero before the first), fixed on ring 2, zero beyond.
     h: Vec<DVec3>,
     k: Vec<DVec3>,
     /// What renews them at creases, where they are data of the present surface.
@@ -98,8 +96,6 @@ pub struct MixedFlow {
     assembled: bool,
     /// `δE` at the interior vertices, exact or by the mixed form.
     force: Vec<DVec3>,
-    trial: Vec<DVec3>,
-    trial_gradient: Vec<DVec3>,
     position_block: Vec<f64>,
     rhs: Vec<f64>,
     solution: Vec<f64>,
@@ -118,9 +114,8 @@ impl MixedFlow {
         linear: LinearSolver,
         corrected: bool,
     ) -> Result<Self, SolverError> {
-        let (topology, faces) = (problem.topology(), problem.active_faces());
-        let fine = elements(topology, faces, Rule::Twelve);
-        let start = sample_surface(&fine, problem.positions(), energy, problem.radius());
+        let elements = problem.discretization().elements(Rule::Twelve);
+        let start = sample_surface(elements, problem.positions(), energy, problem.radius());
         let count = problem.positions().len();
         let (mut h, mut k) = (vec![DVec3::ZERO; count], vec![DVec3::ZERO; count]);
         let is_crease = problem.crease_marks();
@@ -133,29 +128,19 @@ impl MixedFlow {
             length,
             force: length * length * length / start.tau_ref,
         };
-        let system = System::new(problem, fine.clone(), units);
-        let moving = system.numbering.x.clone();
-        let mut assembler = Assembler::new(&fine, Rule::Twelve, moving);
-        let mut gradient = Vec::new();
-        let current = assembler.gradient(problem.positions(), energy, &mut gradient);
-        if !current.value.is_finite() {
-            return Err(SolverError::energy_not_finite(&start));
-        }
-        let ring = LimitNormals::new(topology, &system.numbering.x.vertex);
+        let system = System::new(problem, elements.clone(), units);
+        let assembler = Assembler::new(elements, Rule::Twelve, system.numbering.x.clone());
+        let ring = LimitNormals::new(problem.topology(), &system.numbering.x.vertex);
         let mut normals = Vec::new();
         ring.evaluate(problem.positions(), &mut normals);
         Ok(Self {
+            evaluator: Evaluator::without_matrix(problem, energy, assembler)?,
             precond: BlockElimination::new(&system)?,
             rhs: vec![0.0; system.dimension()],
             solution: vec![0.0; system.dimension()],
             system,
-            assembler,
-            energy: energy.clone(),
             linear,
             corrected,
-            positions: problem.positions().to_vec(),
-            current,
-            gradient,
             ring,
             normals,
             lifted_h: h.clone(),
@@ -165,50 +150,13 @@ impl MixedFlow {
             creases,
             assembled: false,
             force: Vec::new(),
-            trial: problem.positions().to_vec(),
-            trial_gradient: Vec::new(),
             position_block: Vec::new(),
         })
     }
 
     /// Positions of all vertices of the region, relative to the problem's centre.
     pub fn positions(&self) -> &[DVec3] {
-        &self.positions
-    }
-
-    /// Energy at the current positions, by the 12-point rule.
-    pub fn energy(&self) -> EnergySum {
-        self.current
-    }
-
-    /// The vertices that move.
-    pub fn moving(&self) -> &[u32] {
-        &self.system.numbering.x.vertex
-    }
-
-    /// Limit normals at the moving vertices.
-    pub fn normals(&self) -> &[DVec3] {
-        &self.normals
-    }
-
-    /// Takes other positions, such as a slide along the surface after a step from energy `before`,
-    /// if they do not give back too much of it. Returns whether it did.
-    pub fn slide(&mut self, positions: &[DVec3], before: EnergySum) -> bool {
-        self.trial.copy_from_slice(positions);
-        let sum = self
-            .assembler
-            .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
-        if !may_slide(before, self.current, sum) {
-            return false;
-        }
-        self.take_trial(sum);
-        true
-    }
-
-    /// The curvature normals `2Hn` and `2Kn` of all vertices of the region: on rings 0 and 1 as the
-    /// last accepted step gave them (zero before the first), fixed on ring 2, zero beyond.
-    pub fn curvature_normals(&self) -> (&[DVec3], &[DVec3]) {
-        (&self.h, &self.k)
+        &self.evaluator.state.positions
     }
 
     /// Number of scalar unknowns of the linear system.
@@ -216,8 +164,8 @@ impl MixedFlow {
         self.system.dimension()
     }
 
-    /// One step of time `tau`. If it is rejected the state is what it was. The displacement it
-    /// reports is the one along the normals: what changes the shape. A `tau` that is not a positive
+    /// One step of time `tau`. If it is rejected the state does not change. The reported displacement
+    /// is the one along the normals, which changes the shape. A `tau` that is not a positive
     /// number is rejected.
     pub fn attempt(&mut self, tau: f64) -> Attempt {
         if !(tau > 0.0 && tau.is_finite()) {
@@ -252,14 +200,13 @@ impl MixedFlow {
         if !longest.is_finite() {
             return attempt;
         }
-        let sum = self
-            .assembler
-            .gradient(&self.trial, &self.energy, &mut self.trial_gradient);
-        let fall = self.current.value - sum.value;
-        if !self.current.admits(&sum) {
+        self.evaluator.evaluate_trial();
+        let [before, after] = [&self.evaluator.state, &self.evaluator.trial].map(|s| s.energy);
+        if !self.evaluator.admits_trial() {
             return attempt;
         }
-        if fall > IMPLAUSIBLE * promised.abs() + 1e-9 * self.current.scale {
+        let fall = before.value - after.value;
+        if fall > IMPLAUSIBLE * promised.abs() + 1e-9 * before.scale {
             attempt.note = Some(format!(
                 "the energy fell by {fall:.1e} where its gradient promises {:.1e}: the surface is \
                  no longer resolved",
@@ -267,7 +214,9 @@ impl MixedFlow {
             ));
             return attempt;
         }
-        self.accept(sum);
+        self.take_curvatures();
+        self.evaluator.accept_trial();
+        self.after_move();
         attempt.accepted = true;
         attempt.max_displacement = longest;
         attempt
@@ -276,23 +225,24 @@ impl MixedFlow {
     /// Matrices, `h(x)`, `k(x)` and the force at the present positions.
     fn assemble(&mut self) -> Result<(), String> {
         let system = &mut self.system;
+        let State {
+            positions,
+            gradient,
+            ..
+        } = &self.evaluator.state;
+        let energy = self.evaluator.energy();
         if let Some(creases) = &self.creases {
-            creases.evaluate(&self.positions, &mut self.lifted_h, &mut self.lifted_k);
+            creases.evaluate(positions, &mut self.lifted_h, &mut self.lifted_k);
         }
-        system.assemble(
-            &self.positions,
-            &self.lifted_h,
-            &self.lifted_k,
-            &self.energy,
-            self.corrected,
-        );
+        let (h, k) = (&self.lifted_h, &self.lifted_k);
+        system.assemble(positions, h, k, energy, self.corrected);
         if !system.is_finite() {
             return Err("second derivatives of the energy are not finite on the surface".into());
         }
         self.precond
             .factorize_mass(system)
             .map_err(|e| e.to_string())?;
-        // m is held in units of r²
+        // m has the unit r²
         let scale = system.units.length.powi(-2);
         let m = system.numbering.h.len();
         for (rhs, field) in [
@@ -306,11 +256,11 @@ impl MixedFlow {
         }
         if self.corrected {
             self.force.clear();
-            let pairs = self.gradient.iter().zip(&self.normals);
+            let pairs = gradient.iter().zip(&self.normals);
             self.force.extend(pairs.map(|(g, n)| *n * n.dot(*g)));
         } else {
             let (h, k) = (&self.lifted_h, &self.lifted_k);
-            system.residual(&self.positions, h, k, &self.energy, &mut self.force);
+            system.residual(positions, h, k, energy, &mut self.force);
         }
         Ok(())
     }
@@ -368,26 +318,23 @@ impl MixedFlow {
         let n = self.system.numbering.x.len();
         let r = self.system.units.length;
         let s = &self.solution;
-        let (mut longest, mut promised) = (0.0f64, 0.0);
-        for (i, &v) in self.system.numbering.x.vertex.iter().enumerate() {
-            let mut step = DVec3::new(s[i], s[n + i], s[2 * n + i]) * r;
-            let along = step.dot(self.normals[i]);
+        let step = |i: usize| DVec3::new(s[i], s[n + i], s[2 * n + i]) * r;
+        let along = |i: usize| step(i).dot(self.normals[i]);
+        let step = |i: usize| {
             if self.corrected {
-                step = self.normals[i] * along;
-            }
-            self.trial[v as usize] = self.positions[v as usize] + step;
-            promised += step.dot(self.gradient[i]);
-            // f64::max would hide a NaN
-            longest = if along.abs() <= longest {
-                longest
+                self.normals[i] * along(i)
             } else {
-                along.abs()
-            };
-        }
-        (longest, promised)
+                step(i)
+            }
+        };
+        self.evaluator.displace(step);
+        let gradient = self.evaluator.state.gradient.iter().enumerate();
+        let promised = gradient.fold(0.0, |sum, (i, g)| sum + step(i).dot(*g));
+        (max_magnitude((0..n).map(along)), promised)
     }
 
-    fn accept(&mut self, sum: EnergySum) {
+    /// `h` and `k` after an accepted step.
+    fn take_curvatures(&mut self) {
         let r = self.system.units.length;
         let (n, m) = (self.system.numbering.x.len(), self.system.numbering.h.len());
         for (j, &v) in self.system.numbering.h.vertex.iter().enumerate() {
@@ -399,15 +346,38 @@ impl MixedFlow {
             self.h[v] = self.lifted_h[v] + get(3 * n) / r;
             self.k[v] = self.lifted_k[v] + get(3 * n + 3 * m) / (r * r);
         }
-        self.take_trial(sum);
     }
 
-    fn take_trial(&mut self, sum: EnergySum) {
-        self.current = sum;
-        std::mem::swap(&mut self.positions, &mut self.trial);
-        std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
-        self.ring.evaluate(&self.positions, &mut self.normals);
+    fn after_move(&mut self) {
+        self.ring
+            .evaluate(&self.evaluator.state.positions, &mut self.normals);
         self.assembled = false;
+    }
+}
+
+impl Stepper for MixedFlow {
+    fn state(&self) -> &State {
+        &self.evaluator.state
+    }
+
+    fn attempt(&mut self, request: &StepRequest) -> Attempt {
+        self.attempt(request.tau)
+    }
+
+    fn normals(&self) -> Option<(&[u32], &[DVec3])> {
+        Some((&self.system.numbering.x.vertex, &self.normals))
+    }
+
+    fn slide(&mut self, positions: &[DVec3], before: EnergySum) -> bool {
+        let moved = self.evaluator.slide(positions, before);
+        if moved {
+            self.after_move();
+        }
+        moved
+    }
+
+    fn first_tau(&self, tau_ref: f64) -> f64 {
+        1e-3 * tau_ref
     }
 }
 

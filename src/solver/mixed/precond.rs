@@ -8,7 +8,7 @@
 //!       ⎣ L² 0  m ⎦        ⎣ L²  0  m ⎦                   ⎣   0    0  1 ⎦
 //! ```
 //!
-//! GMRES sees `S Ŝ⁻¹` only. The leading part of `S` is a scalar operator that acts on x, y and z
+//! GMRES solves with `S Ŝ⁻¹` only. The leading part of `S` is a scalar operator that acts on x, y and z
 //! alike (what couples them has one derivative less), and, with `m` lumped and `l^m`, `l^g`
 //! integrated by parts, a symmetric one:
 //!
@@ -25,10 +25,10 @@
 use std::sync::Arc;
 
 use crate::energy::Jet2;
-use crate::linear::{Cholesky, CholeskySymbolic, LinearError, SymmetricPattern};
+use crate::linear::{Cholesky, CholeskySymbolic, LinearError};
 use crate::solver::forms::PositiveHessian;
 use crate::solver::mixed::assembly::System;
-use crate::solver::mixed::pattern::{IndexLists, ScatterMap};
+use crate::solver::sparsity::{IndexLists, SymmetricScatter};
 
 /// Structure of the Schur complement with a lumped `m`: for each vertex v of rings 0 and 1, the
 /// vertices whose basis functions meet `ψ_v` are coupled with each other.
@@ -37,7 +37,7 @@ struct SchurPattern {
     meets: IndexLists,
     /// The place of each (i, v) among the entries of `l¹` and `l²`.
     place: Vec<u32>,
-    slots: ScatterMap,
+    scatter: SymmetricScatter,
     /// Where the entries of `M/τ + l^p` go.
     of_position: Vec<u32>,
 }
@@ -45,15 +45,15 @@ struct SchurPattern {
 impl SchurPattern {
     fn new(system: &System) -> Self {
         let (n, m) = (system.numbering.x.len(), system.numbering.h.len());
-        let (meets, place) = system.coupling_slots.by_column(m);
-        let slots = ScatterMap::new(&meets, &meets, n, n, true);
-        let x = &system.x_pattern;
+        let (meets, place) = system.couplings.by_column(m);
+        let scatter = SymmetricScatter::new(&meets, n);
+        let (x, schur) = (&system.positions.pattern, &scatter.pattern);
         let mut of_position = Vec::with_capacity(x.nnz());
         for i in 0..n {
             // both rows ascend, and what shares an element shares one of its corners
-            let mut at = slots.offsets[i];
+            let mut at = schur.col_ptr[i];
             for &j in &x.row_idx[x.col_ptr[i]..x.col_ptr[i + 1]] {
-                while slots.columns[at] != j {
+                while schur.row_idx[at] != j {
                     at += 1;
                 }
                 of_position.push(at as u32);
@@ -62,7 +62,7 @@ impl SchurPattern {
         Self {
             meets,
             place,
-            slots,
+            scatter,
             of_position,
         }
     }
@@ -70,7 +70,7 @@ impl SchurPattern {
     /// `Ŝ` with `position` for `M/τ + l^p`.
     fn assemble(&self, system: &System, position: &[f64], values: &mut Vec<f64>) {
         values.clear();
-        values.resize(self.slots.nnz() + 1, 0.0);
+        values.resize(self.scatter.pattern.nnz() + 1, 0.0);
         for (&slot, a) in self.of_position.iter().zip(position) {
             values[slot as usize] += a;
         }
@@ -96,9 +96,9 @@ impl SchurPattern {
                 let [l1, l2] = gradients[at as usize];
                 [p[0] * l1 + p[1] * l2, q[0] * l1 + q[1] * l2]
             }));
-            let mut slots = self.slots.slots(v).iter();
-            for a in &terms {
-                for (b, &s) in terms.iter().zip(&mut slots) {
+            let mut slots = self.scatter.slots(v).iter();
+            for (k, a) in terms.iter().enumerate() {
+                for (b, &s) in terms[..=k].iter().zip(&mut slots) {
                     values[s as usize] += a[0] * b[0] + a[1] * b[1];
                 }
             }
@@ -122,14 +122,9 @@ impl BlockElimination {
     /// Those of [`CholeskySymbolic::new`].
     pub fn new(system: &System) -> Result<Self, LinearError> {
         let pattern = SchurPattern::new(system);
-        let schur = SymmetricPattern::new(
-            system.numbering.x.len(),
-            pattern.slots.offsets.clone(),
-            pattern.slots.columns.clone(),
-        );
         Ok(Self {
-            mass: Cholesky::new(Arc::new(CholeskySymbolic::new(&system.h_pattern)?)),
-            schur: Cholesky::new(Arc::new(CholeskySymbolic::new(&schur)?)),
+            mass: Cholesky::new(Arc::new(CholeskySymbolic::new(&system.curvatures.pattern)?)),
+            schur: Cholesky::new(Arc::new(CholeskySymbolic::new(&pattern.scatter.pattern)?)),
             pattern,
             values: Vec::new(),
         })

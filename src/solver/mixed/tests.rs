@@ -113,7 +113,7 @@ fn curvature_normals_of_a_sphere() {
         flow.assemble().expect("sphere");
         let (mut squares, mut area) = ([0.0f64; 2], 0.0);
         for (j, &v) in flow.system.numbering.h.vertex.iter().enumerate() {
-            let n = flow.positions[v as usize].normalize();
+            let n = flow.positions()[v as usize].normalize();
             let w = flow.system.lumped[j];
             let eh = flow.lifted_h[v as usize] * (r / 2.0) + n;
             let ek = flow.lifted_k[v as usize] * (r * r / 2.0) - n;
@@ -135,19 +135,20 @@ fn curvature_normals_of_a_sphere() {
 fn matrices_match_the_residual() {
     for f in ["1", "H^2", "H^2*K^2", "k1^4+k2^4"] {
         let mut flow = closed(2, 1.3, f);
-        let count = flow.positions.len();
+        let count = flow.positions().len();
         let zero = vec![DVec3::ZERO; count];
         let shift: Vec<DVec3> = vectors(count).iter().map(|v| *v * 0.1).collect();
-        for (p, s) in flow.positions.iter_mut().zip(&shift) {
+        let energy = energy(f);
+        for (p, s) in flow.evaluator.state.positions.iter_mut().zip(&shift) {
             *p += *s;
         }
         let system = &mut flow.system;
-        let x = flow.positions.clone();
-        system.assemble(&x, &zero, &zero, &flow.energy, false);
+        let x = flow.evaluator.state.positions.clone();
+        system.assemble(&x, &zero, &zero, &energy, false);
         let (h, k) = (vectors(count), vectors(2 * count).split_off(count));
         let (mut with, mut without) = (Vec::new(), Vec::new());
-        system.residual(&x, &h, &k, &flow.energy, &mut with);
-        system.residual(&x, &zero, &zero, &flow.energy, &mut without);
+        system.residual(&x, &h, &k, &energy, &mut with);
+        system.residual(&x, &zero, &zero, &energy, &mut without);
         // in the units of the system, with all vertices unknown
         let (n, r) = (count, system.units.length);
         let (xs, hs) = (&system.numbering.x.vertex, &system.numbering.h.vertex);
@@ -190,6 +191,34 @@ fn matrices_match_the_residual() {
         v[3 * n..].fill(0.0);
         system.multiply(&stiffness, &v, &mut a);
         assert!(a[3 * n..].iter().all(|y| y.abs() < 1e-12));
+    }
+}
+
+#[test]
+fn gmres_and_lu_give_the_same_curvature_normals() {
+    let (points, faces) = sphere(3, 1.0);
+    let interior: Vec<u32> = (0..points.len() as u32)
+        .filter(|&v| points[v as usize].z > 0.7)
+        .collect();
+    let problem = FlowProblem::new(&points, &faces, &interior, 0.7).expect("cap");
+    for corrected in [false, true] {
+        let step = |linear| {
+            let flow = MixedFlow::new(&problem, &energy("H^2+K^2"), linear, corrected);
+            let mut flow = flow.expect("start");
+            assert!(flow.attempt(1e-4).accepted);
+            [flow.h, flow.k]
+        };
+        let one = step(LinearSolver::Gmres { tolerance: 1e-12 });
+        let two = step(LinearSolver::Lu);
+        for (one, two) in one.iter().zip(&two) {
+            let scale = one.iter().map(|v| v.length()).fold(0.0, f64::max);
+            assert!(scale > 0.0);
+            assert!(
+                one.iter()
+                    .zip(two)
+                    .all(|(a, b)| a.distance(*b) < 1e-7 * scale)
+            );
+        }
     }
 }
 
@@ -240,7 +269,7 @@ fn threads_do_not_change_a_bit() {
         pool.expect("threads").install(|| {
             let mut flow = closed(3, 1.0, "(H-0.3)^2");
             assert!(flow.attempt(1e-3).accepted);
-            flow.positions.clone()
+            flow.positions().to_vec()
         })
     };
     assert_eq!(run(1), run(2));

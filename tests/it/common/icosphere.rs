@@ -36,6 +36,6 @@ pub fn area_radius(points: &[DVec3], faces: &[[u32; 3]]) -> f64 {
     let local = elements(topology, active, Rule::Twelve);
     let mut assembler = Assembler::new(&local, Rule::Twelve, Unknowns::none(points.len()));
     let area = Energy::preset(Preset::One);
-    let sum = assembler.gradient(problem.positions(), &area, &mut Vec::new());
+    let sum = assembler.energy(problem.positions(), &area);
     (sum.value / (4.0 * std::f64::consts::PI)).sqrt()
 }

@@ -1,0 +1,238 @@
+//! The discrete energy at the current point of a flow and at a trial point.
+
+use std::sync::Arc;
+
+use crate::energy::Energy;
+use crate::linear::SymmetricPattern;
+use crate::mesh::DVec3;
+use crate::solver::assembly::{Assembler, EnergySum, MatrixForm};
+use crate::solver::constraints::Constraints;
+use crate::solver::relax::may_slide;
+use crate::solver::unknowns::Unknowns;
+use crate::solver::{FlowProblem, SolverError};
+use crate::subdivision::Rule;
+use crate::surface::sample_surface;
+
+/// Quadrature points that are enough for the matrix of a step that is searched for a decrease of
+/// the energy: it need not be exact.
+pub const PRECONDITIONER_RULE: Rule = Rule::Twelve;
+
+/// A surface with its energy.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    /// All vertices of the region, relative to the problem's centre.
+    pub positions: Vec<DVec3>,
+    /// Energy by the quadrature rule of the steps.
+    pub energy: EnergySum,
+    /// Its gradient by the unknowns; under constraints by the free ones, 0 at the others.
+    pub gradient: Vec<DVec3>,
+}
+
+/// Evaluates energy, gradient and the matrix of scheme B, and holds the two points that a step
+/// compares.
+pub struct Evaluator {
+    assembler: Assembler,
+    /// For matrices, where they need fewer quadrature points than the energy.
+    coarse: Option<Assembler>,
+    energy: Energy,
+    radius: f64,
+    /// Limit positions to keep.
+    pub constraints: Option<Constraints>,
+    /// The current point.
+    pub state: State,
+    /// The point of the step under way; fixed vertices are those of `state`.
+    pub trial: State,
+}
+
+impl Evaluator {
+    /// At the starting positions of a problem: energies by `rule`, matrices by the coarser of
+    /// `rule` and `matrix_rule`. The unknowns are numbered by nested dissection.
+    ///
+    /// # Errors
+    /// [`SolverError::EnergyNotFinite`].
+    pub fn new(
+        problem: &FlowProblem,
+        energy: &Energy,
+        rule: Rule,
+        matrix_rule: Rule,
+        form: MatrixForm,
+    ) -> Result<Self, SolverError> {
+        let elements = |rule| problem.discretization().elements(rule);
+        let (unknowns, scatter) =
+            Unknowns::dissected(elements(rule), problem.positions(), problem.moving());
+        let unknowns = Arc::new(unknowns);
+        let constraints = Constraints::of(problem, &unknowns, &scatter.pattern);
+        let assembler = Assembler::new(elements(rule), rule, Arc::clone(&unknowns));
+        let (assembler, coarse) = if rule <= matrix_rule {
+            (assembler.with_matrix(scatter, form), None)
+        } else {
+            let coarse = Assembler::new(elements(matrix_rule), matrix_rule, unknowns);
+            (assembler, Some(coarse.with_matrix(scatter, form)))
+        };
+        let mut out = Self::without_matrix(problem, energy, assembler)?;
+        if let Some(constraints) = &constraints {
+            constraints.pull_back(out.assembler.unknowns(), &mut out.state.gradient);
+        }
+        (out.coarse, out.constraints) = (coarse, constraints);
+        Ok(out)
+    }
+
+    /// With an assembler for energy and gradient alone.
+    ///
+    /// # Errors
+    /// [`SolverError::EnergyNotFinite`].
+    pub fn without_matrix(
+        problem: &FlowProblem,
+        energy: &Energy,
+        assembler: Assembler,
+    ) -> Result<Self, SolverError> {
+        let start = State {
+            positions: problem.positions().to_vec(),
+            ..State::default()
+        };
+        let mut out = Self {
+            assembler,
+            coarse: None,
+            energy: energy.clone(),
+            radius: problem.radius(),
+            constraints: None,
+            trial: start.clone(),
+            state: start,
+        };
+        out.evaluate_state();
+        if !out.state.energy.value.is_finite() {
+            let (elements, positions) = (out.assembler.elements(), &out.state.positions);
+            let stats = sample_surface(elements, positions, energy, out.radius);
+            return Err(SolverError::energy_not_finite(&stats));
+        }
+        Ok(out)
+    }
+
+    /// The unknowns.
+    pub fn unknowns(&self) -> &Arc<Unknowns> {
+        self.assembler.unknowns()
+    }
+
+    /// The energy that is evaluated.
+    pub fn energy(&self) -> &Energy {
+        &self.energy
+    }
+
+    /// Hole radius of the problem.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// The sparsity of the matrix.
+    pub fn pattern(&self) -> &SymmetricPattern {
+        self.coarse.as_ref().unwrap_or(&self.assembler).pattern()
+    }
+
+    /// Energy and gradient after a change of the current positions or constraints.
+    pub fn evaluate_state(&mut self) {
+        let constraints = self.constraints.as_ref();
+        evaluate(
+            &mut self.assembler,
+            &self.energy,
+            constraints,
+            &mut self.state,
+        );
+    }
+
+    /// Energy and gradient at the trial point.
+    pub fn evaluate_trial(&mut self) {
+        let constraints = self.constraints.as_ref();
+        evaluate(
+            &mut self.assembler,
+            &self.energy,
+            constraints,
+            &mut self.trial,
+        );
+    }
+
+    /// Moves the trial point from the current one by `shift` of each unknown; constrained control
+    /// points follow.
+    pub fn displace(&mut self, shift: impl Fn(usize) -> DVec3) {
+        for (i, &v) in self.assembler.unknowns().vertex.iter().enumerate() {
+            self.trial.positions[v as usize] = self.state.positions[v as usize] + shift(i);
+        }
+        if let Some(constraints) = &self.constraints {
+            constraints.enforce(&mut self.trial.positions);
+        }
+    }
+
+    /// Energy and gradient at the trial point, and the matrix there for displacements along
+    /// `normals`. For one rule and no constraints.
+    pub fn evaluate_trial_with_matrix(
+        &mut self,
+        normals: &[DVec3],
+        tau: f64,
+        values: &mut Vec<f64>,
+    ) {
+        let trial = &mut self.trial;
+        trial.energy = self.assembler.matrix(
+            &trial.positions,
+            normals,
+            &self.energy,
+            self.radius,
+            tau,
+            &mut trial.gradient,
+            values,
+        );
+    }
+
+    /// The matrix at the current point for displacements along `normals`, constraints included.
+    pub fn matrix(&mut self, normals: &[DVec3], tau: f64, values: &mut Vec<f64>) {
+        // the gradient is known, and by a coarser rule it is another
+        self.coarse.as_mut().unwrap_or(&mut self.assembler).matrix(
+            &self.state.positions,
+            normals,
+            &self.energy,
+            self.radius,
+            tau,
+            &mut Vec::new(),
+            values,
+        );
+        if let Some(constraints) = &mut self.constraints {
+            constraints.add_to_matrix(normals, values);
+        }
+    }
+
+    /// Whether the energy of the trial point is finite and not above the current one.
+    pub fn admits_trial(&self) -> bool {
+        self.state.energy.admits(&self.trial.energy)
+    }
+
+    /// Makes the trial point the current one.
+    pub fn accept_trial(&mut self) {
+        std::mem::swap(&mut self.state, &mut self.trial);
+    }
+
+    /// Moves to other positions, such as a slide along the surface after a step from energy
+    /// `before`, if that gives back only a part of the step's gain. Returns whether it moved.
+    pub fn slide(&mut self, positions: &[DVec3], before: EnergySum) -> bool {
+        self.trial.positions.copy_from_slice(positions);
+        self.evaluate_trial();
+        let accepted = may_slide(before, self.state.energy, self.trial.energy);
+        if accepted {
+            self.accept_trial();
+        }
+        accepted
+    }
+}
+
+fn evaluate(
+    assembler: &mut Assembler,
+    energy: &Energy,
+    constraints: Option<&Constraints>,
+    state: &mut State,
+) {
+    state.energy = assembler.gradient(&state.positions, energy, &mut state.gradient);
+    if let Some(constraints) = constraints {
+        constraints.pull_back(assembler.unknowns(), &mut state.gradient);
+    }
+}
+
+#[cfg(test)]
+#[path = "evaluator_tests.rs"]
+mod tests;
