@@ -41,6 +41,8 @@ pub mod linear;
 pub mod live;
 pub mod memory;
 pub mod mesh;
+pub mod ops;
+pub mod options;
 pub mod patch;
 pub mod random;
 pub mod refine;

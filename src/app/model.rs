@@ -293,7 +293,7 @@ impl Model {
         let rims = rims.iter().map(|l| l.radius).fold(0.0, f64::max);
         let radius = run.map_or(rims, |side| side.live.radius());
         let state = run.and_then(super::run::Side::state);
-        let energy = Energy::parse(&controls.energy, &controls.params).ok();
+        let energy = Energy::parse(&controls.energy, &controls.param).ok();
         let document = &self.document;
         let (mut mesh, mut first_patch_face) = (&document.mesh, document.first_patch_face);
         let mut faired = Arc::default();

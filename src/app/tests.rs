@@ -243,9 +243,9 @@ fn controls_act_while_it_runs_and_mistakes_are_told() {
     assert_eq!(m.document.controls.energy, "H^2");
     m.act(Action::EnergyText("(H-H0)^2".into()));
     m.act(Action::ApplyEnergy);
-    assert_eq!(m.document.controls.params.get("H0"), Some(&0.0));
+    assert_eq!(m.document.controls.param.get("H0"), Some(&0.0));
     let mut controls = m.document.controls.clone();
-    controls.params.insert("H0".into(), -1.0);
+    controls.param.insert("H0".into(), -1.0);
     controls.mode = Mode::Fast;
     m.act(Action::Controls(Box::new(controls)));
     until(&mut m, |m| {
@@ -314,7 +314,7 @@ fn compared_energies_keep_their_own_parameters_when_a_control_is_changed() {
     for side in &run.sides {
         assert_eq!(side.controls.relaxation, 0.5, "{}", last_message(&m));
     }
-    assert_eq!(run.sides[1].controls.params.get("H0"), Some(&0.0));
+    assert_eq!(run.sides[1].controls.param.get("H0"), Some(&0.0));
     assert_eq!(m.document.controls.relaxation, 0.5);
 }
 

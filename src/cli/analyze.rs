@@ -2,32 +2,80 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::PathBuf;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
+use clap::Args;
 
 use crate::analysis::{
-    Analysis, AnalysisOptions, ChainReport, Range, Vertices, analyze as measure, measures_csv,
-    patch_rims, report_json, sections_csv, sharp_edges, vertices_csv,
+    Analysis, AnalysisOptions, ChainReport, Plane, Range, Vertices, analyze as measure,
+    measures_csv, patch_rims, report_json, sections_csv, sharp_edges, vertices_csv,
 };
 use crate::cli::UsageError;
-use crate::cli::fill::write_text;
+use crate::cli::flow::write_text;
+use crate::cli::parse::{parameter, plane};
 use crate::cli::print::print;
-use crate::cli::refine_args::AnalyzeArguments;
+use crate::cli::targets::check_targets;
 use crate::energy::Energy;
-use crate::io::{self, open};
+use crate::io::open;
+
+/// `meniscus analyze`.
+#[derive(Debug, Args)]
+pub struct AnalyzeArguments {
+    /// Mesh to measure (.obj, .ply, .stl).
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// Energy f(H,K) to integrate beside the usual ones.
+    #[arg(long, value_name = "F", allow_hyphen_values = true)]
+    pub energy: Option<String>,
+    /// Value of a parameter of the energy (repeatable).
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parameter)]
+    pub param: Vec<(String, f64)>,
+    /// Distances to this mesh, both ways.
+    #[arg(long, value_name = "REF")]
+    pub against: Option<PathBuf>,
+    /// How many of the first faces are the surroundings of patches, as in the output of `fill` (the
+    /// faces of its input): the rims between them and the rest are measured.
+    #[arg(long, value_name = "N")]
+    pub first_faces: Option<usize>,
+    /// Measure along the edges at which the surface bends by more than this, in degrees.
+    #[arg(long, value_name = "DEG")]
+    pub edge_angle: Option<f64>,
+    /// Take the mesh as the surface: vertices are points of the limit surface, not control points.
+    #[arg(long)]
+    pub on_surface: bool,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Write curvatures (and distances) of every vertex as CSV.
+    #[arg(long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// Write all measures as CSV, a line each.
+    #[arg(long, value_name = "FILE.csv")]
+    pub measures: Option<PathBuf>,
+    /// Cut the limit surface by the plane through a point, with a normal (repeatable); the curves and
+    /// their curvatures are in the report.
+    #[arg(long, value_name = "X,Y,Z,NX,NY,NZ", value_parser = plane, allow_hyphen_values = true)]
+    pub section: Vec<Plane>,
+    /// Write the points of the sections as CSV.
+    #[arg(long, value_name = "FILE.csv", requires = "section")]
+    pub section_csv: Option<PathBuf>,
+}
 
 /// Runs the command.
 pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
-    for (flag, path) in [
-        ("--csv", &args.csv),
-        ("--measures", &args.measures),
-        ("--section-csv", &args.section_csv),
-    ] {
-        if let Some(path) = path {
-            check_target(flag, path, args)?;
-        }
-    }
+    check_targets(
+        &[
+            ("IN", Some(&args.input)),
+            ("--against", args.against.as_deref()),
+        ],
+        &[],
+        &[
+            ("--csv", args.csv.as_deref()),
+            ("--measures", args.measures.as_deref()),
+            ("--section-csv", args.section_csv.as_deref()),
+        ],
+    )?;
     let params: BTreeMap<String, f64> = args.param.iter().cloned().collect();
     let energy = args
         .energy
@@ -81,19 +129,6 @@ pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
         return print(&report_json(&input, Some(&opened.report), &analysis)?);
     }
     print(&text(&input, &analysis)?)
-}
-
-/// A file that is read is not to be overwritten, nor is the work to be done for one that cannot be
-/// written.
-fn check_target(flag: &str, path: &Path, args: &AnalyzeArguments) -> Result<()> {
-    let mut read = std::iter::once(&args.input).chain(&args.against);
-    if read.any(|other| io::same_file(path, other)) {
-        bail!(
-            "{flag} names a file that is read ({}); give another name, nothing was overwritten",
-            path.display()
-        );
-    }
-    Ok(io::check_text_target(path)?)
 }
 
 /// The same for people.

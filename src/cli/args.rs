@@ -1,17 +1,21 @@
 //! The command line's grammar.
 
+#[cfg(feature = "window")]
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 
-use crate::cli::controls::ControlArguments;
-use crate::cli::edit::{EraseArguments, FlipArguments, SelectionArguments};
-use crate::cli::refine_args::{AnalyzeArguments, RefineArguments};
+use crate::cli::analyze::AnalyzeArguments;
+use crate::cli::blend::BlendArguments;
+use crate::cli::demo::DemoArguments;
+use crate::cli::edit::{BridgeArguments, EraseArguments, FlipArguments};
+use crate::cli::fill::FillArguments;
+use crate::cli::info::InfoArguments;
+use crate::cli::refill::RefillArguments;
+use crate::cli::refine::RefineArguments;
 #[cfg(feature = "render")]
 use crate::cli::render::RenderArguments;
-use crate::cli::result_picture::ResultPicture;
-use crate::fill::LoopChoice;
-use crate::mesh::{DVec3, LoopId};
+use crate::cli::sample::SampleArguments;
 
 /// Fill holes in triangle meshes with smooth surfaces.
 ///
@@ -103,9 +107,13 @@ const RENDER_EXAMPLES: &str = "Examples:
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Fill holes of a mesh and write the result.
+    ///
+    /// The vertices of IN come first in OUT, unchanged.
     #[command(after_help = FILL_EXAMPLES)]
     Fill(Box<FillArguments>),
     /// Join several rims, of one or more components, by one smooth surface.
+    ///
+    /// The vertices of IN come first in OUT, unchanged.
     #[command(after_help = BLEND_EXAMPLES)]
     Blend(Box<BlendArguments>),
     /// Erase part of a surface and fill it anew, or fair it in place.
@@ -113,14 +121,22 @@ pub enum Command {
     Refill(Box<RefillArguments>),
     /// Refine a mesh: every triangle becomes four, again and again, on a smooth surface through the
     /// given vertices.
+    ///
+    /// The vertices of IN come first in OUT, unchanged (but for `--method loop`).
     #[command(after_help = REFINE_EXAMPLES)]
     Refine(Box<RefineArguments>),
     /// Erase part of a surface and leave it open.
+    ///
+    /// OUT holds what is left, in the order of IN.
     #[command(after_help = ERASE_EXAMPLES)]
     Erase(EraseArguments),
-    /// Turn components over: the other side becomes the outer one.
+    /// Flip components: the other side becomes the outer one.
+    ///
+    /// OUT holds the same vertices and faces in the same order.
     Flip(FlipArguments),
     /// Build a strip of triangles across a hole, or from one hole to another.
+    ///
+    /// The vertices of IN come first in OUT, unchanged.
     Bridge(BridgeArguments),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
@@ -137,150 +153,6 @@ pub enum Command {
     Demo(DemoArguments),
 }
 
-/// `meniscus fill`.
-#[derive(Debug, Args)]
-pub struct FillArguments {
-    /// Mesh to read (.obj, .ply, .stl).
-    #[arg(value_name = "IN")]
-    pub input: PathBuf,
-    /// Mesh to write (.obj, .ply, .stl). The vertices of IN come first, untouched.
-    #[arg(short, long, value_name = "OUT")]
-    pub output: PathBuf,
-    /// Take the loop with the vertex nearest to this point (repeatable; replaces --loops).
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    pub loop_at: Vec<DVec3>,
-    /// Which loops: auto (all that are not guessed outer rims), all, all-but-largest, or numbers
-    /// as `meniscus info` shows them.
-    #[arg(
-        long,
-        value_name = "CHOICE",
-        default_value = "auto",
-        conflicts_with = "loop_at"
-    )]
-    pub loops: LoopChoice,
-    /// Fill only part of one hole: along its rim from the vertex nearest to the first point to the
-    /// one nearest to the second, the shorter way. A later fill does the rest.
-    #[arg(
-        long,
-        num_args = 2,
-        value_names = ["X,Y,Z", "X,Y,Z"],
-        value_parser = point,
-        allow_hyphen_values = true,
-        conflicts_with_all = ["loops", "loop_at", "schedule"]
-    )]
-    pub part: Vec<DVec3>,
-    /// Fill holes as if no loose pieces lay in them; without it patches pass through the rims of
-    /// islands.
-    #[arg(long)]
-    pub no_islands: bool,
-    /// Energy, method, time step and the like.
-    #[command(flatten)]
-    pub controls: ControlArguments,
-    /// Repeat the changes on the way of an earlier fill: CSV with the columns
-    /// attempt,control,value, as the window copies it.
-    #[arg(long, value_name = "FILE.csv")]
-    pub schedule: Option<PathBuf>,
-    /// Write a report as JSON.
-    #[arg(long, value_name = "FILE.json")]
-    pub report: Option<PathBuf>,
-    /// Write every step as CSV.
-    #[arg(long, value_name = "FILE.csv")]
-    pub trace: Option<PathBuf>,
-    /// A picture of the result.
-    #[command(flatten)]
-    pub picture: ResultPicture,
-    /// Say nothing but errors.
-    #[arg(short, long)]
-    pub quiet: bool,
-}
-
-/// `meniscus blend`.
-#[derive(Debug, Args)]
-#[command(mut_arg("part", |a| a.hide(true)), mut_arg("no_islands", |a| a.hide(true)))]
-pub struct BlendArguments {
-    /// The rims and the flow, as for `fill`.
-    #[command(flatten)]
-    pub fill: FillArguments,
-    /// Turn the faces of this loop's component over first (repeatable).
-    #[arg(long, value_name = "LOOP")]
-    pub flip: Vec<LoopId>,
-}
-
-/// `meniscus bridge`.
-#[derive(Debug, Args)]
-pub struct BridgeArguments {
-    /// Mesh to read (.obj, .ply, .stl).
-    #[arg(value_name = "IN")]
-    pub input: PathBuf,
-    /// Mesh to write (.obj, .ply, .stl). The vertices of IN come first, untouched.
-    #[arg(short, long, value_name = "OUT")]
-    pub output: PathBuf,
-    /// One end: at the rim vertex nearest to this point.
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    pub from: DVec3,
-    /// The other end.
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    pub to: DVec3,
-    /// Rim edges it is wide.
-    #[arg(long, value_name = "N", default_value_t = 2)]
-    pub width: usize,
-    /// Say nothing but errors.
-    #[arg(short, long)]
-    pub quiet: bool,
-}
-
-/// `meniscus refill`.
-#[derive(Debug, Args)]
-#[command(
-    mut_arg("loops", |a| a.hide(true)),
-    mut_arg("loop_at", |a| a.hide(true)),
-    mut_arg("part", |a| a.hide(true))
-)]
-pub struct RefillArguments {
-    /// Files and flow, as for `fill`.
-    #[command(flatten)]
-    pub fill: FillArguments,
-    /// Which faces.
-    #[command(flatten)]
-    pub selection: SelectionArguments,
-    /// Keep the triangles and let their vertices flow, instead of erasing and filling.
-    #[arg(long)]
-    pub fair: bool,
-}
-
-/// `meniscus info`.
-#[derive(Debug, Args)]
-pub struct InfoArguments {
-    /// Mesh to read (.obj, .ply, .stl).
-    #[arg(value_name = "IN")]
-    pub input: PathBuf,
-    /// Print JSON.
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// `meniscus sample`.
-#[derive(Debug, Args)]
-pub struct SampleArguments {
-    /// Which: creature, sphere, torus, catenoid or saddle.
-    #[arg(value_name = "NAME")]
-    pub name: String,
-    /// Mesh to write (.obj, .ply, .stl).
-    #[arg(short, long, value_name = "OUT")]
-    pub output: PathBuf,
-}
-
-/// `meniscus demo`.
-#[derive(Debug, Args)]
-pub struct DemoArguments {
-    /// Folder to write to; made if it does not exist.
-    #[arg(long, value_name = "DIR", default_value = "meniscus-demo")]
-    pub out: PathBuf,
-    /// Say nothing but errors.
-    #[arg(short, long)]
-    pub quiet: bool,
-}
-
 /// A word that is no command and does not look like a file is more likely a mistyped command.
 #[cfg(feature = "window")]
 fn file(text: &str) -> Result<PathBuf, String> {
@@ -289,27 +161,5 @@ fn file(text: &str) -> Result<PathBuf, String> {
         Ok(path)
     } else {
         Err("it is neither a command nor a file; `meniscus --help` lists the commands".into())
-    }
-}
-
-pub(crate) fn point(text: &str) -> Result<DVec3, String> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|word| word.trim().parse::<f64>())
-        .collect::<Result<_, _>>()
-        .map_err(|_| "give three numbers, as in 0.1,-2,3.5".to_owned())?;
-    match numbers[..] {
-        [x, y, z] if x.is_finite() && y.is_finite() && z.is_finite() => Ok(DVec3::new(x, y, z)),
-        _ => Err("give three numbers, as in 0.1,-2,3.5".into()),
-    }
-}
-
-pub(crate) fn ball(text: &str) -> Result<(DVec3, f64), String> {
-    let mistaken = || "give centre and radius, as in 0.1,-2,3.5,0.25".to_owned();
-    let (centre, radius) = text.rsplit_once(',').ok_or_else(mistaken)?;
-    let centre = point(centre).map_err(|_| mistaken())?;
-    match radius.trim().parse::<f64>() {
-        Ok(r) if r.is_finite() && r > 0.0 => Ok((centre, r)),
-        _ => Err(mistaken()),
     }
 }

@@ -1,22 +1,63 @@
 //! `meniscus blend`.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
+use clap::Args;
 
-use crate::cli::UsageError;
-use crate::cli::args::BlendArguments;
-use crate::cli::edit::components_of;
-use crate::cli::fill::{Task, fill_opened, start};
+use crate::cli::flow::{FlowArguments, LoopArguments, MeshFiles, Task};
+use crate::cli::report::skipped;
+use crate::mesh::{BoundaryLoop, LoopId, boundary_loops};
+use crate::ops::FlipSpec;
+
+/// `meniscus blend`.
+#[derive(Debug, Args)]
+pub struct BlendArguments {
+    /// Input and output.
+    #[command(flatten)]
+    pub files: MeshFiles,
+    /// Which loops.
+    #[command(flatten)]
+    pub loops: LoopArguments,
+    /// Flip the faces of this loop's component first (repeatable).
+    #[arg(long, value_name = "LOOP")]
+    pub flip: Vec<LoopId>,
+    /// The flow and what is written.
+    #[command(flatten)]
+    pub flow: FlowArguments,
+}
 
 /// Runs the command.
 pub fn blend(args: &BlendArguments) -> Result<()> {
-    if !args.fill.part.is_empty() {
-        return Err(UsageError("a blend joins whole rims: leave --part out".into()).into());
-    }
-    let mut start = start(&args.fill)?;
-    let opened = &mut start.opened;
+    let mut task = Task::new(&args.files, &args.flow)?;
     if !args.flip.is_empty() {
-        let turned = components_of(&opened.mesh, &args.flip)?;
-        opened.mesh = opened.mesh.turned_over(&turned);
+        let flip = FlipSpec {
+            loops: args.flip.clone(),
+        };
+        task.opened.mesh = flip.run(&task.opened.mesh)?;
     }
-    fill_opened(&args.fill, &start, Task::Blend)
+    let mesh = &task.opened.mesh;
+    let loops = boundary_loops(mesh);
+    let mut chosen = args.loops.chosen(mesh, &loops)?;
+    let is_auto = args.loops.are_auto();
+    if is_auto && chosen.len() < 2 && is_one_each(&loops) {
+        // whatever their shape, nothing else can be meant
+        chosen = loops.iter().map(|l| l.id).collect();
+    }
+    if chosen.len() < 2 {
+        bail!(
+            "a blend joins at least two loops, and {} of {} {} chosen; name them with --loops or \
+             --loop-at (`meniscus info` lists them)",
+            chosen.len(),
+            loops.len(),
+            if chosen.len() == 1 { "is" } else { "are" }
+        );
+    }
+    let rims = chosen.iter().map(|id| &loops[id.index()]).collect();
+    task.fill(&[rims], skipped(&loops, &chosen, is_auto))
+}
+
+/// Whether no component has two of the loops.
+fn is_one_each(loops: &[BoundaryLoop]) -> bool {
+    let mut components: Vec<u32> = loops.iter().map(|l| l.component).collect();
+    components.sort_unstable();
+    components.windows(2).all(|pair| pair[0] != pair[1])
 }

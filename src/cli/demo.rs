@@ -1,14 +1,27 @@
 //! `meniscus demo`: the main job on a built-in sample.
 
-use anyhow::{Context, Result};
-use clap::Parser;
+use std::path::PathBuf;
 
-use crate::cli::args::{Arguments, Command, DemoArguments};
-use crate::cli::fill;
+use anyhow::{Context, Result};
+use clap::Args;
+
+use crate::cli::fill::{FillArguments, fill};
+use crate::cli::flow::{FlowArguments, LoopArguments, MeshFiles};
 use crate::cli::print::print;
 use crate::io::save_mesh;
 use crate::mesh::{Mesh, Topology};
 use crate::shapes;
+
+/// `meniscus demo`.
+#[derive(Debug, Args)]
+pub struct DemoArguments {
+    /// Folder to write to; made if it does not exist.
+    #[arg(long, value_name = "DIR", default_value = "meniscus-demo")]
+    pub out: PathBuf,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
 
 /// Writes the sample, fills it from its file, writes the result and the report.
 pub fn demo(args: &DemoArguments) -> Result<()> {
@@ -18,17 +31,21 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
     let topology = Topology::from_triangles(positions.len(), &triangles)?;
     let holed = args.out.join("holed.obj");
     save_mesh(&holed, &Mesh::new(positions, topology), &[])?;
-    let mut words: Vec<std::ffi::OsString> = vec!["meniscus".into(), "fill".into()];
-    words.push(holed.clone().into());
-    words.extend(["-o".into(), args.out.join("filled.obj").into()]);
-    words.extend(["--report".into(), args.out.join("report.json").into()]);
-    if args.quiet {
-        words.push("--quiet".into());
-    } else {
+    if !args.quiet {
         print(&format!("{}: the sample with its holes\n", holed.display()))?;
     }
-    let Some(Command::Fill(command)) = Arguments::try_parse_from(words)?.command else {
-        unreachable!("the words above are a fill command");
-    };
-    fill::fill(&command)
+    fill(&FillArguments {
+        files: MeshFiles {
+            input: holed,
+            output: args.out.join("filled.obj"),
+            quiet: args.quiet,
+        },
+        loops: LoopArguments::default(),
+        part: Vec::new(),
+        no_islands: false,
+        flow: FlowArguments {
+            report: Some(args.out.join("report.json")),
+            ..FlowArguments::default()
+        },
+    })
 }

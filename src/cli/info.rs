@@ -1,14 +1,26 @@
 //! `meniscus info`.
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use anyhow::Result;
+use clap::Args;
 use serde::Serialize;
 
-use crate::cli::args::InfoArguments;
 use crate::cli::print::print;
 use crate::io::open;
 use crate::mesh::{BoundaryLoop, LoadReport, LoopId, boundary_loops};
+
+/// `meniscus info`.
+#[derive(Debug, Args)]
+pub struct InfoArguments {
+    /// Mesh to read (.obj, .ply, .stl).
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
 
 #[derive(Serialize)]
 struct Info<'a> {

@@ -3,13 +3,14 @@
 mod analyze;
 mod args;
 mod blend;
-mod bridge;
-mod controls;
 mod creases;
 mod demo;
 mod edit;
 mod fill;
+mod flow;
 mod info;
+mod options;
+mod parse;
 #[cfg(feature = "render")]
 mod picture;
 #[cfg(feature = "render")]
@@ -18,7 +19,6 @@ mod print;
 mod progress;
 mod refill;
 mod refine;
-mod refine_args;
 #[cfg(feature = "render")]
 mod render;
 mod report;
@@ -28,6 +28,8 @@ mod result_picture;
 #[path = "no_picture.rs"]
 mod result_picture;
 mod sample;
+mod selection;
+mod targets;
 
 pub use args::{Arguments, Command};
 
@@ -47,7 +49,7 @@ pub fn run(command: Command) -> Result<()> {
     match command {
         Command::Fill(args) => fill::fill(&args),
         Command::Blend(args) => blend::blend(&args),
-        Command::Bridge(args) => bridge::bridge(&args),
+        Command::Bridge(args) => edit::bridge(&args),
         Command::Erase(args) => edit::erase(&args),
         Command::Flip(args) => edit::flip(&args),
         Command::Refill(args) => refill::refill(&args),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use anyhow::Result;
 
 use crate::cli::UsageError;
-use crate::cli::picture_args::{PictureArguments, UpArgument};
+use crate::cli::picture_args::{PictureArguments, Up};
 use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops};
 use crate::render::{
     self, Background, Bounds, Camera, DynamicSurface, Geometry, Gpu, LineStyle, Overlay, Polyline,
@@ -95,7 +95,7 @@ fn style(look: &PictureArguments, [_, height]: [u32; 2]) -> ViewStyle {
 fn camera(look: &PictureArguments, bounds: &Bounds, [w, h]: [u32; 2]) -> Result<Camera> {
     let mut camera = Camera::fit(bounds);
     camera.orthographic = look.orthographic;
-    camera.z_up = look.up == Some(UpArgument::Z);
+    camera.z_up = look.up == Some(Up::Z);
     camera.home();
     if let Some(text) = &look.camera {
         if let Some(view) = StandardView::from_name(text) {

@@ -1,9 +1,11 @@
 //! How pictures look: the options that `render` and `fill` share.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use crate::cli::args::point;
+use crate::cli::options::choice;
+use crate::cli::parse::point;
 use crate::mesh::DVec3;
+use crate::options::choices;
 use crate::render::{MAX_SIDE, ViewMode};
 
 /// Options of pictures.
@@ -21,8 +23,8 @@ pub struct PictureArguments {
     #[arg(long, value_name = "CAMERA", allow_hyphen_values = true)]
     pub camera: Option<String>,
     /// Which axis points up in these views [default: y].
-    #[arg(long, value_enum, value_name = "AXIS")]
-    pub up: Option<UpArgument>,
+    #[arg(long, value_name = "AXIS", value_parser = choice::<Up>())]
+    pub up: Option<Up>,
     /// Parallel projection.
     #[arg(long)]
     pub orthographic: bool,
@@ -56,13 +58,15 @@ pub struct PictureArguments {
 }
 
 /// `--up`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum UpArgument {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Up {
     /// The second coordinate.
     Y,
     /// The third coordinate.
     Z,
 }
+
+choices!(Up: Y "y", Z "z");
 
 impl PictureArguments {
     /// Whether any of them was given.

@@ -1,57 +1,72 @@
 //! `meniscus refill`.
 
 use anyhow::{Result, bail};
+use clap::Args;
 use serde::Serialize;
 
-use crate::cli::UsageError;
-use crate::cli::args::RefillArguments;
-use crate::cli::fill::{save_filled, start, write_text};
+use crate::cli::flow::{FlowArguments, MeshFiles, Task, write_text};
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
 use crate::cli::report::step_lines;
-use crate::fill::{self, Filled, LoopChoice, ScheduledOptions};
-use crate::io::{Opened, save_mesh};
-use crate::solver::{End, StepRecord};
+use crate::cli::selection::SelectionArguments;
+use crate::fill::Filled;
+use crate::io::save_mesh;
+use crate::ops::{FacesSpec, Operation, Outcome};
+use crate::solver::End;
+
+/// `meniscus refill`.
+#[derive(Debug, Args)]
+pub struct RefillArguments {
+    /// Input and output.
+    #[command(flatten)]
+    pub files: MeshFiles,
+    /// Which faces.
+    #[command(flatten)]
+    pub selection: SelectionArguments,
+    /// Keep the triangles and let their vertices flow, instead of erasing and filling.
+    #[arg(long)]
+    pub fair: bool,
+    /// The flow and what is written.
+    #[command(flatten)]
+    pub flow: FlowArguments,
+}
 
 /// Runs the command.
 pub fn refill(args: &RefillArguments) -> Result<()> {
-    let by_loop = !args.fill.loop_at.is_empty() || args.fill.loops != LoopChoice::Auto;
-    if by_loop || !args.fill.part.is_empty() {
-        let what = "refill fills what it erases: choose faces with --ball or --faces, not loops";
-        return Err(UsageError(what.into()).into());
-    }
-    let start = start(&args.fill)?;
-    let selected = args.selection.required(&start.opened.mesh)?;
-    let progress = Progress::new(1, args.fill.quiet);
-    let observe = |group, record: &StepRecord| {
+    let task = Task::new(&args.files, &args.flow)?;
+    let mesh = &task.opened.mesh;
+    let spec = FacesSpec {
+        faces: args.selection.required(mesh)?,
+        flow: task.flow.clone(),
+    };
+    let faces = spec.faces.len();
+    let operation = if args.fair {
+        Operation::Fair(spec)
+    } else {
+        Operation::Refill(spec)
+    };
+    let progress = Progress::new(1, args.files.quiet);
+    let outcome = operation.run(mesh, &|group, record| {
         progress.step(group, record);
         true
-    };
-    let mesh = &start.opened.mesh;
-    let options = ScheduledOptions::new(&start.controls, &start.schedule)?;
-    if args.fair {
-        let new = fill::fair(mesh, &selected, options, &observe)?;
-        progress.finish();
-        return save_faired(args, &start.opened, &selected, &new);
-    }
-    let new = fill::refill(mesh, &selected, options, &observe)?;
+    })?;
     progress.finish();
-    if !args.fill.quiet {
-        let erased = &new.region.erased;
-        print(&format!(
-            "{}: {} faces and {} vertices erased\n",
-            args.fill.output.display(),
-            mesh.face_count() - erased.old_face.len(),
-            mesh.vertex_count() - erased.old_vertex.len(),
-        ))?;
+    match outcome {
+        Outcome::Refilled(new) => {
+            if !args.files.quiet {
+                let erased = &new.region.erased;
+                print(&format!(
+                    "{}: {} faces and {} vertices erased\n",
+                    args.files.output.display(),
+                    mesh.face_count() - erased.old_face.len(),
+                    mesh.vertex_count() - erased.old_vertex.len(),
+                ))?;
+            }
+            task.save(&new.filled, Vec::new(), Vec::new())
+        }
+        Outcome::Filled(new) => save_faired(args, &task, faces, &new),
+        _ => unreachable!("a refill or a fairing"),
     }
-    save_filled(
-        &args.fill,
-        &start.opened,
-        &new.filled,
-        Vec::new(),
-        Vec::new(),
-    )
 }
 
 /// What `--fair` did.
@@ -74,28 +89,27 @@ struct FairReport<'a> {
     warnings: &'a [String],
 }
 
-fn save_faired(
-    args: &RefillArguments,
-    opened: &Opened,
-    selected: &[bool],
-    new: &Filled,
-) -> Result<()> {
-    save_mesh(&args.fill.output, &new.mesh, &opened.material_libraries)?;
+fn save_faired(args: &RefillArguments, task: &Task<'_>, faces: usize, new: &Filled) -> Result<()> {
+    save_mesh(
+        &args.files.output,
+        &new.mesh,
+        &task.opened.material_libraries,
+    )?;
     let Some(Ok(group)) = new.groups.first() else {
         let error = new.groups.iter().find_map(|g| g.as_ref().err());
         let why = error.map_or_else(String::new, ToString::to_string);
         bail!(
             "the selected region cannot be faired: {why}. {} was written with the warm start there",
-            args.fill.output.display()
+            args.files.output.display()
         );
     };
     let outcome = &group.outcome;
     let report = FairReport {
         version: env!("CARGO_PKG_VERSION"),
-        input: args.fill.input.display().to_string(),
-        output: args.fill.output.display().to_string(),
-        energy: &args.fill.controls.energy,
-        faces: selected.iter().filter(|&&flag| flag).count(),
+        input: args.files.input.display().to_string(),
+        output: args.files.output.display().to_string(),
+        energy: &task.flow.controls.energy,
+        faces,
         vertices_moved: new.moved.len(),
         steps: outcome.steps,
         rejected: outcome.rejected,
@@ -105,13 +119,13 @@ fn save_faired(
         seconds: group.timings.total() / 1e3,
         warnings: &outcome.warnings,
     };
-    if let Some(path) = &args.fill.report {
+    if let Some(path) = &args.flow.report {
         write_text(path, &(serde_json::to_string_pretty(&report)? + "\n"))?;
     }
-    if let Some(path) = &args.fill.trace {
+    if let Some(path) = &args.flow.trace {
         write_text(path, &step_lines([(None, &group.records[..])]))?;
     }
-    if args.fill.quiet {
+    if args.files.quiet {
         return Ok(());
     }
     for warning in &outcome.warnings {

@@ -2,27 +2,30 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::{Result, bail};
-use clap::ValueEnum;
+use anyhow::Result;
+use clap::Args;
 use serde::Serialize;
 
 use crate::analysis::{Distances, distances};
 use crate::cli::UsageError;
-use crate::cli::fill::write_text;
+use crate::cli::creases::CreaseArguments;
+use crate::cli::flow::{MeshFiles, write_text};
+use crate::cli::options::OptionArguments;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
-use crate::cli::refine_args::RefineArguments;
-use crate::energy::Energy;
-use crate::fill::TauChoice;
-use crate::io::{self, Opened, open, save_mesh};
+use crate::cli::selection::SelectionArguments;
+use crate::cli::targets::check_targets;
+use crate::io::{Opened, open, save_mesh};
 use crate::memory::peak_memory;
 use crate::mesh::{LoadReport, Mesh, folded_edges, self_intersections};
-use crate::refine::{self, LevelReport, RefineOptions, Refinement, natural_flow};
-use crate::solver::{FlowOptions, Tau};
+use crate::ops::{OperationError, RefineSpec};
+use crate::options::Choice;
+use crate::refine::{self, LevelReport, RefineControls, Refinement};
+use crate::solver::FlowOptions;
 
 /// Intersecting pairs counted at most.
 const MOST_INTERSECTIONS: usize = 1000;
@@ -61,17 +64,70 @@ struct RefineReport<'a> {
     warnings: Vec<String>,
 }
 
+/// `meniscus refine`.
+#[derive(Debug, Args)]
+pub struct RefineArguments {
+    /// Input and output.
+    #[command(flatten)]
+    pub files: MeshFiles,
+    /// Levels, method, energy and the like.
+    #[command(flatten)]
+    pub controls: OptionArguments<RefineControls>,
+    /// Which edges stay sharp.
+    #[command(flatten)]
+    pub creases: CreaseArguments,
+    /// Refine only these faces; those beside them are cut to fit.
+    #[command(flatten)]
+    pub selection: SelectionArguments,
+    /// Measure the result against this mesh.
+    #[arg(long, value_name = "REF")]
+    pub against: Option<PathBuf>,
+    /// Write the control mesh of the limit surface as well, open along sharp edges.
+    #[arg(long, value_name = "FILE")]
+    pub control: Option<PathBuf>,
+    /// Write a report as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// Write every step as CSV.
+    #[arg(long, value_name = "FILE.csv")]
+    pub trace: Option<PathBuf>,
+}
+
 /// Runs the command.
 pub fn refine(args: &RefineArguments) -> Result<()> {
-    check_targets(args)?;
-    let typed = typed(args)?;
-    let creases = args.creases.edges()?;
-    let opened = open(&args.input)?;
+    check_targets(
+        &[
+            ("IN", Some(&args.files.input)),
+            ("--against", args.against.as_deref()),
+        ],
+        &[
+            ("OUT", Some(&args.files.output)),
+            ("--control", args.control.as_deref()),
+        ],
+        &[
+            ("--report", args.report.as_deref()),
+            ("--trace", args.trace.as_deref()),
+        ],
+    )?;
+    let energy = args.controls.0.given_energy();
+    energy.map_err(|e| UsageError(format!("--energy\n{}", e.render())))?;
+    let creases = args.creases.chains()?;
+    let opened = open(&args.files.input)?;
     let reference = args.against.as_deref().map(open).transpose()?;
-    let flow = flow(args, typed, &opened.mesh);
-    let options = options(args, flow.clone(), creases, &opened.mesh)?;
+    let faces = args.selection.faces(&opened.mesh)?;
+    if faces.is_empty() && !args.selection.is_empty() {
+        return Err(OperationError::NoFaces.into());
+    }
+    let spec = RefineSpec {
+        controls: args.controls.0.clone(),
+        creases,
+        faces,
+        changed: false,
+    };
+    let options = spec.options(&opened.mesh)?;
+    let flow = options.flow.clone();
     let start = Instant::now();
-    let progress = Progress::new(1, args.quiet);
+    let progress = Progress::new(1, args.files.quiet);
     let mut trace = String::from("level,step,tau,energy,residual,rejected\n");
     let mesh = Arc::new(opened.mesh.clone());
     let refined = Refinement::new(mesh, options)?.run(|state, event| {
@@ -93,7 +149,11 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     })?;
     progress.finish();
     let seconds = start.elapsed().as_secs_f64();
-    save_mesh(&args.output, &refined.mesh, &opened.material_libraries)?;
+    save_mesh(
+        &args.files.output,
+        &refined.mesh,
+        &opened.material_libraries,
+    )?;
     if let Some(path) = &args.control {
         save_mesh(path, &refined.control, &opened.material_libraries)?;
     }
@@ -105,7 +165,11 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     if let Some(path) = &args.trace {
         write_text(path, &trace)?;
     }
-    if args.quiet { Ok(()) } else { summary(&report) }
+    if args.files.quiet {
+        Ok(())
+    } else {
+        summary(&report)
+    }
 }
 
 fn report<'a>(
@@ -136,9 +200,9 @@ fn report<'a>(
     }
     RefineReport {
         version: env!("CARGO_PKG_VERSION"),
-        input: args.input.display().to_string(),
-        output: args.output.display().to_string(),
-        method: name(&args.method),
+        input: args.files.input.display().to_string(),
+        output: args.files.output.display().to_string(),
+        method: args.controls.0.method.name().into(),
         energy: flow.energy.text().to_owned(),
         parameters: flow.energy.params().clone(),
         tension: flow.tension,
@@ -198,93 +262,4 @@ fn summary(report: &RefineReport<'_>) -> Result<()> {
         report.output, report.vertices, report.faces, report.seconds
     )?;
     print(&text)
-}
-
-fn check_targets(args: &RefineArguments) -> Result<()> {
-    let mut taken: Vec<(&str, &Path)> = vec![("IN", &args.input)];
-    if let Some(path) = &args.against {
-        taken.push(("--against", path));
-    }
-    let meshes = [
-        ("OUT", Some(&args.output)),
-        ("--control", args.control.as_ref()),
-    ];
-    let texts = [
-        ("--report", args.report.as_ref()),
-        ("--trace", args.trace.as_ref()),
-    ];
-    for (is_mesh, (name, path)) in
-        (meshes.map(|m| (true, m)).into_iter()).chain(texts.map(|t| (false, t)))
-    {
-        let Some(path) = path else { continue };
-        if let Some((other, _)) = taken.iter().find(|(_, p)| io::same_file(path, p)) {
-            bail!(
-                "{name} is the same file as {other} ({}); give another name, nothing was overwritten",
-                path.display()
-            );
-        }
-        taken.push((name, path));
-        if is_mesh {
-            io::check_target(path)?;
-        } else {
-            io::check_text_target(path)?;
-        }
-    }
-    Ok(())
-}
-
-/// The energy asked for, if one was.
-fn typed(args: &RefineArguments) -> Result<Option<Energy>> {
-    let params: BTreeMap<String, f64> = args.param.iter().cloned().collect();
-    let parse = |text: &str| {
-        Energy::parse(text, &params)
-            .map_err(|e| UsageError(format!("--energy\n{}", e.render())).into())
-    };
-    args.energy.as_deref().map(parse).transpose()
-}
-
-fn flow(args: &RefineArguments, typed: Option<Energy>, mesh: &Mesh) -> FlowOptions {
-    let (energy, tension) = match typed {
-        Some(energy) => (energy, 0.0),
-        None => natural_flow(mesh),
-    };
-    let mut flow = FlowOptions::new(energy);
-    flow.tension = args.tension.unwrap_or(tension);
-    flow.mode = args.mode;
-    flow.tau = match args.tau {
-        TauChoice::Auto => Tau::Auto,
-        TauChoice::Fixed(tau) => Tau::Fixed(tau),
-    };
-    flow.max_steps = args.steps;
-    flow
-}
-
-fn options(
-    args: &RefineArguments,
-    flow: FlowOptions,
-    creases: Vec<[u32; 2]>,
-    mesh: &Mesh,
-) -> Result<RefineOptions> {
-    let selection = &args.selection;
-    let region = (!selection.is_empty())
-        .then(|| selection.flags(mesh))
-        .transpose()?;
-    Ok(RefineOptions {
-        levels: args.levels,
-        method: args.method.into(),
-        hold: args.hold.into(),
-        boundary: args.boundary.into(),
-        corner_angle: args.corner_angle.to_radians(),
-        crease_angle: args.creases.crease_angle.map(f64::to_radians),
-        creases,
-        region,
-        flow,
-    })
-}
-
-/// A choice as it is written on the command line.
-fn name(choice: &impl ValueEnum) -> String {
-    choice
-        .to_possible_value()
-        .map_or_else(String::new, |v| v.get_name().to_owned())
 }

@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Result, bail};
-use clap::{Args, ValueEnum};
+use anyhow::Result;
+use clap::Args;
 
+use crate::cli::options::choice;
 use crate::cli::picture::Shot;
 use crate::cli::picture_args::PictureArguments;
-use crate::io::{self, open};
+use crate::cli::targets::check_targets;
+use crate::io::open;
 use crate::render::{Gpu, SequenceFormat, save_png, turntable, write_sequence};
 
 /// `meniscus render`.
@@ -26,25 +28,14 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=3600))]
     pub turntable: Option<u32>,
     /// How the turn is stored: png (numbered files), gif or apng [default: by the extension].
-    #[arg(long, value_enum, requires = "turntable")]
-    pub format: Option<FormatArgument>,
+    #[arg(long, requires = "turntable", value_parser = choice::<SequenceFormat>())]
+    pub format: Option<SequenceFormat>,
     /// Pictures a second.
     #[arg(long, value_name = "FPS", default_value_t = 25.0, requires = "turntable", value_parser = fps)]
     pub fps: f64,
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
-}
-
-/// `--format`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FormatArgument {
-    /// Numbered files.
-    Png,
-    /// Animated GIF.
-    Gif,
-    /// Animated PNG.
-    Apng,
 }
 
 fn fps(text: &str) -> Result<f64, String> {
@@ -57,10 +48,11 @@ fn fps(text: &str) -> Result<f64, String> {
 /// Runs the command.
 pub fn render(args: &RenderArguments) -> Result<()> {
     let format = format(args)?;
-    if io::same_file(&args.output, &args.input) {
-        bail!("OUT is the same file as IN; give another name, nothing was overwritten");
-    }
-    io::check_text_target(&args.output)?;
+    check_targets(
+        &[("IN", Some(&args.input))],
+        &[],
+        &[("OUT", Some(&args.output))],
+    )?;
     // before the mesh is read: without an adapter there is nothing to wait for
     let gpu = Gpu::new()?;
     let opened = open(&args.input)?;
@@ -91,17 +83,13 @@ fn format(args: &RenderArguments) -> Result<SequenceFormat> {
     let is = |name: &str| extension.eq_ignore_ascii_case(name);
     let turns = args.turntable.is_some();
     let by_extension = if turns && is("gif") {
-        FormatArgument::Gif
+        SequenceFormat::Gif
     } else if turns && is("apng") {
-        FormatArgument::Apng
+        SequenceFormat::Apng
     } else {
-        FormatArgument::Png
+        SequenceFormat::Png
     };
-    let format = match args.format.unwrap_or(by_extension) {
-        FormatArgument::Png => SequenceFormat::Png,
-        FormatArgument::Gif => SequenceFormat::Gif,
-        FormatArgument::Apng => SequenceFormat::Apng,
-    };
+    let format = args.format.unwrap_or(by_extension);
     let fits = match format {
         SequenceFormat::Png => is("png"),
         SequenceFormat::Gif => is("gif"),

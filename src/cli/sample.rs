@@ -1,14 +1,25 @@
 //! `meniscus sample`: writes a built-in sample.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use clap::Args;
 
 use crate::cli::UsageError;
-use crate::cli::args::SampleArguments;
 use crate::cli::print::print;
 use crate::io;
 use crate::shapes::{SAMPLES, Sample};
+
+/// `meniscus sample`.
+#[derive(Debug, Args)]
+pub struct SampleArguments {
+    /// Which: creature, sphere, torus, catenoid or saddle.
+    #[arg(value_name = "NAME")]
+    pub name: String,
+    /// Mesh to write (.obj, .ply, .stl).
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+}
 
 /// Runs the command.
 pub fn sample(args: &SampleArguments) -> Result<()> {

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::mesh::{DVec3, HalfedgeId, Split, Topology, VertexId};
+use crate::options::choices;
 
 /// How boundaries and creases are continued between their vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -13,6 +14,8 @@ pub enum BoundaryRule {
     /// By the straight edges.
     Straight,
 }
+
+choices!(BoundaryRule: Spline "spline", Straight "straight");
 
 /// Where a vertex is on the curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -25,7 +25,9 @@ pub use creases::{Weld, crease_edges};
 pub use levels::Refinement;
 pub use live::{LiveRefine, RefineEvent, RefineState, RefineStatus, RefineTimeline};
 pub use measures::{radius, surface_energy};
-pub use options::{Hold, MAX_LEVELS, Method, RefineError, RefineOptions, natural_flow};
+pub use options::{
+    Hold, MAX_LEVELS, Method, RefineControls, RefineError, RefineOptions, natural_flow,
+};
 pub use progress::{LevelReport, Progress};
 pub use refined::Refined;
 pub use schemes::{butterfly_step, loop_step};

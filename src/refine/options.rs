@@ -1,11 +1,14 @@
 //! What may be chosen about a refinement, and what can keep it from starting.
 
-use crate::energy::{Energy, Preset};
+use std::collections::BTreeMap;
+
+use crate::energy::{Energy, ExprError, Preset};
 use crate::mesh::{HalfedgeId, Mesh, dihedral_angle};
+use crate::options::{TauChoice, choices, options};
 use crate::refine::BoundaryRule;
 use crate::refine::creases::crease_edges;
 use crate::refine::measures::radius;
-use crate::solver::{FlowOptions, SolverError};
+use crate::solver::{FlowOptions, Mode, SolverError, Tau};
 
 /// How new vertices are placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -19,6 +22,8 @@ pub enum Method {
     Loop,
 }
 
+choices!(Method: Pde "pde", Butterfly "butterfly", Loop "loop");
+
 /// Which vertices the limit surface keeps passing from the second level on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Hold {
@@ -29,7 +34,96 @@ pub enum Hold {
     Given,
 }
 
-/// Everything about a refinement that may be chosen.
+choices!(Hold: Previous "previous", Given "given");
+
+options! {
+    /// What a user may choose about a refinement.
+    pub struct RefineControls {
+        /// Number of levels: on each, every triangle is cut into four.
+        levels("N"): usize = 3,
+        /// How new vertices are placed: `pde` by a flow, `butterfly` and `loop` by the subdivision
+        /// schemes of these names.
+        method: Method = Method::default(),
+        /// Energy f(H,K): a preset or an expression [default: auto, which is sqrt(k1^2+k2^2+c^2)
+        /// with the c and the tension that suit the mesh's edge length].
+        energy("F"): Option<String> = None,
+        /// Value of a parameter of the energy (repeatable).
+        param("NAME=VALUE"): BTreeMap<String, f64> = BTreeMap::new(),
+        /// Weight of the area beside the energy, in units of 1/r^2, r the RMS distance of the
+        /// vertices from their mean [default: auto, which is 0 for a given energy].
+        tension("W"): Option<f64> = None,
+        /// Which vertices the surface interpolates from the second level on: all vertices of the
+        /// previous level, or those of IN only.
+        hold: Hold = Hold::default(),
+        /// Shape of boundaries and creases between their vertices.
+        boundary: BoundaryRule = BoundaryRule::default(),
+        /// A vertex of a boundary or crease is a corner if the curve turns there by more than this
+        /// angle, in degrees.
+        corner_angle("DEG"): f64 = 45.0,
+        /// Keep edges sharp at which the triangles' normals differ by more than this angle, in
+        /// degrees.
+        crease_angle("DEG"): Option<f64> = None,
+        /// `fast` computes the stationary shape in few steps, `flow` follows the flow in true time.
+        mode: Mode = Mode::default(),
+        /// Time step: auto, or a fixed one (length^2 / unit of f).
+        tau("T"): TauChoice = TauChoice::default(),
+        /// Maximum number of steps on a level.
+        steps("N"): usize = 400,
+    }
+}
+
+impl RefineControls {
+    /// The energy, if one is given.
+    ///
+    /// # Errors
+    /// An invalid energy.
+    pub fn given_energy(&self) -> Result<Option<Energy>, ExprError> {
+        let text = self.energy.as_deref();
+        text.map(|text| Energy::parse(text, &self.param))
+            .transpose()
+    }
+
+    /// The flow on a mesh, with the energy and the tension that suit the mesh where none is given.
+    ///
+    /// # Errors
+    /// [`RefineError::Energy`], or an option of the flow out of range.
+    pub fn flow(&self, mesh: &Mesh) -> Result<FlowOptions, RefineError> {
+        let (energy, tension) = match self.given_energy()? {
+            Some(energy) => (energy, 0.0),
+            None => natural_flow(mesh),
+        };
+        let mut flow = FlowOptions::new(energy);
+        flow.tension = self.tension.unwrap_or(tension);
+        flow.mode = self.mode;
+        flow.tau = match self.tau {
+            TauChoice::Auto => Tau::Auto,
+            TauChoice::Fixed(tau) => Tau::Fixed(tau),
+        };
+        flow.max_steps = self.steps;
+        flow.validate()?;
+        Ok(flow)
+    }
+
+    /// The options of a refinement of a mesh, without chosen creases and region.
+    ///
+    /// # Errors
+    /// As [`Self::flow`]. [`RefineOptions::validate`] checks the rest.
+    pub fn options(&self, mesh: &Mesh) -> Result<RefineOptions, RefineError> {
+        Ok(RefineOptions {
+            levels: self.levels,
+            method: self.method,
+            hold: self.hold,
+            flow: self.flow(mesh)?,
+            boundary: self.boundary,
+            corner_angle: self.corner_angle.to_radians(),
+            crease_angle: self.crease_angle.map(f64::to_radians),
+            creases: Vec::new(),
+            region: None,
+        })
+    }
+}
+
+/// Everything about a refinement of one mesh, ready to run.
 #[derive(Clone, Debug)]
 pub struct RefineOptions {
     /// 1→4 splits.
@@ -220,6 +314,9 @@ pub enum RefineError {
     /// The system gives no thread.
     #[error("the system gives no thread for the refinement: {0}")]
     Thread(String),
+    /// The energy, with the place in its text.
+    #[error(transparent)]
+    Energy(#[from] ExprError),
     /// The flow cannot run.
     #[error(transparent)]
     Solver(#[from] SolverError),

@@ -8,6 +8,7 @@ use image::codecs::gif::{GifEncoder, Repeat};
 
 use super::{Camera, RenderError};
 use crate::io::save_with;
+use crate::options::choices;
 
 /// Quality of the colours of a GIF, 1 (best, slow) to 30.
 const GIF_SPEED: i32 = 10;
@@ -22,6 +23,8 @@ pub enum SequenceFormat {
     /// One animated PNG.
     Apng,
 }
+
+choices!(SequenceFormat: Png "png", Gif "gif", Apng "apng");
 
 /// What became of a sequence.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,11 +1,11 @@
 //! Step size, acceptance and the stopping rule (formulation, section 6).
 
 use crate::linear::GmresReport;
+use crate::options::choices;
 use crate::solver::assembly::EnergySum;
 
 /// What the flow is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Mode {
     /// The stationary shape in as few steps as possible.
     #[default]
@@ -13,6 +13,8 @@ pub enum Mode {
     /// The flow in true time, for watching.
     Flow,
 }
+
+choices!(Mode: Fast "fast", Flow "flow");
 
 /// How the time step is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]

@@ -1,14 +1,14 @@
 //! Options of a flow.
 
 use crate::energy::Energy;
+use crate::options::choices;
 use crate::solver::SolverError;
 use crate::solver::control::{Mode, Tau};
 use crate::solver::mixed::LinearSolver;
 use crate::subdivision::Rule;
 
 /// The method that computes the steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Scheme {
     /// Scheme B, the linearly implicit normal flow.
     #[default]
@@ -18,6 +18,8 @@ pub enum Scheme {
     /// Scheme A with the exact gradient as right-hand side: the same matrix, another fixed point.
     MixedCorrected,
 }
+
+choices!(Scheme: Normal "normal", Mixed "mixed", MixedCorrected "mixed-corrected");
 
 /// Options of a flow.
 #[derive(Clone, Debug, PartialEq)]

@@ -16,7 +16,7 @@ fn mesh((positions, triangles): TriangleMesh) -> Mesh {
 fn creased(energy: &str, h0: f64) -> Controls {
     Controls {
         energy: energy.into(),
-        params: BTreeMap::from([("H0".into(), h0)]),
+        param: BTreeMap::from([("H0".into(), h0)]),
         continuity: Continuity::G0,
         ..Controls::default()
     }

@@ -7,10 +7,11 @@ use std::time::Duration;
 
 use meniscus::fill::{
     Continuity, Controls, LiveEvent, LiveFill, LiveSettings, Schedule, ScheduledOptions, State,
-    TauChoice, fill_rim_sets,
+    fill_rim_sets,
 };
 use meniscus::io::{open, save_mesh};
 use meniscus::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, boundary_loops};
+use meniscus::options::{Options, TauChoice};
 use meniscus::shapes::{self, Hole, HoleShape};
 use meniscus::solver::{End, Mode, Scheme};
 
@@ -101,7 +102,7 @@ impl Watched {
 fn flow() -> Controls {
     Controls {
         energy: "(H-H0)^2".into(),
-        params: BTreeMap::from([("H0".into(), 0.5)]),
+        param: BTreeMap::from([("H0".into(), 0.5)]),
         mode: Mode::Flow,
         growth: Some(1.2),
         ..Controls::default()
@@ -149,7 +150,7 @@ fn changes_on_the_way_are_repeated_to_the_bit() {
     live.steps(4);
     let mut controls = start.clone();
     controls.energy = "(H-H0)^2 + a*K^2".into();
-    controls.params.insert("a".into(), 0.1);
+    controls.param.insert("a".into(), 0.1);
     live.fill.set_controls(&controls).expect("fine");
     live.steps(3);
     let marked = live.latest();

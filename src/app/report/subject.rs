@@ -9,8 +9,9 @@ use crate::analysis::{EdgeChain, patch_rims, sharp_edges};
 use crate::app::document::{Accepted, Work, left_of};
 use crate::app::live::Shape;
 use crate::app::model::Model;
-use crate::fill::{Choice, Continuity, Controls};
+use crate::fill::{Continuity, Controls};
 use crate::mesh::{BoundaryLoop, HalfedgeId, LoopId, Mesh, Topology, VertexId, boundary_loops};
+use crate::options::Options;
 
 /// Sharp edges listed at most, the longest chains first.
 const MOST_SHARP: usize = 24;
@@ -134,7 +135,7 @@ impl Patches {
                 Patch {
                     faces,
                     faired,
-                    controls: last_continuity(one),
+                    controls: last_controls(one),
                     // loops had other numbers before something was erased
                     loops: if later {
                         Loops::Known(BTreeMap::new())
@@ -268,21 +269,12 @@ impl Places {
     }
 }
 
-/// The controls something was accepted with, with the continuity it ended with.
-fn last_continuity(done: &Accepted) -> Controls {
+/// The controls something was accepted with, as they were at its end.
+fn last_controls(done: &Accepted) -> Controls {
     let mut controls = done.controls.clone();
     for row in &done.schedule.rows {
-        if row.control == "continuity" {
-            controls.continuity = Continuity::named(&row.value).unwrap_or(controls.continuity);
-        } else if row.control == "loop-continuity"
-            && let Some((number, value)) = row.value.split_once('=')
-            && let Ok(number) = number.trim().parse()
-        {
-            match Continuity::named(value.trim()) {
-                Some(own) => controls.loop_continuity.insert(number, own),
-                None => controls.loop_continuity.remove(&number),
-            };
-        }
+        // rows such as `stop` set no control
+        controls.set(&row.control, &row.value).ok();
     }
     controls
 }

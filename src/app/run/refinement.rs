@@ -10,8 +10,9 @@ use crate::app::jobs::Wake;
 use crate::app::live::{Live, refining_flow};
 use crate::app::report::{Chain, Places};
 use crate::app::view_state::Refining;
-use crate::fill::{Choice, Controls, TauChoice};
+use crate::fill::Controls;
 use crate::mesh::face_flags;
+use crate::options::{Choice, TauChoice};
 use crate::refine::{BoundaryRule, Hold, LiveRefine, Method, RefineOptions};
 use crate::solver::FlowOptions;
 
@@ -106,7 +107,7 @@ fn refine_words(
         if let TauChoice::Fixed(tau) = controls.tau {
             words.extend(["--tau".into(), tau.to_string()]);
         }
-        words.extend(["--steps".into(), controls.max_steps.to_string()]);
+        words.extend(["--steps".into(), controls.steps.to_string()]);
     } else {
         words.extend(["--method".into(), method_name(method).to_lowercase()]);
     }

@@ -7,7 +7,8 @@ use crate::app::action::Action;
 use crate::app::document::window_controls;
 use crate::app::model::Model;
 use crate::app::view_state::Task;
-use crate::fill::{Continuity, Controls, Linear, TauChoice};
+use crate::fill::{Continuity, Controls, Linear};
+use crate::options::TauChoice;
 use crate::solver::{FLOW_GROWTH, Mode, Scheme};
 
 /// All controls of a run; each acts at the next step.
@@ -158,7 +159,7 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
     }
     ui.horizontal_wrapped(|ui| {
         let label = ui.label("Most steps");
-        ui.add(egui::DragValue::new(&mut next.max_steps).range(1..=100_000))
+        ui.add(egui::DragValue::new(&mut next.steps).range(1..=100_000))
             .labelled_by(label.id)
             .on_hover_text("the flow ends after so many, converged or not");
     });

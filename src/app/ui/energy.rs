@@ -31,7 +31,7 @@ pub fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let view = &model.view;
     ui.horizontal(|ui| {
         let label = ui.label("Preset");
-        let current = Energy::parse(&view.energy_text, &model.document.controls.params)
+        let current = Energy::parse(&view.energy_text, &model.document.controls.param)
             .ok()
             .and_then(|e| e.as_preset());
         egui::ComboBox::from_id_salt("preset")
@@ -97,7 +97,7 @@ fn expression_ui(
     if response.changed() {
         actions.push(typed(text.clone()));
     }
-    let params = params_for(text.trim(), &model.document.controls.params);
+    let params = params_for(text.trim(), &model.document.controls.param);
     let parsed = Energy::parse(&text, &params);
     match &parsed {
         Err(error) => {
@@ -143,7 +143,7 @@ fn error_ui(ui: &mut Ui, error: &ExprError) {
 
 fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let controls = &model.document.controls;
-    for (name, &value) in &controls.params {
+    for (name, &value) in &controls.param {
         ui.horizontal(|ui| {
             let mut value = value;
             let label = ui.monospace(name);
@@ -160,7 +160,7 @@ fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 .on_hover_text("drag or type; acts at the next step");
             if slider.changed() {
                 let mut next = controls.clone();
-                next.params.insert(name.clone(), value);
+                next.param.insert(name.clone(), value);
                 actions.push(Action::Controls(Box::new(next)));
             }
         });

@@ -163,7 +163,7 @@ fn wanted(model: &Model) -> Wanted {
     Wanted {
         subject: Subject::of(model),
         on_surface: view.on_surface,
-        energy: Energy::parse(&controls.energy, &controls.params).ok(),
+        energy: Energy::parse(&controls.energy, &controls.param).ok(),
         sharp: view.sharp,
         chains: view.chains.clone(),
         reference: model.report.reference.clone(),

@@ -19,10 +19,10 @@ pub fn update(model: &mut Model, action: Action) {
         Action::ApplyEnergy => apply_energy(model),
         Action::AddParameter(name) => {
             let mut controls = model.document.controls.clone();
-            controls.params.insert(name, 1.0);
+            controls.param.insert(name, 1.0);
             set_controls(model, controls);
             let text = &model.view.energy_text;
-            if Energy::parse(text, &model.document.controls.params).is_ok() {
+            if Energy::parse(text, &model.document.controls.param).is_ok() {
                 apply_energy(model);
             }
         }
@@ -103,14 +103,13 @@ fn set_controls(model: &mut Model, controls: Controls) {
             if compared {
                 // the energies are what differs, each with parameters of its own
                 own.energy.clone_from(&side.controls.energy);
-                for (name, value) in &side.controls.params {
-                    own.params.entry(name.clone()).or_insert(*value);
+                for (name, value) in &side.controls.param {
+                    own.param.entry(name.clone()).or_insert(*value);
                 }
             }
             match side.live.set_controls(&own, &run.base, run.own_energy) {
                 Ok(()) => {
-                    if (&own.energy, &own.params) != (&side.controls.energy, &side.controls.params)
-                    {
+                    if (&own.energy, &own.param) != (&side.controls.energy, &side.controls.param) {
                         side.new_energy();
                     }
                     side.controls = own;
@@ -142,10 +141,10 @@ fn set_controls(model: &mut Model, controls: Controls) {
 fn apply_energy(model: &mut Model) {
     let mut controls = model.document.controls.clone();
     let text = model.view.energy_text.trim().to_owned();
-    controls.params = params_for(&text, &controls.params);
-    match Energy::parse(&text, &controls.params) {
+    controls.param = params_for(&text, &controls.param);
+    match Energy::parse(&text, &controls.param) {
         Ok(energy) => {
-            controls.params = energy.params().clone();
+            controls.param = energy.params().clone();
             controls.energy = text;
             model.history.seal();
             set_controls(model, controls);
@@ -240,7 +239,7 @@ fn start(model: &mut Model, work: Work) {
     let mut sides = vec![a.clone()];
     if let Some(energy) = &model.view.compare_energy {
         let mut b = a;
-        b.params = params_for(energy, &b.params);
+        b.param = params_for(energy, &b.param);
         b.energy.clone_from(energy);
         sides.push(b);
     }

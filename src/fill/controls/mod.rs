@@ -1,99 +1,89 @@
-//! Everything a person may choose about a fill: one struct for command line, window and project
+//! What a user may choose about a fill: one struct for command line, window, schedules and project
 //! file.
 
-mod arguments;
-mod choice;
 #[cfg(test)]
 mod tests;
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-
 use crate::energy::{Energy, ExprError};
 use crate::fill::FillOptions;
 use crate::mesh::LoopId;
+use crate::options::{TauChoice, choices, options, text_keys};
 use crate::patch::PatchOptions;
 use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, SolverError, Tau};
 
-pub(in crate::fill) use arguments::difference;
-pub use choice::{Choice, Continuity, Linear};
-
-/// How the time step is chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TauChoice {
-    /// Grown after accepted, shrunk after rejected steps.
+/// How a patch meets the mesh along a rim.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Continuity {
+    /// In position only: the rim is a crease, and the mesh around it has no influence.
+    G0,
+    /// In position and normal: one smooth surface runs through the rim.
     #[default]
-    Auto,
-    /// Always this one (length² / unit of f).
-    Fixed(f64),
+    G1,
 }
 
-/// Everything a person may choose about a fill, as plain values.
-///
-/// The default is that of the command line: `H^2`, scheme B, fast mode, G1.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Controls {
-    /// Energy f(H, K), as typed.
-    pub energy: String,
-    /// Values of its parameters.
-    pub params: BTreeMap<String, f64>,
-    /// The method.
-    pub scheme: Scheme,
-    /// Stationary shape or true time.
-    pub mode: Mode,
-    /// Linear solver of the mixed schemes.
-    pub linear: Linear,
-    /// Time step.
-    pub tau: TauChoice,
-    /// Factor of τ after an accepted step; `None` is the mode's own.
-    pub growth: Option<f64>,
-    /// Weight of tangential relaxation after each accepted step, 0 to 1.
-    pub relaxation: f64,
-    /// Weight of the area beside the energy, in units of 1 / r², r the hole radius: more draws the
-    /// surface together.
-    pub tension: f64,
-    /// Spontaneous curvature, in units of 1 / r, positive along the normals: 1 favours spheres of the
-    /// hole's radius.
-    pub bulge: f64,
-    /// Density of the patch relative to the rim: 2 halves the edge length.
-    pub density: f64,
-    /// Noise on the surface the flow starts from, in mean edge lengths along the normals. It only
-    /// acts at the start.
-    pub noise: f64,
-    /// How patches meet the mesh.
-    pub continuity: Continuity,
-    /// The same for single loops.
-    pub loop_continuity: BTreeMap<LoopId, Continuity>,
-    /// Most steps to take.
-    pub max_steps: usize,
+choices!(Continuity: G1 "g1", G0 "g0");
+
+/// How the linear systems of the mixed schemes are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Linear {
+    /// Restarted GMRES with block elimination as preconditioner.
+    #[default]
+    Gmres,
+    /// Sparse LU.
+    Lu,
 }
 
-impl Default for Controls {
-    fn default() -> Self {
-        Self {
-            energy: "H^2".into(),
-            params: BTreeMap::new(),
-            scheme: Scheme::default(),
-            mode: Mode::default(),
-            linear: Linear::default(),
-            tau: TauChoice::default(),
-            growth: None,
-            relaxation: 0.0,
-            tension: 0.0,
-            bulge: 0.0,
-            density: 1.0,
-            noise: 0.0,
-            continuity: Continuity::default(),
-            loop_continuity: BTreeMap::new(),
-            max_steps: 200,
-        }
+choices!(Linear: Gmres "gmres", Lu "lu");
+
+options! {
+    /// What a user may choose about a fill.
+    ///
+    /// The default is that of the command line: `H^2`, scheme B, fast mode, G1.
+    pub struct Controls {
+        /// Energy f(H,K): a preset or an expression.
+        energy("F"): String = "H^2".into(),
+        /// Value of a parameter of the energy (repeatable).
+        #[serde(alias = "params")]
+        param("NAME=VALUE"): BTreeMap<String, f64> = BTreeMap::new(),
+        /// Method: `normal` is the fast linearly implicit normal flow, `mixed` the paper's mixed
+        /// finite elements, `mixed-corrected` the same matrix with the exact gradient.
+        scheme: Scheme = Scheme::default(),
+        /// `fast` computes the stationary shape in few steps, `flow` follows the flow in true time.
+        mode: Mode = Mode::default(),
+        /// Linear solver of the mixed schemes.
+        linear: Linear = Linear::default(),
+        /// Time step: auto, or a fixed one (length^2 / unit of f).
+        tau("T"): TauChoice = TauChoice::default(),
+        /// Factor of an adaptive time step after an accepted step [default: 10 in fast mode, 1.3 in
+        /// flow mode].
+        growth("F"): Option<f64> = None,
+        /// Tangential relaxation after each accepted step: vertices move towards the mean of their
+        /// neighbours, by this weight from 0 to 1.
+        relaxation("W"): f64 = 0.0,
+        /// Maximum number of steps.
+        #[serde(alias = "max_steps")]
+        steps("N"): usize = 200,
+        /// Weight of the area beside the energy, in units of 1/r^2, r the hole radius. A larger
+        /// weight pulls the surface together.
+        tension("W"): f64 = 0.0,
+        /// Spontaneous curvature in units of 1/r: 1 favours spheres of the hole's radius that bulge
+        /// along the normals, -1 such that sink in.
+        bulge("C"): f64 = 0.0,
+        /// Noise on the surface from which the flow starts, in mean edge lengths along the normals.
+        noise("A"): f64 = 0.0,
+        /// Density of the patch relative to the rim: 2 halves the edge length.
+        density("F"): f64 = 1.0,
+        /// How patches meet the mesh: `g1` smoothly, `g0` in a crease.
+        continuity: Continuity = Continuity::default(),
+        /// The same for one loop, by its number (repeatable).
+        #[serde(alias = "loop_continuity", deserialize_with = "text_keys")]
+        loop_continuity("LOOP=g0|g1"): BTreeMap<LoopId, Continuity> = BTreeMap::new(),
     }
 }
 
-/// A control that cannot be used.
+/// Invalid options.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum ControlsError {
     /// The energy, with the place in its text.
@@ -124,7 +114,7 @@ impl Controls {
     /// The options of a fill.
     ///
     /// # Errors
-    /// A mistaken energy, or a number out of range.
+    /// An invalid energy, or a number out of range.
     pub fn options(&self) -> Result<FillOptions, ControlsError> {
         if !(self.density.is_finite() && self.density > 0.0) {
             return Err(ControlsError::Density(self.density));
@@ -132,7 +122,7 @@ impl Controls {
         if !(self.noise.is_finite() && self.noise >= 0.0) {
             return Err(ControlsError::Noise(self.noise));
         }
-        let mut flow = FlowOptions::new(Energy::parse(&self.energy, &self.params)?);
+        let mut flow = FlowOptions::new(Energy::parse(&self.energy, &self.param)?);
         flow.scheme = self.scheme;
         flow.mode = self.mode;
         flow.linear = match self.linear {
@@ -147,7 +137,7 @@ impl Controls {
         flow.bulge = self.bulge;
         flow.growth = self.growth;
         flow.relaxation = self.relaxation;
-        flow.max_steps = self.max_steps;
+        flow.max_steps = self.steps;
         flow.validate()?;
         Ok(FillOptions {
             patch: PatchOptions {

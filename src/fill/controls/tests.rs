@@ -1,5 +1,5 @@
-use super::arguments::number;
 use super::*;
+use crate::options::Options;
 
 #[test]
 fn defaults_need_no_arguments_and_are_the_librarys() {
@@ -10,29 +10,11 @@ fn defaults_need_no_arguments_and_are_the_librarys() {
 }
 
 #[test]
-fn numbers_read_back_as_they_were() {
-    for x in [
-        0.0,
-        -0.0,
-        1.0 / 3.0,
-        1e-300,
-        -2.5e17,
-        123_456.789,
-        1e-4,
-        f64::MIN_POSITIVE,
-    ] {
-        let read: f64 = number(x).parse().expect("a number");
-        assert_eq!(read.to_bits(), x.to_bits(), "{}", number(x));
-        assert!(number(x).len() < 25, "{}", number(x));
-    }
-}
-
-#[test]
-fn mistakes_are_refused_with_their_place() {
+fn invalid_options_are_refused_with_their_place() {
     let with = |change: &dyn Fn(&mut Controls)| {
         let mut controls = Controls::default();
         change(&mut controls);
-        controls.options().expect_err("a mistake")
+        controls.options().expect_err("an error")
     };
     let error = with(&|c| c.energy = "H^2 + q".into());
     let place = error
@@ -70,4 +52,47 @@ fn missing_fields_are_the_defaults() {
         serde_json::from_str::<Controls>(&text).expect("as written"),
         controls
     );
+}
+
+/// The controls of a project file written by version 0.1.
+#[test]
+fn controls_of_earlier_files_are_read() {
+    let text = r#"
+energy = "a*H^2"
+scheme = "mixed-corrected"
+mode = "flow"
+linear = "lu"
+relaxation = 0.5
+density = 1.5
+continuity = "G0"
+max_steps = 17
+
+[params]
+a = 2.0
+
+[tau]
+fixed = 0.25
+
+[loop_continuity]
+3 = "G1"
+"#;
+    let controls: Controls = toml::from_str(text).expect("controls");
+    let wanted = Controls {
+        energy: "a*H^2".into(),
+        param: [("a".into(), 2.0)].into(),
+        scheme: Scheme::MixedCorrected,
+        mode: Mode::Flow,
+        linear: Linear::Lu,
+        tau: TauChoice::Fixed(0.25),
+        relaxation: 0.5,
+        density: 1.5,
+        continuity: Continuity::G0,
+        loop_continuity: [(2.into(), Continuity::G1)].into(),
+        steps: 17,
+        ..Controls::default()
+    };
+    assert_eq!(controls, wanted);
+    let written = toml::to_string(&wanted).expect("plain values");
+    assert!(written.contains("loop-continuity") && written.contains("\"g0\""));
+    assert_eq!(toml::from_str::<Controls>(&written), Ok(wanted));
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::fill::Controls;
+use crate::options::Options;
 
 /// `meniscus COMMAND IN -o OUT` with further `words`, `controls` where they are not the defaults, and
 /// the changes of a schedule file: quoted for a POSIX shell.

@@ -1,7 +1,8 @@
 //! The controls in force on the way of a fill, and the changes they make to its groups.
 
-use super::{Fault, Row, Schedule, ScheduleError, rows};
-use crate::fill::{Controls, ControlsError, FillOptions, TauChoice};
+use super::{Row, Schedule, ScheduleError};
+use crate::fill::{Controls, ControlsError, FillOptions};
+use crate::options::{OptionError, OptionValue, Options, TauChoice};
 use crate::solver::Mode;
 
 /// What a person asks for between two attempts.
@@ -75,7 +76,8 @@ impl Course {
         };
         Ok(match item {
             Item::Controls(controls) => {
-                let rows = rows::difference(attempt, &self.controls, controls);
+                let changed = self.controls.difference(controls).into_iter();
+                let rows: Vec<Row> = changed.map(|(name, value)| row(&name, value)).collect();
                 if rows.is_empty() {
                     return Ok((rows, None));
                 }
@@ -138,9 +140,10 @@ impl Schedule {
             let item = match row.control.as_str() {
                 "finish" => Item::Finish,
                 "stop" => Item::Stop,
-                "rewind" => Item::Rewind(target(row).map_err(|fault| fault.at(line))?),
+                "rewind" => Item::Rewind(target(row).map_err(|e| ScheduleError::at(line, e))?),
                 control => {
-                    rows::set(&mut next, control, &row.value).map_err(|fault| fault.at(line))?;
+                    next.set(control, &row.value)
+                        .map_err(|e| ScheduleError::at(line, e))?;
                     let goes_on = self.rows.get(i + 1).is_some_and(|other| {
                         other.attempt == row.attempt
                             && !["finish", "stop", "rewind"].contains(&other.control.as_str())
@@ -152,11 +155,8 @@ impl Schedule {
                 }
             };
             let (_, change) = course.take(row.attempt, &item).map_err(|error| {
-                Fault::new(
-                    error.to_string(),
-                    "give a value that the flag of that name takes",
-                )
-                .at(line)
+                let remedy = "give a value that the flag of that name takes";
+                ScheduleError::at(line, OptionError::new(error.to_string(), remedy))
             })?;
             changes.extend(change.map(|change| TimedChange {
                 attempt: row.attempt,
@@ -167,11 +167,15 @@ impl Schedule {
     }
 }
 
-fn target(row: &Row) -> Result<usize, Fault> {
-    let to: usize = rows::parse(&row.value)?;
+fn target(row: &Row) -> Result<usize, OptionError> {
+    let mut to = 0;
+    to.set(&row.value, "")?;
     if to > row.attempt {
         let problem = format!("after {} attempts there is no shape {to}", row.attempt);
-        return Err(Fault::new(problem, "rewind to an attempt that lies behind"));
+        return Err(OptionError::new(
+            problem,
+            "rewind to an attempt that lies behind",
+        ));
     }
     Ok(to)
 }

@@ -18,12 +18,13 @@
 //! - `stop`: the end.
 
 mod course;
-mod rows;
 #[cfg(test)]
 mod tests;
 mod text;
 
 pub(super) use course::{Change, Course, Item, TimedChange};
+
+use crate::options::OptionError;
 
 /// A change of one control.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,7 +38,10 @@ pub struct Row {
 }
 
 /// Changes in the order in which they act.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+///
+/// In files it stands as its CSV text.
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Schedule {
     /// Ascending attempts.
     pub rows: Vec<Row>,
@@ -61,26 +65,12 @@ pub enum ScheduleError {
     Start(String),
 }
 
-/// Something wrong with a value, without its place.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Fault {
-    problem: String,
-    remedy: String,
-}
-
-impl Fault {
-    fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self {
-            problem: problem.into(),
-            remedy: remedy.into(),
-        }
-    }
-
-    fn at(self, line: usize) -> ScheduleError {
-        ScheduleError::Line {
+impl ScheduleError {
+    fn at(line: usize, error: OptionError) -> Self {
+        Self::Line {
             line,
-            problem: self.problem,
-            remedy: self.remedy,
+            problem: error.problem,
+            remedy: error.remedy,
         }
     }
 }

@@ -1,12 +1,13 @@
 use super::*;
-use crate::fill::{Continuity, Controls, TauChoice};
+use crate::fill::{Continuity, Controls};
+use crate::options::{Options, TauChoice};
 use crate::solver::{Mode, Scheme, Tau};
 
 /// Controls that differ from the default in everything.
 fn changed() -> Controls {
     Controls {
         energy: "max(H,-H)^2 + a*K^2".into(),
-        params: [("a".into(), 1.0 / 3.0), ("b".into(), -1e-300)].into(),
+        param: [("a".into(), 1.0 / 3.0), ("b".into(), -1e-300)].into(),
         scheme: Scheme::Mixed,
         mode: Mode::Flow,
         linear: crate::fill::Linear::Lu,
@@ -19,7 +20,7 @@ fn changed() -> Controls {
         density: 1.5,
         continuity: Continuity::G0,
         loop_continuity: [(2.into(), Continuity::G1)].into(),
-        max_steps: 17,
+        steps: 17,
     }
 }
 
@@ -41,17 +42,22 @@ fn every_control_goes_to_rows_and_back() {
         (Controls::default(), changed()),
         (changed(), Controls::default()),
     ] {
+        let row = |(control, value)| Row {
+            attempt: 2,
+            control,
+            value,
+        };
         let written = Schedule {
-            rows: rows::difference(2, &from, &to),
+            rows: from.difference(&to).into_iter().map(row).collect(),
         };
         let read = Schedule::parse(&written.to_csv()).expect("as written");
         assert_eq!(read, written);
         let mut controls = from.clone();
         for row in &read.rows {
-            rows::set(&mut controls, &row.control, &row.value).expect("as written");
+            controls.set(&row.control, &row.value).expect("as written");
         }
         assert_eq!(controls, to);
-        assert!(rows::difference(2, &to, &controls).is_empty());
+        assert!(to.difference(&controls).is_empty());
     }
 }
 
@@ -92,7 +98,7 @@ fn errors_name_line_and_remedy() {
     for (rows, wanted) in [
         (
             &[(1, "enrgy", "1")][..],
-            "line 2: there is no control `enrgy`; controls are energy",
+            "line 2: there is no option `enrgy`; options are energy",
         ),
         (
             &[(1, "scheme", "fast")],
@@ -100,7 +106,7 @@ fn errors_name_line_and_remedy() {
         ),
         (
             &[(1, "tau", "soon")],
-            "line 2: `soon` is not a number; write a number",
+            "line 2: `soon` is not a valid number; write `auto` or a positive number",
         ),
         (
             &[(1, "tau", "auto"), (2, "tau", "-1")],
@@ -126,7 +132,7 @@ fn errors_name_line_and_remedy() {
         (&[(4, "growth", "0.5")], "line 2: growth is 0.5; the factor"),
         (
             &[(4, "loop-continuity", "x=g0")],
-            "line 2: `x` is not a number",
+            "line 2: `x` is not a valid number",
         ),
     ] {
         let error = schedule(rows)

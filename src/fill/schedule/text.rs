@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::{Fault, Row, Schedule, ScheduleError};
+use super::{Row, Schedule, ScheduleError};
+use crate::options::OptionError;
 
 const HEADER: &str = "attempt,control,value";
 
@@ -15,16 +16,18 @@ impl Schedule {
         let mut lines = (1..).zip(text.trim_end().lines());
         if lines.next().is_none_or(|(_, l)| l.trim() != HEADER) {
             let remedy = format!("the first line is `{HEADER}`");
-            return Err(Fault::new("the header is missing", remedy).at(1));
+            let error = OptionError::new("the header is missing", remedy);
+            return Err(ScheduleError::at(1, error));
         }
         let mut rows: Vec<Row> = Vec::new();
         for (line, text) in lines {
-            let row = row(text).map_err(|fault| fault.at(line))?;
+            let row = row(text).map_err(|e| ScheduleError::at(line, e))?;
             if let Some(last) = rows.last()
                 && row.attempt < last.attempt
             {
                 let problem = format!("attempt {} comes after {}", row.attempt, last.attempt);
-                return Err(Fault::new(problem, "sort the rows by attempt").at(line));
+                let error = OptionError::new(problem, "sort the rows by attempt");
+                return Err(ScheduleError::at(line, error));
             }
             rows.push(row);
         }
@@ -42,17 +45,31 @@ impl Schedule {
     }
 }
 
-fn row(text: &str) -> Result<Row, Fault> {
+impl TryFrom<String> for Schedule {
+    type Error = ScheduleError;
+
+    fn try_from(text: String) -> Result<Self, ScheduleError> {
+        Self::parse(&text)
+    }
+}
+
+impl From<Schedule> for String {
+    fn from(schedule: Schedule) -> Self {
+        schedule.to_csv()
+    }
+}
+
+fn row(text: &str) -> Result<Row, OptionError> {
     let mut parts = text.splitn(3, ',');
     let (Some(attempt), Some(control), Some(value)) = (parts.next(), parts.next(), parts.next())
     else {
         let problem = format!("`{}` has no three columns", text.trim());
-        return Err(Fault::new(problem, "write ATTEMPT,CONTROL,VALUE"));
+        return Err(OptionError::new(problem, "write ATTEMPT,CONTROL,VALUE"));
     };
     let attempt = attempt.trim();
     let Ok(number) = attempt.parse::<usize>() else {
         let problem = format!("`{attempt}` is no count of attempts");
-        return Err(Fault::new(problem, "write a whole number"));
+        return Err(OptionError::new(problem, "write a whole number"));
     };
     Ok(Row {
         attempt: number,

@@ -1,0 +1,314 @@
+//! What the commands share that fill with a flow: arguments, checks, and writing the result.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+
+use crate::cli::UsageError;
+use crate::cli::options::OptionArguments;
+use crate::cli::print::print;
+use crate::cli::progress::Progress;
+use crate::cli::report::{FailedHole, FillReport, SkippedLoop, hole_reports, totals, trace};
+use crate::cli::result_picture::ResultPicture;
+use crate::cli::targets::check_targets;
+use crate::fill::{
+    Continuity, Controls, ControlsError, Filled, LoopChoice, RimSet, Schedule, choose,
+    fill_rim_sets, nearest_loop,
+};
+use crate::io::{self, Opened, open};
+use crate::memory::peak_memory;
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
+use crate::ops::FlowSpec;
+use crate::options::Choice;
+
+use super::parse::point;
+
+/// The files of a command that changes a mesh.
+#[derive(Debug, Args)]
+pub struct MeshFiles {
+    /// Mesh to read (.obj, .ply, .stl).
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// Mesh to write (.obj, .ply, .stl).
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Print errors only.
+    #[arg(short, long, display_order = 1000)]
+    pub quiet: bool,
+}
+
+impl MeshFiles {
+    /// Opens IN, after a check whether OUT can be written.
+    pub fn open(&self) -> Result<Opened> {
+        check_targets(
+            &[("IN", Some(&self.input))],
+            &[("OUT", Some(&self.output))],
+            &[],
+        )?;
+        Ok(open(&self.input)?)
+    }
+}
+
+/// Which loops.
+#[derive(Debug, Default, Args)]
+pub struct LoopArguments {
+    /// Take the loop with the vertex nearest to this point (repeatable; replaces --loops).
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub loop_at: Vec<DVec3>,
+    /// Which loops: auto (all that are not guessed outer rims), all, all-but-largest, or numbers
+    /// as `meniscus info` shows them.
+    #[arg(
+        long,
+        value_name = "CHOICE",
+        default_value = "auto",
+        conflicts_with = "loop_at"
+    )]
+    pub loops: LoopChoice,
+}
+
+impl LoopArguments {
+    /// Whether no loop is named.
+    pub fn are_auto(&self) -> bool {
+        self.loop_at.is_empty() && self.loops == LoopChoice::Auto
+    }
+
+    /// The chosen loops, ascending.
+    pub fn chosen(&self, mesh: &Mesh, loops: &[BoundaryLoop]) -> Result<Vec<LoopId>> {
+        if self.loop_at.is_empty() {
+            return Ok(choose(loops, &self.loops)?);
+        }
+        let mut chosen = Vec::new();
+        for &point in &self.loop_at {
+            let Some(id) = nearest_loop(mesh, loops, point) else {
+                bail!("--loop-at: the mesh has no boundary loop");
+            };
+            chosen.push(id);
+        }
+        chosen.sort_unstable();
+        chosen.dedup();
+        Ok(chosen)
+    }
+}
+
+/// A flow, and what is written beside the mesh.
+#[derive(Debug, Default, Args)]
+pub struct FlowArguments {
+    /// Energy, method, time step and the like.
+    #[command(flatten)]
+    pub controls: OptionArguments<Controls>,
+    /// Repeat the changes on the way of an earlier fill: CSV with the columns
+    /// attempt,control,value, as the window copies it.
+    #[arg(long, value_name = "FILE.csv")]
+    pub schedule: Option<PathBuf>,
+    /// Write a report as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// Write every step as CSV.
+    #[arg(long, value_name = "FILE.csv")]
+    pub trace: Option<PathBuf>,
+    /// A picture of the result.
+    #[command(flatten)]
+    pub picture: ResultPicture,
+}
+
+/// A command whose arguments are valid.
+pub struct Task<'a> {
+    files: &'a MeshFiles,
+    args: &'a FlowArguments,
+    /// The mesh.
+    pub opened: Opened,
+    /// The flow.
+    pub flow: FlowSpec,
+}
+
+impl<'a> Task<'a> {
+    /// Does everything before the work: checks options and targets, reads schedule and mesh.
+    pub fn new(files: &'a MeshFiles, args: &'a FlowArguments) -> Result<Self> {
+        let controls = args.controls.0.clone();
+        controls.options().map_err(|e| usage(&e))?;
+        args.picture.check()?;
+        check_targets(
+            &[
+                ("IN", Some(&files.input)),
+                ("--schedule", args.schedule.as_deref()),
+            ],
+            &[("OUT", Some(&files.output))],
+            &[
+                ("--report", args.report.as_deref()),
+                ("--trace", args.trace.as_deref()),
+                ("--picture", args.picture.path()),
+            ],
+        )?;
+        let schedule = match &args.schedule {
+            Some(path) => schedule(path, &controls)?,
+            None => Schedule::default(),
+        };
+        // the pool's threads start while the file is read
+        rayon::spawn(|| ());
+        Ok(Self {
+            files,
+            args,
+            opened: open(&files.input)?,
+            flow: FlowSpec { schedule, controls },
+        })
+    }
+
+    /// Fills holes and writes everything asked for. `skipped` are the loops left open.
+    pub fn fill(&self, rim_sets: &[RimSet<'_>], skipped: Vec<SkippedLoop>) -> Result<()> {
+        if !self.files.quiet {
+            for note in &self.opened.report.notes {
+                eprintln!("{}: {note}", self.files.input.display());
+            }
+            for s in &skipped {
+                eprintln!("loop {} ({} edges) left open: {}", s.id, s.edges, s.reason);
+            }
+            if rim_sets.is_empty() {
+                eprintln!("{}", nothing_to_do(skipped.len()));
+            }
+        }
+        let progress = Progress::new(rim_sets.len(), self.files.quiet);
+        let options = self.flow.options()?;
+        let filled = fill_rim_sets(&self.opened.mesh, rim_sets, options, &|group, record| {
+            progress.step(group, record);
+            true
+        })?;
+        progress.finish();
+        // rims joined without continuous normals are drawn from either side by itself
+        let controls = &self.flow.controls;
+        let sharp = rim_sets
+            .iter()
+            .flatten()
+            .filter(|l| controls.continuity_at(l.id) == Continuity::G0);
+        let creases = sharp.flat_map(|l| l.edge_ends()).collect();
+        self.save(&filled, skipped, creases)
+    }
+
+    /// Writes the mesh and everything else asked for, and prints what was done. `creases` are the
+    /// edges of rims that a picture shows from either side by itself.
+    pub fn save(
+        &self,
+        filled: &Filled,
+        skipped: Vec<SkippedLoop>,
+        creases: Vec<[VertexId; 2]>,
+    ) -> Result<()> {
+        let Self {
+            files,
+            args,
+            opened,
+            flow,
+        } = self;
+        io::save_mesh(&files.output, &filled.mesh, &opened.material_libraries)?;
+        let first = filled.mesh.face_count() - filled.faces_added();
+        args.picture.save(&filled.mesh, first, creases)?;
+        let holes = hole_reports(filled);
+        let failed: Vec<FailedHole> = filled
+            .failed
+            .iter()
+            .filter_map(|e| {
+                let reason = e.to_string();
+                e.hole().map(|id| FailedHole { id, reason })
+            })
+            .collect();
+        let report = FillReport {
+            version: env!("CARGO_PKG_VERSION"),
+            input: files.input.display().to_string(),
+            output: files.output.display().to_string(),
+            energy: flow.controls.energy.clone(),
+            scheme: flow.controls.scheme.name(),
+            mode: flow.controls.mode.name(),
+            load: &opened.report,
+            totals: totals(filled, &holes),
+            holes,
+            failed,
+            skipped,
+            peak_memory: peak_memory(),
+        };
+        if let Some(path) = &args.report {
+            let mut text = serde_json::to_string_pretty(&report)?;
+            text.push('\n');
+            write_text(path, &text)?;
+        }
+        if let Some(path) = &args.trace {
+            write_text(path, &trace(filled))?;
+        }
+        if !files.quiet {
+            summary(&report)?;
+        }
+        failures(&report, filled, &files.output)
+    }
+}
+
+/// The error of what is left open though it should not be.
+fn failures(report: &FillReport<'_>, filled: &Filled, output: &Path) -> Result<()> {
+    if let Some(first) = report.failed.first() {
+        bail!(
+            "{} of {} holes could not be filled; {} was written with the others. First: {}",
+            report.failed.len(),
+            report.failed.len() + report.holes.len(),
+            output.display(),
+            first.reason
+        );
+    }
+    let mut groups = filled.groups.iter().enumerate();
+    let failed = groups.find_map(|(g, r)| Some((filled.first_hole(g)?.id(), r.as_ref().err()?)));
+    if let Some((id, error)) = failed {
+        bail!(
+            "hole {id}: {error}. {} was written with the first patch there",
+            output.display()
+        );
+    }
+    Ok(())
+}
+
+fn summary(report: &FillReport<'_>) -> Result<()> {
+    for hole in &report.holes {
+        for warning in &hole.warnings {
+            eprintln!("hole {}: {warning}", hole.id);
+        }
+    }
+    let t = &report.totals;
+    print(&format!(
+        "{}: {} {} filled, {} vertices and {} faces added in {:.2} s\n",
+        report.output,
+        t.holes,
+        if t.holes == 1 { "hole" } else { "holes" },
+        t.vertices_added,
+        t.faces_added,
+        t.seconds
+    ))
+}
+
+fn nothing_to_do(loops: usize) -> String {
+    if loops == 0 {
+        "no boundary loops: the mesh is closed and is written as it is".into()
+    } else {
+        format!(
+            "nothing to fill: all {loops} boundary loops look like outer rims (choose some with \
+             --loops or --loop-at); the mesh is written as it is"
+        )
+    }
+}
+
+/// The schedule of a file, if it can be followed.
+fn schedule(path: &Path, controls: &Controls) -> Result<Schedule> {
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("cannot read the schedule {}", path.display()))?;
+    let schedule = Schedule::parse(&text);
+    let checked = schedule.and_then(|s| s.check(controls).map(|()| s));
+    checked.map_err(|error| UsageError(format!("{}: {error}", path.display())).into())
+}
+
+/// The error of controls whose texts are valid but whose values are not.
+fn usage(error: &ControlsError) -> anyhow::Error {
+    let text = match error.expression() {
+        Some(expression) => format!("--energy\n{}", expression.render()),
+        None => error.to_string(),
+    };
+    UsageError(text).into()
+}
+
+/// Writes a text file.
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    Ok(io::save_text(path, text)?)
+}

@@ -1,0 +1,87 @@
+//! Selections of faces on the command line.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+
+use crate::cli::UsageError;
+use crate::cli::parse::ball;
+use crate::mesh::{DVec3, Mesh, face_flags, face_list, faces_in_ball, grow, parse_ranges};
+use crate::ops::Faces;
+
+/// A selection of faces: all that one of the options names.
+#[derive(Debug, Args)]
+pub struct SelectionArguments {
+    /// Select the faces whose corners lie within this distance of this point (repeatable).
+    #[arg(
+        long,
+        value_name = "X,Y,Z,R",
+        value_parser = ball,
+        allow_hyphen_values = true
+    )]
+    pub ball: Vec<(DVec3, f64)>,
+    /// Select triangles by their numbers, counted from 1 in the order of the file after polygons were
+    /// cut: 1-12,40.
+    #[arg(long, value_name = "LIST")]
+    pub faces: Option<String>,
+    /// Read such a list from a file, as the window writes it.
+    #[arg(long, value_name = "FILE")]
+    pub faces_from: Option<PathBuf>,
+    /// Widen the selection by this many rings of faces.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub grow: usize,
+}
+
+impl SelectionArguments {
+    /// Whether none of the options is given.
+    pub fn is_empty(&self) -> bool {
+        self.ball.is_empty() && self.faces.is_none() && self.faces_from.is_none()
+    }
+
+    /// The selected faces of a command that needs some.
+    ///
+    /// # Errors
+    /// None of the options is given, and as [`Self::faces`].
+    pub fn required(&self, mesh: &Mesh) -> Result<Faces> {
+        if self.is_empty() {
+            let what = "choose faces: --ball X,Y,Z,R, --faces LIST or --faces-from FILE";
+            return Err(UsageError(what.into()).into());
+        }
+        self.faces(mesh)
+    }
+
+    /// The selected faces.
+    ///
+    /// # Errors
+    /// A list that cannot be read or names faces that are not there.
+    pub fn faces(&self, mesh: &Mesh) -> Result<Faces> {
+        let count = mesh.face_count();
+        let mut flags = vec![false; count];
+        let mut add = |more: Vec<bool>| {
+            for (flag, other) in flags.iter_mut().zip(more) {
+                *flag |= other;
+            }
+        };
+        for &(centre, radius) in &self.ball {
+            add(faces_in_ball(mesh, centre, radius));
+        }
+        if let Some(list) = &self.faces {
+            let faces = parse_ranges(list, count);
+            let faces = faces.map_err(|fault| UsageError(format!("--faces: {fault}")))?;
+            add(face_flags(&faces, count));
+        }
+        if let Some(path) = &self.faces_from {
+            let name = path.display();
+            let text = std::fs::read_to_string(path)
+                .map_err(|e| UsageError(format!("cannot read {name}: {e}")))?;
+            let faces = parse_ranges(&text, count);
+            let faces = faces.map_err(|fault| UsageError(format!("{name}: {fault}")))?;
+            add(face_flags(&faces, count));
+        }
+        for _ in 0..self.grow {
+            grow(&mesh.topology, &mut flags);
+        }
+        Ok(Faces::new(face_list(&flags)))
+    }
+}

@@ -1,0 +1,178 @@
+//! The command that repeats an operation.
+
+use std::path::{Path, PathBuf};
+
+use super::Operation;
+use crate::mesh::{DVec3, ranges_text};
+use crate::options::Options;
+
+/// Lists of faces and sharp edges longer than this stand in files of their own.
+const LONG: usize = 120;
+
+/// A command and the files it reads beside its mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CommandLine {
+    /// The command, for a POSIX shell.
+    pub line: String,
+    /// Files to be written first, with their text.
+    pub files: Vec<(PathBuf, String)>,
+}
+
+impl Operation {
+    /// The name of its command.
+    pub fn command_name(&self) -> &'static str {
+        match self {
+            Self::Fill(_) | Self::FillPart(_) => "fill",
+            Self::Blend(_) => "blend",
+            Self::Refill(_) | Self::Fair(_) => "refill",
+            Self::Refine(_) => "refine",
+            Self::Erase(_) => "erase",
+            Self::Flip(_) => "flip",
+            Self::Bridge(_) => "bridge",
+        }
+    }
+
+    /// The command that does it to the mesh of `input` and writes `output`. Schedules and long
+    /// lists stand in files whose names are made from that of `output`.
+    pub fn command(&self, input: &Path, output: &Path) -> CommandLine {
+        let path = |p: &Path| p.to_string_lossy().into_owned();
+        let mut words = vec!["meniscus".into(), self.command_name().into(), path(input)];
+        words.extend(["-o".into(), path(output)]);
+        let mut files = Vec::new();
+        words.extend(self.arguments(output, &mut files));
+        let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+        CommandLine {
+            line: words.join(" "),
+            files,
+        }
+    }
+
+    /// The arguments of its command after IN and OUT; `files` takes the files they name.
+    pub(super) fn arguments(
+        &self,
+        output: &Path,
+        files: &mut Vec<(PathBuf, String)>,
+    ) -> Vec<String> {
+        let mut words = Vec::new();
+        let mut file = |extension: &str, text: String| {
+            let path = output.with_extension(extension);
+            let name = path.to_string_lossy().into_owned();
+            files.push((path, text));
+            name
+        };
+        let numbers: Vec<String> = self.loops().iter().map(ToString::to_string).collect();
+        let point = |p: DVec3| format!("{},{},{}", p.x, p.y, p.z);
+        match self {
+            Self::Fill(_) | Self::Blend(_) => words.extend(flag("loops", numbers.join(","))),
+            Self::Flip(_) => {
+                words.extend(numbers.into_iter().flat_map(|n| flag("component-of", n)));
+            }
+            Self::Bridge(spec) => {
+                words.extend(flag("from", point(spec.ends[0])));
+                words.extend(flag("to", point(spec.ends[1])));
+                words.extend(flag("width", spec.width.to_string()));
+            }
+            Self::FillPart(spec) => {
+                words.push("--part".into());
+                words.extend(spec.ends.map(point));
+            }
+            Self::Refine(spec) => {
+                let chains = spec.creases.iter().map(|c| chain_text(c));
+                let chains: Vec<String> = chains.collect();
+                if chains.iter().map(String::len).sum::<usize>() > LONG {
+                    let name = file("creases.txt", chains.join("\n") + "\n");
+                    words.extend(flag("creases-from", name));
+                } else {
+                    words.extend(chains.into_iter().flat_map(|c| flag("crease", c)));
+                }
+            }
+            Self::Refill(_) | Self::Fair(_) | Self::Erase(_) => {}
+        }
+        let list = ranges_text(&self.faces());
+        if list.len() > LONG {
+            let name = file("faces.txt", list.replace(',', "\n") + "\n");
+            words.extend(flag("faces-from", name));
+        } else if !list.is_empty() {
+            words.extend(flag("faces", list));
+        }
+        match self {
+            Self::Fill(spec) if !spec.islands => words.push("--no-islands".into()),
+            Self::Fair(_) => words.push("--fair".into()),
+            _ => {}
+        }
+        words.extend(match self {
+            Self::Refine(spec) => spec.controls.to_arguments(),
+            Self::FillPart(spec) => spec.controls.to_arguments(),
+            _ => (self.flow()).map_or_else(Vec::new, |flow| flow.controls.to_arguments()),
+        });
+        if let Some(flow) = self.flow()
+            && !flow.schedule.rows.is_empty()
+        {
+            words.extend(flag(
+                "schedule",
+                file("schedule.csv", flow.schedule.to_csv()),
+            ));
+        }
+        words
+    }
+}
+
+fn flag(name: &str, value: String) -> [String; 2] {
+    [format!("--{name}"), value]
+}
+
+/// A chain of edges by the numbers of its vertices, counted from 1: `4,7,9`.
+pub fn chain_text(chain: &[u32]) -> String {
+    let numbers: Vec<String> = chain
+        .iter()
+        .map(|v| (u64::from(*v) + 1).to_string())
+        .collect();
+    numbers.join(",")
+}
+
+/// Reads [`chain_text`] back.
+///
+/// # Errors
+/// The text is no list of at least two vertex numbers.
+pub fn parse_chain(text: &str) -> Result<Vec<u32>, String> {
+    let index = |t: &str| t.trim().parse::<u32>().ok()?.checked_sub(1);
+    let chain: Option<Vec<u32>> = text.split(',').map(index).collect();
+    chain.filter(|c| c.len() > 1).ok_or_else(|| {
+        format!("`{text}` is no chain of edges; give at least two vertex numbers, as in 4,7,9")
+    })
+}
+
+/// A word as a POSIX shell reads it back.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_that_a_shell_would_split_are_quoted() {
+        assert_eq!(quoted("H^2+K^2"), "'H^2+K^2'");
+        assert_eq!(quoted("it's"), r"'it'\''s'");
+        assert_eq!(quoted("a-b_c/d.obj"), "a-b_c/d.obj");
+        assert_eq!(quoted(""), "''");
+    }
+
+    #[test]
+    fn chains_are_read_and_errors_named() {
+        assert_eq!(parse_chain("4, 7,9"), Ok(vec![3, 6, 8]));
+        assert_eq!(chain_text(&[3, 6, 8]), "4,7,9");
+        for text in ["", "4", "4,0", "4,x", "4;7"] {
+            assert!(
+                parse_chain(text).is_err_and(|e| e.contains("4,7,9")),
+                "{text}"
+            );
+        }
+    }
+}

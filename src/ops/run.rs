@@ -1,0 +1,270 @@
+//! Doing operations.
+
+use std::sync::Arc;
+
+use super::{BridgeSpec, FillPartSpec, FillSpec, FlipSpec, FlowSpec, Operation, RefineSpec};
+use crate::fill::{
+    self, BridgeError, ControlsError, FillError, Filled, LoopChoice, NoSuchLoop, Observer,
+    PartialError, RefillError, Refilled, RimSet, ScheduleError, ScheduledOptions, choose,
+    fill_part, fill_rim_sets, nearest_loop, segment_at, with_islands,
+};
+use crate::mesh::{BoundaryLoop, DVec3, Erased, LoopId, Mesh, boundary_loops, erase, face_flags};
+use crate::refine::{self, RefineError, RefineOptions, Refined, Refinement};
+
+/// What an operation made of a mesh.
+#[derive(Debug)]
+pub enum Outcome {
+    /// Patches were added, or vertices were moved.
+    Filled(Box<Filled>),
+    /// Faces were erased and patches added.
+    Refilled(Box<Refilled>),
+    /// The mesh was refined.
+    Refined(Box<Refined>),
+    /// Faces were erased.
+    Erased(Erased),
+    /// The mesh was changed without a flow; no face was erased.
+    Changed(Mesh),
+}
+
+impl Outcome {
+    /// The new mesh.
+    pub fn mesh(&self) -> &Mesh {
+        match self {
+            Self::Filled(filled) => &filled.mesh,
+            Self::Refilled(refilled) => &refilled.filled.mesh,
+            Self::Refined(refined) => &refined.mesh,
+            Self::Erased(erased) => &erased.mesh,
+            Self::Changed(mesh) => mesh,
+        }
+    }
+
+    /// The new mesh by itself.
+    pub fn into_mesh(self) -> Mesh {
+        match self {
+            Self::Filled(filled) => filled.mesh,
+            Self::Refilled(refilled) => refilled.filled.mesh,
+            Self::Refined(refined) => refined.mesh,
+            Self::Erased(erased) => erased.mesh,
+            Self::Changed(mesh) => mesh,
+        }
+    }
+}
+
+/// Why an operation cannot be done.
+#[derive(Debug, thiserror::Error)]
+pub enum OperationError {
+    /// A loop that the mesh does not have.
+    #[error(transparent)]
+    NoSuchLoop(#[from] NoSuchLoop),
+    /// The mesh has no boundary loop at all.
+    #[error("the mesh has no boundary loop")]
+    NoLoops,
+    /// A blend of fewer than two loops.
+    #[error("a blend joins at least two loops, not {0}")]
+    TooFewLoops(usize),
+    /// A face that the mesh does not have.
+    #[error("there is no face {}: the mesh has {faces}", face + 1)]
+    NoSuchFace {
+        /// The greatest index given.
+        face: u32,
+        /// How many faces there are.
+        faces: usize,
+    },
+    /// No face is given.
+    #[error("no face is selected; choose a place nearer to the surface or a larger radius")]
+    NoFaces,
+    /// Invalid options.
+    #[error(transparent)]
+    Controls(#[from] ControlsError),
+    /// A schedule that cannot be followed.
+    #[error(transparent)]
+    Schedule(#[from] ScheduleError),
+    /// A fill or blend.
+    #[error(transparent)]
+    Fill(#[from] FillError),
+    /// A fill of part of a hole.
+    #[error(transparent)]
+    FillPart(#[from] PartialError),
+    /// A refill or fairing.
+    #[error(transparent)]
+    Refill(#[from] RefillError),
+    /// A bridge.
+    #[error(transparent)]
+    Bridge(#[from] BridgeError),
+    /// A refinement.
+    #[error(transparent)]
+    Refine(#[from] RefineError),
+}
+
+impl Operation {
+    /// Does it to a mesh, which is left as it is.
+    ///
+    /// # Errors
+    /// It does not fit the mesh, its options are invalid, or nothing could be made. What fails for
+    /// a single hole is in the outcome.
+    pub fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Outcome, OperationError> {
+        let fill = |rim_sets: &[RimSet<'_>], flow: &FlowSpec| {
+            let filled = fill_rim_sets(mesh, rim_sets, flow.options()?, observe)?;
+            Ok(Outcome::Filled(Box::new(filled)))
+        };
+        match self {
+            Self::Fill(spec) => {
+                let loops = boundary_loops(mesh);
+                fill(&spec.rim_sets(mesh, &loops)?, &spec.flow)
+            }
+            Self::Blend(spec) => {
+                let loops = boundary_loops(mesh);
+                let chosen = chosen(&loops, &spec.loops)?;
+                let rims: RimSet<'_> = chosen.iter().map(|id| &loops[id.index()]).collect();
+                if rims.len() < 2 {
+                    return Err(OperationError::TooFewLoops(rims.len()));
+                }
+                fill(&[rims], &spec.flow)
+            }
+            Self::Refill(spec) => {
+                let flags = flags(mesh, &spec.faces)?;
+                let new = fill::refill(mesh, &flags, spec.flow.options()?, observe)?;
+                Ok(Outcome::Refilled(Box::new(new)))
+            }
+            Self::Fair(spec) => {
+                let flags = flags(mesh, &spec.faces)?;
+                let new = fill::fair(mesh, &flags, spec.flow.options()?, observe)?;
+                Ok(Outcome::Filled(Box::new(new)))
+            }
+            Self::FillPart(spec) => spec.run(mesh, observe),
+            Self::Refine(spec) => spec.run(mesh, observe),
+            Self::Erase(spec) => {
+                if spec.faces.is_empty() {
+                    return Err(OperationError::NoFaces);
+                }
+                Ok(Outcome::Erased(erase(mesh, &flags(mesh, &spec.faces)?)))
+            }
+            Self::Flip(spec) => Ok(Outcome::Changed(spec.run(mesh)?)),
+            Self::Bridge(spec) => Ok(Outcome::Changed(spec.run(mesh)?)),
+        }
+    }
+}
+
+impl FlowSpec {
+    /// The options of the fill with their changes.
+    ///
+    /// # Errors
+    /// Invalid controls, or a schedule that cannot be followed.
+    pub fn options(&self) -> Result<ScheduledOptions, ScheduleError> {
+        ScheduledOptions::new(&self.controls, &self.schedule)
+    }
+}
+
+impl FillSpec {
+    /// The rims that each patch joins: a loop, with the rims of the islands in it.
+    ///
+    /// # Errors
+    /// A loop that is not there.
+    pub fn rim_sets<'a>(
+        &self,
+        mesh: &Mesh,
+        loops: &'a [BoundaryLoop],
+    ) -> Result<Vec<RimSet<'a>>, NoSuchLoop> {
+        let chosen = chosen(loops, &self.loops)?;
+        Ok(if self.islands {
+            with_islands(mesh, loops, &chosen)
+        } else {
+            chosen.iter().map(|id| vec![&loops[id.index()]]).collect()
+        })
+    }
+}
+
+impl FillPartSpec {
+    fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Outcome, OperationError> {
+        let loops = boundary_loops(mesh);
+        let [from, to] = self.ends;
+        let hole = nearest_loop(mesh, &loops, from).ok_or(OperationError::NoLoops)?;
+        let hole = &loops[hole.index()];
+        let [from, to] = [from, to].map(|point| nearest_index(mesh, hole, point));
+        let n = hole.edges();
+        // the shorter way
+        let [from, to] = if (to + n - from) % n <= n / 2 {
+            [from, to]
+        } else {
+            [to, from]
+        };
+        let options = self.controls.options()?;
+        let filled = fill_part(mesh, hole, from, to, &options, observe)?;
+        Ok(Outcome::Filled(Box::new(filled)))
+    }
+}
+
+impl RefineSpec {
+    /// The options of the refinement of a mesh.
+    ///
+    /// # Errors
+    /// Invalid options, or a face that is not there.
+    pub fn options(&self, mesh: &Mesh) -> Result<RefineOptions, OperationError> {
+        let mut options = self.controls.options(mesh)?;
+        let edges = self.creases.iter().flat_map(|c| c.windows(2));
+        options.creases = edges.map(|e| [e[0], e[1]]).collect();
+        if !self.faces.is_empty() {
+            options.region = Some(flags(mesh, &self.faces)?);
+        }
+        Ok(options)
+    }
+
+    fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Outcome, OperationError> {
+        let refinement = Refinement::new(Arc::new(mesh.clone()), self.options(mesh)?)?;
+        let refined = refinement.run(|state, event| match event {
+            refine::Progress::Step(record) => observe(state.level(), record),
+            _ => true,
+        })?;
+        Ok(Outcome::Refined(Box::new(refined)))
+    }
+}
+
+impl FlipSpec {
+    /// The mesh with the components flipped.
+    ///
+    /// # Errors
+    /// A loop that is not there.
+    pub fn run(&self, mesh: &Mesh) -> Result<Mesh, NoSuchLoop> {
+        let loops = boundary_loops(mesh);
+        let chosen = chosen(&loops, &self.loops)?;
+        let components: Vec<u32> = (chosen.iter())
+            .map(|id| loops[id.index()].component)
+            .collect();
+        Ok(mesh.turned_over(&components))
+    }
+}
+
+impl BridgeSpec {
+    fn run(&self, mesh: &Mesh) -> Result<Mesh, OperationError> {
+        let loops = boundary_loops(mesh);
+        let end = |point| segment_at(mesh, &loops, point, self.width);
+        match self.ends.map(end) {
+            [Some(from), Some(to)] => Ok(fill::bridge(mesh, &loops, from, to)?),
+            _ => Err(OperationError::NoLoops),
+        }
+    }
+}
+
+/// The listed loops, ascending, if the mesh has them.
+fn chosen(loops: &[BoundaryLoop], listed: &[LoopId]) -> Result<Vec<LoopId>, NoSuchLoop> {
+    choose(loops, &LoopChoice::Listed(listed.to_vec()))
+}
+
+/// One flag for each face of the mesh.
+fn flags(mesh: &Mesh, faces: &[u32]) -> Result<Vec<bool>, OperationError> {
+    let count = mesh.face_count();
+    match faces.last() {
+        Some(&face) if face as usize >= count => {
+            Err(OperationError::NoSuchFace { face, faces: count })
+        }
+        _ => Ok(face_flags(faces, count)),
+    }
+}
+
+/// Index along the loop of the vertex nearest to a point.
+fn nearest_index(mesh: &Mesh, hole: &BoundaryLoop, point: DVec3) -> usize {
+    let distance = |i: &usize| mesh.position(hole.vertices[*i]).distance_squared(point);
+    (0..hole.edges())
+        .min_by(|i, j| distance(i).total_cmp(&distance(j)))
+        .unwrap_or(0)
+}

@@ -1,0 +1,237 @@
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::*;
+use crate::fill::Continuity;
+use crate::mesh::{Mesh, Topology, boundary_loops};
+use crate::options::TauChoice;
+use crate::refine::Method;
+use crate::shapes;
+use crate::solver::Mode;
+
+/// One operation of each kind, with options that differ from the defaults.
+pub fn samples() -> Vec<Operation> {
+    let controls = Controls {
+        energy: "H^2 + a*K^2".into(),
+        param: [("a".into(), 0.5)].into(),
+        mode: Mode::Flow,
+        tau: TauChoice::Fixed(0.25),
+        loop_continuity: [(1.into(), Continuity::G0)].into(),
+        ..Controls::default()
+    };
+    let schedule = Schedule::parse("attempt,control,value\n2,energy,\"max(H,K)\"\n3,stop,\n");
+    let flow = FlowSpec {
+        schedule: schedule.expect("a schedule"),
+        controls: controls.clone(),
+    };
+    let faces = Faces::new(vec![0, 1, 2, 7]);
+    let ends = [DVec3::new(-1.0, 0.1 + 0.2, 0.0), DVec3::Y];
+    let on_faces = FacesSpec {
+        faces: Arc::clone(&faces),
+        flow: flow.clone(),
+    };
+    vec![
+        Operation::Fill(FillSpec {
+            loops: vec![0.into(), 2.into()],
+            islands: false,
+            flow: flow.clone(),
+        }),
+        Operation::Blend(BlendSpec {
+            loops: vec![0.into(), 1.into()],
+            flow,
+        }),
+        Operation::Refill(on_faces.clone()),
+        Operation::Fair(on_faces),
+        Operation::FillPart(FillPartSpec { ends, controls }),
+        Operation::Refine(RefineSpec {
+            controls: RefineControls {
+                levels: 2,
+                energy: Some("H^2".into()),
+                crease_angle: Some(40.5),
+                ..RefineControls::default()
+            },
+            creases: vec![vec![0, 4, 5], vec![9, 8]],
+            faces: Arc::clone(&faces),
+            changed: false,
+        }),
+        Operation::Erase(EraseSpec { faces }),
+        Operation::Flip(FlipSpec {
+            loops: vec![1.into()],
+        }),
+        Operation::Bridge(BridgeSpec { ends, width: 3 }),
+    ]
+}
+
+/// Operations in a list, as a project file holds them.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct List {
+    fills: Vec<Operation>,
+}
+
+#[test]
+fn operations_come_back_from_a_file() {
+    let list = List { fills: samples() };
+    let text = toml::to_string(&list).expect("plain data");
+    assert_eq!(toml::from_str::<List>(&text), Ok(list), "{text}");
+}
+
+/// Entries as version 0.1 wrote them into project files.
+#[test]
+fn operations_of_earlier_files_are_read() {
+    let list: List = toml::from_str(include_str!("tests_0_1.toml")).expect("a list");
+    let tasks: Vec<String> = list.fills.iter().map(Operation::label).collect();
+    assert_eq!(
+        tasks,
+        [
+            "fill of 2 loops",
+            "refinement",
+            "bridge",
+            "flip at loop 2",
+            "fairing of 13 faces"
+        ]
+    );
+    let Operation::Fill(fill) = &list.fills[0] else {
+        panic!("a fill");
+    };
+    assert!(fill.islands && fill.flow.schedule.rows.len() == 2);
+    assert_eq!(fill.flow.controls.param["a"], 0.5);
+    assert_eq!(fill.flow.controls.steps, 150);
+    assert_eq!(fill.flow.controls.continuity_at(2.into()), Continuity::G0);
+    let Operation::Refine(refine) = &list.fills[1] else {
+        panic!("a refinement");
+    };
+    let wanted = RefineSpec {
+        controls: RefineControls {
+            levels: 2,
+            energy: Some("H^2 + a*K^2".into()),
+            param: [("a".into(), 0.1)].into(),
+            tension: Some(0.5),
+            mode: Mode::Flow,
+            steps: 200,
+            crease_angle: Some(40.0),
+            ..RefineControls::default()
+        },
+        creases: vec![vec![0, 4, 5]],
+        faces: Faces::new(vec![0, 1, 2]),
+        changed: true,
+    };
+    assert_eq!(refine, &wanted);
+    let Operation::Bridge(bridge) = &list.fills[2] else {
+        panic!("a bridge");
+    };
+    assert_eq!((bridge.ends[1], bridge.width), (DVec3::Y, 3));
+}
+
+#[test]
+fn commands_name_files_for_what_is_long() {
+    let faces = Faces::new((0..200).step_by(2).collect());
+    let erase = Operation::Erase(EraseSpec { faces });
+    let command = erase.command(Path::new("my scan.obj"), Path::new("out.obj"));
+    assert_eq!(
+        command.line,
+        "meniscus erase 'my scan.obj' -o out.obj --faces-from out.faces.txt"
+    );
+    let [(path, text)] = &command.files[..] else {
+        panic!("one file: {:?}", command.files);
+    };
+    assert_eq!(path, Path::new("out.faces.txt"));
+    assert!(text.starts_with("1\n3\n5\n"));
+    let flip = Operation::Flip(FlipSpec {
+        loops: vec![0.into(), 2.into()],
+    });
+    assert_eq!(
+        flip.command(Path::new("a.obj"), Path::new("b.obj")).line,
+        "meniscus flip a.obj -o b.obj --component-of 1 --component-of 3"
+    );
+    let refine = Operation::Refine(RefineSpec {
+        controls: RefineControls {
+            method: Method::Loop,
+            ..RefineControls::default()
+        },
+        ..RefineSpec::default()
+    });
+    assert_eq!(
+        refine.command(Path::new("a.obj"), Path::new("b.obj")).line,
+        "meniscus refine a.obj -o b.obj --method loop"
+    );
+}
+
+fn cup() -> Mesh {
+    let (positions, triangles) = shapes::cut_where(&shapes::sphere(300, 1), |p| p.z > 0.6);
+    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a cup");
+    Mesh::new(positions, topology)
+}
+
+#[test]
+fn operations_do_what_they_say() {
+    let cup = cup();
+    let done = |operation: Operation| operation.run(&cup, &|_, _| true);
+    let fill = done(Operation::Fill(FillSpec {
+        loops: vec![0.into()],
+        islands: true,
+        flow: FlowSpec::default(),
+    }));
+    let filled = fill.expect("a patch").into_mesh();
+    assert!(boundary_loops(&filled).is_empty());
+    assert_eq!(filled.positions[..cup.vertex_count()], cup.positions);
+
+    let erased = done(Operation::Erase(EraseSpec {
+        faces: Faces::new(vec![0]),
+    }));
+    assert_eq!(
+        erased.expect("a hole").mesh().face_count() + 1,
+        cup.face_count()
+    );
+
+    let flipped = done(Operation::Flip(FlipSpec {
+        loops: vec![0.into()],
+    }));
+    let normal = |mesh: &Mesh| {
+        let [a, b, c] = mesh.corners(crate::mesh::FaceId(0));
+        (b - a).cross(c - a)
+    };
+    let flipped = flipped.expect("one component");
+    assert!(normal(flipped.mesh()).dot(normal(&cup)) < 0.0);
+
+    let refined = done(Operation::Refine(RefineSpec {
+        controls: RefineControls {
+            levels: 1,
+            method: Method::Butterfly,
+            ..RefineControls::default()
+        },
+        ..RefineSpec::default()
+    }));
+    let refined = refined.expect("a refinement");
+    assert_eq!(refined.mesh().face_count(), 4 * cup.face_count());
+}
+
+#[test]
+fn operations_that_do_not_fit_the_mesh_are_refused() {
+    let cup = cup();
+    let refused = |operation: Operation| {
+        let error = operation.run(&cup, &|_, _| true).expect_err("an error");
+        error.to_string()
+    };
+    let text = refused(Operation::Fill(FillSpec {
+        loops: vec![4.into()],
+        islands: true,
+        flow: FlowSpec::default(),
+    }));
+    assert!(text.starts_with("there is no loop 5"), "{text}");
+    let text = refused(Operation::Blend(BlendSpec {
+        loops: vec![0.into()],
+        flow: FlowSpec::default(),
+    }));
+    assert!(text.contains("at least two loops"), "{text}");
+    let text = refused(Operation::Erase(EraseSpec {
+        faces: Faces::new(vec![1_000_000]),
+    }));
+    assert!(text.starts_with("there is no face 1000001"), "{text}");
+    assert!(
+        refused(Operation::Erase(EraseSpec {
+            faces: Faces::default()
+        }))
+        .starts_with("no face")
+    );
+}
