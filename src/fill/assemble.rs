@@ -12,8 +12,8 @@ use crate::fill::plan::Plan;
 use crate::fill::result::FilledHole;
 use crate::mesh::{DVec3, Mesh, Topology, TopologyError, VertexId};
 
-/// The triangulation of one patch: its rim vertices in the mesh, its triangles in numbers of its own
-/// and its number of new vertices.
+/// The triangulation of one patch: its rim vertices in the mesh, its triangles in numbers of its
+/// own and its number of new vertices.
 pub(super) type Part<'a> = (&'a [VertexId], &'a [[u32; 3]], usize);
 
 /// Triangles of patches over the vertices of the mesh and, numbered on after the first `given`, the

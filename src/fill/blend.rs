@@ -25,10 +25,10 @@ const GENTLE: f64 = 16.0;
 
 /// Gives every blend the shape its flow starts from.
 ///
-/// A membrane stretched between rims takes the shape of its warm start, and is remeshed on it: it is
-/// far smaller than the surface that leaves the rims smoothly, and its triangles would end up long.
-/// Between distant rims a warm start closes to a thread, and around bends it intersects itself. The
-/// patch is then [lofted](patch::lofted_candidates) from rim to rim.
+/// A membrane stretched between rims takes the shape of its warm start, and is remeshed on it: it
+/// is far smaller than the surface that leaves the rims smoothly, and its triangles would end up
+/// long. Between distant rims a warm start closes to a thread, and around bends it intersects
+/// itself. The patch is then [lofted](patch::lofted_candidates) from rim to rim.
 pub(super) fn shape(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions) {
     move_to_warm_start(mesh, drafts, options);
     each_blend(drafts, |rims, draft| {
@@ -62,8 +62,8 @@ pub(super) fn shape(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions
     }
 }
 
-/// Moves the new vertices of blends to the warm start of their group. Where that fails they stay; the
-/// flow will report the reason.
+/// Moves the new vertices of blends to the warm start of their group. Where that fails they stay;
+/// the flow will report the reason.
 fn move_to_warm_start(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions) {
     let plan = Plan::of_holes(mesh, drafts.to_vec());
     let context = FillContext { mesh, plan: &plan };

@@ -4,7 +4,7 @@ use crate::fill::hermite::{RimFrame, hermite_between, length, pieces};
 use crate::fill::select::nearest_loop;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, TopologyError};
 
-/// A segment of a rim: `edges` of them from the vertex `start` on, in the loop's direction.
+/// Consecutive edges of a rim: `edges` of them from the vertex `start` on, in the loop's direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RimSegment {
     /// The loop.
@@ -15,10 +15,10 @@ pub struct RimSegment {
     pub edges: usize,
 }
 
-/// Why there can be no bridge.
+/// Why a bridge cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BridgeError {
-    /// The segments have no or not the same number of edges.
+    /// The segments have different numbers of edges, or none.
     #[error(
         "a bridge needs as many rim edges at one end as at the other, at least one: {0} and {1}"
     )]
@@ -60,12 +60,12 @@ pub fn segment_at(
     })
 }
 
-/// The mesh with a strip of triangles between two segments of its rims, `edges` wide: a hole with a
-/// bridge across is two holes, two holes with a bridge between them are one.
+/// The mesh with a strip of triangles between two segments of its rims. A bridge across a hole
+/// makes two holes of it; a bridge between two holes makes one of them.
 ///
-/// The strip leaves both rims in the direction of the surface there (a cubic Hermite curve from each
-/// rim vertex); along it triangles are as long as the rim's edges. Old vertices and faces come first,
-/// untouched.
+/// The strip leaves both rims in the direction of the surface there (a cubic Hermite curve from
+/// each rim vertex); along it triangles are as long as the rim's edges. Old vertices and faces come
+/// first, untouched.
 ///
 /// # Errors
 /// [`BridgeError`].
@@ -78,7 +78,7 @@ pub fn bridge(
     check(loops, from, to)?;
     let (near, far) = (&loops[from.hole.index()], &loops[to.hole.index()]);
     let width = from.edges;
-    // the far rim runs the other way: its last vertex is opposite our first
+    // the far rim runs in the opposite direction: its last vertex is across from the first
     let at = |k: usize| (from.start + k) % near.edges();
     let across = |k: usize| (to.start + width - k) % far.edges();
     let rails: Vec<[RimFrame; 2]> = (0..=width)

@@ -10,9 +10,9 @@ use crate::fill::run::{Observer, ScheduledOptions, run_plan};
 use crate::mesh::{DVec3, FaceId, Mesh, VertexId, inner_vertices};
 use crate::solver::SUPPORT_RINGS;
 
-/// Lets the inner vertices of the selected faces flow, with G1 continuity to the rest. The triangles
-/// stay as they are. As in a new patch the vertices start from the warm start, so that their given
-/// positions do not matter. [`Filled::moved`] lists them.
+/// Lets the inner vertices of the selected faces flow, with G1 continuity to the rest. The
+/// triangles stay as they are. As in a new patch the vertices start from the warm start, so that
+/// their given positions do not matter. [`Filled::moved`] lists them.
 ///
 /// # Errors
 /// An empty selection, one without inner vertices, or one that leaves nothing to continue from. An

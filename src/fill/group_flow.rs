@@ -17,8 +17,8 @@ use crate::fill::warm_start::{warm_start, warm_start_of};
 use crate::mesh::{DVec3, VertexId};
 use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord, sharpest_cosine};
 
-/// Maximum factor by which remeshing may raise the energy. A rise is normal: new vertices lie on the
-/// control triangles and not on the smooth surface, which the next steps correct, and stretched
+/// Maximum factor by which remeshing may raise the energy. A rise is normal: new vertices lie on
+/// the control triangles and not on the smooth surface, which the next steps correct, and stretched
 /// triangles underestimate the curvature.
 const MAX_ENERGY_RISE: f64 = 1.6;
 
@@ -44,8 +44,8 @@ pub(super) struct GroupFlow {
 }
 
 impl GroupFlow {
-    /// Sets the flow up at the warm start. If that fails the vertices stay where the last successful
-    /// stage put them.
+    /// Sets the flow up at the warm start. If that fails the vertices stay where the last
+    /// successful stage put them.
     pub fn start(context: FillContext<'_>, group: usize, options: &FillOptions) -> Self {
         let mut run = Self::without_flow(context, group, options);
         if let Err(error) = run.set_up(context) {
@@ -189,8 +189,8 @@ impl GroupFlow {
         self.timings.setup += milliseconds(start);
     }
 
-    /// Checks whether the surface intersects itself or the mesh. If it does at the end of the flow, the
-    /// group returns to its last surface without intersections.
+    /// Checks whether the surface intersects itself or the mesh. If it does at the end of the flow,
+    /// the group returns to its last surface without intersections.
     fn check_self_intersection(&mut self, context: FillContext<'_>) {
         let (steps, rejected) = self.step_counts();
         let (positions, ended) = (self.positions(), self.ended());

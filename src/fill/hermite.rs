@@ -1,11 +1,11 @@
-//! Curves from one place of a rim to another that leave the mesh smoothly.
+//! Curves from one rim vertex to another that leave the mesh smoothly.
 
 use crate::mesh::{BoundaryLoop, DVec3, Mesh};
 
 /// Edges to either side of a vertex over which its directions are averaged.
 const SMOOTHED: usize = 4;
 
-/// A place on a rim: a vertex and how the surface lies there.
+/// A rim vertex with the directions of the surface there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RimFrame {
     pub point: DVec3,
@@ -16,14 +16,13 @@ pub(super) struct RimFrame {
 }
 
 impl RimFrame {
-    /// At the vertex of that index along the loop. The directions are means over the faces at the
-    /// rim edges around it: those of the nearest two alone follow every tooth of a ragged rim, and
-    /// neighbouring curves would cross.
+    /// At the vertex of that index along the loop. The directions are means over the faces at
+    /// several rim edges: those of the nearest two alone would follow every tooth of a ragged rim,
+    /// and neighbouring curves would cross.
     pub fn of(mesh: &Mesh, hole: &BoundaryLoop, index: usize) -> Self {
         let topology = &mesh.topology;
         let n = hole.edges();
         let (mut ahead, mut normal) = (DVec3::ZERO, DVec3::ZERO);
-        // as far to either side as evens a ragged rim out
         let side = SMOOTHED.min(n / 2);
         for e in (0..2 * side).map(|k| (index + n - side + k) % n) {
             let inner = hole.halfedges[e].twin();
@@ -42,10 +41,10 @@ impl RimFrame {
     }
 }
 
-/// The curve from `a` to `b`, at t in 0..=1, that leaves in the unit direction `leave` and comes in
-/// along `arrive`: a cubic Hermite curve. Its end derivatives are as long as those of the circular arc that
-/// turns from the one direction to the other, which it follows closely (the error of a quarter
-/// circle is 3e-4 of its radius).
+/// The cubic Hermite curve from `a` to `b`, at t in 0..=1, with the unit direction `leave` at `a`
+/// and `arrive` at `b`. Its end derivatives are as long as those of the circular arc that turns
+/// from the one direction to the other. The curve is close to that arc: the error of a quarter
+/// circle is 3e-4 of its radius.
 pub(super) fn hermite_between(
     a: DVec3,
     leave: DVec3,
@@ -53,7 +52,7 @@ pub(super) fn hermite_between(
     arrive: DVec3,
 ) -> impl Fn(f64) -> DVec3 {
     let turn = leave.angle_between(arrive);
-    // not a number where a direction is missing: max drops it
+    // NaN where a direction is missing: max ignores it
     let reach = a.distance(b) / (0.25 * turn).cos().powi(2).max(0.5);
     move |t| hermite(a, reach * leave, b, reach * arrive, t)
 }
@@ -76,10 +75,10 @@ pub(super) fn length(curve: impl Fn(f64) -> DVec3) -> f64 {
         .sum()
 }
 
-/// Into how many pieces of about `size` a length falls, at least `least`.
+/// Number of pieces of about `size` in a length, at least `min`.
 #[allow(clippy::cast_sign_loss)] // lengths and sizes are positive
-pub(super) fn pieces(length: f64, size: f64, least: usize) -> usize {
-    ((length / size).round().min(1e6) as usize).max(least)
+pub(super) fn pieces(length: f64, size: f64, min: usize) -> usize {
+    ((length / size).round().min(1e6) as usize).max(min)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Loose pieces of the mesh inside a hole: its patch has to pass through their rims.
+//! Components of the mesh inside a hole (islands): the hole's patch joins their rims too.
 
 use crate::fill::rim::{RimSet, rim_of};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, TriangleBvh, closest_point_on_segment};
@@ -6,18 +6,18 @@ use crate::patch::{self, PatchOptions};
 
 /// An island lies no farther from the first patch of its hole than this, in hole radii.
 const NEAR: f64 = 0.5;
-/// Nearer to the rim than this, in hole radii, the nearest point of the patch is on the rim: the
-/// piece lies beside the hole.
+/// If the nearest point of the patch is nearer to the rim than this, in hole radii, it is on the
+/// rim: the component lies beside the hole.
 const BESIDE: f64 = 1e-6;
-/// Vertices of a rim that are looked at, about.
+/// Approximate number of vertices of a rim that are checked.
 const SAMPLES: usize = 64;
 
 /// The chosen loops as rim sets, each with the islands in it.
 ///
 /// A loop of another component that lies within a hole, near its first patch, belongs to an island.
-/// If it runs around the other way than the hole it is the island's outer rim and one of the rims
-/// of the hole's patch; if it runs the same way it is a hole in the island, and filled too (with
-/// what lies in it in turn). A rim within several holes belongs to the smallest.
+/// A loop that runs in the opposite direction of the hole is the island's outer boundary and one of
+/// the rims of the hole's patch. A loop that runs in the same direction is a hole in the island; it
+/// is filled too, with its own islands. A rim within several holes belongs to the smallest.
 pub fn with_islands<'a>(
     mesh: &Mesh,
     loops: &'a [BoundaryLoop],
@@ -85,16 +85,16 @@ pub fn with_islands<'a>(
     rim_sets
 }
 
-/// What a loop within a hole is.
+/// The role of a loop within a hole.
 #[derive(Clone, Copy, Debug)]
 enum LoopRole {
-    /// The outer rim of an island in the hole of that number.
+    /// The outer boundary of an island in the hole of that number.
     Island(usize),
     /// A hole in an island.
     Hole,
 }
 
-/// A hole with a first patch to measure by.
+/// A hole that may contain islands, with a coarse first patch.
 struct CandidateHole {
     index: usize,
     normal: DVec3,
@@ -154,7 +154,8 @@ mod tests {
     use crate::mesh::{Topology, boundary_loops, check_filled, components, erase};
     use crate::shapes;
 
-    /// A sphere of radius 1 with a wide hole at its top, in which the faces that `stays` says float.
+    /// A sphere of radius 1 with a wide hole at its top, in which the faces that `stays` says
+    /// float.
     fn islands(stays: impl Fn(DVec3) -> bool) -> Mesh {
         let (positions, triangles) = shapes::sphere(3000, 7);
         let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");

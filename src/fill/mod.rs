@@ -2,8 +2,8 @@
 //!
 //! A fill has four stages. First patches over the rims are made, and holes whose support regions
 //! meet are grouped (`prepare`, `plan`, `group`). One flow for each group moves the new vertices
-//! (`group_flow`, `region`, `remesh`). The patches are put into the mesh (`assemble`). [`fill_holes`]
-//! does all of it, with the groups in parallel.
+//! (`group_flow`, `region`, `remesh`). The patches are put into the mesh (`assemble`).
+//! [`fill_holes`] does all of it, with the groups in parallel.
 
 mod assemble;
 mod blend;

@@ -1,11 +1,11 @@
-//! Noise on a starting surface, to see a flow smooth it out (Fig. 2(b) of the paper).
+//! Noise on a starting surface, to show that a flow smooths it out (Fig. 2(b) of the paper).
 
 use crate::mesh::{DVec3, VertexId};
 use crate::random::SplitMix;
 use crate::solver::FlowProblem;
 
-/// The same problem with every interior vertex moved along its normal by up to `amplitude` mean edge
-/// lengths either way; the same for the same problem.
+/// The problem with every interior vertex moved along its normal by a pseudo-random distance of at
+/// most `amplitude` mean edge lengths. Equal problems give equal results.
 pub(super) fn roughened(problem: FlowProblem, amplitude: f64) -> FlowProblem {
     if amplitude == 0.0 {
         return problem;

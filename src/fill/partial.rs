@@ -1,4 +1,4 @@
-//! Part of a hole: from one vertex of its rim to another.
+//! Fills part of a hole: from one vertex of its rim to another.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -29,9 +29,9 @@ pub enum PartialError {
     Fill(#[from] FillError),
 }
 
-/// Fills the part of a hole along its rim from the vertex of index `from` to that of index `to`, in the
-/// loop's direction. The patch ends at a curve that joins the two through the hole and is smooth with
-/// the surface at both; its vertices are new and stay where they are made.
+/// Fills the part of a hole along its rim from the vertex of index `from` to that of index `to`, in
+/// the loop's direction. The patch ends at a curve through the hole that joins the two vertices and
+/// leaves the surface smoothly at both. The vertices of the curve are new and do not flow.
 ///
 /// # Errors
 /// [`PartialError`].
@@ -120,7 +120,8 @@ fn part_of_rim(
     }
 }
 
-/// The part as a loop: its vertices, the chord's after those of the mesh, and the half-edges it has.
+/// The part as a loop: its vertices, the chord's after those of the mesh, and the half-edges it
+/// has.
 fn part_of_loop(
     mesh: &Mesh,
     hole: &BoundaryLoop,

@@ -20,7 +20,7 @@ impl HoleTopology {
     }
 }
 
-/// The triangulations of a group's holes, in the order of [`Group::holes`](crate::fill::Group).
+/// The triangulations of a group's holes, in the order of [`Group::holes`](crate::fill::group::Group).
 ///
 /// Values of a group's new vertices (such as positions) come in one list: those of the first hole,
 /// then those of the second, and so on.

@@ -37,9 +37,9 @@ pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOption
     Plan::of_holes(mesh, drafts)
 }
 
-/// The problem from which the flow of a single hole starts: its patch and support region at the warm
-/// start, to run [`Flow`](crate::solver::Flow) on. `None` if the hole has no patch with interior
-/// vertices.
+/// The problem from which the flow of a single hole starts: its patch and support region at the
+/// warm start, to run [`Flow`](crate::solver::Flow) on. `None` if the hole has no patch with
+/// interior vertices.
 ///
 /// # Errors
 /// As [`FlowProblem::new`], and if the warm start cannot be solved for.

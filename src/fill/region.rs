@@ -11,8 +11,8 @@
 //!    . . . . . . . . . . .
 //! ```
 //!
-//! The numbers of the region's vertices are, in this order: the new vertices of the group's patches,
-//! then given vertices and copies of given vertices as triangles first use them.
+//! The numbers of the region's vertices are, in this order: the new vertices of the group's
+//! patches, then given vertices and copies of given vertices as triangles first use them.
 
 use crate::fill::Continuity;
 use crate::fill::context::FillContext;

@@ -1,5 +1,5 @@
-//! New triangulations of patches during a flow: for other densities, and instead of those that a large
-//! deformation has degraded.
+//! New triangulations of patches during a flow: for other densities, and instead of those that a
+//! large deformation has degraded.
 //!
 //! A triangulation is replaced in three steps: the present [`Patch`] is put together from its
 //! connectivity and positions; the patch module makes another one over the same rims whose new
@@ -13,8 +13,8 @@ use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::mesh::DVec3;
 use crate::patch::{self, Patch};
 
-/// Blends with a triangle sharper than this (in degrees) are remeshed. Every remeshing costs the steps
-/// in which the new triangles find their places.
+/// Blends with a triangle sharper than this (in degrees) are remeshed. Every remeshing costs the
+/// steps in which the new triangles find their places.
 const SHARP: f64 = 18.0;
 /// Minimum number of accepted steps between two remeshings.
 const STEPS_BETWEEN: usize = 3;

@@ -160,9 +160,9 @@ fn place(mesh: &Mesh, new: &[DVec3], v: u32) -> DVec3 {
     given.unwrap_or_else(|| new[at - mesh.vertex_count()])
 }
 
-/// Intersections of the triangles `own` with each other and with the mesh: one place for every pair,
-/// at most `limit`. The triangles are [appended](appended_triangles) to those of the mesh, with new
-/// vertices at `new`.
+/// Intersections of the triangles `own` with each other and with the mesh: one place for every
+/// pair, at most `limit`. The triangles are [appended](appended_triangles) to those of the mesh,
+/// with new vertices at `new`.
 pub(super) fn intersections(
     mesh: &Mesh,
     own: &[[u32; 3]],

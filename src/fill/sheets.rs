@@ -1,4 +1,4 @@
-//! Sheets of a region that hang together at single vertices.
+//! Separates parts of a region that touch in single vertices.
 
 use crate::mesh::DVec3;
 use crate::mesh::union_find::{find, unite};
@@ -6,9 +6,9 @@ use crate::mesh::union_find::{find, unite};
 /// Gives each fan of triangles around a vertex, but the first, its own copy of the vertex, at the
 /// end of `positions`.
 ///
-/// A region is cut out of its mesh by rings around the holes. Where two arms of the outermost ring
-/// meet in one vertex the region is no manifold, though the mesh is. All vertices concerned lie in
-/// that outermost ring, whose positions are fixed and whose own rings are used by nothing.
+/// A region consists of the faces within some rings around holes. Where two parts of the outermost
+/// ring meet in one vertex the region is no manifold, though the mesh is. All such vertices lie in
+/// that outermost ring. Their positions are fixed, and nothing uses their own rings.
 pub(super) fn separate(positions: &mut Vec<DVec3>, triangles: &mut [[u32; 3]]) {
     let corner = |c: usize| triangles[c / 3][c % 3];
     let following = |c: usize| if c % 3 == 2 { c - 2 } else { c + 1 };

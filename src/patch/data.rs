@@ -15,18 +15,26 @@ pub struct Rim {
     pub forbidden: Vec<[u32; 2]>,
 }
 
-/// Rims that one patch is to join.
+impl Rim {
+    /// The forbidden pairs that are not rim edges.
+    pub(super) fn chords(&self) -> impl Iterator<Item = [u32; 2]> {
+        let last = self.points.len() as u32 - 1;
+        let is_chord = move |&[i, j]: &[u32; 2]| j != i + 1 && (i != 0 || j != last);
+        self.forbidden.iter().copied().filter(is_chord)
+    }
+}
+
+/// The rims that one patch joins.
 ///
-/// Indices of rim vertices count through all rims in order: those of the second follow the last of
-/// the first.
+/// Rim vertices are numbered rim after rim.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RimGeometry {
     /// The rims, at least one.
     pub rims: Vec<Rim>,
     /// Pairs (i < j) of vertices of different rims that are joined by an edge of the mesh already.
     pub forbidden: Vec<[u32; 2]>,
-    /// For each rim the connected piece of the mesh it belongs to: rims of one piece can only be
-    /// turned over together.
+    /// For each rim the component of the mesh it belongs to. Rims of one component can only be
+    /// flipped together.
     pub pieces: Vec<u32>,
 }
 
@@ -54,14 +62,8 @@ impl RimGeometry {
         let mut chords = self.forbidden.clone();
         let mut first = 0;
         for rim in &self.rims {
-            let n = rim.points.len() as u32;
-            let inner = rim.forbidden.iter();
-            chords.extend(
-                inner
-                    .filter(|&&[i, j]| j != i + 1 && (i != 0 || j != n - 1))
-                    .map(|pair| pair.map(|v| v + first)),
-            );
-            first += n;
+            chords.extend(rim.chords().map(|pair| pair.map(|v| v + first)));
+            first += rim.points.len() as u32;
         }
         chords
     }

@@ -3,7 +3,7 @@
 use super::data::Rim;
 use crate::mesh::DVec3;
 
-/// Why a hole has no patch.
+/// Why a rim cannot have a patch.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PatchError {
     /// Fewer than three rim vertices.
@@ -44,7 +44,11 @@ pub enum PatchError {
         edges: usize,
     },
     /// `forbidden` names a vertex that is not on the rim, or a pair not in order.
-    #[error("forbidden pair ({}, {}) is not an ordered pair of the {edges} rim vertices", pair[0], pair[1])]
+    #[error(
+        "forbidden pair ({}, {}) is not an ordered pair of the {edges} rim vertices",
+        pair[0],
+        pair[1]
+    )]
     BadForbiddenPair {
         /// The pair.
         pair: [u32; 2],
@@ -63,10 +67,10 @@ pub enum PatchError {
         /// Index along the first of them.
         index: usize,
     },
-    /// The faces at some rims of a group look to the other side than those at the others.
+    /// The faces at some rims of a group have the opposite orientation of those at the others.
     #[error(
-        "the faces at rim {} of the group look to the other side than those at rim 1: a surface that \
-         joins them would have to pass through itself; flip that component",
+        "the faces at rim {} of the group have the opposite orientation of those at rim 1: a surface \
+         that joins them would intersect itself; flip that component",
         rim + 1
     )]
     InsideOut {

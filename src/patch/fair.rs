@@ -5,11 +5,12 @@ use std::sync::Arc;
 use crate::linear::{Cholesky, CholeskySymbolic, LinearError, SymmetricPattern, nested_dissection};
 use crate::mesh::{DVec3, HalfedgeId, Topology, VertexId};
 
-/// Moves the `interior` vertices to the minimum of `Σ |(L x)_i|² / m_i`, all other vertices fixed. L is
-/// the Laplacian `(L x)_i = Σ_{j ∈ ring(i)} w_ij (x_i − x_j)`, and the sum runs over all its rows
-/// that contain an interior vertex: the interior ones and those of the rim, whose rings reach into
-/// the given mesh. The minimum is the solution of L M⁻¹ L x = 0 at the interior vertices (formulation,
-/// section 6): it spreads the vertices smoothly *across* the rim, in position and in spacing.
+/// Moves the `interior` vertices to the minimum of `Σ |(L x)_i|² / m_i`, all other vertices fixed.
+/// L is the Laplacian `(L x)_i = Σ_{j ∈ ring(i)} w_ij (x_i − x_j)`, and the sum runs over all its
+/// rows that contain an interior vertex: the interior ones and those of the rim, whose rings reach
+/// into the given mesh. The minimum is the solution of L M⁻¹ L x = 0 at the interior vertices
+/// (formulation, section 6): it spreads the vertices smoothly *across* the rim, in position and in
+/// spacing.
 ///
 /// The weights are the mean of the graph's (1) and the cotangent formula's on the given positions
 /// (1 for equilateral triangles, clamped to positive values): the graph's alone crowd and thin the
@@ -27,8 +28,9 @@ use crate::mesh::{DVec3, HalfedgeId, Topology, VertexId};
 /// rows are those of the edges that exist.
 ///
 /// # Errors
-/// [`LinearError::NotPositiveDefinite`] if no fixed vertex is near the interior; [`LinearError::TooLarge`], [`LinearError::OutOfMemory`] for
-/// patches beyond the factorization's reach. The positions are unchanged then.
+/// [`LinearError::NotPositiveDefinite`] if no fixed vertex is near the interior;
+/// [`LinearError::TooLarge`] and [`LinearError::OutOfMemory`] for patches too large to factorize.
+/// The positions are unchanged then.
 ///
 /// # Panics
 /// If `positions` is shorter than the vertex list, or `interior` names a vertex twice.
@@ -74,7 +76,8 @@ pub fn warm_start_with_creases(
     Ok(())
 }
 
-/// The solution for each unknown; `points` tell the elimination order where the unknowns are.
+/// The solution for each unknown. `points` are the places of the unknowns, for the elimination
+/// order.
 pub(super) fn solve(rows: &Rows, points: &[DVec3]) -> Result<Vec<DVec3>, LinearError> {
     let n = points.len();
     let perm = nested_dissection(points, &rows.offsets, &rows.columns);
@@ -96,8 +99,8 @@ pub(super) fn solve(rows: &Rows, points: &[DVec3]) -> Result<Vec<DVec3>, LinearE
     Ok(out)
 }
 
-/// Rows of L M⁻¹ L for the interior vertices over the interior vertices (the diagonal entry first), and
-/// what the fixed vertices contribute to the right-hand side.
+/// Rows of L M⁻¹ L for the interior vertices over the interior vertices (the diagonal entry first),
+/// and what the fixed vertices contribute to the right-hand side.
 pub(super) struct Rows {
     pub offsets: Vec<u32>,
     pub columns: Vec<u32>,
@@ -105,7 +108,8 @@ pub(super) struct Rows {
     pub rhs: Vec<DVec3>,
     /// Subtracted from all positions, so that a mesh far from the origin loses no digits.
     pub origin: DVec3,
-    /// Whether any fixed vertex takes part; otherwise the matrix is singular, which rounding may hide.
+    /// Whether any fixed vertex takes part; otherwise the matrix is singular, which rounding may
+    /// hide.
     pub is_anchored: bool,
 }
 
@@ -136,7 +140,7 @@ fn squared_laplacian(
         origin,
         is_anchored: false,
     };
-    // where unknown k stands in the row under way; valid if at or after the row's start
+    // index of unknown k in the current row; valid if not before the row's start
     let mut place = vec![0u32; n];
     rows.offsets.push(0);
     for (i, &v) in interior.iter().enumerate() {
@@ -215,7 +219,7 @@ impl Rings {
         }
         let [least, most] = AREA_RANGE;
         for area in &mut rings.per_mass {
-            // not a number where everything is degenerate: max and min drop it
+            // NaN where everything is degenerate: max and min ignore it
             *area = (mean / *area).max(least).min(most);
         }
         rings
@@ -262,7 +266,7 @@ fn edge_weight(topology: &Topology, positions: &[DVec3], h: HalfedgeId) -> (f64,
     let cotangents = left + right;
     let [least, most] = COTANGENT_RANGE;
     let relative = 0.5 * 3.0f64.sqrt() * cotangents;
-    // not a number next to degenerate faces: max and min drop it
+    // NaN next to degenerate faces: max and min ignore it
     let weight = 0.5 + 0.5 * relative.max(least).min(most);
     (weight, left_area + right_area)
 }

@@ -2,6 +2,7 @@
 
 use super::data::{Patch, PatchOptions, Rim};
 use super::error::{PatchError, validate};
+use super::frame::Frame;
 use super::planar::vector_area;
 use super::remesh::{remesh, rim_valences, split_chords};
 use super::surface::Surface;
@@ -19,41 +20,17 @@ use crate::mesh::DVec3;
 pub fn fill(rim: &Rim, options: &PatchOptions) -> Result<Patch, PatchError> {
     validate(rim, options.density)?;
     let n = rim.points.len();
-    // Work near the origin at unit scale: squared areas of tiny or huge meshes stay in range.
-    let centre = rim.points.iter().sum::<DVec3>() / n as f64;
-    let radius = rim
-        .points
-        .iter()
-        .map(|p| p.distance(centre))
-        .fold(0.0, f64::max);
-    let local = Rim {
-        points: rim.points.iter().map(|&p| (p - centre) / radius).collect(),
-        opposite: rim
-            .opposite
-            .iter()
-            .map(|&p| (p - centre) / radius)
-            .collect(),
-        forbidden: rim
-            .forbidden
-            .iter()
-            .copied()
-            .filter(|&[i, j]| j != i + 1 && (i != 0 || j as usize != n - 1))
-            .collect(),
-    };
+    let frame = Frame::around(rim.points.iter().copied());
+    let local = frame.local(rim);
     let loose = loose_angles(&local);
-    let bulge = mean_curvature(&local);
+    let curvature = mean_curvature(&local);
     let triangles = triangulate(&local);
     let size = rim_sizes(&local.points, options.density * fineness(n));
     let mut surface = Surface::new(local.points, size, n, &triangles);
     let wanted = rim_valences(&surface, &loose);
     split_chords(&mut surface, &local.forbidden);
-    remesh(&mut surface, &wanted, bulge);
-    let mut patch = surface.compact();
-    for p in &mut patch.points[n..] {
-        *p = *p * radius + centre;
-    }
-    patch.points[..n].copy_from_slice(&rim.points);
-    Ok(patch)
+    remesh(&mut surface, &wanted, curvature);
+    Ok(frame.world(surface.compact(), rim.points.iter().copied()))
 }
 
 /// The angle of the existing face at each rim vertex that has only one, 0 elsewhere.
@@ -71,7 +48,7 @@ pub(super) fn loose_angles(rim: &Rim) -> Vec<f64> {
         .collect()
 }
 
-/// The constant mean curvature (positive bulges along the patch's normal) with which a surface
+/// The constant mean curvature (positive: the patch rises along its normal) with which a surface
 /// over the rim continues the existing faces: for every surface of constant mean curvature the
 /// conormals along its boundary integrate to 2 H times its vector area (divergence theorem), and
 /// both are known from the rim alone. Exact for the missing cap of a sphere up to a hemisphere.
@@ -87,7 +64,7 @@ fn mean_curvature(rim: &Rim) -> f64 {
         length += a.distance(b);
     }
     let extent = area.length();
-    // loops that enclose next to nothing in projection have no bulge to speak of
+    // for loops that enclose next to nothing in projection the quotient is rounding
     if extent < 0.05 * length * length / (4.0 * std::f64::consts::PI) {
         return 0.0;
     }
@@ -99,8 +76,9 @@ fn mean_curvature(rim: &Rim) -> f64 {
     curvature
 }
 
-/// Curvatures below this fraction of that of a hemisphere over a disc of the same area would lift
-/// the patch by less than noise in the faces does, and add less than 1 % to its area.
+/// Curvatures below this fraction of that of a hemisphere over a disc of the same area are ignored:
+/// they would lift the patch by less than noise in the faces does, and add less than 1 % to its
+/// area.
 const FLATTEST: f64 = 0.15;
 
 /// Wanted edge length at every rim vertex: the mean of the lengths of the rim edges near it.
@@ -112,7 +90,7 @@ pub(super) fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
             (points[i].distance(before) + points[i].distance(after)) / (2.0 * density)
         })
         .collect();
-    // a ragged rim is not a wish for triangles that alternate in size
+    // a ragged rim must not make triangles that alternate in size
     let mut smooth = size.clone();
     for _ in 0..RIM_SMOOTHING {
         for i in 0..n {
@@ -123,11 +101,11 @@ pub(super) fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
     size
 }
 
-/// Length of the rim's edges over the wanted one. Where splitting and collapsing leave off the mean
-/// edge is 0.93 of the wanted one, and a patch stretches a little between the relaxed film and the
-/// end of the flow: with this the mean edge of a large patch ends at the rim's length. A hole of few
-/// edges, all of them near the rim, gains accuracy from up to 15 % more (measured on the analytic
-/// test surfaces after the flow).
+/// Length of the rim's edges over the wanted length. With this factor the mean edge of a large
+/// patch ends at the rim's length: splitting and collapsing leave a mean edge of 0.93 of the wanted
+/// one, and a patch stretches a little between the relaxed membrane and the end of the flow. In a
+/// hole of few edges, all near the rim, up to 15 % more improve the accuracy (measured on the
+/// analytic test surfaces after the flow).
 pub(super) fn fineness(edges: usize) -> f64 {
     (0.97 + 4.0 / edges as f64).min(1.15)
 }

@@ -24,8 +24,8 @@ pub(super) fn constrained_delaunay(points: &[DVec3], least_length: f64) -> Optio
 }
 
 /// The constrained Delaunay triangulation of the part of the plane to the left of closed polygons,
-/// whose vertices follow each other in `points`, `lengths` of each. `None` if they cross themselves or
-/// each other (decided with exact predicates), or do not bound one bounded connected part.
+/// whose vertices follow each other in `points`, `lengths` of each. `None` if they cross themselves
+/// or each other (decided with exact predicates), or do not bound one bounded connected part.
 pub(super) fn delaunay_between(
     points: Vec<Point2<f64>>,
     lengths: &[usize],

@@ -1,5 +1,23 @@
-//! Brings a patch to its wanted edge length: splits, collapses, flips and relaxation, all in the
-//! patch's own metric and with the rim untouched.
+//! Brings a patch to its wanted edge length, with the rim untouched.
+//!
+//! ```text
+//!   split a long edge        collapse a short edge        flip a diagonal
+//!        c                     \   /        \ | /            c             c
+//!      / | \                  --v-u--  ->  --u--           / \           /|\
+//!     a--m--b                  /   \        / | \          a---b   ->    a | b
+//!      \ | /                                               \ /           \|/
+//!        d                                                  d             d
+//! ```
+//!
+//! [`remesh`] starts from a triangulation without new vertices. It halves long edges until none is
+//! left, flipping to the Delaunay property after each round (`refine`). Then it repeats: collapse
+//! short edges, split long ones, flip towards six edges a vertex, move vertices towards the
+//! centroids of their triangles (`relax`), flip to the Delaunay property. Lengths, angles and areas
+//! are those of the patch in space; nothing is projected to a plane.
+//!
+//! Relaxation moves vertices towards a membrane of constant mean curvature, which stands in for the
+//! final surface. [`refit`] does the same for a patch that has its shape already: its vertices move
+//! along the surface only.
 
 use super::surface::{NONE, Surface, next, prev};
 use crate::mesh::DVec3;
@@ -10,32 +28,33 @@ const LONG: f64 = 4.0 / 3.0;
 const SHORT: f64 = 0.7;
 /// Rounds of split, collapse, flip and relax after the first refinement.
 const ROUNDS: usize = 5;
-/// Vertex moves after each halving of the edges: the coarse levels, where a sweep reaches far and
-/// costs little, bring up the bulge.
+/// Vertex moves after each halving of the edges. The coarse levels, where a sweep reaches far and
+/// costs little, form the curvature of the membrane.
 const COARSE_WORK: usize = 3000;
-/// Relaxation sweeps on the coarsest levels.
-const MOST_SWEEPS: usize = 40;
+/// Maximum number of relaxation sweeps on the coarsest levels.
+const MAX_SWEEPS: usize = 40;
 /// Relaxation sweeps in each round.
 const SWEEPS: usize = 3;
 
-/// The largest curvature of a film, relative to that of the hemisphere over a disc of the same area:
-/// there a surface of constant mean curvature loses its stability.
-const STEEPEST: f64 = 0.85;
-/// Largest area a bulging patch may reach, relative to its first triangulation: a hemisphere over a
-/// disc has 2. Beyond it the surface of constant mean curvature is running away, which it does over
-/// rims wide in one place and narrow in others.
-const LARGEST_AREA: f64 = 2.2;
+/// The largest curvature of a membrane, relative to that of the hemisphere over a disc of the same
+/// area. Beyond it a surface of constant mean curvature is unstable.
+const MAX_CURVATURE: f64 = 0.85;
+/// Maximum area of a curved membrane, relative to its first triangulation; a hemisphere over a disc
+/// has 2. Beyond it the surface of constant mean curvature grows without bound, as it does over
+/// rims that are wide in one place and narrow in others.
+const MAX_AREA: f64 = 2.2;
 
-/// Remeshes `s` to its `size`, drawing it towards a surface of mean curvature `bulge`. `wanted` is
-/// the number of edges each rim vertex should have (rim edges included), see [`rim_valences`].
-pub(super) fn remesh(s: &mut Surface, wanted: &[i32], bulge: f64) {
+/// Remeshes `s` to its `size` and relaxes it towards a surface of mean curvature `curvature`
+/// (positive along the normals). `wanted` is the number of edges each rim vertex should have (rim
+/// edges included), see [`rim_valences`].
+pub(super) fn remesh(s: &mut Surface, wanted: &[i32], curvature: f64) {
     let first_area = area(s);
-    let steepest = STEEPEST * (std::f64::consts::PI / first_area).sqrt();
-    let mut film = Film {
-        bulge: bulge.clamp(-steepest, steepest),
-        largest_area: LARGEST_AREA * first_area,
+    let steepest = MAX_CURVATURE * (std::f64::consts::PI / first_area).sqrt();
+    let mut membrane = Membrane {
+        curvature: curvature.clamp(-steepest, steepest),
+        max_area: MAX_AREA * first_area,
     };
-    refine(s, &mut film);
+    refine(s, &mut membrane);
     s.reorder();
     for round in 0..ROUNDS {
         if round > 0 {
@@ -43,16 +62,16 @@ pub(super) fn remesh(s: &mut Surface, wanted: &[i32], bulge: f64) {
             split_long(s);
         }
         flip_for_valence(s, wanted);
-        film.relax(s, SWEEPS);
+        membrane.relax(s, SWEEPS);
         flip_to_delaunay(s);
     }
-    film.relax(s, 1);
+    membrane.relax(s, 1);
 }
 
 /// Brings a patch to its `size` without changing its shape: vertices move along it only.
 pub(super) fn refit(s: &mut Surface, wanted: &[i32]) {
     smooth_sizes(s, REFIT_SMOOTHING);
-    refine(s, &mut Film::flat());
+    refine(s, &mut Membrane::flat());
     for _ in 0..ROUNDS {
         collapse_short(s);
         split_long(s);
@@ -62,37 +81,41 @@ pub(super) fn refit(s: &mut Surface, wanted: &[i32]) {
     }
 }
 
-/// Passes that carry the rims' sizes into a patch whose inner vertices have none of their own.
+/// Smoothing passes that carry the rims' sizes into a patch whose inner vertices have no sizes yet.
 const REFIT_SMOOTHING: usize = 100;
 
-/// What the patch is relaxed towards.
-struct Film {
-    bulge: f64,
-    largest_area: f64,
+/// The surface of constant mean curvature towards which a patch is relaxed.
+struct Membrane {
+    curvature: f64,
+    max_area: f64,
 }
 
-impl Film {
-    /// No pressure: a membrane.
+impl Membrane {
+    /// Curvature zero: a minimal surface.
     const fn flat() -> Self {
         Self {
-            bulge: 0.0,
-            largest_area: f64::INFINITY,
+            curvature: 0.0,
+            max_area: f64::INFINITY,
         }
     }
 
-    /// Relaxes; a film that is running away loses some of its pressure.
+    /// Relaxes `s`. While its area is too large the curvature is reduced.
     fn relax(&mut self, s: &mut Surface, sweeps: usize) {
-        relax(s, sweeps, self.bulge);
-        while self.bulge != 0.0 && area(s) > self.largest_area {
+        relax(s, sweeps, self.curvature);
+        while self.curvature != 0.0 && area(s) > self.max_area {
             // well below any curvature that matters
-            let negligible = self.bulge.abs() * self.largest_area.sqrt() < 0.01;
-            self.bulge = if negligible { 0.0 } else { 0.7 * self.bulge };
-            relax(s, sweeps, self.bulge);
+            let negligible = self.curvature.abs() * self.max_area.sqrt() < 0.01;
+            self.curvature = if negligible {
+                0.0
+            } else {
+                0.7 * self.curvature
+            };
+            relax(s, sweeps, self.curvature);
         }
     }
 }
 
-/// Area of all its triangles.
+/// Area of all triangles.
 pub(super) fn area(s: &Surface) -> f64 {
     (0..s.corner.len() as u32)
         .step_by(3)
@@ -104,8 +127,8 @@ pub(super) fn area(s: &Surface) -> f64 {
 /// The number of edges that divides the patch's angle at each rim vertex into angles near 60°.
 ///
 /// `loose[i]` is the angle of the existing face at rim vertex `i` if it is the only one there, else
-/// 0. Where a loose triangle stands up from the first triangulation the angle seen in that is far
-/// too small: the patch has all the rest of the full angle.
+/// 0. Where a loose triangle stands up from the first triangulation, the angle in that
+/// triangulation is far too small: the patch covers all the rest of the full angle.
 pub(super) fn rim_valences(s: &Surface, loose: &[f64]) -> Vec<i32> {
     let mut angle = vec![0.0; s.rim];
     for h in 0..s.corner.len() as u32 {
@@ -131,8 +154,8 @@ pub(super) fn rim_valences(s: &Surface, loose: &[f64]) -> Vec<i32> {
         .collect()
 }
 
-/// Splits those of the chords (pairs of rim vertices) that are edges of the patch. Flips and
-/// collapses never join two rim vertices, so none of them comes back.
+/// Splits those of the chords (pairs of rim vertices) that are edges of the patch. They do not come
+/// back, because flips and collapses never join two rim vertices.
 pub(super) fn split_chords(s: &mut Surface, chords: &[[u32; 2]]) {
     for &[i, j] in chords {
         if let Some(h) = s.edge_between(i, j) {
@@ -144,7 +167,7 @@ pub(super) fn split_chords(s: &mut Surface, chords: &[[u32; 2]]) {
 
 /// First refinement of a coarse triangulation: halves long edges, restoring the Delaunay property
 /// after each round of splits.
-fn refine(s: &mut Surface, film: &mut Film) {
+fn refine(s: &mut Surface, membrane: &mut Membrane) {
     flip_to_delaunay(s);
     // every round halves the long edges, so this bounds extents of 2^40 edge lengths
     for _ in 0..40 {
@@ -153,15 +176,15 @@ fn refine(s: &mut Surface, film: &mut Film) {
             return;
         }
         flip_to_delaunay(s);
-        // what the last few splits add needs no sweep over all
-        if film.bulge != 0.0 && 5 * s.points.len() > 6 * before {
+        // a few last splits are not worth a sweep over all vertices
+        if membrane.curvature != 0.0 && 5 * s.points.len() > 6 * before {
             let sweeps = COARSE_WORK / s.points.len();
-            film.relax(s, sweeps.clamp(SWEEPS, MOST_SWEEPS));
+            membrane.relax(s, sweeps.clamp(SWEEPS, MAX_SWEEPS));
         }
     }
 }
 
-/// Splits long edges at their midpoints, once over all of them; whether there were any.
+/// Splits long edges at their midpoints, once over all of them. Returns whether there were any.
 fn split_long(s: &mut Surface) -> bool {
     let mut any = false;
     for h in 0..s.corner.len() as u32 {
@@ -296,22 +319,22 @@ fn is_thin(a: DVec3, b: DVec3, c: DVec3) -> bool {
     (b - a).cross(c - a).length() < 0.25 * longest2
 }
 
-/// Moves interior vertices, in place, towards the mean of the centroids of their triangles
-/// weighted with area in the metric of the wanted size (centroidal patch triangulation: L. Chen,
-/// "Mesh smoothing schemes based on optimal Delaunay triangulations", 2004), and wanted sizes
-/// to the mean of their neighbours'. The aim lies off the centroid by as much as a surface of mean
-/// curvature `bulge` leaves its tangent plane: H/2 times the squared distance at every corner.
-fn relax(s: &mut Surface, sweeps: usize, bulge: f64) {
+/// Moves interior vertices, in place, towards the mean of the centroids of their triangles weighted
+/// with area in the metric of the wanted size (centroidal patch triangulation: L. Chen, "Mesh
+/// smoothing schemes based on optimal Delaunay triangulations", 2004), and wanted sizes to the mean
+/// of their neighbours'. The target lies off the centroid by as much as a surface of mean curvature
+/// `curvature` leaves its tangent plane: H/2 times the squared distance at every corner.
+fn relax(s: &mut Surface, sweeps: usize, curvature: f64) {
     let metric: Vec<f64> = s.size.iter().map(|size| 1.0 / (size * size)).collect();
     for _ in 0..sweeps {
         for v in s.rim..s.points.len() {
             if s.out[v] == NONE {
                 continue;
             }
-            let step = if bulge == 0.0 {
+            let step = if curvature == 0.0 {
                 star_step::<false>(s, v, &metric, 0.0)
             } else {
-                star_step::<true>(s, v, &metric, bulge)
+                star_step::<true>(s, v, &metric, curvature)
             };
             s.points[v] += step;
         }
@@ -348,9 +371,9 @@ fn smooth_sizes(s: &mut Surface, passes: usize) {
     }
 }
 
-/// The way of an interior vertex to its aim (see [`relax`]); `metric` is 1/size² per vertex.
+/// The step of an interior vertex to its target (see [`relax`]); `metric` is 1/size² per vertex.
 #[inline]
-fn star_step<const BULGING: bool>(s: &Surface, v: usize, metric: &[f64], bulge: f64) -> DVec3 {
+fn star_step<const CURVED: bool>(s: &Surface, v: usize, metric: &[f64], curvature: f64) -> DVec3 {
     let centre = s.points[v];
     let first = s.out[v];
     let start = s.to(first) as usize;
@@ -367,7 +390,7 @@ fn star_step<const BULGING: bool>(s: &Surface, v: usize, metric: &[f64], bulge: 
         let weight = cross.length() * (metric[v] + metric_a + metric[w]);
         moment += weight * (a + b);
         weights += weight;
-        if BULGING {
+        if CURVED {
             normal += cross;
             drop += weight * (a.length_squared() + b.length_squared());
         }
@@ -382,24 +405,25 @@ fn star_step<const BULGING: bool>(s: &Surface, v: usize, metric: &[f64], bulge: 
         return DVec3::ZERO;
     }
     let step = moment / (3.0 * weights);
-    if !BULGING {
+    if !CURVED {
         return step;
     }
     let normal = normal.normalize_or_zero();
-    let rise = step.dot(normal) + bulge * drop / (6.0 * weights);
+    let rise = step.dot(normal) + curvature * drop / (6.0 * weights);
     let over = step + (RISE * rise - step.dot(normal)) * normal;
-    // over tangled rims over-relaxation may diverge; the step to the centroid never leaves the hull
-    if (centre + over).length_squared() < FARTHEST * FARTHEST {
+    // over tangled rims over-relaxation may diverge; the step to the centroid stays in the hull
+    if (centre + over).length_squared() < MAX_DISTANCE * MAX_DISTANCE {
         over
     } else {
         step
     }
 }
 
-/// Over-relaxation across a bulging patch. A step towards the centroid is two thirds of one towards
-/// the mean of the neighbours, so this is a factor of 1.47 for Gauss-Seidel, below the limit of 2.
+/// Over-relaxation along the normal of a curved membrane. A step towards the centroid is two thirds
+/// of one towards the mean of the neighbours, so this is a factor of 1.47 for Gauss-Seidel, below
+/// the limit of 2.
 const RISE: f64 = 2.2;
 
-/// How far a bulging patch may reach from the mean of the rim, in distances of its farthest vertex:
-/// a hemisphere over a disc reaches 1.
-const FARTHEST: f64 = 1.5;
+/// Maximum distance of a curved membrane from the mean of the rim, in distances of the farthest rim
+/// vertex; a hemisphere over a disc reaches 1.
+const MAX_DISTANCE: f64 = 1.5;

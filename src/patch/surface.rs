@@ -1,14 +1,29 @@
-//! A triangulated disc that is being edited: the patch between its first triangulation and the
-//! finished mesh.
+//! An editable triangulation: the patch between its first triangulation and the finished mesh.
+//!
+//! Triangle `t` has the half-edges `3 t`, `3 t + 1` and `3 t + 2`. Half-edge `h` runs from
+//! `corner[h]` to the corner of the next half-edge; `apex` is the corner opposite to it:
+//!
+//! ```text
+//!            apex(h) = corner[prev(h)]
+//!              / \
+//!    prev(h)  /   \  next(h)
+//!            /     \
+//!  from(h) --- h ---> to(h)
+//!          <--- g ---           g = twin(h), in the neighbouring triangle; NONE on the rim
+//! ```
+//!
+//! So `next` and `prev` are arithmetic, and only `twin` is stored. To visit the edges of a vertex
+//! counter-clockwise, start at `out[v]` and go from `h` to `twin(prev(h))`. At a rim vertex
+//! `out[v]` is the rim edge, so that the walk covers the whole fan before it ends at [`NONE`].
 
 use super::data::Patch;
 use crate::mesh::DVec3;
 
-/// The mark for "no half-edge": the other side of a rim edge.
+/// Stands for "no half-edge": the other side of a rim edge.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Patches of fewer triangles fit the cache in any order.
-const WORTH_ORDERING: usize = 4000;
+/// Patches of fewer triangles fit into the cache in any order.
+const MIN_REORDERED: usize = 4000;
 
 /// Triangles with twin links. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the next
 /// one. The first `rim` vertices are those of the rim (or of several rims, one after the other), in
@@ -39,8 +54,8 @@ pub(super) fn prev(h: u32) -> u32 {
 }
 
 impl Surface {
-    /// Links `triangles` (a disc whose boundary is `0 → 1 → … → rim−1 → 0`, or a sphere with several
-    /// holes whose rims are numbered one after the other) over `points`.
+    /// Links `triangles` (a disc whose boundary is `0 → 1 → … → rim−1 → 0`, or a sphere with
+    /// several holes whose rims are numbered one after the other) over `points`.
     pub fn new(points: Vec<DVec3>, size: Vec<f64>, rim: usize, triangles: &[[u32; 3]]) -> Self {
         let n = points.len();
         let corner: Vec<u32> = triangles.iter().flatten().copied().collect();
@@ -112,9 +127,9 @@ impl Surface {
         }
     }
 
-    /// Joins the sides of a disc: corner `i` of its rim becomes the vertex `name[i]` of `points`, all
-    /// of which are rim vertices, and the rim edges that start at the two corners of each of
-    /// `bridges` become two sides of one edge.
+    /// Joins parts of the rim of a disc. Corner `i` of the rim becomes the vertex `name[i]` of
+    /// `points`, all of which are rim vertices. The rim edges that start at the two corners of each
+    /// of `bridges` become two sides of one edge.
     pub fn sew(&mut self, name: &[u32], points: Vec<DVec3>, bridges: &[[u32; 2]]) {
         for &[i, j] in bridges {
             let (h, g) = (self.out[i as usize], self.out[j as usize]);
@@ -256,8 +271,11 @@ impl Surface {
         let g = self.twin(h);
         let (hn, hp, gn, gp) = (next(h), prev(h), next(g), prev(g));
         let (a, b, c, d) = (self.from(h), self.from(g), self.from(hp), self.from(gp));
-        // h: a→b, apex c; g: b→a, apex d. Afterwards h: d→c with apex a... kept in place:
-        // triangle of h = (d, c, a) as (h, hn, hp), triangle of g = (c, d, b) as (g, gn, gp).
+        //      c                 c         before: h = a→b with apex c, g = b→a with apex d
+        //  hp / \ hn         hn /|\ gp
+        //    a-h-b     ->      a h|g b     after: (h, hn, hp) = (d→c, c→a, a→d)
+        //  gn \ / gp         hp \|/ gn            (g, gn, gp) = (c→d, d→b, b→c)
+        //      d                 d
         let (bc, ca, ad, db) = (self.twin(hn), self.twin(hp), self.twin(gn), self.twin(gp));
         self.corner[h as usize] = d;
         self.corner[hn as usize] = c;
@@ -304,14 +322,17 @@ impl Surface {
         self.points.push(point);
         self.size
             .push(f64::midpoint(self.size[a as usize], self.size[b as usize]));
-        // h: a→m, apex c stays in its triangle; the halves at b are new triangles.
+        //      c
+        //    / | \          h = a→m and g = m→a keep their triangles, (a, m, c) and (m, a, d);
+        //   a--m--b         the halves at b are the new triangles (m, b, c) and (b, m, d)
+        //    \ | /
+        //      d
         let t = self.corner.len() as u32;
         self.corner.extend([m, b, c, b, m, d]);
         self.twin.extend([NONE; 6]);
         let (bc, db) = (self.twin(hn), self.twin(gp));
         self.corner[hn as usize] = m;
         self.corner[g as usize] = m;
-        // triangle of h is now (a, m, c); triangle of g is (m, a, d).
         self.pair(t, t + 3);
         self.pair(t + 1, bc);
         self.pair(t + 2, hn);
@@ -361,7 +382,7 @@ impl Surface {
         let (v, u, c, d) = (self.from(h), self.to(h), self.apex(h), self.apex(g));
         let (uc, cv) = (self.twin(next(h)), self.twin(prev(h)));
         let (vd, du) = (self.twin(next(g)), self.twin(prev(g)));
-        // every corner v becomes u
+        // the triangles (v, u, c) and (u, v, d) vanish; every other corner v becomes u
         let mut e = h;
         loop {
             self.corner[e as usize] = u;
@@ -388,12 +409,12 @@ impl Surface {
         self.out[c as usize] = self.keep_rim_first(c, leaves_c);
     }
 
-    /// Renumbers vertices and triangles breadth first from the rim's first edge, the rim keeping its
-    /// numbers: neighbours end up near each other in memory, which halves the time of every pass
-    /// over a large patch. Nothing may have been removed yet.
+    /// Renumbers vertices and triangles breadth first from the rim's first edge, the rim keeping
+    /// its numbers: neighbours end up near each other in memory, which halves the time of every
+    /// pass over a large patch. Nothing may have been removed yet.
     pub fn reorder(&mut self) {
         let count = self.corner.len() / 3;
-        if count < WORTH_ORDERING {
+        if count < MIN_REORDERED {
             return;
         }
         let mut new_vertex = vec![NONE; self.points.len()];

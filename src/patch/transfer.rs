@@ -114,8 +114,8 @@ fn barycentric(corners: [DVec2; 3], p: DVec2) -> [f64; 3] {
     [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)]
 }
 
-/// The face that holds `p`, walking from `face`; by rounding or next to the circle, where chords
-/// cut it off, the one that comes nearest to it.
+/// The face that contains `p`, found by a walk from `face`. If rounding, or a chord of the circle,
+/// leaves `p` outside all faces, the nearest one.
 fn locate(topology: &Topology, places: &[DVec2], p: DVec2, mut face: FaceId) -> FaceId {
     let least = |f: FaceId| {
         let corners = topology.face_vertices(f).map(|v| places[v.index()]);
@@ -126,7 +126,7 @@ fn locate(topology: &Topology, places: &[DVec2], p: DVec2, mut face: FaceId) -> 
         );
         (weights[i] / weights.iter().sum::<f64>(), i)
     };
-    // a walk may go round in circles where the triangles are no Delaunay triangulation
+    // a walk may cycle if the triangles are no Delaunay triangulation
     for _ in 0..places.len() {
         let (weight, i) = least(face);
         if weight >= 0.0 {

@@ -10,8 +10,8 @@ const SMALL: usize = 40;
 /// Loops of up to this many edges get the minimum-weight triangulation if they have no simple
 /// projection (8 ms).
 const AFFORDABLE: usize = 150;
-/// The least perimeter of a projection, relative to the loop's.
-const LEAST_LENGTH: f64 = 0.7;
+/// Minimum perimeter of a projection, relative to the loop's.
+const MIN_LENGTH: f64 = 0.7;
 
 /// A triangulation of the rim without new vertices; triangles contain the edges `i → i + 1`.
 ///
@@ -31,7 +31,7 @@ pub(super) fn triangulate(rim: &Rim) -> Vec<[u32; 3]> {
     while let Some(part) = parts.pop() {
         let points: Vec<DVec3> = part.iter().map(|&v| rim.points[v as usize]).collect();
         let local = if part.len() > SMALL {
-            constrained_delaunay(&points, LEAST_LENGTH)
+            constrained_delaunay(&points, MIN_LENGTH)
         } else {
             None
         };
@@ -81,7 +81,7 @@ fn sub_rim(rim: &Rim, part: &[u32], points: Vec<DVec3>) -> Rim {
             if (i + 1) % n == j {
                 rim.opposite[i]
             } else {
-                // on the edge: a degenerate face, which has no say
+                // on the edge: a degenerate face, which has no influence
                 rim.points[i]
             }
         })

@@ -5,7 +5,7 @@
 //! ([`LiveFill::poll`]), shapes go to the [`Timeline`]; nothing that the caller calls waits for the
 //! solver. Everything that changes the course of the flow is recorded: the
 //! [schedule](LiveFill::schedule) and the controls at the start repeat the fill to the bit
-//! ([`fill_scheduled`](crate::fill::fill_scheduled)).
+//! ([`ScheduledOptions`](crate::fill::ScheduledOptions)).
 
 mod command;
 mod conductor;

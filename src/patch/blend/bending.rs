@@ -1,14 +1,14 @@
-//! How much a triangulated surface bends: a measure by which starting surfaces are compared.
+//! The bending of a triangulated surface, by which starting surfaces are compared.
 
 use crate::mesh::DVec3;
 
 /// Normals of neighbours that differ by more than this are a fold.
 const FOLD: f64 = 2.4;
 
-/// How much a surface bends as the angles between its triangles show it: `3/2 Σ θ² |e|² / A`, over the
-/// edges with angle θ between the normals of their two triangles of total area A. On equilateral triangles
-/// this is `∫ 6 H² - 4 K` in the limit, of which the part of K depends on the rims alone; on others it is a
-/// measure to compare shapes by. Infinite where the surface is folded or has triangles without area.
+/// Bending of a surface by the angles between its triangles: `3/2 Σ θ² |e|² / A` over the edges e
+/// with angle θ between the normals of their two triangles, whose total area is A. On equilateral
+/// triangles this converges to `∫ 6 H² - 4 K`, where the integral of K depends on the rims alone.
+/// Infinite if the surface is folded or has triangles without area.
 pub fn bending(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * triangles.len());
     for (f, t) in triangles.iter().enumerate() {

@@ -1,17 +1,17 @@
-//! Rims cut open along bridges into one polygon: the way for rims that overlap from every side.
+//! Rims cut open along bridges into one polygon, for rims that overlap from every point of view.
 
 use crate::mesh::DVec3;
 use crate::patch::data::Rim;
 use crate::patch::surface::Surface;
 use crate::patch::triangulate::triangulate;
 
-/// A surface between the rims: they are joined, nearest first, by bridges between their nearest
-/// vertices; going around rims and bridges (these twice) makes one polygon, which is triangulated like
-/// the rim of a hole, and sewn together along the bridges. How two rims are twisted against each other
-/// is thus left to the bridges and the least weight.
+/// A surface between the rims. Bridges join the rims, nearest first, at their nearest vertices. The
+/// walk around all rims and, twice, along the bridges is one polygon. It is triangulated like the
+/// rim of a hole and sewn together along the bridges. Bridges and minimum weight thus decide how
+/// two rims are twisted against each other.
 ///
-/// `chords` are pairs of vertices already joined by an edge of the mesh. They and edges that join the
-/// same vertices twice may remain: the caller splits them. O(N²) for N rim vertices, plus the
+/// `chords` are pairs of vertices already joined by an edge of the mesh. They and edges that join
+/// the same vertices twice may remain: the caller splits them. O(N²) for N rim vertices, plus the
 /// triangulation.
 pub(super) fn surface(rims: &[Rim], chords: &[[u32; 2]]) -> Surface {
     let points: Vec<DVec3> = rims.iter().flat_map(|r| r.points.iter().copied()).collect();
@@ -82,7 +82,8 @@ impl Polygon {
         Self { name, bridges }
     }
 
-    /// Across rim edges the existing face; bridges have none: a degenerate face has no say.
+    /// Third vertices of the faces across the polygon's edges. Bridges have no face: theirs is
+    /// degenerate and has no influence.
     fn opposite(&self, rims: &[Rim], points: &[DVec3]) -> Vec<DVec3> {
         let across: Vec<DVec3> = rims
             .iter()

@@ -1,17 +1,17 @@
-//! A rim as a smooth closed curve with directions in which a surface leaves it.
+//! A rim as a smooth closed curve, with the directions in which a surface leaves it.
 
 use super::spine::Cubic;
 use crate::mesh::DVec3;
 use crate::patch::data::Rim;
 use crate::patch::planar::vector_area;
 
-/// Rims are smoothed over this part of their vertices before they are swept along.
+/// Rims are smoothed over this part of their vertices.
 const SMOOTHED: f64 = 1.0 / 24.0;
-/// Mean length of the conormals above which the faces at a rim make a tube with a direction of its own;
-/// 1 for a cylinder, 0 for a hole in a plane.
+/// Length of the mean conormal above which the faces at a rim form a tube with an axis; it is 1 for
+/// a cylinder and 0 for a hole in a plane.
 const TUBE: f64 = 0.4;
 
-/// A rim by the part `u` in 0..1 of its length, in its own direction.
+/// A rim parametrised by arc length relative to its length, `u` in 0..1, in its own direction.
 #[derive(Clone, Debug)]
 pub(super) struct RimCurve {
     /// `u` of each vertex, ascending from 0.
@@ -105,8 +105,8 @@ impl RimCurve {
         self.place.len()
     }
 
-    /// The point at `u`, any number; whole turns do not count. Between vertices the curve is a cubic with
-    /// the slopes of its neighbours' chords (Catmull and Rom).
+    /// The point at `u`, any number, modulo 1. Between vertices the curve is a cubic with the
+    /// slopes of its neighbours' chords (Catmull and Rom).
     pub fn at(&self, u: f64) -> RimPoint {
         let u = u - u.floor();
         let n = self.edges();
@@ -138,13 +138,14 @@ impl RimCurve {
         end - self.place[i]
     }
 
-    /// The side of its plane to which a tube's faces lead: 1 if it leaves along the normal, -1 against
-    /// it, 0 if the faces lie in the plane.
+    /// The side of the rim's plane to which the tube continues: 1 along the normal, -1 against it,
+    /// 0 if the faces lie in the plane.
     pub fn side(&self) -> f64 {
         self.axis.map_or(0.0, |axis| axis.dot(self.normal).signum())
     }
 
-    /// The direction to leave in, on the given side where the rim has none of its own.
+    /// The direction in which a surface leaves the rim; for a rim that is no tube, on the given
+    /// side.
     pub fn axis(&self, side: f64) -> DVec3 {
         self.axis.unwrap_or(side * self.normal)
     }

@@ -1,4 +1,5 @@
-//! Legs from many rims to a hub, where they are joined.
+//! Hub surfaces for three or more rims: a tube (leg) from each rim ends near a common point, the
+//! hub, and a core joins the ends (mouths) of the legs.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,16 +12,17 @@ use crate::patch::fair::warm_start;
 use crate::patch::remesh::{refit, rim_valences};
 use crate::patch::surface::Surface;
 
-/// How far along their axes, in distances from the middle, the rims are followed to find the hub.
+/// Distances, relative to that from the middle, by which the rims are extended along their axes to
+/// find the hub.
 const FOLLOWED: [f64; 5] = [0.0, 0.3, 0.7, 1.3, 2.2];
-/// Legs keep this part of the angle between them free of one another.
+/// A leg may take up this part of the angle to the nearest other leg.
 const FREE: f64 = 0.38;
-/// The ball around which legs end reaches at most this part of the way to the nearest rim.
+/// Maximum radius of the ball around which legs end, relative to the distance of the nearest rim.
 const BALL: f64 = 0.6;
-/// Rounds in which legs turn away from one another.
+/// Number of rounds in which legs turn away from one another.
 const ROUNDS: usize = 40;
 
-/// Points and triangles between the rims, rims first, for each hub that is tried and can be reached.
+/// The hub surfaces of all positions of the hub that can be reached.
 pub(super) fn hubs(rims: &[RimCurve], side: f64, sizes: &[f64]) -> Vec<Patch> {
     let axes: Vec<DVec3> = rims.iter().map(|rim| rim.axis(side)).collect();
     let middle = rims.iter().map(|r| r.centre).sum::<DVec3>() / rims.len() as f64;
@@ -123,9 +125,9 @@ impl Hub {
     }
 }
 
-/// Rings of the legs that give way to the core.
+/// Number of rings of the legs that are smoothed together with the core.
 const LOOSE_RINGS: usize = 2;
-/// Least number of edges around a leg.
+/// Minimum number of edges around a leg.
 const AROUND: f64 = 8.0;
 
 /// Legs and core under construction, the rims' vertices first.

@@ -1,5 +1,5 @@
 //! Rims as seen from a point: their images on the sphere around it, and the Delaunay triangulation
-//! of what lies between them.
+//! of the region between them.
 
 use spade::Point2;
 
@@ -7,10 +7,9 @@ use crate::mesh::DVec3;
 use crate::patch::data::Rim;
 use crate::patch::planar::{delaunay_between, vector_area};
 
-/// A triangulation of the surface between the rims without new vertices: of all points of view from
-/// which no rim overlaps another, the one with the triangulation of least area. `None` if there is
-/// no such point among those tried, or if the rims run around each other in directions that do not
-/// fit.
+/// A triangulation between the rims without new vertices. Of all points of view from which no rim
+/// overlaps another, the one whose triangulation has the least area is taken. `None` if no point
+/// that is tried is such a point, or if the orientations of the rims do not fit.
 ///
 /// The spherical Delaunay triangulation is the planar one after stereographic projection, which
 /// takes circles to circles; the pole is put on the far side of a rim.
@@ -27,7 +26,7 @@ pub(super) fn triangulate(rims: &[Rim]) -> Option<Vec<[u32; 3]>> {
                 continue;
             };
             let area = area(&points, &triangles);
-            // a later view has to be really better, so that rounding does not choose
+            // a later view must be better by more than rounding
             if best.as_ref().is_none_or(|b| area < (1.0 - 1e-6) * b.0) {
                 best = Some((area, triangles));
             }
@@ -46,11 +45,11 @@ fn area(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
         .sum()
 }
 
-/// Distances from the middle, in radii of the whole, at which to look along the common normal: rims
-/// in one plane (a hole with islands) are seen from off it.
+/// Distances of points of view from the middle along the common normal, in radii of the whole: rims
+/// in one plane (a hole with islands) must be viewed from outside the plane.
 const OFF: [f64; 3] = [0.4, 1.0, 3.0];
 
-/// Where to look from: the mean of the rims, the point nearest to all axes, and points on either
+/// Points of view: the mean of the rims, the point nearest to all axes, and points on either
 /// side of both along the mean normal.
 fn points_of_view(rims: &[Rim]) -> Vec<DVec3> {
     let middle = |r: &Rim| r.points.iter().sum::<DVec3>() / r.points.len() as f64;
@@ -89,7 +88,7 @@ fn nearest_to_lines(lines: &[(DVec3, DVec3)], centre: DVec3) -> DVec3 {
     centre + matrix.inverse() * right
 }
 
-/// Nearer to a vertex than this, in radii of the whole, nothing is seen properly.
+/// Minimum distance of a point of view from all vertices, in radii of the whole.
 const NEAR: f64 = 1e-3;
 
 /// The rims on the sphere around `centre`, projected from a pole beyond the rim that takes up most

@@ -1,4 +1,4 @@
-//! Surfaces swept from one rim to another.
+//! Surfaces lofted from one rim to another.
 
 use super::bending::bending;
 use super::curve::{RimCurve, RimPoint};
@@ -11,8 +11,8 @@ use crate::patch::data::Patch;
 enum Path {
     /// Every point on a cubic of its own.
     Rails { pull: f64 },
-    /// The cross-section carried along a spine, turning with it, while it changes from one rim to the
-    /// other.
+    /// The cross-section moves along a spine and turns with it, while it changes from one rim to
+    /// the other.
     Swept(Box<Spine>),
 }
 
@@ -24,7 +24,8 @@ enum LoftKind {
 }
 
 impl LoftKind {
-    /// Between loft_candidates that bend alike the one with untwisted cross-sections is taken.
+    /// Factor on the bending, so that of two similar candidates the one with untwisted
+    /// cross-sections is taken.
     fn handicap(self) -> f64 {
         match self {
             Self::Rails => 1.05,
@@ -33,7 +34,7 @@ impl LoftKind {
     }
 }
 
-/// A surface swept from one rim to another: which points are joined, and how.
+/// A lofted surface: which points of the rims are joined, and by which curves.
 #[derive(Clone, Debug)]
 pub(super) struct LoftParameters {
     /// The point at `u` of the first rim is joined to that at `shift - u` of the second.
@@ -41,20 +42,19 @@ pub(super) struct LoftParameters {
     path: Path,
 }
 
-/// Shifts that are tried.
+/// Number of shifts that are tried.
 const SHIFTS: usize = 24;
-/// How often the steps between shifts are halved for the best one.
+/// Number of times the step between shifts is halved around the best one.
 const HALVINGS: usize = 8;
-/// Lengths of the slopes at the ends that are tried, relative to those of circular arcs; 1 first.
+/// Lengths of the end derivatives that are tried, relative to those of circular arcs; 1 first.
 const PULLS: [f64; 5] = [1.0, 0.6, 1.5, 2.2, 3.2];
-/// Edges of the rims while surfaces are compared.
+/// Maximum number of edges of the rims while surfaces are compared.
 const COARSE: usize = 24;
-/// Starts that are looked at for crossings.
-const LOOKED_AT: usize = 6;
+/// Number of candidates of each kind that are checked for self-intersections.
+const MAX_CHECKED: usize = 6;
 
-/// Ways to sweep from rim `a` to rim `b` that do not pass through themselves, those that bend least
-/// first, one of each kind at most. `side` is where a rim without a direction of its own is left to
-/// (see [`RimCurve::side`]).
+/// Lofts from rim `a` to rim `b` without self-intersections, at most one of each kind, sorted by
+/// bending. `side` is the side to which a rim that is no tube is left (see [`RimCurve::side`]).
 pub(super) fn loft_candidates(a: &RimCurve, b: &RimCurve, side: f64) -> Vec<LoftParameters> {
     let ends = [&a.thinned(COARSE), &b.thinned(COARSE)];
     let mut kinds = vec![LoftKind::Rails];
@@ -65,19 +65,19 @@ pub(super) fn loft_candidates(a: &RimCurve, b: &RimCurve, side: f64) -> Vec<Loft
     for kind in kinds {
         let all = candidates(ends, kind, side).into_iter();
         let best = all.map(|found| refined(ends, found)).find(|(_, loft)| {
-            let sheet = loft_surface(ends, loft, mean_edges(ends));
-            self_intersections(&sheet.points, &sheet.triangles, None, 1).is_empty()
+            let surface = loft_surface(ends, loft, mean_edges(ends));
+            self_intersections(&surface.points, &surface.triangles, None, 1).is_empty()
         });
-        found.extend(best.map(|(bends, loft)| (kind.handicap() * bends, loft)));
+        found.extend(best.map(|(amount, loft)| (kind.handicap() * amount, loft)));
     }
     found.sort_by(|x, y| x.0.total_cmp(&y.0));
     found.into_iter().map(|f| f.1).collect()
 }
 
-/// The loft_candidates of one kind that bend least, with how much they do.
+/// The lofts of one kind with the lowest bending, and their bending.
 fn candidates(ends: [&RimCurve; 2], kind: LoftKind, side: f64) -> Vec<(f64, LoftParameters)> {
     let mut found = Vec::new();
-    // the twist that is best for one length of the slopes is so for all, or nearly
+    // the best twist hardly depends on the length of the end derivatives
     let mut twists = 0..SHIFTS;
     for pull in PULLS {
         let path = Path::new(ends, kind, side, pull);
@@ -86,7 +86,7 @@ fn candidates(ends: [&RimCurve; 2], kind: LoftKind, side: f64) -> Vec<(f64, Loft
                 shift: k as f64 / SHIFTS as f64,
                 path: path.clone(),
             };
-            (bends(ends, &loft), k, loft)
+            (bending_of(ends, &loft), k, loft)
         });
         let tried: Vec<(f64, usize, LoftParameters)> = tried.collect();
         let best = tried.iter().min_by(|x, y| x.0.total_cmp(&y.0));
@@ -96,22 +96,22 @@ fn candidates(ends: [&RimCurve; 2], kind: LoftKind, side: f64) -> Vec<(f64, Loft
         {
             twists = k + SHIFTS - 1..k + SHIFTS + 2;
         }
-        let finite = tried.into_iter().filter(|(bends, ..)| bends.is_finite());
-        found.extend(finite.map(|(bends, _, loft)| (bends, loft)));
+        let finite = tried.into_iter().filter(|(amount, ..)| amount.is_finite());
+        found.extend(finite.map(|(amount, _, loft)| (amount, loft)));
     }
     found.sort_by(|x, y| x.0.total_cmp(&y.0));
-    found.truncate(LOOKED_AT);
+    found.truncate(MAX_CHECKED);
     found
 }
 
-/// The same with the twist of a carried cross-section found more closely: the one that turns it least. (How
-/// much a coarse sheet bends says little about so small differences.)
+/// Refines the twist of a swept loft: the one that turns the cross-section least. (The bending of a
+/// coarse surface is too rough for such small differences.)
 fn refined(
     ends: [&RimCurve; 2],
-    (bends, mut loft): (f64, LoftParameters),
+    (amount, mut loft): (f64, LoftParameters),
 ) -> (f64, LoftParameters) {
     if matches!(loft.path, Path::Rails { .. }) {
-        return (bends, loft);
+        return (amount, loft);
     }
     let turned = |loft: &LoftParameters| -> f64 {
         let rails = (0..RAILS).map(|i| Rail::new(ends, loft, i as f64 / RAILS as f64).curve);
@@ -131,12 +131,12 @@ fn refined(
         }
         step *= 0.5;
     }
-    (bends, loft)
+    (amount, loft)
 }
 
-fn bends(ends: [&RimCurve; 2], loft: &LoftParameters) -> f64 {
-    let sheet = loft_surface(ends, loft, mean_edges(ends));
-    bending(&sheet.points, &sheet.triangles)
+fn bending_of(ends: [&RimCurve; 2], loft: &LoftParameters) -> f64 {
+    let surface = loft_surface(ends, loft, mean_edges(ends));
+    bending(&surface.points, &surface.triangles)
 }
 
 fn mean_edges(ends: [&RimCurve; 2]) -> [f64; 2] {
@@ -153,7 +153,8 @@ fn length_around(points: &[DVec3]) -> f64 {
         .sum()
 }
 
-/// Whether the rims can be the two ends of one tube: not around one another, nor leading to other sides.
+/// Whether the rims can be the two ends of one tube: neither around one another nor leading to
+/// opposite sides.
 fn leads_apart([a, b]: [&RimCurve; 2]) -> bool {
     let apart = a.centre.distance(b.centre);
     a.side() * b.side() >= 0.0 && apart > 0.1 * a.radius.max(b.radius)
@@ -172,14 +173,15 @@ impl Path {
     }
 }
 
-/// Over how many edges the raggedness of a rim fades out.
+/// Number of edges over which the raggedness of a rim fades out.
 const RAGGED: f64 = 4.0;
 
 /// The points of one rail.
 struct Rail<'a> {
     ends: [RimPoint; 2],
     loft: &'a LoftParameters,
-    /// The rail itself, or its cross-section's point relative to the spine in the frame at its start.
+    /// The rail itself, or its cross-section's point relative to the spine in the frame at its
+    /// start.
     curve: Cubic,
 }
 
@@ -195,7 +197,8 @@ impl<'a> Rail<'a> {
                 let directions = [a.conormal, -b.conormal];
                 let mut slopes = [DVec3::ZERO; 2];
                 for (k, t) in [0.0, 1.0].into_iter().enumerate() {
-                    // what the sweep alone does, and what is missing to leave along the conormal as fast
+                    // the derivative of the sweep alone; the rest makes the surface leave along the
+                    // conormal at the same speed
                     let carried =
                         spine.curve.slope(t) + spine.curve.turning_rate(t).cross(offsets[k]);
                     slopes[k] = carried.length() * directions[k] - carried;
@@ -214,7 +217,8 @@ impl<'a> Rail<'a> {
         }
     }
 
-    /// At `t` in 0..=1; `fades` are the parts of the curve over which the raggedness of the ends fades.
+    /// At `t` in 0..=1; `fades` are the parts of the curve over which the raggedness of the ends
+    /// fades.
     fn at(&self, t: f64, fades: [f64; 2]) -> DVec3 {
         let smooth = match &self.loft.path {
             Path::Rails { .. } => self.curve.at(t),
@@ -225,15 +229,16 @@ impl<'a> Rail<'a> {
     }
 }
 
-/// Rails along which lengths are measured, and their pieces.
+/// Number of rails along which lengths are measured, and of their pieces.
 const RAILS: usize = 16;
 const PIECES: usize = 32;
-/// Most rows of triangles and most vertices of a row.
-const MOST_ROWS: usize = 4000;
+/// Maximum number of rows of triangles; a row has at most four times as many vertices.
+const MAX_ROWS: usize = 4000;
 /// Height of an equilateral triangle.
 const ROW: f64 = 0.866;
 
-/// Triangulates a sweep with edges whose lengths go from `sizes[0]` to `sizes[1]`.
+/// Triangulates a loft with edges whose lengths go from `sizes[0]` to `sizes[1]`: a patch over the
+/// two rims.
 pub(super) fn loft_surface(ends: [&RimCurve; 2], loft: &LoftParameters, sizes: [f64; 2]) -> Patch {
     let rows = Rows::new(ends, loft, sizes);
     let mut points: Vec<DVec3> = ends.iter().flat_map(|rim| rim.points()).collect();
@@ -275,7 +280,7 @@ pub(super) fn loft_surface(ends: [&RimCurve; 2], loft: &LoftParameters, sizes: [
     }
 }
 
-/// Where the rows of a sheet lie.
+/// The rows of vertices of a lofted surface.
 struct Rows {
     /// `t` and number of vertices of each inner row.
     list: Vec<(f64, usize)>,
@@ -306,14 +311,14 @@ impl Rows {
             let here = 0.5 * ROW * (size(p) + size(p + 1));
             rows.push(rows[p] + (along[p + 1] - along[p]) / here);
         }
-        let count = (rows[PIECES].round() as usize).clamp(2, MOST_ROWS);
+        let count = (rows[PIECES].round() as usize).clamp(2, MAX_ROWS);
         let list = (1..count).map(|j| {
             let wanted = rows[PIECES] * j as f64 / count as f64;
             let p = rows.partition_point(|&r| r < wanted).clamp(1, PIECES);
             let f = (wanted - rows[p - 1]) / (rows[p] - rows[p - 1]);
             let around = (1.0 - f) * length_around(&rings[p - 1]) + f * length_around(&rings[p]);
             let size = (1.0 - f) * size(p - 1) + f * size(p);
-            let n = ((around / size).round() as usize).clamp(5, 4 * MOST_ROWS);
+            let n = ((around / size).round() as usize).clamp(5, 4 * MAX_ROWS);
             (time(p - 1) + f * (time(p) - time(p - 1)), n)
         });
         Self {

@@ -1,4 +1,4 @@
-//! A cubic curve with frames that do not twist.
+//! A cubic curve with rotation-minimising frames.
 
 use crate::mesh::DVec3;
 use glam::DMat3;
@@ -14,9 +14,9 @@ pub(super) struct Cubic {
 }
 
 impl Cubic {
-    /// From `a`, leaving in the unit direction `leave`, to `b`, coming in along `arrive`. Its slopes are `pull`
-    /// times as long as those of the circular arc that turns from the one direction to the other, which
-    /// it follows closely with `pull` 1.
+    /// From `a` with the unit direction `leave` to `b` with the direction `arrive`. The end
+    /// derivatives are `pull` times as long as those of the circular arc that turns from the one
+    /// direction to the other. With `pull` 1 the cubic is close to that arc.
     pub fn turning(a: DVec3, leave: DVec3, b: DVec3, arrive: DVec3, pull: f64) -> Self {
         let turn = leave.angle_between(arrive);
         // not a number where a direction is missing: max drops it
@@ -46,14 +46,14 @@ impl Cubic {
             + (6.0 * t - 2.0) * self.slopes[1]
     }
 
-    /// How fast the tangent turns: the vector about which, in radians per unit of `t`.
+    /// Angular velocity of the tangent, in radians per unit of `t`.
     pub fn turning_rate(&self, t: f64) -> DVec3 {
         let slope = self.slope(t);
         slope.cross(self.bend(t)) / slope.length_squared().max(f64::MIN_POSITIVE)
     }
 }
 
-/// A cubic with a frame at every place, carried along without turning about the tangent.
+/// A cubic with a frame at every place that does not turn about the tangent.
 #[derive(Clone, Debug)]
 pub(super) struct Spine {
     pub curve: Cubic,
