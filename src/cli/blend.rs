@@ -52,7 +52,10 @@ pub fn blend(args: &BlendArguments) -> Result<()> {
         );
     }
     let rims = chosen.iter().map(|id| &loops[id.index()]).collect();
-    task.fill(&[rims], skipped(&loops, &chosen, is_auto))
+    task.fill(
+        &[rims],
+        skipped(&loops, &chosen, |l| args.loops.reason_to_skip(l)),
+    )
 }
 
 /// Whether no component has two of the loops.

@@ -7,6 +7,7 @@ use clap::Args;
 
 use crate::cli::fill::{FillArguments, fill};
 use crate::cli::flow::{FlowArguments, LoopArguments, MeshFiles};
+use crate::cli::options::OptionArguments;
 use crate::cli::print::print;
 use crate::io::save_mesh;
 use crate::mesh::{Mesh, Topology};
@@ -41,6 +42,7 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
             quiet: args.quiet,
         },
         loops: LoopArguments::default(),
+        limits: OptionArguments::default(),
         part: Vec::new(),
         no_islands: false,
         flow: FlowArguments {

@@ -4,10 +4,12 @@ use anyhow::Result;
 use clap::Args;
 
 use crate::cli::flow::{FlowArguments, LoopArguments, MeshFiles, Task};
+use crate::cli::options::OptionArguments;
 use crate::cli::parse::point;
 use crate::cli::progress::Progress;
 use crate::cli::report::skipped;
-use crate::mesh::{DVec3, LoopId, boundary_loops};
+use crate::fill::LoopLimits;
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, boundary_loops};
 use crate::ops::{FillPartSpec, FillSpec, Operation, Outcome};
 
 /// `meniscus fill`.
@@ -19,6 +21,9 @@ pub struct FillArguments {
     /// Which loops.
     #[command(flatten)]
     pub loops: LoopArguments,
+    /// Which loops are left open.
+    #[command(flatten)]
+    pub limits: OptionArguments<LoopLimits>,
     /// Fill only part of one hole: along its rim from the vertex nearest to the first point to the
     /// one nearest to the second, the shorter way. A later fill does the rest.
     #[arg(
@@ -27,7 +32,9 @@ pub struct FillArguments {
         value_names = ["X,Y,Z", "X,Y,Z"],
         value_parser = point,
         allow_hyphen_values = true,
-        conflicts_with_all = ["loops", "loop_at", "schedule"]
+        conflicts_with_all = [
+            "loops", "loop_at", "schedule", "max-edges", "max-perimeter", "max-diameter"
+        ]
     )]
     pub part: Vec<DVec3>,
     /// Fill holes as if no loose pieces lay in them; without it patches pass through the rims of
@@ -60,7 +67,13 @@ pub fn fill(args: &FillArguments) -> Result<()> {
         return task.save(&filled, Vec::new(), Vec::new());
     }
     let loops = boundary_loops(mesh);
-    let chosen = args.loops.chosen(mesh, &loops)?;
+    let mut chosen = args.loops.chosen(mesh, &loops)?;
+    let limits = if args.loops.are_named() {
+        LoopLimits::default()
+    } else {
+        args.limits.0.clone()
+    };
+    chosen.retain(|id| limits.exceeded(&loops[id.index()]).is_none());
     let spec = FillSpec {
         loops: chosen,
         islands: !args.no_islands,
@@ -68,5 +81,10 @@ pub fn fill(args: &FillArguments) -> Result<()> {
     };
     let rim_sets = spec.rim_sets(mesh, &loops)?;
     let joined: Vec<LoopId> = rim_sets.iter().flatten().map(|l| l.id).collect();
-    task.fill(&rim_sets, skipped(&loops, &joined, args.loops.are_auto()))
+    let is_guess = |l: &BoundaryLoop| args.loops.are_auto() && l.outer_rim;
+    let reason = |l: &BoundaryLoop| match limits.exceeded(l) {
+        Some(reason) if !is_guess(l) => reason,
+        _ => args.loops.reason_to_skip(l),
+    };
+    task.fill(&rim_sets, skipped(&loops, &joined, reason))
 }

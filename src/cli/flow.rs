@@ -73,6 +73,20 @@ impl LoopArguments {
         self.loop_at.is_empty() && self.loops == LoopChoice::Auto
     }
 
+    /// Whether loops are chosen one by one.
+    pub fn are_named(&self) -> bool {
+        !self.loop_at.is_empty() || matches!(self.loops, LoopChoice::Listed(_))
+    }
+
+    /// Why a loop is not among the chosen ones.
+    pub fn reason_to_skip(&self, one: &BoundaryLoop) -> String {
+        if self.are_auto() && one.outer_rim {
+            format!("guessed an outer rim: {}", one.reason)
+        } else {
+            "not chosen".into()
+        }
+    }
+
     /// The chosen loops, ascending.
     pub fn chosen(&self, mesh: &Mesh, loops: &[BoundaryLoop]) -> Result<Vec<LoopId>> {
         if self.loop_at.is_empty() {
@@ -284,8 +298,8 @@ fn nothing_to_do(loops: usize) -> String {
         "no boundary loops: the mesh is closed and is written as it is".into()
     } else {
         format!(
-            "nothing to fill: all {loops} boundary loops look like outer rims (choose some with \
-             --loops or --loop-at); the mesh is written as it is"
+            "nothing to fill: all {loops} boundary loops are left open (choose some with --loops or \
+             --loop-at); the mesh is written as it is"
         )
     }
 }

@@ -212,18 +212,18 @@ pub fn totals(filled: &Filled, holes: &[HoleReport]) -> Totals {
 }
 
 /// Loops that were not chosen, with the reason.
-pub fn skipped(loops: &[BoundaryLoop], chosen: &[LoopId], auto: bool) -> Vec<SkippedLoop> {
+pub fn skipped(
+    loops: &[BoundaryLoop],
+    chosen: &[LoopId],
+    reason: impl Fn(&BoundaryLoop) -> String,
+) -> Vec<SkippedLoop> {
     loops
         .iter()
         .filter(|l| !chosen.contains(&l.id))
         .map(|l| SkippedLoop {
             id: l.id,
             edges: l.edges(),
-            reason: if auto {
-                format!("guessed an outer rim: {}", l.reason)
-            } else {
-                "not chosen".into()
-            },
+            reason: reason(l),
         })
         .collect()
 }

@@ -37,7 +37,7 @@ mod sheets;
 mod warm_start;
 
 pub use bridge::{BridgeError, RimSegment, bridge, segment_at};
-pub use controls::{Continuity, Controls, ControlsError, Linear};
+pub use controls::{Continuity, Controls, ControlsError, Linear, LoopLimits};
 pub use fair::fair;
 pub use islands::with_islands;
 pub use live::{

@@ -456,6 +456,30 @@ fn outer_rims_are_left_and_named() {
 }
 
 #[test]
+fn large_loops_are_left_open_and_named() {
+    let desk = Desk::new();
+    desk.write("in.obj", &obj(&sphere()));
+    let info = desk.run(&["info", "in.obj", "--json"]).ends(0).stdout;
+    let info: Value = serde_json::from_str(&info).expect("JSON");
+    let loops = info["loops"].as_array().expect("loops");
+    let edges = |l: &Value| l["edges"].as_u64().expect("a number");
+    let large = loops.iter().max_by_key(|l| edges(l)).expect("loops");
+    let number = large["number"].as_u64().expect("a number");
+    let limit = (edges(large) - 1).to_string();
+    let (filled, skipped, left) = filled_and_skipped(&desk, "in.obj", &["--max-edges", &limit]);
+    assert_eq!((filled.len(), skipped, left), (2, vec![number], 1));
+    let reason = desk.json("report.json")["skipped"][0]["reason"].to_string();
+    assert!(reason.contains("more than"), "{reason}");
+    // a loop that is named is filled whatever its size
+    let named = ["--loops", &number.to_string(), "--max-edges", "3"];
+    assert_eq!(filled_and_skipped(&desk, "in.obj", &named).0, [number]);
+    let run = desk.run(&["fill", "in.obj", "-o", "out.obj", "--max-diameter", "1e-9"]);
+    let run = run.ends(0);
+    assert!(run.stderr.contains("diameter"), "{}", run.stderr);
+    assert!(run.stderr.contains("nothing to fill"), "{}", run.stderr);
+}
+
+#[test]
 fn report_and_trace_are_complete() {
     let desk = Desk::new();
     let shape = sphere();

@@ -1,6 +1,7 @@
 //! What a user may choose about a fill: one struct for command line, window, schedules and project
 //! file.
 
+mod limits;
 #[cfg(test)]
 mod tests;
 
@@ -12,6 +13,8 @@ use crate::mesh::LoopId;
 use crate::options::{TauChoice, choices, options, text_keys};
 use crate::patch::PatchOptions;
 use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, SolverError, Tau};
+
+pub use limits::LoopLimits;
 
 /// How a patch meets the mesh along a rim.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
