@@ -1,4 +1,4 @@
-//! Everything a person can ask of the window, as values.
+//! Everything that can be asked of the window, as values.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,107 @@ use super::report::ReportAction;
 use super::view_state::{Bridging, Modal, Navigation, PictureSettings, Refining, Selecting, Task};
 use crate::fill::Controls;
 use crate::mesh::{DVec3, LoopId};
-use crate::render::{Camera, ViewStyle};
+use crate::render::{Camera, StandardView, ViewMode, ViewStyle};
+
+/// A request.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Opening, saving, closing.
+    File(FileAction),
+    /// Undo, and changes of the mesh without a flow.
+    Edit(EditAction),
+    /// The selection.
+    Select(SelectAction),
+    /// The task and its settings.
+    Task(TaskAction),
+    /// Energy and controls.
+    Controls(ControlsAction),
+    /// The run.
+    Run(RunAction),
+    /// Camera, style, appearance.
+    View(ViewAction),
+    /// Measures of the surface.
+    Report(ReportAction),
+    /// Pictures.
+    Picture(PictureAction),
+    /// Close what is open, else stop what runs, else clear the selection.
+    Escape,
+    /// Open, change or close the dialog.
+    Modal(Modal),
+    /// Close a toast.
+    DismissToast(usize),
+}
+
+macro_rules! from_kinds {
+    ($($variant:ident($kind:ident)),+) => {
+        $(impl From<$kind> for Action {
+            fn from(action: $kind) -> Self {
+                Self::$variant(action)
+            }
+        })+
+    };
+}
+
+from_kinds!(
+    File(FileAction),
+    Edit(EditAction),
+    Select(SelectAction),
+    Task(TaskAction),
+    Controls(ControlsAction),
+    Run(RunAction),
+    View(ViewAction),
+    Report(ReportAction),
+    Picture(PictureAction),
+    Modal(Modal)
+);
+
+/// Opening, saving, closing.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FileAction {
+    /// Choose a file to open.
+    AskOpen,
+    /// Open a mesh or project.
+    Open(PathBuf),
+    /// Open a sample.
+    Sample(String),
+    /// Save to where it was saved last, or ask.
+    Save,
+    /// Choose where to save.
+    AskSaveAs,
+    /// Save the mesh, or the project if the path has its extension.
+    SaveAs(PathBuf),
+    /// Choose where to write the patches.
+    AskExportPatch,
+    /// Write the patches alone.
+    ExportPatch(PathBuf),
+    /// Close the window, after asking about unsaved changes.
+    Close,
+    /// Continue with what unsaved changes interrupted, without saving.
+    DiscardAndContinue,
+    /// Save, then continue.
+    SaveAndContinue,
+    /// Open a recovery file.
+    Recover(PathBuf),
+    /// Delete the recovery files offered.
+    DropRecovery,
+    /// The command that repeats the work, to the clipboard.
+    CopyCommand,
+}
+
+/// Undo, and changes of the mesh without a flow.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EditAction {
+    /// Undo; in the middle of a run its shown state is accepted first.
+    Undo,
+    /// Redo.
+    Redo,
+    /// Erase the selected faces.
+    Erase,
+    /// Flip the component of a loop.
+    Flip(LoopId),
+    /// Build a bridge between two rim vertices, this many edges wide.
+    Bridge([DVec3; 2], usize),
+}
 
 /// How a click changes the selection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +118,82 @@ pub enum SelectHow {
     Add,
     /// This loop in or out.
     Toggle,
+}
+
+/// The selection of loops and faces.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SelectAction {
+    /// Click on a loop.
+    Loop(LoopId, SelectHow),
+    /// All loops that are not guessed outer boundaries.
+    All,
+    /// All loops but the largest.
+    AllButLargest,
+    /// Nothing: no loop, or no face in the tasks that work on faces.
+    None,
+    /// Change the selection of faces.
+    Faces(FaceEdit),
+}
+
+/// The task and its settings.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TaskAction {
+    /// Fill, blend, repair or refine.
+    Choose(Task),
+    /// How faces are selected.
+    Selecting(Selecting),
+    /// How the mesh is refined.
+    Refining(Box<Refining>),
+    /// Begin a bridge, change it, or cancel it.
+    Bridging(Option<Bridging>),
+}
+
+/// Energy and controls.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ControlsAction {
+    /// Set the controls; acts on the run, if there is one.
+    Set(Box<Controls>),
+    /// A slider was released: the next change is an undo entry of its own.
+    EndDrag,
+    /// Energy text as typed.
+    EnergyText(String),
+    /// Use the typed energy.
+    ApplyEnergy,
+    /// Give a name in the typed energy a value.
+    AddParameter(String),
+    /// Compare with another energy (or stop comparing).
+    CompareEnergy(Option<String>),
+}
+
+/// The run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RunAction {
+    /// Start the task; accept a finished run.
+    Proceed,
+    /// Start the task: fill the selected holes, blend the rims, refill the selected faces, refine.
+    Start,
+    /// Fair the selected faces: their triangles stay, their inner vertices flow.
+    Fair,
+    /// Play or pause.
+    PlayPause,
+    /// One step.
+    Step,
+    /// One stored state back.
+    StepBack,
+    /// Jump to the converged shape.
+    Finish,
+    /// End the flow here.
+    Stop,
+    /// Show a stored state; `None` for the newest.
+    Scrub(Option<usize>),
+    /// Continue the flow from the state that is shown.
+    ContinueFromShown,
+    /// States a second.
+    Pace(f64),
+    /// Accept the shown state of a variant.
+    Accept(usize),
+    /// Drop the run.
+    Reject,
 }
 
 /// A switch of the view.
@@ -51,116 +227,33 @@ pub enum Switch {
     Analysis,
 }
 
-/// A request.
-#[derive(Clone, Debug)]
-pub enum Action {
-    /// Choose a file to open.
-    AskOpen,
-    /// Open a mesh or project.
-    Open(PathBuf),
-    /// Open a sample.
-    Sample(String),
-    /// Save to where it was saved last, or ask.
-    Save,
-    /// Choose where to save.
-    AskSaveAs,
-    /// Save the mesh, or the project if the path says so.
-    SaveAs(PathBuf),
-    /// Choose where to write the patches.
-    AskExportPatch,
-    /// Write the patches alone.
-    ExportPatch(PathBuf),
-    /// Close the window, after asking about unsaved changes.
-    Close,
-    /// Go on with what unsaved changes held up, without saving.
-    Discard,
-    /// Save, then go on.
-    SaveThenGoOn,
-    /// Open a recovery file.
-    Recover(PathBuf),
-    /// Delete the recovery files offered.
-    DropRecovery,
-
-    /// Click on a loop.
-    Select(LoopId, SelectHow),
-    /// All loops that are no outer rims.
-    SelectAll,
-    /// All loops but the largest.
-    SelectAllButLargest,
-    /// None.
-    SelectNone,
-    /// Fill, blend or repair.
-    Task(Task),
-    /// How faces are selected.
-    Selecting(Selecting),
-    /// How the mesh is refined.
-    Refining(Box<Refining>),
-    /// Change the selection of faces.
-    Faces(FaceEdit),
-    /// Let the selected faces flow as they are.
-    Fair,
-    /// Erase the selected faces.
-    Erase,
-    /// Turn over the component of a loop.
-    Flip(LoopId),
-    /// Begin a bridge, change it, or leave it.
-    Bridging(Option<Bridging>),
-    /// Build a bridge between two rim vertices, so many edges wide.
-    Bridge([DVec3; 2], usize),
+/// Camera, style, appearance.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ViewAction {
     /// The cursor is over a loop.
     Hover(Option<LoopId>),
-
-    /// Set the controls; acts on the run, if there is one.
-    Controls(Box<Controls>),
-    /// A slider was let go: the next change is an undo entry of its own.
-    Settle,
-    /// Energy text as typed.
-    EnergyText(String),
-    /// Take the typed energy.
-    ApplyEnergy,
-    /// Give a name of the typed energy a value.
-    AddParameter(String),
-    /// Compare with another energy (or stop comparing).
-    CompareEnergy(Option<String>),
-
-    /// Do the task: fill the selected holes, blend the rims, refill the selected faces.
-    Fill,
-    /// Play or pause.
-    PlayPause,
-    /// One step.
-    Step,
-    /// Jump to the converged shape.
-    Finish,
-    /// End the flow here.
-    Stop,
-    /// Show a kept state; `None` for the newest.
-    Scrub(Option<usize>),
-    /// Go on from the state that is shown.
-    GoOnFromHere,
-    /// States a second.
-    Pace(f64),
-    /// Take the patch in; the side of a comparison.
-    Accept(usize),
-    /// Drop the run.
-    Reject,
-    /// Esc: close, cancel or clear, whichever is first.
-    Escape,
-
-    /// Undo.
-    Undo,
-    /// Redo.
-    Redo,
-
-    /// Look from elsewhere.
+    /// Another camera.
     Camera(Camera),
-    /// Look at everything.
+    /// A standard view.
+    Standard(StandardView),
+    /// Fit everything.
     FitAll,
-    /// Look at a loop.
+    /// Show a loop.
     FlyToLoop(LoopId),
-    /// Look at a place.
+    /// Show a place.
     FlyTo(DVec3),
-    /// Draw differently.
+    /// Another style.
     Style(ViewStyle),
+    /// A view mode.
+    Mode(ViewMode),
+    /// The next view mode.
+    NextMode,
+    /// The view mode before.
+    PreviousMode,
+    /// More stripes.
+    MoreStripes,
+    /// Fewer stripes.
+    FewerStripes,
     /// Flip a switch.
     Toggle(Switch),
     /// Navigation preset.
@@ -169,22 +262,19 @@ pub enum Action {
     Dark(bool),
     /// Scale of the interface.
     UiScale(f32),
+}
 
-    /// Something of the report.
-    Report(ReportAction),
-
-    /// Close a toast.
-    DismissToast(usize),
-    /// Open or change the dialog.
-    Modal(Modal),
+/// Pictures.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PictureAction {
+    /// Open the picture dialog.
+    Ask,
     /// Make a picture, or a sequence.
-    Picture(Box<PictureSettings>),
+    Make(Box<PictureSettings>),
     /// Picture of the viewport to the clipboard.
-    CopyPicture,
+    Copy,
     /// Picture of the whole window.
-    WindowPicture,
-    /// The command that repeats the work, to the clipboard.
-    CopyCommand,
+    Window,
     /// Stop the sequence that is being written.
-    CancelPicture,
+    Cancel,
 }

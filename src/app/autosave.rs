@@ -1,7 +1,7 @@
-//! The recovery file: written while there is work no file holds, gone after a regular end.
+//! The recovery file: it exists while there is unsaved work and is removed at a regular exit.
 //!
-//! Each window holds a lock on a file beside its recovery file; the system lets go of it however
-//! the program ends. A recovery file whose lock is free was left behind.
+//! Each window locks a file beside its recovery file; the system releases the lock however the
+//! program ends. A recovery file whose lock is free belongs to a window that crashed.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -16,7 +16,7 @@ use crate::fill::Controls;
 use crate::io;
 use crate::mesh::LoopId;
 
-/// How long after a change it is written.
+/// Time from a change to writing the file.
 const DELAY: Duration = Duration::from_secs(2);
 
 /// What of a document a recovery file holds; another one is written when it changes.
@@ -52,7 +52,8 @@ impl Autosave {
         }
     }
 
-    /// Takes a name of its own in `folder`. Where that fails nothing is written, and it is said.
+    /// Reserves a file name in `folder`. If that fails, nothing is written and an error is
+    /// reported.
     pub fn in_folder(folder: &Path) -> Self {
         let mut autosave = Self::off();
         match claim(folder) {
@@ -68,12 +69,12 @@ impl Autosave {
         autosave
     }
 
-    /// What is to be said.
+    /// Errors to report.
     pub fn take_errors(&mut self) -> Vec<String> {
         std::mem::take(&mut self.errors)
     }
 
-    /// Writes what has changed, a while after the last change. Returns when to look again.
+    /// Writes the file some time after the last change. Returns after how long to call again.
     pub fn tick(
         &mut self,
         now: Instant,
@@ -127,7 +128,7 @@ impl Autosave {
         None
     }
 
-    /// Nothing needs to be recovered any more.
+    /// Removes the recovery file: there is no unsaved work.
     pub fn discard(&mut self) {
         // a write under way must not come after the removal
         if let Some(job) = self.job.take() {
@@ -146,7 +147,7 @@ impl Autosave {
 impl Drop for Autosave {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            // what there is stays for the next session
+            // the file stays for the next session
             return;
         }
         self.discard();
@@ -157,7 +158,7 @@ impl Drop for Autosave {
     }
 }
 
-/// Makes and locks a file no other window has.
+/// Creates and locks a file that no other window uses.
 fn claim(folder: &Path) -> std::io::Result<(File, PathBuf)> {
     fs::create_dir_all(folder)?;
     let mut number = std::process::id();
@@ -175,7 +176,7 @@ fn claim(folder: &Path) -> std::io::Result<(File, PathBuf)> {
     }
 }
 
-/// Recovery files in `folder` that were left behind, newest first.
+/// Recovery files of crashed windows in `folder`, newest first.
 pub fn left_behind(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();
@@ -185,7 +186,7 @@ pub fn left_behind(folder: &Path) -> Vec<PathBuf> {
             let path = entry.ok()?.path();
             let lock = path.with_extension("lock");
             let is_ours = path.extension().is_some_and(|e| e == project::EXTENSION);
-            // a lock that cannot be had belongs to a window that is open
+            // an open window holds its lock
             let free = File::open(&lock).map_or(true, |f| f.try_lock().is_ok());
             let time = fs::metadata(&path).and_then(|m| m.modified()).ok()?;
             (is_ours && free).then_some((time, path))

@@ -1,4 +1,4 @@
-//! The selection of faces: strokes, lassos and what changes it as a whole.
+//! The selection of faces: brush strokes, lassos and operations on the whole selection.
 
 use std::sync::Arc;
 
@@ -9,16 +9,16 @@ use crate::mesh::{
     DVec3, FaceId, Mesh, connected_faces, face_flags, face_list, faces_near, grow, invert, shrink,
     smooth_border,
 };
-use crate::render::{Camera, Picker, Sight};
+use crate::render::{Camera, Picker, Projector};
 
-/// A dab of the brush: the face hit, where, and the radius in units of the file.
+/// A stamp of the brush: the face hit, where, and the radius in units of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dab {
+pub struct BrushStamp {
     /// The face under the brush's middle.
     pub face: FaceId,
-    /// The place on it.
+    /// The point on it.
     pub point: DVec3,
-    /// How far it reaches.
+    /// Its radius.
     pub radius: f64,
 }
 
@@ -31,17 +31,17 @@ pub struct Lasso {
     pub size: [f64; 2],
     /// Where it was drawn.
     pub camera: Camera,
-    /// Whether hidden faces are taken too.
+    /// Whether hidden faces are selected too.
     pub through: bool,
 }
 
-/// A change of the selection. `take` takes away instead of adding.
+/// A change of the selection. `take` removes faces instead of adding them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FaceEdit {
     /// Part of a stroke of the brush; the parts are one change.
     Paint {
-        /// Dabs.
-        dabs: Vec<Dab>,
+        /// Stamps.
+        stamps: Vec<BrushStamp>,
         /// Take away.
         take: bool,
     },
@@ -52,8 +52,8 @@ pub enum FaceEdit {
         /// Take away.
         take: bool,
     },
-    /// What a lasso has caught: ascending faces of this mesh.
-    Caught {
+    /// The faces found in a lasso, ascending, of this mesh.
+    LassoResult {
         /// The mesh.
         mesh: Arc<Mesh>,
         /// The faces.
@@ -87,7 +87,7 @@ impl FaceEdit {
         match self {
             Self::Paint { take: false, .. } => "paint faces",
             Self::Paint { take: true, .. } => "unpaint faces",
-            Self::Lasso { .. } | Self::Caught { .. } => "lasso",
+            Self::Lasso { .. } | Self::LassoResult { .. } => "lasso",
             Self::Spread { .. } => "spread the selection",
             Self::Grow => "grow the selection",
             Self::Shrink => "shrink the selection",
@@ -98,7 +98,7 @@ impl FaceEdit {
     }
 }
 
-/// The selection after a change; a lasso has to be [caught](catch) first and changes nothing here.
+/// The selection after a change. A lasso changes nothing here: [`faces_in_lasso`] finds its faces first.
 pub fn edited(document: &Document, edit: &FaceEdit) -> Vec<u32> {
     let mesh = &document.mesh;
     let now = &document.faces;
@@ -108,16 +108,16 @@ pub fn edited(document: &Document, edit: &FaceEdit) -> Vec<u32> {
         face_list(&flags)
     };
     match edit {
-        FaceEdit::Paint { dabs, take } => {
-            let mut faces: Vec<u32> = dabs
+        FaceEdit::Paint { stamps, take } => {
+            let mut faces: Vec<u32> = stamps
                 .iter()
-                .flat_map(|dab| faces_near(mesh, dab.face, dab.point, dab.radius))
+                .flat_map(|stamp| faces_near(mesh, stamp.face, stamp.point, stamp.radius))
                 .collect();
             faces.sort_unstable();
             faces.dedup();
             joined(now, &faces, *take)
         }
-        FaceEdit::Caught { faces, take, .. } => joined(now, faces, *take),
+        FaceEdit::LassoResult { faces, take, .. } => joined(now, faces, *take),
         FaceEdit::Lasso { .. } => now.to_vec(),
         FaceEdit::Spread { face, take } => whole(&|flags| spread(mesh, flags, *face, *take)),
         FaceEdit::Grow => whole(&|flags| grow(&mesh.topology, flags)),
@@ -172,8 +172,8 @@ fn spread(mesh: &Mesh, flags: &mut [bool], face: FaceId, take: bool) {
 
 /// The faces whose middle is within a lasso: ascending. Without [`Lasso::through`] those that face the
 /// eye with nothing before them, which the mesh's picker knows.
-pub fn catch(mesh: &Mesh, picker: &Picker, lasso: &Lasso) -> Vec<u32> {
-    let sight = Sight::new(&lasso.camera, lasso.size);
+pub fn faces_in_lasso(mesh: &Mesh, picker: &Picker, lasso: &Lasso) -> Vec<u32> {
+    let projector = Projector::new(&lasso.camera, lasso.size);
     let polygon = &lasso.corners;
     let mut boxed = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
     for c in polygon {
@@ -188,7 +188,7 @@ pub fn catch(mesh: &Mesh, picker: &Picker, lasso: &Lasso) -> Vec<u32> {
     let middle = |f: u32| mesh.corners(FaceId(f)).into_iter().sum::<DVec3>() / 3.0;
     let within: Vec<u32> = (0..mesh.face_count() as u32)
         .into_par_iter()
-        .filter(|&f| sight.pixel(middle(f)).is_some_and(inside))
+        .filter(|&f| projector.pixel(middle(f)).is_some_and(inside))
         .collect();
     if lasso.through || within.is_empty() {
         return within;
@@ -197,9 +197,9 @@ pub fn catch(mesh: &Mesh, picker: &Picker, lasso: &Lasso) -> Vec<u32> {
         .into_par_iter()
         .filter(|&f| {
             let [a, b, c] = mesh.corners(FaceId(f));
-            let (origin, direction, far) = sight.line_to(middle(f));
+            let (origin, direction, far) = projector.line_to(middle(f));
             let faces_eye = (b - a).cross(c - a).dot(direction) < 0.0;
-            let first = picker.first_face(&sight, origin, direction, far);
+            let first = picker.first_face(&projector, origin, direction, far);
             faces_eye && first.is_none_or(|first| first.0 == f)
         })
         .collect()
@@ -251,9 +251,9 @@ mod tests {
             through: true,
         };
         let all = mesh.face_count();
-        assert_eq!(catch(&mesh, &picker, &lasso).len(), all);
+        assert_eq!(faces_in_lasso(&mesh, &picker, &lasso).len(), all);
         lasso.through = false;
-        let near = catch(&mesh, &picker, &lasso);
+        let near = faces_in_lasso(&mesh, &picker, &lasso);
         // from a finite distance less than half of a ball is seen
         assert!(
             (all / 4..all / 2).contains(&near.len()),
@@ -266,7 +266,7 @@ mod tests {
         }
         // the left half of the view
         lasso.corners = vec![[0.0, 0.0], [200.0, 0.0], [200.0, 300.0], [0.0, 300.0]];
-        let half = catch(&mesh, &picker, &lasso);
+        let half = faces_in_lasso(&mesh, &picker, &lasso);
         let left = -lasso.camera.right();
         assert!(half.iter().all(|f| near.contains(f)));
         let middle = |f: u32| mesh.corners(FaceId(f)).into_iter().sum::<DVec3>();

@@ -1,4 +1,4 @@
-//! Undo and redo by whole states; a state is cheap to clone because its meshes are shared.
+//! Undo and redo by whole states. A state is cheap to clone because its meshes are shared.
 
 /// States before and after the current one.
 #[derive(Clone, Debug)]
@@ -18,11 +18,11 @@ impl<T> Default for History<T> {
     }
 }
 
-/// States kept.
+/// Maximum number of stored states.
 const LIMIT: usize = 256;
 
 impl<T: Clone> History<T> {
-    /// Remembers `before`, the state that the action named `label` is about to change.
+    /// Stores `before`, the state that the action named `label` is about to change.
     ///
     /// Consecutive records with the same `merge` key are one entry (a slider that is dragged).
     pub fn record(&mut self, before: &T, label: impl Into<String>, merge: Option<&'static str>) {
@@ -42,7 +42,7 @@ impl<T: Clone> History<T> {
         self.merge = None;
     }
 
-    /// Swaps `current` with the state before it; returns what was undone.
+    /// Swaps `current` with the state before it; returns the label of the undone action.
     pub fn undo(&mut self, current: &mut T) -> Option<String> {
         let (state, label) = self.past.pop()?;
         self.future
@@ -51,7 +51,7 @@ impl<T: Clone> History<T> {
         Some(label)
     }
 
-    /// Swaps `current` with the state after it; returns what was done again.
+    /// Swaps `current` with the state after it; returns the label of the redone action.
     pub fn redo(&mut self, current: &mut T) -> Option<String> {
         let (state, label) = self.future.pop()?;
         self.past
@@ -60,12 +60,12 @@ impl<T: Clone> History<T> {
         Some(label)
     }
 
-    /// What an undo would take back.
+    /// Label of the action that an undo reverts.
     pub fn next_undo(&self) -> Option<&str> {
         self.past.last().map(|(_, label)| label.as_str())
     }
 
-    /// What a redo would do again.
+    /// Label of the action that a redo repeats.
     pub fn next_redo(&self) -> Option<&str> {
         self.future.last().map(|(_, label)| label.as_str())
     }

@@ -1,4 +1,4 @@
-//! Work on threads of their own, with a handle that cancels when it is dropped.
+//! Background jobs: each runs on its own thread, and dropping its handle cancels it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -7,10 +7,10 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use crate::solver::panic_text;
 
-/// Called after something happened that the window should look at.
+/// Wakes the window: called when a result is ready.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
-/// What a job sees of its handle.
+/// Connects a job to its handle.
 #[derive(Clone, Default)]
 pub struct Reporter {
     cancelled: Arc<AtomicBool>,
@@ -19,22 +19,22 @@ pub struct Reporter {
 }
 
 impl Reporter {
-    /// Whether the result is still wanted.
-    pub fn wanted(&self) -> bool {
+    /// Whether the job has not been cancelled.
+    pub fn is_wanted(&self) -> bool {
         !self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Says how far the work is; returns [`Self::wanted`].
+    /// Reports progress; returns [`Self::is_wanted`].
     pub fn progress(&self, done: usize, total: usize) -> bool {
         self.done.store(done as u32, Ordering::Relaxed);
         self.total.store(total as u32, Ordering::Relaxed);
-        self.wanted()
+        self.is_wanted()
     }
 }
 
-/// Work in the background; dropping it cancels.
+/// The handle of a job; dropping it cancels the job.
 pub struct Job<T> {
-    /// What it is, for the status bar.
+    /// What the job does, for the status bar.
     pub what: String,
     reporter: Reporter,
     result: Receiver<Result<T, String>>,
@@ -58,18 +58,16 @@ impl<T: Send + 'static> Job<T> {
                 let outcome = catch_unwind(AssertUnwindSafe(|| work(&inner)));
                 let outcome = outcome.map_err(|panic| {
                     format!(
-                        "{name}: a defect of the program ended this ({}); the open document is \
-                         unharmed",
+                        "{name}: internal error ({}); the open document is unchanged",
                         panic_text(panic.as_ref())
                     )
                 });
-                // nobody listening means that it was cancelled
+                // a closed channel means that the job was cancelled
                 sender.send(outcome).ok();
                 wake();
             });
         if let Err(error) = started {
-            let text =
-                format!("{what}: the system gives no thread ({error}); close other programs");
+            let text = format!("{what}: could not start a thread ({error}); close other programs");
             failed.send(Err(text)).ok();
         }
         Self {
@@ -79,7 +77,7 @@ impl<T: Send + 'static> Job<T> {
         }
     }
 
-    /// The result, once it is there; an `Err` is a message for the person.
+    /// The result, once it is there; an `Err` is a message for the user.
     pub fn poll(&self) -> Option<Result<T, String>> {
         match self.result.try_recv() {
             Ok(result) => Some(result),
@@ -88,7 +86,7 @@ impl<T: Send + 'static> Job<T> {
         }
     }
 
-    /// How far it is, in 0..=1, if it says so.
+    /// Progress from 0 to 1, if the job reports it.
     pub fn progress(&self) -> Option<f32> {
         let total = self.reporter.total.load(Ordering::Relaxed);
         (total > 0).then(|| self.reporter.done.load(Ordering::Relaxed) as f32 / total as f32)
@@ -121,7 +119,7 @@ mod tests {
         let broken = Job::<()>::spawn("count", &wake, |_| panic!("seven"));
         let text = wait(&broken).expect_err("it panics");
         assert!(
-            text.contains("seven") && text.contains("unharmed"),
+            text.contains("seven") && text.contains("unchanged"),
             "{text}"
         );
 

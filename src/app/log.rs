@@ -1,13 +1,13 @@
-//! What the program tells the person: toasts that pass and a log that stays.
+//! Messages to the user: toasts that disappear and a log that stays.
 
 use std::time::{Duration, Instant};
 
-/// How much a message matters.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// Something was done.
     Info,
-    /// It was done, but look at it.
+    /// It was done, but needs attention.
     Warning,
     /// It was not done.
     Error,
@@ -16,18 +16,18 @@ pub enum Level {
 /// One message.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// How much it matters.
+    /// Severity.
     pub level: Level,
-    /// What happened and what to do, in plain words.
+    /// What happened and what to do.
     pub text: String,
     /// When.
     pub at: Instant,
-    /// Whether its toast was closed by hand.
+    /// Whether the user has closed its toast.
     pub dismissed: bool,
 }
 
 impl Entry {
-    /// How long its toast stays.
+    /// How long its toast is shown.
     fn lifetime(&self) -> Duration {
         match self.level {
             Level::Info => Duration::from_secs(5),
@@ -43,26 +43,26 @@ pub struct Log {
     entries: Vec<Entry>,
 }
 
-/// Messages kept.
+/// Maximum number of stored messages.
 const LIMIT: usize = 1000;
 
 impl Log {
-    /// Notes something that matters so much.
+    /// Adds a message.
     pub fn note(&mut self, level: Level, text: impl Into<String>) {
         self.push(level, text.into());
     }
 
-    /// Notes something that was done.
+    /// Adds an information.
     pub fn info(&mut self, text: impl Into<String>) {
         self.push(Level::Info, text.into());
     }
 
-    /// Notes something to look at.
+    /// Adds a warning.
     pub fn warning(&mut self, text: impl Into<String>) {
         self.push(Level::Warning, text.into());
     }
 
-    /// Notes something that was not done.
+    /// Adds an error.
     pub fn error(&mut self, text: impl Into<String>) {
         self.push(Level::Error, text.into());
     }
@@ -88,12 +88,12 @@ impl Log {
         });
     }
 
-    /// All of them.
+    /// All messages.
     pub fn entries(&self) -> &[Entry] {
         &self.entries
     }
 
-    /// Indices of those whose toast is still up, at most the newest four.
+    /// Indices of the messages whose toast is shown, at most the newest four.
     pub fn toasts(&self, now: Instant) -> Vec<usize> {
         let mut shown: Vec<usize> = self
             .entries
@@ -108,7 +108,7 @@ impl Log {
         shown
     }
 
-    /// When the next toast goes away, so that the window can sleep until then.
+    /// Time until the next toast disappears; the window can sleep until then.
     pub fn next_change(&self, now: Instant) -> Option<Duration> {
         self.toasts(now)
             .iter()

@@ -1,11 +1,13 @@
 //! The window.
 //!
-//! A [`Model`] holds the document, how it is looked at and what runs; panels are functions of it
-//! that collect [`Action`]s, and [`Model::act`] carries these out. Nothing but this file and `ui`
-//! needs a window.
+//! A [`Model`] holds the document, the view and the run; panels are functions of it that collect
+//! [`Action`]s. [`act`] carries these out, and [`tick`] advances what runs in the background.
+//! Nothing but this file and `ui` needs a window.
 
 mod action;
 mod autosave;
+mod cached;
+mod chains;
 mod display;
 mod document;
 mod faces;
@@ -36,14 +38,18 @@ use std::time::Instant;
 
 use eframe::egui;
 
-pub use action::{Action, SelectHow, Switch};
+pub use action::{
+    Action, ControlsAction, EditAction, FileAction, PictureAction, RunAction, SelectAction,
+    SelectHow, Switch, TaskAction, ViewAction,
+};
 pub use autosave::Autosave;
 pub use document::{Accepted, Document, RefineWork, Source, Work};
-pub use faces::{Dab, FaceEdit, Lasso};
+pub use faces::{BrushStamp, FaceEdit, Lasso};
 pub use model::{Effect, Model};
 pub use project::rewrite_project;
 pub use run::Run;
 pub use settings::Settings;
+pub use update::{act, tick};
 pub use view_state::{Modal, Navigation, Refining, Selecting, Task, Tool};
 
 use crate::render::{Gpu, ViewportCallback};
@@ -75,11 +81,8 @@ pub enum WindowError {
          libegl1 libgl1-mesa-dri"
     )]
     NoAdapter(String),
-    /// A defect of the program ended it.
-    #[error(
-        "a defect of the program ended it: {0}. What was not saved is offered when it is started \
-         again"
-    )]
+    /// A panic.
+    #[error("internal error: {0}. Unsaved work is offered at the next start")]
     Defect(String),
 }
 
@@ -101,8 +104,15 @@ pub struct App {
     diagnostics: Option<PathBuf>,
     title: String,
     trouble: Option<String>,
-    scale: (f32, bool),
+    appearance: Option<Appearance>,
     window_pictures: (Sender<WindowPicture>, Receiver<WindowPicture>),
+}
+
+/// What of the settings changes how the whole window looks.
+#[derive(Clone, Copy, PartialEq)]
+struct Appearance {
+    scale: f32,
+    dark: bool,
 }
 
 /// Where a picture of the window is to be saved, and the picture.
@@ -122,7 +132,7 @@ impl App {
             diagnostics: None,
             title: String::new(),
             trouble: None,
-            scale: (0.0, false),
+            appearance: None,
             window_pictures: channel(),
         };
         if let Some(state) = render_state {
@@ -132,16 +142,19 @@ impl App {
             let info = state.adapter.get_info();
             app.ui.adapter = format!("{} ({:?})", info.name, info.backend);
         }
-        app.dress(ctx);
+        app.apply_theme(ctx);
         app
     }
 
     /// Theme and scale.
-    fn dress(&mut self, ctx: &egui::Context) {
+    fn apply_theme(&mut self, ctx: &egui::Context) {
         let settings = &self.model.settings;
-        let wanted = (settings.ui_scale, settings.dark);
-        if self.scale != wanted {
-            self.scale = wanted;
+        let appearance = Appearance {
+            scale: settings.ui_scale,
+            dark: settings.dark,
+        };
+        if self.appearance != Some(appearance) {
+            self.appearance = Some(appearance);
             ctx.set_theme(if settings.dark {
                 egui::Theme::Dark
             } else {
@@ -168,7 +181,7 @@ impl App {
                         wake.request_repaint();
                     });
                 }
-                Effect::Appearance => self.dress(ctx),
+                Effect::Appearance => self.apply_theme(ctx),
             }
         }
     }
@@ -232,14 +245,14 @@ impl eframe::App for App {
         let ctx = ui.ctx().clone();
         if ctx.input(|i| i.viewport().close_requested()) && self.model.must_ask_before_closing() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.model.act(Action::Close);
+            act(&mut self.model, FileAction::Close);
         }
         self.take_window_picture();
-        let wait = self.model.tick(begun);
+        let wait = tick(&mut self.model, begun);
         let actions = ui::window_ui(ui, &self.model, &mut self.ui, self.format);
         let acted = !actions.is_empty();
         for action in actions {
-            self.model.act(action);
+            act(&mut self.model, action);
         }
         let rect = self.ui.viewport;
         let points = ctx.pixels_per_point();
@@ -249,7 +262,7 @@ impl eframe::App for App {
         ];
         if self.model.view.fit && rect.is_positive() && self.ui.frames.count > 0 {
             self.model.view.fit = false;
-            self.model.act(Action::FitAll);
+            act(&mut self.model, ViewAction::FitAll);
             ctx.request_repaint();
         }
         self.carry_out(&ctx);
@@ -335,10 +348,11 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
                     model.view.modal = Modal::Recover(left);
                 }
                 // what there is to see is made while the window comes up
-                model.act(match startup.file {
-                    Some(file) => Action::Open(file),
-                    None => Action::Sample(SAMPLES[0].name.into()),
-                });
+                let first = match startup.file {
+                    Some(file) => FileAction::Open(file),
+                    None => FileAction::Sample(SAMPLES[0].name.into()),
+                };
+                act(&mut model, first);
                 let mut app = App::new(model, &cc.egui_ctx, cc.wgpu_render_state.as_ref());
                 app.diagnostics = diagnostics;
                 app.ui.frames.started = started;

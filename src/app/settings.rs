@@ -1,4 +1,4 @@
-//! What is remembered from one session to the next, and where.
+//! Settings that persist from session to session, and the folders for them.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::view_state::Navigation;
 use crate::io;
 
-/// Files in the list of recent ones.
+/// Length of the list of recent files.
 const RECENT: usize = 12;
 
 /// The settings file.
@@ -22,9 +22,9 @@ pub struct Settings {
     pub z_up: bool,
     /// How the mouse moves the camera.
     pub navigation: Navigation,
-    /// Files opened lately, newest first.
+    /// Recently opened files, newest first.
     pub recent: Vec<PathBuf>,
-    /// Folder the settings are kept in; `None` keeps nothing (tests).
+    /// Folder of the settings file; `None` stores nothing (tests).
     #[serde(skip)]
     pub folder: Option<PathBuf>,
 }
@@ -51,14 +51,14 @@ fn base(variable: &str, fallback: &str) -> Option<PathBuf> {
         .map(|folder| folder.join("meniscus"))
 }
 
-/// Where recovery files are kept.
+/// Folder of the recovery files.
 pub fn state_folder() -> Option<PathBuf> {
     base("XDG_STATE_HOME", ".local/state")
 }
 
 impl Settings {
-    /// Reads the settings of this account; defaults where there are none. A damaged file gives the
-    /// defaults and a message.
+    /// Reads the settings of this account, or the defaults if there are none. A damaged file gives
+    /// the defaults and a message.
     pub fn load() -> (Self, Option<String>) {
         let Some(folder) = base("XDG_CONFIG_HOME", ".config") else {
             return (Self::default(), None);

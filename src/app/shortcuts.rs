@@ -2,72 +2,21 @@
 
 use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers};
 
-use super::action::{Action, Switch};
+use super::action::{
+    Action, EditAction, FileAction, PictureAction, RunAction, SelectAction, Switch, TaskAction,
+    ViewAction,
+};
 use super::view_state::Task;
 use crate::render::StandardView;
 
-/// What a key does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Command {
-    /// See [`Action::AskOpen`].
-    Open,
-    /// See [`Action::Save`].
-    Save,
-    /// See [`Action::AskSaveAs`].
-    SaveAs,
-    /// Close the window.
-    Quit,
-    /// Undo.
-    Undo,
-    /// Redo.
-    Redo,
-    /// All holes.
-    SelectAll,
-    /// All but the largest.
-    SelectAllButLargest,
-    /// Esc.
-    Escape,
-    /// Start, or accept and start the next.
-    Fill,
-    /// Erase the selected faces.
-    Erase,
-    /// Fill, blend, repair, refine.
-    Task(Task),
-    /// Accept the patch.
-    Accept,
-    /// Play or pause.
-    PlayPause,
-    /// One step.
-    Step,
-    /// One kept state back.
-    StepBack,
-    /// To the first kept state.
-    Rewind,
-    /// Jump to the converged shape.
-    Finish,
-    /// Fit everything.
-    Fit,
-    /// A standard view.
-    View(StandardView),
-    /// A switch.
-    Toggle(Switch),
-    /// The next view mode, or the one before.
-    NextMode(bool),
-    /// More or fewer stripes.
-    Stripes(bool),
-    /// The picture dialog.
-    Picture,
-    /// Picture to the clipboard.
-    CopyPicture,
-    /// Command line to the clipboard.
-    CopyLine,
-}
-
-/// Command, keys (the first one is shown), what it does.
-pub type Row = (Command, &'static [KeyboardShortcut], &'static str);
-
-const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
-    KeyboardShortcut::new(modifiers, key)
+/// Keys of an action.
+pub(crate) struct Shortcut {
+    /// What they do.
+    pub(crate) action: Action,
+    /// The keys; the first one is shown.
+    pub(crate) keys: &'static [KeyboardShortcut],
+    /// What they do, for the sheet.
+    pub(crate) about: &'static str,
 }
 
 const NONE: Modifiers = Modifiers::NONE;
@@ -75,281 +24,92 @@ const CTRL: Modifiers = Modifiers::COMMAND;
 const SHIFT: Modifiers = Modifiers::SHIFT;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-/// All of them. Keys with more modifiers come before the same keys with fewer.
-pub const ROWS: &[Row] = &[
-    (
-        Command::Open,
-        &[key(CTRL, Key::O)],
-        "Open a mesh or project",
-    ),
-    (Command::SaveAs, &[key(CTRL_SHIFT, Key::S)], "Save as"),
-    (Command::Save, &[key(CTRL, Key::S)], "Save"),
-    (Command::Quit, &[key(CTRL, Key::Q)], "Quit"),
-    (
-        Command::Redo,
-        &[key(CTRL_SHIFT, Key::Z), key(CTRL, Key::Y)],
-        "Redo",
-    ),
-    (
-        Command::Undo,
-        &[key(CTRL, Key::Z)],
-        "Undo (also in the middle of a run)",
-    ),
-    (
-        Command::SelectAllButLargest,
-        &[key(CTRL_SHIFT, Key::A)],
-        "Select all loops but the largest",
-    ),
-    (Command::SelectAll, &[key(CTRL, Key::A)], "Select all holes"),
-    (
-        Command::Escape,
-        &[key(NONE, Key::Escape)],
-        "Close, stop, drop the patch, clear the selection",
-    ),
-    (
-        Command::Accept,
-        &[key(CTRL, Key::Enter)],
-        "Accept the patch",
-    ),
-    (
-        Command::Fill,
-        &[key(NONE, Key::Enter)],
-        "Fill, blend or refill what is selected; accept a finished patch",
-    ),
-    (
-        Command::Erase,
-        &[key(NONE, Key::Delete)],
-        "Erase the selected faces (task Repair)",
-    ),
-    (
-        Command::Task(Task::Fill),
-        &[key(NONE, Key::F2)],
-        "Fill holes",
-    ),
-    (
-        Command::Task(Task::Blend),
-        &[key(NONE, Key::F3)],
-        "Blend rims",
-    ),
-    (
-        Command::Task(Task::Repair),
-        &[key(NONE, Key::F4)],
-        "Repair selected faces",
-    ),
-    (
-        Command::Task(Task::Refine),
-        &[key(NONE, Key::F5)],
-        "Refine the mesh",
-    ),
-    (
-        Command::PlayPause,
-        &[key(NONE, Key::Space)],
-        "Play or pause",
-    ),
-    (
-        Command::Finish,
-        &[key(CTRL, Key::Period)],
-        "Jump to the converged shape",
-    ),
-    (Command::Step, &[key(NONE, Key::Period)], "One step on"),
-    (
-        Command::Rewind,
-        &[key(SHIFT, Key::Comma)],
-        "Back to the first state",
-    ),
-    (
-        Command::StepBack,
-        &[key(NONE, Key::Comma)],
-        "One kept state back",
-    ),
-    (
-        Command::Fit,
-        &[key(NONE, Key::F), key(NONE, Key::Home)],
-        "Fit everything",
-    ),
-    (
-        Command::View(StandardView::Back),
-        &[key(CTRL, Key::Num1)],
-        "View from the back",
-    ),
-    (
-        Command::View(StandardView::Front),
-        &[key(NONE, Key::Num1)],
-        "View from the front",
-    ),
-    (
-        Command::View(StandardView::Left),
-        &[key(CTRL, Key::Num3)],
-        "View from the left",
-    ),
-    (
-        Command::View(StandardView::Right),
-        &[key(NONE, Key::Num3)],
-        "View from the right",
-    ),
-    (
-        Command::View(StandardView::Bottom),
-        &[key(CTRL, Key::Num7)],
-        "View from below",
-    ),
-    (
-        Command::View(StandardView::Top),
-        &[key(NONE, Key::Num7)],
-        "View from the top",
-    ),
-    (
-        Command::View(StandardView::Isometric),
-        &[key(NONE, Key::Num0)],
-        "Isometric view",
-    ),
-    (
-        Command::Toggle(Switch::Projection),
-        &[key(NONE, Key::Num5)],
-        "Perspective or parallel",
-    ),
-    (
-        Command::NextMode(false),
-        &[key(SHIFT, Key::V)],
-        "View mode before",
-    ),
-    (
-        Command::NextMode(true),
-        &[key(NONE, Key::V)],
-        "Next view mode",
-    ),
-    (
-        Command::Stripes(true),
-        &[key(NONE, Key::CloseBracket)],
-        "More stripes",
-    ),
-    (
-        Command::Stripes(false),
-        &[key(NONE, Key::OpenBracket)],
-        "Fewer stripes",
-    ),
-    (
-        Command::Toggle(Switch::Wireframe),
-        &[key(NONE, Key::W)],
-        "Wireframe",
-    ),
-    (
-        Command::Toggle(Switch::Tint),
-        &[key(NONE, Key::T)],
-        "Tint the patch",
-    ),
-    (Command::Toggle(Switch::Log), &[key(CTRL, Key::L)], "Log"),
-    (
-        Command::Toggle(Switch::LimitSurface),
-        &[key(NONE, Key::L)],
-        "Limit surface or control mesh",
-    ),
-    (
-        Command::Toggle(Switch::Original),
-        &[key(NONE, Key::O)],
-        "Opened mesh on or off",
-    ),
-    (
-        Command::Toggle(Switch::Report),
-        &[key(CTRL, Key::R)],
-        "Load report",
-    ),
-    (
-        Command::Toggle(Switch::Analysis),
-        &[key(NONE, Key::I)],
-        "Report: measures of the surface",
-    ),
-    (
-        Command::Toggle(Switch::Rims),
-        &[key(NONE, Key::R)],
-        "Rims on or off",
-    ),
-    (
-        Command::CopyPicture,
-        &[key(CTRL_SHIFT, Key::P)],
-        "Picture of the view to the clipboard",
-    ),
-    (
-        Command::Picture,
-        &[key(CTRL, Key::P)],
-        "Make a picture or a sequence",
-    ),
-    (
-        Command::CopyLine,
-        &[key(CTRL, Key::K)],
-        "Copy the command line that repeats this",
-    ),
-    (
-        Command::Toggle(Switch::Diagnostics),
-        &[key(CTRL, Key::F1)],
-        "Frame times and memory",
-    ),
-    (
-        Command::Toggle(Switch::Help),
-        &[key(NONE, Key::F1)],
-        "This sheet",
-    ),
-];
+macro_rules! shortcuts {
+    ($($kind:ident $(($action:expr))? [$($modifiers:ident $key:ident),+] $about:literal;)+) => {
+        &[$(Shortcut {
+            action: Action::$kind $(($action))?,
+            keys: &[$(KeyboardShortcut::new($modifiers, Key::$key)),+],
+            about: $about,
+        }),+]
+    };
+}
 
-/// The commands whose keys were pressed, none while something is typed.
-pub fn pressed(ctx: &Context) -> Vec<Command> {
+/// All of them. Keys with more modifiers come before the same keys with fewer.
+pub(crate) static SHORTCUTS: &[Shortcut] = shortcuts! {
+    File(FileAction::AskOpen) [CTRL O] "Open a mesh or project";
+    File(FileAction::AskSaveAs) [CTRL_SHIFT S] "Save as";
+    File(FileAction::Save) [CTRL S] "Save";
+    File(FileAction::Close) [CTRL Q] "Quit";
+    Edit(EditAction::Redo) [CTRL_SHIFT Z, CTRL Y] "Redo";
+    Edit(EditAction::Undo) [CTRL Z] "Undo (also in the middle of a run)";
+    Select(SelectAction::AllButLargest) [CTRL_SHIFT A] "Select all loops but the largest";
+    Select(SelectAction::All) [CTRL A] "Select all holes";
+    Escape [NONE Escape] "Close, stop, drop the patch, clear the selection";
+    Run(RunAction::Accept(0)) [CTRL Enter] "Accept the patch";
+    Run(RunAction::Proceed) [NONE Enter]
+        "Fill, blend or refill what is selected; accept a finished patch";
+    Edit(EditAction::Erase) [NONE Delete] "Erase the selected faces (task Repair)";
+    Task(TaskAction::Choose(Task::Fill)) [NONE F2] "Fill holes";
+    Task(TaskAction::Choose(Task::Blend)) [NONE F3] "Blend rims";
+    Task(TaskAction::Choose(Task::Repair)) [NONE F4] "Repair selected faces";
+    Task(TaskAction::Choose(Task::Refine)) [NONE F5] "Refine the mesh";
+    Run(RunAction::PlayPause) [NONE Space] "Play or pause";
+    Run(RunAction::Finish) [CTRL Period] "Jump to the converged shape";
+    Run(RunAction::Step) [NONE Period] "One step on";
+    Run(RunAction::Scrub(Some(0))) [SHIFT Comma] "Back to the first state";
+    Run(RunAction::StepBack) [NONE Comma] "One stored state back";
+    View(ViewAction::FitAll) [NONE F, NONE Home] "Fit everything";
+    View(ViewAction::Standard(StandardView::Back)) [CTRL Num1] "View from the back";
+    View(ViewAction::Standard(StandardView::Front)) [NONE Num1] "View from the front";
+    View(ViewAction::Standard(StandardView::Left)) [CTRL Num3] "View from the left";
+    View(ViewAction::Standard(StandardView::Right)) [NONE Num3] "View from the right";
+    View(ViewAction::Standard(StandardView::Bottom)) [CTRL Num7] "View from below";
+    View(ViewAction::Standard(StandardView::Top)) [NONE Num7] "View from the top";
+    View(ViewAction::Standard(StandardView::Isometric)) [NONE Num0] "Isometric view";
+    View(ViewAction::Toggle(Switch::Projection)) [NONE Num5] "Perspective or parallel";
+    View(ViewAction::PreviousMode) [SHIFT V] "Previous view mode";
+    View(ViewAction::NextMode) [NONE V] "Next view mode";
+    View(ViewAction::MoreStripes) [NONE CloseBracket] "More stripes";
+    View(ViewAction::FewerStripes) [NONE OpenBracket] "Fewer stripes";
+    View(ViewAction::Toggle(Switch::Wireframe)) [NONE W] "Wireframe";
+    View(ViewAction::Toggle(Switch::Tint)) [NONE T] "Tint the patch";
+    View(ViewAction::Toggle(Switch::Log)) [CTRL L] "Log";
+    View(ViewAction::Toggle(Switch::LimitSurface)) [NONE L] "Limit surface or control mesh";
+    View(ViewAction::Toggle(Switch::Original)) [NONE O] "Opened mesh on or off";
+    View(ViewAction::Toggle(Switch::Report)) [CTRL R] "Load report";
+    View(ViewAction::Toggle(Switch::Analysis)) [NONE I] "Report: measures of the surface";
+    View(ViewAction::Toggle(Switch::Rims)) [NONE R] "Rims on or off";
+    Picture(PictureAction::Copy) [CTRL_SHIFT P] "Picture of the view to the clipboard";
+    Picture(PictureAction::Ask) [CTRL P] "Make a picture or a sequence";
+    File(FileAction::CopyCommand) [CTRL K] "Copy the command line that repeats this";
+    View(ViewAction::Toggle(Switch::Diagnostics)) [CTRL F1] "Frame times and memory";
+    View(ViewAction::Toggle(Switch::Help)) [NONE F1] "This sheet";
+};
+
+/// The actions whose keys were pressed, none while something is typed.
+pub(crate) fn pressed(ctx: &Context) -> Vec<Action> {
     let typing = ctx.egui_wants_keyboard_input();
+    let help: Action = ViewAction::Toggle(Switch::Help).into();
     ctx.input_mut(|input| {
-        ROWS.iter()
-            .filter(|(command, keys, _)| {
-                // Esc leaves a field and must not stop the run as well; sheets open from anywhere
-                if typing && *command != Command::Toggle(Switch::Help) {
-                    return false;
-                }
-                keys.iter().any(|k| input.consume_shortcut(k))
-            })
-            .map(|(command, ..)| *command)
+        SHORTCUTS
+            .iter()
+            // Esc leaves a field and must not stop the run as well; sheets open from anywhere
+            .filter(|shortcut| !typing || shortcut.action == help)
+            .filter(|shortcut| shortcut.keys.iter().any(|k| input.consume_shortcut(k)))
+            .map(|shortcut| shortcut.action.clone())
             .collect()
     })
 }
 
-/// ` (Ctrl+O)`, to be put after a tooltip.
-pub fn hint(ctx: &Context, command: Command) -> String {
-    ROWS.iter()
-        .find(|(c, ..)| *c == command)
-        .map_or_else(String::new, |(_, keys, _)| {
-            format!(" ({})", ctx.format_shortcut(&keys[0]))
-        })
+/// The key of an action, if it has one.
+pub(crate) fn key_text(ctx: &Context, action: &Action) -> Option<String> {
+    let found = SHORTCUTS.iter().find(|s| s.action == *action)?;
+    Some(ctx.format_shortcut(&found.keys[0]))
 }
 
-impl Command {
-    /// The action, where it does not depend on anything.
-    pub fn action(self) -> Option<Action> {
-        Some(match self {
-            Self::Open => Action::AskOpen,
-            Self::Save => Action::Save,
-            Self::SaveAs => Action::AskSaveAs,
-            Self::Quit => Action::Close,
-            Self::Undo => Action::Undo,
-            Self::Redo => Action::Redo,
-            Self::SelectAll => Action::SelectAll,
-            Self::SelectAllButLargest => Action::SelectAllButLargest,
-            Self::Escape => Action::Escape,
-            Self::Fill => Action::Fill,
-            Self::Erase => Action::Erase,
-            Self::Task(task) => Action::Task(task),
-            Self::Accept => Action::Accept(0),
-            Self::PlayPause => Action::PlayPause,
-            Self::Step => Action::Step,
-            Self::Rewind => Action::Scrub(Some(0)),
-            Self::Finish => Action::Finish,
-            Self::Fit => Action::FitAll,
-            Self::Toggle(switch) => Action::Toggle(switch),
-            Self::CopyPicture => Action::CopyPicture,
-            Self::CopyLine => Action::CopyCommand,
-            Self::StepBack
-            | Self::View(_)
-            | Self::NextMode(_)
-            | Self::Stripes(_)
-            | Self::Picture => {
-                return None;
-            }
-        })
-    }
+/// ` (Ctrl+O)`, to be put after a tooltip.
+pub(crate) fn hint(ctx: &Context, action: impl Into<Action>) -> String {
+    key_text(ctx, &action.into()).map_or_else(String::new, |key| format!(" ({key})"))
 }
 
 #[cfg(test)]
@@ -360,10 +120,10 @@ mod tests {
     /// key with more modifiers would take it (egui matches the fewer).
     #[test]
     fn keys_are_unique_and_ordered() {
-        let all: Vec<(usize, KeyboardShortcut)> = ROWS
+        let all: Vec<(usize, KeyboardShortcut)> = SHORTCUTS
             .iter()
             .enumerate()
-            .flat_map(|(i, (_, keys, _))| keys.iter().map(move |&k| (i, k)))
+            .flat_map(|(i, shortcut)| shortcut.keys.iter().map(move |&k| (i, k)))
             .collect();
         for (n, (i, a)) in all.iter().enumerate() {
             for (j, b) in &all[n + 1..] {

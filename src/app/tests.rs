@@ -5,12 +5,16 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::action::{Action, SelectHow, Switch};
+use super::action::{
+    Action, ControlsAction, EditAction, FileAction, RunAction, SelectAction, SelectHow, Switch,
+    TaskAction, ViewAction,
+};
 use super::autosave::{self, Autosave};
 use super::document::{Document, Source};
 use super::model::{Effect, Model};
 use super::project;
 use super::settings::Settings;
+use super::update::{act, replace, tick};
 use super::view_state::{AfterUnsaved, Modal, Task};
 use crate::io;
 use crate::mesh::{DVec3, LoopId, Soup, check_mesh, components};
@@ -52,7 +56,7 @@ pub(super) fn model() -> Model {
 pub(super) fn until(model: &mut Model, done: impl Fn(&Model) -> bool) {
     let begun = Instant::now();
     while !done(model) {
-        model.tick(Instant::now());
+        tick(model, Instant::now());
         assert!(
             begun.elapsed() < Duration::from_mins(2),
             "nothing happens: {:?}",
@@ -63,8 +67,8 @@ pub(super) fn until(model: &mut Model, done: impl Fn(&Model) -> bool) {
 }
 
 pub(super) fn filled(model: &mut Model) {
-    model.act(Action::Pace(240.0));
-    model.act(Action::Fill);
+    act(model, RunAction::Pace(240.0));
+    act(model, RunAction::Start);
     until(model, |m| {
         m.run.as_ref().is_some_and(super::run::Run::ended)
     });
@@ -82,27 +86,27 @@ pub(super) fn last_message(model: &Model) -> &str {
 fn selection_by_click_keys_and_lists() {
     let mut m = model();
     assert_eq!(m.document.loops.len(), 2);
-    m.act(Action::Select(0.into(), SelectHow::Replace));
-    m.act(Action::Select(1.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(1.into(), SelectHow::Replace));
     assert_eq!(m.document.selection, loops([1]));
-    m.act(Action::Select(0.into(), SelectHow::Add));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Add));
     assert_eq!(m.document.selection, loops([0, 1]));
-    m.act(Action::Select(1.into(), SelectHow::Toggle));
+    act(&mut m, SelectAction::Loop(1.into(), SelectHow::Toggle));
     assert_eq!(m.document.selection, loops([0]));
-    m.act(Action::Select(7.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(7.into(), SelectHow::Replace));
     assert_eq!(m.document.selection, loops([0]));
-    m.act(Action::SelectAllButLargest);
+    act(&mut m, SelectAction::AllButLargest);
     assert_eq!(m.document.selection.len(), 1);
-    m.act(Action::SelectAll);
+    act(&mut m, SelectAction::All);
     assert_eq!(m.document.selection.len(), 2);
-    m.act(Action::Escape);
+    act(&mut m, Action::Escape);
     assert!(m.document.selection.is_empty());
     // each was an entry of its own
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert_eq!(m.document.selection.len(), 2);
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert_eq!(m.document.selection.len(), 1);
-    m.act(Action::Redo);
+    act(&mut m, EditAction::Redo);
     assert_eq!(m.document.selection.len(), 2);
     assert!(!m.is_dirty() || m.document.accepted.is_empty());
 }
@@ -116,7 +120,7 @@ fn another_document_is_fitted_by_its_own_box() {
     for p in &mut large.mesh.positions {
         *p = *p * 40.0 + DVec3::X;
     }
-    m.replace(Document::new(large, Source::Sample("large".into())));
+    replace(&mut m, Document::new(large, Source::Sample("large".into())));
     assert!(m.displays[0].latest().is_none());
     assert_eq!(m.bounds(), m.document.origin.bounds);
     assert!(m.bounds().radius() > 30.0);
@@ -128,7 +132,7 @@ fn another_document_is_fitted_by_its_own_box() {
 fn fill_accept_undo_redo() {
     let mut m = model();
     let before = Arc::clone(&m.document.mesh);
-    m.act(Action::Select(0.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
     filled(&mut m);
     assert!(Arc::ptr_eq(&before, &m.document.mesh), "not before accept");
     let run = m.run.as_ref().expect("it waits");
@@ -137,7 +141,7 @@ fn fill_accept_undo_redo() {
         "{} states to watch",
         run.state_count()
     );
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     assert!(m.run.is_none() && m.is_dirty());
     let after = Arc::clone(&m.document.mesh);
     assert_eq!(m.document.loops.len(), 1);
@@ -147,9 +151,9 @@ fn fill_accept_undo_redo() {
     assert_eq!(fill.faces, before.face_count()..after.face_count());
     let patches = m.document.patches().expect("one");
     assert_eq!(patches.face_count(), fill.faces.len());
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert!(Arc::ptr_eq(&before, &m.document.mesh));
-    m.act(Action::Redo);
+    act(&mut m, EditAction::Redo);
     assert!(Arc::ptr_eq(&after, &m.document.mesh));
 }
 
@@ -157,14 +161,14 @@ fn fill_accept_undo_redo() {
 fn undo_in_the_middle_of_a_run_and_redo_brings_it_back() {
     let mut m = model();
     let before = Arc::clone(&m.document.mesh);
-    m.act(Action::SelectAll);
-    m.act(Action::Fill);
+    act(&mut m, SelectAction::All);
+    act(&mut m, RunAction::Start);
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(|r| r.state_count() > 2)
     });
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert!(m.run.is_none() && Arc::ptr_eq(&before, &m.document.mesh));
-    m.act(Action::Redo);
+    act(&mut m, EditAction::Redo);
     assert_eq!(m.document.loops.len(), 0);
     assert!(m.document.mesh.face_count() > before.face_count());
 }
@@ -172,12 +176,12 @@ fn undo_in_the_middle_of_a_run_and_redo_brings_it_back() {
 #[test]
 fn pause_step_scrub_and_replay() {
     let mut m = model();
-    m.act(Action::Select(1.into(), SelectHow::Replace));
-    m.act(Action::Fill);
+    act(&mut m, SelectAction::Loop(1.into(), SelectHow::Replace));
+    act(&mut m, RunAction::Start);
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(|r| r.state_count() > 4)
     });
-    m.act(Action::PlayPause);
+    act(&mut m, RunAction::PlayPause);
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(|r| !r.sides[0].live.playing())
     });
@@ -185,7 +189,7 @@ fn pause_step_scrub_and_replay() {
         let mut last = 0;
         loop {
             for _ in 0..20 {
-                m.tick(Instant::now());
+                tick(m, Instant::now());
                 std::thread::sleep(Duration::from_millis(2));
             }
             let now = m.run.as_ref().map_or(0, super::run::Run::state_count);
@@ -196,58 +200,58 @@ fn pause_step_scrub_and_replay() {
         }
     };
     let paused = settle(&mut m);
-    m.act(Action::Step);
+    act(&mut m, RunAction::Step);
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(|r| r.state_count() > paused)
     });
     assert_eq!(settle(&mut m), paused + 1, "one step, then it waits");
-    m.act(Action::Scrub(Some(1)));
+    act(&mut m, RunAction::Scrub(Some(1)));
     let run = m.run.as_ref().expect("still there");
     let shown = run.sides[0].state().expect("a state");
     let figures = run.sides[0].live.figures(Some(&shown));
     assert!(run.scrubbed() && figures[0].step == Some(1));
     // play: the kept states first, then the flow itself
-    m.act(Action::Pace(240.0));
-    m.act(Action::PlayPause);
+    act(&mut m, RunAction::Pace(240.0));
+    act(&mut m, RunAction::PlayPause);
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(super::run::Run::ended)
     });
     assert!(!m.run.as_ref().expect("still there").scrubbed());
     // a scrubbed state is what accept takes
-    m.act(Action::Scrub(Some(2)));
+    act(&mut m, RunAction::Scrub(Some(2)));
     let positions = m
         .run
         .as_ref()
         .and_then(|r| r.sides[0].state())
         .expect("a state")
         .positions(&m.document.mesh, false);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     assert_eq!(m.document.mesh.positions, positions);
 }
 
 #[test]
 fn controls_act_while_it_runs_and_mistakes_are_told() {
     let mut m = model();
-    m.act(Action::Select(0.into(), SelectHow::Replace));
-    m.act(Action::Fill);
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    act(&mut m, RunAction::Start);
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(|r| r.state_count() > 3)
     });
-    m.act(Action::EnergyText("H^2 + )".into()));
-    m.act(Action::ApplyEnergy);
+    act(&mut m, ControlsAction::EnergyText("H^2 + )".into()));
+    act(&mut m, ControlsAction::ApplyEnergy);
     assert!(
         last_message(&m).contains("character 7"),
         "{}",
         last_message(&m)
     );
     assert_eq!(m.document.controls.energy, "H^2");
-    m.act(Action::EnergyText("(H-H0)^2".into()));
-    m.act(Action::ApplyEnergy);
+    act(&mut m, ControlsAction::EnergyText("(H-H0)^2".into()));
+    act(&mut m, ControlsAction::ApplyEnergy);
     assert_eq!(m.document.controls.param.get("H0"), Some(&0.0));
     let mut controls = m.document.controls.clone();
     controls.param.insert("H0".into(), -1.0);
     controls.mode = Mode::Fast;
-    m.act(Action::Controls(Box::new(controls)));
+    act(&mut m, ControlsAction::Set(Box::new(controls)));
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(super::run::Run::ended)
     });
@@ -259,7 +263,7 @@ fn controls_act_while_it_runs_and_mistakes_are_told() {
         "{rows:?}"
     );
     // the sphere of radius 1 is where (H + 1)^2 vanishes
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     let worst = m
         .document
         .mesh
@@ -272,8 +276,8 @@ fn controls_act_while_it_runs_and_mistakes_are_told() {
 #[test]
 fn two_energies_are_compared_and_one_is_taken() {
     let mut m = model();
-    m.act(Action::Select(0.into(), SelectHow::Replace));
-    m.act(Action::CompareEnergy(Some("1".into())));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    act(&mut m, ControlsAction::CompareEnergy(Some("1".into())));
     filled(&mut m);
     let run = m.run.as_ref().expect("there");
     assert_eq!(run.sides.len(), 2);
@@ -292,7 +296,7 @@ fn two_energies_are_compared_and_one_is_taken() {
         difference > 1e-3,
         "the area's surface is flatter: {difference}"
     );
-    m.act(Action::Accept(1));
+    act(&mut m, RunAction::Accept(1));
     let mesh = &m.document.mesh;
     assert_eq!(mesh.positions[mesh.vertex_count() - b.len()..], b);
     assert_eq!(m.document.controls.energy, "1");
@@ -301,15 +305,18 @@ fn two_energies_are_compared_and_one_is_taken() {
 #[test]
 fn compared_energies_keep_their_own_parameters_when_a_control_is_changed() {
     let mut m = model();
-    m.act(Action::Select(0.into(), SelectHow::Replace));
-    m.act(Action::CompareEnergy(Some("(H-H0)^2".into())));
-    m.act(Action::Fill);
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    act(
+        &mut m,
+        ControlsAction::CompareEnergy(Some("(H-H0)^2".into())),
+    );
+    act(&mut m, RunAction::Start);
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(|r| r.state_count() > 2)
     });
     let mut controls = m.document.controls.clone();
     controls.relaxation = 0.5;
-    m.act(Action::Controls(Box::new(controls)));
+    act(&mut m, ControlsAction::Set(Box::new(controls)));
     let run = m.run.as_ref().expect("it runs");
     for side in &run.sides {
         assert_eq!(side.controls.relaxation, 0.5, "{}", last_message(&m));
@@ -325,14 +332,14 @@ fn files_are_saved_reopened_and_never_overwritten() {
     io::save_mesh(&source, &opened().mesh, &[]).expect("written");
     let bytes = std::fs::read(&source).expect("there");
     let mut m = model();
-    m.act(Action::Open(source.clone()));
+    act(&mut m, FileAction::Open(source.clone()));
     until(&mut m, |m| {
         m.document.origin.source == Source::File(source.clone())
     });
-    m.act(Action::Select(0.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
     filled(&mut m);
-    m.act(Action::Accept(0));
-    m.act(Action::SaveAs(source.clone()));
+    act(&mut m, RunAction::Accept(0));
+    act(&mut m, FileAction::SaveAs(source.clone()));
     assert!(
         last_message(&m).contains("never overwritten"),
         "{}",
@@ -342,8 +349,8 @@ fn files_are_saved_reopened_and_never_overwritten() {
 
     // a project brings everything back
     let project_path = folder.path().join("work.meniscus");
-    m.act(Action::Select(0.into(), SelectHow::Replace));
-    m.act(Action::SaveAs(project_path.clone()));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    act(&mut m, FileAction::SaveAs(project_path.clone()));
     until(&mut m, |m| !m.is_dirty());
     let (document, _) = project::read(&project_path).expect("a project");
     assert_eq!(document.mesh.positions, m.document.mesh.positions);
@@ -362,7 +369,7 @@ fn files_are_saved_reopened_and_never_overwritten() {
         folder.path().join("no.meniscus"),
     ] {
         let before = m.log.entries().len();
-        m.act(Action::Open(path));
+        act(&mut m, FileAction::Open(path));
         until(&mut m, |m| m.log.entries().len() > before);
         assert!(
             last_message(&m).contains("left alone"),
@@ -376,11 +383,11 @@ fn files_are_saved_reopened_and_never_overwritten() {
 #[test]
 fn a_file_that_cannot_be_opened_at_the_start_gives_the_sample() {
     let mut m = model();
-    m.replace(Document::blank());
+    replace(&mut m, Document::blank());
     until(&mut m, |m| {
         m.displays[0].latest().is_some() && m.picker.is_some()
     });
-    m.act(Action::Open("nowhere.obj".into()));
+    act(&mut m, FileAction::Open("nowhere.obj".into()));
     until(&mut m, |m| !m.document.is_blank());
     assert_eq!(m.document.origin.source, Source::Sample("creature".into()));
     assert_eq!(m.document.holes().len(), 16);
@@ -392,19 +399,19 @@ fn a_file_that_cannot_be_opened_at_the_start_gives_the_sample() {
 #[test]
 fn unsaved_work_is_asked_about() {
     let mut m = model();
-    m.act(Action::Close);
+    act(&mut m, FileAction::Close);
     assert!(matches!(m.effects.pop(), Some(Effect::Close)));
-    m.act(Action::Select(0.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
     filled(&mut m);
-    m.act(Action::Accept(0));
-    m.act(Action::Close);
+    act(&mut m, RunAction::Accept(0));
+    act(&mut m, FileAction::Close);
     assert_eq!(m.view.modal, Modal::Unsaved(AfterUnsaved::Close));
-    m.act(Action::Escape);
+    act(&mut m, Action::Escape);
     assert!(m.effects.is_empty() && m.view.modal == Modal::None);
     let folder = tempfile::tempdir().expect("a folder");
     m.saved_to = Some(folder.path().join("out.ply"));
-    m.act(Action::Close);
-    m.act(Action::SaveThenGoOn);
+    act(&mut m, FileAction::Close);
+    act(&mut m, FileAction::SaveAndContinue);
     until(&mut m, |m| !m.effects.is_empty());
     assert!(matches!(m.effects.pop(), Some(Effect::Close)));
     let saved = io::open(&folder.path().join("out.ply")).expect("saved");
@@ -416,9 +423,9 @@ fn a_recovery_file_survives_its_window() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut m = model();
     m.autosave = Autosave::in_folder(folder.path());
-    m.act(Action::Select(0.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
     filled(&mut m);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     let written = || {
         std::fs::read_dir(folder.path())
             .expect("a folder")
@@ -453,16 +460,16 @@ fn a_recovery_file_survives_its_window() {
 #[test]
 fn the_command_repeats_the_work() {
     let mut m = model();
-    m.act(Action::CopyCommand);
+    act(&mut m, FileAction::CopyCommand);
     assert!(
         last_message(&m).contains("nothing was done"),
         "{}",
         last_message(&m)
     );
-    m.act(Action::Select(1.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(1.into(), SelectHow::Replace));
     filled(&mut m);
-    m.act(Action::Accept(0));
-    m.act(Action::CopyCommand);
+    act(&mut m, RunAction::Accept(0));
+    act(&mut m, FileAction::CopyCommand);
     let Some(Effect::CopyText(text)) = m.effects.pop() else {
         panic!("no text");
     };
@@ -481,20 +488,20 @@ fn the_command_repeats_the_work() {
 fn switches_flip_and_views_fit() {
     let mut m = model();
     let before = m.view.style.wireframe;
-    m.act(Action::Toggle(Switch::Wireframe));
+    act(&mut m, ViewAction::Toggle(Switch::Wireframe));
     assert_ne!(m.view.style.wireframe, before);
-    m.act(Action::Toggle(Switch::ZUp));
+    act(&mut m, ViewAction::Toggle(Switch::ZUp));
     assert!(m.view.camera.up().z > 0.5 && m.settings.z_up);
-    m.act(Action::Toggle(Switch::ZUp));
+    act(&mut m, ViewAction::Toggle(Switch::ZUp));
     assert!(m.view.camera.up().y > 0.5);
-    m.act(Action::FlyToLoop(0.into()));
+    act(&mut m, ViewAction::FlyToLoop(0.into()));
     let l = &m.document.loops[0];
     let [x, y] = m.view.camera.project(l.centroid, 1.6).expect("in front");
     assert!(x.abs() < 1e-9 && y.abs() < 1e-9, "in the middle");
     // seen from outside: the hole is nearer than the centre of the sphere
     let eye = m.view.camera.eye();
     assert!(eye.distance(l.centroid) < eye.length());
-    m.act(Action::FitAll);
+    act(&mut m, ViewAction::FitAll);
     for p in &m.document.mesh.positions {
         let [x, y] = m.view.camera.project(*p, 1280.0 / 800.0).expect("in front");
         assert!(x.abs() <= 1.0 && y.abs() <= 1.0);
@@ -511,29 +518,29 @@ fn rims_of_a_blend_are_gathered_and_joined() {
         Autosave::off(),
         Arc::new(|| ()),
     );
-    m.act(Action::Task(Task::Blend));
-    m.act(Action::Fill);
+    act(&mut m, TaskAction::Choose(Task::Blend));
+    act(&mut m, RunAction::Start);
     assert!(
         last_message(&m).contains("two rims"),
         "{}",
         last_message(&m)
     );
-    m.act(Action::Select(0.into(), SelectHow::Replace));
-    m.act(Action::Select(1.into(), SelectHow::Replace));
-    m.act(Action::Select(1.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(1.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(1.into(), SelectHow::Replace));
     assert_eq!(m.document.selection, loops([0]));
-    m.act(Action::SelectAll);
+    act(&mut m, SelectAction::All);
     assert_eq!(
         m.document.selection.len(),
         4,
         "the rims that face each other"
     );
     filled(&mut m);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     check_mesh(&m.document.mesh).expect("sound");
     assert_eq!(components(&m.document.mesh.topology).count, 1);
     assert_eq!(m.document.loops.len(), 4);
-    m.act(Action::CopyCommand);
+    act(&mut m, FileAction::CopyCommand);
     let Some(Effect::CopyText(text)) = m.effects.pop() else {
         panic!("no text");
     };

@@ -1,4 +1,4 @@
-//! What is looked at and how; never saved as work, never undone.
+//! The view: camera, style, task, dialogs. Undo does not change it.
 
 use super::report::{ReportFile, ReportView};
 use crate::mesh::{DVec3, LoopId};
@@ -47,27 +47,27 @@ impl Navigation {
     }
 }
 
-/// What Enter does with what is selected.
+/// What Enter does with the selection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Task {
-    /// A patch of its own for each.
+    /// A patch for each loop.
     #[default]
     Fill,
-    /// One surface that joins them all.
+    /// One surface that joins all loops.
     Blend,
-    /// Selected faces are erased and filled anew, or faired.
+    /// Selected faces are erased and refilled, or faired.
     Repair,
-    /// Every triangle becomes four, on a smooth surface through the given vertices.
+    /// Every triangle is split into four, on a smooth surface through the given vertices.
     Refine,
 }
 
-/// A bridge whose ends are being clicked.
+/// A bridge whose ends the user is clicking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bridging {
     /// The first end, once it was clicked.
     pub from: Option<DVec3>,
-    /// Rim edges it is wide.
+    /// Width in rim edges.
     pub width: usize,
 }
 
@@ -77,22 +77,22 @@ pub enum Tool {
     /// Paints.
     #[default]
     Brush,
-    /// Takes what is within a drawn line.
+    /// Selects the faces within a drawn line.
     Lasso,
-    /// A click takes a place, another widens it.
+    /// A click selects a face; further clicks widen the selection there.
     Grow,
 }
 
 /// How the mesh is refined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refining {
-    /// Times every triangle becomes four.
+    /// Number of subdivision levels.
     pub levels: usize,
     /// How new vertices are placed.
     pub method: Method,
-    /// What later levels keep passing.
+    /// Which vertices later levels interpolate.
     pub hold: Hold,
-    /// Boundaries and sharp edges between their vertices.
+    /// Curves of boundaries and sharp edges.
     pub boundary: BoundaryRule,
     /// Whether edges above an angle stay sharp.
     pub sharp: bool,
@@ -102,11 +102,11 @@ pub struct Refining {
     pub chosen_edges: bool,
     /// Whether the rim of the selected faces stays sharp.
     pub selection_rim: bool,
-    /// Energy and tension by the edge length of the mesh instead of those of the controls.
+    /// Derive energy and tension from the edge length of the mesh, not from the controls.
     pub own_energy: bool,
     /// Only the selected faces.
     pub selected_only: bool,
-    /// Methods shown beside it.
+    /// Methods to compare with.
     pub beside: [Option<Method>; 2],
 }
 
@@ -131,11 +131,11 @@ impl Default for Refining {
 /// How faces are selected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Selecting {
-    /// With what.
+    /// The tool.
     pub tool: Tool,
     /// Radius of the brush, in points of the screen.
     pub brush: f32,
-    /// Whether the lasso takes hidden faces too.
+    /// Whether the lasso selects hidden faces too.
     pub through: bool,
 }
 
@@ -159,13 +159,13 @@ pub enum Modal {
     Path(PathPrompt),
     /// Unsaved changes: save, discard or stay?
     Unsaved(AfterUnsaved),
-    /// A recovery file was found.
+    /// Recovery files of an earlier session were found.
     Recover(Vec<std::path::PathBuf>),
     /// Settings of a picture.
     Picture(PictureSettings),
 }
 
-/// What a path is asked for.
+/// What a path is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathUse {
     /// A mesh or project to open.
@@ -183,33 +183,33 @@ pub enum PathUse {
 /// A typed path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathPrompt {
-    /// What for.
+    /// What it is used for.
     pub purpose: PathUse,
     /// As typed so far.
     pub text: String,
 }
 
-/// What was about to happen when unsaved changes were found.
+/// The action that unsaved changes interrupted.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AfterUnsaved {
-    /// The window was to close.
+    /// Close the window.
     Close,
-    /// Another file was to be opened.
+    /// Open another file.
     Open(std::path::PathBuf),
-    /// A sample was to be opened.
+    /// Open a sample.
     Sample(String),
-    /// Files were to be chosen from.
+    /// Choose a file to open.
     AskOpen,
 }
 
-/// What is to be pictured.
+/// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureKind {
     /// One picture of the viewport.
     Still,
     /// A full turn around the pivot.
     Turntable,
-    /// The kept states of the run.
+    /// The stored states of the run.
     Flow,
 }
 
@@ -227,7 +227,7 @@ pub enum PictureFormat {
 /// Settings of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSettings {
-    /// What.
+    /// What it shows.
     pub kind: PictureKind,
     /// How it is stored.
     pub format: PictureFormat,
@@ -241,9 +241,9 @@ pub struct PictureSettings {
     pub overlays: bool,
     /// Pictures of a turntable.
     pub frames: usize,
-    /// Pictures a second.
+    /// Pictures per second.
     pub fps: f64,
-    /// Where to.
+    /// Path of the file.
     pub path: String,
 }
 
@@ -280,10 +280,10 @@ pub struct Windows {
     pub analysis: bool,
 }
 
-/// All of it.
+/// The view.
 #[derive(Clone, Debug)]
 pub struct ViewState {
-    /// Where one looks from; shared by both sides of a comparison.
+    /// The camera; all sides of a comparison share it.
     pub camera: Camera,
     /// How it is drawn.
     pub style: ViewStyle,
@@ -303,11 +303,11 @@ pub struct ViewState {
     pub show_rims: bool,
     /// Loop under the cursor, in the view or in the list.
     pub hover: Option<LoopId>,
-    /// Text of the energy as typed, not always a valid one.
+    /// Text of the energy as typed; it may be invalid.
     pub energy_text: String,
     /// Energy of the second side of a comparison; `None` without comparison.
     pub compare_energy: Option<String>,
-    /// States of the flow a second.
+    /// States of the flow per second.
     pub pace: f64,
     /// What the report measures and shows.
     pub report: ReportView,
@@ -315,14 +315,14 @@ pub struct ViewState {
     pub modal: Modal,
     /// Side windows.
     pub windows: Windows,
-    /// Whether everything is to be fitted into the next frame, whose size is not known yet.
+    /// Whether to fit everything into the next frame, whose size is not known yet.
     pub fit: bool,
     /// Size of the viewport at the last frame, physical pixels.
     pub viewport_px: [f64; 2],
 }
 
 impl ViewState {
-    /// Looks at a box, with the defaults of the window.
+    /// The default view of a box.
     pub fn new(bounds: &crate::render::Bounds, style: ViewStyle) -> Self {
         Self {
             camera: Camera::fit(bounds),

@@ -27,7 +27,7 @@ pub use error::RenderError;
 pub use export::{SequenceEnd, SequenceFormat, save_png, turntable, write_sequence};
 pub use gpu::{Renderer, Tile};
 pub use headless::{Gpu, MAX_SIDE, picture};
-pub use picking::{Hit, Picker, Sight};
+pub use picking::{Hit, Picker, Projector};
 pub use rims::rim_points;
 pub use scene::{
     Background, Geometry, LineStyle, Marker, Overlay, Polyline, Scene, Vertex, ViewMode, ViewStyle,

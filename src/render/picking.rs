@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::Camera;
 use crate::mesh::{BoundaryLoop, DVec3, FaceId, LoopId, Topology, TriangleBvh};
 
-/// Sight lines to a rim end this much before it, in lengths of the edge and of the line: the faces
+/// Projector lines to a rim end this much before it, in lengths of the edge and of the line: the faces
 /// at the rim do not hide it.
 const SHORTER: [f64; 2] = [0.01, 1e-9];
 
@@ -39,13 +39,13 @@ struct Rim {
 
 /// Lines of sight of a camera in a view of certain size.
 #[derive(Clone, Copy, Debug)]
-pub struct Sight<'a> {
+pub struct Projector<'a> {
     camera: &'a Camera,
     size: DVec2,
     aspect: f64,
 }
 
-impl<'a> Sight<'a> {
+impl<'a> Projector<'a> {
     /// A view of that many pixels.
     pub fn new(camera: &'a Camera, size_px: [f64; 2]) -> Self {
         let size = DVec2::from(size_px).max(DVec2::ONE);
@@ -93,7 +93,7 @@ impl<'a> Sight<'a> {
 
 /// A view with a cursor in it.
 struct View<'a> {
-    sight: Sight<'a>,
+    projector: Projector<'a>,
     cursor: DVec2,
     origin: DVec3,
     direction: DVec3,
@@ -103,11 +103,11 @@ struct View<'a> {
 
 impl<'a> View<'a> {
     fn new(camera: &'a Camera, size_px: [f64; 2], cursor_px: [f64; 2]) -> Self {
-        let sight = Sight::new(camera, size_px);
-        let (origin, direction) = sight.line_through(cursor_px);
+        let projector = Projector::new(camera, size_px);
+        let (origin, direction) = projector.line_through(cursor_px);
         Self {
-            start: sight.start(),
-            sight,
+            start: projector.start(),
+            projector,
             cursor: DVec2::from(cursor_px),
             origin,
             direction,
@@ -116,7 +116,7 @@ impl<'a> View<'a> {
 
     /// Pixels from the upper left; `None` behind the eye.
     fn pixel(&self, p: DVec3) -> Option<DVec2> {
-        self.sight.pixel(p).map(DVec2::from)
+        self.projector.pixel(p).map(DVec2::from)
     }
 }
 
@@ -168,14 +168,14 @@ impl Picker {
     /// The first face along a line of sight, up to `end`.
     pub fn first_face(
         &self,
-        sight: &Sight<'_>,
+        projector: &Projector<'_>,
         origin: DVec3,
         direction: DVec3,
         end: f64,
     ) -> Option<FaceId> {
         let hit = self
             .surface
-            .first_hit(origin, direction, [sight.start(), end])?;
+            .first_hit(origin, direction, [projector.start(), end])?;
         Some(FaceId(hit.face))
     }
 
@@ -241,7 +241,7 @@ impl Picker {
     fn is_visible(&self, view: &View<'_>, near: &Near) -> bool {
         let [a, b] = near.edge;
         // on a line that is seen at an angle, equal parts of pixels are not equal parts of length
-        let camera = view.sight.camera;
+        let camera = view.projector.camera;
         let point = if camera.orthographic {
             a + (b - a) * near.at
         } else {
@@ -249,7 +249,7 @@ impl Picker {
             let (da, db) = (depth(a), depth(b));
             a + (b - a) * (near.at * da / (db + near.at * (da - db)))
         };
-        let (origin, direction, length) = view.sight.line_to(point);
+        let (origin, direction, length) = view.projector.line_to(point);
         let end = length - SHORTER[0] * a.distance(b) - SHORTER[1] * length.abs();
         let hit = self.surface.first_hit(origin, direction, [view.start, end]);
         hit.is_none()

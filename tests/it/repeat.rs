@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
+use crate::common::wait::wait_for;
 use meniscus::app::{
-    Action, Autosave, Dab, Document, Effect, FaceEdit, Model, Refining, Run, SelectHow, Settings,
-    Source, Task,
+    Autosave, BrushStamp, ControlsAction, Document, EditAction, Effect, FaceEdit, FileAction,
+    Model, Refining, Run, RunAction, SelectAction, SelectHow, Settings, Source, Task, TaskAction,
+    act, tick,
 };
 use meniscus::fill::Continuity;
 use meniscus::io;
@@ -15,12 +17,10 @@ use meniscus::mesh::{DVec3, FaceId, Mesh, Topology};
 use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
 fn until(model: &mut Model, what: &str, done: impl Fn(&Model) -> bool) {
-    let begun = Instant::now();
-    while !done(model) {
-        model.tick(Instant::now());
-        assert!(begun.elapsed() < Duration::from_mins(2), "{what}: in vain");
-        std::thread::sleep(Duration::from_millis(1));
-    }
+    wait_for(what, || {
+        tick(model, Instant::now());
+        done(model).then_some(())
+    });
 }
 
 fn states(model: &Model) -> usize {
@@ -58,7 +58,7 @@ fn opened(input: PathBuf) -> Model {
         Autosave::off(),
         Arc::new(|| ()),
     );
-    m.act(Action::Pace(240.0));
+    act(&mut m, RunAction::Pace(240.0));
     m
 }
 
@@ -71,45 +71,45 @@ fn the_copied_command_gives_the_same_file() {
     let mut m = opened(input);
 
     // first run: two holes, everything changed on the way
-    m.act(Action::Select(0.into(), SelectHow::Replace));
-    m.act(Action::Select(2.into(), SelectHow::Add));
-    m.act(Action::Fill);
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(2.into(), SelectHow::Add));
+    act(&mut m, RunAction::Start);
     until(&mut m, "states", |m| states(m) > 4);
-    m.act(Action::EnergyText("H^2 + 0.1*K^2".into()));
-    m.act(Action::ApplyEnergy);
+    act(&mut m, ControlsAction::EnergyText("H^2 + 0.1*K^2".into()));
+    act(&mut m, ControlsAction::ApplyEnergy);
     until(&mut m, "more states", |m| states(m) > 8);
     let mut controls = m.document.controls.clone();
     controls.density = 1.4;
     controls.relaxation = 0.3;
-    m.act(Action::Controls(Box::new(controls)));
+    act(&mut m, ControlsAction::Set(Box::new(controls)));
     until(&mut m, "states at the new density", |m| states(m) > 12);
-    m.act(Action::Scrub(Some(6)));
-    m.act(Action::GoOnFromHere);
+    act(&mut m, RunAction::Scrub(Some(6)));
+    act(&mut m, RunAction::ContinueFromShown);
     until(&mut m, "states after the rewind", |m| states(m) > 16);
-    m.act(Action::Finish);
+    act(&mut m, RunAction::Finish);
     until(&mut m, "the end", ended);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     // second run: a crease, stopped before its end
-    m.act(Action::SelectAll);
+    act(&mut m, SelectAction::All);
     let mut controls = m.document.controls.clone();
     controls.continuity = Continuity::G0;
-    m.act(Action::Controls(Box::new(controls)));
-    m.act(Action::Fill);
+    act(&mut m, ControlsAction::Set(Box::new(controls)));
+    act(&mut m, RunAction::Start);
     until(&mut m, "states", |m| states(m) > 5);
-    m.act(Action::Stop);
+    act(&mut m, RunAction::Stop);
     until(&mut m, "the stop", ended);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     assert!(m.document.loops.is_empty());
     repeats(&mut m, &output);
 }
 
 /// Saves, runs the copied commands with one thread and with two, and compares the files.
 fn repeats(m: &mut Model, output: &Path) {
-    m.act(Action::SaveAs(output.to_owned()));
+    act(m, FileAction::SaveAs(output.to_owned()));
     until(m, "the file", |m| !m.is_dirty());
     let saved = std::fs::read(output).expect("saved");
 
-    m.act(Action::CopyCommand);
+    act(m, FileAction::CopyCommand);
     let Some(Effect::CopyText(script)) = m.effects.pop() else {
         panic!("nothing copied: {:?}", m.log.entries().last());
     };
@@ -141,12 +141,18 @@ fn paint(m: &mut Model, towards: DVec3, radius: f64) {
     let face = faces.max_by(|a, b| far(a).total_cmp(&far(b))).map(FaceId);
     let face = face.expect("faces");
     let point = mesh.corners(face)[0];
-    let dabs = vec![Dab {
+    let stamps = vec![BrushStamp {
         face,
         point,
         radius,
     }];
-    m.act(Action::Faces(FaceEdit::Paint { dabs, take: false }));
+    act(
+        m,
+        SelectAction::Faces(FaceEdit::Paint {
+            stamps,
+            take: false,
+        }),
+    );
 }
 
 #[test]
@@ -156,34 +162,35 @@ fn repairs_are_repeated_too() {
     let output = folder.path().join("done.obj");
     scan(&input);
     let mut m = opened(input);
-    m.act(Action::Flip(0.into()));
+    act(&mut m, EditAction::Flip(0.into()));
     let l = &m.document.loops[0];
     let at = |i: usize| m.document.mesh.position(l.vertices[i]);
-    m.act(Action::Bridge([at(0), at(l.edges() / 2)], 2));
-    m.act(Action::Task(Task::Repair));
+    let ends = [at(0), at(l.edges() / 2)];
+    act(&mut m, EditAction::Bridge(ends, 2));
+    act(&mut m, TaskAction::Choose(Task::Repair));
     paint(&mut m, DVec3::Z, 0.45);
-    m.act(Action::Fill);
+    act(&mut m, RunAction::Start);
     until(&mut m, "states", |m| states(m) > 4);
-    m.act(Action::EnergyText("H^2 + 0.1*K^2".into()));
-    m.act(Action::ApplyEnergy);
+    act(&mut m, ControlsAction::EnergyText("H^2 + 0.1*K^2".into()));
+    act(&mut m, ControlsAction::ApplyEnergy);
     until(&mut m, "more states", |m| states(m) > 8);
-    m.act(Action::Finish);
+    act(&mut m, RunAction::Finish);
     until(&mut m, "the end", ended);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
 
     paint(&mut m, DVec3::NEG_Y, 0.5);
-    m.act(Action::Fair);
+    act(&mut m, RunAction::Fair);
     until(&mut m, "states", |m| states(m) > 8);
-    m.act(Action::Scrub(Some(3)));
-    m.act(Action::GoOnFromHere);
+    act(&mut m, RunAction::Scrub(Some(3)));
+    act(&mut m, RunAction::ContinueFromShown);
     until(&mut m, "states after the rewind", |m| states(m) > 12);
-    m.act(Action::Stop);
+    act(&mut m, RunAction::Stop);
     until(&mut m, "the stop", ended);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
 
     // a list that fits on the line
     paint(&mut m, DVec3::NEG_Z, 0.1);
-    m.act(Action::Erase);
+    act(&mut m, EditAction::Erase);
     repeats(&mut m, &output);
 }
 
@@ -196,17 +203,20 @@ fn refinements_are_repeated_too() {
     let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
     io::save_mesh(&input, &Mesh::new(positions, topology), &[]).expect("written");
     let mut m = opened(input);
-    m.act(Action::Task(Task::Refine));
+    act(&mut m, TaskAction::Choose(Task::Refine));
     let levels = 2;
-    m.act(Action::Refining(Box::new(Refining {
-        levels,
-        ..Refining::default()
-    })));
-    m.act(Action::EnergyText("H^2 + 0.1*K^2".into()));
-    m.act(Action::ApplyEnergy);
-    m.act(Action::Fill);
+    act(
+        &mut m,
+        TaskAction::Refining(Box::new(Refining {
+            levels,
+            ..Refining::default()
+        })),
+    );
+    act(&mut m, ControlsAction::EnergyText("H^2 + 0.1*K^2".into()));
+    act(&mut m, ControlsAction::ApplyEnergy);
+    act(&mut m, RunAction::Start);
     until(&mut m, "the end", ended);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     repeats(&mut m, &output);
 }
 
@@ -221,19 +231,22 @@ fn sharp_edges_are_repeated_too() {
         let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
         io::save_mesh(&input, &Mesh::new(positions, topology), &[]).expect("written");
         let mut m = opened(input);
-        m.act(Action::Task(Task::Repair));
+        act(&mut m, TaskAction::Choose(Task::Repair));
         paint(&mut m, DVec3::Z, 0.6);
-        m.act(Action::Task(Task::Refine));
-        m.act(Action::Refining(Box::new(Refining {
-            levels: 1,
-            sharp: true,
-            sharp_angle: 41.8,
-            selection_rim: true,
-            ..Refining::default()
-        })));
-        m.act(Action::Fill);
+        act(&mut m, TaskAction::Choose(Task::Refine));
+        act(
+            &mut m,
+            TaskAction::Refining(Box::new(Refining {
+                levels: 1,
+                sharp: true,
+                sharp_angle: 41.8,
+                selection_rim: true,
+                ..Refining::default()
+            })),
+        );
+        act(&mut m, RunAction::Start);
         until(&mut m, "the end", ended);
-        m.act(Action::Accept(0));
+        act(&mut m, RunAction::Accept(0));
         repeats(&mut m, &output);
         let list = output.with_extension("creases.txt");
         assert_eq!(list.exists(), is_long);

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::wait::{wait_at_most, wait_for};
 use meniscus::io;
 use meniscus::mesh::{DVec3, Mesh, Topology, boundary_loops, check_mesh};
 use meniscus::render::{Bounds, Camera};
@@ -68,21 +69,8 @@ impl Display {
     }
 }
 
-fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
-    let begun = Instant::now();
-    loop {
-        if let Some(found) = found() {
-            return found;
-        }
-        assert!(
-            begun.elapsed() < Duration::from_secs(90),
-            "waited in vain for {what}"
-        );
-        std::thread::sleep(Duration::from_millis(150));
-    }
-}
-
-/// Waits until the program does nothing for a while: everything asked for is there.
+/// Waits until the program has used no processor time for a while: nothing is under way. The while is
+/// shorter than a text cursor stays on or off.
 fn wait_until_idle(program: &Process) {
     let spent = || -> u64 {
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", program.0.id()));
@@ -92,14 +80,22 @@ fn wait_until_idle(program: &Process) {
         let field = |i: usize| fields.get(i - 2).and_then(|x| x.parse::<u64>().ok());
         field(14).unwrap_or(0) + field(15).unwrap_or(0)
     };
-    let mut before = spent();
+    let mut last = (spent(), Instant::now());
     wait_for("an idle program", || {
-        std::thread::sleep(Duration::from_millis(600));
         let now = spent();
-        let idle = now == before;
-        before = now;
-        idle.then_some(())
+        if now != last.0 {
+            last = (now, Instant::now());
+        }
+        (last.1.elapsed() > Duration::from_millis(350)).then_some(())
     });
+}
+
+/// The recovery file of the program, once it keeps one.
+fn recovery(folder: &Path) -> Option<String> {
+    let entries = std::fs::read_dir(folder.join("state/meniscus/recovery")).ok()?;
+    let mut paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    let path = paths.find(|path| path.extension().is_some_and(|e| e == "meniscus"))?;
+    std::fs::read_to_string(path).ok()
 }
 
 /// A sphere with a hole towards the first camera and one on the far side, as a file.
@@ -159,23 +155,28 @@ fn a_hole_is_clicked_filled_and_saved() {
     };
     let (x, y) = ((size("WIDTH=") - 25) / 2, size("HEIGHT=") / 2);
     let (x, y) = (x.to_string(), y.to_string());
-    wait_until_idle(&program);
     display.hand(&["mousemove", "--window", &window, &x, &y]);
-    wait_until_idle(&program);
-    display.hand(&["click", "1"]);
-    wait_until_idle(&program);
-    display.hand(&["key", "Return"]);
-    // the flow runs to its end, then Enter accepts
-    wait_until_idle(&program);
-    display.hand(&["key", "Return"]);
+    // a click before the mesh can be picked selects nothing; a recovery file holds the selection
+    wait_for("the hole, selected", || {
+        display.hand(&["click", "1"]);
+        wait_at_most(Duration::from_secs(5), || {
+            let text = recovery(folder.path())?;
+            let mut lines = text.lines();
+            let line = lines.find(|line| line.starts_with("selection = "))?;
+            (line != "selection = []").then_some(())
+        })
+    });
+    // the first Enter starts the flow; one that comes after the flow's end accepts the patch
     wait_for("the patch, accepted", || {
-        title().contains("holes.obj*").then_some(())
+        display.hand(&["key", "Return"]);
+        wait_at_most(Duration::from_secs(5), || {
+            title().contains("holes.obj*").then_some(())
+        })
     });
 
     let target = folder.path().join("closed.obj");
     display.hand(&["key", "ctrl+s"]);
-    // the field's caret blinks: with it the program is never idle
-    std::thread::sleep(Duration::from_secs(3));
+    wait_until_idle(&program);
     display.hand(&["key", "ctrl+a"]);
     display.hand(&["type", "--delay", "15", &target.display().to_string()]);
     display.hand(&["key", "Return"]);

@@ -2,3 +2,5 @@
 
 mod end_to_end;
 mod panels;
+#[path = "../it/common/wait.rs"]
+mod wait;

@@ -3,8 +3,9 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
+use crate::wait::wait_for;
 use eframe::egui::{self, Key, Modifiers, Pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
@@ -55,12 +56,10 @@ fn window() -> Harness<'static, App> {
 
 /// Frames until `done`.
 fn until(harness: &mut Harness<'_, App>, done: impl Fn(&App) -> bool) {
-    let begun = Instant::now();
-    while !done(harness.state()) {
+    wait_for("a frame", || {
         harness.step();
-        assert!(begun.elapsed() < Duration::from_mins(2), "nothing happens");
-        std::thread::sleep(Duration::from_millis(3));
-    }
+        done(harness.state()).then_some(())
+    });
     harness.run_steps(3);
 }
 

@@ -1,7 +1,7 @@
-//! Makes what is drawn of a mesh on a thread of its own, so that the window never waits: the
-//! newest request wins, results come when they are ready.
+//! Evaluates the drawn surfaces on a thread, so that the window never waits. The newest request
+//! replaces older ones; results arrive when they are ready.
 
-mod maker;
+mod builder;
 
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
@@ -12,9 +12,9 @@ use super::seam::Seam;
 use crate::energy::{Energy, WellPosedScan};
 use crate::mesh::{DVec3, Mesh, VertexId};
 use crate::render::{Bounds, Geometry};
-use maker::Maker;
+use builder::DisplayBuilder;
 
-/// What is to be drawn.
+/// What has to be drawn.
 #[derive(Clone)]
 pub struct Request {
     /// The mesh the run works on, or the document's.
@@ -25,7 +25,7 @@ pub struct Request {
     pub start: Option<Shape>,
     /// Faces of the mesh from here on are patches.
     pub first_patch_face: usize,
-    /// Other faces that flow, ascending.
+    /// Other faces that the flow moves, ascending.
     pub faired: Arc<Vec<u32>>,
     /// Selected faces, ascending.
     pub highlight: Arc<Vec<u32>>,
@@ -46,12 +46,12 @@ pub struct Request {
 }
 
 impl Request {
-    /// Whether both give the same picture.
+    /// Whether both give the same display.
     fn same(&self, other: &Self) -> bool {
         self.same_surfaces(other) && same_list(&self.highlight, &other.highlight)
     }
 
-    /// Whether both give the same picture but for the selected faces.
+    /// Whether both give the same display except for the selected faces.
     fn same_surfaces(&self, other: &Self) -> bool {
         let same = |a: &Option<Shape>, b: &Option<Shape>| match (a, b) {
             (Some(a), Some(b)) => a.same(b),
@@ -84,21 +84,21 @@ impl Request {
     }
 }
 
-/// Whether both are one list, or none.
+/// Whether both are the same list, or both empty.
 fn same_list(a: &Arc<Vec<u32>>, b: &Arc<Vec<u32>>) -> bool {
     Arc::ptr_eq(a, b) || (a.is_empty() && b.is_empty())
 }
 
-/// What came of a request.
+/// The answer to a request.
 #[derive(Clone)]
 pub struct Display {
     /// Surfaces, the still part first.
     pub surfaces: Vec<Arc<Geometry>>,
-    /// The selected faces once more, to be drawn over them.
+    /// The selected faces, drawn over the surfaces.
     pub highlights: Vec<Arc<Geometry>>,
     /// Their box.
     pub bounds: Bounds,
-    /// How the flow is posed on the patch and its collar.
+    /// Whether the flow is well posed on the patch and its support region.
     pub posed: Option<WellPosedScan>,
     /// How the patch of the run meets the mesh.
     pub seam: Option<Seam>,
@@ -108,14 +108,14 @@ pub struct Display {
 struct Slot {
     wanted: Option<Request>,
     ready: Option<Display>,
-    /// Results of requests from before the last [`DisplayWorker::forget`] are not wanted.
+    /// Results of requests before the last [`DisplayWorker::forget`] are dropped.
     epoch: u64,
     quit: bool,
 }
 
 type Shared = (Mutex<Slot>, Condvar);
 
-/// The thread and the newest result.
+/// The thread, and its newest result.
 pub struct DisplayWorker {
     shared: Arc<Shared>,
     asked: Option<Request>,
@@ -149,7 +149,7 @@ impl DisplayWorker {
         }
     }
 
-    /// Asks for a picture; nothing happens if it was asked for last.
+    /// Requests a display, unless it was requested last.
     pub fn ask(&mut self, request: Request) {
         if self
             .asked
@@ -173,7 +173,7 @@ impl DisplayWorker {
         new
     }
 
-    /// Nothing is to be seen of what was asked for so far.
+    /// Drops all requests and results.
     pub fn forget(&mut self) {
         let mut slot = lock(&self.shared.0);
         slot.epoch += 1;
@@ -181,15 +181,15 @@ impl DisplayWorker {
         (self.asked, self.latest) = (None, None);
     }
 
-    /// What was asked for last.
+    /// The last request.
     pub fn asked(&self) -> Option<&Request> {
         self.asked.as_ref()
     }
 
-    /// Answers requests at once, on the calling thread, for pictures of many states.
-    pub fn maker() -> impl FnMut(&Request) -> Display {
-        let mut cache = Maker::default();
-        move |request| cache.make(request)
+    /// Answers requests at once on the calling thread, for pictures of many states.
+    pub fn builder() -> impl FnMut(&Request) -> Display {
+        let mut builder = DisplayBuilder::default();
+        move |request| builder.build(request)
     }
 
     /// The newest result.
@@ -199,7 +199,7 @@ impl DisplayWorker {
 }
 
 fn work(shared: &Shared, wake: &Wake) {
-    let mut cache = Maker::default();
+    let mut builder = DisplayBuilder::default();
     loop {
         let (request, epoch) = {
             let mut slot = lock(&shared.0);
@@ -213,7 +213,7 @@ fn work(shared: &Shared, wake: &Wake) {
                 slot = shared.1.wait(slot).unwrap_or_else(PoisonError::into_inner);
             }
         };
-        let display = cache.make(&request);
+        let display = builder.build(&request);
         {
             let mut slot = lock(&shared.0);
             if slot.epoch != epoch {

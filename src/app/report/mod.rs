@@ -1,6 +1,5 @@
-//! The report: what was measured of the surface that is shown, and what is being measured.
+//! The report: measures of the shown surface, and the jobs that compute them.
 
-mod overlay;
 mod reference;
 mod subject;
 #[cfg(test)]
@@ -11,57 +10,59 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-pub use overlay::{ReportOverlays, natural_length};
 pub use reference::Reference;
-pub use subject::{Patches, Places, Subject};
-pub use view::{Across, Chain, Comb, Cut, Pick, ReportFile, ReportView};
+pub use subject::{Patches, Subject};
+pub use view::{Across, Comb, Cut, Pick, ReportFile, ReportView};
 
+use super::cached::ParsedEnergy;
+use super::chains::Chain;
 use super::jobs::Job;
-use super::view_state::PathUse;
 use crate::analysis::{Analysis, Plane, Section};
 use crate::energy::Energy;
 use crate::mesh::{DVec3, HalfedgeId, Mesh};
 use crate::render::ViewMode;
 
 /// A request of the report.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ReportAction {
     /// Whether vertices are points of the limit surface.
     OnSurface(bool),
     /// Angle from which edges are sharp, degrees; `None` for no sharp edges.
     Sharp(Option<f64>),
-    /// What a click in the view chooses.
+    /// What a click in the view selects.
     Pick(Pick),
     /// Curvature whose histogram is shown.
     Curvature(usize),
-    /// The chain through this edge of the document's mesh in or out.
+    /// Add or remove the chain through this edge of the document's mesh.
     Edge(HalfedgeId),
-    /// A chosen chain out.
+    /// Remove a chosen chain.
     DropChain(usize),
     /// A section through a point.
     Cut(Cut),
-    /// No section.
+    /// Remove the section.
     DropCut,
     /// How the comb is drawn.
     Comb(Comb),
     /// Choose a mesh to measure distances to.
     AskReference,
-    /// No distances.
+    /// Remove the reference.
     DropReference,
-    /// Show a place: mark it, look at it from outside.
+    /// Show a place: mark it and look at it from outside.
     Inspect(DVec3),
-    /// To the clipboard.
+    /// Copy a report to the clipboard.
     Copy(ReportFile),
     /// Choose where to write a report.
     AskSave(ReportFile),
-    /// A path was given.
-    Path(PathUse, PathBuf),
+    /// Measure distances to this mesh file.
+    Reference(PathBuf),
+    /// Write a report to this path.
+    Save(ReportFile, PathBuf),
 }
 
-/// What is to be measured.
+/// What to measure.
 #[derive(Clone)]
-pub struct Wanted {
-    /// Of what.
+pub struct MeasureRequest {
+    /// The measured surface.
     pub subject: Subject,
     /// Whether vertices are points of the limit surface.
     pub on_surface: bool,
@@ -75,13 +76,13 @@ pub struct Wanted {
     pub reference: Option<Arc<Reference>>,
 }
 
-impl Wanted {
-    /// Whether both ask for the same of one mesh, at the same moment of a run or at another.
+impl MeasureRequest {
+    /// Whether both measure the same of one mesh, at the same or another state of a run.
     pub fn same_but_state(&self, other: &Self) -> bool {
         type Key<'a> = (bool, Option<(&'a str, &'a BTreeMap<String, f64>)>);
-        fn key(w: &Wanted) -> Key<'_> {
-            let energy = w.energy.as_ref().map(|e| (e.text(), e.params()));
-            (w.on_surface, energy)
+        fn key(r: &MeasureRequest) -> Key<'_> {
+            let energy = r.energy.as_ref().map(|e| (e.text(), e.params()));
+            (r.on_surface, energy)
         }
         self.subject.same_but_state(&other.subject)
             && key(self) == key(other)
@@ -90,17 +91,17 @@ impl Wanted {
             && self.reference.as_ref().map(Arc::as_ptr) == other.reference.as_ref().map(Arc::as_ptr)
     }
 
-    /// Whether both ask for the same.
+    /// Whether both measure the same.
     pub fn same(&self, other: &Self) -> bool {
         self.subject.same(&other.subject) && self.same_but_state(other)
     }
 }
 
-/// What was found.
+/// Measures.
 pub struct Measured {
-    /// What was asked for.
-    pub wanted: Wanted,
-    /// The mesh it was found of.
+    /// The request.
+    pub request: MeasureRequest,
+    /// The measured mesh.
     pub mesh: Arc<Mesh>,
     /// The measures; chains are the chosen ones, the rims, the sharp edges.
     pub analysis: Analysis,
@@ -112,44 +113,67 @@ pub struct Measured {
     pub left_out: usize,
 }
 
-/// A section and what it was asked for.
-pub struct CutMade {
-    /// Of what.
+/// A section to compute.
+#[derive(Clone)]
+pub struct SectionRequest {
+    /// The surface.
     pub subject: Subject,
     /// Whether vertices are points of the limit surface.
     pub on_surface: bool,
-    /// By what.
+    /// The plane.
     pub plane: Plane,
+}
+
+impl SectionRequest {
+    /// Whether both are the same section, at the same or another state of a run.
+    pub fn same_but_state(&self, other: &Self) -> bool {
+        self.subject.same_but_state(&other.subject)
+            && self.on_surface == other.on_surface
+            && self.plane == other.plane
+    }
+
+    /// Whether both are the same section.
+    pub fn same(&self, other: &Self) -> bool {
+        self.subject.same(&other.subject) && self.same_but_state(other)
+    }
+}
+
+/// A section with its request.
+pub struct SectionResult {
+    /// The request.
+    pub request: SectionRequest,
     /// The curves.
     pub section: Arc<Section>,
 }
 
-/// What a job was asked for, and the job.
+/// The request of a job, and the job.
 pub type Under<T, R> = Option<(T, Job<R>)>;
 
-/// All of it.
+/// Results and running jobs of the report.
 #[derive(Default)]
 pub struct Report {
     /// The newest measures.
     pub measured: Option<Arc<Measured>>,
-    /// Measures on the way.
-    pub measuring: Under<Wanted, Option<Measured>>,
-    /// What could not be measured, not to be tried again.
-    pub failed: Option<Wanted>,
+    /// Measures being computed.
+    pub measuring: Under<MeasureRequest, Option<Measured>>,
+    /// The request that failed; it is not tried again.
+    pub failed: Option<MeasureRequest>,
     /// The newest section.
-    pub cut: Option<CutMade>,
-    /// A section on the way.
-    pub cutting: Under<(Subject, bool, Plane), CutMade>,
+    pub cut: Option<SectionResult>,
+    /// A section being computed.
+    pub cutting: Under<SectionRequest, SectionResult>,
     /// The mesh distances are measured to.
     pub reference: Option<Arc<Reference>>,
-    /// One that is being read.
+    /// A reference being read.
     pub loading: Under<PathBuf, Result<Reference, String>>,
-    /// Text for the clipboard on the way.
+    /// The energy of the document's controls.
+    pub(crate) energy: ParsedEnergy,
+    /// Text for the clipboard being written.
     pub copying: Option<Job<Result<String, String>>>,
 }
 
 impl Report {
-    /// The reference, where its distance is what is shown.
+    /// The reference, if the view shows the distance to it.
     pub fn shown_reference(&self, mode: ViewMode) -> Option<Arc<Reference>> {
         self.reference
             .clone()

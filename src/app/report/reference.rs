@@ -1,14 +1,14 @@
-//! A mesh that distances are measured to.
+//! The reference mesh: distances are measured to it.
 
 use std::path::{Path, PathBuf};
 
 use crate::io;
 use crate::mesh::{DVec3, FaceId, Mesh, TriangleBvh, VertexId};
 
-/// A coordinate of a closest point below this is on the side of its triangle.
+/// A barycentric coordinate below this puts a closest point on an edge of its triangle.
 const ON_SIDE: f64 = 1e-9;
 
-/// A mesh with what answers distances to it.
+/// A mesh prepared for distances to it.
 pub struct Reference {
     /// The file.
     pub path: PathBuf,
@@ -24,7 +24,7 @@ impl Reference {
     /// Reads a mesh file.
     ///
     /// # Errors
-    /// Why it cannot be read, or that it has no triangle, for the person.
+    /// A message for the user: the file cannot be read, or the mesh has no triangle.
     pub fn open(path: &Path) -> Result<Self, String> {
         let opened = io::open(path).map_err(|e| e.to_string())?;
         let reference = Self::new(path.to_owned(), opened.mesh);

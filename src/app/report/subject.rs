@@ -4,44 +4,43 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::view::Chain;
 use crate::analysis::{EdgeChain, patch_rims, sharp_edges};
-use crate::app::document::{Accepted, Work, left_of};
+use crate::app::chains::{Chain, Places};
+use crate::app::document::{Accepted, Document, Work, left_of};
 use crate::app::live::Shape;
-use crate::app::model::Model;
+use crate::app::run::Run;
 use crate::fill::{Continuity, Controls};
-use crate::mesh::{BoundaryLoop, HalfedgeId, LoopId, Mesh, Topology, VertexId, boundary_loops};
+use crate::mesh::{BoundaryLoop, LoopId, Mesh, Topology, VertexId, boundary_loops};
 use crate::options::Options;
 
-/// Sharp edges listed at most, the longest chains first.
-const MOST_SHARP: usize = 24;
+/// Maximum number of listed chains of sharp edges, the longest first.
+const MAX_SHARP: usize = 24;
 
-/// A mesh, or a mesh and the patch of a run at a moment.
+/// A mesh, or a mesh with the patch of a run at one state.
 #[derive(Clone)]
 pub struct Subject {
     mesh: Arc<Mesh>,
     state: Option<Shape>,
-    /// How much was accepted.
+    /// Number of accepted operations.
     changes: usize,
     /// Whether two flows are compared.
     compared: bool,
 }
 
 impl Subject {
-    /// What the window shows (of a comparison, side A).
-    pub fn of(model: &Model) -> Self {
-        let run = model.run.as_ref();
+    /// What the window shows; of a comparison, side A.
+    pub fn of(document: &Document, run: Option<&Run>) -> Self {
         let state = run.and_then(|r| r.sides.first()?.state());
         let base = run.filter(|_| state.is_some()).map(|r| &r.base);
         Self {
-            mesh: Arc::clone(base.unwrap_or(&model.document.mesh)),
+            mesh: Arc::clone(base.unwrap_or(&document.mesh)),
             state,
-            changes: model.document.accepted.len(),
+            changes: document.accepted.len(),
             compared: run.is_some_and(|r| r.sides.len() > 1),
         }
     }
 
-    /// Whether both are of the same mesh, at the same or at different moments of a run.
+    /// Whether both are of the same mesh, at the same or different states of a run.
     pub fn same_but_state(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.mesh, &other.mesh) && self.state.is_some() == other.state.is_some()
     }
@@ -56,7 +55,7 @@ impl Subject {
         states && self.same_but_state(other)
     }
 
-    /// What it is, in words.
+    /// A description.
     pub fn words(&self) -> String {
         match (&self.state, self.changes) {
             (Some(state), _) => {
@@ -85,18 +84,18 @@ impl Subject {
     }
 }
 
-/// Faces that were made or moved, and how they join the others.
+/// Faces that were added or moved, and how they join the others.
 struct Patch {
     faces: Range<usize>,
-    /// Faces that flowed as they were.
+    /// Faces that were faired.
     faired: Arc<Vec<u32>>,
     controls: Controls,
     loops: Loops,
 }
 
-/// The loops of the mesh a patch was made for, which have its continuity.
+/// The loops of the mesh that a patch was made for; each has its continuity.
 enum Loops {
-    /// They are the boundary of the faces before the patch's.
+    /// The boundary of the faces before the patch's.
     Before,
     /// These.
     Known(BTreeMap<VertexId, LoopId>),
@@ -107,14 +106,14 @@ pub struct Patches(Vec<Patch>);
 
 impl Patches {
     /// Those of the document and of the run.
-    pub fn of(model: &Model) -> Self {
-        let accepted = &model.document.accepted;
-        let run = model.run.as_ref().and_then(|run| {
+    pub fn of(document: &Document, run: Option<&Run>) -> Self {
+        let accepted = &document.accepted;
+        let run = run.and_then(|run| {
             let side = run.sides.first()?;
             side.state().map(|state| (run, side, state))
         });
         if matches!(run, Some((.., Shape::Refine(_)))) {
-            // the faces are others
+            // a refinement replaces all faces
             return Self(Vec::new());
         }
         let kept = run.as_ref().and_then(|(run, ..)| run.kept.as_deref());
@@ -208,8 +207,8 @@ impl Patches {
         all.extend(rims);
         let mut sharp = sharp.map_or_else(Vec::new, |angle| sharp_edges(mesh, angle.to_radians()));
         sharp.sort_by_key(|c| std::cmp::Reverse(c.edges.len()));
-        let left_out = sharp.len().saturating_sub(MOST_SHARP);
-        sharp.truncate(MOST_SHARP);
+        let left_out = sharp.len().saturating_sub(MAX_SHARP);
+        sharp.truncate(MAX_SHARP);
         all.extend(sharp.into_iter().enumerate().map(|(n, c)| EdgeChain {
             name: format!("sharp edges {}", n + 1),
             ..c
@@ -235,41 +234,7 @@ pub struct Chains {
     pub left_out: usize,
 }
 
-/// The vertices at the ends of chosen edges. They are found by their places, for vertices are numbered
-/// anew where faces are erased, but stay where they are.
-pub struct Places(BTreeMap<[u64; 3], Vec<VertexId>>);
-
-impl Places {
-    /// Of all edges of the chains.
-    pub fn new(mesh: &Mesh, chains: &[Chain]) -> Self {
-        let ends = chains.iter().flat_map(|c| &c.edges).flatten();
-        let mut wanted: Vec<[u64; 3]> = ends.map(|p| p.map(f64::to_bits)).collect();
-        wanted.sort_unstable();
-        wanted.dedup();
-        let mut found: Vec<Vec<VertexId>> = vec![Vec::new(); wanted.len()];
-        if !wanted.is_empty() {
-            for (v, p) in mesh.positions.iter().enumerate() {
-                if let Ok(i) = wanted.binary_search(&p.to_array().map(f64::to_bits)) {
-                    found[i].push(VertexId::from(v));
-                }
-            }
-        }
-        Self(wanted.into_iter().zip(found).collect())
-    }
-
-    /// The half-edge from one place to the other, if there is one.
-    pub fn edge(&self, mesh: &Mesh, ends: &[[f64; 3]; 2]) -> Option<HalfedgeId> {
-        let topology = &mesh.topology;
-        let [from, to] = ends.map(|p| self.0.get(&p.map(f64::to_bits)));
-        let to = to?;
-        from?
-            .iter()
-            .flat_map(|&v| topology.outgoing(v))
-            .find(|&h| to.contains(&topology.target(h)))
-    }
-}
-
-/// The controls something was accepted with, as they were at its end.
+/// The controls of an accepted operation, as they were at its end.
 fn last_controls(done: &Accepted) -> Controls {
     let mut controls = done.controls.clone();
     for row in &done.schedule.rows {
@@ -280,7 +245,7 @@ fn last_controls(done: &Accepted) -> Controls {
 }
 
 impl Patch {
-    /// Numbers of the loops by their vertices; empty where all are alike.
+    /// Loops by their vertices; empty if all have the same continuity.
     fn numbers(&self, mesh: &Mesh) -> BTreeMap<VertexId, LoopId> {
         if self.controls.loop_continuity.is_empty() {
             return BTreeMap::new();

@@ -5,12 +5,17 @@ use std::sync::Arc;
 
 use super::*;
 use crate::analysis::{AnalysisOptions, analyze, measures_csv};
-use crate::app::action::{Action, SelectHow, Switch};
+use crate::app::action::{
+    ControlsAction, EditAction, FileAction, RunAction, SelectAction, SelectHow, Switch, TaskAction,
+    ViewAction,
+};
+use crate::app::chains::Places;
 use crate::app::document::{Document, Source};
-use crate::app::faces::{Dab, FaceEdit};
+use crate::app::faces::{BrushStamp, FaceEdit};
 use crate::app::model::{Effect, Model};
 use crate::app::project;
 use crate::app::tests::{filled, last_message, model, opened, until};
+use crate::app::update::{act, replace, tick};
 use crate::app::view_state::Task;
 use crate::fill::Continuity;
 use crate::io;
@@ -18,17 +23,18 @@ use crate::mesh::{FaceId, Topology};
 use crate::render::Vertex;
 use crate::shapes::icosphere;
 
-fn report(action: ReportAction) -> Action {
-    Action::Report(action)
-}
-
 /// The report of what is shown now.
 fn measured(m: &mut Model) -> Arc<Measured> {
     if !m.view.windows.analysis {
-        m.act(Action::Toggle(Switch::Analysis));
+        act(m, ViewAction::Toggle(Switch::Analysis));
     }
     until(m, |m| {
-        let current = |found: &Arc<Measured>| found.wanted.subject.same(&Subject::of(m));
+        let current = |found: &Arc<Measured>| {
+            found
+                .request
+                .subject
+                .same(&Subject::of(&m.document, m.run.as_ref()))
+        };
         m.report.measuring.is_none() && m.report.measured.as_ref().is_some_and(current)
     });
     m.report.measured.clone().expect("just measured")
@@ -43,7 +49,7 @@ fn rims_are_measured_as_smooth_or_as_creases_and_undo_is_followed() {
     let same = analyze(
         &m.document.mesh,
         &AnalysisOptions {
-            energy: open.wanted.energy.clone(),
+            energy: open.request.energy.clone(),
             ..AnalysisOptions::default()
         },
     );
@@ -53,14 +59,14 @@ fn rims_are_measured_as_smooth_or_as_creases_and_undo_is_followed() {
     let mut controls = m.document.controls.clone();
     let sharp = m.document.loops[1].id;
     controls.loop_continuity.insert(sharp, Continuity::G0);
-    m.act(Action::Controls(Box::new(controls)));
+    act(&mut m, ControlsAction::Set(Box::new(controls)));
     let rim = m.document.loops[1].clone();
-    m.act(Action::SelectAll);
+    act(&mut m, SelectAction::All);
     filled(&mut m);
     let running = measured(&mut m);
     assert_eq!(running.rims, 2);
-    assert!(running.wanted.subject.words().contains("attempts"));
-    m.act(Action::Accept(0));
+    assert!(running.request.subject.words().contains("attempts"));
+    act(&mut m, RunAction::Accept(0));
     let done = measured(&mut m);
     assert_eq!((done.rims, done.analysis.shape.genus), (2, 0));
     assert_eq!(done.analysis.chains, running.analysis.chains);
@@ -79,43 +85,43 @@ fn rims_are_measured_as_smooth_or_as_creases_and_undo_is_followed() {
     let at = DVec3::from_array(creases[0].normal_angle.max_at);
     assert!(at.distance(rim.centroid) < 0.5);
 
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert_eq!(measured(&mut m).analysis, open.analysis);
 }
 
 #[test]
 fn the_newest_request_is_answered() {
     let mut m = model();
-    m.act(Action::Toggle(Switch::Analysis));
+    act(&mut m, ViewAction::Toggle(Switch::Analysis));
     for on in [true, false, true] {
-        m.act(report(ReportAction::OnSurface(on)));
-        m.tick(std::time::Instant::now());
+        act(&mut m, ReportAction::OnSurface(on));
+        tick(&mut m, std::time::Instant::now());
     }
     let found = measured(&mut m);
-    assert!(found.wanted.on_surface);
+    assert!(found.request.on_surface);
     // points of a sphere of radius 1: the limit surface through them has its area, but for two holes
     let control = {
-        m.act(report(ReportAction::OnSurface(false)));
+        act(&mut m, ReportAction::OnSurface(false));
         measured(&mut m);
         until(&mut m, |m| {
             m.report
                 .measured
                 .as_ref()
-                .is_some_and(|f| !f.wanted.on_surface)
+                .is_some_and(|f| !f.request.on_surface)
         });
         m.report.measured.clone().expect("there")
     };
     assert!(control.analysis.shape.area < found.analysis.shape.area);
-    m.act(Action::Toggle(Switch::Analysis));
-    m.act(report(ReportAction::OnSurface(true)));
-    m.tick(std::time::Instant::now());
+    act(&mut m, ViewAction::Toggle(Switch::Analysis));
+    act(&mut m, ReportAction::OnSurface(true));
+    tick(&mut m, std::time::Instant::now());
     assert!(m.report.measuring.is_none(), "closed: nothing is measured");
 }
 
 #[test]
 fn edges_are_chosen_and_let_go() {
     let mut m = model();
-    m.act(Action::Toggle(Switch::Analysis));
+    act(&mut m, ViewAction::Toggle(Switch::Analysis));
     let t = &m.document.mesh.topology;
     let inner = (0..t.halfedge_count())
         .map(HalfedgeId::from)
@@ -125,35 +131,38 @@ fn edges_are_chosen_and_let_go() {
         })
         .expect("inside");
     let rim = m.document.loops[0].halfedges[0];
-    m.act(report(ReportAction::Edge(rim)));
+    act(&mut m, ReportAction::Edge(rim));
     assert!(last_message(&m).contains("no other side"));
-    m.act(report(ReportAction::Edge(inner)));
+    act(&mut m, ReportAction::Edge(inner));
     assert_eq!(m.view.report.chains.len(), 1);
     let found = measured(&mut m);
     assert_eq!((found.rims, found.chosen), (0, 1));
     let chain = &found.analysis.chains[0];
     assert!(!chain.is_crease && chain.edges == m.view.report.chains[0].edges.len());
     // it stays when patches are added
-    m.act(Action::Select(0.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
     filled(&mut m);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     let after = measured(&mut m);
     assert_eq!((after.rims, after.chosen), (1, 1));
     assert_eq!(after.analysis.chains[0].length, chain.length);
     // drawn, on the limit surface
-    let overlays = ReportOverlays::default().of(&m);
+    let overlays = crate::app::scene_builder::ReportOverlays::default().of(&m);
     assert_eq!(overlays.len(), 1);
     assert_eq!(overlays[0].lines.len(), chain.edges);
 
     let again = Places::new(&m.document.mesh, &m.view.report.chains)
         .edge(&m.document.mesh, &m.view.report.chains[0].edges[0])
         .expect("still there");
-    m.act(report(ReportAction::Edge(again.twin())));
+    act(&mut m, ReportAction::Edge(again.twin()));
     assert!(m.view.report.chains.is_empty());
-    m.act(report(ReportAction::Edge(again)));
-    m.act(report(ReportAction::Sharp(Some(20.0))));
+    act(&mut m, ReportAction::Edge(again));
+    act(&mut m, ReportAction::Sharp(Some(20.0)));
     assert!(measured(&mut m).chosen == 1);
-    m.replace(Document::new(opened(), Source::Sample("test".into())));
+    replace(
+        &mut m,
+        Document::new(opened(), Source::Sample("test".into())),
+    );
     assert!(m.view.report.chains.is_empty());
 }
 
@@ -161,26 +170,32 @@ fn edges_are_chosen_and_let_go() {
 #[test]
 fn chosen_edges_and_rims_outlive_erasing() {
     let mut m = model();
-    m.act(Action::Select(0.into(), SelectHow::Replace));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
     filled(&mut m);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     let mesh = Arc::clone(&m.document.mesh);
     let t = &mesh.topology;
     // an edge of the last face of the opened mesh, and faces at the first one
     let far = FaceId::from(m.document.first_patch_face - 1);
-    m.act(report(ReportAction::Edge(t.halfedge_of_face(far))));
+    act(&mut m, ReportAction::Edge(t.halfedge_of_face(far)));
     let before = measured(&mut m).analysis.chains.clone();
     assert_eq!(before.len(), 2);
     let [point, ..] = mesh.corners(FaceId(0));
-    m.act(Action::Task(Task::Repair));
-    let dabs = vec![Dab {
+    act(&mut m, TaskAction::Choose(Task::Repair));
+    let stamps = vec![BrushStamp {
         face: FaceId(0),
         point,
         radius: 0.15,
     }];
-    m.act(Action::Faces(FaceEdit::Paint { dabs, take: false }));
-    m.act(Action::Settle);
-    m.act(Action::Erase);
+    act(
+        &mut m,
+        SelectAction::Faces(FaceEdit::Paint {
+            stamps,
+            take: false,
+        }),
+    );
+    act(&mut m, ControlsAction::EndDrag);
+    act(&mut m, EditAction::Erase);
     assert!(m.document.mesh.vertex_count() < mesh.vertex_count());
     let after = measured(&mut m).analysis.chains.clone();
     for (a, b) in before.iter().zip(&after) {
@@ -189,13 +204,13 @@ fn chosen_edges_and_rims_outlive_erasing() {
     }
     assert_eq!(after.len(), 2);
     // the faired region has a rim as well
-    m.act(Action::Undo);
-    m.act(Action::Fair);
+    act(&mut m, EditAction::Undo);
+    act(&mut m, RunAction::Fair);
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(crate::app::Run::ended)
     });
     assert_eq!(measured(&mut m).rims, 2);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     assert_eq!(measured(&mut m).rims, 2);
 }
 
@@ -209,15 +224,15 @@ fn distances_to_a_reference_are_measured_and_drawn() {
     io::save_mesh(&path, &Mesh::new(larger, topology), &[]).expect("written");
 
     let mut m = model();
-    let choose = |path: PathBuf| report(ReportAction::Path(PathUse::Reference, path));
-    m.act(choose(folder.path().join("nothing.ply")));
+    let choose = ReportAction::Reference;
+    act(&mut m, choose(folder.path().join("nothing.ply")));
     until(&mut m, |m| m.view.report.reference.is_none());
     assert!(
         last_message(&m).contains("nothing.ply"),
         "{}",
         last_message(&m)
     );
-    m.act(choose(path.clone()));
+    act(&mut m, choose(path.clone()));
     until(&mut m, |m| {
         let found = m.report.measured.as_ref();
         found.is_some_and(|f| f.analysis.distances.is_some())
@@ -234,7 +249,7 @@ fn distances_to_a_reference_are_measured_and_drawn() {
 
     let mut style = m.view.style;
     style.mode = ViewMode::Distance;
-    m.act(Action::Style(style));
+    act(&mut m, ViewAction::Style(style));
     let known = |v: &Vertex| v.flags & Vertex::DISTANCE != 0;
     until(&mut m, |m| {
         let shown = m.displays[0].latest();
@@ -247,8 +262,8 @@ fn distances_to_a_reference_are_measured_and_drawn() {
         assert!((-0.16..-0.08).contains(&value), "{value}");
         assert_eq!(ViewMode::Deviation.value(v), None);
     }
-    m.act(report(ReportAction::DropReference));
-    m.tick(std::time::Instant::now());
+    act(&mut m, ReportAction::DropReference);
+    tick(&mut m, std::time::Instant::now());
     assert!(m.report.reference.is_none() && m.view.style.mode == ViewMode::Shaded);
 }
 
@@ -260,31 +275,39 @@ fn a_section_follows_the_flow_and_places_are_looked_at_from_outside() {
         point: [0.0; 3],
         normal: [0.0, 1.0, 0.0],
     };
-    m.act(report(ReportAction::Cut(cut)));
+    act(&mut m, ReportAction::Cut(cut));
     until(&mut m, |m| m.report.cut.is_some());
     let open = Arc::clone(&m.report.cut.as_ref().expect("made").section);
     assert!(
         open.curves.iter().all(|c| !c.closed),
         "it runs into the holes"
     );
-    m.act(Action::SelectAll);
+    act(&mut m, SelectAction::All);
     filled(&mut m);
     until(&mut m, |m| {
-        let current = |c: &CutMade| c.subject.same(&Subject::of(m));
+        let current = |c: &SectionResult| {
+            c.request
+                .subject
+                .same(&Subject::of(&m.document, m.run.as_ref()))
+        };
         m.report.cut.as_ref().is_some_and(current)
     });
     let closed = Arc::clone(&m.report.cut.as_ref().expect("made").section);
     assert_eq!(closed.curves.len(), 1);
     assert!(closed.curves[0].closed && closed.curves[0].length > 6.0);
-    let drawn = ReportOverlays::default().of(&m);
+    let drawn = crate::app::scene_builder::ReportOverlays::default().of(&m);
     assert!(drawn[0].lines.len() > 100);
-    m.act(report(ReportAction::DropCut));
-    m.tick(std::time::Instant::now());
+    act(&mut m, ReportAction::DropCut);
+    tick(&mut m, std::time::Instant::now());
     assert!(m.report.cut.is_none());
-    assert!(ReportOverlays::default().of(&m).is_empty());
+    assert!(
+        crate::app::scene_builder::ReportOverlays::default()
+            .of(&m)
+            .is_empty()
+    );
 
     for place in [DVec3::Z, -DVec3::Y] {
-        m.act(report(ReportAction::Inspect(place)));
+        act(&mut m, ReportAction::Inspect(place));
         let camera = &m.view.camera;
         assert!(camera.forward().dot(place) < -0.9);
         let [x, y] = camera.project(place, 1.6).expect("in front");
@@ -298,14 +321,14 @@ fn reports_are_copied_and_saved_as_on_the_command_line() {
     let source = folder.path().join("in.obj");
     io::save_mesh(&source, &opened().mesh, &[]).expect("written");
     let mut m = model();
-    m.act(report(ReportAction::Copy(ReportFile::Json)));
+    act(&mut m, ReportAction::Copy(ReportFile::Json));
     assert!(last_message(&m).contains("nothing was measured"));
-    m.act(Action::Open(source.clone()));
+    act(&mut m, FileAction::Open(source.clone()));
     until(&mut m, |m| {
         m.document.origin.source == Source::File(source.clone())
     });
     let found = measured(&mut m);
-    m.act(report(ReportAction::Copy(ReportFile::Json)));
+    act(&mut m, ReportAction::Copy(ReportFile::Json));
     until(&mut m, |m| !m.effects.is_empty());
     let Some(Effect::CopyText(text)) = m.effects.pop() else {
         panic!("no text");
@@ -316,16 +339,15 @@ fn reports_are_copied_and_saved_as_on_the_command_line() {
     assert_eq!(value["shape"]["area"], found.analysis.shape.area);
 
     let path = folder.path().join("out.csv");
-    let save =
-        |file, path: &PathBuf| report(ReportAction::Path(PathUse::Report(file), path.clone()));
-    m.act(save(ReportFile::Measures, &path));
+    let save = |file, path: &PathBuf| ReportAction::Save(file, path.clone());
+    act(&mut m, save(ReportFile::Measures, &path));
     until(&mut m, |_| path.exists());
     let text = std::fs::read_to_string(&path).expect("written");
     assert_eq!(text, measures_csv(&found.analysis));
-    m.act(save(ReportFile::Section, &path));
+    act(&mut m, save(ReportFile::Section, &path));
     assert!(last_message(&m).contains("no section"));
     let bytes = std::fs::read(&source).expect("there");
-    m.act(save(ReportFile::Vertices, &source));
+    act(&mut m, save(ReportFile::Vertices, &source));
     assert!(last_message(&m).contains("never overwritten"));
     assert_eq!(std::fs::read(&source).expect("there"), bytes);
 }
@@ -341,7 +363,7 @@ fn stripes_lines_and_the_report_come_back_with_the_project() {
     style.light_follows_view = true;
     style.zebra_turn = 35.0;
     style.range = Some([-0.5, 2.0]);
-    m.act(Action::Style(style));
+    act(&mut m, ViewAction::Style(style));
     m.view.report = ReportView {
         on_surface: true,
         sharp: Some(30.0),

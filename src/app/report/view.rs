@@ -1,21 +1,22 @@
-//! What the report measures and shows: plain values, kept in the project file.
+//! What the report measures and shows: plain values, stored in the project file.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
 use crate::analysis::Plane;
+use crate::app::chains::Chain;
 use crate::mesh::DVec3;
 
 /// What a click in the view chooses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pick {
-    /// Holes, as ever.
+    /// Holes.
     #[default]
     Holes,
     /// Chains of edges.
     Edges,
-    /// Where a section goes through, and its direction.
+    /// A point of a section; its direction.
     Section(Across),
 }
 
@@ -28,21 +29,12 @@ pub enum Across {
     View,
 }
 
-/// Edges chosen together.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Chain {
-    /// Whether both sides count as surfaces of their own.
-    pub is_crease: bool,
-    /// The edges by the places of their ends.
-    pub edges: Vec<[[f64; 3]; 2]>,
-}
-
 /// How a curvature comb is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Comb {
-    /// Length of a tooth at the curvature of the sphere around the model, in its radii; `None` for one
-    /// that suits the section.
+    /// Length of a tooth at the curvature of the sphere around the model, in its radii; `None`
+    /// adapts it to the section.
     pub length: Option<f64>,
     /// Teeth in the length of the model's radius.
     pub density: f64,
@@ -61,7 +53,7 @@ impl Default for Comb {
     }
 }
 
-/// A plane as the project file keeps it.
+/// A plane as stored in the project file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cut {
     /// A point of it.
@@ -80,7 +72,7 @@ impl Cut {
     }
 }
 
-/// All of it.
+/// The view of the report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ReportView {
@@ -100,19 +92,19 @@ pub struct ReportView {
     /// Chosen edges.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub chains: Vec<Chain>,
-    /// What a click chooses.
+    /// What a click selects.
     #[serde(skip)]
     pub pick: Pick,
     /// Curvature whose histogram is shown: H, K, k1, k2.
     #[serde(skip)]
     pub curvature: usize,
-    /// The place that was looked at last.
+    /// The place that was inspected last.
     #[serde(skip)]
     pub mark: Option<DVec3>,
 }
 
 impl ReportView {
-    /// Drops what belongs to the mesh that was open.
+    /// Drops what belongs to the mesh that was open before.
     pub fn forget(&mut self) {
         self.chains.clear();
         self.cut = None;
@@ -120,7 +112,7 @@ impl ReportView {
         self.pick = Pick::Holes;
     }
 
-    /// With only such values as can be used, whatever a file said.
+    /// Replaces unusable values from a file by defaults.
     #[must_use]
     pub fn checked(mut self) -> Self {
         let in_range = |x: f64, low: f64, high: f64| (low..=high).contains(&x);

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use super::{Run, Side, settings};
 use crate::analysis::patch_rims;
+use crate::app::chains::{Chain, Places};
 use crate::app::document::{CREASE, Document, RefineWork, Work};
 use crate::app::jobs::Wake;
 use crate::app::live::{Live, refining_flow};
-use crate::app::report::{Chain, Places};
 use crate::app::view_state::Refining;
 use crate::fill::Controls;
 use crate::mesh::face_flags;

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::*;
+use crate::app::chains::Chain;
 use crate::app::document::Work;
-use crate::app::report::Chain;
 use crate::app::run::Run;
 use crate::app::view_state::Refining;
 use crate::mesh::VertexId;
@@ -26,9 +26,9 @@ fn on_mesh((positions, triangles): TriangleMesh, refining: Refining) -> Model {
     let document = Document::new(opened, Source::Sample("test".into()));
     let wake: crate::app::jobs::Wake = Arc::new(|| ());
     let mut m = Model::new(document, Settings::default(), Autosave::off(), wake);
-    m.act(Action::Pace(240.0));
-    m.act(Action::Task(Task::Refine));
-    m.act(Action::Refining(Box::new(refining)));
+    act(&mut m, RunAction::Pace(240.0));
+    act(&mut m, TaskAction::Choose(Task::Refine));
+    act(&mut m, TaskAction::Refining(Box::new(refining)));
     m
 }
 
@@ -41,8 +41,8 @@ fn three_methods_side_by_side_and_one_is_taken() {
         ..Refining::default()
     });
     let before = Arc::clone(&m.document.mesh);
-    m.act(Action::Fill);
-    m.act(Action::Finish);
+    act(&mut m, RunAction::Start);
+    act(&mut m, RunAction::Finish);
     until(&mut m, |m| m.run.as_ref().is_some_and(Run::ended));
     let run = m.run.as_ref().expect("there");
     assert_eq!(run.names(), ["PDE", "Butterfly", "Loop"]);
@@ -57,15 +57,15 @@ fn three_methods_side_by_side_and_one_is_taken() {
         })
     });
     // states can be scrubbed over all levels
-    m.act(Action::Scrub(Some(0)));
+    act(&mut m, RunAction::Scrub(Some(0)));
     let first = m
         .run
         .as_ref()
         .and_then(|r| r.sides[0].state())
         .expect("a state");
     assert_eq!(first.topology().face_count(), before.face_count());
-    m.act(Action::Scrub(None));
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Scrub(None));
+    act(&mut m, RunAction::Accept(0));
     let after = Arc::clone(&m.document.mesh);
     check_mesh(&after).expect("sound");
     assert_eq!(after.positions[..before.vertex_count()], before.positions);
@@ -81,7 +81,7 @@ fn three_methods_side_by_side_and_one_is_taken() {
         panic!("a refinement");
     };
     assert!(!work.changed && work.words[..2] == ["--levels", "2"]);
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert!(Arc::ptr_eq(&before, &m.document.mesh));
 }
 
@@ -92,13 +92,13 @@ fn a_refinement_needs_its_selected_faces() {
         selected_only: true,
         ..Refining::default()
     });
-    m.act(Action::Fill);
+    act(&mut m, RunAction::Start);
     assert!(m.run.is_none() && last_message(&m).starts_with("no face is selected"));
     m.document.faces = Arc::new(vec![0, 1, 2]);
-    m.act(Action::Fill);
-    m.act(Action::Finish);
+    act(&mut m, RunAction::Start);
+    act(&mut m, RunAction::Finish);
     until(&mut m, |m| m.run.as_ref().is_some_and(Run::ended));
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     let faces = m.document.mesh.face_count();
     assert!((20 + 9..80).contains(&faces), "{faces}");
 }
@@ -121,24 +121,24 @@ fn an_accepted_surface_stays_as_it_was() {
         sharp_angle: 1.0,
         ..Refining::default()
     });
-    m.act(Action::Fill);
-    m.act(Action::Finish);
+    act(&mut m, RunAction::Start);
+    act(&mut m, RunAction::Finish);
     until(&mut m, |m| m.run.as_ref().is_some_and(Run::ended));
     let before = drawn(&mut m, |m| m.run.is_some());
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     let after = drawn(&mut m, |m| m.run.is_none());
     assert!(!before.is_empty() && before == after);
     let mesh = Arc::clone(&m.document.mesh);
     check_mesh(&mesh).expect("welded");
     assert!(mesh.topology.boundary_loops().is_empty());
     // undone, done again, and gone with the next change
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert!(m.document.surface.is_none());
-    m.act(Action::Redo);
+    act(&mut m, EditAction::Redo);
     assert!(Arc::ptr_eq(&mesh, &m.document.mesh));
     assert!(drawn(&mut m, |_| true) == before);
     m.document.faces = Arc::new(vec![0, 1]);
-    m.act(Action::Erase);
+    act(&mut m, EditAction::Erase);
     assert!(m.document.surface.is_none() && m.document.is_changed());
 }
 
@@ -174,14 +174,14 @@ fn chosen_edges_and_the_rim_of_the_selection_stay_sharp() {
         is_crease: true,
         edges: vec![[place(ends[0]), place(far)], [place(far), place(ends[1])]],
     }];
-    m.act(Action::Fill);
-    m.act(Action::Finish);
+    act(&mut m, RunAction::Start);
+    act(&mut m, RunAction::Finish);
     until(&mut m, |m| m.run.as_ref().is_some_and(Run::ended));
     let state = m.run.as_ref().and_then(|r| r.sides[0].state());
     let state = state.expect("a state");
     // the fan is a piece of its own, and the chosen edges are a slit
     let copies = state.topology().vertex_count() - {
-        m.act(Action::Accept(0));
+        act(&mut m, RunAction::Accept(0));
         m.document.mesh.vertex_count()
     };
     assert_eq!(copies, 2 * rim + 3);
@@ -207,6 +207,6 @@ fn a_crease_that_is_none_is_said() {
         is_crease: true,
         edges: vec![ends.map(|v| mesh.position(v).to_array())],
     }];
-    m.act(Action::Fill);
+    act(&mut m, RunAction::Start);
     assert!(m.run.is_none() && last_message(&m).contains("single edge"));
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::app::document::{Accepted, Work};
-use crate::app::faces::{Dab, FaceEdit};
+use crate::app::faces::{BrushStamp, FaceEdit};
 use crate::app::run::Run;
 use crate::app::view_state::Bridging;
 use crate::mesh::FaceId;
@@ -20,20 +20,26 @@ fn paint(m: &mut Model, radius: f64) {
         .expect("faces");
     let point = mesh.corners(face)[0];
     for radius in [0.5 * radius, radius] {
-        let dabs = vec![Dab {
+        let stamps = vec![BrushStamp {
             face,
             point,
             radius,
         }];
-        m.act(Action::Faces(FaceEdit::Paint { dabs, take: false }));
+        act(
+            m,
+            SelectAction::Faces(FaceEdit::Paint {
+                stamps,
+                take: false,
+            }),
+        );
     }
-    m.act(Action::Settle);
+    act(m, ControlsAction::EndDrag);
 }
 
 fn in_repair() -> Model {
     let mut m = model();
-    m.act(Action::Task(Task::Repair));
-    m.act(Action::Pace(240.0));
+    act(&mut m, TaskAction::Choose(Task::Repair));
+    act(&mut m, RunAction::Pace(240.0));
     m
 }
 
@@ -51,24 +57,28 @@ fn a_stroke_is_one_undo_entry() {
     paint(&mut m, 0.4);
     let painted = m.document.faces.len();
     assert!(painted > 10);
-    m.act(Action::Faces(FaceEdit::Grow));
+    act(&mut m, SelectAction::Faces(FaceEdit::Grow));
     assert!(m.document.faces.len() > painted);
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert_eq!(m.document.faces.len(), painted);
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert!(m.document.faces.is_empty());
-    m.act(Action::Redo);
+    act(&mut m, EditAction::Redo);
     assert_eq!(m.document.faces.len(), painted);
-    m.act(Action::Faces(FaceEdit::Invert));
+    act(&mut m, SelectAction::Faces(FaceEdit::Invert));
     assert_eq!(
         m.document.faces.len(),
         m.document.mesh.face_count() - painted
     );
-    m.act(Action::SelectNone);
+    act(&mut m, SelectAction::None);
     assert!(m.document.faces.is_empty());
     // nothing to be done without faces
-    for action in [Action::Fill, Action::Fair, Action::Erase] {
-        m.act(action);
+    for action in [
+        Action::from(RunAction::Start),
+        RunAction::Fair.into(),
+        EditAction::Erase.into(),
+    ] {
+        act(&mut m, action);
         assert!(m.run.is_none());
         assert!(last_message(&m).starts_with("no face is selected"));
     }
@@ -80,14 +90,14 @@ fn refill_replaces_the_faces_and_can_be_rejected_and_undone() {
     let before = Arc::clone(&m.document.mesh);
     paint(&mut m, 0.5);
     let selected = Arc::clone(&m.document.faces);
-    m.act(Action::Fill);
+    act(&mut m, RunAction::Start);
     run_to_end(&mut m);
-    m.act(Action::Reject);
+    act(&mut m, RunAction::Reject);
     assert!(Arc::ptr_eq(&before, &m.document.mesh));
     assert!(Arc::ptr_eq(&selected, &m.document.faces), "still selected");
-    m.act(Action::Fill);
+    act(&mut m, RunAction::Start);
     run_to_end(&mut m);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     let after = Arc::clone(&m.document.mesh);
     check_mesh(&after).expect("sound");
     assert_eq!(m.document.loops.len(), 2, "the holes are open as before");
@@ -107,7 +117,7 @@ fn refill_replaces_the_faces_and_can_be_rejected_and_undone() {
     for p in m.document.patches().expect("one").positions {
         assert!((p.length() - 1.0).abs() < 5e-3, "the sphere goes on: {p}");
     }
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert!(Arc::ptr_eq(&before, &m.document.mesh));
 }
 
@@ -116,7 +126,7 @@ fn fairing_moves_inner_vertices_only_and_shows_them() {
     let mut m = in_repair();
     let before = Arc::clone(&m.document.mesh);
     paint(&mut m, 0.5);
-    m.act(Action::Fair);
+    act(&mut m, RunAction::Fair);
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(|r| r.state_count() > 3)
     });
@@ -124,15 +134,15 @@ fn fairing_moves_inner_vertices_only_and_shows_them() {
     assert!(!run.faired().is_empty());
     let state = run.sides[0].state().expect("a state");
     assert_eq!(state.positions(&before, false).len(), before.vertex_count());
-    m.act(Action::Scrub(Some(1)));
-    m.act(Action::GoOnFromHere);
+    act(&mut m, RunAction::Scrub(Some(1)));
+    act(&mut m, RunAction::ContinueFromShown);
     run_to_end(&mut m);
     assert!(
         m.run
             .as_ref()
             .is_some_and(|r| r.sides[0].live.radius() > 0.1)
     );
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     let after = Arc::clone(&m.document.mesh);
     assert_eq!(before.topology, after.topology);
     assert_eq!(m.document.first_patch_face, before.face_count());
@@ -149,15 +159,15 @@ fn fairing_moves_inner_vertices_only_and_shows_them() {
 #[test]
 fn erasing_leaves_a_hole_to_be_filled() {
     let mut m = in_repair();
-    m.act(Action::Task(Task::Fill));
-    m.act(Action::Select(0.into(), SelectHow::Replace));
+    act(&mut m, TaskAction::Choose(Task::Fill));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
     filled(&mut m);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     let patch = last(&m).faces.clone();
-    m.act(Action::Task(Task::Repair));
+    act(&mut m, TaskAction::Choose(Task::Repair));
     paint(&mut m, 0.3);
     let count = m.document.faces.len();
-    m.act(Action::Erase);
+    act(&mut m, EditAction::Erase);
     assert_eq!(m.document.loops.len(), 2);
     // the earlier patch is known by its new faces
     assert_eq!(
@@ -165,50 +175,53 @@ fn erasing_leaves_a_hole_to_be_filled() {
         patch.start - count..patch.end - count
     );
     assert_eq!(m.document.first_patch_face, patch.start - count);
-    m.act(Action::Faces(FaceEdit::Invert));
-    m.act(Action::Erase);
+    act(&mut m, SelectAction::Faces(FaceEdit::Invert));
+    act(&mut m, EditAction::Erase);
     assert!(last_message(&m).starts_with("all faces are selected"));
 }
 
 #[test]
 fn turning_over_keeps_the_rims_gathered() {
     let mut m = model();
-    m.act(Action::Task(Task::Blend));
-    m.act(Action::Select(1.into(), SelectHow::Replace));
+    act(&mut m, TaskAction::Choose(Task::Blend));
+    act(&mut m, SelectAction::Loop(1.into(), SelectHow::Replace));
     let place = m.document.loops[1].centroid;
     let face = m.document.mesh.topology.face_vertices(FaceId(0));
-    m.act(Action::Flip(1.into()));
+    act(&mut m, EditAction::Flip(1.into()));
     let [a, b, c] = m.document.mesh.topology.face_vertices(FaceId(0));
     assert!([[a, c, b], [c, b, a], [b, a, c]].contains(&face));
     let gathered: Vec<_> = m.document.selected().iter().map(|l| l.centroid).collect();
     assert_eq!(gathered.len(), 1);
     assert!(gathered[0].distance(place) < 1e-12);
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert_eq!(m.document.mesh.topology.face_vertices(FaceId(0)), face);
 }
 
 #[test]
 fn a_bridge_makes_two_holes_of_one() {
     let mut m = model();
-    m.act(Action::Bridging(Some(Bridging {
-        from: None,
-        width: 1,
-    })));
-    m.act(Action::Escape);
+    act(
+        &mut m,
+        TaskAction::Bridging(Some(Bridging {
+            from: None,
+            width: 1,
+        })),
+    );
+    act(&mut m, Action::Escape);
     assert!(m.view.bridging.is_none());
     let l = &m.document.loops[0];
     let at = |i: usize| m.document.mesh.position(l.vertices[i]);
     let ends = [at(0), at(l.edges() / 2)];
     let first = m.document.mesh.face_count();
-    m.act(Action::Bridge(ends, 1));
+    act(&mut m, EditAction::Bridge(ends, 1));
     assert_eq!(m.document.loops.len(), 3);
     assert_eq!(last(&m).work, Work::Bridge(ends, 1));
     assert_eq!(last(&m).faces, first..m.document.mesh.face_count());
     // from a place to itself there is none
-    m.act(Action::Bridge([ends[0], ends[0]], 1));
+    act(&mut m, EditAction::Bridge([ends[0], ends[0]], 1));
     assert_eq!(m.document.loops.len(), 3);
     assert!(last_message(&m).contains("ends of the bridge meet"));
-    m.act(Action::Undo);
+    act(&mut m, EditAction::Undo);
     assert_eq!(m.document.loops.len(), 2);
 }
 
@@ -217,13 +230,14 @@ fn a_project_keeps_repairs_and_the_selection() {
     let mut m = in_repair();
     let l = &m.document.loops[0];
     let at = |i: usize| m.document.mesh.position(l.vertices[i]);
-    m.act(Action::Bridge([at(0), at(l.edges() / 2)], 2));
+    let ends = [at(0), at(l.edges() / 2)];
+    act(&mut m, EditAction::Bridge(ends, 2));
     paint(&mut m, 0.4);
-    m.act(Action::Erase);
+    act(&mut m, EditAction::Erase);
     paint(&mut m, 0.5);
-    m.act(Action::Fair);
+    act(&mut m, RunAction::Fair);
     run_to_end(&mut m);
-    m.act(Action::Accept(0));
+    act(&mut m, RunAction::Accept(0));
     paint(&mut m, 0.2);
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("work.meniscus");

@@ -3,13 +3,13 @@
 use eframe::egui::{self, Color32, Rect, Ui};
 
 use super::viewport::on_screen;
-use crate::app::action::Action;
+use crate::app::action::{Action, TaskAction};
 use crate::app::model::Model;
 use crate::app::view_state::Bridging;
 use crate::mesh::DVec3;
 
 /// A bridge splits a difficult hole, or joins two.
-pub fn bridge_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn bridge_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         let now = model.view.bridging;
         let some = model.run.is_none() && !model.document.loops.is_empty();
@@ -17,22 +17,22 @@ pub fn bridge_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let tip = "click two places of the rims: a strip of triangles joins them, so that a difficult \
                    hole becomes two easy ones";
         if ui.add_enabled(some, button).on_hover_text(tip).clicked() {
-            actions.push(Action::Bridging(match now {
+            actions.push(TaskAction::Bridging(match now {
                 Some(_) => None,
                 None => Some(Bridging { from: None, width: 2 }),
-            }));
+            }).into());
         }
         if let Some(mut next) = now {
             let drag = egui::DragValue::new(&mut next.width).range(1..=64).suffix(" edges wide");
             if ui.add(drag).changed() {
-                actions.push(Action::Bridging(Some(next)));
+                actions.push(TaskAction::Bridging(Some(next)).into());
             }
         }
     });
 }
 
 /// The ends of a bridge under way.
-pub fn bridge_ends(ui: &Ui, model: &Model, over: Option<DVec3>, rect: Rect) {
+pub(crate) fn bridge_ends(ui: &Ui, model: &Model, over: Option<DVec3>, rect: Rect) {
     let Some(bridging) = model.view.bridging else {
         return;
     };

@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, RichText, Ui};
 
-use super::side::short;
-use crate::app::action::Action;
+use super::format::format_number;
+use crate::app::action::{Action, ControlsAction};
 use crate::app::document::window_controls;
 use crate::app::model::Model;
 use crate::app::view_state::Task;
@@ -12,7 +12,7 @@ use crate::options::TauChoice;
 use crate::solver::{FLOW_GROWTH, Mode, Scheme};
 
 /// All controls of a run; each acts at the next step.
-pub fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     egui::ScrollArea::vertical().show(ui, |ui| {
         ui.add_space(4.0);
         ui.heading("Energy");
@@ -31,7 +31,7 @@ pub fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.heading(if refining { "Surface" } else { "Patch" });
         patch_ui(ui, model, &mut next, refining);
         if next != model.document.controls {
-            actions.push(Action::Controls(Box::new(next)));
+            actions.push(ControlsAction::Set(Box::new(next)).into());
         }
         ui.separator();
         if ui
@@ -40,8 +40,8 @@ pub fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .clicked()
         {
             let defaults = window_controls();
-            actions.push(Action::EnergyText(defaults.energy.clone()));
-            actions.push(Action::Controls(Box::new(defaults)));
+            actions.push(ControlsAction::EnergyText(defaults.energy.clone()).into());
+            actions.push(ControlsAction::Set(Box::new(defaults)).into());
         }
     });
 }
@@ -100,7 +100,7 @@ fn slider(
     ui.add(
         egui::Slider::new(value, range)
             .logarithmic(true)
-            .custom_formatter(|x, _| short(x)),
+            .custom_formatter(|x, _| format_number(x)),
     )
     .labelled_by(label.id)
     .on_hover_text(tip)

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Context, Key, Modal as Over, RichText, Ui};
 
-use crate::app::action::Action;
+use crate::app::action::{Action, FileAction, PictureAction, RunAction};
 use crate::app::model::Model;
 use crate::app::project;
 use crate::app::report::ReportAction;
@@ -12,7 +12,7 @@ use crate::app::view_state::{
 use crate::render::MAX_SIDE;
 
 /// The one that is open.
-pub fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>) {
     let closed = match &model.view.modal {
         Modal::None => return,
         Modal::Path(prompt) => over(ctx, |ui| path_ui(ui, prompt, actions)),
@@ -20,7 +20,7 @@ pub fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>) {
         Modal::Recover(paths) => over(ctx, |ui| recover_ui(ui, paths, actions)),
         Modal::Picture(settings) => over(ctx, |ui| picture_ui(ui, model, settings, actions)),
     };
-    // a recovery file is not to be lost by a click beside it
+    // a click beside the dialog must not discard a recovery file
     if closed && !matches!(model.view.modal, Modal::Recover(_)) {
         actions.push(Action::Escape);
     }
@@ -66,12 +66,11 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
             let path = expand(text.trim());
             actions.push(Action::Modal(Modal::None));
             actions.push(match prompt.purpose {
-                PathUse::Open => Action::Open(path),
-                PathUse::SaveAs => Action::SaveAs(path),
-                PathUse::ExportPatch => Action::ExportPatch(path),
-                PathUse::Reference | PathUse::Report(_) => {
-                    Action::Report(ReportAction::Path(prompt.purpose, path))
-                }
+                PathUse::Open => FileAction::Open(path).into(),
+                PathUse::SaveAs => FileAction::SaveAs(path).into(),
+                PathUse::ExportPatch => FileAction::ExportPatch(path).into(),
+                PathUse::Reference => ReportAction::Reference(path).into(),
+                PathUse::Report(file) => ReportAction::Save(file, path).into(),
             });
         }
         if ui.button("Cancel").clicked() {
@@ -91,17 +90,17 @@ fn expand(text: &str) -> std::path::PathBuf {
 fn unsaved_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     ui.heading("There are changes that are not saved");
     if model.run.is_some() {
-        ui.label("A patch was not accepted yet.");
+        ui.label("A patch is not accepted yet.");
     }
     ui.horizontal(|ui| {
         if ui.button(RichText::new("Save").strong()).clicked() {
             if model.run.is_some() {
-                actions.push(Action::Accept(0));
+                actions.push(RunAction::Accept(0).into());
             }
-            actions.push(Action::SaveThenGoOn);
+            actions.push(FileAction::SaveAndContinue.into());
         }
         if ui.button("Discard changes").clicked() {
-            actions.push(Action::Discard);
+            actions.push(FileAction::DiscardAndContinue.into());
         }
         if ui.button("Cancel").clicked() {
             actions.push(Action::Modal(Modal::None));
@@ -120,7 +119,7 @@ fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Actio
             .map_or_else(String::new, |d| format!("{} minutes old", d.as_secs() / 60));
         let name = project::title(path);
         if ui.button(format!("Recover {name}, {when}")).clicked() {
-            actions.push(Action::Recover(path.clone()));
+            actions.push(FileAction::Recover(path.clone()).into());
         }
     }
     ui.horizontal(|ui| {
@@ -128,7 +127,7 @@ fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Actio
             actions.push(Action::Modal(Modal::None));
         }
         if ui.button("Delete").clicked() {
-            actions.push(Action::DropRecovery);
+            actions.push(FileAction::DropRecovery.into());
         }
     });
 }
@@ -191,10 +190,10 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
     }
     ui.horizontal(|ui| {
         if ui.button(RichText::new("Write").strong()).clicked() {
-            actions.push(Action::Picture(Box::new(next)));
+            actions.push(PictureAction::Make(Box::new(next)).into());
         }
         if ui.button("Copy to the clipboard").clicked() {
-            actions.push(Action::CopyPicture);
+            actions.push(PictureAction::Copy.into());
             actions.push(Action::Modal(Modal::None));
         }
         if ui.button("Cancel").clicked() {

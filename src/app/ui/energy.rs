@@ -1,8 +1,12 @@
 //! The energy: presets, a typed expression with its error, its parameters, how its flow is posed.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use eframe::egui::{self, RichText, Ui};
 
-use crate::app::action::Action;
+use crate::app::action::{Action, ControlsAction};
+use crate::app::cached::ParsedEnergy;
 use crate::app::model::Model;
 use crate::app::update::params_for;
 use crate::app::view_state::Task;
@@ -27,13 +31,13 @@ fn about(preset: Preset) -> &'static str {
 }
 
 /// Choice and expression.
-pub fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let view = &model.view;
     ui.horizontal(|ui| {
         let label = ui.label("Preset");
-        let current = Energy::parse(&view.energy_text, &model.document.controls.param)
-            .ok()
-            .and_then(|e| e.as_preset());
+        let params = &model.document.controls.param;
+        let energy = parsed(ui, "preset", &view.energy_text, params);
+        let current = Result::as_ref(&energy).ok().and_then(Energy::as_preset);
         egui::ComboBox::from_id_salt("preset")
             .selected_text(current.map_or("typed", Preset::text))
             .width(ui.available_width())
@@ -44,8 +48,8 @@ pub fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                         .on_hover_text(about(preset))
                         .clicked()
                     {
-                        actions.push(Action::EnergyText(preset.text().into()));
-                        actions.push(Action::ApplyEnergy);
+                        actions.push(ControlsAction::EnergyText(preset.text().into()).into());
+                        actions.push(ControlsAction::ApplyEnergy.into());
                     }
                 }
             })
@@ -57,8 +61,8 @@ pub fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         "f(H, K) =",
         &view.energy_text,
         model,
-        Action::EnergyText,
-        Some(Action::ApplyEnergy),
+        ControlsAction::EnergyText,
+        Some(ControlsAction::ApplyEnergy),
         actions,
     );
     if parsed {
@@ -76,8 +80,8 @@ fn expression_ui(
     name: &str,
     current: &str,
     model: &Model,
-    typed: impl Fn(String) -> Action,
-    apply: Option<Action>,
+    typed: impl Fn(String) -> ControlsAction,
+    apply: Option<ControlsAction>,
     actions: &mut Vec<Action>,
 ) -> bool {
     let label = ui.label(name);
@@ -95,21 +99,21 @@ fn expression_ui(
              tanh, min, max; Enter takes it",
         );
     if response.changed() {
-        actions.push(typed(text.clone()));
+        actions.push(typed(text.clone()).into());
     }
     let params = params_for(text.trim(), &model.document.controls.param);
-    let parsed = Energy::parse(&text, &params);
-    match &parsed {
+    let parsed = parsed(ui, name, &text, &params);
+    match &*parsed {
         Err(error) => {
             error_ui(ui, error);
             if let Some(name) = error.syntax().and_then(|e| e.unknown.as_ref())
                 && apply.is_some()
                 && ui.button(format!("Make \"{name}\" a parameter")).clicked()
             {
-                actions.push(Action::AddParameter(name.clone()));
+                actions.push(ControlsAction::AddParameter(name.clone()).into());
             }
         }
-        Ok(_) if response.lost_focus() => actions.extend(apply),
+        Ok(_) if response.lost_focus() => actions.extend(apply.map(Action::from)),
         Ok(_) => {
             let unused = apply.is_some() && text.trim() != model.document.controls.energy;
             if unused && !response.changed() {
@@ -120,9 +124,24 @@ fn expression_ui(
     parsed.is_ok()
 }
 
+/// The energy of a text, parsed again only when the text or a parameter changes; `name` tells fields
+/// apart.
+fn parsed(
+    ui: &Ui,
+    name: &str,
+    text: &str,
+    params: &BTreeMap<String, f64>,
+) -> Arc<Result<Energy, ExprError>> {
+    let id = egui::Id::unique(("energy", name));
+    ui.ctx().data_mut(|data| {
+        let known = data.get_temp_mut_or_default::<ParsedEnergy>(id);
+        known.parse(text, params)
+    })
+}
+
 /// The caret under the character, the message below.
 fn error_ui(ui: &mut Ui, error: &ExprError) {
-    let color = super::bad(ui);
+    let color = super::error_color(ui);
     let Some(syntax) = error.syntax() else {
         ui.label(RichText::new(error.to_string()).color(color));
         return;
@@ -161,7 +180,7 @@ fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             if slider.changed() {
                 let mut next = controls.clone();
                 next.param.insert(name.clone(), value);
-                actions.push(Action::Controls(Box::new(next)));
+                actions.push(ControlsAction::Set(Box::new(next)).into());
             }
         });
     }
@@ -178,13 +197,13 @@ fn badge_ui(ui: &mut Ui, model: &Model) {
     let (text, color, tip) = if scan.undefined > 0 {
         (
             "undefined in places",
-            super::bad(ui),
+            super::error_color(ui),
             "the energy has no finite second derivatives at curvatures that occur",
         )
     } else if scan.ill_posed > 0 {
         (
             "ill-posed in places",
-            super::bad(ui),
+            super::error_color(ui),
             "where the patch is hatched short waves grow instead of fading",
         )
     } else if 1000 * scan.degenerate > scan.samples {
@@ -202,7 +221,7 @@ fn badge_ui(ui: &mut Ui, model: &Model) {
     } else {
         (
             "well-posed",
-            super::good(ui),
+            super::success_color(ui),
             "the flow is strictly parabolic on all that is shown",
         )
     };
@@ -221,7 +240,7 @@ fn compare_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         .changed()
     {
         let energy = on.then(|| "k1^4+k2^4".to_owned());
-        actions.push(Action::CompareEnergy(energy));
+        actions.push(ControlsAction::CompareEnergy(energy).into());
     }
     if let Some(energy) = &model.view.compare_energy {
         expression_ui(
@@ -229,7 +248,7 @@ fn compare_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             "B: f(H, K) =",
             energy,
             model,
-            |text| Action::CompareEnergy(Some(text)),
+            |text| ControlsAction::CompareEnergy(Some(text)),
             None,
             actions,
         );
@@ -237,6 +256,6 @@ fn compare_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 }
 
 /// The energies that are compared, for titles.
-pub fn side_title(controls: &Controls, side: usize) -> String {
+pub(crate) fn side_title(controls: &Controls, side: usize) -> String {
     format!("{}: f = {}", ["A", "B"][side.min(1)], controls.energy)
 }

@@ -2,41 +2,46 @@
 
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Ui};
 
-use super::side::short;
+use super::format::format_number;
+use crate::app::cached::Cached;
 use crate::app::model::Model;
 use crate::render::{Scene, ViewMode, colormap, legend_ticks, robust_range};
 
-/// The range of a map, and what it was found for: the mode and the numbers of the surfaces.
-pub type KnownRange = Option<(ViewMode, Vec<u64>, [f32; 2])>;
+/// The range of a colour map.
+pub(crate) type MapRange = Cached<RangeKey, [f32; 2]>;
 
-/// One range for both sides of a comparison, found anew only for other surfaces or another mode.
-pub fn shared_range(
+/// What the range of a colour map depends on: the mode and the serial numbers of the surfaces.
+#[derive(Clone, PartialEq)]
+pub(crate) struct RangeKey {
+    mode: ViewMode,
+    surfaces: Vec<u64>,
+}
+
+/// One range for all sides of a comparison.
+pub(crate) fn shared_range(
     model: &Model,
     scene: &Scene,
     mode: ViewMode,
-    known: &mut KnownRange,
+    known: &mut MapRange,
 ) -> [f32; 2] {
     let sides = model.run.as_ref().map_or(1, |r| r.sides.len());
     let shown = model.displays[..sides].iter().filter_map(|d| d.latest());
     let surfaces: Vec<_> = shown.flat_map(|d| d.surfaces.iter().cloned()).collect();
-    let numbers: Vec<u64> = surfaces.iter().map(|s| s.id).collect();
-    if let Some((for_mode, for_numbers, range)) = known
-        && *for_mode == mode
-        && *for_numbers == numbers
-    {
-        return *range;
-    }
-    let all = Scene {
-        surfaces,
-        ..scene.clone()
+    let key = RangeKey {
+        mode,
+        surfaces: surfaces.iter().map(|s| s.id).collect(),
     };
-    let range = robust_range(&all, mode);
-    *known = Some((mode, numbers, range));
-    range
+    known.get(key, || {
+        let all = Scene {
+            surfaces,
+            ..scene.clone()
+        };
+        robust_range(&all, mode)
+    })
 }
 
 /// Colours, ticks and name of a map.
-pub fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
+pub(crate) fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
     let height = (rect.height() * 0.4).clamp(80.0, 260.0);
     let bar = Rect::from_min_size(
         Pos2::new(rect.right() - 92.0, rect.bottom() - height - 40.0),
@@ -49,7 +54,7 @@ pub fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
     );
     let painter = ui.painter();
     painter.rect_filled(around, 6.0, ground);
-    let (name, _) = super::toolbar::mode_words(mode);
+    let (name, _) = super::format::mode_words(mode);
     let font = FontId::proportional(13.0);
     let ink = ui.visuals().strong_text_color();
     painter.text(
@@ -100,7 +105,7 @@ pub fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
 
 /// A round number without the zeros at its end.
 fn trimmed(x: f64) -> String {
-    let text = short(x);
+    let text = format_number(x);
     if text.contains('.') && !text.contains('e') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {

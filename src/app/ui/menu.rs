@@ -2,19 +2,29 @@
 
 use eframe::egui::{self, Button, Ui};
 
-use crate::app::action::{Action, Switch};
+use crate::app::action::{
+    Action, EditAction, FileAction, PictureAction, SelectAction, Switch, ViewAction,
+};
 use crate::app::model::Model;
 use crate::app::report::{Across, Pick, ReportAction};
-use crate::app::shortcuts::{Command, ROWS};
-use crate::app::view_state::{Modal, Navigation};
+use crate::app::shortcuts::key_text;
+use crate::app::view_state::Navigation;
 use crate::render::StandardView;
 use crate::shapes::SAMPLES;
 
 /// An entry with its key.
-fn entry(ui: &mut Ui, text: &str, command: Option<Command>) -> bool {
+fn entry(ui: &mut Ui, text: &str, action: impl Into<Action>, actions: &mut Vec<Action>) {
+    let action = action.into();
+    if entry_with_key_of(ui, text, &action) {
+        actions.push(action);
+    }
+}
+
+/// An entry that shows the key of an action. Returns whether it was clicked.
+fn entry_with_key_of(ui: &mut Ui, text: &str, action: &Action) -> bool {
     let mut button = Button::new(text);
-    if let Some((_, [key, ..], _)) = ROWS.iter().find(|(c, ..)| Some(*c) == command) {
-        button = button.shortcut_text(ui.ctx().format_shortcut(key));
+    if let Some(key) = key_text(ui.ctx(), action) {
+        button = button.shortcut_text(key);
     }
     let clicked = ui.add(button).clicked();
     if clicked {
@@ -24,28 +34,34 @@ fn entry(ui: &mut Ui, text: &str, command: Option<Command>) -> bool {
 }
 
 /// Menus of the whole window.
-pub fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     egui::MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file_ui(ui, model, actions));
         ui.menu_button("Edit", |ui| edit_ui(ui, model, actions));
         ui.menu_button("Select", |ui| {
-            for (text, command, action) in [
-                ("All holes", Command::SelectAll, Action::SelectAll),
-                (
-                    "All but the largest",
-                    Command::SelectAllButLargest,
-                    Action::SelectAllButLargest,
-                ),
-                ("None", Command::Escape, Action::SelectNone),
-            ] {
-                if entry(ui, text, Some(command)) {
-                    actions.push(action);
-                }
+            entry(ui, "All holes", SelectAction::All, actions);
+            entry(
+                ui,
+                "All but the largest",
+                SelectAction::AllButLargest,
+                actions,
+            );
+            if entry_with_key_of(ui, "None", &Action::Escape) {
+                actions.push(SelectAction::None.into());
             }
         });
         ui.menu_button("View", |ui| view_ui(ui, model, actions));
         ui.menu_button("Analyze", |ui| analyze_ui(ui, model, actions));
-        ui.menu_button("Picture", |ui| picture_ui(ui, model, actions));
+        ui.menu_button("Picture", |ui| {
+            entry(ui, "Picture or sequence…", PictureAction::Ask, actions);
+            entry(ui, "Copy picture", PictureAction::Copy, actions);
+            entry(
+                ui,
+                "Picture of the whole window",
+                PictureAction::Window,
+                actions,
+            );
+        });
         ui.menu_button("Samples", |ui| {
             for sample in &SAMPLES {
                 if ui
@@ -53,7 +69,7 @@ pub fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     .on_hover_text(sample.about)
                     .clicked()
                 {
-                    actions.push(Action::Sample(sample.name.into()));
+                    actions.push(FileAction::Sample(sample.name.into()).into());
                     ui.close();
                 }
             }
@@ -65,9 +81,7 @@ pub fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 ("Log", Switch::Log),
                 ("Frame times and memory", Switch::Diagnostics),
             ] {
-                if entry(ui, text, Some(Command::Toggle(switch))) {
-                    actions.push(Action::Toggle(switch));
-                }
+                entry(ui, text, ViewAction::Toggle(switch), actions);
             }
             ui.separator();
             ui.label(concat!("Meniscus ", env!("CARGO_PKG_VERSION")));
@@ -76,9 +90,7 @@ pub fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 }
 
 fn file_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    if entry(ui, "Open…", Some(Command::Open)) {
-        actions.push(Action::AskOpen);
-    }
+    entry(ui, "Open…", FileAction::AskOpen, actions);
     ui.menu_button("Open recent", |ui| {
         if model.settings.recent.is_empty() {
             ui.weak("nothing opened yet");
@@ -93,33 +105,28 @@ fn file_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 .on_hover_text(path.display().to_string())
                 .clicked()
             {
-                actions.push(Action::Open(path.clone()));
+                actions.push(FileAction::Open(path.clone()).into());
                 ui.close();
             }
         }
     });
     ui.separator();
-    for (text, command, action) in [
-        ("Save", Some(Command::Save), Action::Save),
-        ("Save as…", Some(Command::SaveAs), Action::AskSaveAs),
-        ("Export the patches alone…", None, Action::AskExportPatch),
-        (
-            "Copy as command line",
-            Some(Command::CopyLine),
-            Action::CopyCommand,
-        ),
+    for (text, action) in [
+        ("Save", FileAction::Save),
+        ("Save as…", FileAction::AskSaveAs),
+        ("Export the patches alone…", FileAction::AskExportPatch),
+        ("Copy as command line", FileAction::CopyCommand),
     ] {
-        if entry(ui, text, command) {
-            actions.push(action);
-        }
+        entry(ui, text, action, actions);
     }
     ui.separator();
-    if entry(ui, "Settings…", None) {
-        actions.push(Action::Toggle(Switch::Settings));
-    }
-    if entry(ui, "Quit", Some(Command::Quit)) {
-        actions.push(Action::Close);
-    }
+    entry(
+        ui,
+        "Settings…",
+        ViewAction::Toggle(Switch::Settings),
+        actions,
+    );
+    entry(ui, "Quit", FileAction::Close, actions);
 }
 
 fn edit_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -131,26 +138,16 @@ fn edit_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         Some(label) => format!("Redo {label}"),
         None => "Redo".into(),
     };
-    if entry(ui, &undo, Some(Command::Undo)) {
-        actions.push(Action::Undo);
-    }
-    if entry(ui, &redo, Some(Command::Redo)) {
-        actions.push(Action::Redo);
-    }
+    entry(ui, &undo, EditAction::Undo, actions);
+    entry(ui, &redo, EditAction::Redo, actions);
 }
 
 fn view_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    if entry(ui, "Fit everything", Some(Command::Fit)) {
-        actions.push(Action::FitAll);
-    }
+    entry(ui, "Fit everything", ViewAction::FitAll, actions);
     for view in StandardView::ALL {
         let name = view.name();
         let title = format!("{}{}", name[..1].to_uppercase(), &name[1..]);
-        if entry(ui, &title, Some(Command::View(view))) {
-            let mut camera = model.view.camera;
-            camera.standard_view(view);
-            actions.push(Action::Camera(camera));
-        }
+        entry(ui, &title, ViewAction::Standard(view), actions);
     }
     ui.separator();
     let view = &model.view;
@@ -168,7 +165,7 @@ fn view_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ("Tint the patch", Switch::Tint, view.style.tint_patch),
     ] {
         if ui.checkbox(&mut on, text).clicked() {
-            actions.push(Action::Toggle(switch));
+            actions.push(ViewAction::Toggle(switch).into());
         }
     }
     ui.separator();
@@ -176,7 +173,7 @@ fn view_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 }
 
 /// Choice of navigation presets.
-pub fn navigation_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn navigation_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     for navigation in Navigation::ALL {
         let chosen = model.settings.navigation == navigation;
         if ui
@@ -184,23 +181,15 @@ pub fn navigation_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .on_hover_text(navigation.about())
             .clicked()
         {
-            actions.push(Action::Navigation(navigation));
+            actions.push(ViewAction::Navigation(navigation).into());
         }
     }
 }
 
 fn analyze_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    let open = Switch::Analysis;
-    let view = &model.view.report;
-    let mut choose = |action: ReportAction| {
-        if !model.view.windows.analysis {
-            actions.push(Action::Toggle(open));
-        }
-        actions.push(Action::Report(action));
-    };
-    if entry(ui, "Measure across edges", None) {
-        choose(ReportAction::Pick(Pick::Edges));
-    }
+    let mut chosen = Vec::new();
+    let pick = |pick| ReportAction::Pick(pick);
+    entry(ui, "Measure across edges", pick(Pick::Edges), &mut chosen);
     ui.menu_button("Section through a point", |ui| {
         for (across, title) in [
             (Across::Axis(0), "Across x"),
@@ -208,32 +197,23 @@ fn analyze_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             (Across::Axis(2), "Across z"),
             (Across::View, "Along the view"),
         ] {
-            if entry(ui, title, None) {
-                choose(ReportAction::Pick(Pick::Section(across)));
-            }
+            entry(ui, title, pick(Pick::Section(across)), &mut chosen);
         }
     });
-    if entry(ui, "Distance to a mesh…", None) {
-        choose(ReportAction::AskReference);
+    entry(
+        ui,
+        "Distance to a mesh…",
+        ReportAction::AskReference,
+        &mut chosen,
+    );
+    if model.view.report.cut.is_some() {
+        entry(ui, "Remove the section", ReportAction::DropCut, &mut chosen);
     }
-    if view.cut.is_some() && entry(ui, "Remove the section", None) {
-        choose(ReportAction::DropCut);
+    let show_report = ViewAction::Toggle(Switch::Analysis);
+    if !chosen.is_empty() && !model.view.windows.analysis {
+        actions.push(show_report.clone().into());
     }
+    actions.append(&mut chosen);
     ui.separator();
-    if entry(ui, "Report", Some(Command::Toggle(open))) {
-        actions.push(Action::Toggle(open));
-    }
-}
-
-fn picture_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    if entry(ui, "Picture or sequence…", Some(Command::Picture)) {
-        let settings = super::picture_settings(model);
-        actions.push(Action::Modal(Modal::Picture(settings)));
-    }
-    if entry(ui, "Copy picture", Some(Command::CopyPicture)) {
-        actions.push(Action::CopyPicture);
-    }
-    if entry(ui, "Picture of the whole window", None) {
-        actions.push(Action::WindowPicture);
-    }
+    entry(ui, "Report", show_report, actions);
 }

@@ -4,6 +4,7 @@ mod bridge;
 mod controls;
 mod dialogs;
 mod energy;
+mod format;
 mod legend;
 mod menu;
 mod navigation;
@@ -20,35 +21,34 @@ mod windows;
 
 use eframe::egui;
 
-use super::action::{Action, Switch};
-use super::model::{MOST_SIDES, Model};
+use super::action::{Action, ControlsAction, FileAction, Switch, ViewAction};
+use super::model::{MAX_SIDES, Model};
 use super::scene_builder::OverlayCache;
-use super::shortcuts::{self, Command};
-use super::view_state::{Modal, PictureSettings};
-use crate::render::ViewMode;
+use super::shortcuts;
+use super::view_state::Modal;
 
-/// What the interface keeps from frame to frame that is nobody else's business.
-pub struct UiState {
+/// State of the interface that persists from frame to frame.
+pub(crate) struct UiState {
     /// Overlays of all viewports.
-    pub overlays: [OverlayCache; MOST_SIDES],
+    pub(crate) overlays: [OverlayCache; MAX_SIDES],
     /// The drag that is under way.
-    pub drag: navigation::Drag,
+    pub(crate) drag: navigation::Drag,
     /// The rim vertex under the cursor, while a bridge is made.
-    pub rim_vertex: Option<crate::mesh::DVec3>,
+    pub(crate) rim_vertex: Option<crate::mesh::DVec3>,
     /// The stroke or lasso that is under way.
-    pub draft: Option<repair::Draft>,
+    pub(crate) draft: Option<repair::Draft>,
     /// Range of the colour map that is shown.
-    pub range: legend::KnownRange,
+    pub(crate) range: legend::MapRange,
     /// Measured frames.
-    pub frames: windows::FrameStats,
+    pub(crate) frames: windows::FrameStats,
     /// Where all views are, in points.
-    pub views: egui::Rect,
+    pub(crate) views: egui::Rect,
     /// Where the first view is, in points.
-    pub viewport: egui::Rect,
+    pub(crate) viewport: egui::Rect,
     /// Whether a slider is being dragged.
-    pub dragging: bool,
+    pub(crate) dragging: bool,
     /// Name and size of the graphics adapter, for the diagnostics.
-    pub adapter: String,
+    pub(crate) adapter: String,
 }
 
 impl Default for UiState {
@@ -58,7 +58,7 @@ impl Default for UiState {
             drag: navigation::Drag::default(),
             rim_vertex: None,
             draft: None,
-            range: None,
+            range: legend::MapRange::default(),
             frames: windows::FrameStats::default(),
             views: egui::Rect::ZERO,
             viewport: egui::Rect::ZERO,
@@ -68,8 +68,8 @@ impl Default for UiState {
     }
 }
 
-/// The whole window. Returns what was asked for.
-pub fn window_ui(
+/// The whole window. Returns the requested actions.
+pub(crate) fn window_ui(
     ui: &mut egui::Ui,
     model: &Model,
     state: &mut UiState,
@@ -80,7 +80,7 @@ pub fn window_ui(
     drops(ui.ctx(), &mut actions);
     egui::Panel::top("menu").show(ui, |ui| menu::menu_ui(ui, model, &mut actions));
     egui::Panel::top("toolbar").show(ui, |ui| {
-        let range = state.range.as_ref().map(|r| r.2);
+        let range = state.range.latest().copied();
         toolbar::toolbar_ui(ui, model, range, &mut actions);
     });
     egui::Panel::bottom("status").show(ui, |ui| status::status_ui(ui, model, &mut actions));
@@ -127,7 +127,7 @@ pub fn window_ui(
     // a slider let go ends its undo entry
     let dragging = ui.ctx().dragged_id().is_some();
     if state.dragging && !dragging {
-        actions.push(Action::Settle);
+        actions.push(ControlsAction::EndDrag.into());
     }
     state.dragging = dragging;
     actions
@@ -136,7 +136,7 @@ pub fn window_ui(
 /// What the right panel shows.
 fn tabs(ui: &mut egui::Ui, model: &Model, actions: &mut Vec<Action>) {
     let switch = Switch::Analysis;
-    let key = shortcuts::hint(ui.ctx(), Command::Toggle(switch));
+    let key = shortcuts::hint(ui.ctx(), ViewAction::Toggle(switch));
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         for (report, title, tip) in [
@@ -151,14 +151,14 @@ fn tabs(ui: &mut egui::Ui, model: &Model, actions: &mut Vec<Action>) {
                 .clicked()
                 && !open
             {
-                actions.push(Action::Toggle(switch));
+                actions.push(ViewAction::Toggle(switch).into());
             }
         }
     });
 }
 
-/// Colour of errors, readable on the theme's ground.
-fn bad(ui: &egui::Ui) -> egui::Color32 {
+/// Colour of errors, readable on the theme's background.
+fn error_color(ui: &egui::Ui) -> egui::Color32 {
     if ui.visuals().dark_mode {
         egui::Color32::from_rgb(255, 120, 110)
     } else {
@@ -166,8 +166,8 @@ fn bad(ui: &egui::Ui) -> egui::Color32 {
     }
 }
 
-/// Colour of what went well.
-fn good(ui: &egui::Ui) -> egui::Color32 {
+/// Colour of success.
+fn success_color(ui: &egui::Ui) -> egui::Color32 {
     if ui.visuals().dark_mode {
         egui::Color32::from_rgb(95, 190, 115)
     } else {
@@ -176,80 +176,14 @@ fn good(ui: &egui::Ui) -> egui::Color32 {
 }
 
 fn keys(ctx: &egui::Context, model: &Model, actions: &mut Vec<Action>) {
-    let modal = model.view.modal != Modal::None;
-    for command in shortcuts::pressed(ctx) {
-        if modal && command != Command::Escape {
-            continue;
-        }
-        if let Some(action) = action_of(command, model) {
-            actions.push(action);
-        }
-    }
-}
-
-/// What a command means now.
-fn action_of(command: Command, model: &Model) -> Option<Action> {
-    let view = &model.view;
-    Some(match command {
-        Command::Fill => match &model.run {
-            Some(run) if run.ended() => Action::Accept(0),
-            Some(_) => return None,
-            None => Action::Fill,
-        },
-        Command::StepBack => {
-            let run = model.run.as_ref()?;
-            let last = run.state_count().saturating_sub(1);
-            let at = run
-                .sides
-                .iter()
-                .filter_map(|s| s.shown)
-                .min()
-                .unwrap_or(last);
-            Action::Scrub(Some(at.saturating_sub(1)))
-        }
-        Command::View(standard) => {
-            let mut camera = view.camera;
-            camera.standard_view(standard);
-            Action::Camera(camera)
-        }
-        Command::NextMode(on) => {
-            let all: Vec<ViewMode> = toolbar::modes(model).collect();
-            let at = all.iter().position(|m| *m == view.style.mode).unwrap_or(0);
-            let next = (at + if on { 1 } else { all.len() - 1 }) % all.len();
-            Action::Style(toolbar::in_mode(view.style, all[next]))
-        }
-        Command::Stripes(more) => {
-            let mut style = view.style;
-            style.stripes = if more {
-                (style.stripes + 2).min(60)
-            } else {
-                style.stripes.saturating_sub(2).max(2)
-            };
-            Action::Style(style)
-        }
-        Command::Picture => Action::Modal(Modal::Picture(picture_settings(model))),
-        _ => return command.action(),
-    })
-}
-
-/// Settings the picture dialog opens with.
-fn picture_settings(model: &Model) -> PictureSettings {
-    let [width, height] = model.view.viewport_px;
-    let path = model
-        .source_path()
-        .unwrap_or_else(|| "meniscus.obj".into())
-        .with_extension("png");
-    PictureSettings {
-        width: (width as u32).clamp(1, crate::render::MAX_SIDE),
-        height: (height as u32).clamp(1, crate::render::MAX_SIDE),
-        path: path.display().to_string(),
-        ..PictureSettings::default()
-    }
+    let dialog = model.view.modal != Modal::None;
+    let pressed = shortcuts::pressed(ctx).into_iter();
+    actions.extend(pressed.filter(|action| !dialog || *action == Action::Escape));
 }
 
 fn drops(ctx: &egui::Context, actions: &mut Vec<Action>) {
     let dropped = ctx.input(|i| i.raw.dropped_files.clone());
     if let Some(file) = dropped.first() {
-        actions.push(Action::Open(file.path().to_owned()));
+        actions.push(FileAction::Open(file.path().to_owned()).into());
     }
 }

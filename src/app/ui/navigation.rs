@@ -6,13 +6,13 @@ use crate::app::view_state::Navigation;
 use crate::render::Camera;
 
 /// A click that moved farther than this, in points, is a drag.
-pub const CLICK: f32 = 5.0;
+pub(crate) const CLICK: f32 = 5.0;
 /// Radians a point of movement turns.
 const TURN: f64 = 0.008;
 
 /// What a drag does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Motion {
+pub(crate) enum Motion {
     /// Around the pivot.
     Orbit,
     /// Along the picture.
@@ -23,13 +23,17 @@ pub enum Motion {
 
 /// A button held down.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Drag {
+pub(crate) struct Drag {
     /// Where the primary button went down and how far it has come since.
-    pub press: Option<(Pos2, f32)>,
+    pub(crate) press: Option<(Pos2, f32)>,
 }
 
 /// What a button does in a preset.
-pub fn motion(navigation: Navigation, button: PointerButton, keys: Modifiers) -> Option<Motion> {
+pub(crate) fn motion(
+    navigation: Navigation,
+    button: PointerButton,
+    keys: Modifiers,
+) -> Option<Motion> {
     use Motion::{Orbit, Pan, Zoom};
     use PointerButton::{Middle, Primary, Secondary};
     match (navigation, button) {
@@ -57,7 +61,7 @@ pub fn motion(navigation: Navigation, button: PointerButton, keys: Modifiers) ->
 
 /// Moves the camera by what happened over the viewport. `tool`: whether the primary button belongs to
 /// a tool now, if there is one; the secondary button turns then. Returns whether it moved.
-pub fn navigate(
+pub(crate) fn navigate(
     camera: &mut Camera,
     navigation: Navigation,
     response: &Response,

@@ -2,11 +2,11 @@
 
 use eframe::egui::{self, RichText, Ui};
 
-use crate::app::action::Action;
+use crate::app::action::{Action, RunAction, TaskAction};
 use crate::app::model::Model;
 use crate::app::report::{Pick, ReportAction};
 use crate::app::run::method_name;
-use crate::app::shortcuts::{Command, hint};
+use crate::app::shortcuts::hint;
 use crate::app::view_state::Refining;
 use crate::refine::{BoundaryRule, Hold, Method};
 
@@ -26,7 +26,7 @@ const METHODS: [(Method, &str); 3] = [
 ];
 
 /// Levels, method and what is compared.
-pub fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let document = &model.document;
     let mut next = model.view.refining;
     ui.horizontal(|ui| {
@@ -115,7 +115,7 @@ pub fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         .on_hover_text("faces beside them are cut to fit; select faces in task Repair (F4)");
     });
     if next != model.view.refining {
-        actions.push(Action::Refining(Box::new(next)));
+        actions.push(TaskAction::Refining(Box::new(next)).into());
     }
     ui.separator();
 }
@@ -167,7 +167,7 @@ fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<A
         {
             next.chosen_edges = true;
             let pick = if picking { Pick::Holes } else { Pick::Edges };
-            actions.push(Action::Report(ReportAction::Pick(pick)));
+            actions.push(ReportAction::Pick(pick).into());
         }
     });
     let selected = model.document.faces.len();
@@ -196,15 +196,15 @@ fn choice<T: PartialEq + Copy, const N: usize>(
 }
 
 /// The button that starts it.
-pub fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let wide = egui::vec2(ui.available_width(), 28.0);
     let button = egui::Button::new(RichText::new("Refine the mesh").strong()).min_size(wide);
     let tip = format!(
         "every triangle becomes four, again and again{}",
-        hint(ui.ctx(), Command::Fill)
+        hint(ui.ctx(), RunAction::Proceed)
     );
     let some = model.document.mesh.face_count() > 0;
     if ui.add_enabled(some, button).on_hover_text(tip).clicked() {
-        actions.push(Action::Fill);
+        actions.push(RunAction::Start.into());
     }
 }

@@ -5,18 +5,18 @@ use eframe::egui::{
 };
 
 use super::navigation::CLICK;
-use crate::app::action::Action;
-use crate::app::faces::{Dab, FaceEdit, Lasso};
+use crate::app::action::{Action, ControlsAction, EditAction, RunAction, SelectAction, TaskAction};
+use crate::app::faces::{BrushStamp, FaceEdit, Lasso};
 use crate::app::model::Model;
 use crate::app::report::Pick;
-use crate::app::shortcuts::{Command, hint};
+use crate::app::shortcuts::hint;
 use crate::app::view_state::{Task, Tool};
 use crate::mesh::DVec3;
-use crate::render::{Picker, Sight};
+use crate::render::{Picker, Projector};
 
 /// What is being drawn.
 #[derive(Clone, Debug)]
-pub enum Draft {
+pub(crate) enum Draft {
     /// Of the brush; where it was last.
     Brush(Pos2),
     /// Of the lasso, in points of the window.
@@ -24,7 +24,7 @@ pub enum Draft {
 }
 
 /// Tools and what changes the selection as a whole.
-pub fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let idle = model.run.is_none();
     ui.horizontal(|ui| {
         ui.heading("Faces");
@@ -75,7 +75,7 @@ pub fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
     }
     if selecting != model.view.selecting {
-        actions.push(Action::Selecting(selecting));
+        actions.push(TaskAction::Selecting(selecting).into());
     }
     ui.horizontal_wrapped(|ui| {
         for (name, tip, edit) in [
@@ -97,7 +97,7 @@ pub fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 egui::WidgetInfo::labeled(egui::Role::Button, some, label)
             });
             if named.clicked() {
-                actions.push(Action::Faces(edit));
+                actions.push(SelectAction::Faces(edit).into());
             }
         }
     });
@@ -108,7 +108,7 @@ pub fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 }
 
 /// The buttons that do something with the selection.
-pub fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let ctx = ui.ctx().clone();
     let some = !model.document.faces.is_empty();
     let wide = egui::vec2(ui.available_width(), 28.0);
@@ -118,21 +118,21 @@ pub fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             strong("Erase and refill"),
             format!(
                 "erase the selected faces and grow a smooth patch in their place{}",
-                hint(&ctx, Command::Fill)
+                hint(&ctx, RunAction::Proceed)
             ),
-            Action::Fill,
+            RunAction::Start.into(),
         ),
         (
             strong("Fair in place"),
             "keep the triangles and let the vertices inside the selection flow; those on its border \
              stay"
                 .to_owned(),
-            Action::Fair,
+            RunAction::Fair.into(),
         ),
         (
             egui::Button::new("Erase only"),
-            format!("erase the selected faces and leave a hole{}", hint(&ctx, Command::Erase)),
-            Action::Erase,
+            format!("erase the selected faces and leave a hole{}", hint(&ctx, EditAction::Erase)),
+            EditAction::Erase.into(),
         ),
     ] {
         if ui.add_enabled(some, button).on_hover_text(tip).clicked() {
@@ -142,13 +142,13 @@ pub fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 }
 
 /// Whether the mouse selects faces now.
-pub fn is_active(model: &Model) -> bool {
+pub(crate) fn is_active(model: &Model) -> bool {
     let picks = model.view.report.pick != Pick::Holes;
     model.view.task == Task::Repair && model.run.is_none() && !picks
 }
 
 /// Lets the tool act. Returns whether the primary button belongs to it.
-pub fn select(
+pub(crate) fn select(
     model: &Model,
     draft: &mut Option<Draft>,
     response: &Response,
@@ -177,7 +177,7 @@ pub fn select(
     let tool = model.view.selecting.tool;
     if pressed && response.contains_pointer() && !keys.alt {
         *draft = match tool {
-            Tool::Brush => canvas.dab(at).map(|_| Draft::Brush(at)),
+            Tool::Brush => canvas.stamp(at).map(|_| Draft::Brush(at)),
             Tool::Lasso => Some(Draft::Lasso(vec![at])),
             Tool::Grow => None,
         };
@@ -200,17 +200,20 @@ pub fn select(
     if response.drag_stopped_by(PointerButton::Primary) || response.clicked() {
         match draft.take() {
             Some(Draft::Lasso(line)) if line.len() > 2 => {
-                actions.push(Action::Faces(canvas.lasso(&line, keys)));
+                actions.push(SelectAction::Faces(canvas.lasso(&line, keys)).into());
             }
-            Some(Draft::Brush(_)) => actions.push(Action::Settle),
+            Some(Draft::Brush(_)) => actions.push(ControlsAction::EndDrag.into()),
             _ if tool == Tool::Grow && response.clicked() => {
                 let size = canvas.size();
                 if let Some(hit) = picker.surface(&model.view.camera, size, canvas.place(at)) {
                     let take = keys.command;
-                    actions.push(Action::Faces(FaceEdit::Spread {
-                        face: hit.face,
-                        take,
-                    }));
+                    actions.push(
+                        SelectAction::Faces(FaceEdit::Spread {
+                            face: hit.face,
+                            take,
+                        })
+                        .into(),
+                    );
                 }
             }
             _ => {}
@@ -221,7 +224,7 @@ pub fn select(
 }
 
 /// The brush's circle or the lasso's line.
-pub fn draw(ui: &Ui, model: &Model, draft: Option<&Draft>, response: &Response) {
+pub(crate) fn draw(ui: &Ui, model: &Model, draft: Option<&Draft>, response: &Response) {
     if !is_active(model) {
         return;
     }
@@ -272,32 +275,32 @@ impl Canvas<'_> {
     }
 
     /// What the brush touches at a place of the window.
-    fn dab(&self, at: Pos2) -> Option<Dab> {
+    fn stamp(&self, at: Pos2) -> Option<BrushStamp> {
         let camera = &self.model.view.camera;
         let hit = self.picker.surface(camera, self.size(), self.place(at))?;
         let [x, y] = self.place(at);
         let beside = [x + f64::from(self.model.view.selecting.brush), y];
-        let (origin, direction) = Sight::new(camera, self.size()).line_through(beside);
+        let (origin, direction) = Projector::new(camera, self.size()).line_through(beside);
         // where the neighbouring line of sight is as deep
         let forward = camera.forward();
         let depth = |p: DVec3| (p - origin).dot(forward);
         let other = origin + direction * (depth(hit.point) / direction.dot(forward));
-        Some(Dab {
+        Some(BrushStamp {
             face: hit.face,
             point: hit.point,
             radius: other.distance(hit.point),
         })
     }
 
-    /// Dabs from one place to another, close enough to leave no gaps.
+    /// Stamps from one place to another, close enough to leave no gaps.
     fn paint(&self, from: Pos2, to: Pos2, keys: Modifiers, actions: &mut Vec<Action>) {
         let spacing = (0.5 * self.model.view.selecting.brush).max(2.0);
         let count = (from.distance(to) / spacing).ceil().clamp(1.0, 64.0) as usize;
         let places = (1..=count).map(|i| from.lerp(to, i as f32 / count as f32));
-        let dabs: Vec<Dab> = places.filter_map(|p| self.dab(p)).collect();
-        if !dabs.is_empty() {
+        let stamps: Vec<BrushStamp> = places.filter_map(|p| self.stamp(p)).collect();
+        if !stamps.is_empty() {
             let take = keys.command;
-            actions.push(Action::Faces(FaceEdit::Paint { dabs, take }));
+            actions.push(SelectAction::Faces(FaceEdit::Paint { stamps, take }).into());
         }
     }
 
@@ -305,7 +308,7 @@ impl Canvas<'_> {
         let far = line.iter().map(|p| p.distance(line[0])).fold(0.0, f32::max);
         if far <= CLICK {
             return FaceEdit::Paint {
-                dabs: Vec::new(),
+                stamps: Vec::new(),
                 take: false,
             };
         }

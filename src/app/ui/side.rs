@@ -3,13 +3,16 @@
 use eframe::egui::{self, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
-use crate::app::action::{Action, SelectHow};
+use super::format::format_number;
+use crate::app::action::{
+    Action, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
+};
 use crate::app::model::Model;
-use crate::app::shortcuts::{Command, hint};
+use crate::app::shortcuts::hint;
 use crate::app::view_state::Task;
 
 /// Loops and the button that fills them.
-pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let document = &model.document;
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {
@@ -39,10 +42,10 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             let button = egui::Button::selectable(chosen, RichText::new(title).strong());
             if ui
                 .add_enabled(model.run.is_none(), button)
-                .on_hover_text(format!("{tip}{}", hint(ui.ctx(), Command::Task(task))))
+                .on_hover_text(format!("{tip}{}", hint(ui.ctx(), TaskAction::Choose(task))))
                 .clicked()
             {
-                actions.push(Action::Task(task));
+                actions.push(TaskAction::Choose(task).into());
             }
         }
     });
@@ -66,32 +69,25 @@ pub fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
     ui.horizontal_wrapped(|ui| {
         let ctx = ui.ctx().clone();
-        for (text, tip, command, action) in [
-            (
-                "All",
-                "all loops that are no outer rims",
-                Command::SelectAll,
-                Action::SelectAll,
-            ),
+        for (text, tip, action) in [
+            ("All", "all loops that are no outer rims", SelectAction::All),
             (
                 "All but largest",
                 "all loops but the one with the largest perimeter",
-                Command::SelectAllButLargest,
-                Action::SelectAllButLargest,
+                SelectAction::AllButLargest,
             ),
-            (
-                "None",
-                "clear the selection",
-                Command::Escape,
-                Action::SelectNone,
-            ),
+            ("None", "clear the selection", SelectAction::None),
         ] {
+            let key = match action {
+                SelectAction::None => Action::Escape,
+                _ => action.clone().into(),
+            };
             if ui
                 .add_enabled(model.run.is_none(), egui::Button::new(text).small())
-                .on_hover_text(format!("{tip}{}", hint(&ctx, command)))
+                .on_hover_text(format!("{tip}{}", hint(&ctx, key)))
                 .clicked()
             {
-                actions.push(action);
+                actions.push(action.into());
             }
         }
     });
@@ -133,11 +129,11 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .add_enabled(!model.document.loops.is_empty(), button)
             .on_hover_text(format!(
                 "grow a smooth patch into what is selected{}",
-                hint(&ctx, Command::Fill)
+                hint(&ctx, RunAction::Proceed)
             ))
             .clicked()
         {
-            actions.push(Action::Fill);
+            actions.push(RunAction::Start.into());
         }
         return;
     };
@@ -148,11 +144,11 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 .button(RichText::new(name.trim_end()).strong())
                 .on_hover_text(format!(
                     "take in the patch as it is shown{}",
-                    hint(&ctx, Command::Accept)
+                    hint(&ctx, RunAction::Accept(0))
                 ))
                 .clicked()
             {
-                actions.push(Action::Accept(i));
+                actions.push(RunAction::Accept(i).into());
             }
         }
         if ui
@@ -160,7 +156,7 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .on_hover_text("drop the patch; the mesh is as before")
             .clicked()
         {
-            actions.push(Action::Reject);
+            actions.push(RunAction::Reject.into());
         }
     });
 }
@@ -204,11 +200,11 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     ui.label(l.edges().to_string());
                 });
                 row.col(|ui| {
-                    ui.label(short(l.perimeter));
+                    ui.label(format_number(l.perimeter));
                 });
                 row.col(|ui| {
                     let rim = if l.outer_rim { "  outer rim" } else { "" };
-                    ui.label(format!("{}{rim}", short(l.diameter)));
+                    ui.label(format!("{}{rim}", format_number(l.diameter)));
                 });
                 let mut response = row.response();
                 if l.outer_rim {
@@ -224,71 +220,38 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 }
                 response.context_menu(|ui| {
                     let idle = model.run.is_none();
-                    let button = egui::Button::new("Turn its component over");
+                    let button = egui::Button::new("Flip its component");
                     let tip =
                         "the other side becomes the outer one; for rims whose sides do not fit";
                     if ui.add_enabled(idle, button).on_hover_text(tip).clicked() {
-                        actions.push(Action::Flip(l.id));
+                        actions.push(EditAction::Flip(l.id).into());
                         ui.close();
                     }
-                    if ui.button("Look at it").clicked() {
-                        actions.push(Action::FlyToLoop(l.id));
+                    if ui.button("Zoom to it").clicked() {
+                        actions.push(ViewAction::FlyToLoop(l.id).into());
                         ui.close();
                     }
                 });
                 if response.double_clicked() {
-                    actions.push(Action::FlyToLoop(l.id));
+                    actions.push(ViewAction::FlyToLoop(l.id).into());
                 } else if response.clicked() {
                     let modifiers = response.ctx.input(|input| input.modifiers);
-                    actions.push(Action::Select(l.id, how(modifiers)));
+                    actions.push(SelectAction::Loop(l.id, how(modifiers)).into());
                 }
             });
         });
     if hovered.is_some() && hovered != model.view.hover {
-        actions.push(Action::Hover(hovered));
+        actions.push(ViewAction::Hover(hovered).into());
     }
 }
 
-/// What a click does with these keys held.
-pub fn how(modifiers: egui::Modifiers) -> SelectHow {
+/// What a click does while these keys are pressed.
+pub(crate) fn how(modifiers: egui::Modifiers) -> SelectHow {
     if modifiers.command {
         SelectHow::Toggle
     } else if modifiers.shift {
         SelectHow::Add
     } else {
         SelectHow::Replace
-    }
-}
-
-/// A number in four digits.
-pub fn short(x: f64) -> String {
-    let size = x.abs();
-    if x == 0.0 {
-        "0".into()
-    } else if (1e-3..1e5).contains(&size) {
-        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
-        format!("{x:.digits$}")
-    } else {
-        format!("{x:.3e}")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::short;
-
-    #[test]
-    fn numbers_in_four_digits() {
-        for (x, text) in [
-            (0.0, "0"),
-            (1.0, "1.000"),
-            (12.345_67, "12.35"),
-            (-0.012_345, "-0.01235"),
-            (12_345.6, "12346"),
-            (1.5e-7, "1.500e-7"),
-            (2.5e9, "2.500e9"),
-        ] {
-            assert_eq!(short(x), text);
-        }
     }
 }

@@ -2,14 +2,14 @@
 
 use eframe::egui::{self, Ui};
 
-use crate::app::action::{Action, Switch};
+use crate::app::action::{Action, FileAction, PictureAction, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
-use crate::app::shortcuts::{Command, hint};
+use crate::app::shortcuts::hint;
 use crate::app::update::WRITING;
 
 /// Document, background work, last message.
-pub fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let ctx = ui.ctx().clone();
     ui.horizontal(|ui| {
         let document = &model.document;
@@ -25,11 +25,11 @@ pub fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .add(egui::Label::new(words).sense(egui::Sense::click()))
             .on_hover_text(format!(
                 "load report{}",
-                hint(&ctx, Command::Toggle(Switch::Report))
+                hint(&ctx, ViewAction::Toggle(Switch::Report))
             ))
             .clicked()
         {
-            actions.push(Action::Toggle(Switch::Report));
+            actions.push(ViewAction::Toggle(Switch::Report).into());
         }
         for job in &model.jobs {
             // picking is ready in no time; a dialog shows itself
@@ -44,7 +44,7 @@ pub fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                         .text(job.what.clone()),
                 );
                 if job.what.starts_with(WRITING) && ui.small_button("Cancel").clicked() {
-                    actions.push(Action::CancelPicture);
+                    actions.push(PictureAction::Cancel.into());
                 }
             } else {
                 ui.spinner();
@@ -56,11 +56,11 @@ pub fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 .small_button("Copy command")
                 .on_hover_text(format!(
                     "the command line that repeats this, to the clipboard{}",
-                    hint(&ctx, Command::CopyLine)
+                    hint(&ctx, FileAction::CopyCommand)
                 ))
                 .clicked()
             {
-                actions.push(Action::CopyCommand);
+                actions.push(FileAction::CopyCommand.into());
             }
             if let Some(entry) = model.log.entries().last() {
                 let color = match entry.level {
@@ -73,7 +73,7 @@ pub fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     .truncate()
                     .sense(egui::Sense::click());
                 if ui.add(label).on_hover_text("open the log").clicked() {
-                    actions.push(Action::Toggle(Switch::Log));
+                    actions.push(ViewAction::Toggle(Switch::Log).into());
                 }
             }
         });

@@ -4,12 +4,17 @@ use std::time::Instant;
 
 use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Order, Stroke};
 
-use crate::app::action::{Action, Switch};
+use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
 
 /// Those that are up, in the upper right of the views.
-pub fn toasts_ui(ctx: &Context, model: &Model, views: egui::Rect, actions: &mut Vec<Action>) {
+pub(crate) fn toasts_ui(
+    ctx: &Context,
+    model: &Model,
+    views: egui::Rect,
+    actions: &mut Vec<Action>,
+) {
     let shown = model.log.toasts(Instant::now());
     if shown.is_empty() {
         return;
@@ -40,7 +45,7 @@ pub fn toasts_ui(ctx: &Context, model: &Model, views: egui::Rect, actions: &mut 
                 let response = inner.response.interact(egui::Sense::click());
                 if response.on_hover_text("click to open the log").clicked() {
                     if !model.view.windows.log {
-                        actions.push(Action::Toggle(Switch::Log));
+                        actions.push(ViewAction::Toggle(Switch::Log).into());
                     }
                     actions.push(Action::DismissToast(i));
                 }

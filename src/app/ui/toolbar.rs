@@ -2,67 +2,32 @@
 
 use eframe::egui::{self, Ui};
 
-use crate::app::action::{Action, Switch};
+use super::format::{format_number, mode_words};
+use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::model::Model;
-use crate::app::shortcuts::{Command, hint};
+use crate::app::shortcuts::hint;
 use crate::mesh::DVec3;
-use crate::render::{ViewMode, ViewStyle};
-
-/// Title and tooltip of a mode.
-pub fn mode_words(mode: ViewMode) -> (&'static str, &'static str) {
-    match mode {
-        ViewMode::Shaded => ("Shaded", "plain material"),
-        ViewMode::Isophotes => (
-            "Isophotes",
-            "bands of equal angle to the light: they join without a kink where normals are \
-             continuous",
-        ),
-        ViewMode::Zebra => ("Zebra", "reflected stripes, moving with the view"),
-        ViewMode::Mean => (
-            "H",
-            "mean curvature, negative on a sphere seen from outside",
-        ),
-        ViewMode::Gauss => ("K", "Gaussian curvature"),
-        ViewMode::K1 => ("k1", "greater principal curvature"),
-        ViewMode::K2 => ("k2", "smaller principal curvature"),
-        ViewMode::Deviation => ("Deviation", "distance from the start of the flow"),
-        ViewMode::Distance => (
-            "Distance",
-            "distance of what is drawn to the reference mesh, positive on its outer side",
-        ),
-    }
-}
-
-/// The modes that have something to show.
-pub fn modes(model: &Model) -> impl Iterator<Item = ViewMode> {
-    let compared = model.report.reference.is_some();
-    let shown = move |mode: &ViewMode| *mode != ViewMode::Distance || compared;
-    ViewMode::ALL.into_iter().filter(shown)
-}
-
-/// A style in another mode, whose values have a range of their own.
-pub fn in_mode(style: ViewStyle, mode: ViewMode) -> ViewStyle {
-    ViewStyle {
-        mode,
-        range: style.range.filter(|_| style.mode == mode),
-        ..style
-    }
-}
+use crate::render::ViewMode;
 
 /// View modes and switches; `range` is that of the map shown last.
-pub fn toolbar_ui(ui: &mut Ui, model: &Model, range: Option<[f32; 2]>, actions: &mut Vec<Action>) {
+pub(crate) fn toolbar_ui(
+    ui: &mut Ui,
+    model: &Model,
+    range: Option<[f32; 2]>,
+    actions: &mut Vec<Action>,
+) {
     let view = &model.view;
     let ctx = ui.ctx().clone();
     ui.horizontal_wrapped(|ui| {
-        for mode in modes(model) {
+        for mode in model.view_modes() {
             let (title, about) = mode_words(mode);
-            let hint = hint(&ctx, Command::NextMode(true));
+            let hint = hint(&ctx, ViewAction::NextMode);
             if ui
                 .selectable_label(view.style.mode == mode, title)
                 .on_hover_text(format!("{about}{hint}"))
                 .clicked()
             {
-                actions.push(Action::Style(in_mode(view.style, mode)));
+                actions.push(ViewAction::Mode(mode).into());
             }
         }
         if matches!(view.style.mode, ViewMode::Isophotes | ViewMode::Zebra) {
@@ -105,9 +70,9 @@ pub fn toolbar_ui(ui: &mut Ui, model: &Model, range: Option<[f32; 2]>, actions: 
                 view.show_rims,
             ),
         ] {
-            let tip = format!("{about}{}", hint(&ctx, Command::Toggle(switch)));
+            let tip = format!("{about}{}", hint(&ctx, ViewAction::Toggle(switch)));
             if ui.selectable_label(on, title).on_hover_text(tip).clicked() {
-                actions.push(Action::Toggle(switch));
+                actions.push(ViewAction::Toggle(switch).into());
             }
         }
     });
@@ -128,7 +93,7 @@ fn range_ui(ui: &mut Ui, model: &Model, shown: [f32; 2], actions: &mut Vec<Actio
     for value in [&mut low, &mut high] {
         let drag = egui::DragValue::new(value)
             .speed(speed)
-            .custom_formatter(|x, _| super::side::short(x));
+            .custom_formatter(|x, _| format_number(x));
         let drag = ui
             .add_enabled(fixed, drag)
             .labelled_by(label.id)
@@ -137,7 +102,7 @@ fn range_ui(ui: &mut Ui, model: &Model, shown: [f32; 2], actions: &mut Vec<Actio
     }
     if changed && (!fixed || low < high) {
         style.range = fixed.then_some([low, high]);
-        actions.push(Action::Style(style));
+        actions.push(ViewAction::Style(style).into());
     }
 }
 
@@ -158,7 +123,7 @@ fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         .labelled_by(label.id)
         .on_hover_text(format!(
             "number of pairs of bands{}",
-            hint(ui.ctx(), Command::Stripes(true))
+            hint(ui.ctx(), ViewAction::MoreStripes)
         ));
     let mut changed = slider.changed();
     if style.mode == ViewMode::Isophotes {
@@ -194,6 +159,6 @@ fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .changed();
     }
     if changed {
-        actions.push(Action::Style(style));
+        actions.push(ViewAction::Style(style).into());
     }
 }

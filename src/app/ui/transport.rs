@@ -3,20 +3,20 @@
 use eframe::egui::{self, RichText, Ui};
 use egui_plot::{Legend, Line, Plot, PlotPoints, VLine};
 
-use super::side::short;
-use crate::app::action::Action;
+use super::format::format_number;
+use crate::app::action::{Action, RunAction};
 use crate::app::document::Work;
 use crate::app::model::Model;
 use crate::app::run::{Run, Side};
 use crate::app::seam::Seam;
-use crate::app::shortcuts::{Command, hint};
+use crate::app::shortcuts::hint;
 use crate::mesh::LoopId;
 use crate::solver::End;
 
 /// Everything about the run.
-pub fn transport_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn transport_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let Some(run) = &model.run else { return };
-    // the panel is as high as it was drawn, whatever is in it
+    // the panel keeps its height, whatever is in it
     ui.take_available_height();
     ui.add_space(2.0);
     buttons_ui(ui, model, run, actions);
@@ -33,59 +33,54 @@ fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
         let ended = run.ended();
         let play = if run.playing { "Pause" } else { "Play" };
         let tip = if ended {
-            "play the kept states again"
+            "replay the stored states"
         } else {
-            "go on or wait"
+            "continue or pause"
         };
-        for (text, tip, command, action, enabled) in [
+        for (text, tip, action, enabled) in [
             (
                 "Rewind",
                 "show the first state",
-                Command::Rewind,
-                Action::Scrub(Some(0)),
+                RunAction::Scrub(Some(0)),
                 true,
             ),
-            (play, tip, Command::PlayPause, Action::PlayPause, true),
+            (play, tip, RunAction::PlayPause, true),
             (
                 "Step",
-                "one step, then wait",
-                Command::Step,
-                Action::Step,
+                "one step, then pause",
+                RunAction::Step,
                 !ended || run.scrubbed(),
             ),
             (
                 "Finish",
                 "jump to the converged shape in fast mode",
-                Command::Finish,
-                Action::Finish,
+                RunAction::Finish,
                 !ended,
             ),
-            (
-                "Stop",
-                "end the flow here",
-                Command::Escape,
-                Action::Stop,
-                !ended,
-            ),
+            ("Stop", "end the flow here", RunAction::Stop, !ended),
         ] {
+            let key = match action {
+                RunAction::Stop => Action::Escape,
+                _ => action.into(),
+            };
             if ui
                 .add_enabled(enabled, egui::Button::new(text))
-                .on_hover_text(format!("{tip}{}", hint(&ctx, command)))
+                .on_hover_text(format!("{tip}{}", hint(&ctx, key)))
                 .clicked()
             {
-                actions.push(action);
+                actions.push(action.into());
             }
         }
         if run.scrubbed()
             && run.sides.iter().all(|s| s.live.rewinds())
             && ui
-                .button("Go on from here")
+                .button("Continue from here")
                 .on_hover_text(
-                    "the flow goes on from the state that is shown, with the present controls",
+                    "the flow continues from the state that is shown, with the present controls",
                 )
                 .clicked()
         {
-            actions.push(Action::GoOnFromHere);
+            actions.push(RunAction::ContinueFromShown.into());
         }
         ui.separator();
         let label = ui.label("Pace");
@@ -98,10 +93,10 @@ fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
                     .suffix(" states/s"),
             )
             .labelled_by(label.id)
-            .on_hover_text("states a second, at most")
+            .on_hover_text("maximum number of states per second")
             .changed()
         {
-            actions.push(Action::Pace(pace));
+            actions.push(RunAction::Pace(pace).into());
         }
     });
 }
@@ -124,9 +119,9 @@ fn timeline_ui(ui: &mut Ui, run: &Run, actions: &mut Vec<Action>) {
                 egui::Slider::new(&mut at, 0..=last.max(1)).show_value(false),
             )
             .labelled_by(label.id)
-            .on_hover_text("kept states of the flow");
+            .on_hover_text("stored states of the flow");
         if slider.changed() {
-            actions.push(Action::Scrub((at < last).then_some(at)));
+            actions.push(RunAction::Scrub((at < last).then_some(at)).into());
         }
         ui.weak(format!("state {} of {count}", (at + 1).min(count)));
     });
@@ -194,7 +189,7 @@ fn seam_ui(ui: &mut Ui, run: &Run, s: usize, seam: Seam) {
         words.push(format!("seam angle {angle:.1}°"));
     }
     if let Some(jump) = seam.jump {
-        words.push(format!("curvature jump {}", short(jump)));
+        words.push(format!("curvature jump {}", format_number(jump)));
     }
     if !words.is_empty() {
         ui.label(format!("{}{}", side_name(run, s), words.join(", ")))
@@ -242,18 +237,18 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &Side) {
         let text = |value: Option<String>| value.unwrap_or_default();
         ui.label(format!("{}{what}", side_name(run, s)));
         ui.label(text(row.step.map(|n| n.to_string())));
-        ui.label(text(row.relative_tau.map(short)));
+        ui.label(text(row.relative_tau.map(format_number)));
         ui.label(text(row.energy.map(|e| format!("{:.6}", Sig(e)))));
         ui.label(text(row.residual.map(|r| format!("{r:.1e}"))));
         ui.label(row.rejected.to_string());
         ui.label(text(row.angle.map(|a| format!("{a:.0}°"))));
         match row.end {
             Some(Err(text)) => {
-                ui.label(RichText::new("failed").color(super::bad(ui)))
+                ui.label(RichText::new("failed").color(super::error_color(ui)))
                     .on_hover_text(text);
             }
             Some(Ok(End::Converged)) => {
-                ui.label(RichText::new("converged").color(super::good(ui)));
+                ui.label(RichText::new("converged").color(super::success_color(ui)));
             }
             Some(Ok(end)) => {
                 ui.label(RichText::new(end_words(end)).color(ui.visuals().warn_fg_color));

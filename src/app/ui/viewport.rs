@@ -5,11 +5,12 @@ use std::sync::Arc;
 use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sense, Ui};
 
 use super::UiState;
+use super::format::format_number;
 use super::legend::{legend, shared_range};
 use super::navigation::{CLICK, navigate};
 use super::repair;
-use super::side::{how, short};
-use crate::app::action::{Action, SelectHow};
+use super::side::how;
+use crate::app::action::{Action, EditAction, SelectAction, SelectHow, TaskAction, ViewAction};
 use crate::app::document::Work;
 use crate::app::model::Model;
 use crate::app::report::Pick;
@@ -22,7 +23,7 @@ use crate::render::{MAX_SIDE, ViewportCallback};
 const REACH: f32 = 9.0;
 
 /// One view, or two beside each other.
-pub fn viewports_ui(
+pub(crate) fn viewports_ui(
     ui: &mut Ui,
     model: &Model,
     state: &mut UiState,
@@ -104,7 +105,7 @@ fn viewport_ui(
         rect,
         tool,
     ) {
-        actions.push(Action::Camera(camera));
+        actions.push(ViewAction::Camera(camera).into());
     }
     pick(model, state, &response, rect, actions);
 
@@ -205,11 +206,11 @@ fn pick(
             None
         };
         if over != model.view.hover {
-            actions.push(Action::Hover(over));
+            actions.push(ViewAction::Hover(over).into());
         }
     } else if !response.contains_pointer() && pointer_in_no_list(ctx) && model.view.hover.is_some()
     {
-        actions.push(Action::Hover(None));
+        actions.push(ViewAction::Hover(None).into());
     }
     let Some(at) = response.interact_pointer_pos() else {
         return;
@@ -218,7 +219,7 @@ fn pick(
         if let Some(hit) = picker.surface(camera, size, place(at)) {
             let mut turned = *camera;
             turned.set_pivot(hit.point);
-            actions.push(Action::Camera(turned));
+            actions.push(ViewAction::Camera(turned).into());
         }
     } else if response.clicked() {
         let far = state.drag.press.map_or(0.0, |(_, far)| far);
@@ -232,18 +233,23 @@ fn pick(
         if let Some(bridging) = model.view.bridging {
             let to = picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH));
             match (bridging.from, to) {
-                (Some(from), Some(to)) => actions.push(Action::Bridge([from, to], bridging.width)),
-                (None, Some(from)) => actions.push(Action::Bridging(Some(Bridging {
-                    from: Some(from),
-                    ..bridging
-                }))),
+                (Some(from), Some(to)) => {
+                    actions.push(EditAction::Bridge([from, to], bridging.width).into())
+                }
+                (None, Some(from)) => actions.push(
+                    TaskAction::Bridging(Some(Bridging {
+                        from: Some(from),
+                        ..bridging
+                    }))
+                    .into(),
+                ),
                 (_, None) => {}
             }
             return;
         }
         match picker.pick_loop(camera, size, place(at), f64::from(REACH)) {
-            Some(id) => actions.push(Action::Select(id, how(modifiers))),
-            None if how(modifiers) == SelectHow::Replace => actions.push(Action::SelectNone),
+            Some(id) => actions.push(SelectAction::Loop(id, how(modifiers)).into()),
+            None if how(modifiers) == SelectHow::Replace => actions.push(SelectAction::None.into()),
             None => {}
         }
     }
@@ -270,7 +276,7 @@ fn rim_numbers(ui: &Ui, model: &Model, rect: Rect) {
 }
 
 /// Where a point is in the window.
-pub fn on_screen(model: &Model, rect: Rect, point: DVec3) -> Option<Pos2> {
+pub(crate) fn on_screen(model: &Model, rect: Rect, point: DVec3) -> Option<Pos2> {
     let aspect = f64::from(rect.width() / rect.height().max(1.0));
     let [x, y] = model.view.camera.project(point, aspect)?;
     let at = Pos2::new(
@@ -293,8 +299,8 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
         "loop {}: {} edges, length {}, width {}{rim}",
         l.id,
         l.edges(),
-        short(l.perimeter),
-        short(l.diameter)
+        format_number(l.perimeter),
+        format_number(l.diameter)
     );
     let inside = rect.shrink2(egui::vec2(150.0, 24.0));
     let at = if inside.is_positive() {
@@ -305,7 +311,7 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
     text(ui, at, Align2::CENTER_CENTER, &words, 14.0);
 }
 
-/// What to do, while nothing was done yet.
+/// A hint what to do next.
 fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
     let document = &model.document;
     let words = if let Some(words) = super::report::hint_words(model.view.report.pick) {

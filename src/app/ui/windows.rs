@@ -5,27 +5,27 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Context, Grid, RichText, ScrollArea, Ui, Window};
 
 use super::UiState;
-use crate::app::action::{Action, Switch};
+use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
-use crate::app::shortcuts::ROWS;
+use crate::app::shortcuts::{SHORTCUTS, Shortcut};
 use crate::memory::peak_memory;
 
 /// Times of the frames, without drawing on the graphics card.
 #[derive(Clone, Copy, Debug)]
-pub struct FrameStats {
+pub(crate) struct FrameStats {
     /// When the program started.
-    pub started: Instant,
+    pub(crate) started: Instant,
     /// From there to the end of the first frame.
-    pub first: Option<Duration>,
+    pub(crate) first: Option<Duration>,
     /// Frames so far.
-    pub count: u64,
+    pub(crate) count: u64,
     /// The last one.
-    pub last: Duration,
+    pub(crate) last: Duration,
     /// The longest since the run began or the counter was reset.
-    pub longest: Duration,
+    pub(crate) longest: Duration,
     /// Sum, for the mean.
-    pub total: Duration,
+    pub(crate) total: Duration,
 }
 
 impl Default for FrameStats {
@@ -43,7 +43,7 @@ impl Default for FrameStats {
 
 impl FrameStats {
     /// Books a frame; the first ones, which lay everything out, do not count as longest.
-    pub fn book(&mut self, took: Duration) {
+    pub(crate) fn book(&mut self, took: Duration) {
         if self.first.is_none() {
             self.first = Some(self.started.elapsed());
         }
@@ -57,7 +57,12 @@ impl FrameStats {
 }
 
 /// All that are open.
-pub fn windows_ui(ctx: &Context, model: &Model, state: &mut UiState, actions: &mut Vec<Action>) {
+pub(crate) fn windows_ui(
+    ctx: &Context,
+    model: &Model,
+    state: &mut UiState,
+    actions: &mut Vec<Action>,
+) {
     let windows = model.view.windows;
     let mut one = |title: &str,
                    open: bool,
@@ -74,7 +79,7 @@ pub fn windows_ui(ctx: &Context, model: &Model, state: &mut UiState, actions: &m
             .vscroll(false)
             .show(ctx, |ui| body(ui, actions));
         if !stays {
-            actions.push(Action::Toggle(switch));
+            actions.push(ViewAction::Toggle(switch).into());
         }
     };
     one(
@@ -181,7 +186,7 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 p.z
             );
             if ui.link(words).clicked() {
-                actions.push(Action::FlyTo(p));
+                actions.push(ViewAction::FlyTo(p).into());
             }
         }
     });
@@ -221,7 +226,7 @@ fn help_ui(ui: &mut Ui, model: &Model) {
             .striped(true)
             .num_columns(2)
             .show(ui, |ui| {
-                for (_, keys, about) in ROWS {
+                for Shortcut { keys, about, .. } in SHORTCUTS {
                     let names: Vec<String> =
                         keys.iter().map(|k| ui.ctx().format_shortcut(k)).collect();
                     ui.monospace(names.join(" or "));
@@ -238,7 +243,7 @@ fn settings_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.label("Theme");
         for (dark, name) in [(true, "dark"), (false, "light")] {
             if ui.selectable_label(settings.dark == dark, name).clicked() {
-                actions.push(Action::Dark(dark));
+                actions.push(ViewAction::Dark(dark).into());
             }
         }
     });
@@ -250,7 +255,7 @@ fn settings_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .labelled_by(label.id);
         // while it is dragged the window would change under the cursor
         if slider.drag_stopped() || (slider.changed() && !slider.dragged()) {
-            actions.push(Action::UiScale(scale));
+            actions.push(ViewAction::UiScale(scale).into());
         }
     });
     ui.label("Mouse");
@@ -284,7 +289,7 @@ fn diagnostics_ui(ui: &mut Ui, model: &Model, state: &UiState) {
                     ms(f.total / u32::try_from(f.count.max(1)).unwrap_or(u32::MAX)),
                 ),
                 ("longest", ms(f.longest)),
-                ("kept states", mib(kept)),
+                ("stored states", mib(kept)),
                 ("peak memory of the process", mib(peak_memory() as usize)),
             ] {
                 ui.label(name);

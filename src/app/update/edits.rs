@@ -1,26 +1,60 @@
-//! Changes of the mesh without a flow.
+//! Undo, and changes of the mesh without a flow.
 
 use std::sync::Arc;
 
-use crate::app::action::Action;
+use super::refuse_while_running;
+use super::runs::accept;
+use crate::app::action::EditAction;
 use crate::app::document::{Accepted, Work};
 use crate::app::model::Model;
 use crate::fill::{Schedule, bridge as build_bridge, segment_at};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, erase as erase_faces, face_flags};
 
-/// Carries out the actions of this kind.
-pub fn update(model: &mut Model, action: &Action) {
-    match *action {
-        Action::Erase => erase(model),
-        Action::Flip(id) => flip(model, id),
-        Action::Bridge(ends, width) => bridge(model, ends, width),
-        _ => {}
+pub(crate) fn update(model: &mut Model, action: EditAction) {
+    match action {
+        EditAction::Undo => undo(model),
+        EditAction::Redo => redo(model),
+        EditAction::Erase => erase(model),
+        EditAction::Flip(id) => flip(model, id),
+        EditAction::Bridge(ends, width) => bridge(model, ends, width),
     }
 }
 
+/// In the middle of a run its shown state is accepted first, so that a redo brings it back.
+fn undo(model: &mut Model) {
+    if model.run.is_some() {
+        accept(model, 0);
+        model.run = None;
+    }
+    match model.history.undo(&mut model.document) {
+        Some(label) => after_travel(model, &format!("undone: {label}")),
+        None => model.log.info("nothing to undo"),
+    }
+}
+
+fn redo(model: &mut Model) {
+    if refuse_while_running(model, "redoing") {
+        return;
+    }
+    match model.history.redo(&mut model.document) {
+        Some(label) => after_travel(model, &format!("redone: {label}")),
+        None => model.log.info("nothing to redo"),
+    }
+}
+
+fn after_travel(model: &mut Model, message: &str) {
+    model.revision += 1;
+    model
+        .view
+        .energy_text
+        .clone_from(&model.document.controls.energy);
+    model.view.hover = None;
+    model.log.info(message);
+}
+
 /// The selected faces, if there are any.
-pub fn selected_faces(model: &mut Model) -> Option<Arc<Vec<u32>>> {
-    if model.is_busy("changing something else") {
+pub(crate) fn selected_faces(model: &mut Model) -> Option<Arc<Vec<u32>>> {
+    if refuse_while_running(model, "changing something else") {
         return None;
     }
     if model.document.faces.is_empty() {
@@ -92,9 +126,9 @@ fn bridge(model: &mut Model, ends: [DVec3; 2], width: usize) {
     }
 }
 
-/// Turns over the component of a loop.
+/// Flips the component of a loop.
 fn flip(model: &mut Model, id: LoopId) {
-    if model.is_busy("changing something else") {
+    if refuse_while_running(model, "changing something else") {
         return;
     }
     let Some(l) = model.document.loop_of(id) else {
@@ -105,7 +139,7 @@ fn flip(model: &mut Model, id: LoopId) {
     let gathered = model.document.selected();
     let places: Vec<DVec3> = gathered.iter().map(|l| l.centroid).collect();
     accept_at_once(model, work, mesh, None);
-    // the same rims stay gathered, by their new numbers
+    // the same rims stay selected; their numbers may have changed
     let loops = &model.document.loops;
     let nearest = |p: &DVec3| {
         let far = |l: &BoundaryLoop| l.centroid.distance_squared(*p);

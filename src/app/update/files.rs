@@ -1,83 +1,92 @@
 //! Opening, saving, closing.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::app::action::Action;
+use super::{report, report_files};
+use crate::app::action::FileAction;
 use crate::app::autosave;
+use crate::app::display::DisplayWorker;
 use crate::app::document::{Document, Source};
+use crate::app::history::History;
 use crate::app::jobs::Job;
 use crate::app::model::{Done, Effect, Loaded, Model, SavedWhat};
 use crate::app::project;
-use crate::app::report::ReportAction;
-use crate::app::view_state::{AfterUnsaved, Modal, PathUse};
+use crate::app::repeat;
+use crate::app::view_state::{AfterUnsaved, Modal, PathPrompt, PathUse};
 use crate::io;
 use crate::shapes::SAMPLES;
 
-/// A dialog that is answered sooner was never shown.
+/// A dialog that is answered sooner was not shown.
 const NO_DIALOG: Duration = Duration::from_millis(400);
 
-/// Carries out the actions of this kind.
-pub fn update(model: &mut Model, action: Action) {
+pub(crate) fn update(model: &mut Model, action: FileAction) {
     match action {
-        Action::AskOpen => guarded(model, AfterUnsaved::AskOpen),
-        Action::Open(path) => guarded(model, AfterUnsaved::Open(path)),
-        Action::Sample(name) => guarded(model, AfterUnsaved::Sample(name)),
-        Action::Close => guarded(model, AfterUnsaved::Close),
-        Action::Save => match model.saved_to.clone() {
+        FileAction::AskOpen => guarded(model, AfterUnsaved::AskOpen),
+        FileAction::Open(path) => guarded(model, AfterUnsaved::Open(path)),
+        FileAction::Sample(name) => guarded(model, AfterUnsaved::Sample(name)),
+        FileAction::Close => guarded(model, AfterUnsaved::Close),
+        FileAction::Save => match model.saved_to.clone() {
             Some(path) => save(model, &path),
             None => ask(model, PathUse::SaveAs),
         },
-        Action::AskSaveAs => ask(model, PathUse::SaveAs),
-        Action::SaveAs(path) => save(model, &path),
-        Action::AskExportPatch => {
+        FileAction::AskSaveAs => ask(model, PathUse::SaveAs),
+        FileAction::SaveAs(path) => save(model, &path),
+        FileAction::AskExportPatch => {
             if model.document.is_changed() {
                 ask(model, PathUse::ExportPatch);
             } else {
                 model.log.info("there is no patch yet: fill a hole first");
             }
         }
-        Action::ExportPatch(path) => export_patch(model, path),
-        Action::Discard => {
+        FileAction::ExportPatch(path) => export_patch(model, path),
+        FileAction::DiscardAndContinue => {
             if let Modal::Unsaved(next) = std::mem::take(&mut model.view.modal) {
-                go_on(model, next);
+                resume(model, next);
             }
         }
-        Action::SaveThenGoOn => {
+        FileAction::SaveAndContinue => {
             if let Modal::Unsaved(next) = std::mem::take(&mut model.view.modal) {
                 model.after_save = Some(next);
-                update(model, Action::Save);
+                update(model, FileAction::Save);
             }
         }
-        Action::Recover(path) => {
+        FileAction::Recover(path) => {
             model.view.modal = Modal::None;
             load(model, path);
         }
-        Action::DropRecovery => {
+        FileAction::DropRecovery => {
             if let Modal::Recover(paths) = std::mem::take(&mut model.view.modal) {
                 for path in &paths {
                     autosave::remove(path);
                 }
             }
         }
-        _ => {}
+        FileAction::CopyCommand => match repeat::command(model) {
+            Ok(text) => {
+                model.effects.push(Effect::CopyText(text));
+                model.log.info("command copied to the clipboard");
+            }
+            Err(text) => model.log.warning(text),
+        },
     }
 }
 
-/// Does it, unless work would be lost.
+/// Continues with `next`, unless work would be lost.
 fn guarded(model: &mut Model, next: AfterUnsaved) {
     if model.must_ask_before_closing() {
         model.view.modal = Modal::Unsaved(next);
     } else {
-        go_on(model, next);
+        resume(model, next);
     }
 }
 
-fn go_on(model: &mut Model, next: AfterUnsaved) {
+fn resume(model: &mut Model, next: AfterUnsaved) {
     match next {
         AfterUnsaved::Close => {
-            // nothing is to be asked about any more
+            // the user has decided; nothing is asked again
             model.run = None;
             model.saved_revision = model.revision;
             model.autosave.discard();
@@ -89,7 +98,7 @@ fn go_on(model: &mut Model, next: AfterUnsaved) {
     }
 }
 
-/// Asks the system's dialog; where it has none a path is typed instead.
+/// Opens the system's file dialog; if there is none, the user types a path instead.
 pub(super) fn ask(model: &mut Model, purpose: PathUse) {
     let start = model.source_path();
     let name = suggestion(model, purpose);
@@ -124,7 +133,7 @@ pub(super) fn ask(model: &mut Model, purpose: PathUse) {
                     .set_file_name(name)
                     .save_file(),
             };
-            Done::Chosen(purpose, path, asked.elapsed())
+            Done::PathChosen(purpose, path, asked.elapsed())
         }));
 }
 
@@ -142,101 +151,145 @@ fn suggestion(model: &Model, purpose: PathUse) -> String {
     }
 }
 
-impl Model {
-    /// Takes a dialog's answer.
-    pub(in crate::app) fn chosen(
-        &mut self,
-        purpose: PathUse,
-        path: Option<PathBuf>,
-        waited: Duration,
-    ) {
-        let Some(path) = path else {
-            if waited < NO_DIALOG {
-                let text = suggestion(self, purpose);
-                let folder = self.source_path();
-                let folder = folder.as_deref().and_then(Path::parent);
-                let text = folder.map_or(text.clone(), |f| f.join(text).display().to_string());
-                self.ask_path(purpose, text);
+/// Takes a dialog's answer; `None`: cancelled, or there is no dialog.
+pub(super) fn path_chosen(
+    model: &mut Model,
+    purpose: PathUse,
+    path: Option<PathBuf>,
+    waited: Duration,
+) {
+    match path {
+        Some(path) => use_path(model, purpose, path),
+        None if waited < NO_DIALOG => {
+            let text = suggestion(model, purpose);
+            let folder = model.source_path();
+            let folder = folder.as_deref().and_then(Path::parent);
+            let text = folder.map_or(text.clone(), |f| f.join(text).display().to_string());
+            model.view.modal = Modal::Path(PathPrompt { purpose, text });
+        }
+        None => model.after_save = None,
+    }
+}
+
+/// Does what a path was asked for.
+fn use_path(model: &mut Model, purpose: PathUse, path: PathBuf) {
+    match purpose {
+        PathUse::Open => load(model, path),
+        PathUse::SaveAs => save(model, &path),
+        PathUse::ExportPatch => export_patch(model, path),
+        PathUse::Reference => report::set_reference(model, path),
+        PathUse::Report(file) => report_files::save(model, file, path),
+    }
+}
+
+/// Takes in what was read.
+pub(super) fn loaded(model: &mut Model, path: &Path, result: Result<Loaded, String>) {
+    match result {
+        Ok(Loaded::Mesh(document)) => {
+            if matches!(document.origin.source, Source::File(_)) {
+                model.settings.remember(path);
+            }
+            replace(model, *document);
+        }
+        Ok(Loaded::Project(document, project)) => {
+            let recovered =
+                crate::app::settings::state_folder().is_some_and(|folder| path.starts_with(folder));
+            replace(model, *document);
+            let bounds = model.document.origin.bounds;
+            project.view.restore(&mut model.view, &bounds);
+            if recovered {
+                // its file goes once the work is saved
+                model.revision += 1;
+                autosave::remove(path);
+                model.log.info("recovered; save it to keep it");
             } else {
-                self.after_save = None;
-            }
-            return;
-        };
-        match purpose {
-            PathUse::Open => load(self, path),
-            PathUse::SaveAs => save(self, &path),
-            PathUse::ExportPatch => export_patch(self, path),
-            PathUse::Reference | PathUse::Report(_) => {
-                self.act(Action::Report(ReportAction::Path(purpose, path)));
+                model.saved_to = Some(path.to_owned());
+                model.settings.remember(path);
             }
         }
+        Err(text) if model.document.is_blank() => {
+            model.log.error(text);
+            let first = SAMPLES[0].name;
+            if path != Path::new(first) {
+                sample(model, first.into());
+            }
+        }
+        Err(text) => model
+            .log
+            .error(format!("{text}\nThe open document was left alone.")),
     }
+}
 
-    /// Takes in what was read.
-    pub(in crate::app) fn loaded(&mut self, path: &Path, result: Result<Loaded, String>) {
-        match result {
-            Ok(Loaded::Mesh(document)) => {
-                if matches!(document.origin.source, Source::File(_)) {
-                    self.settings.remember(path);
-                }
-                self.replace(*document);
-            }
-            Ok(Loaded::Project(document, project)) => {
-                let recovered = crate::app::settings::state_folder()
-                    .is_some_and(|folder| path.starts_with(folder));
-                self.replace(*document);
-                let bounds = self.document.origin.bounds;
-                project.view.restore(&mut self.view, &bounds);
-                if recovered {
-                    // its file goes once the work is saved
-                    self.revision += 1;
-                    autosave::remove(path);
-                    self.log.info("recovered; save it to keep it");
-                } else {
-                    self.saved_to = Some(path.to_owned());
-                    self.settings.remember(path);
-                }
-            }
-            Err(text) if self.document.is_blank() => {
-                self.log.error(text);
-                let first = SAMPLES[0].name;
-                if path != Path::new(first) {
-                    sample(self, first.into());
-                }
-            }
-            Err(text) => self
-                .log
-                .error(format!("{text}\nThe open document was left alone.")),
-        }
+/// Takes in that something was written.
+pub(super) fn saved(model: &mut Model, path: PathBuf, what: SavedWhat, result: Result<(), String>) {
+    if let Err(text) = result {
+        model.after_save = None;
+        model.log.error(text);
+        return;
     }
+    model.log.info(format!("saved {}", path.display()));
+    let (SavedWhat::Mesh(revision) | SavedWhat::Project(revision)) = what else {
+        return;
+    };
+    model.saved_revision = revision;
+    if matches!(what, SavedWhat::Project(_)) {
+        model.settings.remember(&path);
+    }
+    model.saved_to = Some(path);
+    if !model.is_dirty() {
+        model.autosave.discard();
+    }
+    if let Some(next) = model.after_save.take() {
+        resume(model, next);
+    }
+}
 
-    /// Takes in that something was written.
-    pub(in crate::app) fn saved(
-        &mut self,
-        path: PathBuf,
-        what: SavedWhat,
-        result: Result<(), String>,
-    ) {
-        if let Err(text) = result {
-            self.after_save = None;
-            self.log.error(text);
-            return;
-        }
-        self.log.info(format!("saved {}", path.display()));
-        let (SavedWhat::Mesh(revision) | SavedWhat::Project(revision)) = what else {
-            return;
-        };
-        self.saved_revision = revision;
-        if matches!(what, SavedWhat::Project(_)) {
-            self.settings.remember(&path);
-        }
-        self.saved_to = Some(path);
-        if !self.is_dirty() {
-            self.autosave.discard();
-        }
-        if let Some(next) = self.after_save.take() {
-            go_on(self, next);
-        }
+/// Puts another document in place of the open one.
+pub(in crate::app) fn replace(model: &mut Model, document: Document) {
+    model.run = None;
+    // the camera must not be fitted to what was there before
+    model.displays.iter_mut().for_each(DisplayWorker::forget);
+    model.history = History::default();
+    let view = &mut model.view;
+    view.camera.home();
+    view.camera.fit_to(&document.origin.bounds);
+    view.fit = true;
+    view.hover = None;
+    view.report.forget();
+    view.energy_text.clone_from(&document.controls.energy);
+    view.compare_energy = None;
+    model.document = document;
+    model.saved_to = None;
+    model.revision += 1;
+    model.saved_revision = model.revision;
+    model.autosave.discard();
+    announce(model);
+}
+
+/// Reports what was opened.
+fn announce(model: &mut Model) {
+    let document = &model.document;
+    let report = &document.origin.report;
+    let holes = document.holes().len();
+    let noun = if holes == 1 { "hole" } else { "holes" };
+    let mut text = format!(
+        "{}: {} vertices, {} faces, {holes} {noun}",
+        document.origin.name(),
+        report.vertices,
+        report.faces
+    );
+    if report.welded_vertices > 0 {
+        let _ = write!(text, "; {} vertices merged", report.welded_vertices);
+    }
+    model.log.info(text);
+    if !report.defects.is_empty() {
+        model.log.warning(format!(
+            "{} places were repaired or are unsound: see the load report (Ctrl+R)",
+            report.defects.len()
+        ));
+    }
+    for note in &report.notes {
+        model.log.warning(note.clone());
     }
 }
 

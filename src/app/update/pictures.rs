@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::app::action::Action;
+use crate::app::action::PictureAction;
 use crate::app::display::{DisplayWorker, Request};
 use crate::app::jobs::{Job, Reporter};
 use crate::app::live::Shape;
@@ -11,33 +11,48 @@ use crate::app::model::{Done, Effect, Model};
 use crate::app::scene_builder;
 use crate::app::view_state::{Modal, PictureFormat, PictureKind, PictureSettings};
 use crate::render::{
-    Camera, Gpu, RenderError, Scene, SequenceEnd, SequenceFormat, ViewStyle, picture, save_png,
-    turntable, write_sequence,
+    Camera, Gpu, MAX_SIDE, RenderError, Scene, SequenceEnd, SequenceFormat, ViewStyle, picture,
+    save_png, turntable, write_sequence,
 };
 
 /// Name of the jobs that write pictures.
-pub const WRITING: &str = "pictures";
+pub(crate) const WRITING: &str = "pictures";
 
-/// Carries out the actions of this kind.
-pub fn update(model: &mut Model, action: Action) {
+pub(crate) fn update(model: &mut Model, action: PictureAction) {
     match action {
-        Action::Picture(settings) => make(model, &settings),
-        Action::CopyPicture => copy(model),
-        Action::WindowPicture => {
-            let path = model
-                .source_path()
-                .unwrap_or_else(|| PathBuf::from("meniscus.obj"))
-                .with_extension("window.png");
+        PictureAction::Ask => model.view.modal = Modal::Picture(first_settings(model)),
+        PictureAction::Make(settings) => make(model, &settings),
+        PictureAction::Copy => copy(model),
+        PictureAction::Window => {
+            let path = path_beside_source(model, "window.png");
             model.effects.push(Effect::WindowPicture(path));
         }
-        Action::CancelPicture => {
+        PictureAction::Cancel => {
             model.jobs.retain(|job| !job.what.starts_with(WRITING));
             model
                 .log
                 .info("the sequence was cancelled; no file of it is left");
         }
-        _ => {}
     }
+}
+
+/// Settings the picture dialog opens with.
+fn first_settings(model: &Model) -> PictureSettings {
+    let [width, height] = model.view.viewport_px;
+    PictureSettings {
+        width: (width as u32).clamp(1, MAX_SIDE),
+        height: (height as u32).clamp(1, MAX_SIDE),
+        path: path_beside_source(model, "png").display().to_string(),
+        ..PictureSettings::default()
+    }
+}
+
+/// The path of the opened file with another extension.
+fn path_beside_source(model: &Model, extension: &str) -> PathBuf {
+    let source = model.source_path();
+    source
+        .unwrap_or_else(|| "meniscus.obj".into())
+        .with_extension(extension)
 }
 
 fn gpu(model: &mut Model) -> Option<Arc<Gpu>> {
@@ -78,7 +93,7 @@ fn make(model: &mut Model, settings: &PictureSettings) {
         return;
     }
     let Some(gpu) = gpu(model) else { return };
-    let shot = Shot {
+    let job = PictureJob {
         gpu,
         camera: model.view.camera,
         style: style_for(model, settings),
@@ -86,7 +101,7 @@ fn make(model: &mut Model, settings: &PictureSettings) {
     };
     let mut scene = scene_builder::scene(model, 0);
     if let (false, Some(display)) = (settings.overlays, model.displays[0].latest()) {
-        // without the selected faces, which come last
+        // drop the selected faces, which come last
         scene.surfaces.truncate(display.surfaces.len());
     }
     let states = match (settings.kind, &model.run) {
@@ -105,24 +120,24 @@ fn make(model: &mut Model, settings: &PictureSettings) {
     model
         .jobs
         .push(Job::spawn(what, &model.wake, move |reporter| {
-            let result = match shot.settings.kind {
-                PictureKind::Still => shot.still(&scene),
-                PictureKind::Turntable => shot.turntable(&scene, reporter),
-                PictureKind::Flow => shot.flow(&scene, request, &states, reporter),
+            let result = match job.settings.kind {
+                PictureKind::Still => job.still(&scene),
+                PictureKind::Turntable => job.turntable(&scene, reporter),
+                PictureKind::Flow => job.flow(&scene, request, &states, reporter),
             };
             Done::Pictures(result.map_err(|e| e.to_string()))
         }));
 }
 
-/// All that a picture needs, away from the window.
-struct Shot {
+/// Everything that drawing a picture in the background needs.
+struct PictureJob {
     gpu: Arc<Gpu>,
     camera: Camera,
     style: ViewStyle,
     settings: PictureSettings,
 }
 
-impl Shot {
+impl PictureJob {
     fn one(&self, scene: &Scene, camera: &Camera) -> Result<image::RgbaImage, RenderError> {
         let s = &self.settings;
         picture(
@@ -159,9 +174,9 @@ impl Shot {
         let Some(request) = request else {
             return self.still(scene);
         };
-        let mut maker = DisplayWorker::maker();
+        let mut build = DisplayWorker::builder();
         self.sequence(states.len(), reporter, |i| {
-            let display = maker(&Request {
+            let display = build(&Request {
                 state: Some(states[i].clone()),
                 ..request.clone()
             });

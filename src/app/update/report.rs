@@ -1,5 +1,6 @@
 //! Measures, sections, chains, reference, export.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::files::ask;
@@ -8,13 +9,14 @@ use super::view::{fly_to, look_against};
 use crate::analysis::{
     AnalysisOptions, Vertices, analyze_while, chain_through, control_points, section,
 };
+use crate::app::chains::Chain;
 use crate::app::jobs::{Job, Reporter};
 use crate::app::model::{Effect, Model};
 use crate::app::report::{
-    Chain, CutMade, Measured, Patches, Reference, ReportAction, Subject, Wanted,
+    MeasureRequest, Measured, Patches, Reference, ReportAction, SectionRequest, SectionResult,
+    Subject,
 };
 use crate::app::view_state::PathUse;
-use crate::energy::Energy;
 use crate::mesh::HalfedgeId;
 use crate::render::ViewMode;
 
@@ -22,7 +24,7 @@ use crate::render::ViewMode;
 const SHARP: f64 = 40.0;
 
 /// Carries out an action of the report.
-pub fn update(model: &mut Model, action: ReportAction) {
+pub(crate) fn update(model: &mut Model, action: ReportAction) {
     let view = &mut model.view.report;
     match action {
         ReportAction::OnSurface(on) => view.on_surface = on,
@@ -58,16 +60,18 @@ pub fn update(model: &mut Model, action: ReportAction) {
         }
         ReportAction::Copy(file) => copy(model, file),
         ReportAction::AskSave(file) => ask(model, PathUse::Report(file)),
-        ReportAction::Path(PathUse::Reference, path) => {
-            view.reference = Some(path);
-            model.view.windows.analysis = true;
-        }
-        ReportAction::Path(PathUse::Report(file), path) => save(model, file, path),
-        ReportAction::Path(..) => {}
+        ReportAction::Reference(path) => set_reference(model, path),
+        ReportAction::Save(file, path) => save(model, file, path),
     }
 }
 
-/// The chain through an edge in, or out if it is in already.
+/// Measures distances to a mesh file.
+pub(super) fn set_reference(model: &mut Model, path: PathBuf) {
+    model.view.report.reference = Some(path);
+    model.view.windows.analysis = true;
+}
+
+/// Adds the chain through an edge, or removes it if it is chosen.
 fn choose_chain(model: &mut Model, edge: HalfedgeId) {
     let mesh = &model.document.mesh;
     if edge.index() >= mesh.topology.halfedge_count() {
@@ -101,8 +105,8 @@ fn choose_chain(model: &mut Model, edge: HalfedgeId) {
     }
 }
 
-/// Looks after what goes on in the background.
-pub fn tick(model: &mut Model) {
+/// Advances what runs in the background.
+pub(super) fn tick(model: &mut Model) {
     read_reference(model);
     if model.view.windows.analysis {
         measure(model);
@@ -141,7 +145,7 @@ fn read_reference(model: &mut Model) {
             match result.and_then(|r| r) {
                 Ok(reference) => report.reference = Some(Arc::new(reference)),
                 Err(text) => {
-                    // the one before stays, if there was one
+                    // the reference before stays, if there was one
                     model.view.report.reference = report.reference.as_ref().map(|r| r.path.clone());
                     model.log.error(text);
                 }
@@ -156,24 +160,24 @@ fn read_reference(model: &mut Model) {
     }
 }
 
-/// What the report is to show now.
-fn wanted(model: &Model) -> Wanted {
-    let controls = &model.document.controls;
+/// What the report has to show now.
+fn requested(model: &mut Model) -> MeasureRequest {
+    let energy = model.report.energy.of(&model.document.controls);
     let view = &model.view.report;
-    Wanted {
-        subject: Subject::of(model),
+    MeasureRequest {
+        subject: Subject::of(&model.document, model.run.as_ref()),
         on_surface: view.on_surface,
-        energy: Energy::parse(&controls.energy, &controls.param).ok(),
+        energy,
         sharp: view.sharp,
         chains: view.chains.clone(),
         reference: model.report.reference.clone(),
     }
 }
 
-/// Takes in measures and asks for new ones. Those of another moment of a run are awaited, or none
-/// would ever be finished while it plays; all others are dropped.
+/// Takes in measures and requests new ones. If only the state of the run has changed, the running
+/// measurement is allowed to finish; otherwise it would be restarted every frame.
 fn measure(model: &mut Model) {
-    let wanted = wanted(model);
+    let request = requested(model);
     let report = &mut model.report;
     if let Some((of, job)) = &report.measuring {
         if let Some(result) = job.poll() {
@@ -185,24 +189,24 @@ fn measure(model: &mut Model) {
                 }
             }
             report.measuring = None;
-        } else if of.same_but_state(&wanted) {
+        } else if of.same_but_state(&request) {
             return;
         }
     }
-    let is = |other: &Wanted| other.same(&wanted);
-    let known = report.measured.as_ref().is_some_and(|m| is(&m.wanted));
+    let is = |other: &MeasureRequest| other.same(&request);
+    let known = report.measured.as_ref().is_some_and(|m| is(&m.request));
     if known || report.failed.as_ref().is_some_and(is) || model.document.is_blank() {
         report.measuring = None;
         return;
     }
-    let patches = Patches::of(model);
+    let patches = Patches::of(&model.document, model.run.as_ref());
     let job = {
-        let wanted = wanted.clone();
+        let request = request.clone();
         Job::spawn("measuring", &model.wake, move |reporter| {
-            find(wanted, &patches, reporter)
+            find(request, &patches, reporter)
         })
     };
-    model.report.measuring = Some((wanted, job));
+    model.report.measuring = Some((request, job));
 }
 
 /// What the vertices are.
@@ -214,21 +218,21 @@ pub(super) fn vertices(on_surface: bool) -> Vertices {
     }
 }
 
-fn find(wanted: Wanted, patches: &Patches, reporter: &Reporter) -> Option<Measured> {
-    let mesh = wanted.subject.mesh(wanted.on_surface);
-    let chains = patches.chains(&mesh, &wanted.chains, wanted.sharp);
+fn find(request: MeasureRequest, patches: &Patches, reporter: &Reporter) -> Option<Measured> {
+    let mesh = request.subject.mesh(request.on_surface);
+    let chains = patches.chains(&mesh, &request.chains, request.sharp);
     let options = AnalysisOptions {
-        vertices: vertices(wanted.on_surface),
-        energy: wanted.energy.clone(),
+        vertices: vertices(request.on_surface),
+        energy: request.energy.clone(),
         chains: chains.all,
-        reference: wanted.reference.as_ref().map(|r| &r.mesh),
+        reference: request.reference.as_ref().map(|r| &r.mesh),
         planes: Vec::new(),
     };
     let analysis = analyze_while(&mesh, &options, &|done, total| {
         reporter.progress(done, total)
     })?;
     Some(Measured {
-        wanted,
+        request,
         mesh,
         analysis,
         chosen: chains.chosen,
@@ -237,17 +241,20 @@ fn find(wanted: Wanted, patches: &Patches, reporter: &Reporter) -> Option<Measur
     })
 }
 
-/// Takes in sections and asks for new ones, as [`measure`] does.
+/// Takes in sections and requests new ones, as [`measure`] does.
 fn cut(model: &mut Model) {
     let Some(plane) = model.view.report.cut.map(|c| c.plane()) else {
         model.report.cutting = None;
         model.report.cut = None;
         return;
     };
-    let subject = Subject::of(model);
-    let on_surface = model.view.report.on_surface;
+    let request = SectionRequest {
+        subject: Subject::of(&model.document, model.run.as_ref()),
+        on_surface: model.view.report.on_surface,
+        plane,
+    };
     let report = &mut model.report;
-    if let Some(((of, surface, by), job)) = &report.cutting {
+    if let Some((of, job)) = &report.cutting {
         if let Some(result) = job.poll() {
             match result {
                 Ok(made) => report.cut = Some(made),
@@ -257,27 +264,25 @@ fn cut(model: &mut Model) {
                 }
             }
             report.cutting = None;
-        } else if of.same_but_state(&subject) && (*surface, *by) == (on_surface, plane) {
+        } else if of.same_but_state(&request) {
             return;
         }
     }
-    let known = report.cut.as_ref().is_some_and(|c| {
-        c.subject.same(&subject) && (c.on_surface, c.plane) == (on_surface, plane)
-    });
-    if known {
+    let known = report.cut.as_ref();
+    if known.is_some_and(|c| c.request.same(&request)) {
         report.cutting = None;
         return;
     }
-    let asked = (subject.clone(), on_surface, plane);
-    let job = Job::spawn("section", &model.wake, move |_| {
-        let mesh = subject.mesh(on_surface);
-        let control = control_points(&mesh, vertices(on_surface));
-        CutMade {
-            section: Arc::new(section(&mesh.topology, &control, &plane)),
-            subject,
-            on_surface,
-            plane,
-        }
-    });
-    report.cutting = Some((asked, job));
+    let job = {
+        let request = request.clone();
+        Job::spawn("section", &model.wake, move |_| {
+            let mesh = request.subject.mesh(request.on_surface);
+            let control = control_points(&mesh, vertices(request.on_surface));
+            SectionResult {
+                section: Arc::new(section(&mesh.topology, &control, &request.plane)),
+                request,
+            }
+        })
+    };
+    report.cutting = Some((request, job));
 }

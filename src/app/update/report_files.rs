@@ -60,7 +60,7 @@ impl Sheet {
             }
             ReportFile::Measures => measures_csv(&measured.analysis),
             ReportFile::Vertices => {
-                let vertices = vertices(measured.wanted.on_surface);
+                let vertices = vertices(measured.request.on_surface);
                 vertices_csv(&measured.mesh, vertices, &measured.analysis)
             }
             ReportFile::Section => sections_csv(&sections),

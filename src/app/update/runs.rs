@@ -1,77 +1,58 @@
-//! Controls and runs.
+//! Runs.
 
-use super::edits;
-use crate::app::action::Action;
+use super::controls::params_for;
+use super::{edits, select};
+use crate::app::action::RunAction;
 use crate::app::document::{Accepted, Work, window_controls};
-use crate::app::model::{Effect, Model};
-use crate::app::repeat;
+use crate::app::model::Model;
 use crate::app::run::Run;
 use crate::app::view_state::Task;
-use crate::energy::{Energy, Preset};
 use crate::fill::Controls;
 
-/// Carries out the actions of this kind.
-pub fn update(model: &mut Model, action: Action) {
+pub(crate) fn update(model: &mut Model, action: RunAction) {
     match action {
-        Action::Controls(controls) => set_controls(model, *controls),
-        Action::Settle => model.history.seal(),
-        Action::EnergyText(text) => model.view.energy_text = text,
-        Action::ApplyEnergy => apply_energy(model),
-        Action::AddParameter(name) => {
-            let mut controls = model.document.controls.clone();
-            controls.param.insert(name, 1.0);
-            set_controls(model, controls);
-            let text = &model.view.energy_text;
-            if Energy::parse(text, &model.document.controls.param).is_ok() {
-                apply_energy(model);
-            }
-        }
-        Action::CompareEnergy(energy) => {
-            if model.is_busy("comparing other energies") {
-                return;
-            }
-            model.view.compare_energy = energy;
-        }
-        Action::Fill => fill(model),
-        Action::Fair => {
+        RunAction::Proceed => match &model.run {
+            Some(run) if run.ended() => accept(model, 0),
+            Some(_) => {}
+            None => start(model),
+        },
+        RunAction::Start => start(model),
+        RunAction::Fair => {
             if let Some(faces) = edits::selected_faces(model) {
-                start(model, Work::Fair(faces));
+                spawn(model, Work::Fair(faces));
             }
         }
-        Action::PlayPause => play_pause(model),
-        Action::Step => step(model),
-        Action::Finish => on_sides(model, |side| {
+        RunAction::PlayPause => play_pause(model),
+        RunAction::Step => step(model),
+        RunAction::StepBack => {
+            if let Some(run) = &mut model.run {
+                let last = run.state_count().saturating_sub(1);
+                let shown = run.sides.iter().filter_map(|s| s.shown).min();
+                run.scrub(Some(shown.unwrap_or(last).saturating_sub(1)));
+            }
+        }
+        RunAction::Finish => on_sides(model, |side| {
             side.shown = None;
             side.live.finish();
         }),
-        Action::Stop => {
+        RunAction::Stop => {
             on_sides(model, |side| side.live.stop());
             if let Some(run) = &mut model.run {
                 run.playing = false;
             }
         }
-        Action::Scrub(at) => {
+        RunAction::Scrub(at) => {
             if let Some(run) = &mut model.run {
                 run.scrub(at);
             }
         }
-        Action::GoOnFromHere => go_on_from_here(model),
-        Action::Pace(pace) => {
+        RunAction::ContinueFromShown => continue_from_shown(model),
+        RunAction::Pace(pace) => {
             model.view.pace = pace;
             on_sides(model, |side| side.live.set_pace(pace));
         }
-        Action::Accept(side) => {
-            accept(model, side);
-        }
-        Action::Reject => reject(model),
-        Action::CopyCommand => match repeat::command(model) {
-            Ok(text) => {
-                model.effects.push(Effect::CopyText(text));
-                model.log.info("command copied to the clipboard");
-            }
-            Err(text) => model.log.warning(text),
-        },
-        _ => {}
+        RunAction::Accept(side) => accept(model, side),
+        RunAction::Reject => reject(model),
     }
 }
 
@@ -91,85 +72,8 @@ fn reject(model: &mut Model) {
     }
 }
 
-/// New controls: for the next run, and for the one under way.
-fn set_controls(model: &mut Model, controls: Controls) {
-    if controls == model.document.controls {
-        return;
-    }
-    if let Some(run) = &mut model.run {
-        let compared = run.sides.len() > 1;
-        for side in &mut run.sides {
-            let mut own = controls.clone();
-            if compared {
-                // the energies are what differs, each with parameters of its own
-                own.energy.clone_from(&side.controls.energy);
-                for (name, value) in &side.controls.param {
-                    own.param.entry(name.clone()).or_insert(*value);
-                }
-            }
-            match side.live.set_controls(&own, &run.base, run.own_energy) {
-                Ok(()) => {
-                    if (&own.energy, &own.param) != (&side.controls.energy, &side.controls.param) {
-                        side.new_energy();
-                    }
-                    side.controls = own;
-                    if let Work::Refine(work) = &mut run.work {
-                        work.changed = true;
-                    }
-                }
-                Err(text) => {
-                    model.log.error(text);
-                    return;
-                }
-            }
-        }
-        if run.ended() {
-            // a changed control wakes a flow that has come to its end
-            run.playing = true;
-            for side in &run.sides {
-                side.live.play();
-            }
-        }
-    }
-    model
-        .history
-        .record(&model.document, "change the controls", Some("controls"));
-    model.document.controls = controls;
-}
-
-/// Takes the typed energy, if it is one, with a value for each of its parameters.
-fn apply_energy(model: &mut Model) {
-    let mut controls = model.document.controls.clone();
-    let text = model.view.energy_text.trim().to_owned();
-    controls.param = params_for(&text, &controls.param);
-    match Energy::parse(&text, &controls.param) {
-        Ok(energy) => {
-            controls.param = energy.params().clone();
-            controls.energy = text;
-            model.history.seal();
-            set_controls(model, controls);
-            model.history.seal();
-        }
-        Err(error) => model.log.error(format!("energy: {error}")),
-    }
-}
-
-/// The known parameters, with 0 for those that the text names besides.
-pub fn params_for(
-    text: &str,
-    known: &std::collections::BTreeMap<String, f64>,
-) -> std::collections::BTreeMap<String, f64> {
-    let mut params = known.clone();
-    let plain = text.replace(' ', "");
-    let named = Preset::ALL.into_iter().find(|p| p.text() == plain);
-    if let Some((name, value)) = named.and_then(Preset::parameter) {
-        params.entry(name.into()).or_insert(value);
-    }
-    params
-}
-
-/// Does the task; for fills with nothing selected, all holes that are no outer rims.
-fn fill(model: &mut Model) {
+/// Starts the task. A fill with nothing selected fills all holes.
+fn start(model: &mut Model) {
     if model.run.is_some() {
         return;
     }
@@ -180,7 +84,7 @@ fn fill(model: &mut Model) {
     }
     if model.view.task == Task::Repair {
         if let Some(faces) = edits::selected_faces(model) {
-            start(model, Work::Refill(faces));
+            spawn(model, Work::Refill(faces));
         }
         return;
     }
@@ -194,7 +98,7 @@ fn fill(model: &mut Model) {
             });
             return;
         }
-        model.select(holes, "select all holes");
+        select::set_loops(model, holes, "select all holes");
     }
     let task = model.view.task;
     if task == Task::Blend && model.document.selection.len() < 2 {
@@ -204,7 +108,7 @@ fn fill(model: &mut Model) {
         return;
     }
     let loops = model.document.selection.iter().copied().collect();
-    start(
+    spawn(
         model,
         match task {
             Task::Blend => Work::Blend(loops),
@@ -226,7 +130,7 @@ fn refine(model: &mut Model) {
     let chains = &model.view.report.chains;
     match Run::start_refinement(&refining, chains, document, controls, pace, wake) {
         Ok(run) => {
-            // several views are narrower than the one before
+            // several views are narrower than one
             model.view.fit |= run.sides.len() > 1;
             model.run = Some(run);
         }
@@ -234,7 +138,7 @@ fn refine(model: &mut Model) {
     }
 }
 
-fn start(model: &mut Model, work: Work) {
+fn spawn(model: &mut Model, work: Work) {
     let a = model.document.controls.clone();
     let mut sides = vec![a.clone()];
     if let Some(energy) = &model.view.compare_energy {
@@ -255,7 +159,7 @@ fn play_pause(model: &mut Model) {
     };
     run.playing = !run.playing;
     if run.playing && run.ended() && !run.scrubbed() {
-        // at the end: play the kept states again
+        // at the end: replay the stored states
         run.scrub(Some(0));
     }
     for side in &run.sides {
@@ -267,7 +171,7 @@ fn play_pause(model: &mut Model) {
     }
 }
 
-/// One state on: of the kept ones, or of the flow.
+/// One state forward: of the stored ones, or of the flow.
 fn step(model: &mut Model) {
     let Some(run) = &mut model.run else {
         return;
@@ -283,7 +187,7 @@ fn step(model: &mut Model) {
     }
 }
 
-fn go_on_from_here(model: &mut Model) {
+fn continue_from_shown(model: &mut Model) {
     let Some(run) = &mut model.run else {
         return;
     };
@@ -297,8 +201,8 @@ fn go_on_from_here(model: &mut Model) {
     run.playing = true;
 }
 
-/// Takes in the shown state of a side.
-pub fn accept(model: &mut Model, index: usize) {
+/// Accepts the shown state of a variant.
+pub(super) fn accept(model: &mut Model, index: usize) {
     let Some(run) = &mut model.run else {
         return;
     };
@@ -345,7 +249,7 @@ pub fn accept(model: &mut Model, index: usize) {
     model.document.accept(filled, kept.as_deref(), done);
     model.document.surface = surface;
     model.document.controls = Controls {
-        // numbers of loops mean other loops from now on
+        // the mesh has other loops now
         loop_continuity: window_controls().loop_continuity,
         ..controls
     };

@@ -1,61 +1,113 @@
-//! The selection of loops and of faces.
+//! The selection of loops and of faces, and the task they are selected for.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use crate::app::action::{Action, SelectHow};
-use crate::app::faces::{FaceEdit, catch, edited};
+use super::refuse_while_running;
+use crate::app::action::{SelectAction, SelectHow, TaskAction};
+use crate::app::faces::{FaceEdit, Lasso, edited, faces_in_lasso};
 use crate::app::jobs::Job;
 use crate::app::model::{Done, Model};
 use crate::app::view_state::Task;
 use crate::fill::LoopChoice;
+use crate::mesh::LoopId;
 
-/// Carries out the actions of this kind.
-pub fn update(model: &mut Model, action: Action) {
-    let action = match action {
-        Action::Hover(hover) => {
-            model.view.hover = hover;
-            return;
+pub(crate) fn update_task(model: &mut Model, action: TaskAction) {
+    match action {
+        TaskAction::Choose(task) => {
+            if !refuse_while_running(model, "selecting something else") {
+                model.view.task = task;
+                model.view.bridging = None;
+                model.view.hover = None;
+            }
         }
-        Action::Selecting(selecting) => {
-            model.view.selecting = selecting;
-            return;
+        TaskAction::Bridging(bridging) => {
+            if !refuse_while_running(model, "selecting something else") {
+                model.view.bridging = bridging;
+            }
         }
-        Action::Refining(refining) => {
-            model.view.refining = *refining;
-            return;
-        }
-        action => action,
-    };
-    if model.is_busy("selecting something else") {
+        TaskAction::Selecting(selecting) => model.view.selecting = selecting,
+        TaskAction::Refining(refining) => model.view.refining = *refining,
+    }
+}
+
+pub(crate) fn update(model: &mut Model, action: SelectAction) {
+    if refuse_while_running(model, "selecting something else") {
         return;
     }
-    match action {
-        Action::Task(task) => {
-            model.view.task = task;
-            model.view.bridging = None;
-            model.view.hover = None;
+    let document = &model.document;
+    let task = model.view.task;
+    let is_about_faces = matches!(task, Task::Repair | Task::Refine);
+    let mut selection = document.selection.clone();
+    let label = match action {
+        SelectAction::Faces(edit) => return faces(model, edit),
+        SelectAction::None if is_about_faces => return faces(model, FaceEdit::Clear),
+        SelectAction::Loop(..) | SelectAction::All | SelectAction::AllButLargest
+            if is_about_faces =>
+        {
+            return;
         }
-        Action::Faces(edit) => faces(model, edit),
-        Action::Bridging(bridging) => model.view.bridging = bridging,
-        _ => loops(model, &action),
+        SelectAction::Loop(id, _) if document.loop_of(id).is_none() => return,
+        // the rims of a blend are selected one by one
+        SelectAction::Loop(id, SelectHow::Replace) if task == Task::Blend => {
+            toggle(&mut selection, id);
+            "gather a rim"
+        }
+        SelectAction::Loop(id, SelectHow::Replace) => {
+            selection = [id].into();
+            "select a loop"
+        }
+        SelectAction::Loop(id, SelectHow::Add) => {
+            selection.insert(id);
+            "add a loop"
+        }
+        SelectAction::Loop(id, SelectHow::Toggle) => {
+            toggle(&mut selection, id);
+            "toggle a loop"
+        }
+        SelectAction::All if task == Task::Blend && document.holes().len() < 2 => {
+            selection = document.chosen(&LoopChoice::All);
+            "select all rims"
+        }
+        SelectAction::All => {
+            selection = document.holes();
+            "select all holes"
+        }
+        SelectAction::AllButLargest => {
+            selection = document.chosen(&LoopChoice::AllButLargest);
+            "select all but the largest"
+        }
+        SelectAction::None => {
+            selection.clear();
+            "clear the selection"
+        }
+    };
+    set_loops(model, selection, label);
+}
+
+fn toggle(selection: &mut BTreeSet<LoopId>, id: LoopId) {
+    if !selection.remove(&id) {
+        selection.insert(id);
+    }
+}
+
+/// Changes the selection of loops, as an undo entry.
+pub(super) fn set_loops(model: &mut Model, selection: BTreeSet<LoopId>, label: &str) {
+    if selection != model.document.selection {
+        model.history.record(&model.document, label, None);
+        model.document.selection = selection;
     }
 }
 
 fn faces(model: &mut Model, edit: FaceEdit) {
-    match edit {
-        FaceEdit::Lasso { lasso, take } => {
-            let Some((mesh, picker)) = model.picker.clone() else {
-                return;
-            };
-            model.jobs.push(Job::spawn("lasso", &model.wake, move |_| {
-                let faces = catch(&mesh, &picker, &lasso);
-                Done::Caught(FaceEdit::Caught { mesh, faces, take })
-            }));
-            return;
-        }
-        // the mesh has changed since the lasso was drawn
-        FaceEdit::Caught { ref mesh, .. } if !Arc::ptr_eq(mesh, &model.document.mesh) => return,
-        _ => {}
+    if let FaceEdit::Lasso { lasso, take } = edit {
+        start_lasso(model, lasso, take);
+        return;
+    }
+    // the mesh may have changed since the lasso was drawn
+    if matches!(&edit, FaceEdit::LassoResult { mesh, .. } if !Arc::ptr_eq(mesh, &model.document.mesh))
+    {
+        return;
     }
     let stroke = matches!(edit, FaceEdit::Paint { .. }).then(|| edit.label());
     if stroke.is_none() {
@@ -68,53 +120,12 @@ fn faces(model: &mut Model, edit: FaceEdit) {
     }
 }
 
-fn loops(model: &mut Model, action: &Action) {
-    if matches!(model.view.task, Task::Repair | Task::Refine) {
-        if matches!(action, Action::SelectNone) {
-            faces(model, FaceEdit::Clear);
-        }
-        return;
+/// Finds the faces in a lasso in the background.
+fn start_lasso(model: &mut Model, lasso: Lasso, take: bool) {
+    if let Some((mesh, picker)) = model.picker.clone() {
+        model.jobs.push(Job::spawn("lasso", &model.wake, move |_| {
+            let faces = faces_in_lasso(&mesh, &picker, &lasso);
+            Done::Lasso(FaceEdit::LassoResult { mesh, faces, take })
+        }));
     }
-    let mut selection = model.document.selection.clone();
-    let label = match action {
-        Action::Select(id, _) if model.document.loop_of(*id).is_none() => return,
-        // the rims of a blend are gathered one by one
-        Action::Select(id, SelectHow::Replace) if model.view.task == Task::Blend => {
-            if !selection.remove(id) {
-                selection.insert(*id);
-            }
-            "gather a rim"
-        }
-        Action::Select(id, SelectHow::Replace) => {
-            selection = [*id].into();
-            "select a loop"
-        }
-        Action::Select(id, SelectHow::Add) => {
-            selection.insert(*id);
-            "add a loop"
-        }
-        Action::Select(id, SelectHow::Toggle) => {
-            if !selection.remove(id) {
-                selection.insert(*id);
-            }
-            "toggle a loop"
-        }
-        Action::SelectAll if model.view.task == Task::Blend && model.document.holes().len() < 2 => {
-            selection = model.document.chosen(&LoopChoice::All);
-            "select all rims"
-        }
-        Action::SelectAll => {
-            selection = model.document.holes();
-            "select all holes"
-        }
-        Action::SelectAllButLargest => {
-            selection = model.document.chosen(&LoopChoice::AllButLargest);
-            "select all but the largest"
-        }
-        _ => {
-            selection.clear();
-            "clear the selection"
-        }
-    };
-    model.select(selection, label);
 }

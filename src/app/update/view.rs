@@ -1,43 +1,57 @@
 //! Camera, style and appearance.
 
-use crate::app::action::{Action, Switch};
+use crate::app::action::{Switch, ViewAction};
 use crate::app::model::{Effect, Model};
-use crate::mesh::LoopId;
-use crate::render::{Background, Bounds};
+use crate::mesh::{DVec3, LoopId};
+use crate::render::{Background, Bounds, ViewMode};
 
-/// Carries out the actions of this kind.
-pub fn update(model: &mut Model, action: &Action) {
+pub(crate) fn update(model: &mut Model, action: ViewAction) {
+    let style = &mut model.view.style;
     match action {
-        Action::Camera(camera) => model.view.camera = *camera,
-        Action::FitAll => fit(model, &model.bounds()),
-        Action::FlyToLoop(id) => {
-            if let Some(l) = model.document.loop_of(*id) {
-                let reach = crate::mesh::DVec3::splat(1.6 * l.radius);
-                let around = Bounds::new(l.centroid - reach, l.centroid + reach);
-                face_loop(model, *id);
-                fit(model, &around);
-            }
-        }
-        Action::FlyTo(place) => fly_to(model, *place),
-        Action::Style(style) => model.view.style = *style,
-        Action::Toggle(switch) => toggle(model, *switch),
-        Action::Navigation(navigation) => {
-            model.settings.navigation = *navigation;
+        ViewAction::Hover(hover) => model.view.hover = hover,
+        ViewAction::Camera(camera) => model.view.camera = camera,
+        ViewAction::Standard(view) => model.view.camera.standard_view(view),
+        ViewAction::FitAll => fit(model, &model.bounds()),
+        ViewAction::FlyToLoop(id) => fly_to_loop(model, id),
+        ViewAction::FlyTo(place) => fly_to(model, place),
+        ViewAction::Style(other) => *style = other,
+        ViewAction::Mode(mode) => set_mode(model, mode),
+        ViewAction::NextMode => set_mode(model, other_mode(model, 1)),
+        ViewAction::PreviousMode => set_mode(model, other_mode(model, -1)),
+        ViewAction::MoreStripes => style.stripes = (style.stripes + 2).min(60),
+        ViewAction::FewerStripes => style.stripes = style.stripes.saturating_sub(2).max(2),
+        ViewAction::Toggle(switch) => toggle(model, switch),
+        ViewAction::Navigation(navigation) => {
+            model.settings.navigation = navigation;
             model.settings.save();
         }
-        Action::Dark(dark) => {
-            model.settings.dark = *dark;
+        ViewAction::Dark(dark) => {
+            model.settings.dark = dark;
             model.settings.save();
-            model.view.style.background = Background::of_theme(*dark);
+            model.view.style.background = Background::of_theme(dark);
             model.effects.push(Effect::Appearance);
         }
-        Action::UiScale(scale) => {
+        ViewAction::UiScale(scale) => {
             model.settings.ui_scale = scale.clamp(0.5, 3.0);
             model.settings.save();
             model.effects.push(Effect::Appearance);
         }
-        _ => {}
     }
+}
+
+/// The view mode some places after the present one.
+fn other_mode(model: &Model, places: isize) -> ViewMode {
+    let all: Vec<ViewMode> = model.view_modes().collect();
+    let at = all.iter().position(|m| *m == model.view.style.mode);
+    let next = (at.unwrap_or(0) + all.len()).saturating_add_signed(places);
+    all[next % all.len()]
+}
+
+/// Another view mode; its values have a range of their own.
+fn set_mode(model: &mut Model, mode: ViewMode) {
+    let style = &mut model.view.style;
+    style.range = style.range.filter(|_| style.mode == mode);
+    style.mode = mode;
 }
 
 pub(super) fn fit(model: &mut Model, bounds: &Bounds) {
@@ -49,27 +63,32 @@ pub(super) fn fit(model: &mut Model, bounds: &Bounds) {
 }
 
 /// Fits the surroundings of a place into the view.
-pub(super) fn fly_to(model: &mut Model, place: crate::mesh::DVec3) {
+pub(super) fn fly_to(model: &mut Model, place: DVec3) {
     let reach = 0.08 * model.document.origin.bounds.radius();
-    let reach = crate::mesh::DVec3::splat(reach.max(f64::MIN_POSITIVE));
+    let reach = DVec3::splat(reach.max(f64::MIN_POSITIVE));
     fit(model, &Bounds::new(place - reach, place + reach));
 }
 
-/// Turns the camera so that it looks onto a loop from outside.
-fn face_loop(model: &mut Model, id: LoopId) {
-    let l = &model.document.loops[id.index()];
+/// Looks onto a loop from outside and fits its surroundings into the view.
+fn fly_to_loop(model: &mut Model, id: LoopId) {
+    let Some(l) = model.document.loop_of(id) else {
+        return;
+    };
+    let reach = DVec3::splat(1.6 * l.radius);
+    let around = Bounds::new(l.centroid - reach, l.centroid + reach);
     let mesh = &model.document.mesh;
     // the loop runs as a patch would: its vector area points outwards
     let n = l.vertices.len();
     let at = |j: usize| mesh.position(l.vertices[j % n]) - l.centroid;
-    let area: crate::mesh::DVec3 = (0..n).map(|j| at(j).cross(at(j + 1))).sum();
+    let area: DVec3 = (0..n).map(|j| at(j).cross(at(j + 1))).sum();
     if let Some(out) = area.try_normalize() {
         look_against(model, out);
     }
+    fit(model, &around);
 }
 
 /// Turns the camera so that it looks against a unit vector.
-pub(super) fn look_against(model: &mut Model, out: crate::mesh::DVec3) {
+pub(super) fn look_against(model: &mut Model, out: DVec3) {
     let camera = &mut model.view.camera;
     let turn = glam::DQuat::from_rotation_arc(-camera.forward(), out);
     camera.orientation = (turn * camera.orientation).normalize();

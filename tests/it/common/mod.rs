@@ -10,3 +10,4 @@ pub mod layouts;
 pub mod manifest;
 pub mod raw;
 pub mod truth;
+pub mod wait;

@@ -8,7 +8,7 @@ use crate::analysis::ChainReport;
 use crate::app::action::Action;
 use crate::app::model::Model;
 use crate::app::report::{Measured, Pick, ReportAction};
-use crate::app::ui::side::short;
+use crate::app::ui::format::format_number;
 
 /// Angle sharp edges are taken from at first, degrees.
 const SHARP: f64 = 40.0;
@@ -16,7 +16,12 @@ const SHARP: f64 = 40.0;
 const FEW: usize = 3;
 
 /// All chains, and the choice of more.
-pub fn chains_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut Vec<Action>) {
+pub(crate) fn chains_ui(
+    ui: &mut Ui,
+    model: &Model,
+    measured: &Measured,
+    actions: &mut Vec<Action>,
+) {
     let view = &model.view.report;
     ui.horizontal_wrapped(|ui| {
         let picking = view.pick == Pick::Edges;
@@ -30,7 +35,7 @@ pub fn chains_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut 
             .clicked()
         {
             let pick = if picking { Pick::Holes } else { Pick::Edges };
-            actions.push(Action::Report(ReportAction::Pick(pick)));
+            actions.push(ReportAction::Pick(pick).into());
         }
         let mut sharp = view.sharp.is_some();
         let mut angle = view.sharp.unwrap_or(SHARP);
@@ -49,7 +54,7 @@ pub fn chains_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut 
             .changed();
         if changed {
             let sharp = sharp.then_some(angle);
-            actions.push(Action::Report(ReportAction::Sharp(sharp)));
+            actions.push(ReportAction::Sharp(sharp).into());
         }
     });
     let chains = &measured.analysis.chains;
@@ -78,15 +83,15 @@ pub fn chains_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut 
 fn head_ui(ui: &mut Ui, chain: &ChainReport, chosen: Option<usize>, actions: &mut Vec<Action>) {
     ui.strong(&chain.name);
     let worst = if chain.is_crease {
-        format!("crease, {}°", short(chain.normal_angle.max))
+        format!("crease, {}°", format_number(chain.normal_angle.max))
     } else {
-        format!("smooth, ΔH {}", short(chain.curvature_step.max))
+        format!("smooth, ΔH {}", format_number(chain.curvature_step.max))
     };
     ui.label(format!("{} edges, {worst}", chain.edges));
     if let Some(n) = chosen
         && ui.small_button("Remove").clicked()
     {
-        actions.push(Action::Report(ReportAction::DropChain(n)));
+        actions.push(ReportAction::DropChain(n).into());
     }
 }
 
@@ -98,11 +103,11 @@ fn chain_ui(ui: &mut Ui, i: usize, chain: &ChainReport, actions: &mut Vec<Action
     if chain.smooth_by_construction {
         ui.label(format!(
             "length {}; G0 gap 0, G1 angle 0 by construction",
-            short(chain.length)
+            format_number(chain.length)
         ))
         .on_hover_text("one limit surface runs through, whatever the mesh");
     } else {
-        ui.label(format!("length {}", short(chain.length)));
+        ui.label(format!("length {}", format_number(chain.length)));
     }
     let one_sided = "the limits from either side, each a surface of its own";
     let rows = [
@@ -139,8 +144,8 @@ fn chain_ui(ui: &mut Ui, i: usize, chain: &ChainReport, actions: &mut Vec<Action
             ui.end_row();
             for (name, tip, s) in shown {
                 ui.label(*name).on_hover_text(*tip);
-                ui.label(short(s.min));
-                ui.label(short(s.mean));
+                ui.label(format_number(s.min));
+                ui.label(format_number(s.mean));
                 place(ui, s.max, s.max_at, actions);
                 ui.end_row();
             }

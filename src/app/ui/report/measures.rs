@@ -4,10 +4,10 @@ use eframe::egui::{self, Grid, Ui};
 use egui_plot::{Bar, BarChart, Plot};
 
 use super::{grid, place, row};
-use crate::app::action::Action;
+use crate::app::action::{Action, ViewAction};
 use crate::app::model::Model;
 use crate::app::report::{Measured, ReportAction};
-use crate::app::ui::side::short;
+use crate::app::ui::format::format_number;
 use crate::render::ViewMode;
 
 /// Places of intersections that are listed.
@@ -17,10 +17,10 @@ const LISTED: usize = 12;
 const LISTED_ENERGIES: [&str; 5] = ["1", "H^2", "K", "K^2", "k1^2+k2^2"];
 
 /// Counts, integrals.
-pub fn shape_ui(ui: &mut Ui, measured: &Measured) {
+pub(crate) fn shape_ui(ui: &mut Ui, measured: &Measured) {
     let s = &measured.analysis.shape;
     let e = &s.energies;
-    let or_open = |v: Option<f64>| v.map_or_else(|| "open".into(), short);
+    let or_open = |v: Option<f64>| v.map_or_else(|| "open".into(), format_number);
     grid(ui, "shape", |ui| {
         row(
             ui,
@@ -45,7 +45,11 @@ pub fn shape_ui(ui: &mut Ui, measured: &Measured) {
             ui,
             "Area",
             tip,
-            format!("{}  (triangles {})", short(s.area), short(s.mesh_area)),
+            format!(
+                "{}  (triangles {})",
+                format_number(s.area),
+                format_number(s.mesh_area)
+            ),
         );
         row(
             ui,
@@ -63,7 +67,7 @@ pub fn shape_ui(ui: &mut Ui, measured: &Measured) {
         row(ui, "Energy K", tip, digits(e.total_curvature));
         row(ui, "Energy K^2", tip, digits(e.gauss_squared));
         row(ui, "Energy k1^2+k2^2", tip, digits(e.bending));
-        if let (Some(given), Some(energy)) = (e.given, &measured.wanted.energy)
+        if let (Some(given), Some(energy)) = (e.given, &measured.request.energy)
             && !LISTED_ENERGIES.contains(&energy.text())
         {
             row(ui, &format!("Energy {}", energy.text()), tip, digits(given));
@@ -81,14 +85,19 @@ fn digits(x: f64) -> String {
 }
 
 /// Range and histogram of one curvature.
-pub fn curvature_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut Vec<Action>) {
+pub(crate) fn curvature_ui(
+    ui: &mut Ui,
+    model: &Model,
+    measured: &Measured,
+    actions: &mut Vec<Action>,
+) {
     let all = measured.analysis.curvature.named();
     let chosen = model.view.report.curvature.min(all.len() - 1);
     ui.horizontal(|ui| {
         for (i, (name, _)) in all.iter().enumerate() {
             let name = format!("{name} ");
             if ui.selectable_label(i == chosen, name).clicked() {
-                actions.push(Action::Report(ReportAction::Curvature(i)));
+                actions.push(ReportAction::Curvature(i).into());
             }
         }
     });
@@ -127,15 +136,15 @@ pub fn curvature_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &m
             place(ui, range.max, range.max_at, actions);
             ui.end_row();
             ui.label("average");
-            ui.label(short(range.average));
+            ui.label(format_number(range.average));
             ui.label("deviation");
-            ui.label(short(range.deviation));
+            ui.label(format_number(range.deviation));
             ui.end_row();
         });
 }
 
 /// Shape of the triangles, where they cross.
-pub fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
+pub(crate) fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
     let q = &measured.analysis.quality;
     grid(ui, "quality", |ui| {
         ui.label("Smallest angle");
@@ -145,7 +154,11 @@ pub fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
             ui,
             "Mean of smallest, largest",
             "degrees",
-            format!("{}, {}", short(q.mean_min_angle), short(q.max_angle)),
+            format!(
+                "{}, {}",
+                format_number(q.mean_min_angle),
+                format_number(q.max_angle)
+            ),
         );
         row(
             ui,
@@ -158,9 +171,13 @@ pub fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
             "Radius ratio",
             "twice the inscribed over the circumscribed radius, 1 for an equilateral triangle: \
              least, mean",
-            format!("{}, {}", short(q.radius_ratio[0]), short(q.radius_ratio[1])),
+            format!(
+                "{}, {}",
+                format_number(q.radius_ratio[0]),
+                format_number(q.radius_ratio[1])
+            ),
         );
-        let [low, mean, high] = q.edge_length.map(short);
+        let [low, mean, high] = q.edge_length.map(format_number);
         row(
             ui,
             "Edges",
@@ -171,7 +188,7 @@ pub fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
             ui,
             "Greatest dihedral angle",
             "degrees between the normals of neighbouring triangles",
-            short(q.max_dihedral),
+            format_number(q.max_dihedral),
         );
         row(
             ui,
@@ -194,14 +211,19 @@ pub fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
             }
             if ui.link((i + 1).to_string()).clicked() {
                 let at = crate::mesh::DVec3::from_array(*at);
-                actions.push(Action::Report(ReportAction::Inspect(at)));
+                actions.push(ReportAction::Inspect(at).into());
             }
         }
     });
 }
 
 /// The reference, and how far both are apart.
-pub fn distance_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mut Vec<Action>) {
+pub(crate) fn distance_ui(
+    ui: &mut Ui,
+    model: &Model,
+    measured: &Measured,
+    actions: &mut Vec<Action>,
+) {
     let report = &model.report;
     ui.horizontal_wrapped(|ui| {
         if ui
@@ -209,7 +231,7 @@ pub fn distance_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mu
             .on_hover_text("a file that what is shown is compared with (analyze --against)")
             .clicked()
         {
-            actions.push(Action::Report(ReportAction::AskReference));
+            actions.push(ReportAction::AskReference.into());
         }
         if let Some((path, _)) = &report.loading {
             ui.add(egui::Spinner::new().size(12.0));
@@ -218,7 +240,7 @@ pub fn distance_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mu
             ui.label(file_name(&reference.path))
                 .on_hover_text(reference.path.display().to_string());
             if ui.small_button("Remove").clicked() {
-                actions.push(Action::Report(ReportAction::DropReference));
+                actions.push(ReportAction::DropReference.into());
             }
         }
     });
@@ -241,7 +263,7 @@ pub fn distance_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mu
             ViewMode::Shaded
         };
         style.range = None;
-        actions.push(Action::Style(style));
+        actions.push(ViewAction::Style(style).into());
     }
     let Some(d) = &measured.analysis.distances else {
         ui.weak("measuring…");
@@ -261,15 +283,15 @@ pub fn distance_ui(ui: &mut Ui, model: &Model, measured: &Measured, actions: &mu
                 ("from reference", &d.from_reference),
             ] {
                 ui.label(name);
-                ui.label(short(one.rms));
-                ui.label(short(one.mean));
+                ui.label(format_number(one.rms));
+                ui.label(format_number(one.mean));
                 place(ui, one.max, one.max_at, actions);
                 ui.end_row();
             }
             ui.label("both");
-            ui.label(short(d.rms));
+            ui.label(format_number(d.rms));
             ui.label("");
-            ui.label(short(d.max));
+            ui.label(format_number(d.max));
             ui.end_row();
         });
 }

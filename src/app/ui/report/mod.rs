@@ -7,16 +7,16 @@ mod view;
 
 use eframe::egui::{CollapsingHeader, Grid, RichText, ScrollArea, Spinner, Ui};
 
-use super::side::short;
+use super::format::format_number;
 use crate::app::action::Action;
 use crate::app::model::Model;
 use crate::app::report::{Pick, ReportAction, ReportFile};
 use crate::mesh::DVec3;
 
-pub use view::{click, hint_words};
+pub(crate) use view::{click, hint_words};
 
 /// All measures of what is shown.
-pub fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     header_ui(ui, model, actions);
     ui.separator();
     ScrollArea::vertical()
@@ -72,13 +72,13 @@ fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 .on_hover_text(format!("{}, to the clipboard", file.title()))
                 .clicked()
             {
-                actions.push(Action::Report(ReportAction::Copy(file)));
+                actions.push(ReportAction::Copy(file).into());
             }
         }
         ui.menu_button("Save", |ui| {
             for file in ReportFile::ALL {
                 if ui.button(format!("{}…", file.title())).clicked() {
-                    actions.push(Action::Report(ReportAction::AskSave(file)));
+                    actions.push(ReportAction::AskSave(file).into());
                     ui.close();
                 }
             }
@@ -86,7 +86,7 @@ fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
     ui.horizontal(|ui| {
         if let Some(measured) = &model.report.measured {
-            ui.weak(format!("of {}", measured.wanted.subject.words()));
+            ui.weak(format!("of {}", measured.request.subject.words()));
         }
         if let Some((_, job)) = &model.report.measuring {
             ui.add(Spinner::new().size(12.0));
@@ -116,7 +116,7 @@ fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 .on_hover_text(tip)
                 .clicked()
             {
-                actions.push(Action::Report(ReportAction::OnSurface(on)));
+                actions.push(ReportAction::OnSurface(on).into());
             }
         }
     });
@@ -144,16 +144,16 @@ fn row(ui: &mut Ui, name: &str, tip: &str, value: impl Into<String>) {
 fn place(ui: &mut Ui, value: f64, at: [f64; 3], actions: &mut Vec<Action>) {
     let [x, y, z] = at;
     if ui
-        .link(short(value))
+        .link(format_number(value))
         .on_hover_text(format!(
             "show where: {}, {}, {}",
-            short(x),
-            short(y),
-            short(z)
+            format_number(x),
+            format_number(y),
+            format_number(z)
         ))
         .clicked()
     {
         let action = ReportAction::Inspect(DVec3::from_array(at));
-        actions.push(Action::Report(action));
+        actions.push(action.into());
     }
 }

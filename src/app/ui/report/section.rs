@@ -5,11 +5,12 @@ use eframe::egui::{Button, Slider, Ui};
 use super::{grid, row};
 use crate::app::action::Action;
 use crate::app::model::Model;
-use crate::app::report::{Across, Pick, ReportAction, natural_length};
-use crate::app::ui::side::short;
+use crate::app::report::{Across, Pick, ReportAction};
+use crate::app::scene_builder::natural_length;
+use crate::app::ui::format::format_number;
 
 /// Choice of the plane, figures, and how the comb is drawn.
-pub fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let view = &model.view.report;
     ui.horizontal_wrapped(|ui| {
         ui.label("Click a point, cut across");
@@ -36,11 +37,11 @@ pub fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 } else {
                     Pick::Section(across)
                 };
-                actions.push(Action::Report(ReportAction::Pick(pick)));
+                actions.push(ReportAction::Pick(pick).into());
             }
         }
         if view.cut.is_some() && ui.button("Remove").clicked() {
-            actions.push(Action::Report(ReportAction::DropCut));
+            actions.push(ReportAction::DropCut.into());
         }
     });
     let Some(cut) = &model.report.cut else {
@@ -57,7 +58,7 @@ pub fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             ui,
             "Curves, length",
             "connected curves; sum of their lengths",
-            format!("{}, {}", section.curves.len(), short(length)),
+            format!("{}, {}", section.curves.len(), format_number(length)),
         );
         if let (Some(low), Some(high)) = (
             known.iter().copied().reduce(f64::min),
@@ -67,7 +68,7 @@ pub fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 ui,
                 "Curvature",
                 "of the plane curve; negative where it bends away from the normals, as on a sphere",
-                format!("{} to {}", short(low), short(high)),
+                format!("{} to {}", format_number(low), format_number(high)),
             );
         }
     });
@@ -79,7 +80,7 @@ pub fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let label = ui.label("Length of the teeth");
         let slider = Slider::new(&mut length, natural * 0.02..=natural * 50.0)
             .logarithmic(true)
-            .custom_formatter(|x, _| short(x));
+            .custom_formatter(|x, _| format_number(x));
         longer = ui
             .add(slider)
             .labelled_by(label.id)
@@ -103,6 +104,6 @@ pub fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
          irregular vertices, where it has none",
     );
     if comb != view.comb {
-        actions.push(Action::Report(ReportAction::Comb(comb)));
+        actions.push(ReportAction::Comb(comb).into());
     }
 }

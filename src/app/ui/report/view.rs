@@ -12,7 +12,7 @@ const REACH: f64 = 14.0;
 
 /// What a click at `at` (from the upper left of a view of `size`) does for the report. Returns whether
 /// it was meant for it.
-pub fn click(
+pub(crate) fn click(
     model: &Model,
     picker: &Picker,
     size: [f64; 2],
@@ -23,7 +23,7 @@ pub fn click(
         Pick::Holes => return false,
         Pick::Edges => {
             if let Some(edge) = edge_at(model, picker, size, at) {
-                actions.push(Action::Report(ReportAction::Edge(edge)));
+                actions.push(ReportAction::Edge(edge).into());
             }
         }
         Pick::Section(across) => {
@@ -36,8 +36,8 @@ pub fn click(
                     point: point.to_array(),
                     normal: normal.to_array(),
                 };
-                actions.push(Action::Report(ReportAction::Cut(cut)));
-                actions.push(Action::Report(ReportAction::Pick(Pick::Holes)));
+                actions.push(ReportAction::Cut(cut).into());
+                actions.push(ReportAction::Pick(Pick::Holes).into());
             }
         }
     }
@@ -103,7 +103,7 @@ fn point_at(model: &Model, picker: &Picker, size: [f64; 2], at: [f64; 2]) -> Opt
 }
 
 /// What a click will do, for the foot of the view.
-pub fn hint_words(pick: Pick) -> Option<&'static str> {
+pub(crate) fn hint_words(pick: Pick) -> Option<&'static str> {
     match pick {
         Pick::Holes => None,
         Pick::Edges => Some("Click edges of the mesh to measure across them. Esc ends."),

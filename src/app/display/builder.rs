@@ -1,4 +1,4 @@
-//! What is drawn of a mesh and a state, made from scratch or from what is kept.
+//! Builds the display of a mesh and a state, reusing what has not changed.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::energy::{WellPosed, scan_well_posedness};
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId};
 use crate::render::{Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex};
 
-/// Rings of faces around a patch that are drawn as the limit surface, as the patch is.
+/// Rings of faces around a patch that are drawn as the limit surface, like the patch.
 const COLLAR: usize = 3;
 /// A closed mesh with at most so many faces is drawn as a limit surface all over.
 const SMALL: usize = 20_000;
@@ -18,12 +18,12 @@ const SMALL: usize = 20_000;
 /// are of single precision.
 const SINGLE: f64 = 1e-5;
 
-/// What stays from one request to the next.
+/// What is reused from one request to the next.
 #[derive(Default)]
-pub(super) struct Maker {
+pub(super) struct DisplayBuilder {
     split: Option<Split>,
     still: Option<(StillKey, Arc<Geometry>)>,
-    /// What distances in `still` are to.
+    /// The mesh that the distances in `still` refer to.
     reference: Option<Arc<Reference>>,
     /// The last answer and what it was asked for.
     last: Option<(Request, Display)>,
@@ -41,7 +41,7 @@ struct Split {
     still: Vec<FaceId>,
 }
 
-/// Keeps what it identifies alive, so that no address is taken for another's.
+/// Keeps the identified value alive, so that its address is not reused.
 enum TopologyKey {
     Mesh(Arc<Mesh>),
     State(Arc<Topology>),
@@ -71,11 +71,18 @@ impl TopologyKey {
     }
 }
 
-type StillKey = (usize, usize, bool, [u64; 3]);
+/// What the still part of a surface depends on, for one split.
+#[derive(Clone, Copy, PartialEq)]
+struct StillKey {
+    faces: usize,
+    vertices: usize,
+    limit: bool,
+    centre: DVec3,
+}
 
-impl Maker {
+impl DisplayBuilder {
     /// Answers a request.
-    pub(super) fn make(&mut self, request: &Request) -> Display {
+    pub(super) fn build(&mut self, request: &Request) -> Display {
         let mut display = match self.last.take() {
             Some((asked, display)) if asked.same_surfaces(request) => display,
             _ => self.surfaces(request),
@@ -128,12 +135,12 @@ impl Maker {
 
         let mut surfaces = Vec::new();
         if !split.still.is_empty() {
-            let key = (
-                split.still.len(),
-                positions.len(),
+            let key = StillKey {
+                faces: split.still.len(),
+                vertices: positions.len(),
                 limit,
-                request.centre.to_array().map(f64::to_bits),
-            );
+                centre: request.centre,
+            };
             let still = match &self.still {
                 Some((k, geometry)) if *k == key => Arc::clone(geometry),
                 _ => {

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
-use super::subject::Places;
-use super::view::{Chain, Comb};
+use super::{markers, narrow};
 use crate::analysis::{Section, SectionCurve, SectionPoint};
+use crate::app::cached::{Cached, SharedKey};
+use crate::app::chains::{Chain, Places};
 use crate::app::model::Model;
+use crate::app::report::Comb;
 use crate::app::view_state::Task;
 use crate::mesh::{DVec3, Mesh, VertexId};
 use crate::render::{Bounds, LineStyle, Marker, Overlay, Polyline};
@@ -27,112 +29,116 @@ const MARK: [f32; 4] = [1.0, 0.25, 0.2, 1.0];
 /// of the section exceeds.
 const NATURAL: f64 = 0.25;
 /// Teeth at most; a denser comb is a plain area.
-const MOST_TEETH: usize = 6000;
+const MAX_TEETH: usize = 6000;
 
-/// Overlays made so far, by what they were made of.
+/// Overlays of the report, made again only when what they show has changed.
 #[derive(Default)]
-pub struct ReportOverlays {
-    chains: Option<(ChainKey, Arc<Overlay>)>,
-    comb: Option<(CombKey, Arc<Overlay>, Option<Bounds>)>,
+pub(crate) struct ReportOverlays {
+    chains: Cached<ChainKey, Arc<Overlay>>,
+    comb: Cached<CombKey, DrawnComb>,
+    mark: Cached<DVec3, Arc<Overlay>>,
     /// Around the comb that was drawn last.
     reach: Option<Bounds>,
-    mark: Option<(DVec3, Arc<Overlay>)>,
 }
 
-type ChainKey = (Arc<Mesh>, bool, Vec<Chain>);
-type CombKey = (Arc<Section>, Comb, DVec3);
+#[derive(PartialEq)]
+struct ChainKey {
+    mesh: SharedKey<Mesh>,
+    limit: bool,
+    chains: Vec<Chain>,
+}
+
+#[derive(PartialEq)]
+struct CombKey {
+    section: SharedKey<Section>,
+    comb: Comb,
+    centre: DVec3,
+}
+
+#[derive(Clone)]
+struct DrawnComb {
+    overlay: Arc<Overlay>,
+    reach: Option<Bounds>,
+}
 
 impl ReportOverlays {
-    /// What is to be drawn now.
-    pub fn of(&mut self, model: &Model) -> Vec<Arc<Overlay>> {
+    /// What has to be drawn now.
+    pub(crate) fn of(&mut self, model: &Model) -> Vec<Arc<Overlay>> {
         let mut all = Vec::new();
         self.reach = None;
         let view = &model.view.report;
         let shown = model.view.windows.analysis;
         let refining = model.view.task == Task::Refine && model.view.refining.chosen_edges;
         if (shown || refining) && !view.chains.is_empty() {
-            all.push(self.chains(model));
+            let key = ChainKey {
+                mesh: SharedKey::of(&model.document.mesh),
+                limit: model.draws_limit_of_mesh(),
+                chains: view.chains.clone(),
+            };
+            all.push(self.chains.get(key, || Arc::new(chosen_edges(model))));
         }
         if let (Some(cut), Some(_)) = (&model.report.cut, view.cut) {
-            let (comb, reach) = self.comb(model, &cut.section);
-            self.reach = reach;
-            all.push(comb);
+            let centre = model.centre();
+            let key = CombKey {
+                section: SharedKey::of(&cut.section),
+                comb: view.comb,
+                centre,
+            };
+            let drawn = self.comb.get(key, || {
+                let radius = model.document.origin.bounds.radius();
+                let overlay = comb_overlay(&cut.section, &view.comb, radius, centre);
+                let points = overlay.lines.iter().flat_map(|l| &l.points);
+                let points = points.map(|p| DVec3::from_array(p.map(f64::from)) + centre);
+                DrawnComb {
+                    reach: Bounds::of(points),
+                    overlay: Arc::new(overlay),
+                }
+            });
+            self.reach = drawn.reach;
+            all.push(drawn.overlay);
         }
         if let Some(mark) = view.mark.filter(|_| shown) {
-            if self.mark.as_ref().is_none_or(|(at, _)| *at != mark) {
-                let marker = Marker {
+            all.push(self.mark.get(mark, || {
+                markers([Marker {
                     position: narrow(mark - model.centre()),
                     color: MARK,
                     radius_px: 6.0,
                     style: LineStyle::OnTopFaintWhenHidden,
-                };
-                let overlay = Arc::new(Overlay::new(Vec::new(), vec![marker]));
-                self.mark = Some((mark, overlay));
-            }
-            all.extend(self.mark.as_ref().map(|(_, o)| Arc::clone(o)));
+                }])
+            }));
         }
         all
     }
 
     /// The box that holds `bounds` and what was drawn last.
-    pub fn around(&self, bounds: Bounds) -> Bounds {
+    pub(crate) fn around(&self, bounds: Bounds) -> Bounds {
         self.reach.map_or(bounds, |r| {
             Bounds::new(bounds.low.min(r.low), bounds.high.max(r.high))
         })
     }
-
-    fn chains(&mut self, model: &Model) -> Arc<Overlay> {
-        let mesh = &model.document.mesh;
-        let (limit, chains) = (model.draws_limit_of_mesh(), &model.view.report.chains);
-        if let Some(((m, l, c), overlay)) = &self.chains
-            && Arc::ptr_eq(m, mesh)
-            && (*l, c) == (limit, chains)
-        {
-            return Arc::clone(overlay);
-        }
-        let centre = model.centre();
-        let topology = &mesh.topology;
-        let point = |v: VertexId| {
-            let p = if limit {
-                limit_position(topology, &mesh.positions, v)
-            } else {
-                mesh.position(v)
-            };
-            narrow(p - centre)
-        };
-        let places = Places::new(mesh, chains);
-        let edges = chains.iter().flat_map(|c| &c.edges);
-        let lines = edges
-            .filter_map(|e| places.edge(mesh, e))
-            .map(|h| [topology.origin(h), topology.target(h)].map(point))
-            .map(|ends| line(ends.to_vec(), CHOSEN, 4.0))
-            .collect();
-        let overlay = Arc::new(Overlay::new(lines, Vec::new()));
-        let key = (Arc::clone(mesh), limit, chains.clone());
-        self.chains = Some((key, Arc::clone(&overlay)));
-        overlay
-    }
-
-    fn comb(&mut self, model: &Model, section: &Arc<Section>) -> (Arc<Overlay>, Option<Bounds>) {
-        let (comb, centre) = (model.view.report.comb, model.centre());
-        if let Some(((s, c, at), overlay, reach)) = &self.comb
-            && Arc::ptr_eq(s, section)
-            && (*c, *at) == (comb, centre)
-        {
-            return (Arc::clone(overlay), *reach);
-        }
-        let radius = model.document.origin.bounds.radius();
-        let overlay = Arc::new(comb_overlay(section, &comb, radius, centre));
-        let points = overlay.lines.iter().flat_map(|l| &l.points);
-        let reach = Bounds::of(points.map(|p| DVec3::from_array(p.map(f64::from)) + centre));
-        let key = (Arc::clone(section), comb, centre);
-        self.comb = Some((key, Arc::clone(&overlay), reach));
-        (overlay, reach)
-    }
 }
 
-fn narrow(p: DVec3) -> [f32; 3] {
-    p.to_array().map(|x| x as f32)
+/// The chosen edges, on the limit surface where the mesh is drawn as one.
+fn chosen_edges(model: &Model) -> Overlay {
+    let mesh = &model.document.mesh;
+    let (topology, limit) = (&mesh.topology, model.draws_limit_of_mesh());
+    let point = |v: VertexId| {
+        let p = if limit {
+            limit_position(topology, &mesh.positions, v)
+        } else {
+            mesh.position(v)
+        };
+        narrow(p - model.centre())
+    };
+    let chains = &model.view.report.chains;
+    let places = Places::new(mesh, chains);
+    let edges = chains.iter().flat_map(|c| &c.edges);
+    let lines = edges
+        .filter_map(|e| places.edge(mesh, e))
+        .map(|h| [topology.origin(h), topology.target(h)].map(point))
+        .map(|ends| line(ends.to_vec(), CHOSEN, 4.0))
+        .collect();
+    Overlay::new(lines, Vec::new())
 }
 
 fn line(points: Vec<[f32; 3]>, color: [f32; 4], width_px: f32) -> Polyline {
@@ -151,7 +157,7 @@ fn curvature(comb: &Comb, p: &SectionPoint) -> f64 {
 
 /// The length ([`Comb::length`]) at which the teeth of a section are seen and not in the way, for a
 /// model of a given radius.
-pub fn natural_length(section: &Section, comb: &Comb, radius: f64) -> f64 {
+pub(crate) fn natural_length(section: &Section, comb: &Comb, radius: f64) -> f64 {
     let points = section.curves.iter().flat_map(|c| &c.points);
     let mut sizes: Vec<f64> = points
         .map(|p| curvature(comb, p).abs())
@@ -170,7 +176,7 @@ fn comb_overlay(section: &Section, comb: &Comb, radius: f64, centre: DVec3) -> O
         .length
         .unwrap_or_else(|| natural_length(section, comb, radius));
     let whole: f64 = section.curves.iter().map(|c| c.length).sum();
-    let spacing = (radius / comb.density).max(whole / MOST_TEETH as f64);
+    let spacing = (radius / comb.density).max(whole / MAX_TEETH as f64);
     let mut lines = Vec::new();
     for curve in &section.curves {
         let mut ends: Vec<[f32; 3]> = Vec::new();

@@ -1,0 +1,61 @@
+//! Numbers and view modes in words.
+
+use crate::render::ViewMode;
+
+/// Title and tooltip of a mode.
+pub(crate) fn mode_words(mode: ViewMode) -> (&'static str, &'static str) {
+    match mode {
+        ViewMode::Shaded => ("Shaded", "plain material"),
+        ViewMode::Isophotes => (
+            "Isophotes",
+            "bands of equal angle to the light: they join without a kink where normals are \
+             continuous",
+        ),
+        ViewMode::Zebra => ("Zebra", "reflected stripes, moving with the view"),
+        ViewMode::Mean => (
+            "H",
+            "mean curvature, negative on a sphere seen from outside",
+        ),
+        ViewMode::Gauss => ("K", "Gaussian curvature"),
+        ViewMode::K1 => ("k1", "greater principal curvature"),
+        ViewMode::K2 => ("k2", "smaller principal curvature"),
+        ViewMode::Deviation => ("Deviation", "distance from the start of the flow"),
+        ViewMode::Distance => (
+            "Distance",
+            "distance of what is drawn to the reference mesh, positive on its outer side",
+        ),
+    }
+}
+
+/// A number in four digits.
+pub(crate) fn format_number(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 {
+        "0".into()
+    } else if (1e-3..1e5).contains(&size) {
+        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        format!("{x:.digits$}")
+    } else {
+        format!("{x:.3e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::format_number;
+
+    #[test]
+    fn numbers_in_four_digits() {
+        for (x, text) in [
+            (0.0, "0"),
+            (1.0, "1.000"),
+            (12.345_67, "12.35"),
+            (-0.012_345, "-0.01235"),
+            (12_345.6, "12346"),
+            (1.5e-7, "1.500e-7"),
+            (2.5e9, "2.500e9"),
+        ] {
+            assert_eq!(format_number(x), text);
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Energy and controls.
+
+use std::collections::BTreeMap;
+
+use super::refuse_while_running;
+use crate::app::action::ControlsAction;
+use crate::app::document::Work;
+use crate::app::model::Model;
+use crate::energy::{Energy, Preset};
+use crate::fill::Controls;
+
+pub(crate) fn update(model: &mut Model, action: ControlsAction) {
+    match action {
+        ControlsAction::Set(controls) => set(model, *controls),
+        ControlsAction::EndDrag => model.history.seal(),
+        ControlsAction::EnergyText(text) => model.view.energy_text = text,
+        ControlsAction::ApplyEnergy => apply_energy(model),
+        ControlsAction::AddParameter(name) => {
+            let mut controls = model.document.controls.clone();
+            controls.param.insert(name, 1.0);
+            set(model, controls);
+            let text = &model.view.energy_text;
+            if Energy::parse(text, &model.document.controls.param).is_ok() {
+                apply_energy(model);
+            }
+        }
+        ControlsAction::CompareEnergy(energy) => {
+            if !refuse_while_running(model, "comparing other energies") {
+                model.view.compare_energy = energy;
+            }
+        }
+    }
+}
+
+/// Sets the controls of the next run and of the present one.
+fn set(model: &mut Model, controls: Controls) {
+    if controls == model.document.controls {
+        return;
+    }
+    if let Some(run) = &mut model.run {
+        let compared = run.sides.len() > 1;
+        for side in &mut run.sides {
+            let mut own = controls.clone();
+            if compared {
+                // only the energies differ, each with its own parameters
+                own.energy.clone_from(&side.controls.energy);
+                for (name, value) in &side.controls.param {
+                    own.param.entry(name.clone()).or_insert(*value);
+                }
+            }
+            match side.live.set_controls(&own, &run.base, run.own_energy) {
+                Ok(()) => {
+                    if (&own.energy, &own.param) != (&side.controls.energy, &side.controls.param) {
+                        side.new_energy();
+                    }
+                    side.controls = own;
+                    if let Work::Refine(work) = &mut run.work {
+                        work.changed = true;
+                    }
+                }
+                Err(text) => {
+                    model.log.error(text);
+                    return;
+                }
+            }
+        }
+        if run.ended() {
+            // a changed control restarts a flow that has ended
+            run.playing = true;
+            for side in &run.sides {
+                side.live.play();
+            }
+        }
+    }
+    model
+        .history
+        .record(&model.document, "change the controls", Some("controls"));
+    model.document.controls = controls;
+}
+
+/// Uses the typed energy, if it is valid, with a value for each of its parameters.
+fn apply_energy(model: &mut Model) {
+    let mut controls = model.document.controls.clone();
+    let text = model.view.energy_text.trim().to_owned();
+    controls.param = params_for(&text, &controls.param);
+    match Energy::parse(&text, &controls.param) {
+        Ok(energy) => {
+            controls.param = energy.params().clone();
+            controls.energy = text;
+            model.history.seal();
+            set(model, controls);
+            model.history.seal();
+        }
+        Err(error) => model.log.error(format!("energy: {error}")),
+    }
+}
+
+/// The known parameters, and the default of the parameter of a preset.
+pub(crate) fn params_for(text: &str, known: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
+    let mut params = known.clone();
+    let plain = text.replace(' ', "");
+    let named = Preset::ALL.into_iter().find(|p| p.text() == plain);
+    if let Some((name, value)) = named.and_then(Preset::parameter) {
+        params.entry(name.into()).or_insert(value);
+    }
+    params
+}

@@ -1,0 +1,180 @@
+//! What happens by itself: background work, runs, requests for what is drawn.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::{files, report, select};
+use crate::app::action::SelectAction;
+use crate::app::cached::SharedKey;
+use crate::app::display::Request;
+use crate::app::jobs::Job;
+use crate::app::model::{CreaseKey, Done, Effect, Model};
+use crate::app::run::Side;
+use crate::app::view_state::Task;
+use crate::fill::Continuity;
+use crate::mesh::{BoundaryLoop, VertexId};
+use crate::render::Picker;
+
+/// Advances everything that goes on by itself. Returns after how long it must be called again
+/// although nothing wakes the window.
+pub fn tick(model: &mut Model, now: Instant) -> Option<Duration> {
+    let until_toast = model.log.next_change(now);
+    finish_jobs(model);
+    let mut until_frame = None;
+    if let Some(run) = &mut model.run {
+        for (level, text) in run.poll() {
+            model.log.note(level, text);
+        }
+        until_frame = run.replay(model.view.pace, now);
+    }
+    request_displays(model);
+    request_picker(model);
+    report::tick(model);
+    let until_autosave = model.autosave.tick(
+        now,
+        model.revision,
+        model.is_dirty(),
+        &model.document,
+        &model.view,
+        &model.wake,
+    );
+    for text in model.autosave.take_errors() {
+        model.log.warning(text);
+    }
+    [until_toast, until_frame, until_autosave]
+        .into_iter()
+        .flatten()
+        .min()
+}
+
+fn finish_jobs(model: &mut Model) {
+    let mut i = 0;
+    while i < model.jobs.len() {
+        let Some(result) = model.jobs[i].poll() else {
+            i += 1;
+            continue;
+        };
+        model.jobs.remove(i);
+        match result {
+            Ok(done) => finish(model, done),
+            Err(text) => model.log.error(text),
+        }
+    }
+}
+
+fn finish(model: &mut Model, done: Done) {
+    match done {
+        Done::Loaded(path, result) => files::loaded(model, &path, result),
+        Done::Saved(path, what, result) => files::saved(model, path, what, result),
+        Done::Picker(mesh, picker) => {
+            if Arc::ptr_eq(&mesh, &model.document.mesh) {
+                model.picker = Some((mesh, picker));
+            }
+        }
+        Done::Lasso(edit) => select::update(model, SelectAction::Faces(edit)),
+        Done::PathChosen(purpose, path, waited) => {
+            files::path_chosen(model, purpose, path, waited);
+        }
+        Done::Picture(Ok(picture)) => {
+            model.effects.push(Effect::CopyImage(picture));
+            model.log.info("picture copied to the clipboard");
+        }
+        Done::Pictures(Ok(text)) => model.log.info(text),
+        Done::Picture(Err(text)) | Done::Pictures(Err(text)) => model.log.error(text),
+    }
+}
+
+/// Requests what has to be drawn from now on.
+fn request_displays(model: &mut Model) {
+    for display in &mut model.displays {
+        display.poll();
+    }
+    let sides = model.run.as_ref().map_or(0, |r| r.sides.len());
+    for i in 0..sides.max(1) {
+        let request = request(model, i);
+        model.displays[i].ask(request);
+    }
+}
+
+fn request_picker(model: &mut Model) {
+    let mesh = Arc::clone(&model.document.mesh);
+    if model
+        .picker_asked
+        .as_ref()
+        .is_some_and(|m| Arc::ptr_eq(m, &mesh))
+    {
+        return;
+    }
+    model.picker_asked = Some(Arc::clone(&mesh));
+    let loops = Arc::clone(&model.document.loops);
+    model
+        .jobs
+        .push(Job::spawn("picking", &model.wake, move |_| {
+            let picker = Picker::new(&mesh.positions, &mesh.topology, &loops);
+            Done::Picker(mesh, Arc::new(picker))
+        }));
+}
+
+/// What has to be drawn of the document, or of a side of the run.
+fn request(model: &mut Model, side: usize) -> Request {
+    let creases = creases(model);
+    let document = &model.document;
+    let run = model.run.as_ref();
+    let shown = run.and_then(|r| r.sides.get(side));
+    let controls = shown.map_or(&document.controls, |s| &s.controls);
+    let rims = document.selected();
+    let rims = rims.iter().map(|l| l.radius).fold(0.0, f64::max);
+    let radius = shown.map_or(rims, |s| s.live.radius());
+    let energy = model.energies[side].of(controls);
+    let (mut mesh, mut first_patch_face) = (&document.mesh, document.first_patch_face);
+    let mut faired = Arc::default();
+    if let Some(run) = run {
+        (mesh, first_patch_face) = (&run.base, run.first_patch_face);
+        faired = run.faired();
+    }
+    // what was accepted as a surface is drawn as that until there is another
+    let is_there = Arc::ptr_eq(mesh, &document.mesh);
+    let accepted = document.surface.clone().filter(|_| is_there);
+    let state = shown.and_then(Side::state).or(accepted);
+    let repairs = model.view.task == Task::Repair && run.is_none();
+    Request {
+        mesh: Arc::clone(mesh),
+        faired,
+        highlight: if repairs {
+            Arc::clone(&document.faces)
+        } else {
+            Arc::default()
+        },
+        start: shown
+            .zip(state.as_ref())
+            .and_then(|(s, at)| s.live.start_of(at)),
+        state,
+        first_patch_face,
+        creases,
+        limit: model.view.limit_surface,
+        original: model.view.show_original,
+        centre: model.centre(),
+        bounds: document.origin.bounds,
+        energy: energy.filter(|_| radius > 0.0).map(|e| (e, radius)),
+        reference: model.report.shown_reference(model.view.style.mode),
+    }
+}
+
+/// Edges of the rims that the run joins with a crease.
+fn creases(model: &mut Model) -> Arc<Vec<[VertexId; 2]>> {
+    let run = model.run.as_ref();
+    let side = run.and_then(|run| Some((run, run.sides.first()?)));
+    let sharp: Vec<&BoundaryLoop> = side.map_or_else(Vec::new, |(run, side)| {
+        let is_sharp = |l: &&BoundaryLoop| side.controls.continuity_at(l.id) == Continuity::G0;
+        run.loops.iter().filter(is_sharp).collect()
+    });
+    let key = CreaseKey {
+        // without creases there is one list for all meshes
+        base: run
+            .filter(|_| !sharp.is_empty())
+            .map(|run| SharedKey::of(&run.base)),
+        loops: sharp.iter().map(|l| l.id).collect(),
+    };
+    let edges = || Arc::new(sharp.iter().flat_map(|l| l.edge_ends()).collect());
+    model.creases.get(key, edges)
+}
