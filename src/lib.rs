@@ -4,7 +4,6 @@
 //! of an energy `E(S) = ∫ f(H, K) dA` (G. Xu, GMP 2008) until it is stationary; `f = H²` by default.
 //!
 //! ```
-//! use meniscus::fill::{FillOptions, LoopChoice, choose, fill_holes};
 //! use meniscus::mesh::{Mesh, Topology, boundary_loops};
 //! use meniscus::shapes;
 //!
@@ -12,9 +11,7 @@
 //! let (positions, triangles) = shapes::cut_where(&shapes::sphere(600, 1), |p| p.z > 0.8);
 //! let topology = Topology::from_triangles(positions.len(), &triangles)?;
 //! let mesh = Mesh::new(positions, topology);
-//! let loops = boundary_loops(&mesh);
-//! let holes: Vec<_> = choose(&loops, &LoopChoice::Auto)?.iter().map(|id| &loops[id.index()]).collect();
-//! let filled = fill_holes(&mesh, &holes, &FillOptions::default(), &|_, _| true)?;
+//! let filled = meniscus::fill(&mesh)?;
 //! assert!(filled.complete() && boundary_loops(&filled.mesh).is_empty());
 //! // it is a sphere again, the old vertices untouched
 //! assert!(filled.mesh.positions.iter().all(|p| (p.length() - 1.0).abs() < 0.01));
@@ -22,10 +19,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Files are read by [`io::load`] and made into a [`mesh::Mesh`] by [`mesh::build()`], which repairs
-//! and reports; [`io::save`] writes. [`fill`] is the whole way from holes to a filled mesh, at once or
-//! watched and changed on the way ([`fill::LiveFill`]), [`solver`] a single flow. The mathematics and
-//! its signs are in `docs/formulation.md`, the way the modules hang together in `ARCHITECTURE.md`.
+//! [`Fill`] takes choices: the loops, an energy, a density. Files are read and repaired by [`io::open`]
+//! and written by [`io::save_mesh`]. [`mod@fill`] has all the parts of a fill, and fills in the
+//! background ([`fill::LiveFill`]); [`refine`] refines meshes, [`analysis`] measures them and
+//! [`solver`] runs a single flow. `docs/formulation.md` has the mathematics and its signs,
+//! `ARCHITECTURE.md` the map of the modules.
+//!
+//! Cargo features: `render` adds the module of that name (pictures without a window), `cli` and
+//! `window` (the default) make the program.
+
+mod api;
 
 pub mod analysis;
 #[cfg(feature = "window")]
@@ -52,3 +55,5 @@ pub mod shapes;
 pub mod solver;
 pub mod subdivision;
 pub mod surface;
+
+pub use api::{Error, Fill, fill};

@@ -32,6 +32,7 @@ use crate::mesh::Mesh;
 
 /// Everything [`analyze`] finds out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Analysis {
     /// Counts, areas, volumes, energies.
     pub shape: ShapeReport,

@@ -17,6 +17,7 @@ pub struct RimSegment {
 
 /// Why a bridge cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BridgeError {
     /// The segments have different numbers of edges, or none.
     #[error(

@@ -10,6 +10,7 @@ use crate::solver::FlowOptions;
 
 /// What can be chosen about a fill.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct FillOptions {
     /// The first patch.
     pub patch: PatchOptions,

@@ -15,6 +15,7 @@ use crate::patch::{self, Rim, RimGeometry};
 
 /// Why part of a hole cannot be filled.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PartialError {
     /// Fewer than two edges lie between the ends.
     #[error(

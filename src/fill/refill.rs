@@ -7,6 +7,7 @@ use crate::mesh::{BoundaryLoop, Erased, LoopId, Mesh, VertexId, boundary_loops, 
 
 /// Why a selection cannot be refilled or faired.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RefillError {
     /// No face is selected.
     #[error("no face is selected; choose a place nearer to the surface or a larger radius")]
@@ -72,6 +73,7 @@ pub fn open_selection(mesh: &Mesh, selected: &[bool]) -> Result<ErasedRegion, Re
 
 /// A refilled mesh.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Refilled {
     /// The mesh without the selected faces, and the loops around them.
     pub region: ErasedRegion,

@@ -9,6 +9,7 @@ use crate::solver::{End, Outcome, SolverError, StepRecord};
 
 /// Why a hole, or a whole fill, failed.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FillError {
     /// No first patch could be made.
     #[error("hole {hole}: no first patch: {source}")]
@@ -35,6 +36,7 @@ impl FillError {
 
 /// Wall-clock times of the stages of one hole or group, in milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[non_exhaustive]
 pub struct Timings {
     /// First patch.
     pub patch: f64,
@@ -60,6 +62,7 @@ pub(super) fn milliseconds(start: Instant) -> f64 {
 
 /// The flow of one group.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct GroupResult {
     /// Outcome of the flow.
     pub outcome: Outcome,
@@ -71,6 +74,7 @@ pub struct GroupResult {
 
 /// A hole's part of a filled mesh.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct FilledHole {
     /// The loops its patch joins: one, or several for a blend or a hole with islands.
     pub loops: Vec<LoopId>,
@@ -101,6 +105,7 @@ impl FilledHole {
 
 /// A filled mesh and how it came about.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Filled {
     /// Given vertices and faces first, bit-identical; then those of the patches.
     pub mesh: Mesh,

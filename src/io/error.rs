@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 /// Why a mesh file could not be read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LoadError {
     /// Nothing has that name.
     #[error("{}: no such file; check the path", .path.display())]
@@ -58,6 +59,7 @@ pub enum LoadError {
 
 /// Why a mesh could not be written. Whatever stood at the path before is untouched.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SaveError {
     /// The extension names no supported format.
     #[error("{}: {}; supported are {}", .path.display(), extension_words(.extension.as_deref()), super::supported_extensions())]
@@ -119,6 +121,7 @@ pub enum SaveError {
 
 /// What keeps a mesh from being written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshFault {
     /// A coordinate is NaN or infinite.
     #[error("vertex {vertex} (counted from 0) has the coordinate {value}, which is not finite")]
@@ -202,6 +205,7 @@ pub enum Place {
 
 /// What is wrong with the contents of a file. Vertices and faces are counted from 1 here.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Problem {
     /// Zero bytes.
     #[error("the file is empty (0 bytes); export the mesh again")]

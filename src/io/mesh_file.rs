@@ -18,6 +18,7 @@ pub struct Opened {
 
 /// Why a file gave no mesh.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OpenError {
     /// It could not be read.
     #[error(transparent)]

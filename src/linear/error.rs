@@ -2,6 +2,7 @@
 
 /// Failure of a factorization or a direct solve.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LinearError {
     /// A Cholesky pivot was zero, negative or not a number.
     #[error(

@@ -4,6 +4,7 @@ use super::{DVec3, FaceId, HalfedgeId, Mesh, Topology, VertexId};
 
 /// What is wrong with a mesh, at the first place found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Fault {
     /// The half-edge arrays contradict each other: a defect of the code that made them.
     #[error("half-edge {halfedge} is broken: {what}")]

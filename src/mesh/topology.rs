@@ -23,6 +23,7 @@ pub struct Topology {
 
 /// Why a list of triangles is not an oriented manifold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TopologyError {
     /// A triangle names a vertex that does not exist.
     #[error("face {face} names vertex {vertex}, but there are only {vertices} vertices")]

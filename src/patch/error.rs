@@ -5,6 +5,7 @@ use crate::mesh::DVec3;
 
 /// Why a rim cannot have a patch.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PatchError {
     /// Fewer than three rim vertices.
     #[error("a rim of {edges} edges encloses nothing; remove the double face there instead")]

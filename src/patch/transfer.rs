@@ -15,6 +15,7 @@ use crate::patch::fair::{Rings, Rows, solve};
 
 /// Why a surface cannot be given another triangulation.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum TransferError {
     /// A triangulation is not a disc over the rim.
     #[error("the patch is not an oriented manifold: {0}")]

@@ -125,6 +125,7 @@ impl RefineControls {
 
 /// Everything about a refinement of one mesh, ready to run.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct RefineOptions {
     /// 1→4 splits.
     pub levels: usize,
@@ -260,6 +261,7 @@ fn median_bend(mesh: &Mesh) -> f64 {
 
 /// Why a mesh cannot be refined.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RefineError {
     /// The result would be too large.
     #[error(

@@ -6,6 +6,7 @@ use crate::solver::StepRecord;
 
 /// Report of a finished level.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct LevelReport {
     /// From 1.
     pub level: usize,

@@ -5,6 +5,7 @@ use crate::refine::{LevelReport, Weld};
 
 /// The result of a refinement.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Refined {
     /// The refined mesh, on the limit surface; the given vertices first.
     pub mesh: Mesh,

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RenderError {
     /// No graphics adapter, not even one in software.
     #[error(

@@ -6,6 +6,7 @@ use crate::surface::SurfaceStats;
 
 /// Why a flow cannot be set up or continued.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SolverError {
     /// The region is not an oriented manifold.
     #[error("the region to solve on is not an oriented manifold: {0}")]

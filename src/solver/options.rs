@@ -23,6 +23,7 @@ choices!(Scheme: Normal "normal", Mixed "mixed", MixedCorrected "mixed-corrected
 
 /// Options of a flow.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FlowOptions {
     /// f(H, K).
     pub energy: Energy,

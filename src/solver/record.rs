@@ -4,6 +4,7 @@ use crate::solver::control::StepKind;
 
 /// One line of the record of a flow.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StepRecord {
     /// Accepted steps so far, this one included if it was accepted.
     pub step: usize,
@@ -42,6 +43,7 @@ pub enum End {
 
 /// How a flow went.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Outcome {
     /// Why it ended.
     pub end: End,

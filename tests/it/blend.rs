@@ -1,71 +1,17 @@
 //! Blends, parts of holes, bridges and refilling from end to end, on the built-in samples.
 
-use std::path::PathBuf;
-use std::process::{Command, Output};
-
+use crate::common::desk::Desk;
 use crate::common::judge::{Keep, Verdict, judge};
-use crate::common::raw::{self, RawMesh};
 use meniscus::io::save_mesh;
 use meniscus::mesh::{DVec3, FaceId, Mesh, Topology, boundary_loops, erase};
 use meniscus::shapes::sphere;
-use serde_json::Value;
-use tempfile::TempDir;
 
-struct Desk(TempDir);
-
-impl Desk {
-    /// A folder with a sample in it.
-    fn with(sample: &str) -> Self {
-        let desk = Self(tempfile::tempdir().expect("a temporary folder"));
-        desk.runs(&["sample", sample, "-o", "in.obj"]);
-        desk
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn run(&self, words: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_meniscus"))
-            .current_dir(self.0.path())
-            .args(words)
-            .output()
-            .expect("the program starts")
-    }
-
-    #[track_caller]
-    fn runs(&self, words: &[&str]) {
-        let output = self.run(words);
-        let error = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{words:?}: {error}");
-    }
-
-    /// The message of a command that fails with this exit code.
-    #[track_caller]
-    fn fails(&self, code: i32, words: &[&str]) -> String {
-        let output = self.run(words);
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(code), "{words:?}: {error}");
-        assert!(!error.contains("panicked"), "{error}");
-        error
-    }
-
-    fn mesh(&self, name: &str) -> RawMesh {
-        raw::read(&self.path(name)).expect("a mesh")
-    }
-
-    fn json(&self, name: &str) -> Value {
-        let text = std::fs::read_to_string(self.path(name)).expect("a report");
-        serde_json::from_str(&text).expect("JSON")
-    }
-
-    /// `out.obj` judged as a change of `in.obj`.
-    #[track_caller]
-    fn verdict(&self, keep: Keep) -> Verdict {
-        let v = judge(&self.mesh("in.obj"), &self.mesh("out.obj"), keep, &[], None);
-        assert!(v.failures.is_empty(), "{:?}", v.failures);
-        v
-    }
+/// `out.obj` judged as a change of `in.obj`.
+#[track_caller]
+fn verdict(desk: &Desk, keep: Keep) -> Verdict {
+    let v = judge(&desk.mesh("in.obj"), &desk.mesh("out.obj"), keep, &[], None);
+    assert!(v.failures.is_empty(), "{:?}", v.failures);
+    v
 }
 
 #[test]
@@ -75,9 +21,9 @@ fn samples_are_blended() {
         ("three-y", 3, 3),
         ("tube-onto-plane", 2, 2),
     ] {
-        let desk = Desk::with(sample);
+        let desk = Desk::with_sample(sample);
         desk.runs(&["blend", "in.obj", "-o", "out.obj", "--report", "r.json"]);
-        let verdict = desk.verdict(Keep::Everything);
+        let verdict = verdict(&desk, Keep::Everything);
         assert_eq!(
             (verdict.loops_left, verdict.components),
             (outer, 1),
@@ -99,17 +45,17 @@ fn joins_get_smoother_with_density() {
         let (positions, triangles) = meniscus::shapes::four_cylinders(around);
         let topology = Topology::from_triangles(positions.len(), &triangles).expect("tubes");
         let mesh = Mesh::new(positions, topology);
-        let desk = Desk(tempfile::tempdir().expect("a temporary folder"));
+        let desk = Desk::new();
         save_mesh(&desk.path("in.obj"), &mesh, &[]).expect("written");
         desk.runs(&["blend", "in.obj", "-o", "out.obj"]);
-        desk.verdict(Keep::Everything).rim_angle
+        verdict(&desk, Keep::Everything).rim_angle
     };
     assert!(angle(40) < 0.6 * angle(20));
 }
 
 #[test]
 fn noise_is_smoothed_out_again() {
-    let desk = Desk::with("three-y");
+    let desk = Desk::with_sample("three-y");
     let energy = |words: &[&str]| {
         let all = [
             &["blend", "in.obj", "-o", "out.obj", "--report", "r.json"],
@@ -131,7 +77,7 @@ fn noise_is_smoothed_out_again() {
 
 #[test]
 fn the_area_pinches_and_says_so() {
-    let desk = Desk::with("four-cylinders");
+    let desk = Desk::with_sample("four-cylinders");
     let words = [
         "blend", "in.obj", "-o", "out.obj", "--energy", "1", "--report", "r.json",
     ];
@@ -141,12 +87,12 @@ fn the_area_pinches_and_says_so() {
     assert_eq!(hole["converged"], false);
     let warnings = hole["warnings"].to_string();
     assert!(warnings.contains("pinches off near"), "{warnings}");
-    desk.verdict(Keep::Everything);
+    verdict(&desk, Keep::Everything);
 }
 
 #[test]
 fn an_inside_out_component_is_named_and_turned_over() {
-    let desk = Desk::with("four-cylinders");
+    let desk = Desk::with_sample("four-cylinders");
     let loops = ["--loops", "1,3"];
     let flipped = ["--flip", "3"];
     let start = ["blend", "in.obj", "-o", "out.obj"];
@@ -160,7 +106,7 @@ fn an_inside_out_component_is_named_and_turned_over() {
 
 #[test]
 fn parts_and_bridges_leave_smaller_holes() {
-    let desk = Desk::with("catenoid");
+    let desk = Desk::with_sample("catenoid");
     let holes = |name: &str| {
         let mesh = desk.mesh(name);
         crate::common::judge::loops_of(&mesh).expect("loops").len()
@@ -179,18 +125,18 @@ fn parts_and_bridges_leave_smaller_holes() {
     let half = at(window.edges / 2);
     let first = at(0);
     desk.runs(&["fill", "in.obj", "-o", "out.obj", "--part", &first, &half]);
-    desk.verdict(Keep::Everything);
+    verdict(&desk, Keep::Everything);
     assert_eq!(holes("out.obj"), before);
     desk.runs(&[
         "bridge", "in.obj", "-o", "out.obj", "--from", &first, "--to", &half,
     ]);
-    desk.verdict(Keep::Everything);
+    verdict(&desk, Keep::Everything);
     assert_eq!(holes("out.obj"), before + 1);
 }
 
 #[test]
 fn refilling_erases_and_fills_and_fairing_keeps_the_triangles() {
-    let desk = Desk::with("torus");
+    let desk = Desk::with_sample("torus");
     let ball = ["--ball", "2.4142,0,0,0.5"];
     desk.runs(&[&["refill", "in.obj", "-o", "out.obj"], &ball[..]].concat());
     let (before, after) = (desk.mesh("in.obj"), desk.mesh("out.obj"));
@@ -214,7 +160,7 @@ fn refilling_erases_and_fills_and_fairing_keeps_the_triangles() {
 /// Two bowls open to the same side: their rims look like borders of open surfaces.
 #[test]
 fn where_each_piece_has_one_rim_nothing_else_can_be_meant() {
-    let desk = Desk::with("torus");
+    let desk = Desk::with_sample("torus");
     let (positions, triangles) = sphere(900, 3);
     let topology = Topology::from_triangles(positions.len(), &triangles).expect("a ball");
     let ball = Mesh::new(positions, topology);
@@ -231,13 +177,13 @@ fn where_each_piece_has_one_rim_nothing_else_can_be_meant() {
     assert!(boundary_loops(&mesh).iter().all(|l| l.outer_rim));
     save_mesh(&desk.path("in.obj"), &mesh, &[]).expect("written");
     desk.runs(&["blend", "in.obj", "-o", "out.obj"]);
-    let verdict = desk.verdict(Keep::Everything);
+    let verdict = verdict(&desk, Keep::Everything);
     assert_eq!((verdict.loops_left, verdict.components), (0, 1));
 }
 
 #[test]
 fn faces_are_named_by_lists_and_erased_and_components_turned_over() {
-    let desk = Desk::with("torus");
+    let desk = Desk::with_sample("torus");
     let before = desk.mesh("in.obj");
     desk.runs(&["erase", "in.obj", "-o", "out.obj", "--faces", "2-4,9"]);
     let after = desk.mesh("out.obj");

@@ -2,101 +2,22 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
+use std::process::Stdio;
 
+use crate::common::desk::{Desk, Run};
 use clap::Parser;
 use meniscus::cli::Arguments;
 use meniscus::io;
 use meniscus::mesh::{self, DVec3, boundary_loops};
 use meniscus::shapes::{self, Hole, HoleShape, TriangleMesh};
 use serde_json::Value;
-use tempfile::TempDir;
 
-/// A folder of its own for a test, and the program run in it.
-struct Desk(TempDir);
-
-impl Desk {
-    fn new() -> Self {
-        Self(tempfile::tempdir().expect("a temporary folder"))
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).expect("written");
-    }
-
-    fn text(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).expect("readable")
-    }
-
-    fn bytes(&self, name: &str) -> Vec<u8> {
-        fs::read(self.path(name)).expect("readable")
-    }
-
-    fn json(&self, name: &str) -> Value {
-        serde_json::from_str(&self.text(name)).expect("JSON")
-    }
-
-    fn command(&self, words: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_meniscus"));
-        command.current_dir(self.0.path()).args(words);
-        command
-    }
-
-    fn run(&self, words: &[&str]) -> Run {
-        Run::of(self.command(words))
-    }
-
-    /// Boundary loops of a mesh file, by the library.
-    fn loops(&self, name: &str) -> usize {
-        let (mesh, report) =
-            mesh::build(&io::load(&self.path(name)).expect("loads")).expect("sound");
-        assert_eq!(report.non_manifold_edges + report.split_vertices, 0);
-        boundary_loops(&mesh).len()
-    }
-}
-
-struct Run {
-    code: Option<i32>,
-    stdout: String,
-    stderr: String,
-}
-
-impl Run {
-    fn of(mut command: Command) -> Self {
-        let Output {
-            status,
-            stdout,
-            stderr,
-        } = command.output().expect("the program starts");
-        Self {
-            code: status.code(),
-            stdout: String::from_utf8(stdout).expect("text"),
-            stderr: String::from_utf8(stderr).expect("text"),
-        }
-    }
-
-    #[track_caller]
-    fn ends(self, code: i32) -> Self {
-        let Self { stdout, stderr, .. } = &self;
-        assert_eq!(self.code, Some(code), "stdout: {stdout}\nstderr: {stderr}");
-        self
-    }
-
-    /// Failed with this exit code, and said why in these words.
-    #[track_caller]
-    fn fails(self, code: i32, words: &[&str]) -> Self {
-        let run = self.ends(code);
-        for word in words {
-            assert!(run.stderr.contains(word), "no {word:?} in: {}", run.stderr);
-        }
-        assert!(!run.stderr.contains("panicked"), "{}", run.stderr);
-        run
-    }
+/// Boundary loops of a mesh file, by the library.
+fn loop_count(desk: &Desk, name: &str) -> usize {
+    let (mesh, report) = mesh::build(&io::load(&desk.path(name)).expect("loads")).expect("sound");
+    assert_eq!(report.non_manifold_edges + report.split_vertices, 0);
+    boundary_loops(&mesh).len()
 }
 
 fn disc(centre: [f64; 3], radius: f64) -> Hole {
@@ -388,7 +309,11 @@ fn filled_and_skipped(desk: &Desk, input: &str, choice: &[&str]) -> (Vec<u64>, V
         let number = |e: &Value| e["loop"].as_u64().expect("a number");
         entries.iter().map(number).collect()
     };
-    (loops("holes"), loops("skipped"), desk.loops("out.obj"))
+    (
+        loops("holes"),
+        loops("skipped"),
+        loop_count(desk, "out.obj"),
+    )
 }
 
 #[test]
@@ -452,7 +377,7 @@ fn outer_rims_are_left_and_named() {
     // the new vertices lie in the plane
     let points = numbers(&desk.text("out.obj"), "v");
     assert!(points.iter().all(|p| p[2].abs() < 1e-12));
-    assert_eq!(desk.loops("out.obj"), 1);
+    assert_eq!(loop_count(&desk, "out.obj"), 1);
 }
 
 #[test]
@@ -604,7 +529,7 @@ fn originals_come_first_bit_by_bit() {
     assert_eq!(bits(&new[..old.len()]), bits(&old));
     let (old, new) = (numbers(&before, "f"), numbers(&after, "f"));
     assert_eq!(new[..old.len()], old);
-    assert_eq!(desk.loops("out.obj"), 0);
+    assert_eq!(loop_count(&desk, "out.obj"), 0);
 }
 
 #[test]
@@ -704,7 +629,7 @@ fn stl_in_ply_out() {
     desk.write("in.stl", &stl);
     desk.run(&["fill", "in.stl", "-o", "out.ply", "--report", "report.json"])
         .ends(0);
-    assert_eq!(desk.loops("out.ply"), 0);
+    assert_eq!(loop_count(&desk, "out.ply"), 0);
     let report = desk.json("report.json");
     assert_eq!(report["load"]["file_vertices"], 3 * faces.len());
     let used: std::collections::BTreeSet<u32> = faces.iter().flatten().copied().collect();
@@ -790,8 +715,8 @@ fn the_demo_fills_its_sample() {
     desk.run(&["demo"]).ends(0);
     let folder = Path::new("meniscus-demo");
     let name = |file: &str| folder.join(file).to_string_lossy().into_owned();
-    assert_eq!(desk.loops(&name("holed.obj")), 16);
-    assert_eq!(desk.loops(&name("filled.obj")), 0);
+    assert_eq!(loop_count(&desk, &name("holed.obj")), 16);
+    assert_eq!(loop_count(&desk, &name("filled.obj")), 0);
     let report = desk.json(&name("report.json"));
     assert_eq!(report["totals"]["converged"], true);
     assert_eq!(report["holes"].as_array().map(Vec::len), Some(16));

@@ -1,77 +1,37 @@
 //! `meniscus render` and `--picture`, on small generated meshes.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
-use std::process::{Command, Output};
 
+use crate::common::desk::{Desk, Run};
 use meniscus::shapes;
-use tempfile::TempDir;
 
 /// A folder with a sphere that has a hole at the top, `cup.obj`.
-struct Desk(TempDir);
-
-impl Desk {
-    fn new() -> Self {
-        let desk = Self(tempfile::tempdir().expect("a temporary folder"));
-        let (positions, triangles) = shapes::cut_where(&shapes::sphere(400, 1), |p| p.y > 0.8);
-        let mut text = String::new();
-        for p in positions {
-            let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
-        }
-        for [a, b, c] in triangles {
-            let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
-        }
-        std::fs::write(desk.path("cup.obj"), text).expect("written");
-        desk
+fn cup() -> Desk {
+    let desk = Desk::new();
+    let (positions, triangles) = shapes::cut_where(&shapes::sphere(400, 1), |p| p.y > 0.8);
+    let mut text = String::new();
+    for p in positions {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
     }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+    for [a, b, c] in triangles {
+        let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
     }
-
-    fn command(&self, words: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_meniscus"));
-        command.current_dir(self.0.path()).args(words);
-        command
-    }
-
-    fn run(&self, words: &[&str]) {
-        let out = self.command(words).output().expect("it runs");
-        assert!(out.status.success(), "{words:?}: {}", message(&out));
-    }
-
-    /// Exit code and message of what must fail.
-    fn fail(&self, words: &[&str]) -> (Option<i32>, String) {
-        let out = self.command(words).output().expect("it runs");
-        assert!(!out.status.success(), "{words:?}");
-        (out.status.code(), message(&out))
-    }
-
-    fn image(&self, name: &str) -> image::RgbaImage {
-        image::open(self.path(name)).expect("a picture").to_rgba8()
-    }
-
-    fn names(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.0.path()).expect("readable");
-        let name = |e: std::fs::DirEntry| e.file_name().to_string_lossy().into_owned();
-        let mut names: Vec<String> = entries.map(|e| name(e.expect("an entry"))).collect();
-        names.sort();
-        names
-    }
+    desk.write("cup.obj", &text);
+    desk
 }
 
-fn message(out: &Output) -> String {
-    String::from_utf8_lossy(&out.stderr).into_owned()
+fn image_of(desk: &Desk, name: &str) -> image::RgbaImage {
+    image::open(desk.path(name)).expect("a picture").to_rgba8()
 }
 
 #[test]
 fn pictures_of_any_kind() {
-    let desk = Desk::new();
+    let desk = cup();
     let render = |name: &str, options: &str| {
         let mut words = vec!["render", "cup.obj", "-o", name];
         words.extend(options.split_whitespace());
-        desk.run(&words);
-        desk.image(name)
+        desk.runs(&words);
+        image_of(&desk, name)
     };
     let plain = render("a.png", "--size 120x90");
     assert_eq!(plain.dimensions(), (120, 90));
@@ -101,13 +61,13 @@ fn pictures_of_any_kind() {
 
 #[test]
 fn a_filled_hole_is_tinted() {
-    let desk = Desk::new();
+    let desk = cup();
     let words = "fill cup.obj -o ball.obj -q --picture ball.png --size 120x90 --camera top";
-    desk.run(&words.split_whitespace().collect::<Vec<_>>());
-    let middle = *desk.image("ball.png").get_pixel(60, 45);
+    desk.runs(&words.split_whitespace().collect::<Vec<_>>());
+    let middle = *image_of(&desk, "ball.png").get_pixel(60, 45);
     let warm = |p: image::Rgba<u8>| i32::from(p[0]) > i32::from(p[2]) + 20;
     assert!(warm(middle), "{middle:?}");
-    desk.run(&[
+    desk.runs(&[
         "render",
         "ball.obj",
         "-o",
@@ -117,23 +77,22 @@ fn a_filled_hole_is_tinted() {
         "--camera",
         "top",
     ]);
-    assert!(!warm(*desk.image("plain.png").get_pixel(60, 45)));
-    let (code, text) = desk.fail(&["fill", "cup.obj", "-o", "x.obj", "--view", "H"]);
-    assert_eq!(code, Some(2));
-    assert!(text.contains("--picture"), "{text}");
+    assert!(!warm(*image_of(&desk, "plain.png").get_pixel(60, 45)));
+    let words = ["fill", "cup.obj", "-o", "x.obj", "--view", "H"];
+    desk.run(&words).fails(2, &["--picture"]);
 }
 
 #[test]
 fn a_crease_shows_as_one() {
-    let desk = Desk::new();
+    let desk = cup();
     let look = "--size 120x90 --no-tint";
     let words =
         format!("fill cup.obj -o flat.obj -q --energy 1 --continuity g0 --picture a.png {look}");
-    desk.run(&words.split_whitespace().collect::<Vec<_>>());
+    desk.runs(&words.split_whitespace().collect::<Vec<_>>());
     let words = format!("render flat.obj -o b.png {look}");
-    desk.run(&words.split_whitespace().collect::<Vec<_>>());
+    desk.runs(&words.split_whitespace().collect::<Vec<_>>());
     // the file says nothing of creases, so the second picture rounds the rim
-    let (sharp, round) = (desk.image("a.png"), desk.image("b.png"));
+    let (sharp, round) = (image_of(&desk, "a.png"), image_of(&desk, "b.png"));
     let differ = sharp
         .pixels()
         .zip(round.pixels())
@@ -144,7 +103,7 @@ fn a_crease_shows_as_one() {
 
 #[test]
 fn turntables() {
-    let desk = Desk::new();
+    let desk = cup();
     let turn = [
         "render",
         "cup.obj",
@@ -155,9 +114,9 @@ fn turntables() {
         "-o",
     ];
     let with = |name| [&turn[..], &[name]].concat();
-    desk.run(&with("turn.png"));
-    desk.run(&with("turn.gif"));
-    desk.run(&with("turn.apng"));
+    desk.runs(&with("turn.png"));
+    desk.runs(&with("turn.gif"));
+    desk.runs(&with("turn.apng"));
     assert_eq!(
         desk.names(),
         [
@@ -169,16 +128,19 @@ fn turntables() {
             "turn.gif"
         ]
     );
-    assert_ne!(desk.image("turn-0000.png"), desk.image("turn-0001.png"));
+    assert_ne!(
+        image_of(&desk, "turn-0000.png"),
+        image_of(&desk, "turn-0001.png")
+    );
 }
 
 #[test]
 fn mistakes_are_explained() {
-    let desk = Desk::new();
+    let desk = cup();
     let render = |options: &str| {
         let mut words = vec!["render", "cup.obj"];
         words.extend(options.split_whitespace());
-        desk.fail(&words)
+        desk.run(&words)
     };
     for (options, code, part) in [
         ("-o a.png --view sideways", 2, "isophotes"),
@@ -191,29 +153,19 @@ fn mistakes_are_explained() {
         ("-o a.png --range 2,1", 2, "lower first"),
         ("-o no/such/a.png", 1, "no/such"),
     ] {
-        let (found, text) = render(options);
-        assert_eq!(found, Some(code), "{options}: {text}");
-        assert!(text.contains(part), "{options}: {text}");
+        render(options).fails(code, &[part]);
     }
     assert_eq!(desk.names(), ["cup.obj"]);
 }
 
 #[test]
 fn without_an_adapter_it_says_what_to_install() {
-    let desk = Desk::new();
-    let out = desk
-        .command(&["render", "cup.obj", "-o", "a.png"])
+    let desk = cup();
+    let mut command = desk.command(&["render", "cup.obj", "-o", "a.png"]);
+    command
         .env("VK_ICD_FILENAMES", "/none")
         .env("VK_DRIVER_FILES", "/none")
-        .env("__EGL_VENDOR_LIBRARY_FILENAMES", "/none")
-        .output()
-        .expect("it runs");
-    let text = message(&out);
-    assert_eq!(out.status.code(), Some(1), "{text}");
-    assert!(
-        text.contains("mesa-vulkan-drivers") && text.contains("libegl1"),
-        "{text}"
-    );
-    assert!(!text.contains("panicked"), "{text}");
+        .env("__EGL_VENDOR_LIBRARY_FILENAMES", "/none");
+    Run::of(command).fails(1, &["mesa-vulkan-drivers", "libegl1"]);
     assert_eq!(desk.names(), ["cup.obj"]);
 }

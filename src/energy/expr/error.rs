@@ -2,6 +2,7 @@
 
 /// Why a typed energy is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExprError {
     /// The text does not follow the grammar or names something unknown.
     #[error("energy: {0}")]

@@ -88,6 +88,7 @@ options! {
 
 /// Invalid options.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ControlsError {
     /// The energy, with the place in its text.
     #[error(transparent)]

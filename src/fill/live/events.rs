@@ -66,6 +66,7 @@ pub enum LiveEvent {
 
 /// Why a live fill cannot start.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LiveError {
     /// The controls are mistaken.
     #[error(transparent)]

@@ -49,6 +49,7 @@ pub struct Schedule {
 
 /// Why a schedule cannot be followed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ScheduleError {
     /// A line that is wrong.
     #[error("schedule, line {line}: {problem}; {remedy}")]

@@ -74,7 +74,8 @@ fn row(text: &str) -> Result<Row, OptionError> {
     Ok(Row {
         attempt: number,
         control: control.trim().to_owned(),
-        value: unquoted(value.trim()),
+        // as it is written
+        value: unquoted(value.trim()).replace('\r', " "),
     })
 }
 

@@ -20,6 +20,7 @@ use triangulate::{Triangles, triangulate};
 
 /// Why no mesh can be made of what the file holds.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BuildError {
     /// No polygon at all.
     #[error("the file has {vertices} vertices but no faces: there is nothing to fill")]

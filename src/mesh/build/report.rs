@@ -5,6 +5,7 @@ use serde::{Serialize, Serializer};
 
 /// Counts and places of everything that was repaired, or found and left, when a file was loaded.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct LoadReport {
     /// Vertices in the file.
     pub file_vertices: usize,

@@ -37,7 +37,8 @@ impl Camera {
             q.z,
             q.w,
             self.distance,
-            self.fov_y.to_degrees()
+            // without the rounding of the conversion, which would change it with every reading
+            (self.fov_y.to_degrees() * 1e9).round() / 1e9
         )
     }
 
@@ -90,7 +91,12 @@ impl Camera {
         }
         Ok(Self {
             pivot: DVec3::new(px, py, pz),
-            orientation: rotation.normalize(),
+            // what is normalized already is not rounded again
+            orientation: if (rotation.length() - 1.0).abs() < 1e-12 {
+                rotation
+            } else {
+                rotation.normalize()
+            },
             distance,
             offset: DVec2::ZERO,
             fov_y: fov.to_radians(),

@@ -2,7 +2,7 @@
 
 use meniscus::energy::{Energy, Preset};
 use meniscus::mesh::DVec3;
-use meniscus::solver::{Assembler, FlowProblem, Unknowns};
+use meniscus::solver::{Assembler, Flow, FlowOptions, FlowProblem, Mode, Tau, Unknowns};
 use meniscus::subdivision::{Rule, elements};
 
 const DATA: &str = include_str!("../../data/icosphere3.obj");
@@ -38,4 +38,18 @@ pub fn area_radius(points: &[DVec3], faces: &[[u32; 3]]) -> f64 {
     let area = Energy::preset(Preset::One);
     let sum = assembler.energy(problem.positions(), &area);
     (sum.value / (4.0 * std::f64::consts::PI)).sqrt()
+}
+
+/// Radius of a sphere at time 0.05 of a flow that starts at radius 1, in 40 steps.
+pub fn flowed_radius(points: &[DVec3], faces: &[[u32; 3]], mut options: FlowOptions) -> f64 {
+    let interior: Vec<u32> = (0..points.len() as u32).collect();
+    let start = area_radius(points, faces);
+    let unit: Vec<DVec3> = points.iter().map(|&p| p / start).collect();
+    let problem = FlowProblem::new(&unit, faces, &interior, 1.0).expect("sphere");
+    options.mode = Mode::Flow;
+    options.tau = Tau::Fixed(0.05 / 40.0);
+    options.max_steps = 40;
+    let mut flow = Flow::new(problem, options).expect("start");
+    while flow.step().expect("step").is_some() {}
+    area_radius(&flow.problem().to_world(flow.positions()), faces)
 }

@@ -4,6 +4,8 @@
 // indices in the files read are as the formats have them, and checked after the cast
 #![allow(clippy::cast_possible_wrap, clippy::cast_sign_loss)]
 
+#[cfg(feature = "cli")]
+pub mod desk;
 pub mod icosphere;
 pub mod judge;
 pub mod layouts;

@@ -215,3 +215,50 @@ fn schedules() {
         &words,
     );
 }
+
+#[cfg(feature = "window")]
+#[test]
+fn projects() {
+    let head = "version = 1\nopened = [4, 3]\nselection = [0]\nselected_faces = \"1-2\"\n";
+    let view = "[view]\ncamera = \"1,2,3,0,0.6,0,0.8,5,40,persp\"\nmode = \"zebra\"\nstripes = \
+                12\nlight = [0.3, 1.0, 0.5]\nrange = [-2.0, 2.0]\nwireframe = true\ntint = \
+                true\nlimit_surface = true\nrims = false\n[controls]\nenergy = \
+                \"H^2\"\ndensity = 1.5\n";
+    let done = "[[fills]]\ntask = \"blend\"\nloops = [0, 1]\nfaces = [1, 3]\nschedule = \
+                \"attempt,control,value\\n3,energy,K^2\\n\"\n[fills.controls]\nenergy = \
+                \"H^2+K^2\"\n[[fills]]\ntask = \"bridge\"\nends = [[0.0, 0.0, 1.0], [1.0, 0.0, \
+                0.0]]\nwidth = 2\nfaces = [0, 2]\nschedule = \
+                \"attempt,control,value\\n\"\n[fills.controls]\n";
+    let mesh =
+        "#--- mesh (OBJ) ---\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
+    let texts = [
+        format!("{head}{view}{mesh}"),
+        format!("{head}first_patch_face = 1\n{view}{done}{mesh}"),
+    ];
+    for text in &texts {
+        let read = meniscus::app::rewrite_project(text);
+        assert!(read.is_ok(), "{read:?}");
+    }
+    let words = [
+        "task = \"erase\"\n",
+        "task = \"flip\"\n",
+        "task = \"refine\"\n",
+        "task = \"fair\"\n",
+        "sample = \"three-y\"\n",
+        "mesh = \"no.obj\"\n",
+        "selected = \"1-3\"\n",
+        "[[fills]]\n",
+        "[fills.controls]\n",
+        "[view]\n",
+        "nan",
+        "inf",
+        "\"\"\"",
+        "\\n",
+        "\"",
+        "= ",
+        "[",
+        "]",
+    ];
+    let seeds = texts.map(String::into_bytes);
+    fuzz("project", targets::project, &seeds, &words);
+}

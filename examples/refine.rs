@@ -1,0 +1,34 @@
+//! Refines a coarse ball: each level makes four triangles of one, on a smooth surface through the
+//! given vertices.
+
+use std::error::Error;
+use std::sync::Arc;
+
+use meniscus::energy::{Energy, Preset};
+use meniscus::mesh::{Mesh, Topology};
+use meniscus::refine::{Progress, RefineOptions, Refinement};
+use meniscus::shapes::icosphere;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (positions, triangles) = icosphere(1);
+    let topology = Topology::from_triangles(positions.len(), &triangles)?;
+    let coarse = Arc::new(Mesh::new(positions, topology));
+    let mut options = RefineOptions::new(Energy::preset(Preset::H2));
+    options.levels = 2;
+    let refinement = Refinement::new(Arc::clone(&coarse), options)?;
+    let refined = refinement.run(|_, progress| {
+        if let Progress::Finished(level) = progress {
+            println!(
+                "level {}: {} triangles, ∫ H² dA = {:.4} (4π = 12.5664 for a sphere)",
+                level.level, level.faces, level.energy_end
+            );
+        }
+        true
+    })?;
+    let given = coarse.vertex_count();
+    assert_eq!(refined.mesh.positions[..given], coarse.positions);
+    let radii = refined.mesh.positions.iter().map(|p| p.length());
+    let (low, high) = radii.fold((f64::MAX, 0.0), |(a, b), r| (r.min(a), r.max(b)));
+    println!("radii from {low:.4} to {high:.4}");
+    Ok(())
+}

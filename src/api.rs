@@ -1,0 +1,146 @@
+//! A fill in one call, or with a few choices.
+
+use crate::fill::{
+    Continuity, Controls, ControlsError, FillError, Filled, LoopChoice, NoSuchLoop, choose,
+    fill_rim_sets, with_islands,
+};
+use crate::mesh::{Mesh, boundary_loops};
+use crate::solver::StepRecord;
+
+/// Fills the holes of a mesh as `meniscus fill` does without options: every boundary loop that is not
+/// guessed an outer rim gets a patch that continues the surface smoothly and makes `∫ H² dA`
+/// stationary.
+///
+/// # Errors
+/// [`Error::Fill`] if the result would not be a manifold. What fails for a single hole is in the
+/// result ([`Filled::complete`]).
+pub fn fill(mesh: &Mesh) -> Result<Filled, Error> {
+    Fill::new(mesh).run()
+}
+
+/// Why a fill could not be done.
+#[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// An energy that cannot be read, or an option out of range.
+    #[error(transparent)]
+    Controls(#[from] ControlsError),
+    /// A loop that the mesh does not have.
+    #[error(transparent)]
+    NoSuchLoop(#[from] NoSuchLoop),
+    /// The patches do not fit.
+    #[error(transparent)]
+    Fill(#[from] FillError),
+}
+
+type StepObserver<'a> = Box<dyn Fn(&StepRecord) -> bool + Sync + 'a>;
+
+/// A fill with choices; what is not chosen is as [`fn@fill`] has it.
+///
+/// ```
+/// use meniscus::{Fill, mesh, shapes::Sample};
+///
+/// let sample = Sample::named("sphere").expect("a built-in sample");
+/// let (sphere, _) = mesh::build(&sample.soup())?;
+/// let filled = Fill::new(&sphere).energy("H^2+K^2")?.density(1.5).run()?;
+/// assert!(filled.complete());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Fill<'a> {
+    mesh: &'a Mesh,
+    loops: LoopChoice,
+    joined: bool,
+    controls: Controls,
+    observer: StepObserver<'a>,
+}
+
+impl<'a> Fill<'a> {
+    /// A fill of a mesh.
+    pub fn new(mesh: &'a Mesh) -> Self {
+        Self {
+            mesh,
+            loops: LoopChoice::default(),
+            joined: false,
+            controls: Controls::default(),
+            observer: Box::new(|_| true),
+        }
+    }
+
+    /// Which boundary loops.
+    #[must_use]
+    pub fn loops(mut self, loops: LoopChoice) -> Self {
+        self.loops = loops;
+        self
+    }
+
+    /// Joins all of these loops by one patch instead of filling each.
+    #[must_use]
+    pub fn joined(mut self) -> Self {
+        self.joined = true;
+        self
+    }
+
+    /// A parameter of the energy, to be given before it.
+    #[must_use]
+    pub fn param(mut self, name: &str, value: f64) -> Self {
+        self.controls.param.insert(name.to_owned(), value);
+        self
+    }
+
+    /// The energy `f(H, K)`, such as `H^2`, `(H-H0)^2` or `k1^4+k2^4`. `H` is negative on a sphere with
+    /// outward normals; lengths are in the units of the mesh.
+    ///
+    /// # Errors
+    /// [`Error::Controls`] with the place in the text.
+    pub fn energy(mut self, text: &str) -> Result<Self, Error> {
+        text.clone_into(&mut self.controls.energy);
+        self.controls.options()?;
+        Ok(self)
+    }
+
+    /// Density of the patches: 2 halves the edge length of the rim.
+    #[must_use]
+    pub fn density(mut self, density: f64) -> Self {
+        self.controls.density = density;
+        self
+    }
+
+    /// How patches meet the mesh.
+    #[must_use]
+    pub fn continuity(mut self, continuity: Continuity) -> Self {
+        self.controls.continuity = continuity;
+        self
+    }
+
+    /// All other choices, and these too: replaces what was chosen before but the loops.
+    #[must_use]
+    pub fn controls(mut self, controls: Controls) -> Self {
+        self.controls = controls;
+        self
+    }
+
+    /// Calls `observer` after every attempted step of every group of holes, from several threads. It
+    /// returns whether to go on.
+    #[must_use]
+    pub fn on_step(mut self, observer: impl Fn(&StepRecord) -> bool + Sync + 'a) -> Self {
+        self.observer = Box::new(observer);
+        self
+    }
+
+    /// Fills.
+    ///
+    /// # Errors
+    /// [`Error`]; what fails for a single hole is in the result.
+    pub fn run(self) -> Result<Filled, Error> {
+        let options = self.controls.options()?;
+        let loops = boundary_loops(self.mesh);
+        let chosen = choose(&loops, &self.loops)?;
+        let rim_sets = if self.joined && !chosen.is_empty() {
+            vec![chosen.iter().map(|id| &loops[id.index()]).collect()]
+        } else {
+            with_islands(self.mesh, &loops, &chosen)
+        };
+        let observe = |_, record: &StepRecord| (self.observer)(record);
+        Ok(fill_rim_sets(self.mesh, &rim_sets, &options, &observe)?)
+    }
+}
