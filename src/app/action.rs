@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::faces::FaceEdit;
 use super::report::ReportAction;
 use super::view_state::{Bridging, Modal, Navigation, PictureSettings, Refining, Selecting, Task};
-use crate::fill::Controls;
+use crate::fill::{Controls, LoopLimits};
 use crate::mesh::{DVec3, LoopId};
 use crate::render::{Camera, StandardView, ViewMode, ViewStyle};
 
@@ -144,6 +144,8 @@ pub enum TaskAction {
     Selecting(Selecting),
     /// How the mesh is refined.
     Refining(Box<Refining>),
+    /// Limits of the holes that are selected together.
+    Limits(LoopLimits),
     /// Begin a bridge, change it, or cancel it.
     Bridging(Option<Bridging>),
 }

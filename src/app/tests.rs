@@ -16,6 +16,7 @@ use super::project;
 use super::settings::Settings;
 use super::update::{act, replace, tick};
 use super::view_state::{AfterUnsaved, Modal, Task};
+use crate::fill::LoopLimits;
 use crate::io;
 use crate::mesh::{DVec3, LoopId, Soup, check_mesh, components};
 use crate::shapes::{Hole, HoleShape, cut_holes, sphere};
@@ -155,6 +156,33 @@ fn fill_accept_undo_redo() {
     assert!(Arc::ptr_eq(&before, &m.document.mesh));
     act(&mut m, EditAction::Redo);
     assert!(Arc::ptr_eq(&after, &m.document.mesh));
+}
+
+#[test]
+fn holes_beyond_the_limits_are_selected_by_click_only() {
+    let mut m = model();
+    let [a, b] = [0, 1].map(|i| m.document.loops[i].perimeter);
+    let small = usize::from(b < a);
+    let limits = LoopLimits {
+        max_perimeter: Some(0.5 * (a + b)),
+        ..LoopLimits::default()
+    };
+    act(&mut m, TaskAction::Limits(limits));
+    act(&mut m, SelectAction::All);
+    assert_eq!(m.document.selection, loops([small]));
+    act(
+        &mut m,
+        SelectAction::Loop((1 - small).into(), SelectHow::Add),
+    );
+    assert_eq!(m.document.selection.len(), 2);
+    act(&mut m, SelectAction::None);
+    let none = LoopLimits {
+        max_diameter: Some(0.0),
+        ..LoopLimits::default()
+    };
+    act(&mut m, TaskAction::Limits(none));
+    act(&mut m, RunAction::Start);
+    assert!(m.run.is_none() && last_message(&m).contains("exceed the limits"));
 }
 
 #[test]

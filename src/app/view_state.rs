@@ -1,6 +1,7 @@
 //! The view: camera, style, task, dialogs. Undo does not change it.
 
 use super::report::{ReportFile, ReportView};
+use crate::fill::LoopLimits;
 use crate::mesh::{DVec3, LoopId};
 use crate::refine::{BoundaryRule, Hold, Method};
 use crate::render::{Camera, ViewStyle};
@@ -295,6 +296,8 @@ pub struct ViewState {
     pub selecting: Selecting,
     /// How the mesh is refined.
     pub refining: Refining,
+    /// Limits of the holes that are selected together.
+    pub limits: LoopLimits,
     /// Limit surface instead of control mesh.
     pub limit_surface: bool,
     /// Whether the opened mesh is shown, or the patches alone.
@@ -331,6 +334,7 @@ impl ViewState {
             bridging: None,
             selecting: Selecting::default(),
             refining: Refining::default(),
+            limits: LoopLimits::default(),
             limit_surface: true,
             show_original: true,
             show_rims: true,

@@ -10,6 +10,7 @@ use crate::app::action::{
 use crate::app::model::Model;
 use crate::app::shortcuts::hint;
 use crate::app::view_state::Task;
+use crate::mesh::BoundaryLoop;
 
 /// Loops and the button that fills them.
 pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -91,6 +92,9 @@ pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             }
         }
     });
+    if model.view.task == Task::Fill && !document.loops.is_empty() {
+        limits_ui(ui, model, actions);
+    }
     run_ui(ui, model, actions);
     super::bridge::bridge_ui(ui, model, actions);
     ui.separator();
@@ -102,6 +106,51 @@ pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         return;
     }
     loops_ui(ui, model, actions);
+}
+
+/// Limits of the holes that are selected together.
+fn limits_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let loops = &model.document.loops;
+    let largest = |size: fn(&BoundaryLoop) -> f64| loops.iter().map(size).fold(0.0, f64::max);
+    let edges = loops.iter().map(BoundaryLoop::edges).max().unwrap_or(0);
+    let mut next = model.view.limits.clone();
+    ui.collapsing("Limits", |ui| {
+        limit_ui(ui, "Edges", &mut next.max_edges, edges);
+        limit_ui(
+            ui,
+            "Perimeter",
+            &mut next.max_perimeter,
+            largest(|l| l.perimeter),
+        );
+        limit_ui(
+            ui,
+            "Diameter",
+            &mut next.max_diameter,
+            largest(|l| l.diameter),
+        );
+    });
+    if next != model.view.limits {
+        actions.push(TaskAction::Limits(next).into());
+    }
+}
+
+/// A limit that can be switched on, at first with the value of the largest loop.
+fn limit_ui<T: egui::emath::Numeric>(ui: &mut Ui, name: &str, limit: &mut Option<T>, largest: T) {
+    ui.horizontal(|ui| {
+        let mut is_on = limit.is_some();
+        let tip = "holes beyond this are not among All, All but largest and Fill all holes";
+        if ui.checkbox(&mut is_on, name).on_hover_text(tip).changed() {
+            *limit = is_on.then_some(largest);
+        }
+        if let Some(value) = limit {
+            let speed = 0.005 * largest.to_f64();
+            ui.add(
+                egui::DragValue::new(value)
+                    .speed(speed)
+                    .range(T::from_f64(0.0)..=largest),
+            );
+        }
+    });
 }
 
 fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {

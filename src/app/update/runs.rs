@@ -89,10 +89,12 @@ fn start(model: &mut Model) {
         return;
     }
     if model.document.selection.is_empty() && model.view.task == Task::Fill {
-        let holes = model.document.holes();
+        let holes = select::within_limits(model, model.document.holes());
         if holes.is_empty() {
             model.log.warning(if model.document.loops.is_empty() {
                 "the mesh is closed: there is nothing to fill"
+            } else if !model.document.holes().is_empty() {
+                "all holes exceed the limits: click one to fill it all the same"
             } else {
                 "all open loops look like outer rims: click one to fill it all the same"
             });

@@ -10,7 +10,7 @@ use crate::app::jobs::Job;
 use crate::app::model::{Done, Model};
 use crate::app::view_state::Task;
 use crate::fill::LoopChoice;
-use crate::mesh::LoopId;
+use crate::mesh::{BoundaryLoop, LoopId};
 
 pub(crate) fn update_task(model: &mut Model, action: TaskAction) {
     match action {
@@ -28,6 +28,7 @@ pub(crate) fn update_task(model: &mut Model, action: TaskAction) {
         }
         TaskAction::Selecting(selecting) => model.view.selecting = selecting,
         TaskAction::Refining(refining) => model.view.refining = *refining,
+        TaskAction::Limits(limits) => model.view.limits = limits,
     }
 }
 
@@ -70,11 +71,11 @@ pub(crate) fn update(model: &mut Model, action: SelectAction) {
             "select all rims"
         }
         SelectAction::All => {
-            selection = document.holes();
+            selection = within_limits(model, document.holes());
             "select all holes"
         }
         SelectAction::AllButLargest => {
-            selection = document.chosen(&LoopChoice::AllButLargest);
+            selection = within_limits(model, document.chosen(&LoopChoice::AllButLargest));
             "select all but the largest"
         }
         SelectAction::None => {
@@ -83,6 +84,15 @@ pub(crate) fn update(model: &mut Model, action: SelectAction) {
         }
     };
     set_loops(model, selection, label);
+}
+
+/// Those of some loops that a fill of many takes.
+pub(super) fn within_limits(model: &Model, mut loops: BTreeSet<LoopId>) -> BTreeSet<LoopId> {
+    if model.view.task == Task::Fill {
+        let exceeded = |l: &BoundaryLoop| model.view.limits.exceeded(l).is_some();
+        loops.retain(|&id| !model.document.loop_of(id).is_some_and(exceeded));
+    }
+    loops
 }
 
 fn toggle(selection: &mut BTreeSet<LoopId>, id: LoopId) {
