@@ -50,7 +50,7 @@ fn surfaces(c: &mut Criterion) {
     let mut group = c.benchmark_group("surfaces");
     group.sample_size(10);
     let large = mesh(shapes::icosphere(224));
-    let faces: Vec<FaceId> = (0..large.face_count()).map(FaceId::from).collect();
+    let faces: Vec<FaceId> = large.topology.faces().collect();
     println!("{} faces", faces.len());
     group.bench_function("static, a million triangles", |b| {
         b.iter(|| {

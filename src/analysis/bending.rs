@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use glam::DMat3;
 
-use crate::mesh::{DVec3, FaceId, Topology};
+use crate::mesh::{DVec3, FaceId, Topology, faces_around};
 use crate::subdivision::{Rule, elements};
-use crate::surface::{PointGeometry, each_point};
+use crate::surface::{PointGeometry, project_to_vertices, surface_point};
 
-/// The symmetric tensor `b^ab x_a x_bᵀ`: `t · (form t)` is the normal curvature along a unit tangent
-/// `t`, half the trace the mean curvature.
+/// The symmetric tensor `b^ab x_a x_bᵀ`: `t · (form t)` is the normal curvature along a unit
+/// tangent `t`, half the trace the mean curvature.
 pub(super) fn bending_form(p: &PointGeometry) -> DMat3 {
     // h^ab = [[b22, -b12], [-b12, b11]] / g
     let det = p.sqrt_g * p.sqrt_g;
@@ -25,8 +25,8 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// Averages of [`bending_form`] around the corners of `faces` (the L2 projection to piecewise linear
-/// functions with lumped mass), by vertex.
+/// Averages of [`bending_form`] around the corners of `faces` (the L2 projection to piecewise
+/// linear functions with lumped mass), by vertex.
 pub(super) fn vertex_forms(
     topology: &Topology,
     control: &[DVec3],
@@ -34,33 +34,20 @@ pub(super) fn vertex_forms(
 ) -> BTreeMap<u32, DMat3> {
     let corners = faces.iter().flat_map(|&f| topology.face_vertices(f));
     let mut sums: BTreeMap<u32, (f64, DMat3)> =
-        corners.clone().map(|v| (v.0, (0.0, DMat3::ZERO))).collect();
-    let mut around: Vec<FaceId> = corners
-        .flat_map(|v| topology.outgoing(v))
-        .map(|h| topology.face(h))
-        .filter(|f| f.is_some())
-        .collect();
-    around.sort_unstable();
-    around.dedup();
+        corners.map(|v| (v.0, (0.0, DMat3::ZERO))).collect();
+    let around = faces_around(topology, faces);
     let elements = elements(topology, &around, Rule::Twelve);
-    for e in 0..elements.len() {
-        let corners = &elements.vertices_of(e)[..3];
-        let mut point = 0;
-        each_point(&elements, e, control, |_, p| {
-            let [v, w] = Rule::Twelve.points()[point];
-            point += 1;
-            let form = bending_form(p);
-            if !(p.sqrt_g > 0.0 && form.is_finite()) {
-                return;
-            }
-            for (corner, hat) in corners.iter().zip([1.0 - v - w, v, w]) {
-                if let Some((weight, sum)) = sums.get_mut(corner) {
-                    *weight += hat * p.sqrt_g;
-                    *sum += form * (hat * p.sqrt_g);
-                }
-            }
-        });
-    }
+    let sample = |e, q| {
+        let (_, p) = surface_point(&elements, e, q, control);
+        let form = bending_form(&p);
+        (p.sqrt_g > 0.0 && form.is_finite()).then_some((p.sqrt_g, form))
+    };
+    project_to_vertices(&elements, Rule::Twelve, sample, |v, weight, form| {
+        if let Some((area, sum)) = sums.get_mut(&v) {
+            *area += weight;
+            *sum += *form * weight;
+        }
+    });
     sums.into_iter()
         .map(|(v, (weight, sum))| (v, sum * (1.0 / weight)))
         .collect()

@@ -8,7 +8,7 @@ use crate::mesh::{FaceId, HalfedgeId, Mesh, Topology, VertexId};
 /// Edges to be measured together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EdgeChain {
-    /// What it is, for people: "rim 1", "sharp edges".
+    /// Its name for the user: "rim 1", "sharp edges".
     pub name: String,
     /// One half-edge of each edge. Boundary edges are left out of the measures.
     pub edges: Vec<HalfedgeId>,
@@ -41,10 +41,7 @@ pub fn patch_rims(mesh: &Mesh, is_patch: &[bool], is_crease: bool) -> Vec<EdgeCh
 pub fn sharp_edges(mesh: &Mesh, angle: f64) -> Vec<EdgeChain> {
     let topology = &mesh.topology;
     let sharp = |h: HalfedgeId| {
-        h.0.is_multiple_of(2)
-            && !topology.is_boundary(h)
-            && !topology.is_boundary(h.twin())
-            && dihedral(mesh, h) > angle
+        h.0.is_multiple_of(2) && !topology.is_boundary_edge(h) && dihedral(mesh, h) > angle
     };
     connected(mesh, sharp)
         .into_iter()
@@ -60,13 +57,13 @@ pub fn sharp_edges(mesh: &Mesh, angle: f64) -> Vec<EdgeChain> {
 /// Greatest turn of a straight chain at a vertex.
 const STRAIGHT: f64 = std::f64::consts::FRAC_PI_6;
 
-/// The chain through an edge: where neighbouring triangles differ by more than `angle` (radians) the
-/// sharp edge it is part of, up to vertices where more or fewer than two sharp edges meet; else the
-/// edges that go straight on from it, turning by 30° at most. `None` for a boundary edge, which has
-/// no other side.
+/// The chain through an edge: where neighbouring triangles differ by more than `angle` (radians)
+/// the sharp edge it is part of, up to vertices where more or fewer than two sharp edges meet; else
+/// the edges that go straight on from it, turning by 30° at most. `None` for a boundary edge, which
+/// has no other side.
 pub fn chain_through(mesh: &Mesh, edge: HalfedgeId, angle: f64) -> Option<EdgeChain> {
     let topology = &mesh.topology;
-    let is_inner = |h: HalfedgeId| !topology.is_boundary(h) && !topology.is_boundary(h.twin());
+    let is_inner = |h: HalfedgeId| !topology.is_boundary_edge(h);
     if !is_inner(edge) {
         return None;
     }
@@ -98,8 +95,8 @@ pub fn chain_through(mesh: &Mesh, edge: HalfedgeId, angle: f64) -> Option<EdgeCh
     })
 }
 
-/// An edge and what follows it to either side, in order and direction, until there is nothing more or
-/// a vertex comes again.
+/// An edge and what follows it to either side, in order and direction, until there is nothing more
+/// or a vertex comes again.
 fn follow(
     topology: &Topology,
     edge: HalfedgeId,
@@ -133,16 +130,14 @@ fn follow(
         .collect()
 }
 
-/// The chosen half-edges in groups that hang together by vertices, each in index order.
+/// The chosen half-edges in groups connected by vertices, each in index order.
 fn connected(mesh: &Mesh, chosen: impl Fn(HalfedgeId) -> bool) -> Vec<Vec<HalfedgeId>> {
     let topology = &mesh.topology;
-    let is_chosen: Vec<bool> = (0..topology.halfedge_count())
-        .map(|h| chosen(HalfedgeId::from(h)))
-        .collect();
+    let is_chosen: Vec<bool> = topology.halfedges().map(chosen).collect();
     let mut seen = vec![false; topology.vertex_count()];
     let mut groups = Vec::new();
-    for first in (0..is_chosen.len()).filter(|&h| is_chosen[h]) {
-        let start = topology.origin(HalfedgeId::from(first));
+    for first in topology.halfedges().filter(|h| is_chosen[h.index()]) {
+        let start = topology.origin(first);
         if std::mem::replace(&mut seen[start.index()], true) {
             continue;
         }

@@ -3,14 +3,13 @@
 use serde::Serialize;
 
 use crate::analysis::chains::EdgeChain;
-use crate::analysis::local::Local;
-use crate::analysis::quality::dihedral;
-use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh};
+use crate::analysis::local::with_rings;
+use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh, Topology, dihedral_angle};
 use crate::subdivision::{Rule, elements, elements_at};
 use crate::surface::{PointGeometry, each_point, mean_curvature};
 
-/// Where each edge is looked at, as parts of its length; not at its ends, where a limit surface may
-/// have no curvature.
+/// Places on each edge that are measured, as parts of its length. The ends are left out: a limit
+/// surface may have no curvature there.
 const PLACES: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 
 /// Least, mean and greatest of a quantity along a chain.
@@ -18,7 +17,7 @@ const PLACES: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 pub struct Statistic {
     /// Least.
     pub min: f64,
-    /// Average over the places looked at, weighted by edge length.
+    /// Average over the measured places, weighted by edge length.
     pub mean: f64,
     /// Greatest.
     pub max: f64,
@@ -26,7 +25,7 @@ pub struct Statistic {
     pub max_at: [f64; 3],
 }
 
-/// How the surface goes across a chain of edges.
+/// Continuity of the surface across a chain of edges.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChainReport {
     /// Name of the chain.
@@ -49,12 +48,12 @@ pub struct ChainReport {
     /// Difference of the two sides' mean curvatures at the edge (G2), relative to nothing, in units
     /// of 1 / length. A Loop surface has none away from irregular vertices.
     pub curvature_jump: Statistic,
-    /// Difference of the mean curvatures averaged over the two faces: what the eye sees of a change
-    /// of curvature within one row of triangles.
+    /// Difference of the mean curvatures averaged over the two faces: the visible change of
+    /// curvature across one row of triangles.
     pub curvature_step: Statistic,
 }
 
-/// What one edge shows.
+/// The measures of one edge.
 struct Edge {
     length: f64,
     middle: DVec3,
@@ -68,10 +67,9 @@ struct Edge {
 /// Measures the surface of `control` points across a chain of edges of the mesh.
 pub fn measure_chain(mesh: &Mesh, control: &[DVec3], chain: &EdgeChain) -> ChainReport {
     let topology = &mesh.topology;
-    let inner = |h: &HalfedgeId| !topology.is_boundary(*h) && !topology.is_boundary(h.twin());
+    let inner = |h: &HalfedgeId| !topology.is_boundary_edge(*h);
     let edges: Vec<HalfedgeId> = chain.edges.iter().copied().filter(inner).collect();
-    let cuts: &[HalfedgeId] = if chain.is_crease { &edges } else { &[] };
-    let measured = measure(mesh, control, &edges, cuts);
+    let measured = measure(topology, &mesh.positions, control, &edges, chain.is_crease);
     let of = |value: fn(&Edge) -> f64| statistic(&measured, value);
     ChainReport {
         name: chain.name.clone(),
@@ -85,6 +83,37 @@ pub fn measure_chain(mesh: &Mesh, control: &[DVec3], chain: &EdgeChain) -> Chain
         curvature_jump: of(|e| e.jump),
         curvature_step: of(|e| e.step),
     }
+}
+
+/// The worst of a rim, by the definitions of [`ChainReport`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorstJumps {
+    /// Greatest [`ChainReport::normal_angle`], degrees.
+    pub normal_angle: f64,
+    /// Greatest [`ChainReport::curvature_step`].
+    pub curvature_step: f64,
+}
+
+/// The worst places along inner edges of the surface of `control` points; `is_crease` as in
+/// [`EdgeChain`]. `None` without edges at which the measures are finite.
+pub fn worst_jumps(
+    topology: &Topology,
+    control: &[DVec3],
+    edges: &[HalfedgeId],
+    is_crease: bool,
+) -> Option<WorstJumps> {
+    if edges.is_empty() {
+        return None;
+    }
+    let measured = measure(topology, control, control, edges, is_crease);
+    let worst = |of: fn(&Edge) -> f64| statistic(&measured, of).max;
+    let normal_angle = worst(|e| e.angle.to_degrees());
+    let curvature_step = worst(|e| e.step);
+    let is_finite = normal_angle.is_finite() && curvature_step.is_finite();
+    (!measured.is_empty() && is_finite).then_some(WorstJumps {
+        normal_angle,
+        curvature_step,
+    })
 }
 
 fn statistic(edges: &[Edge], value: fn(&Edge) -> f64) -> Statistic {
@@ -112,16 +141,23 @@ fn statistic(edges: &[Edge], value: fn(&Edge) -> f64) -> Statistic {
     out
 }
 
-/// The edges on the mesh cut along `cuts`.
-fn measure(mesh: &Mesh, control: &[DVec3], edges: &[HalfedgeId], cuts: &[HalfedgeId]) -> Vec<Edge> {
-    let Some(sides) = Sides::new(mesh, control, edges, cuts) else {
+/// The edges, on the surface cut open along them if they are creases.
+fn measure(
+    topology: &Topology,
+    positions: &[DVec3],
+    control: &[DVec3],
+    edges: &[HalfedgeId],
+    is_crease: bool,
+) -> Vec<Edge> {
+    let cuts: &[HalfedgeId] = if is_crease { edges } else { &[] };
+    let Some(sides) = Sides::new(topology, control, edges, cuts) else {
         return Vec::new();
     };
     edges
         .iter()
         .map(|&h| {
-            let [a, b] = [mesh.topology.origin(h), mesh.topology.target(h)];
-            let (own, other) = (sides.at(mesh, h), sides.at(mesh, h.twin()));
+            let [a, b] = [topology.origin(h), topology.target(h)].map(|v| positions[v.index()]);
+            let (own, other) = (sides.at(topology, h), sides.at(topology, h.twin()));
             let (mut gap, mut angle, mut jump) = (0.0f64, 0.0f64, 0.0f64);
             for (k, p) in own.points.iter().enumerate() {
                 // the other side runs through the edge backwards
@@ -132,11 +168,11 @@ fn measure(mesh: &Mesh, control: &[DVec3], edges: &[HalfedgeId], cuts: &[Halfedg
                 jump = jump.max((p.mean - q.mean).abs());
             }
             Edge {
-                length: mesh.position(a).distance(mesh.position(b)),
+                length: a.distance(b),
                 middle: own.points[1].at,
                 gap,
                 angle,
-                dihedral: dihedral(mesh, h),
+                dihedral: dihedral_angle(positions, topology, h),
                 jump,
                 step: (own.average - other.average).abs(),
             }
@@ -160,7 +196,7 @@ struct Side {
 /// The surface at the edges of the faces next to a chain.
 struct Sides {
     /// Faces in ascending order.
-    faces: Vec<u32>,
+    faces: Vec<FaceId>,
     /// For each of `faces` its points on the three sides, and its mean curvature.
     points: Vec<Vec<Point>>,
     average: Vec<f64>,
@@ -168,19 +204,18 @@ struct Sides {
 
 impl Sides {
     fn new(
-        mesh: &Mesh,
+        topology: &Topology,
         control: &[DVec3],
         edges: &[HalfedgeId],
         cuts: &[HalfedgeId],
     ) -> Option<Self> {
         let both = edges.iter().flat_map(|h| [*h, h.twin()]);
-        let mut faces: Vec<u32> = both.map(|h| mesh.topology.face(h).0).collect();
+        let mut faces: Vec<FaceId> = both.map(|h| topology.face(h)).collect();
         faces.sort_unstable();
         faces.dedup();
-        let ids: Vec<FaceId> = faces.iter().map(|&f| FaceId(f)).collect();
-        let local = Local::new(&mesh.topology, &ids, cuts)?;
+        let local = with_rings(topology, &faces, cuts)?;
         let control = local.gather(control);
-        let ids: Vec<FaceId> = ids.iter().map(|&f| local.face(f)).collect();
+        let ids: Vec<FaceId> = faces.iter().filter_map(|&f| local.face(f)).collect();
         // (v, w) along the sides from corner 0 to 1, 1 to 2, 2 to 0
         let on_sides = [0, 1, 2].map(|side| {
             PLACES.map(|t| {
@@ -199,7 +234,7 @@ impl Sides {
             faces,
         };
         for e in 0..sampled.len() {
-            let place = out.place(local.source_face(FaceId(sampled.faces()[e])));
+            let place = out.place(local.faces[sampled.faces()[e] as usize]);
             let mut points = Vec::with_capacity(9);
             each_point(&sampled, e, &control, |at, p: &PointGeometry| {
                 points.push(Point {
@@ -211,20 +246,20 @@ impl Sides {
             out.points[place] = points;
         }
         for e in 0..inside.len() {
-            let place = out.place(local.source_face(FaceId(inside.faces()[e])));
+            let place = out.place(local.faces[inside.faces()[e] as usize]);
             out.average[place] = mean_curvature(&inside, e, &control);
         }
         Some(out)
     }
 
     fn place(&self, f: FaceId) -> usize {
-        self.faces.partition_point(|&g| g < f.0)
+        self.faces.partition_point(|&g| g < f)
     }
 
-    fn at(&self, mesh: &Mesh, h: HalfedgeId) -> Side {
-        let f = mesh.topology.face(h);
-        let corners = mesh.topology.face_vertices(f);
-        let origin = mesh.topology.origin(h);
+    fn at(&self, topology: &Topology, h: HalfedgeId) -> Side {
+        let f = topology.face(h);
+        let corners = topology.face_vertices(f);
+        let origin = topology.origin(h);
         let side = corners.iter().position(|&v| v == origin).unwrap_or(0);
         let place = self.place(f);
         let first = side * PLACES.len();

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::analysis::shape::all_elements;
 use crate::mesh::{DVec3, Topology};
 use crate::subdivision::Rule;
-use crate::surface::each_point;
+use crate::surface::{each_point, project_to_vertices, surface_point};
 
 /// Bins of a histogram.
 const BINS: usize = 32;
@@ -176,22 +176,21 @@ fn histogram(samples: &[Sample], i: usize, area: f64) -> Histogram {
 /// limit surface itself has none. NaN for vertices without triangles.
 pub fn vertex_curvatures(topology: &Topology, control: &[DVec3]) -> Vec<[f64; 2]> {
     let elements = all_elements(topology, Rule::Twelve);
+    let sample = |e, q| {
+        let (_, p) = surface_point(&elements, e, q, control);
+        (p.sqrt_g > 0.0 && p.mean.is_finite()).then_some((p.sqrt_g, [p.mean, p.gauss]))
+    };
     let mut sums = vec![[0.0; 3]; control.len()];
-    for e in 0..elements.len() {
-        let mut point = 0;
-        each_point(&elements, e, control, |_, p| {
-            let [v, w] = Rule::Twelve.points()[point];
-            point += 1;
-            for (corner, hat) in [1.0 - v - w, v, w].into_iter().enumerate() {
-                let weight = hat * p.sqrt_g;
-                if weight > 0.0 && p.mean.is_finite() {
-                    let sum = &mut sums[elements.vertices_of(e)[corner] as usize];
-                    sum[0] += weight * p.mean;
-                    sum[1] += weight * p.gauss;
-                    sum[2] += weight;
-                }
-            }
-        });
-    }
+    project_to_vertices(
+        &elements,
+        Rule::Twelve,
+        sample,
+        |v, weight, [mean, gauss]| {
+            let sum = &mut sums[v as usize];
+            sum[0] += weight * mean;
+            sum[1] += weight * gauss;
+            sum[2] += weight;
+        },
+    );
     sums.iter().map(|s| [s[0] / s[2], s[1] / s[2]]).collect()
 }

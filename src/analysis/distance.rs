@@ -38,8 +38,8 @@ pub struct Distances {
 /// would leave gaps; these are the centres of its division into sixteen.
 const DIVISIONS: u32 = 4;
 
-/// Distances between a mesh and a reference, or `None` if one of them has no triangles. Triangles are
-/// sampled at sixteen points each, weighted by area; vertices count for the maxima.
+/// Distances between a mesh and a reference, or `None` if one of them has no triangles. Triangles
+/// are sampled at sixteen points each, weighted by area; vertices count for the maxima.
 pub fn distances(mesh: &Mesh, reference: &Mesh) -> Option<Distances> {
     let to_reference = one_sided(mesh, reference)?;
     let from_reference = one_sided(reference, mesh)?;

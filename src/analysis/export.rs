@@ -20,8 +20,8 @@ struct Output<'a> {
     analysis: &'a Analysis,
 }
 
-/// The whole report as JSON. `input` names the mesh, `load` is what happened when it was read (left out
-/// for a mesh that is no file).
+/// The whole report as JSON. `input` names the mesh, `load` is what happened when it was read (left
+/// out for a mesh that is no file).
 ///
 /// # Errors
 /// Those of the serializer; there are none for these plain data.

@@ -2,8 +2,9 @@
 //! distances to another one.
 //!
 //! The surface is the Loop limit surface of the mesh: its vertices are control points, as in what
-//! `fill` writes, or points the surface passes ([`Vertices::OnSurface`]), as in what `refine` writes and
-//! in meshes of any other origin. Plain data throughout, for a window and for JSON alike.
+//! `fill` writes, or points the surface passes ([`Vertices::OnSurface`]), as in what `refine`
+//! writes and in meshes of any other origin. Plain data throughout, for a window and for JSON
+//! alike.
 
 mod bending;
 mod chains;
@@ -17,7 +18,7 @@ mod section;
 mod shape;
 
 pub use chains::{EdgeChain, chain_through, patch_rims, sharp_edges};
-pub use continuity::{ChainReport, Statistic, measure_chain};
+pub use continuity::{ChainReport, Statistic, WorstJumps, measure_chain, worst_jumps};
 pub use curvature::{CurvatureReport, Histogram, Range, vertex_curvatures};
 pub use distance::{Deviation, Distances, distances};
 pub use export::{measures_csv, report_json, sections_csv, vertices_csv};
@@ -73,8 +74,8 @@ pub fn analyze(mesh: &Mesh, options: &AnalysisOptions<'_>) -> Analysis {
     all
 }
 
-/// [`analyze`] as long as it is `wanted`, which is asked between two measures with how many were made
-/// and how many there are; `None` once it is not.
+/// [`analyze`] as long as it is `wanted`, which is asked between two measures with how many were
+/// made and how many there are; `None` once it is not.
 pub fn analyze_while(
     mesh: &Mesh,
     options: &AnalysisOptions<'_>,

@@ -9,9 +9,9 @@ use crate::shapes::{TriangleMesh, icosphere};
 use crate::subdivision::{Rule, elements};
 use crate::surface::each_point;
 
-/// Relative errors of area and `∫ H² dA` at three densities have the orders of docs/accuracy.md: fourth on
-/// a regular grid, and lower where vertices of valence 5 are, at which Loop's surfaces are not curved
-/// as those they approximate.
+/// Relative errors of area and `∫ H² dA` at three densities have the orders of docs/accuracy.md:
+/// fourth on a regular grid, and lower where vertices of valence 5 are, at which Loop's surfaces
+/// are not curved as those they approximate.
 #[test]
 fn integrals_have_their_orders() {
     let clifford = 2.0_f64.sqrt();
@@ -51,8 +51,9 @@ fn grid_torus(n: usize, m: usize) -> TriangleMesh {
     })
 }
 
-/// A regular grid of `n` by `m` squares, each cut in two, row by row; the rows are rings about an axis, the columns
-/// closed or open; `point` is given the angle about the axis and the part of the column, from 0 to 1.
+/// A regular grid of `n` by `m` squares, each cut in two, row by row; the rows are rings about an
+/// axis, the columns closed or open; `point` is given the angle about the axis and the part of the
+/// column, from 0 to 1.
 fn grid(n: usize, m: usize, is_closed: bool, point: impl Fn(f64, f64) -> DVec3) -> TriangleMesh {
     let rows = if is_closed { m } else { m + 1 };
     let at = |i: usize, j: usize| ((j % rows) * n + i % n) as u32;
@@ -73,8 +74,9 @@ fn grid(n: usize, m: usize, is_closed: bool, point: impl Fn(f64, f64) -> DVec3) 
     shape
 }
 
-/// A cylinder of radius 1 is regular up to its rims, for which the ghosts beyond are on it: fourth order in
-/// the integrals, second in the curvature at a point, and no Gaussian curvature but by rounding.
+/// A cylinder of radius 1 is regular up to its rims, for which the ghosts beyond are on it: fourth
+/// order in the integrals, second in the curvature at a point, and no Gaussian curvature but by
+/// rounding.
 #[test]
 fn a_cylinder_s_measures_have_their_orders() {
     let errors = [1, 2, 4].map(|k| {
@@ -95,8 +97,9 @@ fn a_cylinder_s_measures_have_their_orders() {
     check_orders(&errors, [3.9, 3.9, 1.9]);
 }
 
-/// The catenoid `r = cosh z` on a conformal grid. Beyond its rims the ghosts go on straight, which leaves curvatures
-/// wrong there by a constant; where the rims are far, in the middle half, the orders are those of the cylinder.
+/// The catenoid `r = cosh z` on a conformal grid. Beyond its rims the ghosts go on straight, which
+/// leaves curvatures wrong there by a constant; where the rims are far, in the middle half, the
+/// orders are those of the cylinder.
 #[test]
 fn a_catenoid_s_measures_have_their_orders() {
     let inner = [2, 4, 8].map(|k| catenoid(k, 2 * k));
@@ -108,8 +111,8 @@ fn a_catenoid_s_measures_have_their_orders() {
     check_orders(&whole, [2.9, 0.9, 0.5]);
 }
 
-/// Relative errors of the area and of `∫ K dA`, the root of the mean of `H²`, and the largest errors of `H` and `K`,
-/// on `|z| ≤ 1` but for `skipped` rings at each end.
+/// Relative errors of the area and of `∫ K dA`, the root of the mean of `H²`, and the largest
+/// errors of `H` and `K`, on `|z| ≤ 1` but for `skipped` rings at each end.
 fn catenoid(k: usize, skipped: usize) -> [f64; 5] {
     let tube = |u: f64, z: f64| DVec3::new(z.cosh() * u.cos(), z.cosh() * u.sin(), z);
     let found = Piece::measure(k, skipped, tube, |x| [0.0, -x.z.cosh().powi(-4)]);
@@ -134,8 +137,8 @@ struct Piece {
 }
 
 impl Piece {
-    /// Of a tube of `8 k` rings of `24 k` squares over `|z| ≤ 1`, but for `skipped` rings at each end. `point` is
-    /// given angle and `z`; `curvatures` are the true `H` and `K` at a place.
+    /// Of a tube of `8 k` rings of `24 k` squares over `|z| ≤ 1`, but for `skipped` rings at each
+    /// end. `point` is given angle and `z`; `curvatures` are the true `H` and `K` at a place.
     fn measure(
         k: usize,
         skipped: usize,

@@ -2,12 +2,10 @@
 
 use serde::Serialize;
 
-use crate::mesh::{
-    DVec3, FaceId, HalfedgeId, Mesh, dihedral_angle, folded_edges, self_intersections,
-};
+use crate::mesh::{DVec3, HalfedgeId, Mesh, dihedral_angle, folded_edges, self_intersections};
 
 /// Intersecting pairs counted at most.
-const MOST_INTERSECTIONS: usize = 10_000;
+const MAX_INTERSECTIONS: usize = 10_000;
 /// An edge is folded where the normals differ by more than this, in degrees.
 const FOLDED: f64 = 150.0;
 /// Places named at most.
@@ -48,9 +46,7 @@ pub struct QualityReport {
 /// Measures the triangles of a mesh.
 pub fn quality(mesh: &Mesh) -> QualityReport {
     let topology = &mesh.topology;
-    let faces: Vec<[DVec3; 3]> = (0..topology.face_count())
-        .map(|f| mesh.corners(FaceId::from(f)))
-        .collect();
+    let faces: Vec<[DVec3; 3]> = topology.faces().map(|f| mesh.corners(f)).collect();
     let centre = |f: usize| faces[f].iter().sum::<DVec3>() / 3.0;
     let (with_area, angles): (Vec<usize>, Vec<[f64; 3]>) = faces
         .iter()
@@ -63,21 +59,17 @@ pub fn quality(mesh: &Mesh) -> QualityReport {
         .collect();
     let worst = (0..smallest.len()).min_by(|&a, &b| smallest[a].total_cmp(&smallest[b]));
     let ratios: Vec<f64> = faces.iter().map(radius_ratio).collect();
-    let edges = (0..topology.halfedge_count()).step_by(2).map(|h| {
-        let h = HalfedgeId::from(h);
-        mesh.position(topology.origin(h))
-            .distance(mesh.position(topology.target(h)))
-    });
+    let edges = topology.edges().map(|h| mesh.edge_length(h));
     let mut valences = Vec::new();
-    for v in 0..topology.vertex_count() {
-        let valence = topology.valence(v.into());
+    for v in topology.vertices() {
+        let valence = topology.valence(v);
         if valences.len() <= valence {
             valences.resize(valence + 1, 0);
         }
         valences[valence] += 1;
     }
     let triangles: Vec<[u32; 3]> = topology.triangles().collect();
-    let pairs = self_intersections(&mesh.positions, &triangles, None, MOST_INTERSECTIONS);
+    let pairs = self_intersections(&mesh.positions, &triangles, None, MAX_INTERSECTIONS);
     let middle = |p: &[u32; 2]| (0.5 * (centre(p[0] as usize) + centre(p[1] as usize))).to_array();
     let degrees = |x: f64| x.to_degrees();
     QualityReport {
@@ -136,10 +128,9 @@ fn radius_ratio([a, b, c]: &[DVec3; 3]) -> f64 {
 
 fn max_dihedral(mesh: &Mesh) -> f64 {
     let topology = &mesh.topology;
-    (0..topology.halfedge_count())
-        .step_by(2)
-        .map(HalfedgeId::from)
-        .filter(|&h| !topology.is_boundary(h) && !topology.is_boundary(h.twin()))
+    topology
+        .edges()
+        .filter(|&h| !topology.is_boundary_edge(h))
         .map(|h| dihedral(mesh, h))
         .fold(0.0, f64::max)
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::energy::Energy;
-use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId, components};
+use crate::mesh::{DVec3, FaceId, Mesh, Topology, components};
 use crate::subdivision::{Elements, Rule, elements};
 use crate::surface::{Interpolation, each_point};
 
@@ -66,13 +66,10 @@ pub struct Energies {
 pub fn control_points(mesh: &Mesh, vertices: Vertices) -> Vec<DVec3> {
     let mut control = mesh.positions.clone();
     if vertices == Vertices::OnSurface {
-        let held: Vec<(u32, DVec3)> = (0..mesh.vertex_count())
-            .filter(|&v| {
-                mesh.topology
-                    .halfedge_of_vertex(VertexId::from(v))
-                    .is_some()
-            })
-            .map(|v| (v as u32, mesh.positions[v]))
+        let used = mesh.topology.vertices();
+        let held: Vec<(u32, DVec3)> = used
+            .filter(|&v| mesh.topology.has_faces(v))
+            .map(|v| (v.0, mesh.position(v)))
             .collect();
         Interpolation::new(&mesh.topology, &held).enforce(&mut control);
     }
@@ -81,17 +78,15 @@ pub fn control_points(mesh: &Mesh, vertices: Vertices) -> Vec<DVec3> {
 
 /// The stencils of all faces.
 pub(super) fn all_elements(topology: &Topology, rule: Rule) -> Elements {
-    let faces: Vec<FaceId> = (0..topology.face_count()).map(FaceId::from).collect();
+    let faces: Vec<FaceId> = topology.faces().collect();
     elements(topology, &faces, rule)
 }
 
 /// Counts and integrals of a mesh and the limit surface of the `control` points.
 pub fn shape(mesh: &Mesh, control: &[DVec3], energy: Option<&Energy>) -> ShapeReport {
     let topology = &mesh.topology;
-    let used = (0..topology.vertex_count())
-        .filter(|&v| topology.halfedge_of_vertex(VertexId::from(v)).is_some())
-        .count();
-    let [v, e, f] = [used, topology.halfedge_count() / 2, topology.face_count()];
+    let used = topology.vertices().filter(|&v| topology.has_faces(v));
+    let [v, e, f] = [used.count(), topology.edges().len(), topology.face_count()];
     let signed = |n: usize| i64::try_from(n).unwrap_or(i64::MAX);
     let euler = signed(v) - signed(e) + signed(f);
     let boundary_loops = topology.boundary_loops().len();
@@ -100,7 +95,7 @@ pub fn shape(mesh: &Mesh, control: &[DVec3], energy: Option<&Energy>) -> ShapeRe
     // relative to a vertex, so that nothing is lost far from the origin
     let origin = mesh.positions.first().copied().unwrap_or_default();
     let (mut mesh_area, mut mesh_volume) = (0.0, 0.0);
-    for face in (0..f).map(FaceId::from) {
+    for face in topology.faces() {
         let [a, b, c] = mesh.corners(face).map(|p| p - origin);
         mesh_area += 0.5 * (b - a).cross(c - a).length();
         mesh_volume += a.dot(b.cross(c)) / 6.0;

@@ -45,7 +45,8 @@ fn a_sphere_s_integrals_converge() {
 fn total_curvature_is_topological() {
     let ring = on_surface(&mesh(torus(2.0, 0.8, 600, 1))).shape;
     assert_eq!((ring.euler, ring.genus), (0, 1));
-    // the integral of |K| is 8 pi; the quadrature on these irregular faces misses it by half a percent
+    // the integral of |K| is 8 pi; the quadrature on these irregular faces misses it by half a
+    // percent
     let missed = ring.energies.total_curvature.abs() / (8.0 * PI);
     assert!(missed < 0.01, "{missed}");
     let ball = on_surface(&mesh(sphere(400, 2))).shape;
@@ -174,7 +175,7 @@ fn an_isolated_vertex_and_no_triangle_are_fine() {
     let json = serde_json::to_string(&a).expect("plain data");
     assert!(!json.contains("null,\"area\":null"));
     assert!(vertex_curvatures(&none.topology, &none.positions)[0][0].is_nan());
-    assert!(!none.topology.halfedge_of_vertex(VertexId(0)).is_some());
+    assert!(!none.topology.has_faces(VertexId(0)));
 }
 
 /// Whether each edge begins where the one before ends.

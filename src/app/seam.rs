@@ -1,21 +1,20 @@
 //! How a patch meets the mesh: figures of the limit surface along the rims.
 
-use crate::mesh::{DVec3, FaceId, Topology, VertexId};
-use crate::subdivision::{Rule, elements, limit_normal};
-use crate::surface::mean_curvature;
+use crate::analysis::worst_jumps;
+use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology, VertexId, edge_flags};
 
-/// The worst places along all rims.
+/// The worst places along all rims, by the definitions of the report's continuity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seam {
-    /// Largest angle between the normals of either side at a vertex of a G0 rim, in degrees; `None`
+    /// Largest angle between the normals of either side along the G0 rims, in degrees; `None`
     /// without such rims. On a G1 rim it is 0: one smooth surface runs through.
     pub angle: Option<f64>,
-    /// Largest difference of mean curvature between the faces on either side of an edge of a G1
-    /// rim, in one over units of length; `None` without such rims.
+    /// Largest difference of the mean curvatures averaged over the faces on either side of an edge
+    /// of a G1 rim, in one over units of length; `None` without such rims.
     pub jump: Option<f64>,
 }
 
-/// Measures the rims of the faces that flow: those from `first` on and `others`, which are ascending.
+/// Measures the rims of the faces that flow: those from `first` on and `others`, which ascend.
 /// `sharp` are the edges of G0 rims.
 pub fn seam(
     topology: &Topology,
@@ -24,93 +23,29 @@ pub fn seam(
     others: &[u32],
     sharp: &[[VertexId; 2]],
 ) -> Seam {
-    let mut edges: Vec<[VertexId; 2]> = sharp.iter().map(|&e| ordered(e)).collect();
-    edges.sort_unstable();
-    let (mut smooth, mut creased) = (Vec::new(), Vec::new());
-    let flows = &|f: FaceId| f.index() >= first || others.binary_search(&f.0).is_ok();
-    let patch = (first..topology.face_count()).map(FaceId::from);
-    for f in others.iter().copied().map(FaceId).chain(patch) {
-        let mut h = topology.halfedge_of_face(f);
-        for _ in 0..3 {
-            let beyond = topology.face(h.twin());
-            if beyond.is_some() && !flows(beyond) {
-                let ends = ordered([topology.origin(h), topology.target(h)]);
-                if edges.binary_search(&ends).is_ok() {
-                    creased.extend(ends);
-                } else {
-                    smooth.push([f, beyond]);
-                }
-            }
-            h = topology.next(h);
-        }
-    }
-    creased.sort_unstable();
-    creased.dedup();
-    Seam {
-        angle: angle(topology, positions, flows, &creased),
-        jump: jump(topology, positions, &smooth),
-    }
-}
-
-fn ordered([a, b]: [VertexId; 2]) -> [VertexId; 2] {
-    if a < b { [a, b] } else { [b, a] }
-}
-
-/// Either side as if the other were not there.
-fn angle(
-    topology: &Topology,
-    positions: &[DVec3],
-    flows: &dyn Fn(FaceId) -> bool,
-    vertices: &[VertexId],
-) -> Option<f64> {
-    let mut faces: Vec<FaceId> = vertices
-        .iter()
-        .flat_map(|&v| topology.outgoing(v).map(|h| topology.face(h)))
-        .filter(|f| f.is_some())
-        .collect();
-    faces.sort_unstable_by_key(|&f| (flows(f), f));
-    faces.dedup();
-    let split = faces.partition_point(|&f| !flows(f));
-    let side = |faces: &[FaceId]| {
-        let triangles: Vec<[u32; 3]> = faces
-            .iter()
-            .map(|&f| topology.face_vertices(f).map(|v| v.0))
-            .collect();
-        Topology::from_triangles(positions.len(), &triangles).ok()
+    let flows = |f: FaceId| f.index() >= first || others.binary_search(&f.0).is_ok();
+    let is_rim = |h: &HalfedgeId| {
+        let beyond = topology.face(h.twin());
+        beyond.is_some() && !flows(beyond)
     };
-    let (outer, inner) = (side(&faces[..split])?, side(&faces[split..])?);
-    vertices
-        .iter()
-        .map(|&v| {
-            let [a, b] = [&outer, &inner].map(|side| limit_normal(side, positions, v));
-            a.angle_between(b).to_degrees()
-        })
-        .filter(|angle| angle.is_finite())
-        .reduce(f64::max)
-}
-
-fn jump(topology: &Topology, positions: &[DVec3], edges: &[[FaceId; 2]]) -> Option<f64> {
-    let mut faces: Vec<FaceId> = edges.iter().flatten().copied().collect();
-    faces.sort_unstable();
-    faces.dedup();
-    let local = elements(topology, &faces, Rule::Three);
-    let mut mean = vec![f64::NAN; faces.len()];
-    for e in 0..local.len() {
-        if let Ok(place) = faces.binary_search(&FaceId(local.faces()[e])) {
-            mean[place] = mean_curvature(&local, e, positions);
-        }
+    let patch = (first..topology.face_count()).map(FaceId::from);
+    let flowing = others.iter().copied().map(FaceId).chain(patch);
+    let is_sharp = edge_flags(topology, sharp);
+    let (creased, smooth): (Vec<_>, Vec<_>) = flowing
+        .flat_map(|f| topology.face_halfedges(f))
+        .filter(is_rim)
+        .partition(|h| is_sharp[h.edge()]);
+    Seam {
+        angle: worst_jumps(topology, positions, &creased, true).map(|worst| worst.normal_angle),
+        jump: worst_jumps(topology, positions, &smooth, false).map(|worst| worst.curvature_step),
     }
-    let of = |f: FaceId| faces.binary_search(&f).map_or(f64::NAN, |i| mean[i]);
-    edges
-        .iter()
-        .map(|&[a, b]| (of(a) - of(b)).abs())
-        .filter(|jump| jump.is_finite())
-        .reduce(f64::max)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::{measure_chain, patch_rims};
+    use crate::mesh::Mesh;
     use crate::shapes::icosphere;
 
     /// A sphere of radius 1 cut at its equator, the upper half scaled by `height`: the halves are
@@ -156,6 +91,23 @@ mod tests {
             .angle
             .expect("a rim");
         assert!((80.0..=100.0).contains(&angle), "{angle}");
+    }
+
+    #[test]
+    fn the_report_has_the_same_figures() {
+        let (topology, positions, first, rim) = cut_sphere(0.6);
+        let mesh = Mesh::new(positions, topology);
+        let is_patch: Vec<bool> = (0..mesh.face_count()).map(|f| f >= first).collect();
+        for sharp in [&rim[..], &[]] {
+            let is_crease = !sharp.is_empty();
+            let chains = patch_rims(&mesh, &is_patch, is_crease);
+            assert_eq!(chains.len(), 1);
+            let report = measure_chain(&mesh, &mesh.positions, &chains[0]);
+            let found = seam(&mesh.topology, &mesh.positions, first, &[], sharp);
+            let angle = is_crease.then_some(report.normal_angle.max);
+            let jump = (!is_crease).then_some(report.curvature_step.max);
+            assert_eq!(found, Seam { angle, jump });
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use anyhow::Result;
 
 use crate::cli::UsageError;
 use crate::cli::picture_args::{PictureArguments, Up};
-use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops};
+use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops, grow};
 use crate::render::{
     self, Background, Bounds, Camera, DynamicSurface, Geometry, Gpu, LineStyle, Overlay, Polyline,
     Scene, StandardView, SurfaceOptions, Vertex, ViewMode, ViewStyle, rim_points, static_surface,
@@ -153,16 +153,7 @@ fn around_patches(mesh: &Mesh, first_patch_face: usize) -> Vec<bool> {
     }
     let mut fine: Vec<bool> = (0..faces).map(|f| f >= first_patch_face).collect();
     for _ in 0..FINE_RINGS {
-        let mut touched = vec![false; mesh.vertex_count()];
-        for f in (0..faces).filter(|&f| fine[f]) {
-            for v in mesh.topology.face_vertices(FaceId::from(f)) {
-                touched[v.index()] = true;
-            }
-        }
-        for f in 0..faces {
-            let corners = mesh.topology.face_vertices(FaceId::from(f));
-            fine[f] |= corners.iter().any(|v| touched[v.index()]);
-        }
+        grow(&mesh.topology, &mut fine);
     }
     fine
 }

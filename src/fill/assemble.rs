@@ -174,8 +174,8 @@ impl Assembly {
             colors,
             face_tags,
             tags: mesh.tags.clone(),
-            one_sided: mesh.one_sided.clone(),
-            one_sided_tags: mesh.one_sided_tags.clone(),
+            non_orientable: mesh.non_orientable.clone(),
+            non_orientable_tags: mesh.non_orientable_tags.clone(),
         }
     }
 

@@ -7,7 +7,7 @@ use crate::fill::plan::{Domain, Plan};
 use crate::fill::refill::RefillError;
 use crate::fill::result::Filled;
 use crate::fill::run::{Observer, ScheduledOptions, run_plan};
-use crate::mesh::{DVec3, FaceId, Mesh, VertexId, inner_vertices};
+use crate::mesh::{DVec3, FaceId, Mesh, Neighbourhood, VertexId, inner_vertices, rms_distance};
 use crate::solver::SUPPORT_RINGS;
 
 /// Lets the inner vertices of the selected faces flow, with G1 continuity to the rest. The
@@ -43,8 +43,7 @@ pub(super) fn plan_fairing(mesh: &Mesh, selected: &[bool]) -> Result<Plan, Refil
         return Err(RefillError::Everything);
     }
     let centre = ring_1.iter().map(|&v| mesh.position(v)).sum::<DVec3>() / ring_1.len() as f64;
-    let square = |&v: &VertexId| mesh.position(v).distance_squared(centre);
-    let radius = (ring_1.iter().map(square).sum::<f64>() / ring_1.len() as f64).sqrt();
+    let radius = rms_distance(ring_1.iter().map(|&v| mesh.position(v)), centre);
     Ok(Plan {
         domain: Domain::Vertices(moved),
         failed: Vec::new(),
@@ -60,32 +59,8 @@ pub(super) fn plan_fairing(mesh: &Mesh, selected: &[bool]) -> Result<Plan, Refil
 /// The faces within [`SUPPORT_RINGS`] rings of some vertices, sorted, and the vertices of the first
 /// ring.
 fn around(mesh: &Mesh, moved: &[VertexId]) -> (Vec<FaceId>, Vec<VertexId>) {
-    let topology = &mesh.topology;
-    let mut reached = vec![false; mesh.vertex_count()];
-    for v in moved {
-        reached[v.index()] = true;
-    }
-    let mut has_face = vec![false; mesh.face_count()];
-    let (mut faces, mut ring_1) = (Vec::new(), Vec::new());
-    let mut front = moved.to_vec();
-    for ring in 0..SUPPORT_RINGS {
-        let mut next = Vec::new();
-        for &v in &front {
-            for h in topology.outgoing(v) {
-                let (f, w) = (topology.face(h), topology.target(h));
-                if f.is_some() && !std::mem::replace(&mut has_face[f.index()], true) {
-                    faces.push(f);
-                }
-                if !std::mem::replace(&mut reached[w.index()], true) {
-                    next.push(w);
-                }
-            }
-        }
-        if ring == 0 {
-            ring_1.clone_from(&next);
-        }
-        front = next;
-    }
-    faces.sort_unstable();
-    (faces, ring_1)
+    let rings = usize::from(SUPPORT_RINGS);
+    let around = Neighbourhood::new(&mesh.topology, moved.iter().copied(), rings);
+    let ring_1 = around.rings().nth(1).unwrap_or_default().to_vec();
+    (around.faces, ring_1)
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::fill::hole::PlannedHole;
 use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::mesh::union_find::{find, unite};
-use crate::mesh::{FaceId, Mesh, VertexId};
+use crate::mesh::{FaceId, Mesh, NeighbourhoodSearch};
 use crate::solver::SUPPORT_RINGS;
 
 /// Holes whose support regions share vertices. Creases (G0) are not considered: their holes have no
@@ -30,50 +30,22 @@ pub(super) fn groups(mesh: &Mesh, holes: &[PlannedHole]) -> Vec<Group> {
     let mut owner = vec![u32::MAX; mesh.positions.len()];
     let mut parent: Vec<u32> = (0..count as u32).collect();
     let mut support: Vec<Vec<FaceId>> = Vec::with_capacity(count);
-    let mut face_owner = vec![u32::MAX; mesh.topology.face_count()];
+    let mut search = NeighbourhoodSearch::new(&mesh.topology);
     for (h, hole) in holes.iter().enumerate() {
         if hole.patch.new_points().is_empty() {
             support.push(Vec::new());
             continue;
         }
-        let mut faces = Vec::new();
-        let mut front = hole.rims.vertices.clone();
-        let mut claim = |v: VertexId, parent: &mut [u32]| -> bool {
-            match owner[v.index()] {
-                u32::MAX => {
-                    owner[v.index()] = h as u32;
-                    true
-                }
-                o if o as usize == h => false,
-                o => {
-                    unite(parent, o, h as u32);
-                    // continue, once, as far as the rings of this hole reach
-                    owner[v.index()] = h as u32;
-                    true
-                }
+        // the rim is ring 1
+        let rings = usize::from(SUPPORT_RINGS) - 1;
+        let region = search.around(hole.rims.vertices.iter().copied(), rings);
+        for v in region.vertices() {
+            let before = std::mem::replace(&mut owner[v.index()], h as u32);
+            if before != u32::MAX {
+                unite(&mut parent, before, h as u32);
             }
-        };
-        front.retain(|&v| claim(v, &mut parent));
-        // faces that touch a vertex of ring ≤ SUPPORT_RINGS - 1 (the rim is ring 1)
-        for _ in 1..SUPPORT_RINGS {
-            let mut next = Vec::new();
-            for &v in &front {
-                for half in mesh.topology.outgoing(v) {
-                    let face = mesh.topology.face(half);
-                    if face.is_some() && face_owner[face.index()] != h as u32 {
-                        face_owner[face.index()] = h as u32;
-                        faces.push(face);
-                    }
-                    let w = mesh.topology.target(half);
-                    if claim(w, &mut parent) {
-                        next.push(w);
-                    }
-                }
-            }
-            front = next;
         }
-        faces.sort_unstable();
-        support.push(faces);
+        support.push(region.faces);
     }
 
     let mut group_of_root = vec![usize::MAX; count];

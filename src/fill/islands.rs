@@ -1,7 +1,9 @@
 //! Components of the mesh inside a hole (islands): the hole's patch joins their rims too.
 
 use crate::fill::rim::{RimSet, rim_of};
-use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, TriangleBvh, closest_point_on_segment};
+use crate::mesh::{
+    BoundaryLoop, DVec3, LoopId, Mesh, TriangleBvh, closest_point_on_segment, vector_area,
+};
 use crate::patch::{self, PatchOptions};
 
 /// An island lies no farther from the first patch of its hole than this, in hole radii.
@@ -144,7 +146,7 @@ impl CandidateHole {
 /// Vector area of a loop, along the normal of a patch over it.
 fn area(mesh: &Mesh, one: &BoundaryLoop) -> DVec3 {
     let points: Vec<DVec3> = one.vertices.iter().map(|&v| mesh.position(v)).collect();
-    patch::vector_area(&points)
+    vector_area(&points)
 }
 
 #[cfg(test)]

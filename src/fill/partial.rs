@@ -10,7 +10,7 @@ use crate::fill::plan::Plan;
 use crate::fill::result::{FillError, Filled, milliseconds};
 use crate::fill::rim::rim_of;
 use crate::fill::run::{Observer, run_plan};
-use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, VertexId};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, VertexId, rms_distance};
 use crate::patch::{self, Rim, RimGeometry};
 
 /// Why part of a hole cannot be filled.
@@ -136,13 +136,11 @@ fn part_of_loop(
     vertices.push(hole.vertices[to]);
     vertices.extend((old..old + new).map(VertexId::from));
     let centroid = rim.points.iter().sum::<DVec3>() / rim.points.len() as f64;
-    let square = |p: &DVec3| p.distance_squared(centroid);
-    let mean = rim.points.iter().map(square).sum::<f64>() / rim.points.len() as f64;
     BoundaryLoop {
         halfedges: along.iter().map(|&i| hole.halfedges[i]).collect(),
         vertices,
         centroid,
-        radius: mean.sqrt(),
+        radius: rms_distance(rim.points.iter().copied(), centroid),
         ..hole.clone()
     }
 }

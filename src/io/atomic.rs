@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use super::error::SaveError;
+use super::error::{SaveError, SaveErrorKind};
 
 /// Lets `fill` write a temporary file beside `path`, then puts it in place of `path`.
 ///
@@ -87,34 +87,26 @@ struct Target {
 
 /// Follows links and checks what can be checked before anything is computed or written.
 fn target(path: &Path) -> Result<Target, SaveError> {
-    let owned = path.to_owned();
     let existing = match fs::metadata(path) {
-        Ok(metadata) if metadata.is_dir() => return Err(SaveError::IsDirectory { path: owned }),
+        Ok(metadata) if metadata.is_dir() => return Err(SaveErrorKind::IsDirectory.of(path)),
         Ok(metadata) if metadata.permissions().readonly() => {
-            return Err(SaveError::ReadOnly { path: owned });
+            return Err(SaveErrorKind::ReadOnly.of(path));
         }
         Ok(metadata) => Some(metadata),
         Err(error) if error.kind() == ErrorKind::NotFound => None,
         Err(error) if error.kind() == ErrorKind::NotADirectory => {
-            let directory = parent(path);
-            return Err(SaveError::DirectoryMissing {
-                path: owned,
-                directory,
-            });
+            return Err(SaveErrorKind::DirectoryMissing(parent(path)).of(path));
         }
         Err(error) => return Err(from_io(path, error)),
     };
     let real = if existing.is_some() {
         fs::canonicalize(path).map_err(|e| from_io(path, e))?
     } else {
-        owned.clone()
+        path.to_owned()
     };
     let directory = parent(&real);
     if !directory.is_dir() {
-        return Err(SaveError::DirectoryMissing {
-            path: owned,
-            directory,
-        });
+        return Err(SaveErrorKind::DirectoryMissing(directory).of(path));
     }
     Ok(Target {
         path: real,
@@ -131,14 +123,14 @@ fn parent(path: &Path) -> PathBuf {
 }
 
 fn from_io(path: &Path, source: io::Error) -> SaveError {
-    let path = path.to_owned();
-    match source.kind() {
+    let kind = match source.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-            SaveError::DiskFull { path }
+            SaveErrorKind::DiskFull
         }
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
-            SaveError::PermissionDenied { path }
+            SaveErrorKind::PermissionDenied
         }
-        _ => SaveError::Write { path, source },
-    }
+        _ => SaveErrorKind::Write(source),
+    };
+    kind.of(path)
 }

@@ -60,7 +60,7 @@ pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
     Ok(())
 }
 
-/// What a file in `format` will not hold of `mesh`, in words for the person who saves it; empty if
+/// What a file in `format` will not hold of `mesh`, in words for the user; empty if
 /// nothing is lost. STL rounds coordinates to `f32`, which is only reported where it matters: where
 /// two corners of a triangle become the same point.
 pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {

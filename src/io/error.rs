@@ -1,122 +1,110 @@
 //! What can go wrong with a file, with the place, what was found there and what to do about it.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a mesh file could not be read.
 #[derive(Debug, thiserror::Error)]
+#[error("{}: {kind}", .path.display())]
 #[non_exhaustive]
-pub enum LoadError {
+pub struct LoadError {
+    /// The path given.
+    pub path: PathBuf,
+    /// What is wrong with the file.
+    pub kind: LoadErrorKind,
+}
+
+/// What keeps a file from being read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadErrorKind {
     /// Nothing has that name.
-    #[error("{}: no such file; check the path", .path.display())]
-    NotFound {
-        /// The path asked for.
-        path: PathBuf,
-    },
+    #[error("no such file; check the path")]
+    NotFound,
     /// The operating system refused to open the file.
-    #[error("{}: no permission to read the file; check its owner and mode", .path.display())]
-    PermissionDenied {
-        /// The path asked for.
-        path: PathBuf,
-    },
+    #[error("no permission to read the file; check its owner and mode")]
+    PermissionDenied,
     /// The path names a directory.
-    #[error("{}: is a directory; give the path of a mesh file in it", .path.display())]
-    IsDirectory {
-        /// The path asked for.
-        path: PathBuf,
-    },
+    #[error("is a directory; give the path of a mesh file in it")]
+    IsDirectory,
     /// The path names a device, a pipe or a socket, whose end may never come.
-    #[error("{}: is not a regular file; copy the data into one first", .path.display())]
-    NotAFile {
-        /// The path asked for.
-        path: PathBuf,
-    },
+    #[error("is not a regular file; copy the data into one first")]
+    NotAFile,
     /// The extension names no supported format.
-    #[error("{}: {}; supported are {}", .path.display(), extension_words(.extension.as_deref()), super::supported_extensions())]
-    UnknownFormat {
-        /// The path asked for.
-        path: PathBuf,
-        /// Its extension, if it has one.
-        extension: Option<String>,
-    },
+    #[error(transparent)]
+    UnknownFormat(UnknownFormat),
     /// Reading failed half-way.
-    #[error("{}: reading failed: {source}", .path.display())]
-    Read {
-        /// The path asked for.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
+    #[error("reading failed: {0}")]
+    Read(std::io::Error),
     /// The file was read, but it is not a sound mesh file.
-    #[error("{}: {fault}", .path.display())]
-    Content {
-        /// Name of the file, for the message.
-        path: PathBuf,
-        /// Where and what.
-        fault: Fault,
-    },
+    #[error("{0}")]
+    Content(ParseError),
 }
 
 /// Why a mesh could not be written. Whatever stood at the path before is untouched.
 #[derive(Debug, thiserror::Error)]
+#[error("{}: {kind}", .path.display())]
 #[non_exhaustive]
-pub enum SaveError {
+pub struct SaveError {
+    /// The path given.
+    pub path: PathBuf,
+    /// What is in the way.
+    pub kind: SaveErrorKind,
+}
+
+/// What keeps a file from being written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SaveErrorKind {
     /// The extension names no supported format.
-    #[error("{}: {}; supported are {}", .path.display(), extension_words(.extension.as_deref()), super::supported_extensions())]
-    UnknownFormat {
-        /// The path asked for.
-        path: PathBuf,
-        /// Its extension, if it has one.
-        extension: Option<String>,
-    },
+    #[error(transparent)]
+    UnknownFormat(UnknownFormat),
     /// The directory to write to does not exist.
-    #[error("{}: there is no directory {}; create it first", .path.display(), .directory.display())]
-    DirectoryMissing {
-        /// The path asked for.
-        path: PathBuf,
-        /// The directory that is missing.
-        directory: PathBuf,
-    },
+    #[error("there is no directory {}; create it first", .0.display())]
+    DirectoryMissing(PathBuf),
     /// The path names a directory.
-    #[error("{}: is a directory; give the name of a file in it", .path.display())]
-    IsDirectory {
-        /// The path asked for.
-        path: PathBuf,
-    },
+    #[error("is a directory; give the name of a file in it")]
+    IsDirectory,
     /// The file exists and is write-protected.
-    #[error("{}: is read-only and was left as it is; choose another name or make it writable", .path.display())]
-    ReadOnly {
-        /// The path asked for.
-        path: PathBuf,
-    },
+    #[error("is read-only and was left as it is; choose another name or make it writable")]
+    ReadOnly,
     /// The operating system refused to write there.
-    #[error("{}: no permission to write in that directory; nothing was changed", .path.display())]
-    PermissionDenied {
-        /// The path asked for.
-        path: PathBuf,
-    },
+    #[error("no permission to write in that directory; nothing was changed")]
+    PermissionDenied,
     /// No space, or the quota is used up.
-    #[error("{}: the disk is full; nothing was changed, free some space or choose another disk", .path.display())]
-    DiskFull {
-        /// The path asked for.
-        path: PathBuf,
-    },
+    #[error("the disk is full; nothing was changed, free some space or choose another disk")]
+    DiskFull,
     /// Any other failure of the operating system.
-    #[error("{}: writing failed: {source}; nothing was changed", .path.display())]
-    Write {
-        /// The path asked for.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
+    #[error("writing failed: {0}; nothing was changed")]
+    Write(std::io::Error),
     /// The mesh cannot be represented in that file.
-    #[error("{}: not written: {reason}", .path.display())]
-    Mesh {
-        /// The path asked for.
-        path: PathBuf,
-        /// What is wrong with the mesh.
-        reason: MeshFault,
-    },
+    #[error("not written: {0}")]
+    Mesh(MeshFault),
+}
+
+/// An extension that names no supported format; `None` without extension.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}; supported are {}", extension_words(.0.as_deref()), super::supported_extensions())]
+pub struct UnknownFormat(pub Option<String>);
+
+impl LoadErrorKind {
+    /// The error for the file at `path`.
+    pub(super) fn of(self, path: &Path) -> LoadError {
+        LoadError {
+            path: path.to_owned(),
+            kind: self,
+        }
+    }
+}
+
+impl SaveErrorKind {
+    /// The error for the file at `path`.
+    pub(super) fn of(self, path: &Path) -> SaveError {
+        SaveError {
+            path: path.to_owned(),
+            kind: self,
+        }
+    }
 }
 
 /// What keeps a mesh from being written.
@@ -173,21 +161,21 @@ pub enum MeshFault {
     },
 }
 
-/// A problem with the contents of a file, and where it is.
+/// What is wrong with the contents of a file, and where.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
+pub struct ParseError {
     /// Where in the file.
     pub place: Place,
     /// What is wrong there.
-    pub problem: Problem,
+    pub kind: ParseErrorKind,
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for ParseError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.place {
-            Place::File => write!(f, "{}", self.problem),
-            Place::Line(line) => write!(f, "line {line}: {}", self.problem),
-            Place::Byte(byte) => write!(f, "byte {byte}: {}", self.problem),
+            Place::File => write!(f, "{}", self.kind),
+            Place::Line(line) => write!(f, "line {line}: {}", self.kind),
+            Place::Byte(byte) => write!(f, "byte {byte}: {}", self.kind),
         }
     }
 }
@@ -206,7 +194,7 @@ pub enum Place {
 /// What is wrong with the contents of a file. Vertices and faces are counted from 1 here.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Problem {
+pub enum ParseErrorKind {
     /// Zero bytes.
     #[error("the file is empty (0 bytes); export the mesh again")]
     Empty,
@@ -339,7 +327,7 @@ pub enum Problem {
     },
 }
 
-impl Problem {
+impl ParseErrorKind {
     pub(super) fn syntax(what: impl Into<String>, found: impl Into<String>) -> Self {
         Self::Syntax {
             what: what.into(),
@@ -385,24 +373,21 @@ fn comma_words(found: &str) -> &'static str {
 }
 
 impl Place {
-    pub(super) fn fault(self, problem: Problem) -> Fault {
-        Fault {
-            place: self,
-            problem,
-        }
+    pub(super) fn error(self, kind: ParseErrorKind) -> ParseError {
+        ParseError { place: self, kind }
     }
 }
 
-pub(super) fn at_line(line: usize, problem: Problem) -> Fault {
-    Place::Line(line).fault(problem)
+pub(super) fn at_line(line: usize, kind: ParseErrorKind) -> ParseError {
+    Place::Line(line).error(kind)
 }
 
-pub(super) fn at_byte(byte: usize, problem: Problem) -> Fault {
-    Place::Byte(byte).fault(problem)
+pub(super) fn at_byte(byte: usize, kind: ParseErrorKind) -> ParseError {
+    Place::Byte(byte).error(kind)
 }
 
-pub(super) fn in_file(problem: Problem) -> Fault {
-    Place::File.fault(problem)
+pub(super) fn in_file(kind: ParseErrorKind) -> ParseError {
+    Place::File.error(kind)
 }
 
 /// A piece of the file for a message: short, and printable whatever the bytes are.

@@ -73,7 +73,7 @@ pub fn with_output<T>(
 ) -> T {
     let triangles: Vec<[u32; 3]> = mesh.all_triangles().collect();
     let mut face_tags = mesh.face_tags.clone();
-    face_tags.extend_from_slice(&mesh.one_sided_tags);
+    face_tags.extend_from_slice(&mesh.non_orientable_tags);
     write(&OutputMesh {
         positions: &mesh.positions,
         triangles: &triangles,

@@ -1,9 +1,9 @@
 //! Mesh files: OBJ, PLY and STL in and out, the format chosen by the extension.
 //!
-//! Reading takes one pass over the bytes and gives the file's own vertices in the file's order, each
-//! coordinate the `f64` nearest to what is written. Writing is exact (OBJ: the shortest decimals that
-//! read back to the same bits; PLY: binary doubles) except for STL, whose coordinates are `f32`, and
-//! atomic. Errors say where in the file, what was found there and what to do.
+//! Reading takes one pass over the bytes and gives the file's own vertices in the file's order,
+//! each coordinate the `f64` nearest to what is written. Writing is exact (OBJ: the shortest
+//! decimals that read back to the same bits; PLY: binary doubles) except for STL, whose coordinates
+//! are `f32`, and atomic. Errors name the place in the file, what was found there and the remedy.
 //!
 //! ```no_run
 //! use meniscus::io::{self, OutputMesh};
@@ -30,17 +30,20 @@ mod mesh_file;
 mod number;
 mod obj;
 mod ply;
-mod scan;
 mod stl;
 #[cfg(test)]
 mod tests;
+mod text_scanner;
 
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 pub use check::{check, losses};
-pub use error::{Fault, LoadError, MeshFault, Place, Problem, SaveError};
+pub use error::{
+    LoadError, LoadErrorKind, MeshFault, ParseError, ParseErrorKind, Place, SaveError,
+    SaveErrorKind, UnknownFormat,
+};
 pub use mesh_file::{OpenError, Opened, from_soup, open, save_mesh, with_output};
 
 use crate::mesh::{DVec3, FaceTag, Soup};
@@ -85,14 +88,11 @@ fn supported_extensions() -> String {
 }
 
 fn unknown_target(path: &Path) -> SaveError {
-    SaveError::UnknownFormat {
-        path: path.to_owned(),
-        extension: extension_of(path),
-    }
+    SaveErrorKind::UnknownFormat(unknown_format(path)).of(path)
 }
 
-fn extension_of(path: &Path) -> Option<String> {
-    path.extension().map(|e| e.to_string_lossy().into_owned())
+fn unknown_format(path: &Path) -> UnknownFormat {
+    UnknownFormat(path.extension().map(|e| e.to_string_lossy().into_owned()))
 }
 
 /// A triangle mesh to write; borrowed, in the order of the file.
@@ -118,28 +118,24 @@ pub struct OutputMesh<'a> {
 /// [`LoadError`]: the file cannot be opened, its extension names no format, or its contents are
 /// not a sound mesh.
 pub fn load(path: &Path) -> Result<Soup, LoadError> {
-    let owned = || path.to_owned();
-    let failed = |source: std::io::Error| match source.kind() {
-        ErrorKind::NotFound | ErrorKind::NotADirectory => LoadError::NotFound { path: owned() },
-        ErrorKind::PermissionDenied => LoadError::PermissionDenied { path: owned() },
-        _ => LoadError::Read {
-            path: owned(),
-            source,
-        },
+    let failed = |source: std::io::Error| {
+        let kind = match source.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory => LoadErrorKind::NotFound,
+            ErrorKind::PermissionDenied => LoadErrorKind::PermissionDenied,
+            _ => LoadErrorKind::Read(source),
+        };
+        kind.of(path)
     };
     // Before opening: opening a pipe would wait for its writer.
     let metadata = fs::metadata(path).map_err(failed)?;
     if metadata.is_dir() {
-        return Err(LoadError::IsDirectory { path: owned() });
+        return Err(LoadErrorKind::IsDirectory.of(path));
     }
     let Some(format) = Format::from_path(path) else {
-        return Err(LoadError::UnknownFormat {
-            path: owned(),
-            extension: extension_of(path),
-        });
+        return Err(LoadErrorKind::UnknownFormat(unknown_format(path)).of(path));
     };
     if !metadata.is_file() {
-        return Err(LoadError::NotAFile { path: owned() });
+        return Err(LoadErrorKind::NotAFile.of(path));
     }
     let bytes = fs::read(path).map_err(failed)?;
     let mut soup = read(format, &bytes, path)?;
@@ -150,17 +146,14 @@ pub fn load(path: &Path) -> Result<Soup, LoadError> {
 /// Reads a mesh from the bytes of a file; `name` stands in the messages.
 ///
 /// # Errors
-/// [`LoadError::Content`] with the place and what is wrong there.
+/// [`LoadErrorKind::Content`] with the place and what is wrong there.
 pub fn read(format: Format, bytes: &[u8], name: &Path) -> Result<Soup, LoadError> {
     let soup = match format {
         Format::Obj => obj::read(bytes),
         Format::Ply => ply::read(bytes),
         Format::Stl => stl::read(bytes),
     };
-    soup.map_err(|fault| LoadError::Content {
-        path: name.to_owned(),
-        fault,
-    })
+    soup.map_err(|error| LoadErrorKind::Content(error).of(name))
 }
 
 /// Writes `mesh` to `path` in the format of its extension: whole, or not at all.
@@ -171,10 +164,7 @@ pub fn read(format: Format, bytes: &[u8], name: &Path) -> Result<Soup, LoadError
 /// [`SaveError`]; a file that was there before is untouched.
 pub fn save(path: &Path, mesh: &OutputMesh<'_>) -> Result<(), SaveError> {
     let format = Format::from_path(path).ok_or_else(|| unknown_target(path))?;
-    check(format, mesh).map_err(|reason| SaveError::Mesh {
-        path: path.to_owned(),
-        reason,
-    })?;
+    check(format, mesh).map_err(|reason| SaveErrorKind::Mesh(reason).of(path))?;
     atomic::replace(path, |out| write(format, mesh, out))
 }
 
@@ -220,7 +210,7 @@ pub fn check_text_target(path: &Path) -> Result<(), SaveError> {
 /// Writes `mesh`, which [`check()`] has found sound, to any writer.
 ///
 /// # Errors
-/// What the writer says.
+/// The error of the writer.
 ///
 /// # Panics
 /// May panic on a mesh that [`check()`] refuses.

@@ -1,7 +1,9 @@
-//! Boundary loops: their measures, and the guess which of them are outer rims.
+//! Boundary loops, their measures, and the guess which of them are outer boundaries.
 
 use super::outer_rim::guess_outer_rims;
-use super::{Components, DVec3, HalfedgeId, LoopId, Mesh, VertexId, components};
+use super::{
+    Components, DVec3, HalfedgeId, LoopId, Mesh, VertexId, components, perimeter, rms_distance,
+};
 
 /// A closed chain of boundary edges.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,22 +66,14 @@ fn measure(
     let topology = &mesh.topology;
     let vertices: Vec<_> = halfedges.iter().map(|&h| topology.origin(h)).collect();
     let points: Vec<_> = vertices.iter().map(|&v| mesh.position(v)).collect();
-    let n = points.len();
     let origin = points[0];
-    let centroid = origin + points.iter().map(|&p| p - origin).sum::<DVec3>() / n as f64;
-    let mean_square = points
-        .iter()
-        .map(|p| p.distance_squared(centroid))
-        .sum::<f64>()
-        / n as f64;
+    let centroid = origin + points.iter().map(|&p| p - origin).sum::<DVec3>() / points.len() as f64;
     BoundaryLoop {
         id,
-        perimeter: (0..n)
-            .map(|i| points[i].distance(points[(i + 1) % n]))
-            .sum(),
+        perimeter: perimeter(&points),
         diameter: diameter(&points, centroid),
         centroid,
-        radius: mean_square.sqrt(),
+        radius: rms_distance(points.iter().copied(), centroid),
         component: parts.of_face[topology.face(halfedges[0].twin()).index()],
         outer_rim: false,
         reason: String::new(),

@@ -5,7 +5,7 @@ use super::{DVec3, FaceId, HalfedgeId, Mesh, Topology, VertexId};
 /// What is wrong with a mesh, at the first place found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Fault {
+pub enum MeshError {
     /// The half-edge arrays contradict each other: a defect of the code that made them.
     #[error("half-edge {halfedge} is broken: {what}")]
     Connectivity {
@@ -83,18 +83,17 @@ pub enum Fault {
 ///
 /// # Errors
 /// The first fault.
-pub fn check_topology(topology: &Topology) -> Result<(), Fault> {
+pub fn check_topology(topology: &Topology) -> Result<(), MeshError> {
     check_halfedges(topology)?;
     check_vertices(topology)?;
-    let mut edges: Vec<(u32, u32)> = (0..topology.halfedge_count())
-        .step_by(2)
-        .map(HalfedgeId::from)
+    let mut edges: Vec<(u32, u32)> = topology
+        .edges()
         .map(|h| (topology.origin(h).0, topology.target(h).0))
         .map(|(a, b)| (a.min(b), a.max(b)))
         .collect();
     edges.sort_unstable();
     if let Some(same) = edges.windows(2).find(|w| w[0] == w[1]) {
-        return Err(Fault::DoubleEdge(same[0].0, same[0].1));
+        return Err(MeshError::DoubleEdge(same[0].0, same[0].1));
     }
     let mut faces: Vec<([u32; 3], usize)> = topology
         .triangles()
@@ -106,17 +105,17 @@ pub fn check_topology(topology: &Topology) -> Result<(), Fault> {
         .collect();
     faces.sort_unstable();
     if let Some(same) = faces.windows(2).find(|w| w[0].0 == w[1].0) {
-        return Err(Fault::DoubleFace(same[0].1, same[1].1));
+        return Err(MeshError::DoubleFace(same[0].1, same[1].1));
     }
     Ok(())
 }
 
-fn check_halfedges(topology: &Topology) -> Result<(), Fault> {
+fn check_halfedges(topology: &Topology) -> Result<(), MeshError> {
     let n = topology.halfedge_count();
     let mut arrivals = vec![false; n];
     for h in (0..n).map(HalfedgeId::from) {
         let fault = |what| {
-            Err(Fault::Connectivity {
+            Err(MeshError::Connectivity {
                 halfedge: h.0,
                 what,
             })
@@ -145,10 +144,10 @@ fn check_halfedges(topology: &Topology) -> Result<(), Fault> {
             return fault("its face is no triangle");
         }
     }
-    for f in (0..topology.face_count()).map(FaceId::from) {
+    for f in topology.faces() {
         let h = topology.halfedge_of_face(f);
         if topology.face(h) != f {
-            return Err(Fault::Connectivity {
+            return Err(MeshError::Connectivity {
                 halfedge: h.0,
                 what: "a face names it that is not its own",
             });
@@ -157,15 +156,15 @@ fn check_halfedges(topology: &Topology) -> Result<(), Fault> {
     Ok(())
 }
 
-fn check_vertices(topology: &Topology) -> Result<(), Fault> {
+fn check_vertices(topology: &Topology) -> Result<(), MeshError> {
     let mut degree = vec![0usize; topology.vertex_count()];
     let mut on_boundary = vec![false; topology.vertex_count()];
-    for h in (0..topology.halfedge_count()).map(HalfedgeId::from) {
+    for h in topology.halfedges() {
         degree[topology.origin(h).index()] += 1;
         on_boundary[topology.origin(h).index()] |= topology.is_boundary(h);
     }
-    for v in (0..topology.vertex_count()).map(VertexId::from) {
-        let fault = |what| Err(Fault::Vertex { vertex: v.0, what });
+    for v in topology.vertices() {
+        let fault = |what| Err(MeshError::Vertex { vertex: v.0, what });
         let h = topology.halfedge_of_vertex(v);
         if !h.is_some() {
             if degree[v.index()] > 0 {
@@ -189,7 +188,7 @@ fn check_vertices(topology: &Topology) -> Result<(), Fault> {
         for &h in one {
             let v = topology.origin(h);
             if std::mem::replace(&mut last_loop[v.index()], i) == i {
-                return Err(Fault::Vertex {
+                return Err(MeshError::Vertex {
                     vertex: v.0,
                     what: "a boundary loop touches itself there",
                 });
@@ -203,16 +202,16 @@ fn check_vertices(topology: &Topology) -> Result<(), Fault> {
 ///
 /// # Errors
 /// The first fault.
-pub fn check_mesh(mesh: &Mesh) -> Result<(), Fault> {
+pub fn check_mesh(mesh: &Mesh) -> Result<(), MeshError> {
     let (positions, vertices) = (mesh.positions.len(), mesh.topology.vertex_count());
     if positions != vertices {
-        return Err(Fault::Length {
+        return Err(MeshError::Length {
             positions,
             vertices,
         });
     }
     if let Some(vertex) = mesh.positions.iter().position(|p| !p.is_finite()) {
-        return Err(Fault::NotFinite {
+        return Err(MeshError::NotFinite {
             vertex,
             position: mesh.positions[vertex],
         });
@@ -226,24 +225,28 @@ pub fn check_mesh(mesh: &Mesh) -> Result<(), Fault> {
 ///
 /// # Errors
 /// The first fault.
-pub fn check_filled(before: &Mesh, after: &Mesh, left_open: &[&[VertexId]]) -> Result<(), Fault> {
+pub fn check_filled(
+    before: &Mesh,
+    after: &Mesh,
+    left_open: &[&[VertexId]],
+) -> Result<(), MeshError> {
     check_mesh(after)?;
     let bits = |p: &DVec3| p.to_array().map(f64::to_bits);
     for (vertex, p) in before.positions.iter().enumerate() {
         if after.positions.get(vertex).map(bits) != Some(bits(p)) {
-            return Err(Fault::Moved { vertex });
+            return Err(MeshError::Moved { vertex });
         }
     }
     let mut result = after.topology.triangles();
     for (face, t) in before.topology.triangles().enumerate() {
         if result.next() != Some(t) {
-            return Err(Fault::FaceChanged { face });
+            return Err(MeshError::FaceChanged { face });
         }
     }
     for face in before.face_count()..after.face_count() {
         let [a, b, c] = after.corners(FaceId::from(face));
         if (b - a).cross(c - a).length_squared() <= 0.0 {
-            return Err(Fault::ZeroArea { face });
+            return Err(MeshError::ZeroArea { face });
         }
     }
     let sorted = |mut ring: Vec<u32>| {
@@ -257,7 +260,7 @@ pub fn check_filled(before: &Mesh, after: &Mesh, left_open: &[&[VertexId]]) -> R
     for one in after.topology.boundary_loops() {
         let ring = sorted(one.iter().map(|&h| after.topology.origin(h).0).collect());
         let Some(place) = wanted.iter().position(|w| *w == ring) else {
-            return Err(Fault::StillOpen {
+            return Err(MeshError::StillOpen {
                 vertex: ring[0],
                 edges: ring.len(),
             });
@@ -265,7 +268,7 @@ pub fn check_filled(before: &Mesh, after: &Mesh, left_open: &[&[VertexId]]) -> R
         wanted.swap_remove(place);
     }
     match wanted.first() {
-        Some(ring) => Err(Fault::Closed { vertex: ring[0] }),
+        Some(ring) => Err(MeshError::Closed { vertex: ring[0] }),
         None => Ok(()),
     }
 }
@@ -294,14 +297,14 @@ mod tests {
         assert_eq!(check_filled(&open, &open, &[&rim]), Ok(()));
         assert_eq!(
             check_filled(&open, &open, &[]),
-            Err(Fault::StillOpen {
+            Err(MeshError::StillOpen {
                 vertex: 0,
                 edges: 3
             })
         );
         assert_eq!(
             check_filled(&open, &closed, &[&rim]),
-            Err(Fault::Closed { vertex: 0 })
+            Err(MeshError::Closed { vertex: 0 })
         );
     }
 
@@ -312,31 +315,31 @@ mod tests {
         moved.positions[2].x = -0.0;
         assert_eq!(
             check_filled(&open, &moved, &[]),
-            Err(Fault::Moved { vertex: 2 })
+            Err(MeshError::Moved { vertex: 2 })
         );
         let turned = mesh(&CORNERS, &TETRA.map(|[a, b, c]| [b, c, a]));
         assert_eq!(
             check_filled(&open, &turned, &[]),
-            Err(Fault::FaceChanged { face: 0 })
+            Err(MeshError::FaceChanged { face: 0 })
         );
         let mut wild = mesh(&CORNERS, &TETRA);
         wild.positions[3].y = f64::NAN;
         assert!(matches!(
             check_mesh(&wild),
-            Err(Fault::NotFinite { vertex: 3, .. })
+            Err(MeshError::NotFinite { vertex: 3, .. })
         ));
         let mut flat = CORNERS;
         flat[2] = [2., 0., 0.];
         let (open, closed) = (mesh(&flat, &TETRA[..3]), mesh(&flat, &TETRA));
         assert_eq!(
             check_filled(&open, &closed, &[]),
-            Err(Fault::ZeroArea { face: 3 })
+            Err(MeshError::ZeroArea { face: 3 })
         );
     }
 
     #[test]
     fn a_pillow_has_double_faces() {
         let pillow = Topology::from_triangles(3, &[[0, 1, 2], [2, 1, 0]]).expect("closed");
-        assert_eq!(check_topology(&pillow), Err(Fault::DoubleFace(0, 1)));
+        assert_eq!(check_topology(&pillow), Err(MeshError::DoubleFace(0, 1)));
     }
 }

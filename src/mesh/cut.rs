@@ -1,45 +1,7 @@
 //! Cutting a mesh open along edges.
 
-use super::union_find::{find, unite};
+use super::submesh::corner_fans;
 use super::{FaceId, HalfedgeId, Topology, TopologyError, VertexId};
-
-/// The half-edges of a face, from its first, second and third corner.
-pub fn face_halfedges(topology: &Topology, f: FaceId) -> [HalfedgeId; 3] {
-    let h = topology.halfedge_of_face(f);
-    let n = topology.next(h);
-    [h, n, topology.next(n)]
-}
-
-/// The fans of the corners of some faces: corner `k` of the `i`-th face is number `3i + k`, and each
-/// gets the lowest number in its fan. Fans are joined through edges between two of the faces but
-/// for those that are `cut` (one flag for each edge).
-pub fn corner_fans(topology: &Topology, faces: &[FaceId], cut: &[bool]) -> Vec<u32> {
-    let mut place = vec![u32::MAX; topology.face_count()];
-    for (i, f) in faces.iter().enumerate() {
-        place[f.index()] = i as u32;
-    }
-    let mut link: Vec<u32> = (0..3 * faces.len() as u32).collect();
-    for (i, &f) in faces.iter().enumerate() {
-        for (k, h) in face_halfedges(topology, f).into_iter().enumerate() {
-            let g = topology.face(h.twin());
-            if !g.is_some() || place[g.index()] == u32::MAX || cut[h.edge()] {
-                continue;
-            }
-            let around = face_halfedges(topology, g);
-            let (Some(m), j) = (
-                around.iter().position(|&t| t == h.twin()),
-                3 * place[g.index()],
-            ) else {
-                continue;
-            };
-            let corner = |c: usize| 3 * i as u32 + c as u32 % 3;
-            // the edge runs from corner k to k + 1 here and from m to m + 1 there
-            unite(&mut link, corner(k), j + (m as u32 + 1) % 3);
-            unite(&mut link, corner(k + 1), j + m as u32);
-        }
-    }
-    (0..link.len() as u32).map(|c| find(&mut link, c)).collect()
-}
 
 /// A mesh cut open along edges.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,15 +13,16 @@ pub struct CutOpen {
     pub to_whole: Vec<u32>,
 }
 
-/// Cuts a mesh open along edges (one flag each). Where they separate the faces around a vertex, the fan
-/// of the lowest face keeps the vertex and the others get copies of it; where a cut ends inside,
-/// there is one fan and one vertex. An edge alone, both ends of which lie inside, opens nothing.
+/// Cuts a mesh open along edges (one flag each). Where they separate the faces around a vertex, the
+/// fan of the lowest face keeps the vertex and the others get copies of it; where a cut ends
+/// inside, there is one fan and one vertex. An edge alone, both ends of which lie inside, opens
+/// nothing.
 ///
 /// # Errors
-/// The mesh that comes out is no manifold, which that of a manifold is.
+/// The result is no manifold; that of a manifold is one.
 pub fn cut_open(topology: &Topology, cut: &[bool]) -> Result<CutOpen, TopologyError> {
-    let faces: Vec<FaceId> = (0..topology.face_count()).map(FaceId::from).collect();
-    let fans = corner_fans(topology, &faces, cut);
+    let faces: Vec<FaceId> = topology.faces().collect();
+    let fans = corner_fans(topology, &faces, |h| cut[h.edge()]);
     let mut is_cut_at = vec![false; topology.vertex_count()];
     for (e, _) in cut.iter().enumerate().filter(|&(_, &is)| is) {
         let h = HalfedgeId::from(2 * e);
@@ -110,7 +73,8 @@ mod tests {
     use crate::mesh::check_topology;
     use crate::shapes::icosphere;
 
-    /// Chains of edges on an icosahedron: what they do to Euler number, boundary loops and vertices.
+    /// Chains of edges on an icosahedron: what they do to Euler number, boundary loops and
+    /// vertices.
     #[test]
     fn cuts_open_what_they_separate() {
         let (positions, triangles) = icosphere(1);

@@ -1,12 +1,13 @@
-//! The mesh everything works on: an oriented manifold with positions and the attributes of its file.
+//! The mesh everything works on: an oriented manifold with positions and the attributes of its
+//! file.
 
-use super::{DVec3, FaceId, FaceTag, Topology, VertexId};
+use super::{DVec3, FaceId, FaceTag, HalfedgeId, Topology, VertexId};
 
-/// An oriented manifold triangle mesh, possibly with boundary, as [`build`](super::build()) makes it
-/// of a [`Soup`](super::Soup).
+/// An oriented manifold triangle mesh, possibly with boundary, as [`build`](super::build()) makes
+/// it of a [`Soup`](super::Soup).
 ///
-/// Vertices are those of the file in its order (less welded copies), then copies that were needed to
-/// cut non-manifold places apart. Clone it through an `Arc` where many clones are kept.
+/// Vertices are those of the file in its order (less welded copies), then copies that were needed
+/// to cut non-manifold places apart. Clone it through an `Arc` where many clones are kept.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// Vertex positions in the units of the file; one per vertex of `topology`.
@@ -19,11 +20,11 @@ pub struct Mesh {
     pub face_tags: Vec<u32>,
     /// Groups, objects and materials that occur.
     pub tags: Vec<FaceTag>,
-    /// Triangles of one-sided components (Moebius strips), which have no orientation and so cannot
-    /// be part of `topology`. They are left alone and have to be written back after the others.
-    pub one_sided: Vec<[u32; 3]>,
-    /// Tags of `one_sided`, as `face_tags`.
-    pub one_sided_tags: Vec<u32>,
+    /// Triangles of non-orientable components (Moebius strips), which cannot be part of
+    /// `topology`. They are never changed, and are written back after the others.
+    pub non_orientable: Vec<[u32; 3]>,
+    /// Tags of `non_orientable`, as `face_tags`.
+    pub non_orientable_tags: Vec<u32>,
 }
 
 impl Mesh {
@@ -39,26 +40,26 @@ impl Mesh {
             colors: Vec::new(),
             face_tags: Vec::new(),
             tags: Vec::new(),
-            one_sided: Vec::new(),
-            one_sided_tags: Vec::new(),
+            non_orientable: Vec::new(),
+            non_orientable_tags: Vec::new(),
         }
     }
 
-    /// The mesh with the faces of some components (numbers as in [`components`]) turned over: their
-    /// second and third corners change places. Boundary loops keep their numbers and run the other
-    /// way in them.
+    /// The mesh with the faces of some components (numbers as in [`components`]) flipped: their
+    /// second and third corners are exchanged. Boundary loops keep their numbers and run in the
+    /// opposite direction.
     ///
     /// # Panics
-    /// Never: turning components over leaves an oriented manifold one.
+    /// Never: flipping whole components leaves an oriented manifold one.
     #[must_use]
-    pub fn turned_over(&self, turned: &[u32]) -> Self {
+    pub fn with_flipped(&self, flipped: &[u32]) -> Self {
         let parts = components(&self.topology);
         let faces: Vec<[u32; 3]> = self
             .topology
             .triangles()
             .zip(&parts.of_face)
             .map(|([a, b, c], part)| {
-                if turned.contains(part) {
+                if flipped.contains(part) {
                     [a, c, b]
                 } else {
                     [a, b, c]
@@ -66,7 +67,7 @@ impl Mesh {
             })
             .collect();
         let topology = Topology::from_triangles(self.positions.len(), &faces)
-            .expect("an oriented manifold stays one when whole components are turned over");
+            .expect("an oriented manifold stays one when whole components are flipped");
         Self {
             topology,
             ..self.clone()
@@ -95,18 +96,17 @@ impl Mesh {
         self.topology.face_vertices(f).map(|v| self.position(v))
     }
 
-    /// Number of edges with a face on one side only.
-    pub fn boundary_edge_count(&self) -> usize {
-        (0..self.topology.halfedge_count())
-            .filter(|&h| self.topology.is_boundary(h.into()))
-            .count()
+    /// The length of an edge.
+    pub fn edge_length(&self, h: HalfedgeId) -> f64 {
+        let [a, b] = [self.topology.origin(h), self.topology.target(h)];
+        self.position(a).distance(self.position(b))
     }
 
-    /// Every triangle a file has to hold: those of the topology, then the one-sided ones.
+    /// Every triangle a file has to hold: those of the topology, then the non-orientable ones.
     pub fn all_triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.topology
             .triangles()
-            .chain(self.one_sided.iter().copied())
+            .chain(self.non_orientable.iter().copied())
     }
 }
 
@@ -131,14 +131,12 @@ pub fn components(topology: &Topology) -> Components {
         of_face[seed] = count;
         stack.push(FaceId::from(seed));
         while let Some(f) = stack.pop() {
-            let mut h = topology.halfedge_of_face(f);
-            for _ in 0..3 {
+            for h in topology.face_halfedges(f) {
                 let g = topology.face(h.twin());
                 if g.is_some() && of_face[g.index()] == u32::MAX {
                     of_face[g.index()] = count;
                     stack.push(g);
                 }
-                h = topology.next(h);
             }
         }
         count += 1;

@@ -15,7 +15,8 @@ pub struct Erased {
     pub old_face: Vec<u32>,
 }
 
-/// Erases the selected faces, and those that would hang on the rest by a single vertex.
+/// Erases the selected faces, and those that would touch the remaining faces at a single vertex
+/// only.
 ///
 /// # Panics
 /// If there is not one flag per face.
@@ -52,8 +53,13 @@ pub fn erase(mesh: &Mesh, selected: &[bool]) -> Erased {
             colors: picked(&mesh.colors, &old_vertex),
             face_tags: picked(&mesh.face_tags, &old_face),
             tags: mesh.tags.clone(),
-            one_sided: mesh.one_sided.iter().copied().map(renumbered).collect(),
-            one_sided_tags: mesh.one_sided_tags.clone(),
+            non_orientable: mesh
+                .non_orientable
+                .iter()
+                .copied()
+                .map(renumbered)
+                .collect(),
+            non_orientable_tags: mesh.non_orientable_tags.clone(),
         },
         old_vertex,
         old_face,
@@ -68,7 +74,7 @@ fn picked<T: Copy>(all: &[T], indices: &[u32]) -> Vec<T> {
     indices.iter().map(|&i| all[i as usize]).collect()
 }
 
-/// Where what is left around a vertex falls into several fans, all but the largest are erased too.
+/// Where the remaining faces around a vertex form several fans, erases all but the largest.
 fn erase_loose_fans(topology: &Topology, gone: &mut [bool]) {
     let mut waiting: Vec<u32> = (0..topology.vertex_count() as u32)
         .filter(|&v| {
@@ -143,13 +149,7 @@ mod tests {
                 assert!(!selected[old as usize]);
                 assert_eq!(left.mesh.face_tags[f], old);
             }
-            let lonely = |v| {
-                !left
-                    .mesh
-                    .topology
-                    .halfedge_of_vertex(VertexId::from(v))
-                    .is_some()
-            };
+            let lonely = |v| !left.mesh.topology.has_faces(VertexId::from(v));
             assert!(!(0..left.mesh.vertex_count()).any(lonely));
         }
     }

@@ -1,4 +1,4 @@
-//! `u32` indices with a type of their own, so that a face is never taken for a vertex.
+//! `u32` indices with a type of their own, so that faces and vertices cannot be confused.
 
 use std::num::{NonZeroU32, ParseIntError};
 use std::str::FromStr;

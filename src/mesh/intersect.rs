@@ -5,7 +5,7 @@ use robust::{Coord, Coord3D};
 
 use super::{DVec3, Topology, TriangleBvh};
 
-/// Triangle queries whose results are gathered before the limit is looked at again.
+/// Triangle queries between two checks of the limit.
 const BLOCK: usize = 1 << 14;
 
 /// Pairs of triangles that meet anywhere but in the vertices and edges they share, touching
@@ -65,10 +65,10 @@ pub fn self_intersections(
     found
 }
 
-/// Angle between the normals of the triangles at an edge, radians; 0 on a boundary and where one has no
-/// area.
+/// Angle between the normals of the triangles at an edge, radians; 0 on a boundary and where one
+/// has no area.
 pub fn dihedral_angle(positions: &[DVec3], topology: &Topology, h: super::HalfedgeId) -> f64 {
-    if topology.is_boundary(h) || topology.is_boundary(h.twin()) {
+    if topology.is_boundary_edge(h) {
         return 0.0;
     }
     let [m, n] = [h, h.twin()].map(|h| {
@@ -86,9 +86,8 @@ pub fn dihedral_angle(positions: &[DVec3], topology: &Topology, h: super::Halfed
 /// folded flat onto each other), as `[smaller, larger]` face indices in edge order. Faces of zero
 /// area have no normal and are left out.
 pub fn folded_edges(positions: &[DVec3], topology: &Topology, min_angle: f64) -> Vec<[u32; 2]> {
-    let edges = (0..topology.halfedge_count() as u32).step_by(2);
-    edges
-        .map(super::HalfedgeId)
+    topology
+        .edges()
         .filter(|&h| {
             let angle = dihedral_angle(positions, topology, h);
             angle > 0.0 && angle >= min_angle

@@ -8,23 +8,28 @@ mod data;
 mod erase;
 mod ids;
 mod intersect;
+mod measures;
+mod neighbourhood;
 mod outer_rim;
 mod selection;
 mod soup;
 mod spatial;
 mod split;
+mod submesh;
 mod topology;
 pub(crate) mod union_find;
 
 pub use boundary::{BoundaryLoop, boundary_loops};
 pub use build::{BuildError, ComponentReport, Defect, DefectKind, LoadReport, build};
-pub use check::{Fault, check_filled, check_mesh, check_topology};
-pub use cut::{CutOpen, corner_fans, cut_open, edge_between, edge_flags, face_halfedges};
+pub use check::{MeshError, check_filled, check_mesh, check_topology};
+pub use cut::{CutOpen, cut_open, edge_between, edge_flags};
 pub use data::{Components, Mesh, components};
 pub use erase::{Erased, erase};
 pub use glam::DVec3;
 pub use ids::{FaceId, HalfedgeId, LoopId, VertexId};
 pub use intersect::{dihedral_angle, folded_edges, self_intersections, triangles_meet};
+pub use measures::{perimeter, rms_distance, vector_area};
+pub use neighbourhood::{Neighbourhood, NeighbourhoodSearch, faces_around};
 pub use selection::{
     connected_faces, face_flags, face_list, faces_in_ball, faces_near, grow, inner_vertices,
     invert, parse_ranges, ranges_text, shrink, smooth_border,
@@ -34,4 +39,5 @@ pub use spatial::{
     ClosestPoint, RayHit, TriangleBvh, closest_point_on_segment, closest_point_on_triangle,
 };
 pub use split::{Split, edge_diamond, split_all, split_faces};
+pub use submesh::Submesh;
 pub use topology::{Topology, TopologyError};

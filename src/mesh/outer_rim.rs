@@ -1,24 +1,24 @@
-//! The guess which boundary loops are outer rims: borders an open surface is meant to have.
+//! The guess which boundary loops are outer boundaries, intended borders of an open surface.
 //!
-//! How the surface arrives at a rim is measured by its *opening*, an angle. With ν the outward
-//! conormal (in the surface, across the rim, away from the faces), l the edge lengths, m the edge
-//! midpoints, c their centre and r the radius of the loop,
+//! The *opening* of a loop is an angle. It measures how the surface meets the loop. Let ν be the
+//! outward conormal (in the surface, across the loop, away from the faces), l the edge lengths, m
+//! the edge midpoints, c their centre and r the radius of the loop:
 //!
 //! ```text
 //! opening = atan2( r |Σ l ν| , −Σ l ν·(m − c) )
 //! ```
 //!
 //! A hole in a plane has 0° (by the divergence theorem, whatever its shape), a hole of half-angle α
-//! in a sphere α, the end of a tube 90°, the border of a plane 180°. On the shared models holes reach
-//! 64° (a torn one across the tail of a cow), but for a sphere cut open nearly to the equator (81°),
-//! which is the only opening of its component; ends of tubes start at 88°.
+//! in a sphere α, the end of a tube 90°, the border of a plane 180°. On the shared models holes
+//! reach 64° (a torn one across the tail of a cow). The exception is a sphere cut open nearly to the
+//! equator (81°), the only loop of its component. Ends of tubes start at 88°.
 //!
 //! 1. Below [`HOLE_BELOW`] the surface closes in on the loop: a hole. So are loops that are small
 //!    beside their component ([`SMALL`]), and cracks ([`CRACK`]).
-//! 2. A loop that faces another one in front of it is there to be joined to it: not an outer rim.
-//! 3. The only loop of its component that is no hole by rule 1 is the mouth of a cup, and filled, if
-//!    its opening is below [`CUP_BELOW`] (or [`FLARED_CUP_BELOW`] with much surface behind it).
-//! 4. All others are outer rims.
+//! 2. A loop that faces another one in front of it is meant to be joined to it: no outer boundary.
+//! 3. The only loop of its component that is no hole by rule 1 is the mouth of a cup if its opening
+//!    is below [`CUP_BELOW`] (or [`FLARED_CUP_BELOW`] with much surface behind it). It is filled.
+//! 4. All others are outer boundaries.
 
 use super::{BoundaryLoop, Components, DVec3, FaceId, Mesh};
 
@@ -40,15 +40,15 @@ const FLARED_CUP_AREA: f64 = 4.0;
 const CRACK: f64 = 0.05;
 /// Loops have a direction if their mean conormal is at least this long (a tube's end has 1).
 const STRAIGHT: f64 = 0.3;
-/// Cosine of the angle up to which a loop looks at another: 70° between components, 60° within
+/// Cosine of the greatest angle at which a loop faces another: 70° between components, 60° within
 /// one. Ends of a torus of which 120° are missing just see each other.
 const FACING: [f64; 2] = [0.342, 0.5];
-/// Cosine of the angle up to which a tube's end looks at a hole of another component.
+/// Cosine of the greatest angle at which a tube's end faces a hole of another component.
 const FACING_HOLE: f64 = 0.7;
 /// Distance of facing loops over the sum of their radii, at most; the shared models have up to 2.2.
 const REACH: f64 = 4.0;
 
-/// How a surface arrives at a boundary loop.
+/// Measures of the surface at a boundary loop.
 #[derive(Clone, Copy, Debug)]
 struct Rim {
     /// Opening in degrees, 0 to 180.

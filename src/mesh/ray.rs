@@ -98,7 +98,7 @@ impl Ray {
         let (mut near, mut far) = (start, end);
         for k in 0..3 {
             if self.direction[k] == 0.0 {
-                // 0 · ∞ in the plane of a side would say nothing
+                // 0 · ∞ in the plane of a side is undefined
                 if self.origin[k] < node.low[k] || self.origin[k] > node.high[k] {
                     return None;
                 }

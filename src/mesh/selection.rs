@@ -1,17 +1,18 @@
 //! Selections of faces: one flag per face.
 
-use super::{DVec3, FaceId, HalfedgeId, Mesh, Topology, VertexId};
+use super::{DVec3, FaceId, Mesh, Topology, VertexId};
 
 /// Faces all of whose corners lie in the ball, its surface included.
 pub fn faces_in_ball(mesh: &Mesh, centre: DVec3, radius: f64) -> Vec<bool> {
     let inside = |p: DVec3| p.distance(centre) <= radius;
-    (0..mesh.face_count())
-        .map(|f| mesh.corners(FaceId::from(f)).into_iter().all(inside))
+    mesh.topology
+        .faces()
+        .map(|f| mesh.corners(f).into_iter().all(inside))
         .collect()
 }
 
-/// The faces that are reached from `seed` across edges within `limit` (all of its component if every
-/// face is within).
+/// The faces that are reached from `seed` across edges within `limit` (all of its component if
+/// every face is within).
 pub fn connected_faces(topology: &Topology, seed: FaceId, limit: &[bool]) -> Vec<bool> {
     let mut reached = vec![false; topology.face_count()];
     let mut stack = vec![seed];
@@ -19,7 +20,7 @@ pub fn connected_faces(topology: &Topology, seed: FaceId, limit: &[bool]) -> Vec
         if !limit[f.index()] || std::mem::replace(&mut reached[f.index()], true) {
             continue;
         }
-        for h in halfedges(topology, f) {
+        for h in topology.face_halfedges(f) {
             let g = topology.face(h.twin());
             if g.is_some() && !reached[g.index()] {
                 stack.push(g);
@@ -38,14 +39,14 @@ pub fn grow(topology: &Topology, selected: &mut [bool]) {
     }
 }
 
-/// Takes off all faces that share a vertex with one that is not selected.
+/// Removes all faces that share a vertex with one that is not selected.
 pub fn shrink(topology: &Topology, selected: &mut [bool]) {
     invert(selected);
     grow(topology, selected);
     invert(selected);
 }
 
-/// Selects what is not selected and the other way around.
+/// Exchanges selected and unselected faces.
 pub fn invert(selected: &mut [bool]) {
     for flag in selected {
         *flag = !*flag;
@@ -53,15 +54,15 @@ pub fn invert(selected: &mut [bool]) {
 }
 
 /// Smooths the border by majority: a face with two or more neighbours on the other side changes
-/// sides, until none is left or `passes` are over. Ears and notches one face wide go; so do
-/// lone faces.
+/// sides, until none is left or `passes` are over. This removes ears and notches one face wide, and
+/// single faces.
 pub fn smooth_border(topology: &Topology, selected: &mut [bool], passes: usize) {
     for _ in 0..passes {
         let before = selected.to_vec();
         let mut any = false;
         for (f, flag) in selected.iter_mut().enumerate() {
             let (mut same, mut other) = (0, 0);
-            for h in halfedges(topology, FaceId::from(f)) {
+            for h in topology.face_halfedges(FaceId::from(f)) {
                 let g = topology.face(h.twin());
                 if g.is_some() {
                     if before[g.index()] == before[f] {
@@ -82,13 +83,13 @@ pub fn smooth_border(topology: &Topology, selected: &mut [bool], passes: usize) 
     }
 }
 
-/// Vertices all of whose faces are selected and that lie on no boundary: what may move while the
-/// rest stays. Ascending.
+/// Vertices all of whose faces are selected and that lie on no boundary: the
+/// vertices that may move while all others stay. Ascending.
 pub fn inner_vertices(topology: &Topology, selected: &[bool]) -> Vec<VertexId> {
-    (0..topology.vertex_count())
-        .map(VertexId::from)
+    topology
+        .vertices()
         .filter(|&v| {
-            topology.halfedge_of_vertex(v).is_some()
+            topology.has_faces(v)
                 && topology.outgoing(v).all(|h| {
                     let f = topology.face(h);
                     f.is_some() && selected[f.index()]
@@ -165,7 +166,8 @@ pub fn face_list(flags: &[bool]) -> Vec<u32> {
 }
 
 /// The faces with a corner within `radius` of `centre` that are reached from `seed` across edges of
-/// such faces; `seed` itself always. Costs what it finds, however large the mesh. Ascending.
+/// such faces, and always `seed`. Ascending. The cost depends on the result, not on the size of the
+/// mesh.
 pub fn faces_near(mesh: &Mesh, seed: FaceId, centre: DVec3, radius: f64) -> Vec<u32> {
     let topology = &mesh.topology;
     let near = |f: FaceId| {
@@ -175,7 +177,7 @@ pub fn faces_near(mesh: &Mesh, seed: FaceId, centre: DVec3, radius: f64) -> Vec<
     let mut found = std::collections::BTreeSet::from([seed.0]);
     let mut stack = vec![seed];
     while let Some(f) = stack.pop() {
-        for h in halfedges(topology, f) {
+        for h in topology.face_halfedges(f) {
             let g = topology.face(h.twin());
             if g.is_some() && near(g) && found.insert(g.0) {
                 stack.push(g);
@@ -183,12 +185,6 @@ pub fn faces_near(mesh: &Mesh, seed: FaceId, centre: DVec3, radius: f64) -> Vec<
         }
     }
     found.into_iter().collect()
-}
-
-fn halfedges(topology: &Topology, f: FaceId) -> [HalfedgeId; 3] {
-    let h = topology.halfedge_of_face(f);
-    let n = topology.next(h);
-    [h, n, topology.next(n)]
 }
 
 pub(super) fn touched_vertices(topology: &Topology, selected: &[bool]) -> Vec<bool> {
@@ -221,8 +217,8 @@ mod tests {
         let mesh = ball();
         let t = &mesh.topology;
         // around a regular vertex of the lattice: 6, then 24, then 54 triangles
-        let v = (0..t.vertex_count())
-            .map(VertexId::from)
+        let v = t
+            .vertices()
             .find(|&v| t.valence(v) == 6 && t.neighbours(v).all(|w| t.valence(w) == 6))
             .expect("inside a face of the icosahedron");
         let mut selected = vec![false; t.face_count()];

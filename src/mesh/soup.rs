@@ -23,14 +23,14 @@ pub struct Soup {
     pub tags: Vec<FaceTag>,
     /// `mtllib` names of an OBJ file, as written there (relative to the file), in order.
     pub material_libraries: Vec<String>,
-    /// Whether positions are known to be repeated once per face (STL), so that welding equal
-    /// positions is what the format means.
+    /// Whether positions are known to be repeated once per face (STL), so that equal
+    /// positions mean the same vertex.
     pub exploded: bool,
-    /// Plain-word remarks of the reader, for the load report ("material library x.mtl not read").
+    /// Notes of the reader for the load report ("material library x.mtl not read").
     pub notes: Vec<String>,
 }
 
-/// What an OBJ file says of a run of faces.
+/// Group, object and material of a run of faces in an OBJ file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct FaceTag {
     /// `o` name, empty if none.

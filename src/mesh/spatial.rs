@@ -6,7 +6,7 @@ mod ray;
 use super::DVec3;
 pub use ray::RayHit;
 
-/// Triangles at most in a leaf; smaller leaves cost memory, larger ones tests.
+/// Largest number of triangles in a leaf. Smaller leaves cost memory, larger ones tests.
 const LEAF: usize = 4;
 
 /// A box of the hierarchy. Nodes lie depth-first: the left child of node `i` is `i + 1`.

@@ -1,8 +1,8 @@
 //! Splitting triangles at the midpoints of their edges.
 
-use super::{FaceId, HalfedgeId, Topology, VertexId, face_halfedges};
+use super::{FaceId, HalfedgeId, Topology, VertexId};
 
-/// Triangles after their marked edges were split, and where everything comes from.
+/// Triangles after a split of their marked edges, with the origin of triangles and vertices.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Split {
     /// The triangles: those of face 0, then those of face 1, …
@@ -27,9 +27,9 @@ pub fn split_all(topology: &Topology) -> Split {
     split_faces(topology, &vec![true; topology.face_count()])
 }
 
-/// Cuts the triangles `chosen` into four and those beside them so that the mesh stays conforming: a
-/// triangle with one halved edge is cut in two, one with two or three in four (which may halve
-/// more edges in turn: red-green refinement, Bank, Sherman and Weiser 1983).
+/// Cuts the triangles `chosen` into four, and their neighbours so that the mesh stays conforming. A
+/// triangle with one halved edge is cut in two, one with two or three halved edges in four. The
+/// latter may halve more edges (red-green refinement: Bank, Sherman and Weiser 1983).
 ///
 /// # Panics
 /// If there is not one flag per face.
@@ -44,8 +44,8 @@ pub fn split_faces(topology: &Topology, chosen: &[bool]) -> Split {
     }
     let mut triangles = Vec::with_capacity(4 * topology.face_count());
     let mut parent = Vec::with_capacity(4 * topology.face_count());
-    for f in (0..topology.face_count()).map(FaceId::from) {
-        let sides = face_halfedges(topology, f);
+    for f in topology.faces() {
+        let sides = topology.face_halfedges(f);
         let corners = sides.map(|h| topology.origin(h).0);
         let halves = sides.map(|h| middle[h.edge()]);
         let parts = triangles.len();
@@ -70,7 +70,7 @@ pub fn split_faces(topology: &Topology, chosen: &[bool]) -> Split {
     }
 }
 
-/// The edges of the chosen faces and of those which these leave with two halved edges, and so on.
+/// The edges of the chosen faces, and of all faces with two halved edges, repeatedly.
 fn marked_edges(topology: &Topology, chosen: &[bool]) -> Vec<bool> {
     let mut marked = vec![false; topology.halfedge_count() / 2];
     let mut stack: Vec<FaceId> = (0..chosen.len())
@@ -78,13 +78,14 @@ fn marked_edges(topology: &Topology, chosen: &[bool]) -> Vec<bool> {
         .map(FaceId::from)
         .collect();
     while let Some(f) = stack.pop() {
-        for h in face_halfedges(topology, f) {
+        for h in topology.face_halfedges(f) {
             if std::mem::replace(&mut marked[h.edge()], true) {
                 continue;
             }
             let g = topology.face(h.twin());
             if g.is_some()
-                && face_halfedges(topology, g)
+                && topology
+                    .face_halfedges(g)
                     .iter()
                     .filter(|s| marked[s.edge()])
                     .count()

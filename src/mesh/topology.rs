@@ -199,10 +199,10 @@ impl Topology {
         for v in &self.origin {
             degree[v.index()] += 1;
         }
-        for v in 0..self.vertex_count() {
-            let reached = self.outgoing(VertexId::from(v)).count();
-            if reached != degree[v] as usize {
-                return Err(TopologyError::NonManifoldVertex { vertex: v as u32 });
+        for v in self.vertices() {
+            let reached = self.outgoing(v).count();
+            if reached != degree[v.index()] as usize {
+                return Err(TopologyError::NonManifoldVertex { vertex: v.0 });
             }
         }
         Ok(())
@@ -229,17 +229,30 @@ impl Topology {
         self.next.len()
     }
 
+    /// All vertices in ascending order, isolated ones included.
+    pub fn vertices(&self) -> impl ExactSizeIterator<Item = VertexId> + Clone + use<> {
+        (0..self.vertex_count()).map(VertexId::from)
+    }
+
+    /// All faces in ascending order.
+    pub fn faces(&self) -> impl ExactSizeIterator<Item = FaceId> + Clone + use<> {
+        (0..self.face_count()).map(FaceId::from)
+    }
+
+    /// All half-edges in ascending order.
+    pub fn halfedges(&self) -> impl ExactSizeIterator<Item = HalfedgeId> + Clone + use<> {
+        (0..self.halfedge_count()).map(HalfedgeId::from)
+    }
+
+    /// Of each edge the half-edge of lowest bit 0, in ascending order.
+    pub fn edges(&self) -> impl ExactSizeIterator<Item = HalfedgeId> + Clone + use<> {
+        (0..self.halfedge_count() / 2).map(|e| HalfedgeId::from(2 * e))
+    }
+
     /// The following half-edge of the same face or boundary loop.
     #[inline]
     pub fn next(&self, h: HalfedgeId) -> HalfedgeId {
         self.next[h.index()]
-    }
-
-    /// The preceding half-edge of a face's half-edge.
-    #[inline]
-    pub fn prev_in_face(&self, h: HalfedgeId) -> HalfedgeId {
-        debug_assert!(!self.is_boundary(h));
-        self.next(self.next(h))
     }
 
     /// Where the half-edge starts.
@@ -278,6 +291,26 @@ impl Topology {
         self.face_halfedge[f.index()]
     }
 
+    /// The half-edges of a face, from its first, second and third corner.
+    #[inline]
+    pub fn face_halfedges(&self, f: FaceId) -> [HalfedgeId; 3] {
+        let h = self.halfedge_of_face(f);
+        let n = self.next(h);
+        [h, n, self.next(n)]
+    }
+
+    /// Whether the edge has a face on one side only.
+    #[inline]
+    pub fn is_boundary_edge(&self, h: HalfedgeId) -> bool {
+        self.is_boundary(h) || self.is_boundary(h.twin())
+    }
+
+    /// Whether the vertex has a face; isolated vertices have none.
+    #[inline]
+    pub fn has_faces(&self, v: VertexId) -> bool {
+        self.halfedge_of_vertex(v).is_some()
+    }
+
     /// Whether the vertex lies on a boundary (isolated vertices do not).
     #[inline]
     pub fn is_boundary_vertex(&self, v: VertexId) -> bool {
@@ -295,7 +328,7 @@ impl Topology {
 
     /// All triangles, in order.
     pub fn triangles(&self) -> impl ExactSizeIterator<Item = [u32; 3]> + '_ {
-        (0..self.face_count()).map(|f| self.face_vertices(FaceId::from(f)).map(|v| v.0))
+        self.faces().map(|f| self.face_vertices(f).map(|v| v.0))
     }
 
     /// Outgoing half-edges, turning clockwise from [`Self::halfedge_of_vertex`] (so that at a
@@ -334,10 +367,7 @@ impl Topology {
     pub fn boundary_loops(&self) -> Vec<Vec<HalfedgeId>> {
         let mut seen = vec![false; self.halfedge_count()];
         let mut loops = Vec::new();
-        for v in (0..self.vertex_count()).map(VertexId::from) {
-            if !self.is_boundary_vertex(v) {
-                continue;
-            }
+        for v in self.vertices().filter(|&v| self.is_boundary_vertex(v)) {
             for first in self.outgoing(v).filter(|&h| self.is_boundary(h)) {
                 if seen[first.index()] {
                     continue;

@@ -230,7 +230,7 @@ impl FlipSpec {
         let components: Vec<u32> = (chosen.iter())
             .map(|id| loops[id.index()].component)
             .collect();
-        Ok(mesh.turned_over(&components))
+        Ok(mesh.with_flipped(&components))
     }
 }
 

@@ -3,11 +3,10 @@
 use super::data::{Patch, PatchOptions, Rim};
 use super::error::{PatchError, validate};
 use super::frame::Frame;
-use super::planar::vector_area;
 use super::remesh::{remesh, rim_valences, split_chords};
 use super::surface::Surface;
 use super::triangulate::triangulate;
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, vector_area};
 
 /// The first surface for a hole: triangulates the rim, refines to the rim's density, flips edges
 /// and relaxes.

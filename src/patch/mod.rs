@@ -33,5 +33,4 @@ pub use error::PatchError;
 pub use fair::warm_start;
 pub(crate) use fair::warm_start_with_creases;
 pub use fill::fill;
-pub(crate) use planar::vector_area;
 pub(crate) use transfer::{TransferError, transfer};

@@ -3,18 +3,7 @@
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-use crate::mesh::DVec3;
-
-/// Half the integral of x × dx along the closed polygon: the vector area of every surface over it.
-pub fn vector_area(points: &[DVec3]) -> DVec3 {
-    let origin = points[0];
-    let mut area = DVec3::ZERO;
-    for i in 0..points.len() {
-        let (a, b) = (points[i] - origin, points[(i + 1) % points.len()] - origin);
-        area += 0.5 * a.cross(b);
-    }
-    area
-}
+use crate::mesh::{DVec3, vector_area};
 
 /// The constrained Delaunay triangulation of the loop's projection along its vector area, if that
 /// is a simple polygon (decided with exact predicates) whose perimeter is at least `least_length`

@@ -1,7 +1,7 @@
 //! Patches over generated loops.
 
 use super::{Patch, PatchError, PatchOptions, Rim, fill};
-use crate::mesh::{DVec3, HalfedgeId, Topology};
+use crate::mesh::{DVec3, Topology};
 use std::f64::consts::TAU;
 
 /// A rim whose existing faces continue outwards, away from the loop's mean.
@@ -143,7 +143,7 @@ fn check(name: &str, rim: &Rim, patch: &Patch) {
         let (from, to) = (t.origin(h).index(), t.target(h).index());
         assert_eq!(from, (to + 1) % n, "{name}: rim order");
     }
-    for h in (0..t.halfedge_count()).step_by(2).map(HalfedgeId::from) {
+    for h in t.edges() {
         let (a, b) = (t.origin(h).0, t.target(h).0);
         assert!(
             !rim.forbidden.contains(&[a.min(b), a.max(b)]),

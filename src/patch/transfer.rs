@@ -144,7 +144,7 @@ fn locate(topology: &Topology, places: &[DVec2], p: DVec2, mut face: FaceId) -> 
         }
         face = beyond;
     }
-    let all = (0..topology.face_count()).map(FaceId::from);
+    let all = topology.faces();
     all.max_by(|&f, &g| least(f).0.total_cmp(&least(g).0))
         .unwrap_or(face)
 }

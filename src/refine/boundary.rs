@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::mesh::{DVec3, HalfedgeId, Split, Topology, VertexId};
+use crate::mesh::{DVec3, Split, Topology, VertexId};
 use crate::options::choices;
 
 /// How boundaries and creases are continued between their vertices.
@@ -54,12 +54,9 @@ impl BoundaryCurves {
         rule: BoundaryRule,
         corner_angle: f64,
     ) -> Self {
-        let edges: BTreeSet<[u32; 2]> = (0..topology.halfedge_count())
-            .step_by(2)
-            .map(HalfedgeId::from)
-            .filter(|&h| {
-                creases[h.edge()] || topology.is_boundary(h) || topology.is_boundary(h.twin())
-            })
+        let edges: BTreeSet<[u32; 2]> = topology
+            .edges()
+            .filter(|&h| creases[h.edge()] || topology.is_boundary_edge(h))
             .map(|h| pair(topology.origin(h).0, topology.target(h).0))
             .collect();
         let mut curves = Self {
@@ -208,7 +205,7 @@ mod tests {
         let new = Topology::from_triangles(split.vertex_count(&old), &split.triangles);
         let new = new.expect("manifold");
         let fine = coarse.split(&old, &split);
-        for v in (0..new.vertex_count()).map(VertexId::from) {
+        for v in new.vertices() {
             let Some(p) = fine.point(v) else {
                 continue;
             };
@@ -233,7 +230,7 @@ mod tests {
             topology = Topology::from_triangles(n, &split.triangles).expect("manifold");
         }
         let mut corners = 0;
-        for v in (0..topology.vertex_count()).map(VertexId::from) {
+        for v in topology.vertices() {
             if let Some(p) = lines.point(v) {
                 assert!((p.x.abs().max(p.y.abs()) - 1.0).abs() < 1e-14);
                 corners += usize::from(p.x.abs().min(p.y.abs()) > 1.0 - 1e-14);

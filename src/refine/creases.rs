@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use crate::mesh::{
     DVec3, FaceId, HalfedgeId, Mesh, Split, Topology, TopologyError, VertexId, cut_open,
-    dihedral_angle, edge_between, face_halfedges, split_faces,
+    dihedral_angle, edge_between, split_faces,
 };
 use crate::refine::boundary::BoundaryCurves;
 use crate::refine::options::{RefineError, RefineOptions};
@@ -25,10 +25,10 @@ use crate::solver::SolverError;
 /// for a named edge that makes no crease.
 pub fn crease_edges(mesh: &Mesh, options: &RefineOptions) -> Result<Vec<bool>, RefineError> {
     let topology = &mesh.topology;
-    let edges = (0..topology.halfedge_count()).step_by(2);
+    let edges = topology.edges();
     let mut flags: Vec<bool> = match options.crease_angle {
         Some(angle) => edges
-            .map(|h| dihedral_angle(&mesh.positions, topology, HalfedgeId::from(h)) > angle)
+            .map(|h| dihedral_angle(&mesh.positions, topology, h) > angle)
             .collect(),
         None => edges.map(|_| false).collect(),
     };
@@ -38,7 +38,7 @@ pub fn crease_edges(mesh: &Mesh, options: &RefineOptions) -> Result<Vec<bool>, R
         let are_there = ends.iter().all(|&v| (v as usize) < mesh.vertex_count());
         let h = are_there.then(|| edge_between(topology, a, b)).flatten();
         let h = h.ok_or(RefineError::NoCrease { ends })?;
-        if !topology.is_boundary(h) && !topology.is_boundary(h.twin()) {
+        if !topology.is_boundary_edge(h) {
             named[h.edge()] = true;
         }
     }
@@ -105,9 +105,9 @@ impl Weld {
         // of each edge of the cut mesh, its middle there
         let mut middle = vec![u32::MAX; cut.halfedge_count() / 2];
         let sides = |f: FaceId| {
-            face_halfedges(cut, f)
+            cut.face_halfedges(f)
                 .into_iter()
-                .zip(face_halfedges(&self.topology, f))
+                .zip(self.topology.face_halfedges(f))
         };
         for e in 0..middle.len() {
             let h = HalfedgeId::from(2 * e);
@@ -180,8 +180,9 @@ impl Features {
                 to_whole: open.to_whole,
             }));
             let meets = |v: VertexId| topology.outgoing(v).any(|h| creases[h.edge()]);
-            corners = (0..mesh.vertex_count())
-                .map(VertexId::from)
+            corners = mesh
+                .topology
+                .vertices()
                 .map(|v| meets(v) && curves.is_corner(v))
                 .collect();
         }

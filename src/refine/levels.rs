@@ -62,7 +62,7 @@ impl Refinement {
             .filter(|faces| faces.contains(&false));
         if region.is_some() && options.method == Method::Pde {
             // the surface outside does not change, and passes its vertices as that inside does
-            let used = |&v: &VertexId| topology.halfedge_of_vertex(v).is_some();
+            let used = |&v: &VertexId| topology.has_faces(v);
             let all = (0..points.len()).map(VertexId::from).filter(used);
             let held: Vec<(u32, DVec3)> = all.map(|v| (v.0, points[v.index()])).collect();
             Interpolation::new(&topology, &held).enforce(&mut control);
@@ -298,8 +298,8 @@ impl Refinement {
         let topology = &self.topology;
         let (mut free, mut held) = (Vec::new(), Vec::new());
         let near = Region::near(topology, old.vertex_count()..split.vertex_count(old));
-        for v in (0..topology.vertex_count()).map(VertexId::from) {
-            if !topology.halfedge_of_vertex(v).is_some() || !near[v.index()] {
+        for v in topology.vertices() {
+            if !topology.has_faces(v) || !near[v.index()] {
                 continue;
             }
             let is_old = v.index() < old.vertex_count();

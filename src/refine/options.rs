@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::energy::{Energy, ExprError, Preset};
-use crate::mesh::{HalfedgeId, Mesh, dihedral_angle};
+use crate::mesh::{Mesh, dihedral_angle};
 use crate::options::{TauChoice, choices, options};
 use crate::refine::BoundaryRule;
 use crate::refine::creases::crease_edges;
@@ -235,21 +235,16 @@ pub fn natural_flow(mesh: &Mesh) -> (Energy, f64) {
 
 fn mean_edge(mesh: &Mesh) -> f64 {
     let topology = &mesh.topology;
-    let lengths = (0..topology.halfedge_count()).step_by(2).map(|h| {
-        let h = HalfedgeId::from(h);
-        mesh.position(topology.origin(h))
-            .distance(mesh.position(topology.target(h)))
-    });
-    lengths.sum::<f64>() / (topology.halfedge_count() / 2).max(1) as f64
+    let lengths = topology.edges().map(|h| mesh.edge_length(h));
+    lengths.sum::<f64>() / topology.edges().len().max(1) as f64
 }
 
 /// Median over the inner edges of the angle their triangles' normals make, radians.
 fn median_bend(mesh: &Mesh) -> f64 {
     let topology = &mesh.topology;
-    let mut bends: Vec<f64> = (0..topology.halfedge_count())
-        .step_by(2)
-        .map(HalfedgeId::from)
-        .filter(|&h| !topology.is_boundary(h) && !topology.is_boundary(h.twin()))
+    let mut bends: Vec<f64> = topology
+        .edges()
+        .filter(|&h| !topology.is_boundary_edge(h))
         .map(|h| dihedral_angle(&mesh.positions, topology, h))
         .collect();
     let middle = bends.len() / 2;

@@ -37,7 +37,8 @@ pub fn refined_mesh(
     };
     mesh.face_tags = face_tags.to_vec();
     mesh.tags.clone_from(&given.tags);
-    mesh.one_sided.clone_from(&given.one_sided);
-    mesh.one_sided_tags.clone_from(&given.one_sided_tags);
+    mesh.non_orientable.clone_from(&given.non_orientable);
+    mesh.non_orientable_tags
+        .clone_from(&given.non_orientable_tags);
     mesh
 }

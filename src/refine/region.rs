@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::mesh::{DVec3, FaceId, Split, Topology, VertexId};
+use crate::mesh::{DVec3, FaceId, Neighbourhood, Split, Topology, VertexId};
 use crate::refine::schemes::loop_step;
 
 /// The faces to be refined at a level.
@@ -53,20 +53,9 @@ impl Region {
     /// The vertices within two rings of the given ones.
     pub fn near(topology: &Topology, vertices: Range<usize>) -> Vec<bool> {
         let mut near = vec![false; topology.vertex_count()];
-        let mut front: Vec<VertexId> = vertices.map(VertexId::from).collect();
-        for v in &front {
+        let seeds = vertices.map(VertexId::from);
+        for v in Neighbourhood::new(topology, seeds, NEAR).vertices() {
             near[v.index()] = true;
-        }
-        for _ in 0..NEAR {
-            let mut next = Vec::new();
-            for &v in &front {
-                for w in topology.neighbours(v) {
-                    if !std::mem::replace(&mut near[w.index()], true) {
-                        next.push(w);
-                    }
-                }
-            }
-            front = next;
         }
         near
     }

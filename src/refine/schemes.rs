@@ -46,7 +46,7 @@ fn is_flagged(flags: &[bool], v: VertexId) -> bool {
 fn loop_shift(topology: &Topology, positions: &[DVec3], v: VertexId) -> DVec3 {
     let p = positions[v.index()];
     let spoke = |w: VertexId| positions[w.index()] - p;
-    if !topology.halfedge_of_vertex(v).is_some() {
+    if !topology.has_faces(v) {
         return DVec3::ZERO;
     }
     if topology.is_boundary_vertex(v) {
@@ -67,7 +67,7 @@ fn loop_shift(topology: &Topology, positions: &[DVec3], v: VertexId) -> DVec3 {
 fn boundary_neighbours(topology: &Topology, v: VertexId) -> Vec<VertexId> {
     topology
         .outgoing(v)
-        .filter(|&h| topology.is_boundary(h) || topology.is_boundary(h.twin()))
+        .filter(|&h| topology.is_boundary_edge(h))
         .map(|h| topology.target(h))
         .collect()
 }
@@ -84,13 +84,11 @@ pub fn butterfly_step(
     let mut new = positions.to_vec();
     let mut rings = [Vec::new(), Vec::new()];
     for &h in &split.edges {
-        new.push(
-            if topology.is_boundary(h) || topology.is_boundary(h.twin()) {
-                four_point(topology, positions, h, corners)
-            } else {
-                butterfly_point(topology, positions, h, &mut rings)
-            },
-        );
+        new.push(if topology.is_boundary_edge(h) {
+            four_point(topology, positions, h, corners)
+        } else {
+            butterfly_point(topology, positions, h, &mut rings)
+        });
     }
     new
 }
@@ -256,7 +254,7 @@ mod tests {
             );
             for (k, &h) in split.edges.iter().enumerate() {
                 let k = k + sheet.0.len();
-                if old.is_boundary(h) || old.is_boundary(h.twin()) {
+                if old.is_boundary_edge(h) {
                     assert_eq!(low[k], high[k]);
                 }
             }

@@ -52,26 +52,13 @@ impl Bounds {
     }
 
     /// Radius of a sphere around [`Self::centre`] that holds everything; never 0, so that a single
-    /// point can be looked at.
+    /// point can be viewed.
     pub fn radius(&self) -> f64 {
         if self.radius > 0.0 {
             self.radius
         } else {
             let size = self.low.abs().max(self.high.abs()).max_element();
             (1e-6 * size).max(1e-12)
-        }
-    }
-
-    /// The box around both.
-    #[must_use]
-    pub fn union(&self, other: &Self) -> Self {
-        let (low, high) = (self.low.min(other.low), self.high.max(other.high));
-        let centre = low.midpoint(high);
-        let reach = |b: &Self| centre.distance(b.centre()) + b.radius;
-        Self {
-            low,
-            high,
-            radius: reach(self).max(reach(other)).min(0.5 * low.distance(high)),
         }
     }
 }

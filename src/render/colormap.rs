@@ -6,7 +6,7 @@ use super::scene::{Geometry, Scene, ViewMode};
 
 /// Per cent of the values that a robust range holds.
 const HELD: usize = 98;
-/// Values looked at, at most; evenly chosen from more.
+/// Largest number of values that are sampled; more are sampled evenly.
 const SAMPLES: usize = 20_000;
 
 /// Number of colours of the map, evenly spaced in value.

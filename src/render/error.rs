@@ -13,7 +13,7 @@ pub enum RenderError {
          (Vulkan) or `apt install libegl1 libgl1-mesa-dri` (OpenGL)"
     )]
     NoAdapter {
-        /// What the graphics library says.
+        /// The error of the graphics library.
         reason: String,
     },
     /// The adapter does not give a device.
@@ -21,13 +21,13 @@ pub enum RenderError {
     NoDevice {
         /// Its name.
         adapter: String,
-        /// What the graphics library says.
+        /// The error of the graphics library.
         reason: String,
     },
     /// The device stopped working.
     #[error("the graphics device failed: {reason}. Try a smaller picture or update the driver")]
     Device {
-        /// What the graphics library says.
+        /// The error of the graphics library.
         reason: String,
     },
     /// A picture without pixels, or with too many.
@@ -58,7 +58,7 @@ pub enum RenderError {
     Encode {
         /// The file.
         path: PathBuf,
-        /// What the encoder says.
+        /// The error of the encoder.
         reason: String,
     },
     /// A file could not be written.

@@ -48,7 +48,7 @@ pub fn save_png(path: &Path, picture: &RgbaImage) -> Result<(), RenderError> {
 }
 
 /// Writes `count` pictures of one size, made one after the other by `frames`, to be shown at `fps`
-/// pictures a second. `progress` is told how many of how many are done and may return `false` to
+/// pictures a second. `progress` receives how many of how many are done and may return `false` to
 /// cancel.
 ///
 /// # Errors

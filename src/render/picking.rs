@@ -179,10 +179,9 @@ impl Picker {
         Some(FaceId(hit.face))
     }
 
-    /// The loop under the cursor: the one whose rim is nearest to the
-    /// cursor, at most `tolerance_px` away and not hidden by the surface; or else the hole into
-    /// whose opening the cursor points, from either side, with no surface before it. Outer rims have
-    /// no opening.
+    /// The loop under the cursor: the one whose rim is nearest to the cursor, at most
+    /// `tolerance_px` away and not hidden by the surface; or else the hole into whose opening the
+    /// cursor points, from either side, with no surface before it. Outer rims have no opening.
     pub fn pick_loop(
         &self,
         camera: &Camera,

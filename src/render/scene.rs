@@ -26,7 +26,7 @@ pub struct Vertex {
     /// Gaussian curvature.
     pub gauss: f32,
     /// Signed distance along the normal from the start of the flow, or signed distance to a
-    /// reference surface (the flags say which), in units of the file.
+    /// reference surface (the flags tell which), in units of the file.
     pub deviation: f32,
     /// Sum of the constants of [`Vertex`].
     pub flags: u32,
@@ -74,8 +74,8 @@ impl Geometry {
         }
     }
 
-    /// Some of its faces, of `faces` that have equally many triangles, one after the other; `flags` are
-    /// added. Drawn after the whole it covers that, since the corners are the same to the bit.
+    /// Some of its faces, of `faces` that have equally many triangles, one after the other; `flags`
+    /// are added. Drawn after the whole it covers that, since the corners are the same to the bit.
     #[must_use]
     pub fn part(&self, places: &[usize], faces: usize, flags: u32) -> Self {
         let each = self.triangles.len() / faces.max(1);
@@ -301,8 +301,8 @@ pub struct ViewStyle {
     /// Number of dark and light pairs of bands between `n·l = −1` and 1, or all around in the zebra
     /// environment; at least 1.
     pub stripes: u32,
-    /// Angle by which the lines of the zebra environment are turned around the line of sight, degrees;
-    /// 0: they lie across.
+    /// Angle by which the lines of the zebra environment are turned around the line of sight,
+    /// degrees; 0: they lie across.
     pub zebra_turn: f64,
     /// Direction to the light of isophotes, in world coordinates or, with `light_follows_view`,
     /// in those of the camera (right, up, towards the eye).

@@ -1,4 +1,4 @@
-//! Surfaces to be blended: open tubes that look at each other, and a tube above a hole in a plane.
+//! Surfaces to be blended: open tubes that face each other, and a tube above a hole in a plane.
 
 use std::f64::consts::{FRAC_PI_6, TAU};
 
@@ -20,8 +20,8 @@ pub struct Tube {
     pub around: usize,
 }
 
-/// Open tubes, one after the other, normals outwards. The lattices are regular: equilateral triangles
-/// wrapped around the cylinder.
+/// Open tubes, one after the other, normals outwards. The lattices are regular: equilateral
+/// triangles wrapped around the cylinder.
 pub fn tubes(tubes: &[Tube]) -> TriangleMesh {
     let mut all: TriangleMesh = (Vec::new(), Vec::new());
     for tube in tubes {
@@ -52,8 +52,8 @@ fn append(all: &mut TriangleMesh, part: TriangleMesh) {
         .extend(part.1.into_iter().map(|t| t.map(|v| v + first)));
 }
 
-/// Tubes of radius 1/2 and length 1.6 that leave the origin in the given directions; their mouths are 1
-/// away from it.
+/// Tubes of radius 1/2 and length 1.6 that leave the origin in the given directions; their mouths
+/// are 1 away from it.
 fn star_of_tubes(directions: &[DVec3], around: usize) -> TriangleMesh {
     let tube = |&direction: &DVec3| Tube {
         mouth: direction,
@@ -78,8 +78,8 @@ pub fn three_y(around: usize) -> TriangleMesh {
     star_of_tubes(&[0, 1, 2].map(direction), around)
 }
 
-/// A tube of radius 0.4 upright above a hole of radius 3/4 in a square of side 3.2; `around` edges to
-/// a turn of the tube, and edges of the same length in the square.
+/// A tube of radius 0.4 upright above a hole of radius 3/4 in a square of side 3.2; `around` edges
+/// to a turn of the tube, and edges of the same length in the square.
 pub fn tube_onto_plane(around: usize) -> TriangleMesh {
     let radius = 0.4;
     let edge = TAU * radius / around as f64;

@@ -7,8 +7,9 @@ use glam::DVec2;
 use super::TriangleMesh;
 pub use super::outline::HoleShape;
 use super::outline::Outline;
-use super::relax::Rings;
+use super::relax::Adjacency;
 use crate::mesh::DVec3;
+use crate::mesh::union_find::{find, unite};
 
 /// A hole to be cut: an outline laid onto the surface around a point.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,9 +27,9 @@ pub struct Hole {
 /// Removes the faces whose middle lies inside the outline of a hole, the largest connected set of
 /// them, so that each hole has one rim. Outlines are laid out in
 /// geodesic polar coordinates around their centre (discrete exponential map: Schmidt, Grimm and
-/// Wyvill 2006). The rest is tidied as [`cut_where`] says; vertices keep their order.
+/// Wyvill 2006). The rest is tidied as in [`cut_where`]; vertices keep their order.
 pub fn cut_holes(shape: &TriangleMesh, holes: &[Hole]) -> TriangleMesh {
-    let rings = Rings::new(shape);
+    let rings = Adjacency::new(shape);
     let normals = vertex_normals(shape);
     let mut removed = vec![false; shape.1.len()];
     for hole in holes {
@@ -83,7 +84,7 @@ fn vertex_normals((positions, triangles): &TriangleMesh) -> Vec<DVec3> {
 /// of their distance until that exceeds `reach`.
 fn chart_around(
     shape: &TriangleMesh,
-    rings: &Rings,
+    rings: &Adjacency,
     normals: &[DVec3],
     centre: DVec3,
     reach: f64,
@@ -182,7 +183,7 @@ fn untidy_faces(triangles: &[[u32; 3]], removed: &[bool], touched: &[bool]) -> V
     });
     let mut size = vec![0usize; triangles.len()];
     for &f in &left {
-        size[root(&mut component, f) as usize] += 1;
+        size[find(&mut component, f) as usize] += 1;
     }
     left.iter()
         .copied()
@@ -193,7 +194,7 @@ fn untidy_faces(triangles: &[[u32; 3]], removed: &[bool], touched: &[bool]) -> V
             let pinches = t
                 .iter()
                 .any(|&v| touched[v as usize] && rim_ends[v as usize] > 2);
-            let island = size[root(&mut component, f) as usize] < left.len() / 20;
+            let island = size[find(&mut component, f) as usize] < left.len() / 20;
             near_cut && (is_ear || pinches || island)
         })
         .collect()
@@ -204,7 +205,7 @@ fn largest_piece(triangles: &[[u32; 3]], faces: &[u32]) -> Vec<u32> {
     let mut component = pieces(triangles, faces, |_, _, _| {});
     let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for &f in faces {
-        members.entry(root(&mut component, f)).or_default().push(f);
+        members.entry(find(&mut component, f)).or_default().push(f);
     }
     let mut largest = Vec::new();
     for piece in members.into_values() {
@@ -215,7 +216,7 @@ fn largest_piece(triangles: &[[u32; 3]], faces: &[u32]) -> Vec<u32> {
     largest
 }
 
-/// Union-find parents of the edge-connected pieces of `faces`; `open` is told the ends and the
+/// Union-find parents of the edge-connected pieces of `faces`; `open` receives the ends and the
 /// face of every edge that only one of them has.
 fn pieces(triangles: &[[u32; 3]], faces: &[u32], mut open: impl FnMut(u32, u32, u32)) -> Vec<u32> {
     let mut edges = Vec::with_capacity(3 * faces.len());
@@ -233,21 +234,8 @@ fn pieces(triangles: &[[u32; 3]], faces: &[u32], mut open: impl FnMut(u32, u32, 
             open(p, q, f);
         }
         for pair in group.windows(2) {
-            let (a, b) = (
-                root(&mut component, pair[0].2),
-                root(&mut component, pair[1].2),
-            );
-            component[a.max(b) as usize] = a.min(b);
+            unite(&mut component, pair[0].2, pair[1].2);
         }
     }
     component
-}
-
-/// Representative of a union-find set, with path halving.
-fn root(parent: &mut [u32], mut f: u32) -> u32 {
-    while parent[f as usize] != f {
-        parent[f as usize] = parent[parent[f as usize] as usize];
-        f = parent[f as usize];
-    }
-    f
 }

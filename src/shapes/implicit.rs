@@ -158,7 +158,7 @@ fn cross_cell(grid: &Grid, base: [usize; 3], positions: &mut Vec<DVec3>) -> Opti
 }
 
 /// For each edge of a cell the least edge of its sheet. On a face with two crossings they belong
-/// together; with four, those around a corner inside do, whichever cell looks at the face, so that
+/// together; with four, those around a corner inside do, whichever cell visits the face, so that
 /// the sheets of neighbouring cells fit (dual marching cubes, Nielson 2004).
 fn sheets(is_inside: impl Fn([usize; 3]) -> bool, points: &[Option<DVec3>; 12]) -> [usize; 12] {
     let mut sheet = std::array::from_fn(|e| e);

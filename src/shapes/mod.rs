@@ -1,8 +1,8 @@
 //! Generators of test and demonstration surfaces.
 //!
 //! Every shape is a function of its arguments alone, so the same call gives the same bits
-//! everywhere. Faces are oriented outwards (open surfaces: as said), triangles are near to
-//! equilateral, and, unless said otherwise, meshes are irregular: jittered, then evened out.
+//! everywhere. Faces are oriented outwards (open surfaces: as documented), triangles are near to
+//! equilateral, and, unless stated otherwise, meshes are irregular: jittered, then evened out.
 
 mod blends;
 mod closed;

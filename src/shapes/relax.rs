@@ -12,7 +12,7 @@ const STEP: f64 = 0.7;
 /// direction, then puts it back onto the surface.
 pub fn jitter(shape: &mut TriangleMesh, amount: f64, seed: u64, project: impl Fn(DVec3) -> DVec3) {
     let mut rng = SplitMix::new(seed);
-    let ring = Rings::new(shape);
+    let ring = Adjacency::new(shape);
     let old = shape.0.clone();
     for v in 0..old.len() {
         let push = rng.direction() * rng.unit().sqrt();
@@ -28,7 +28,7 @@ pub fn jitter(shape: &mut TriangleMesh, amount: f64, seed: u64, project: impl Fn
 pub fn relax(shape: &mut TriangleMesh, sweeps: usize, project: impl Fn(DVec3) -> DVec3) {
     for _ in 0..sweeps {
         delaunay_flips(&shape.0, &mut shape.1);
-        let ring = Rings::new(shape);
+        let ring = Adjacency::new(shape);
         let old = shape.0.clone();
         for v in 0..old.len() {
             if ring.is_inside[v] {
@@ -41,13 +41,13 @@ pub fn relax(shape: &mut TriangleMesh, sweeps: usize, project: impl Fn(DVec3) ->
 }
 
 /// Neighbours of all vertices, in one array.
-pub struct Rings {
+pub struct Adjacency {
     start: Vec<u32>,
     neighbours: Vec<u32>,
     is_inside: Vec<bool>,
 }
 
-impl Rings {
+impl Adjacency {
     /// Every directed edge of a face gives its start a neighbour: inside, each exactly once.
     pub fn new((positions, triangles): &TriangleMesh) -> Self {
         let mut start = vec![0u32; positions.len() + 1];

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology};
+use crate::mesh::{DVec3, FaceId, Topology};
 use crate::solver::discretization::Discretization;
 use crate::subdivision::{Elements, Rule, limit_normals, limit_positions};
 
@@ -156,10 +156,9 @@ impl FoldGuard {
     /// Marks the edges whose two flat triangles close like a book.
     fn mark_edges(&mut self) -> bool {
         let topology = &self.topology;
-        let edges = (0..topology.halfedge_count()).step_by(2);
         let mut any = false;
-        for h in edges.map(HalfedgeId::from) {
-            if topology.is_boundary(h) || topology.is_boundary(h.twin()) {
+        for h in topology.edges() {
+            if topology.is_boundary_edge(h) {
                 continue;
             }
             let [f, g] = [h, h.twin()].map(|h| topology.face(h).index());

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::mesh::{DVec3, FaceId, Topology, VertexId};
+use crate::mesh::{DVec3, FaceId, Neighbourhood, Topology, VertexId};
 use crate::solver::SolverError;
 use crate::solver::discretization::Discretization;
 use crate::surface::Interpolation;
@@ -55,13 +55,13 @@ impl FlowProblem {
                 return Err(SolverError::NoSuchVertex { vertex });
             }
             let id = VertexId(v);
-            if !topology.halfedge_of_vertex(id).is_some() || topology.is_boundary_vertex(id) {
+            if !topology.has_faces(id) || topology.is_boundary_vertex(id) {
                 return Err(SolverError::InteriorOnBoundary { vertex });
             }
         }
         let ring = rings(&topology, interior);
-        let active = (0..topology.face_count())
-            .map(FaceId::from)
+        let active = topology
+            .faces()
             .filter(|&f| {
                 topology
                     .face_vertices(f)
@@ -245,21 +245,12 @@ impl FlowProblem {
 
 fn rings(topology: &Topology, interior: &[u32]) -> Vec<u8> {
     let mut ring = vec![SUPPORT_RINGS + 1; topology.vertex_count()];
-    let mut front: Vec<u32> = interior.to_vec();
-    for &v in interior {
-        ring[v as usize] = 0;
-    }
-    for distance in 1..=SUPPORT_RINGS {
-        let mut next = Vec::new();
-        for &v in &front {
-            for w in topology.neighbours(VertexId(v)) {
-                if ring[w.index()] > SUPPORT_RINGS {
-                    ring[w.index()] = distance;
-                    next.push(w.0);
-                }
-            }
+    let seeds = interior.iter().map(|&v| VertexId(v));
+    let around = Neighbourhood::new(topology, seeds, usize::from(SUPPORT_RINGS));
+    for (distance, vertices) in (0..).zip(around.rings()) {
+        for v in vertices {
+            ring[v.index()] = distance;
         }
-        front = next;
     }
     ring
 }

@@ -24,8 +24,8 @@ impl Relaxation {
     pub(super) fn new(problem: &FlowProblem) -> Self {
         let topology = Arc::clone(problem.topology());
         let moves = |v: &VertexId| problem.ring()[v.index()] == 0;
-        let faces = (0..topology.face_count())
-            .map(FaceId::from)
+        let faces = topology
+            .faces()
             .filter(|&f| topology.face_vertices(f).iter().any(moves))
             .collect();
         Self {

@@ -31,7 +31,7 @@ fn combine(row: &[f64], vertices: &[u32], positions: &[DVec3]) -> DVec3 {
 }
 
 fn all_faces(topology: &Topology) -> Vec<FaceId> {
-    (0..topology.face_count()).map(FaceId::from).collect()
+    topology.faces().collect()
 }
 
 fn all_elements(topology: &Topology, rule: Rule) -> Elements {
@@ -104,7 +104,7 @@ fn triangles_join_smoothly() {
     } in shapes()
     {
         for h in (0..topology.halfedge_count()).map(|h| crate::mesh::HalfedgeId(h as u32)) {
-            if topology.is_boundary(h) || topology.is_boundary(h.twin()) || h.0 % 2 == 1 {
+            if topology.is_boundary_edge(h) || h.0 % 2 == 1 {
                 continue;
             }
             for t in [0.0, 0.03, 0.5, 0.7, 1.0] {

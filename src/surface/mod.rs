@@ -6,8 +6,10 @@
 
 mod interpolation;
 mod point;
+mod projection;
 mod stats;
 
 pub use interpolation::Interpolation;
 pub use point::{Coefficients, PointGeometry, each_point, mean_curvature, surface_point};
+pub use projection::project_to_vertices;
 pub use stats::{SurfaceStats, sample_surface};

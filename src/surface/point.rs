@@ -21,7 +21,7 @@ pub struct PointGeometry {
     pub g_inv: [f64; 3],
     /// `h^11, h^12, h^22` with `h = (1/g) [[b22, -b12], [-b12, b11]]`; it exists where `K = 0`.
     pub h_inv: [f64; 3],
-    /// `g^ab Γ^c_ab`: what the Laplacian takes from the first derivatives.
+    /// `g^ab Γ^c_ab`: coefficients of the first derivatives in the Laplacian.
     pub gamma_g: [f64; 2],
     /// `h^ab Γ^c_ab`: the same for `□`.
     pub gamma_h: [f64; 2],
@@ -182,7 +182,8 @@ mod tests {
         let p = sphere(r, u, v);
         assert!((p.mean + 1.0 / r).abs() < 1e-14);
         assert!((p.gauss - 1.0 / (r * r)).abs() < 1e-14);
-        // z = cos u is a spherical harmonic: Δz = −2/r² z, and □ = −1/r Δ on a sphere... with b = −g/r
+        // z = cos u is a spherical harmonic: Δz = −2/r² z, and □ = −1/r Δ on a sphere... with b =
+        // −g/r
         let phi = [u.cos(), -u.sin(), 0.0, -u.cos(), 0.0, 0.0];
         let apply = |c: Coefficients| -> f64 { c.iter().zip(phi).map(|(a, b)| a * b).sum() };
         assert!((apply(p.laplacian()) + 2.0 / (r * r) * phi[0]).abs() < 1e-13);

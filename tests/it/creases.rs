@@ -8,9 +8,7 @@ use std::sync::Arc;
 
 use meniscus::energy::{Energy, Preset};
 use meniscus::io;
-use meniscus::mesh::{
-    DVec3, HalfedgeId, Mesh, Topology, VertexId, check_mesh, dihedral_angle, face_halfedges,
-};
+use meniscus::mesh::{DVec3, HalfedgeId, Mesh, Topology, VertexId, check_mesh, dihedral_angle};
 use meniscus::refine::{
     Method, RefineError, RefineOptions, Refined, Refinement, crease_edges, radius,
 };
@@ -159,10 +157,7 @@ fn caps_stay_flat_and_rims_become_round() {
     let topology = &refined.mesh.topology;
     let on_cap = |p: DVec3| (p.z.abs() - 0.6).abs() < 1e-12;
     let mut rims = 0;
-    for h in (0..topology.halfedge_count())
-        .step_by(2)
-        .map(HalfedgeId::from)
-    {
+    for h in topology.edges() {
         let ends = [topology.origin(h), topology.target(h)].map(|v| refined.mesh.position(v));
         let angle = dihedral_angle(&refined.mesh.positions, topology, h);
         let sides = [h, h.twin()].map(|h| {
@@ -207,21 +202,22 @@ fn one_sided_normals_keep_the_angle() {
     let (open, whole) = (&refined.control.topology, &refined.mesh.topology);
     let mut compared = 0;
     for (f, g) in (0..open.face_count()).map(|f| (f.into(), f.into())) {
-        for (here, there) in face_halfedges(open, f)
+        for (here, there) in open
+            .face_halfedges(f)
             .into_iter()
-            .zip(face_halfedges(whole, g))
+            .zip(whole.face_halfedges(g))
         {
             if !open.is_boundary(here.twin()) {
                 continue;
             }
             // the same edge from the other side
             let beyond = whole.face(there.twin());
-            let sides = face_halfedges(whole, beyond);
+            let sides = whole.face_halfedges(beyond);
             let k = sides
                 .iter()
                 .position(|&s| s == there.twin())
                 .expect("its side");
-            let other = open.target(face_halfedges(open, beyond)[k]);
+            let other = open.target(open.face_halfedges(beyond)[k]);
             let normal = |v: VertexId| limit_normal(open, &refined.control.positions, v);
             let angle = normal(open.origin(here)).angle_between(normal(other));
             // the wall may lean by what the energy gains between the held vertices

@@ -18,7 +18,7 @@ fn gpu() -> Gpu {
 fn ball(scale: f64, centre: DVec3) -> Scene {
     let (positions, triangles) = shapes::icosphere(10);
     let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
-    let faces: Vec<FaceId> = (0..topology.face_count()).map(FaceId::from).collect();
+    let faces: Vec<FaceId> = topology.faces().collect();
     let surface = DynamicSurface::new(&topology, &faces, &SurfaceOptions::default());
     let placed: Vec<DVec3> = positions.iter().map(|&p| scale * p + centre).collect();
     let geometry = surface.evaluate(&placed, centre, true, None);

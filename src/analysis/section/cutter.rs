@@ -49,7 +49,7 @@ pub(super) struct Cutter<'a> {
     /// Height above the plane of the lattice points met so far, the same seen from all faces.
     heights: BTreeMap<Place, f64>,
     points: BTreeMap<Crossing, SectionPoint>,
-    /// Averaged second fundamental forms of the corners of the faces looked at.
+    /// Averaged second fundamental forms at the corners of the candidate faces.
     forms: BTreeMap<u32, DMat3>,
     /// From each crossing to the next along the curve.
     next: BTreeMap<Crossing, Crossing>,
@@ -97,8 +97,8 @@ impl<'a> Cutter<'a> {
         let topology = self.topology;
         let height = |v: VertexId| (self.control[v.index()] - self.origin).dot(self.normal);
         let join = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.min(c), b.max(d)];
-        let ring: Vec<[f64; 2]> = (0..topology.vertex_count())
-            .map(VertexId::from)
+        let ring: Vec<[f64; 2]> = topology
+            .vertices()
             .map(|v| {
                 topology.neighbours(v).fold([height(v); 2], |r, w| {
                     let h = height(w);
@@ -106,8 +106,8 @@ impl<'a> Cutter<'a> {
                 })
             })
             .collect();
-        (0..topology.face_count())
-            .map(FaceId::from)
+        topology
+            .faces()
             .filter(|&f| {
                 let corners = topology.face_vertices(f);
                 let [a, b, c] = corners.map(|v| ring[v.index()]);

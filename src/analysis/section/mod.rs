@@ -61,9 +61,9 @@ pub struct SectionPoint {
 }
 
 /// Cuts the limit surface of the `control` points by a plane. Points lie on both to rounding. The
-/// section's curvature is the surface's normal curvature `II(t, t)` along its unit tangent `t`, over
-/// the cosine of the angle between surface normal and curve normal (Meusnier). No curve for a normal of
-/// length zero.
+/// section's curvature is the surface's normal curvature `II(t, t)` along its unit tangent `t`,
+/// over the cosine of the angle between surface normal and curve normal (Meusnier). No curve for a
+/// normal of length zero.
 pub fn section(topology: &Topology, control: &[DVec3], plane: &Plane) -> Section {
     let normal = plane.normal.try_normalize();
     let curves = normal.map_or_else(Vec::new, |normal| {

@@ -7,7 +7,7 @@ use crate::app::live::Shape;
 use crate::app::report::Reference;
 use crate::app::seam::seam;
 use crate::energy::{WellPosed, scan_well_posedness};
-use crate::mesh::{DVec3, FaceId, Mesh, Topology, VertexId};
+use crate::mesh::{DVec3, FaceId, Mesh, Neighbourhood, Topology, VertexId};
 use crate::render::{Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex};
 
 /// Rings of faces around a patch that are drawn as the limit surface, like the patch.
@@ -232,7 +232,7 @@ impl Split {
         let first = request.first_patch_face;
         let count = topology.face_count();
         let flows = |f: FaceId| f.index() >= first || request.faired.binary_search(&f.0).is_ok();
-        let all = (0..count).map(FaceId::from);
+        let all = topology.faces();
         let whole = request.state.as_ref().is_some_and(Shape::is_whole);
         let (moving, still): (Vec<FaceId>, Vec<FaceId>) = if !request.original && !whole {
             (all.filter(|&f| flows(f)).collect(), Vec::new())
@@ -285,37 +285,14 @@ fn around(
     flows: &dyn Fn(FaceId) -> bool,
     rings: usize,
 ) -> (Vec<FaceId>, Vec<FaceId>) {
-    let faces = (0..topology.face_count()).map(FaceId::from);
+    let faces = topology.faces();
     let mut inside: Vec<bool> = faces.clone().map(flows).collect();
-    let mut reached = vec![false; topology.vertex_count()];
-    let mut front: Vec<VertexId> = Vec::new();
-    let mut claim = |v: VertexId, next: &mut Vec<VertexId>| {
-        if !std::mem::replace(&mut reached[v.index()], true) {
-            next.push(v);
-        }
-    };
-    for f in faces.filter(|&f| flows(f)) {
-        for v in topology.face_vertices(f) {
-            claim(v, &mut front);
-        }
+    let corners = faces.clone().filter(|&f| flows(f));
+    let corners = corners.flat_map(|f| topology.face_vertices(f));
+    for f in Neighbourhood::new(topology, corners, rings).faces {
+        inside[f.index()] = true;
     }
-    for _ in 0..rings {
-        let mut next = Vec::new();
-        for &v in &front {
-            for h in topology.outgoing(v) {
-                let f = topology.face(h);
-                if f.is_some() && !std::mem::replace(&mut inside[f.index()], true) {
-                    for w in topology.face_vertices(f) {
-                        claim(w, &mut next);
-                    }
-                }
-            }
-        }
-        front = next;
-    }
-    (0..inside.len())
-        .map(FaceId::from)
-        .partition(|f| inside[f.index()])
+    faces.partition(|f| inside[f.index()])
 }
 
 #[cfg(test)]

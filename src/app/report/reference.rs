@@ -41,8 +41,9 @@ impl Reference {
     pub fn new(path: PathBuf, mesh: Mesh) -> Self {
         let triangles: Vec<[u32; 3]> = mesh.all_triangles().collect();
         let mut vertex_normals = vec![DVec3::ZERO; mesh.vertex_count()];
-        let face_normals: Vec<DVec3> = (0..mesh.face_count())
-            .map(FaceId::from)
+        let face_normals: Vec<DVec3> = mesh
+            .topology
+            .faces()
             .map(|f| {
                 let corners = mesh.corners(f);
                 let [a, b, c] = corners;

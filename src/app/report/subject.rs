@@ -79,7 +79,7 @@ impl Subject {
         }
         let topology = (**state.topology()).clone();
         let mut mesh = Mesh::new(state.positions(&self.mesh, on_surface), topology);
-        mesh.one_sided.clone_from(&self.mesh.one_sided);
+        mesh.non_orientable.clone_from(&self.mesh.non_orientable);
         Arc::new(mesh)
     }
 }

@@ -123,8 +123,8 @@ fn edges_are_chosen_and_let_go() {
     let mut m = model();
     act(&mut m, ViewAction::Toggle(Switch::Analysis));
     let t = &m.document.mesh.topology;
-    let inner = (0..t.halfedge_count())
-        .map(HalfedgeId::from)
+    let inner = t
+        .halfedges()
         .find(|&h| {
             let ends = [t.origin(h), t.target(h)];
             ends.iter().all(|&v| !t.is_boundary_vertex(v))

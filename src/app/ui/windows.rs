@@ -158,7 +158,11 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                         r.pinched_vertices,
                         false,
                     ),
-                    ("faces of one-sided components", r.one_sided_faces, false),
+                    (
+                        "faces of one-sided components",
+                        r.non_orientable_faces,
+                        false,
+                    ),
                 ] {
                     if always || count > 0 {
                         ui.label(name);

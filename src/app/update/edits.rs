@@ -134,7 +134,7 @@ fn flip(model: &mut Model, id: LoopId) {
     let Some(l) = model.document.loop_of(id) else {
         return;
     };
-    let mesh = model.document.mesh.turned_over(&[l.component]);
+    let mesh = model.document.mesh.with_flipped(&[l.component]);
     let work = Work::Flip(id);
     let gathered = model.document.selected();
     let places: Vec<DVec3> = gathered.iter().map(|l| l.centroid).collect();

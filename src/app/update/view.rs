@@ -78,10 +78,8 @@ fn fly_to_loop(model: &mut Model, id: LoopId) {
     let around = Bounds::new(l.centroid - reach, l.centroid + reach);
     let mesh = &model.document.mesh;
     // the loop runs as a patch would: its vector area points outwards
-    let n = l.vertices.len();
-    let at = |j: usize| mesh.position(l.vertices[j % n]) - l.centroid;
-    let area: DVec3 = (0..n).map(|j| at(j).cross(at(j + 1))).sum();
-    if let Some(out) = area.try_normalize() {
+    let points: Vec<_> = l.vertices.iter().map(|&v| mesh.position(v)).collect();
+    if let Some(out) = crate::mesh::vector_area(&points).try_normalize() {
         look_against(model, out);
     }
     fit(model, &around);

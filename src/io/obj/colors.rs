@@ -1,5 +1,5 @@
-//! Vertex colours, an extension with several dialects: `v x y z r g b`, the same with a weight before
-//! or an alpha after, in 0..1 or 0..255.
+//! Vertex colours, an extension with several dialects: `v x y z r g b`, the same with a weight
+//! before or an alpha after, in 0..1 or 0..255.
 
 use crate::mesh::Soup;
 

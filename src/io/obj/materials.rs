@@ -1,4 +1,5 @@
-//! Material libraries: only what the load report says of them; the names go through unread.
+//! Notes about material libraries for the load report; their names are kept, their contents are not
+//! read.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,9 +1,9 @@
 //! Wavefront OBJ.
 
 mod colors;
+mod ignored_statements;
 mod materials;
 mod read;
-mod remarks;
 mod tags;
 mod write;
 

@@ -2,22 +2,22 @@
 
 use std::borrow::Cow;
 
-use super::super::error::{Fault, Problem, at_line, excerpt, in_file};
-use super::super::scan::{Scanner, unix_lines, without_mark};
+use super::super::error::{ParseError, ParseErrorKind, at_line, excerpt, in_file};
+use super::super::text_scanner::{Scanner, unix_lines, without_mark};
 use super::colors::Colors;
-use super::remarks::Remarks;
+use super::ignored_statements::IgnoredStatements;
 use super::tags::TagRuns;
 use crate::mesh::{DVec3, Soup};
 
-/// Statements of the format that say nothing about the polygon mesh.
+/// Statements of the format that do not describe the polygon mesh.
 const OTHER_STATEMENTS: &str = "vp mg deg bmat step cstype curv curv2 surf parm trim hole scrv sp \
     end con bevel c_interp d_interp lod shadow_obj trace_obj maplib usemap call csh bsp bzp cdc \
     cdp res stech ctech";
 
 /// Reads OBJ text.
-pub(in super::super) fn read(bytes: &[u8]) -> Result<Soup, Fault> {
+pub(in super::super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     if bytes.is_empty() {
-        return Err(in_file(Problem::Empty));
+        return Err(in_file(ParseErrorKind::Empty));
     }
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return Err(not_obj(
@@ -42,7 +42,7 @@ struct Reader<'a> {
     soup: Soup,
     colors: Colors,
     tags: TagRuns,
-    remarks: Remarks,
+    ignored: IgnoredStatements,
     /// Growing maxima of corners that name a vertex further down: line, face, vertex.
     ahead: Vec<(usize, usize, u32)>,
     statements: usize,
@@ -63,23 +63,23 @@ impl<'a> Reader<'a> {
             soup,
             colors: Colors::default(),
             tags: TagRuns::default(),
-            remarks: Remarks::new(bytes),
+            ignored: IgnoredStatements::new(bytes),
             ahead: Vec::new(),
             statements: 0,
         }
     }
 
     #[inline]
-    fn statement(&mut self) -> Result<(), Fault> {
+    fn statement(&mut self) -> Result<(), ParseError> {
         self.statements += 1;
         let line = self.text.line();
         match self.text.token() {
             b"v" => return self.vertex(),
             b"f" | b"fo" => return self.face(),
-            b"vt" => self.remarks.texture = true,
-            b"vn" => self.remarks.normals = true,
-            b"l" | b"p" => self.remarks.lines = true,
-            b"s" => self.remarks.smoothing = true,
+            b"vt" => self.ignored.texture = true,
+            b"vn" => self.ignored.normals = true,
+            b"l" | b"p" => self.ignored.lines = true,
+            b"s" => self.ignored.smoothing = true,
             b"o" => {
                 let name = self.text.name();
                 self.tags.change(|tag| tag.object = name);
@@ -104,7 +104,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A word of letters is an extension of some program; anything else is a broken line.
-    fn other(&mut self, word: &[u8], line: usize) -> Result<(), Fault> {
+    fn other(&mut self, word: &[u8], line: usize) -> Result<(), ParseError> {
         if OTHER_STATEMENTS
             .split(' ')
             .any(|other| other.as_bytes() == word)
@@ -121,12 +121,12 @@ impl<'a> Reader<'a> {
             };
             return Err(not_obj(line, found));
         }
-        self.remarks.unknown(line, word);
+        self.ignored.unknown(line, word);
         Ok(())
     }
 
     #[inline]
-    fn vertex(&mut self) -> Result<(), Fault> {
+    fn vertex(&mut self) -> Result<(), ParseError> {
         let mut numbers = [0.0; 7];
         let mut count = 0;
         loop {
@@ -155,14 +155,14 @@ impl<'a> Reader<'a> {
             return Err(self.vertex_numbers(count));
         }
         if extra.len() == 1 && extra[0] != 1.0 {
-            self.remarks.weighted += 1;
+            self.ignored.weighted += 1;
         }
         self.soup.positions.push(DVec3::from_slice(&numbers));
         Ok(())
     }
 
     #[inline]
-    fn face(&mut self) -> Result<(), Fault> {
+    fn face(&mut self) -> Result<(), ParseError> {
         let first = self.soup.corners.len();
         let vertices = self.soup.positions.len();
         let line = self.text.line();
@@ -187,25 +187,28 @@ impl<'a> Reader<'a> {
         let found = self.soup.corners.len() - first;
         if found < 3 {
             let face = self.soup.offsets.len();
-            let cut = self.remarks.cut && self.text.at_end();
-            return Err(at_line(line, Problem::FewCorners { face, found, cut }));
+            let cut = self.ignored.cut && self.text.at_end();
+            return Err(at_line(
+                line,
+                ParseErrorKind::FewCorners { face, found, cut },
+            ));
         }
         let Ok(end) = u32::try_from(self.soup.corners.len()) else {
-            return Err(in_file(Problem::too_large("face corners")));
+            return Err(in_file(ParseErrorKind::too_large("face corners")));
         };
         self.soup.offsets.push(end);
         self.tags.face(&mut self.soup);
         Ok(())
     }
 
-    fn finish(mut self) -> Result<Soup, Fault> {
+    fn finish(mut self) -> Result<Soup, ParseError> {
         let vertices = self.soup.positions.len();
         if self.statements == 0 {
-            return Err(in_file(Problem::NothingButComments));
+            return Err(in_file(ParseErrorKind::NothingButComments));
         }
         if vertices == 0
             && self.soup.face_count() == 0
-            && let Some(at) = self.remarks.first_unknown
+            && let Some(at) = self.ignored.first_unknown
         {
             let (line, word) = at;
             return Err(not_obj(
@@ -214,16 +217,16 @@ impl<'a> Reader<'a> {
             ));
         }
         if vertices == 0 {
-            return Err(in_file(Problem::NoVertices));
+            return Err(in_file(ParseErrorKind::NoVertices));
         }
         if u32::try_from(vertices).is_err() {
-            return Err(in_file(Problem::too_large("vertices")));
+            return Err(in_file(ParseErrorKind::too_large("vertices")));
         }
         if let Some(&(line, face, vertex)) = self.ahead.iter().find(|a| a.2 as usize >= vertices) {
             let found = i64::from(vertex) + 1;
             return Err(at_line(
                 line,
-                Problem::IndexRange {
+                ParseErrorKind::IndexRange {
                     face,
                     found,
                     vertices,
@@ -232,24 +235,24 @@ impl<'a> Reader<'a> {
             ));
         }
         if self.soup.face_count() == 0 {
-            return Err(in_file(Problem::NoFaces {
+            return Err(in_file(ParseErrorKind::NoFaces {
                 vertices,
-                cut: self.remarks.cut,
+                cut: self.ignored.cut,
             }));
         }
         self.colors.settle(&mut self.soup);
-        self.remarks.write(&mut self.soup.notes, self.text.line());
+        self.ignored.write(&mut self.soup.notes, self.text.line());
         Ok(self.soup)
     }
 
-    fn here(&self, problem: Problem) -> Fault {
-        at_line(self.text.line(), problem)
+    fn here(&self, kind: ParseErrorKind) -> ParseError {
+        at_line(self.text.line(), kind)
     }
 
     #[cold]
-    fn vertex_numbers(&self, found: usize) -> Fault {
+    fn vertex_numbers(&self, found: usize) -> ParseError {
         let vertex = self.soup.positions.len() + 1;
-        self.here(Problem::VertexNumbers {
+        self.here(ParseErrorKind::VertexNumbers {
             vertex,
             found,
             wanted: self.colors.wanted(),
@@ -257,22 +260,22 @@ impl<'a> Reader<'a> {
     }
 
     #[cold]
-    fn not_a_number(&self, count: usize) -> Fault {
+    fn not_a_number(&self, count: usize) -> ParseError {
         let vertex = self.soup.positions.len() + 1;
         let name = ["x", "y", "z"]
             .get(count)
             .map_or("an extra number", |name| name);
         let what = format!("{name} of vertex {vertex}");
         let found = excerpt(self.text.token_at(self.text.at()));
-        self.here(Problem::NotANumber { what, found })
+        self.here(ParseErrorKind::NotANumber { what, found })
     }
 
     #[cold]
-    fn not_finite(&self, axis: usize, start: usize) -> Fault {
+    fn not_finite(&self, axis: usize, start: usize) -> ParseError {
         let vertex = self.soup.positions.len() + 1;
         let axis = ['x', 'y', 'z'][axis];
         let found = excerpt(self.text.token_at(start));
-        self.here(Problem::NotFinite {
+        self.here(ParseErrorKind::NotFinite {
             vertex,
             axis,
             found,
@@ -280,21 +283,21 @@ impl<'a> Reader<'a> {
     }
 
     #[cold]
-    fn bad_corner(&self, start: usize) -> Fault {
+    fn bad_corner(&self, start: usize) -> ParseError {
         let face = self.soup.offsets.len();
-        self.here(Problem::BadCorner {
+        self.here(ParseErrorKind::BadCorner {
             face,
             found: excerpt(self.text.token_at(start)),
         })
     }
 
     #[cold]
-    fn bad_index(&self, found: i64) -> Fault {
+    fn bad_index(&self, found: i64) -> ParseError {
         let face = self.soup.offsets.len();
         let vertices = self.soup.positions.len();
         self.here(match found {
-            0 => Problem::IndexZero { face },
-            _ => Problem::IndexRange {
+            0 => ParseErrorKind::IndexZero { face },
+            _ => ParseErrorKind::IndexRange {
                 face,
                 found,
                 vertices,
@@ -315,10 +318,10 @@ fn vertex_of(index: i64, vertices: usize) -> Option<u32> {
     u32::try_from(vertex?).ok()
 }
 
-fn not_obj(line: usize, found: String) -> Fault {
+fn not_obj(line: usize, found: String) -> ParseError {
     at_line(
         line,
-        Problem::NotThisFormat {
+        ParseErrorKind::NotThisFormat {
             format: "OBJ",
             found,
         },

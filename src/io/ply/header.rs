@@ -1,6 +1,6 @@
 //! The header of a PLY file: what elements follow, and how they are encoded.
 
-use super::super::error::{Fault, Problem, at_line, excerpt, in_file};
+use super::super::error::{ParseError, ParseErrorKind, at_line, excerpt, in_file};
 
 /// How the elements after the header are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,9 +97,9 @@ pub(super) struct Header {
 }
 
 /// Reads the header.
-pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
+pub(super) fn read(bytes: &[u8]) -> Result<Header, ParseError> {
     if bytes.is_empty() {
-        return Err(in_file(Problem::Empty));
+        return Err(in_file(ParseErrorKind::Empty));
     }
     let mut at = 0;
     let mut number = 0;
@@ -112,7 +112,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
                 return Err(not_ply(bytes));
             }
             let what = "the header has no 'end_header'".to_owned();
-            return Err(at_line(number, Problem::Truncated { what }));
+            return Err(at_line(number, ParseErrorKind::Truncated { what }));
         };
         let line = bytes[at..at + length].trim_ascii();
         at += length + 1;
@@ -125,11 +125,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
         let mut words = line
             .split(u8::is_ascii_whitespace)
             .filter(|w| !w.is_empty());
-        let fault = |what: &str| {
+        let error = |what: &str| {
             let what = what.to_owned();
             at_line(
                 number,
-                Problem::Syntax {
+                ParseErrorKind::Syntax {
                     what,
                     found: excerpt(line),
                 },
@@ -142,30 +142,30 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
                     Some(b"ascii") => Some(Encoding::Ascii),
                     Some(b"binary_little_endian") => Some(Encoding::LittleEndian),
                     Some(b"binary_big_endian") => Some(Encoding::BigEndian),
-                    _ => return Err(fault("unknown PLY format")),
+                    _ => return Err(error("unknown PLY format")),
                 };
             }
             Some(b"element") => {
-                let element = element(&mut words).ok_or_else(|| fault("broken element line"))?;
+                let element = element(&mut words).ok_or_else(|| error("broken element line"))?;
                 elements.push(element);
             }
             Some(b"property") => {
                 let property = property(&mut words)
-                    .ok_or_else(|| fault("a property needs a type this format has, and a name"))?;
+                    .ok_or_else(|| error("a property needs a type this format has, and a name"))?;
                 let element = elements
                     .last_mut()
-                    .ok_or_else(|| fault("a property before any element"))?;
+                    .ok_or_else(|| error("a property before any element"))?;
                 element.properties.push(property);
             }
             Some(b"end_header") => break,
-            Some(_) => return Err(fault("this line does not belong in a PLY header")),
+            Some(_) => return Err(error("this line does not belong in a PLY header")),
         }
     }
     let missing = "the header has no format line".to_owned();
     let encoding = encoding.ok_or_else(|| {
         at_line(
             number,
-            Problem::Syntax {
+            ParseErrorKind::Syntax {
                 what: missing,
                 found: "end_header".into(),
             },
@@ -179,12 +179,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
     })
 }
 
-fn not_ply(bytes: &[u8]) -> Fault {
+fn not_ply(bytes: &[u8]) -> ParseError {
     let first = bytes.split(|&b| b == b'\n').next().unwrap_or(bytes);
     let found = format!("'{}' instead of 'ply'", excerpt(first));
     at_line(
         1,
-        Problem::NotThisFormat {
+        ParseErrorKind::NotThisFormat {
             format: "PLY",
             found,
         },

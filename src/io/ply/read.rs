@@ -1,13 +1,13 @@
 //! PLY in: positions, colours and polygons; everything else is skipped.
 
-use super::super::error::{Fault, Problem, in_file};
+use super::super::error::{ParseError, ParseErrorKind, in_file};
 use super::header::{self, Element, Encoding, Header, Kind, Property, Scalar};
 use super::source::{Binary, Source, Text, What};
 use super::vertices;
 use crate::mesh::Soup;
 
 /// Reads PLY.
-pub(in super::super) fn read(bytes: &[u8]) -> Result<Soup, Fault> {
+pub(in super::super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     let header = header::read(bytes)?;
     match header.encoding {
         Encoding::Ascii => body(&header, Text::new(bytes, header.end, header.next_line)),
@@ -16,7 +16,7 @@ pub(in super::super) fn read(bytes: &[u8]) -> Result<Soup, Fault> {
     }
 }
 
-fn body(header: &Header, mut source: impl Source) -> Result<Soup, Fault> {
+fn body(header: &Header, mut source: impl Source) -> Result<Soup, ParseError> {
     let named = |name: &str| {
         header
             .elements
@@ -24,21 +24,21 @@ fn body(header: &Header, mut source: impl Source) -> Result<Soup, Fault> {
             .find(|e| e.name == name && e.count > 0)
     };
     let count = named("vertex")
-        .ok_or_else(|| in_file(Problem::NoVertices))?
+        .ok_or_else(|| in_file(ParseErrorKind::NoVertices))?
         .count;
     if u32::try_from(count).is_err() {
-        return Err(in_file(Problem::too_large("vertices")));
+        return Err(in_file(ParseErrorKind::too_large("vertices")));
     }
     let count = count as usize;
     if named("face").is_none() {
         return Err(in_file(if named("tristrips").is_some() {
             let what = "a PLY file with triangle strips instead of faces".to_owned();
-            Problem::Unsupported {
+            ParseErrorKind::Unsupported {
                 what,
                 remedy: "export it with faces",
             }
         } else {
-            Problem::NoFaces {
+            ParseErrorKind::NoFaces {
                 vertices: count,
                 cut: false,
             }
@@ -62,10 +62,10 @@ fn body(header: &Header, mut source: impl Source) -> Result<Soup, Fault> {
         }
     }
     if soup.positions.is_empty() {
-        return Err(in_file(Problem::NoVertices));
+        return Err(in_file(ParseErrorKind::NoVertices));
     }
     if soup.face_count() == 0 {
-        return Err(in_file(Problem::NoFaces {
+        return Err(in_file(ParseErrorKind::NoFaces {
             vertices: count,
             cut: false,
         }));
@@ -80,7 +80,11 @@ fn body(header: &Header, mut source: impl Source) -> Result<Soup, Fault> {
 }
 
 /// Refuses counts that the rest of the file cannot hold, before anything is allocated for them.
-fn check_size(element: &Element, encoding: Encoding, source: &impl Source) -> Result<(), Fault> {
+fn check_size(
+    element: &Element,
+    encoding: Encoding,
+    source: &impl Source,
+) -> Result<(), ParseError> {
     let least = u128::from(element.count) * u128::from(element.least_bytes(encoding));
     // The last line of a text may lack its line end.
     let have = source.remaining() as u128 + u128::from(encoding == Encoding::Ascii);
@@ -89,7 +93,7 @@ fn check_size(element: &Element, encoding: Encoding, source: &impl Source) -> Re
     }
     let Element { count, name, .. } = element;
     let left = source.remaining();
-    Err(source.place().fault(Problem::truncated(format!(
+    Err(source.place().error(ParseErrorKind::truncated(format!(
         "the header declares {count} '{name}' elements, at least {least} bytes, but {left} are left"
     ))))
 }
@@ -99,7 +103,7 @@ fn read_faces(
     source: &mut impl Source,
     soup: &mut Soup,
     vertices: usize,
-) -> Result<(), Fault> {
+) -> Result<(), ParseError> {
     let is_corners = |p: &Property| {
         let list = matches!(p.kind, Kind::List { item, .. } if item.is_integer());
         list && (p.name == "vertex_indices" || p.name == "vertex_index")
@@ -107,7 +111,7 @@ fn read_faces(
     let Some(corners) = element.properties.iter().position(is_corners) else {
         let what = "a PLY file whose faces have no integer list 'vertex_indices'".to_owned();
         let remedy = "export it with vertex indices";
-        return Err(in_file(Problem::Unsupported { what, remedy }));
+        return Err(in_file(ParseErrorKind::Unsupported { what, remedy }));
     };
     // check_size has bounded the count by the size of the file.
     let count = element.count as usize;
@@ -141,12 +145,12 @@ fn read_corners(
     source: &mut impl Source,
     soup: &mut Soup,
     vertices: usize,
-) -> Result<(), Fault> {
+) -> Result<(), ParseError> {
     let face = soup.offsets.len();
     let what = || format!("face {face}");
     let found = list_length(count, source, &what)?;
     if found < 3 {
-        return Err(source.place().fault(Problem::FewCorners {
+        return Err(source.place().error(ParseErrorKind::FewCorners {
             face,
             found,
             cut: false,
@@ -157,30 +161,34 @@ fn read_corners(
         match u32::try_from(found) {
             Ok(vertex) if (vertex as usize) < vertices => soup.corners.push(vertex),
             _ => {
-                let problem = Problem::IndexRange {
+                let kind = ParseErrorKind::IndexRange {
                     face,
                     found,
                     vertices,
                     first: 0,
                 };
-                return Err(source.place().fault(problem));
+                return Err(source.place().error(kind));
             }
         }
     }
     let end = u32::try_from(soup.corners.len());
     soup.offsets
-        .push(end.map_err(|_| in_file(Problem::too_large("face corners")))?);
+        .push(end.map_err(|_| in_file(ParseErrorKind::too_large("face corners")))?);
     Ok(())
 }
 
-fn list_length(count: Scalar, source: &mut impl Source, what: What<'_>) -> Result<usize, Fault> {
+fn list_length(
+    count: Scalar,
+    source: &mut impl Source,
+    what: What<'_>,
+) -> Result<usize, ParseError> {
     let length = source.integer(count, what)?;
     usize::try_from(length)
         .ok()
         .filter(|&n| n <= source.remaining())
         .ok_or_else(|| {
             let what = format!("{} has a list of {length} items, which cannot be", what());
-            source.place().fault(Problem::truncated(what))
+            source.place().error(ParseErrorKind::truncated(what))
         })
 }
 
@@ -188,7 +196,7 @@ pub(super) fn skip_property(
     property: &Property,
     source: &mut impl Source,
     what: What<'_>,
-) -> Result<(), Fault> {
+) -> Result<(), ParseError> {
     let (length, item) = match property.kind {
         Kind::Number(scalar) => (1, scalar),
         Kind::List { count, item } => (list_length(count, source, what)?, item),
@@ -200,7 +208,7 @@ pub(super) fn skip_property(
 }
 
 /// Passes over an element that means nothing here.
-fn skip(element: &Element, source: &mut impl Source) -> Result<(), Fault> {
+fn skip(element: &Element, source: &mut impl Source) -> Result<(), ParseError> {
     for row in 0..element.count {
         let what = || format!("'{}' element {}", element.name, row + 1);
         source.begin_row(&what)?;

@@ -1,7 +1,7 @@
 //! Rows of numbers, from text or from bytes of either order.
 
-use super::super::error::{Fault, Place, Problem, excerpt};
-use super::super::scan::Scanner;
+use super::super::error::{ParseError, ParseErrorKind, Place, excerpt};
+use super::super::text_scanner::Scanner;
 use super::header::Scalar;
 
 /// What a row or a number belongs to, put into words only for a message.
@@ -10,13 +10,13 @@ pub(super) type What<'a> = &'a dyn Fn() -> String;
 /// Where the next number comes from.
 pub(super) trait Source {
     /// Goes to the start of a row.
-    fn begin_row(&mut self, what: What<'_>) -> Result<(), Fault>;
+    fn begin_row(&mut self, what: What<'_>) -> Result<(), ParseError>;
     /// The next number of the row.
-    fn number(&mut self, scalar: Scalar, what: What<'_>) -> Result<f64, Fault>;
+    fn number(&mut self, scalar: Scalar, what: What<'_>) -> Result<f64, ParseError>;
     /// The next number of the row, of an integer type.
-    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, Fault>;
+    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, ParseError>;
     /// Leaves the row.
-    fn end_row(&mut self, what: What<'_>) -> Result<(), Fault>;
+    fn end_row(&mut self, what: What<'_>) -> Result<(), ParseError>;
     /// Bytes not read yet.
     fn remaining(&self) -> usize;
     /// Where the number read last stands, for messages.
@@ -53,47 +53,49 @@ impl<'a> Text<'a> {
 }
 
 impl Source for Text<'_> {
-    fn begin_row(&mut self, what: What<'_>) -> Result<(), Fault> {
+    fn begin_row(&mut self, what: What<'_>) -> Result<(), ParseError> {
         self.skip_empty_lines();
         if self.scanner.at_end() {
-            let problem = Problem::truncated(format!("it ends before {}", what()));
-            return Err(self.place().fault(problem));
+            let kind = ParseErrorKind::truncated(format!("it ends before {}", what()));
+            return Err(self.place().error(kind));
         }
         Ok(())
     }
 
-    fn number(&mut self, _: Scalar, what: What<'_>) -> Result<f64, Fault> {
+    fn number(&mut self, _: Scalar, what: What<'_>) -> Result<f64, ParseError> {
         self.scanner.skip_blanks();
         if self.scanner.line_over() {
-            let problem = Problem::truncated(format!("{} has too few numbers", what()));
-            return Err(self.place().fault(problem));
+            let kind = ParseErrorKind::truncated(format!("{} has too few numbers", what()));
+            return Err(self.place().error(kind));
         }
         self.scanner.float().ok_or_else(|| {
             let what = format!("a value of {}", what());
-            self.place().fault(Problem::NotANumber {
+            self.place().error(ParseErrorKind::NotANumber {
                 what,
                 found: self.found(),
             })
         })
     }
 
-    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, Fault> {
+    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, ParseError> {
         let value = self.number(scalar, what)?;
         if value == value.trunc() {
             return Ok(value as i64);
         }
-        let problem = Problem::syntax(
+        let kind = ParseErrorKind::syntax(
             format!("{} needs a whole number", what()),
             value.to_string(),
         );
-        Err(self.place().fault(problem))
+        Err(self.place().error(kind))
     }
 
-    fn end_row(&mut self, what: What<'_>) -> Result<(), Fault> {
+    fn end_row(&mut self, what: What<'_>) -> Result<(), ParseError> {
         self.scanner.skip_blanks();
         if !self.scanner.line_over() {
             let what = format!("{} has more on its line than the header says", what());
-            return Err(self.place().fault(Problem::syntax(what, self.found())));
+            return Err(self
+                .place()
+                .error(ParseErrorKind::syntax(what, self.found())));
         }
         self.scanner.next_line();
         Ok(())
@@ -130,10 +132,10 @@ impl<'a, const BIG: bool> Binary<'a, BIG> {
     }
 
     #[inline]
-    fn take<const N: usize>(&mut self, what: What<'_>) -> Result<[u8; N], Fault> {
+    fn take<const N: usize>(&mut self, what: What<'_>) -> Result<[u8; N], ParseError> {
         let Some(raw) = self.bytes[self.at..].first_chunk::<N>() else {
-            let problem = Problem::truncated(format!("it ends in {}", what()));
-            return Err(Place::Byte(self.bytes.len()).fault(problem));
+            let kind = ParseErrorKind::truncated(format!("it ends in {}", what()));
+            return Err(Place::Byte(self.bytes.len()).error(kind));
         };
         self.last = self.at;
         self.at += N;
@@ -147,12 +149,12 @@ impl<'a, const BIG: bool> Binary<'a, BIG> {
 
 impl<const BIG: bool> Source for Binary<'_, BIG> {
     #[inline]
-    fn begin_row(&mut self, _: What<'_>) -> Result<(), Fault> {
+    fn begin_row(&mut self, _: What<'_>) -> Result<(), ParseError> {
         Ok(())
     }
 
     #[inline]
-    fn number(&mut self, scalar: Scalar, what: What<'_>) -> Result<f64, Fault> {
+    fn number(&mut self, scalar: Scalar, what: What<'_>) -> Result<f64, ParseError> {
         Ok(match scalar {
             Scalar::I8 => f64::from(i8::from_le_bytes(self.take(what)?)),
             Scalar::U8 => f64::from(u8::from_le_bytes(self.take(what)?)),
@@ -166,13 +168,13 @@ impl<const BIG: bool> Source for Binary<'_, BIG> {
     }
 
     #[inline]
-    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, Fault> {
+    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, ParseError> {
         // Exact: the integer types have 32 bits at most.
         self.number(scalar, what).map(|value| value as i64)
     }
 
     #[inline]
-    fn end_row(&mut self, _: What<'_>) -> Result<(), Fault> {
+    fn end_row(&mut self, _: What<'_>) -> Result<(), ParseError> {
         Ok(())
     }
 

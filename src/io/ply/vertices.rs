@@ -1,6 +1,6 @@
 //! The vertex element: coordinates and colours.
 
-use super::super::error::{Fault, Problem, in_file};
+use super::super::error::{ParseError, ParseErrorKind, in_file};
 use super::header::{Element, Kind, Property, Scalar};
 use super::read::skip_property;
 use super::source::Source;
@@ -37,11 +37,11 @@ fn role(property: &Property) -> Role {
 }
 
 /// Roles of all properties; colours only if there are red, green and blue.
-fn roles(element: &Element) -> Result<Vec<Role>, Fault> {
+fn roles(element: &Element) -> Result<Vec<Role>, ParseError> {
     let mut roles: Vec<Role> = element.properties.iter().map(role).collect();
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         if !roles.contains(&Role::Coordinate(axis)) {
-            return Err(in_file(Problem::syntax(
+            return Err(in_file(ParseErrorKind::syntax(
                 "the vertices have no coordinate",
                 name,
             )));
@@ -65,7 +65,7 @@ pub(super) fn read(
     element: &Element,
     source: &mut impl Source,
     soup: &mut Soup,
-) -> Result<(), Fault> {
+) -> Result<(), ParseError> {
     let roles = roles(element)?;
     let colored = roles.iter().any(|r| matches!(r, Role::Color(..)));
     // The caller has bounded the count by the size of the file.
@@ -86,12 +86,12 @@ pub(super) fn read(
                     if !value.is_finite() {
                         let axis = ['x', 'y', 'z'][axis];
                         let found = value.to_string();
-                        let problem = Problem::NotFinite {
+                        let kind = ParseErrorKind::NotFinite {
                             vertex,
                             axis,
                             found,
                         };
-                        return Err(source.place().fault(problem));
+                        return Err(source.place().error(kind));
                     }
                     point[axis] = value;
                 }

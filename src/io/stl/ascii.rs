@@ -1,7 +1,7 @@
 //! ASCII STL: one statement a line, in upper or lower case; several solids may follow each other.
 
-use super::super::error::{Fault, Problem, at_line, excerpt, in_file};
-use super::super::scan::{Scanner, unix_lines, without_mark};
+use super::super::error::{ParseError, ParseErrorKind, at_line, excerpt, in_file};
+use super::super::text_scanner::{Scanner, unix_lines, without_mark};
 use super::{close_face, with_room};
 use crate::mesh::{DVec3, FaceTag, Soup};
 
@@ -13,7 +13,7 @@ pub(super) fn looks_like(bytes: &[u8]) -> bool {
 }
 
 /// Reads ASCII STL.
-pub(super) fn read(bytes: &[u8]) -> Result<Soup, Fault> {
+pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     let bytes = unix_lines(bytes);
     let mut reader = Reader {
         text: Scanner::new(&bytes, without_mark(&bytes), 1),
@@ -38,7 +38,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn statement(&mut self) -> Result<(), Fault> {
+    fn statement(&mut self) -> Result<(), ParseError> {
         let word = self.text.token();
         let mut lower = [0_u8; 8];
         let length = word.len().min(lower.len());
@@ -69,7 +69,10 @@ impl Reader<'_> {
             }
             _ => {
                 let found = excerpt(word);
-                Err(self.here(Problem::syntax("this is no ASCII STL statement", found)))
+                Err(self.here(ParseErrorKind::syntax(
+                    "this is no ASCII STL statement",
+                    found,
+                )))
             }
         }
     }
@@ -79,20 +82,20 @@ impl Reader<'_> {
         self.soup.positions.len() - self.soup.corners.len()
     }
 
-    fn expect_corners(&self, wanted: usize, word: &[u8]) -> Result<(), Fault> {
+    fn expect_corners(&self, wanted: usize, word: &[u8]) -> Result<(), ParseError> {
         let found = self.open_corners();
         if found == wanted {
             return Ok(());
         }
         let face = self.soup.face_count() + 1;
         let what = format!("face {face} has {found} corners where there should be {wanted}");
-        Err(self.here(Problem::syntax(what, excerpt(word))))
+        Err(self.here(ParseErrorKind::syntax(what, excerpt(word))))
     }
 
-    fn vertex(&mut self) -> Result<(), Fault> {
+    fn vertex(&mut self) -> Result<(), ParseError> {
         if self.open_corners() == 3 {
             let what = format!("face {} has a fourth corner", self.soup.face_count() + 1);
-            return Err(self.here(Problem::syntax(what, "vertex")));
+            return Err(self.here(ParseErrorKind::syntax(what, "vertex")));
         }
         let vertex = self.soup.positions.len() + 1;
         let wanted = "3 (x y z)";
@@ -100,7 +103,7 @@ impl Reader<'_> {
         for (count, axis) in ['x', 'y', 'z'].into_iter().enumerate() {
             self.text.skip_blanks();
             if self.text.line_over() {
-                return Err(self.here(Problem::VertexNumbers {
+                return Err(self.here(ParseErrorKind::VertexNumbers {
                     vertex,
                     found: count,
                     wanted,
@@ -113,7 +116,7 @@ impl Reader<'_> {
                 Some(value) if value.is_finite() => position[count] = value,
                 Some(_) => {
                     let found = found();
-                    return Err(self.here(Problem::NotFinite {
+                    return Err(self.here(ParseErrorKind::NotFinite {
                         vertex,
                         axis,
                         found,
@@ -121,7 +124,7 @@ impl Reader<'_> {
                 }
                 None => {
                     let what = format!("{axis} of vertex {vertex}");
-                    return Err(self.here(Problem::NotANumber {
+                    return Err(self.here(ParseErrorKind::NotANumber {
                         what,
                         found: found(),
                     }));
@@ -130,7 +133,7 @@ impl Reader<'_> {
         }
         self.text.skip_blanks();
         if !self.text.line_over() {
-            return Err(self.here(Problem::VertexNumbers {
+            return Err(self.here(ParseErrorKind::VertexNumbers {
                 vertex,
                 found: 4,
                 wanted,
@@ -161,14 +164,14 @@ impl Reader<'_> {
         }
     }
 
-    fn finish(mut self) -> Result<Soup, Fault> {
+    fn finish(mut self) -> Result<Soup, ParseError> {
         let open = self.open_corners();
         if open > 0 {
             let what = format!("the last face ends after {open} corners");
-            return Err(self.here(Problem::truncated(what)));
+            return Err(self.here(ParseErrorKind::truncated(what)));
         }
         if self.soup.face_count() == 0 {
-            return Err(in_file(Problem::NoVertices));
+            return Err(in_file(ParseErrorKind::NoVertices));
         }
         if self.in_solid {
             self.soup
@@ -178,7 +181,7 @@ impl Reader<'_> {
         Ok(self.soup)
     }
 
-    fn here(&self, problem: Problem) -> Fault {
-        at_line(self.text.line(), problem)
+    fn here(&self, kind: ParseErrorKind) -> ParseError {
+        at_line(self.text.line(), kind)
     }
 }

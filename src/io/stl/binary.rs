@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 
 use super::super::OutputMesh;
-use super::super::error::{Fault, Problem, at_byte, in_file};
+use super::super::error::{ParseError, ParseErrorKind, at_byte, in_file};
 use super::{close_face, with_room};
 use crate::mesh::{DVec3, Soup};
 
@@ -27,16 +27,16 @@ pub(super) fn size(faces: u32) -> u64 {
 }
 
 /// Reads the declared faces, if the file is long enough for them.
-pub(super) fn read(bytes: &[u8], declared: u32) -> Result<Soup, Fault> {
+pub(super) fn read(bytes: &[u8], declared: u32) -> Result<Soup, ParseError> {
     let needed = size(declared);
     if needed > bytes.len() as u64 {
         let found = bytes.len();
         let what =
             format!("a binary STL of {declared} faces has {needed} bytes, this file has {found}");
-        return Err(at_byte(found, Problem::truncated(what)));
+        return Err(at_byte(found, ParseErrorKind::truncated(what)));
     }
     if declared == 0 {
-        return Err(in_file(Problem::NoVertices));
+        return Err(in_file(ParseErrorKind::NoVertices));
     }
     let faces = declared as usize;
     let mut soup = with_room(faces);
@@ -59,7 +59,7 @@ pub(super) fn read(bytes: &[u8], declared: u32) -> Result<Soup, Fault> {
                     let found = x.to_string();
                     return Err(at_byte(
                         at,
-                        Problem::NotFinite {
+                        ParseErrorKind::NotFinite {
                             vertex,
                             axis,
                             found,

@@ -1,22 +1,22 @@
 //! STL, ASCII and binary, in; binary out.
 //!
-//! STL has no vertex list: each face brings its own three points. They are given as they are, marked
-//! `exploded`, for welding is the business of `mesh::build`. Coordinates of ASCII files are read as
-//! `f64`, those of binary files are `f32` by definition.
+//! STL has no vertex list: each face brings its own three points. They are given as they are,
+//! marked `exploded`, for welding is the business of `mesh::build`. Coordinates of ASCII files are
+//! read as `f64`, those of binary files are `f32` by definition.
 
 mod ascii;
 mod binary;
 
 pub(super) use binary::write;
 
-use super::error::{Fault, Problem, in_file};
+use super::error::{ParseError, ParseErrorKind, in_file};
 use crate::mesh::Soup;
 
 /// Reads STL, telling ASCII from binary by the size a binary file must have, not by its first word:
 /// binary files may start with "solid" too.
-pub(super) fn read(bytes: &[u8]) -> Result<Soup, Fault> {
+pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     if bytes.is_empty() {
-        return Err(in_file(Problem::Empty));
+        return Err(in_file(ParseErrorKind::Empty));
     }
     let declared = binary::declared_faces(bytes);
     let fits = declared.is_some_and(|faces| bytes.len() as u64 == binary::size(faces));
@@ -28,7 +28,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, Fault> {
             "{} bytes, too few for a binary STL and no ASCII STL",
             bytes.len()
         );
-        return Err(in_file(Problem::NotThisFormat {
+        return Err(in_file(ParseErrorKind::NotThisFormat {
             format: "STL",
             found,
         }));
@@ -50,9 +50,9 @@ fn with_room(faces: usize) -> Soup {
 }
 
 /// Makes a face of the last three positions.
-fn close_face(soup: &mut Soup) -> Result<(), Fault> {
+fn close_face(soup: &mut Soup) -> Result<(), ParseError> {
     let Ok(end) = u32::try_from(soup.positions.len()) else {
-        return Err(in_file(Problem::too_large("face corners")));
+        return Err(in_file(ParseErrorKind::too_large("face corners")));
     };
     soup.corners.extend([end - 3, end - 2, end - 1]);
     soup.offsets.push(end);

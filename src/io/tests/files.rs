@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use super::super::{
-    Format, LoadError, OutputMesh, SaveError, atomic, check_target, load, same_file, save,
+    Format, LoadError, LoadErrorKind, OutputMesh, SaveError, SaveErrorKind, atomic, check_target,
+    load, same_file, save,
 };
 use crate::mesh::DVec3;
 
@@ -75,25 +76,49 @@ fn paths_that_are_no_files() {
     let directory = tempfile::tempdir().expect("temporary directory");
     let inside = directory.path().join("dir.obj");
     fs::create_dir(&inside).expect("made");
-    assert!(matches!(load(&inside), Err(LoadError::IsDirectory { .. })));
+    assert!(matches!(
+        load(&inside),
+        Err(LoadError {
+            kind: LoadErrorKind::IsDirectory,
+            ..
+        })
+    ));
     assert!(matches!(
         save(&inside, &triangle()),
-        Err(SaveError::IsDirectory { .. })
+        Err(SaveError {
+            kind: SaveErrorKind::IsDirectory,
+            ..
+        })
     ));
     let missing = directory.path().join("none").join("mesh.obj");
-    assert!(matches!(load(&missing), Err(LoadError::NotFound { .. })));
+    assert!(matches!(
+        load(&missing),
+        Err(LoadError {
+            kind: LoadErrorKind::NotFound,
+            ..
+        })
+    ));
     let error = save(&missing, &triangle()).expect_err("no directory");
     assert!(
-        matches!(&error, SaveError::DirectoryMissing { .. }),
+        matches!(&error.kind, SaveErrorKind::DirectoryMissing(_)),
         "{error}"
     );
     let file = directory.path().join("file.obj");
     fs::write(&file, "").expect("written");
     let below = file.join("mesh.obj");
-    assert!(matches!(load(&below), Err(LoadError::NotFound { .. })));
+    assert!(matches!(
+        load(&below),
+        Err(LoadError {
+            kind: LoadErrorKind::NotFound,
+            ..
+        })
+    ));
     assert!(matches!(
         save(&below, &triangle()),
-        Err(SaveError::DirectoryMissing { .. })
+        Err(SaveError {
+            kind: SaveErrorKind::DirectoryMissing(_),
+            ..
+        })
     ));
 }
 
@@ -107,13 +132,19 @@ fn a_failed_write_leaves_the_old_file_and_nothing_else() {
         Err(std::io::ErrorKind::StorageFull.into())
     };
     let error = atomic::replace(&path, full).expect_err("full");
-    assert!(matches!(error, SaveError::DiskFull { .. }), "{error}");
+    assert!(matches!(error.kind, SaveErrorKind::DiskFull), "{error}");
     let nan = [DVec3::NAN];
     let unsound = OutputMesh {
         positions: &nan,
         ..OutputMesh::default()
     };
-    assert!(matches!(save(&path, &unsound), Err(SaveError::Mesh { .. })));
+    assert!(matches!(
+        save(&path, &unsound),
+        Err(SaveError {
+            kind: SaveErrorKind::Mesh(_),
+            ..
+        })
+    ));
     assert_eq!(fs::read(&path).expect("there"), b"old");
     assert_eq!(names(directory.path()), ["old.obj"]);
 }
@@ -128,7 +159,10 @@ fn read_only_files_stay() {
     fs::set_permissions(&path, permissions).expect("set");
     assert!(matches!(
         save(&path, &triangle()),
-        Err(SaveError::ReadOnly { .. })
+        Err(SaveError {
+            kind: SaveErrorKind::ReadOnly,
+            ..
+        })
     ));
     assert_eq!(fs::read(&path).expect("there"), b"old");
 }
@@ -152,7 +186,13 @@ fn modes_links_and_devices() {
     );
     let device = directory.path().join("device.obj");
     symlink("/dev/full", &device).expect("linked");
-    assert!(matches!(load(&device), Err(LoadError::NotAFile { .. })));
+    assert!(matches!(
+        load(&device),
+        Err(LoadError {
+            kind: LoadErrorKind::NotAFile,
+            ..
+        })
+    ));
     let error = save(&device, &triangle()).expect_err("full");
     assert!(error.to_string().contains("disk is full"), "{error}");
     assert_eq!(

@@ -1,4 +1,4 @@
-//! Broken files end in an error that says where and why.
+//! Broken files end in an error with the place and the reason.
 
 use proptest::prelude::*;
 use std::path::Path;

@@ -1,4 +1,20 @@
-//! Vertices of the repaired mesh: one for each fan of faces that hang together around it.
+//! Vertices of the repaired mesh: one for each fan of connected faces around a position.
+//!
+//! ```text
+//!       f0   f1            corners c0 and c1 at the position p belong to faces that are joined
+//!      ____ ____           across an edge: one fan, one vertex. The corners c2 and c3 of the
+//!      \   |   /           other two faces form a second fan at the same position: a second
+//!       \c0|c1/            vertex, although the file has a single one.
+//!        \ | /
+//!         \p/
+//!         / \
+//!       /c2|c3\
+//!      /___|___\
+//!       f2   f3
+//! ```
+//!
+//! Corner `3 f + k` is corner `k` of face `f`; edge `3 f + k` runs from it to the next corner. A
+//! *mate* is the edge of another face to which an edge is joined.
 
 use super::edges::{EdgeTable, ends, following, opposite};
 use super::join::{NONE, Sheets};
@@ -56,12 +72,12 @@ fn number(link: &mut [u32]) -> Fans {
     }
 }
 
-/// Rounds in which edges that came to lie between the same vertices may still be joined instead.
+/// Rounds in which edges that came to have the same vertices may still be joined instead of cut.
 const JOIN_ROUNDS: usize = 8;
 
-/// Undoes joins that make two different edges of the mesh run between the same two vertices, or two
-/// faces have the same three, which index triples cannot tell apart. Only `suspects` are looked at;
-/// none means all. Returns one corner-edge of each edge that was cut.
+/// Undoes joins after which two different edges have the same two vertices, or two faces the same
+/// three: index triples cannot tell those apart. Checks only the corner-edges `suspects`, all if
+/// `None`. Returns one corner-edge of each edge that was cut.
 pub(super) fn cut_parallel_edges(
     own: &[[u32; 3]],
     triangles: &[[u32; 3]],
@@ -81,6 +97,7 @@ pub(super) fn cut_parallel_edges(
         let table = EdgeTable::new(&named, current.count, all.iter().copied());
         let before = cuts.len();
         let mut changed = false;
+        // a group: all corner-edges between the same two vertices
         for group in table.groups(&named) {
             if let [c, d] = *group
                 && sheets.mate[c as usize] != d
@@ -89,6 +106,8 @@ pub(super) fn cut_parallel_edges(
                 sheets.try_join(&named, c, d);
                 changed = true;
             }
+            // sound: one boundary edge, or two faces joined to each other with different third
+            // corners
             let sound = match *group {
                 [c, d] => {
                     sheets.mate[c as usize] == d && opposite(&named, c) != opposite(&named, d)
@@ -100,7 +119,7 @@ pub(super) fn cut_parallel_edges(
             }
             cuts.push(group[0]);
             if !unmate(&mut sheets.mate, group.iter().copied()) {
-                // nothing left to cut at the edge itself: set the later faces free altogether
+                // nothing is joined at the edge itself: cut all edges of the later faces
                 for &c in &group[1..] {
                     let f = c - c % 3;
                     unmate(&mut sheets.mate, f..f + 3);
@@ -134,9 +153,9 @@ pub(super) fn corners_as_triangles(of_corner: &[u32]) -> Vec<[u32; 3]> {
         .collect()
 }
 
-/// Makes one of the fans that a single boundary loop passes at the same position: there a hole
-/// touches itself, and its lobes are to be filled one by one. `open` are the fans on the boundary.
-/// Returns the number of such places.
+/// Merges fans that a single boundary loop passes at the same position. There a hole touches
+/// itself, and its lobes are filled one by one. `open` are the fans on the boundary. Returns the
+/// number of such positions.
 ///
 /// # Errors
 /// If the faces are no manifold even with all fans apart.

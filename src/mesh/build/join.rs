@@ -1,8 +1,8 @@
-//! Which faces hang together across which edges, and how they are turned.
+//! Faces joined across edges, and their orientation.
 //!
 //! Faces sharing an edge with just one other are joined. Where more meet, those that belong to one
-//! sheet anyway come first, then the flattest pair; a pair that could not be oriented is never made.
-//! Sheets and their orientation are kept in one union-find structure with parities.
+//! sheet anyway come first, then the flattest pair; a pair that could not be oriented is never
+//! made. Sheets and their orientation are kept in one union-find structure with parities.
 
 use super::edges::{EdgeTable, ends, opposite};
 use crate::mesh::DVec3;
@@ -30,7 +30,7 @@ pub(super) struct Sheets {
     /// Union-find: parent × 2 + whether turned relative to it. The root is the lowest face.
     link: Vec<u32>,
     /// Whether the sheet of each root cannot be oriented.
-    one_sided: Vec<bool>,
+    non_orientable: Vec<bool>,
 }
 
 impl Sheets {
@@ -41,7 +41,7 @@ impl Sheets {
             non_manifold: Vec::new(),
             crowded: Vec::new(),
             link: (0..faces as u32).map(|f| 2 * f).collect(),
-            one_sided: vec![false; faces],
+            non_orientable: vec![false; faces],
         }
     }
 
@@ -70,17 +70,17 @@ impl Sheets {
         }
         let (low, high) = (f.min(g), f.max(g));
         self.link[high as usize] = 2 * low + u32::from(odd);
-        self.one_sided[low as usize] |= self.one_sided[high as usize];
+        self.non_orientable[low as usize] |= self.non_orientable[high as usize];
         true
     }
 
     /// Whether the face belongs to a sheet that cannot be oriented.
-    pub fn is_one_sided(&mut self, face: u32) -> bool {
+    pub fn is_non_orientable(&mut self, face: u32) -> bool {
         let (root, _) = self.find(face);
-        self.one_sided[root as usize]
+        self.non_orientable[root as usize]
     }
 
-    /// Leaves out faces whose corners an earlier face has, and says for each face whether a copy
+    /// Drops faces whose corners an earlier face has, and returns for each face whether a copy
     /// turned the other way was left out.
     fn drop_duplicates(&mut self, triangles: &[[u32; 3]], table: &EdgeTable) -> Vec<u32> {
         let mut doubled = Vec::new();
@@ -167,13 +167,13 @@ impl Sheets {
         let turned = ends(triangles, c) == ends(triangles, d);
         if !self.unite(c / 3, d / 3, turned) {
             let (root, _) = self.find(c / 3);
-            self.one_sided[root as usize] = true;
+            self.non_orientable[root as usize] = true;
         }
     }
 
     /// Joins two faces unless their sheet could not be oriented then.
     pub fn try_join(&mut self, triangles: &[[u32; 3]], c: u32, d: u32) {
-        if self.is_one_sided(c / 3) == self.is_one_sided(d / 3)
+        if self.is_non_orientable(c / 3) == self.is_non_orientable(d / 3)
             && self.unite(c / 3, d / 3, ends(triangles, c) == ends(triangles, d))
         {
             self.mate[c as usize] = d;

@@ -79,7 +79,7 @@ pub enum BuildError {
     Unrepaired(#[from] TopologyError),
 }
 
-/// Makes an oriented manifold mesh of a file's polygons and says what was done to them.
+/// Makes an oriented manifold mesh of a file's polygons and reports the repairs.
 ///
 /// In this order: polygons are cut into triangles; faces that name a vertex twice or repeat an
 /// earlier face are dropped; where more than two faces share an edge, two of them stay joined and
@@ -88,7 +88,7 @@ pub enum BuildError {
 /// majority of their faces; vertices joining several sheets are split. Positions are never moved. A
 /// file that is an oriented manifold already comes through unchanged.
 ///
-/// Components that cannot be oriented are left alone (see [`Mesh::one_sided`]).
+/// Components that cannot be oriented are left alone (see [`Mesh::non_orientable`]).
 ///
 /// # Errors
 /// [`BuildError`] where no sound mesh can be made, [`BuildError::OneSided`] if no component can be
@@ -104,7 +104,7 @@ pub fn build(soup: &Soup) -> Result<(Mesh, LoadReport), BuildError> {
     let (topology, repaired) = repair(&soup.positions, soup.exploded, &triangles.corners)?;
     if repaired.triangles.is_empty() {
         return Err(BuildError::OneSided {
-            faces: repaired.one_sided.len(),
+            faces: repaired.non_orientable.len(),
         });
     }
     let mesh = assemble(soup, &triangles, topology, &repaired);
@@ -164,7 +164,7 @@ fn assemble(soup: &Soup, triangles: &Triangles, topology: Topology, repaired: &R
         },
         face_tags: pick(&repaired.triangles),
         tags: soup.tags.clone(),
-        one_sided: repaired.one_sided.corners.clone(),
-        one_sided_tags: pick(&repaired.one_sided),
+        non_orientable: repaired.non_orientable.corners.clone(),
+        non_orientable_tags: pick(&repaired.non_orientable),
     }
 }

@@ -6,7 +6,7 @@ use super::fans::{
 };
 use super::join::{NONE, Sheets};
 use super::weld::position_classes;
-use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology, TopologyError};
+use crate::mesh::{DVec3, Topology, TopologyError};
 
 /// Triangles of the mesh and which of the file's triangles they are.
 #[derive(Default)]
@@ -36,9 +36,9 @@ impl Faces {
 /// the file's vertices.
 pub(super) struct Repaired {
     pub triangles: Faces,
-    pub one_sided: Faces,
+    pub non_orientable: Faces,
     /// The lowest face of its sheet for each one-sided face.
-    pub one_sided_sheet: Vec<u32>,
+    pub non_orientable_sheet: Vec<u32>,
     /// The file vertex of each mesh vertex; none if they are the same throughout.
     pub source: Option<Vec<u32>>,
     pub file_to_mesh: Option<Vec<u32>>,
@@ -61,8 +61,8 @@ impl Repaired {
                 corners: triangles.to_vec(),
                 origin: None,
             },
-            one_sided: Faces::default(),
-            one_sided_sheet: Vec::new(),
+            non_orientable: Faces::default(),
+            non_orientable_sheet: Vec::new(),
             source: None,
             file_to_mesh: None,
             welded: 0,
@@ -91,8 +91,8 @@ pub(super) fn repair(
     if let Ok(topology) = Topology::from_triangles(n, triangles)
         && !has_pillow(&topology)
     {
-        let rim = (0..topology.halfedge_count()).map(HalfedgeId::from);
-        let rim: Vec<u32> = rim
+        let rim: Vec<u32> = topology
+            .halfedges()
             .filter(|&h| topology.is_boundary(h))
             .map(|h| topology.origin(h).0)
             .collect();
@@ -103,15 +103,11 @@ pub(super) fn repair(
     repair_slowly(positions, triangles, None)
 }
 
-/// Whether two faces share all their edges: a face and its copy turned over.
+/// Whether two faces share all their edges: a face and its flipped copy.
 pub(super) fn has_pillow(topology: &Topology) -> bool {
-    (0..topology.face_count()).map(FaceId::from).any(|f| {
-        let h = topology.halfedge_of_face(f);
-        let n = topology.next(h);
-        let other = topology.face(h.twin());
-        other.is_some()
-            && topology.face(n.twin()) == other
-            && topology.face(topology.next(n).twin()) == other
+    topology.faces().any(|f| {
+        let [a, b, c] = topology.face_halfedges(f).map(|h| topology.face(h.twin()));
+        a.is_some() && a == b && b == c
     })
 }
 
@@ -210,11 +206,11 @@ fn repair_slowly(
         cut_edges.extend(parallel);
         fans
     };
-    let one_sided: Vec<bool> = (0..faces).map(|f| sheets.is_one_sided(f)).collect();
+    let non_orientable: Vec<bool> = (0..faces).map(|f| sheets.is_non_orientable(f)).collect();
     cut_edges.sort_unstable();
     cut_edges.dedup();
-    let flipped = minority_faces(&mut sheets, &one_sided);
-    let kept = |f: &u32| !sheets.dropped[*f as usize] && !one_sided[*f as usize];
+    let flipped = minority_faces(&mut sheets, &non_orientable);
+    let kept = |f: &u32| !sheets.dropped[*f as usize] && !non_orientable[*f as usize];
     let origin: Vec<u32> = (0..faces).filter(kept).collect();
     let oriented = |corners: &[[u32; 3]]| -> Vec<[u32; 3]> {
         let turn = |f: u32| {
@@ -251,7 +247,7 @@ fn repair_slowly(
         .collect();
     let corners = oriented(&named);
     let aside: Vec<u32> = (0..faces)
-        .filter(|&f| one_sided[f as usize] && used[f as usize])
+        .filter(|&f| non_orientable[f as usize] && used[f as usize])
         .collect();
     let identity = names
         .file_to_mesh
@@ -264,8 +260,8 @@ fn repair_slowly(
             corners,
             origin: Some(origin),
         },
-        one_sided_sheet: aside.iter().map(|&f| sheets.find(f).0).collect(),
-        one_sided: Faces {
+        non_orientable_sheet: aside.iter().map(|&f| sheets.find(f).0).collect(),
+        non_orientable: Faces {
             corners: aside.iter().map(|&f| named[f as usize]).collect(),
             origin: Some(aside),
         },
@@ -317,11 +313,11 @@ fn join_seams(
 }
 
 /// Faces that have to be turned so that each sheet agrees with the majority of its faces, sorted.
-fn minority_faces(sheets: &mut Sheets, one_sided: &[bool]) -> Vec<u32> {
-    let faces = one_sided.len() as u32;
+fn minority_faces(sheets: &mut Sheets, non_orientable: &[bool]) -> Vec<u32> {
+    let faces = non_orientable.len() as u32;
     let mut balance = vec![0i32; faces as usize];
     for f in 0..faces {
-        if !sheets.dropped[f as usize] && !one_sided[f as usize] {
+        if !sheets.dropped[f as usize] && !non_orientable[f as usize] {
             let (root, turned) = sheets.find(f);
             balance[root as usize] += if turned { -1 } else { 1 };
         }
@@ -330,7 +326,7 @@ fn minority_faces(sheets: &mut Sheets, one_sided: &[bool]) -> Vec<u32> {
         .filter(|&f| {
             let (root, turned) = sheets.find(f);
             !sheets.dropped[f as usize]
-                && !one_sided[f as usize]
+                && !non_orientable[f as usize]
                 && turned == (balance[root as usize] >= 0)
         })
         .collect()

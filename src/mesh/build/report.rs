@@ -27,7 +27,7 @@ pub struct LoadReport {
     pub welded_vertices: usize,
     /// Vertices used by no face, which are kept.
     pub isolated_vertices: usize,
-    /// Faces turned over to agree with the majority of their component.
+    /// Faces flipped to agree with the majority of their component.
     pub flipped_faces: usize,
     /// Edges shared by more than two faces, which were cut apart.
     pub non_manifold_edges: usize,
@@ -37,13 +37,14 @@ pub struct LoadReport {
     pub pinched_vertices: usize,
     /// Copies of vertices appended at the end of the list by these cuts.
     pub appended_vertices: usize,
-    /// Triangles of one-sided components, which are left alone.
-    pub one_sided_faces: usize,
+    /// Triangles of non-orientable components, which are never changed.
+    #[serde(rename = "one_sided_faces")]
+    pub non_orientable_faces: usize,
     /// The connected components, in the order of their lowest face.
     pub components: Vec<ComponentReport>,
     /// Where the defects are; at most [`Defect::LIMIT`] of each kind.
     pub defects: Vec<Defect>,
-    /// Remarks in plain words, the reader's first.
+    /// Notes in plain words, the reader's first.
     pub notes: Vec<String>,
     /// For each vertex of the file its index in the mesh; none if that is the same throughout.
     pub file_to_mesh: Option<Vec<u32>>,
@@ -93,7 +94,7 @@ pub enum DefectKind {
     DegenerateFace,
     /// A triangle of zero area, kept.
     ZeroAreaFace,
-    /// A face turned over.
+    /// A flipped face.
     FlippedFace,
     /// An edge of more than two faces, cut apart.
     NonManifoldEdge,

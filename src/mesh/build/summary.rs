@@ -46,7 +46,7 @@ impl Defects<'_> {
     }
 }
 
-/// Counts everything there is to say of a loaded mesh.
+/// Makes the load report of a mesh.
 pub(super) fn summarize(
     soup: &Soup,
     triangles: &Triangles,
@@ -73,9 +73,10 @@ pub(super) fn summarize(
         DefectKind::DuplicateFace,
         repaired.duplicates.iter().copied(),
     );
-    let flat: Vec<u32> = (0..mesh.face_count())
-        .filter(|&f| is_flat(mesh.corners(FaceId::from(f))))
-        .map(|f| repaired.triangles.origin(f) as u32)
+    let faces = mesh.topology.faces();
+    let flat: Vec<u32> = faces
+        .filter(|&f| is_flat(mesh.corners(f)))
+        .map(|f| repaired.triangles.origin(f.index()) as u32)
         .collect();
     defects.push_triangles(DefectKind::ZeroAreaFace, flat.iter().copied());
     defects.push_triangles(DefectKind::FlippedFace, repaired.flipped.iter().copied());
@@ -100,8 +101,8 @@ pub(super) fn summarize(
         let file = repaired.source.as_ref().map_or(v.0, |of| of[v.index()]);
         defects.push(DefectKind::PinchedHole, mesh.position(v), None, Some(file));
     }
-    let parts = component_reports(mesh, &repaired.one_sided_sheet);
-    let mut sheets = repaired.one_sided_sheet.clone();
+    let parts = component_reports(mesh, &repaired.non_orientable_sheet);
+    let mut sheets = repaired.non_orientable_sheet.clone();
     sheets.sort_unstable();
     sheets.dedup();
     defects.push_triangles(DefectKind::OneSidedComponent, sheets.into_iter());
@@ -110,7 +111,7 @@ pub(super) fn summarize(
         file_vertices: soup.positions.len(),
         file_faces: soup.face_count(),
         vertices: mesh.vertex_count(),
-        faces: mesh.face_count() + mesh.one_sided.len(),
+        faces: mesh.face_count() + mesh.non_orientable.len(),
         polygons_triangulated: triangles.polygons,
         duplicate_faces: repaired.duplicates.len(),
         degenerate_faces: triangles.degenerate.len() + repaired.collapsed.len(),
@@ -122,7 +123,7 @@ pub(super) fn summarize(
         split_vertices: split.len(),
         pinched_vertices: pinched.len(),
         appended_vertices: repaired.split.iter().map(|s| s.1 as usize).sum(),
-        one_sided_faces: mesh.one_sided.len(),
+        non_orientable_faces: mesh.non_orientable.len(),
         components: parts,
         defects: defects.list,
         notes: soup.notes.clone(),
@@ -142,23 +143,23 @@ fn is_flat([a, b, c]: [DVec3; 3]) -> bool {
 /// Vertices at which a hole touches itself, and the number of vertices without a face.
 fn special_vertices(mesh: &Mesh) -> (Vec<VertexId>, usize) {
     let topology = &mesh.topology;
-    let mut in_one_sided = vec![
+    let mut in_non_orientable = vec![
         false;
-        if mesh.one_sided.is_empty() {
+        if mesh.non_orientable.is_empty() {
             0
         } else {
             mesh.vertex_count()
         }
     ];
-    for &v in mesh.one_sided.iter().flatten() {
-        in_one_sided[v as usize] = true;
+    for &v in mesh.non_orientable.iter().flatten() {
+        in_non_orientable[v as usize] = true;
     }
     let mut pinched = Vec::new();
     let mut isolated = 0;
-    for v in (0..mesh.vertex_count()).map(VertexId::from) {
+    for v in mesh.topology.vertices() {
         let h = topology.halfedge_of_vertex(v);
         if !h.is_some() {
-            isolated += usize::from(!in_one_sided.get(v.index()).is_some_and(|&used| used));
+            isolated += usize::from(!in_non_orientable.get(v.index()).is_some_and(|&used| used));
         } else if topology.is_boundary(h)
             && topology
                 .outgoing(v)
@@ -172,7 +173,7 @@ fn special_vertices(mesh: &Mesh) -> (Vec<VertexId>, usize) {
     (pinched, isolated)
 }
 
-fn component_reports(mesh: &Mesh, one_sided_sheet: &[u32]) -> Vec<ComponentReport> {
+fn component_reports(mesh: &Mesh, non_orientable_sheet: &[u32]) -> Vec<ComponentReport> {
     let topology = &mesh.topology;
     let parts = components(topology);
     let empty = ComponentReport {
@@ -187,16 +188,14 @@ fn component_reports(mesh: &Mesh, one_sided_sheet: &[u32]) -> Vec<ComponentRepor
         let part = &mut reports[c as usize];
         part.faces += 1;
         part.euler += 1;
-        let mut h = topology.halfedge_of_face(FaceId::from(f));
-        for _ in 0..3 {
+        for h in topology.face_halfedges(FaceId::from(f)) {
             // each edge once: by its first half-edge, or by the only one with a face
             if h.0 & 1 == 0 || topology.is_boundary(h.twin()) {
                 part.euler -= 1;
             }
-            h = topology.next(h);
         }
     }
-    for v in (0..mesh.vertex_count()).map(VertexId::from) {
+    for v in mesh.topology.vertices() {
         let h = topology.halfedge_of_vertex(v);
         if h.is_some() {
             let inner = if topology.is_boundary(h) { h.twin() } else { h };
@@ -209,12 +208,15 @@ fn component_reports(mesh: &Mesh, one_sided_sheet: &[u32]) -> Vec<ComponentRepor
         let face = topology.face(one[0].twin());
         reports[parts.of_face[face.index()] as usize].loops += 1;
     }
-    reports.extend(one_sided_reports(&mesh.one_sided, one_sided_sheet));
+    reports.extend(non_orientable_reports(
+        &mesh.non_orientable,
+        non_orientable_sheet,
+    ));
     reports
 }
 
 /// The same counts for components that have no half-edges.
-fn one_sided_reports(triangles: &[[u32; 3]], sheet: &[u32]) -> Vec<ComponentReport> {
+fn non_orientable_reports(triangles: &[[u32; 3]], sheet: &[u32]) -> Vec<ComponentReport> {
     let mut sheets = sheet.to_vec();
     sheets.sort_unstable();
     sheets.dedup();

@@ -1,9 +1,8 @@
 //! A rim as a smooth closed curve, with the directions in which a surface leaves it.
 
 use super::spine::Cubic;
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, rms_distance, vector_area};
 use crate::patch::data::Rim;
-use crate::patch::planar::vector_area;
 
 /// Rims are smoothed over this part of their vertices.
 const SMOOTHED: f64 = 1.0 / 24.0;
@@ -78,7 +77,6 @@ impl RimCurve {
             *u /= length;
         }
         let centre = moment / length;
-        let squares: f64 = points.iter().map(|p| p.distance_squared(centre)).sum();
         let passes = (2.0 * (SMOOTHED * n as f64).powi(2)).ceil() as usize;
         // twice over, so that circles hardly shrink
         let once = smoothed(points, passes);
@@ -92,7 +90,7 @@ impl RimCurve {
         Self {
             rest: (0..n).map(|i| points[i] - smooth[i]).collect(),
             centre,
-            radius: (squares / n as f64).sqrt(),
+            radius: rms_distance(points.iter().copied(), centre),
             normal: vector_area(points).normalize_or_zero(),
             axis: (mean.length() > TUBE).then(|| mean.normalize()),
             place,

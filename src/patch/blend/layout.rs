@@ -3,9 +3,9 @@
 
 use spade::Point2;
 
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, vector_area};
 use crate::patch::data::Rim;
-use crate::patch::planar::{delaunay_between, vector_area};
+use crate::patch::planar::delaunay_between;
 
 /// A triangulation between the rims without new vertices. Of all points of view from which no rim
 /// overlaps another, the one whose triangulation has the least area is taken. `None` if no point

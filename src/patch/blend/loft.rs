@@ -3,7 +3,7 @@
 use super::bending::bending;
 use super::curve::{RimCurve, RimPoint};
 use super::spine::{Cubic, Spine};
-use crate::mesh::{DVec3, self_intersections};
+use crate::mesh::{DVec3, perimeter, self_intersections};
 use crate::patch::data::Patch;
 
 /// How the points of two rims are joined by curves.
@@ -142,15 +142,8 @@ fn bending_of(ends: [&RimCurve; 2], loft: &LoftParameters) -> f64 {
 fn mean_edges(ends: [&RimCurve; 2]) -> [f64; 2] {
     ends.map(|rim| {
         let points: Vec<DVec3> = rim.points().collect();
-        length_around(&points) / points.len() as f64
+        perimeter(&points) / points.len() as f64
     })
-}
-
-fn length_around(points: &[DVec3]) -> f64 {
-    let n = points.len();
-    (0..n)
-        .map(|i| points[i].distance(points[(i + 1) % n]))
-        .sum()
 }
 
 /// Whether the rims can be the two ends of one tube: neither around one another nor leading to
@@ -316,7 +309,7 @@ impl Rows {
             let wanted = rows[PIECES] * j as f64 / count as f64;
             let p = rows.partition_point(|&r| r < wanted).clamp(1, PIECES);
             let f = (wanted - rows[p - 1]) / (rows[p] - rows[p - 1]);
-            let around = (1.0 - f) * length_around(&rings[p - 1]) + f * length_around(&rings[p]);
+            let around = (1.0 - f) * perimeter(&rings[p - 1]) + f * perimeter(&rings[p]);
             let size = (1.0 - f) * size(p - 1) + f * size(p);
             let n = ((around / size).round() as usize).clamp(5, 4 * MAX_ROWS);
             (time(p - 1) + f * (time(p) - time(p - 1)), n)

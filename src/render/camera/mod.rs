@@ -1,7 +1,7 @@
 //! The camera: where one looks from, and how the mouse moves that.
 //!
-//! World coordinates are those of the file; `y` or `z` points up in the standard views. All of it is
-//! in `f64`; what the graphics card gets is relative to a centre near the surface.
+//! World coordinates are those of the file; `y` or `z` points up in the standard views. All of it
+//! is in `f64`; what the graphics card gets is relative to a centre near the surface.
 
 mod standard;
 #[cfg(test)]
@@ -35,8 +35,8 @@ pub struct Camera {
     /// Where the pivot is from the middle of the picture, to the right and up, in units of the
     /// file.
     pub offset: DVec2,
-    /// Vertical field of view in radians; with a parallel projection it says what height is seen at
-    /// the depth of the pivot.
+    /// Vertical field of view in radians; with a parallel projection it gives the height that is
+    /// seen at the depth of the pivot.
     pub fov_y: f64,
     /// Parallel instead of perspective projection.
     pub orthographic: bool,
@@ -141,11 +141,6 @@ impl Camera {
             self.orientation * DQuat::from_rotation_y(-dx) * about_right
         };
         self.orientation = turned.normalize();
-    }
-
-    /// Turns the picture counter-clockwise by `angle` radians around the pivot's place in it.
-    pub fn roll(&mut self, angle: f64) {
-        self.orientation = (self.orientation * DQuat::from_rotation_z(-angle)).normalize();
     }
 
     /// Moves the surface with the mouse, by pixels to the right and down, in a viewport of height
@@ -270,9 +265,9 @@ impl Camera {
         projection * view
     }
 
-    /// The line of sight through a point of the picture (`ndc` from −1 at the left and bottom to 1):
-    /// origin in the plane of the eye, direction of length 1. In a parallel projection the line goes
-    /// on behind its origin.
+    /// The line of sight through a point of the picture (`ndc` from −1 at the left and bottom to
+    /// 1): origin in the plane of the eye, direction of length 1. In a parallel projection the line
+    /// goes on behind its origin.
     pub fn ray(&self, ndc: [f64; 2], aspect: f64) -> (DVec3, DVec3) {
         let at = DVec2::new(ndc[0] * aspect, ndc[1]) * self.tan_half();
         let sideways = self.right() * at.x + self.up() * at.y;

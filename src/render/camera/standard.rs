@@ -2,7 +2,8 @@
 
 use glam::DQuat;
 
-/// Views along the axes, said for `y` up; with `z` up the world is turned so that Front is from −y.
+/// Views along the axes, named for `y` up; with `z` up the world is turned so that Front is from
+/// −y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StandardView {
     /// From +z.

@@ -11,7 +11,7 @@ fn cameras() -> Vec<Camera> {
             let mut camera = Camera::fit(&bounds);
             camera.orthographic = orthographic;
             camera.orbit(0.7, -0.4, false);
-            camera.roll(0.2);
+            camera.orientation *= DQuat::from_rotation_z(-0.2);
             all.push(camera);
             camera.set_pivot(centre + DVec3::new(0.5, 0.3, -0.2) * scale);
             all.push(camera);
@@ -20,7 +20,7 @@ fn cameras() -> Vec<Camera> {
     all
 }
 
-/// Points around what the camera looks at.
+/// Points around the middle of the view.
 fn points(camera: &Camera) -> [DVec3; 3] {
     [[0.1, 0.2, -0.3], [-0.2, 0.1, 0.2], [0.0, -0.25, 0.05]]
         .map(|p| camera.middle() + DVec3::from_array(p) * camera.half_height())

@@ -1,8 +1,8 @@
 //! Drawing with wgpu: what is on the graphics card, and the passes of a frame.
 //!
-//! Each view is drawn into textures of its own, with reversed depth (1 near, 0 far) and four samples
-//! a pixel where the device can; the result is kept, so that a window repainted for other reasons
-//! costs one copy.
+//! Each view is drawn into textures of its own, with reversed depth (1 near, 0 far) and four
+//! samples a pixel where the device can; the result is kept, so that a window repainted for other
+//! reasons costs one copy.
 
 mod cache;
 mod composite;
@@ -72,7 +72,8 @@ impl Renderer {
         }
     }
 
-    /// Draws view `slot` of `size_px` pixels unless its picture is up to date; whether it was drawn.
+    /// Draws view `slot` of `size_px` pixels unless its picture is up to date; whether it was
+    /// drawn.
     ///
     /// # Errors
     /// The scene does not fit on the graphics card; the view then shows what it showed before.

@@ -1,4 +1,4 @@
-//! What a frame tells all shaders.
+//! The uniforms that all shaders of a frame share.
 
 use glam::DMat4;
 

@@ -7,7 +7,7 @@ use super::{DynamicSurface, Evaluation};
 use crate::mesh::{DVec3, VertexId};
 use crate::render::{Geometry, Vertex};
 use crate::subdivision::{Elements, Rule, limit_normal, limit_position};
-use crate::surface::surface_point;
+use crate::surface::{project_to_vertices, surface_point};
 
 /// Mean and Gaussian curvature.
 type Curvature = [f64; 2];
@@ -60,7 +60,6 @@ impl DynamicSurface {
     /// Lumped L2 projection of the curvatures at quadrature points, by vertex of the cut mesh; NaN
     /// where there is no face.
     fn vertex_curvatures(&self, positions: &[DVec3]) -> Vec<Curvature> {
-        let rule = Rule::Three.points();
         let at_points: Vec<[[f64; 3]; 3]> = (0..self.elements.len())
             .into_par_iter()
             .map(|e| {
@@ -70,17 +69,13 @@ impl DynamicSurface {
             })
             .collect();
         let mut sums = vec![[0.0; 3]; positions.len()];
-        for (e, points) in at_points.iter().enumerate() {
-            let corners = &self.elements.vertices_of(e)[..3];
-            for (&[v, w], point) in rule.iter().zip(points) {
-                for (&corner, psi) in corners.iter().zip([1.0 - v - w, v, w]) {
-                    let sum = &mut sums[corner as usize];
-                    for k in 0..3 {
-                        sum[k] += psi * point[k];
-                    }
-                }
+        // the samples have their areas in them
+        let sample = |e: usize, q: usize| Some((1.0, at_points[e][q]));
+        project_to_vertices(&self.elements, Rule::Three, sample, |v, weight, point| {
+            for (sum, x) in sums[v as usize].iter_mut().zip(point) {
+                *sum += weight * x;
             }
-        }
+        });
         sums.into_iter()
             .map(|[area, h, k]| [h / area, k / area])
             .collect()
@@ -91,7 +86,7 @@ impl DynamicSurface {
         let v = VertexId(v);
         let mut normal = limit_normal(topology, at, v);
         if normal == DVec3::ZERO {
-            // the tangents vanish (a fold, two triangles back to back): what the faces say
+            // the tangents vanish (a fold, two triangles back to back): the normal of the faces
             normal = topology
                 .outgoing(v)
                 .map(|h| topology.face(h))

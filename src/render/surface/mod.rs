@@ -25,8 +25,9 @@ pub struct SurfaceOptions {
     /// Edges along which the surface has a crease (rims joined G0): either side is drawn as if the
     /// other were not there. Pairs that are no edge are ignored.
     pub creases: Vec<[VertexId; 2]>,
-    /// The mesh was cut open along creases: its boundary edges are drawn straight between the points
-    /// that the sides have in common, so that no gap opens between the curves either would take.
+    /// The mesh was cut open along creases: its boundary edges are drawn straight between the
+    /// points that the sides have in common, so that no gap opens between the curves either would
+    /// take.
     pub is_cut: bool,
     /// Flags of the faces ([`super::Vertex`]), one for each; empty for none.
     pub flags: Vec<u32>,

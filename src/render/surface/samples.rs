@@ -2,7 +2,7 @@
 
 use super::SurfaceOptions;
 use super::cut::Cut;
-use crate::mesh::{FaceId, Topology, VertexId, face_halfedges};
+use crate::mesh::{FaceId, Topology, VertexId};
 use crate::subdivision::{Elements, Rule};
 
 /// "Not numbered yet".
@@ -64,8 +64,8 @@ pub(super) struct Inner {
 
 /// Samples of the faces, shared between neighbours, and the triangles between them.
 ///
-/// Samples at corners come first. A sample has several vertices where faces of different flags meet,
-/// since the flags of a triangle are those of its vertices.
+/// Samples at corners come first. A sample has several vertices where faces of different flags
+/// meet, since the flags of a triangle are those of its vertices.
 #[derive(Clone, Debug)]
 pub(super) struct Samples {
     /// The corner samples: vertices of the cut mesh.
@@ -220,7 +220,7 @@ impl<'a> Numbering<'a> {
     /// Numbers the samples of a face, after the corners of all faces, and triangulates it.
     fn add_face(&mut self, f: FaceId) {
         let n = self.lattice.pieces;
-        let around = face_halfedges(self.topology, f);
+        let around = self.topology.face_halfedges(f);
         let corners = self.topology.face_vertices(f);
         let element = self.element_of[f.index()];
         let first = (self.corners.len() + self.inner.len()) as u32;
@@ -297,7 +297,7 @@ impl<'a> Numbering<'a> {
         let mut done = vec![false; self.edge_sample.len()];
         let mut segments = Vec::new();
         for &f in faces {
-            for h in face_halfedges(self.topology, f) {
+            for h in self.topology.face_halfedges(f) {
                 if std::mem::replace(&mut done[h.edge()], true) {
                     continue;
                 }

@@ -10,7 +10,7 @@ fn mesh(shape: &shapes::TriangleMesh) -> (Topology, &[DVec3]) {
 }
 
 fn all_faces(topology: &Topology) -> Vec<FaceId> {
-    (0..topology.face_count()).map(FaceId::from).collect()
+    topology.faces().collect()
 }
 
 fn options(pieces: u32) -> SurfaceOptions {

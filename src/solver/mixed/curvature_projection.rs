@@ -17,8 +17,8 @@ impl CurvatureProjection {
     pub(super) fn new(problem: &FlowProblem, wanted: impl Fn(usize) -> bool) -> Self {
         let topology = problem.topology();
         let wanted: Vec<bool> = (0..topology.vertex_count()).map(wanted).collect();
-        let faces: Vec<FaceId> = (0..topology.face_count())
-            .map(FaceId::from)
+        let faces: Vec<FaceId> = topology
+            .faces()
             .filter(|&f| topology.face_vertices(f).iter().any(|v| wanted[v.index()]))
             .collect();
         Self {

@@ -186,7 +186,7 @@ fn rim_angle(output: &RawMesh, topology: &Topology, new_faces: &[u32]) -> f64 {
         (b - a).cross(c - a)
     };
     let (mut sum, mut count) = (0.0, 0usize);
-    for h in (0..topology.halfedge_count()).map(HalfedgeId::from) {
+    for h in topology.halfedges() {
         let (f, g) = (topology.face(h), topology.face(h.twin()));
         if f.is_some() && g.is_some() && new.contains(&f.0) && !new.contains(&g.0) {
             sum += normal(f).angle_between(normal(g)).to_degrees();

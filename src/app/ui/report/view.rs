@@ -56,16 +56,14 @@ fn edge_at(model: &Model, picker: &Picker, size: [f64; 2], at: [f64; 2]) -> Opti
         Some(DVec3::new(right, down, 0.0))
     };
     let cursor = DVec3::new(at[0], at[1], 0.0);
-    let mut h = mesh.topology.halfedge_of_face(hit.face);
     let mut best: Option<(f64, HalfedgeId)> = None;
-    for _ in 0..3 {
+    for h in mesh.topology.face_halfedges(hit.face) {
         let ends = [mesh.topology.origin(h), mesh.topology.target(h)];
         let [a, b] = ends.map(|v| on_screen(mesh.position(v)));
         let distance = cursor.distance(closest_point_on_segment(cursor, a?, b?));
         if best.is_none_or(|(least, _)| distance < least) {
             best = Some((distance, h));
         }
-        h = mesh.topology.next(h);
     }
     best.filter(|&(distance, _)| distance <= REACH).map(|b| b.1)
 }

@@ -190,7 +190,7 @@ const POWERS: [f64; 23] = [
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
-/// Reads the number that starts at `start`, correctly rounded, and says where it ends.
+/// Reads the number that starts at `start`, correctly rounded, and returns where it ends.
 ///
 /// An integer up to 2^53 times or over a power of ten up to 10^22 is one operation on exact
 /// doubles, hence rounded once (Clinger 1990); everything else goes through the standard library.

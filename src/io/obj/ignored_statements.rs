@@ -1,10 +1,10 @@
-//! What the load report says of a file that was read: everything that was not kept.
+//! What of an OBJ file is not kept: notes for the load report.
 
 use super::super::error::excerpt;
 
 /// Collected while a file is read.
 #[derive(Default)]
-pub(super) struct Remarks {
+pub(super) struct IgnoredStatements {
     pub texture: bool,
     pub normals: bool,
     pub lines: bool,
@@ -18,7 +18,7 @@ pub(super) struct Remarks {
     pub cut: bool,
 }
 
-impl Remarks {
+impl IgnoredStatements {
     pub fn new(bytes: &[u8]) -> Self {
         Self {
             cut: bytes.last().is_some_and(|&b| b != b'\n'),

@@ -1,0 +1,45 @@
+//! Measures of points and polygons.
+
+use super::DVec3;
+
+/// Root of the mean squared distance of points from `centre`; not a number without points.
+pub fn rms_distance(points: impl ExactSizeIterator<Item = DVec3>, centre: DVec3) -> f64 {
+    let count = points.len() as f64;
+    (points.map(|p| p.distance_squared(centre)).sum::<f64>() / count).sqrt()
+}
+
+/// Length of a closed polygon.
+pub fn perimeter(points: &[DVec3]) -> f64 {
+    let n = points.len();
+    (0..n)
+        .map(|i| points[i].distance(points[(i + 1) % n]))
+        .sum()
+}
+
+/// Vector area of a closed polygon, half the integral of `x × dx`: that of every surface over it.
+///
+/// # Panics
+/// If there is no point.
+pub fn vector_area(points: &[DVec3]) -> DVec3 {
+    let origin = points[0];
+    let mut area = DVec3::ZERO;
+    for i in 0..points.len() {
+        let (a, b) = (points[i] - origin, points[(i + 1) % points.len()] - origin);
+        area += 0.5 * a.cross(b);
+    }
+    area
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rectangle() {
+        let points = [[0., 0.], [2., 0.], [2., 3.], [0., 3.]].map(|[x, y]| DVec3::new(x, y, 5.0));
+        assert_eq!(perimeter(&points), 10.0);
+        assert_eq!(vector_area(&points), 6.0 * DVec3::Z);
+        let rms = rms_distance(points.iter().copied(), DVec3::new(1.0, 1.5, 5.0));
+        assert!((rms - 3.25f64.sqrt()).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,141 @@
+//! Rings of vertices and faces around some vertices, by breadth-first search.
+
+use super::{FaceId, Topology, VertexId};
+
+/// The rings around some vertices. Ring 0 are the vertices themselves; ring `k` are the neighbours
+/// of ring `k − 1` that are in no ring before.
+#[derive(Clone, Debug)]
+pub struct Neighbourhood {
+    /// The faces at a vertex of any ring but the last one, ascending.
+    pub faces: Vec<FaceId>,
+    vertices: Vec<VertexId>,
+    ends: Vec<usize>,
+}
+
+impl Neighbourhood {
+    /// The rings 0 to `rings` around `seeds`.
+    pub fn new(
+        topology: &Topology,
+        seeds: impl IntoIterator<Item = VertexId>,
+        rings: usize,
+    ) -> Self {
+        NeighbourhoodSearch::new(topology).around(seeds, rings)
+    }
+
+    /// The vertices of all rings, ring by ring in the order in which the search reaches them.
+    pub fn vertices(&self) -> &[VertexId] {
+        &self.vertices
+    }
+
+    /// All rings, from ring 0 on.
+    pub fn rings(&self) -> impl Iterator<Item = &[VertexId]> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        starts
+            .zip(&self.ends)
+            .map(|(&start, &end)| &self.vertices[start..end])
+    }
+}
+
+/// The faces that share a vertex with one of `faces`, these included, ascending. Costs what it
+/// finds, not the size of the mesh.
+pub fn faces_around(topology: &Topology, faces: &[FaceId]) -> Vec<FaceId> {
+    let mut around: Vec<FaceId> = faces
+        .iter()
+        .flat_map(|&f| topology.face_vertices(f))
+        .flat_map(|v| topology.outgoing(v))
+        .map(|h| topology.face(h))
+        .filter(|f| f.is_some())
+        .collect();
+    around.sort_unstable();
+    around.dedup();
+    around
+}
+
+/// Searches for many neighbourhoods in one mesh. The cost of a search depends on its
+/// result, not on the size of the mesh.
+pub struct NeighbourhoodSearch<'a> {
+    topology: &'a Topology,
+    /// The last search that reached each vertex and each face.
+    vertex_mark: Vec<u32>,
+    face_mark: Vec<u32>,
+    searches: u32,
+}
+
+impl<'a> NeighbourhoodSearch<'a> {
+    /// Prepares searches in a mesh.
+    pub fn new(topology: &'a Topology) -> Self {
+        Self {
+            topology,
+            vertex_mark: vec![0; topology.vertex_count()],
+            face_mark: vec![0; topology.face_count()],
+            searches: 0,
+        }
+    }
+
+    /// As [`Neighbourhood::new`].
+    pub fn around(
+        &mut self,
+        seeds: impl IntoIterator<Item = VertexId>,
+        rings: usize,
+    ) -> Neighbourhood {
+        self.searches += 1;
+        let is_new = |mark: &mut u32| std::mem::replace(mark, self.searches) != self.searches;
+        let mut vertices: Vec<VertexId> = seeds.into_iter().collect();
+        vertices.retain(|v| is_new(&mut self.vertex_mark[v.index()]));
+        let mut ends = vec![vertices.len()];
+        let mut faces = Vec::new();
+        let mut begin = 0;
+        for _ in 0..rings {
+            let end = vertices.len();
+            for i in begin..end {
+                for h in self.topology.outgoing(vertices[i]) {
+                    let (f, w) = (self.topology.face(h), self.topology.target(h));
+                    if f.is_some() && is_new(&mut self.face_mark[f.index()]) {
+                        faces.push(f);
+                    }
+                    if is_new(&mut self.vertex_mark[w.index()]) {
+                        vertices.push(w);
+                    }
+                }
+            }
+            begin = end;
+            ends.push(vertices.len());
+        }
+        faces.sort_unstable();
+        Neighbourhood {
+            faces,
+            vertices,
+            ends,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::icosphere;
+
+    #[test]
+    fn rings_of_a_regular_vertex() {
+        let (positions, triangles) = icosphere(8);
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
+        let regular = |&v: &VertexId| {
+            let around = Neighbourhood::new(&topology, [v], 3);
+            around.vertices().iter().all(|&w| topology.valence(w) == 6)
+        };
+        let v = topology.vertices().find(regular).expect("inside a face");
+        let mut search = NeighbourhoodSearch::new(&topology);
+        for rings in [0, 1, 2, 3] {
+            let found = search.around([v, v], rings);
+            let sizes: Vec<usize> = found.rings().map(<[_]>::len).collect();
+            assert_eq!(sizes, [1, 6, 12, 18][..=rings]);
+            assert_eq!(found.faces.len(), 6 * rings * rings);
+            assert!(found.faces.is_sorted());
+        }
+        let first = search.around([v], 1).faces;
+        assert_eq!(faces_around(&topology, &first), search.around([v], 2).faces);
+        let all = search.around([v], 100);
+        assert_eq!(all.faces.len(), topology.face_count());
+        assert_eq!(all.vertices().len(), topology.vertex_count());
+    }
+}
