@@ -41,7 +41,6 @@ pub mod energy;
 pub mod fill;
 pub mod io;
 pub mod linear;
-pub mod live;
 pub mod memory;
 pub mod mesh;
 pub mod ops;
@@ -51,6 +50,7 @@ pub mod random;
 pub mod refine;
 #[cfg(feature = "render")]
 pub mod render;
+pub mod runner;
 pub mod shapes;
 pub mod solver;
 pub mod subdivision;

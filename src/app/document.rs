@@ -5,11 +5,12 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::live::Shape;
-use crate::fill::{Controls, LoopChoice, Schedule, choose};
+use super::run::RunState;
+use crate::fill::{Controls, LoopChoice, choose};
 use crate::io::Opened;
 use crate::mesh::{BoundaryLoop, DVec3, LoadReport, LoopId, Mesh, Topology, boundary_loops};
 use crate::render::Bounds;
+use crate::runner::Schedule;
 
 /// Where a document came from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -82,8 +83,6 @@ pub struct RefineWork {
     pub words: Vec<String>,
     /// The faces it is confined to; empty for all.
     pub faces: Arc<Vec<u32>>,
-    /// Whether controls were changed on the way, which the command does not repeat.
-    pub changed: bool,
 }
 
 impl Work {
@@ -163,7 +162,7 @@ pub struct Document {
     /// The mesh with all that was accepted; what is left of the opened one comes first.
     pub mesh: Arc<Mesh>,
     /// The surface behind it, if it is a refinement just accepted: its vertices are points of that.
-    pub surface: Option<Shape>,
+    pub surface: Option<RunState>,
     /// Faces from here on belong to patches.
     pub first_patch_face: usize,
     /// Its boundary loops.

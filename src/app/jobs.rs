@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-use crate::solver::panic_text;
+use crate::runner::panic_text;
 
 /// Wakes the window: called when a result is ready.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;

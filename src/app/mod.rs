@@ -8,12 +8,12 @@ mod action;
 mod autosave;
 mod cached;
 mod chains;
+mod command_line;
 mod display;
 mod document;
 mod faces;
 mod history;
 mod jobs;
-mod live;
 mod log;
 mod model;
 mod project;
@@ -53,8 +53,8 @@ pub use update::{act, tick};
 pub use view_state::{Modal, Navigation, Refining, Selecting, Task, Tool};
 
 use crate::render::{Gpu, ViewportCallback};
+use crate::runner::panic_text;
 use crate::shapes::SAMPLES;
-use crate::solver::panic_text;
 use jobs::Wake;
 use ui::UiState;
 

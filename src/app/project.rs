@@ -12,10 +12,11 @@ use serde::{Deserialize, Serialize};
 use super::document::{Accepted, Document, RefineWork, Source, Work};
 use super::report::ReportView;
 use super::view_state::ViewState;
-use crate::fill::{Controls, Schedule};
+use crate::fill::Controls;
 use crate::io::{self, Format, Opened};
 use crate::mesh::{DVec3, LoopId, parse_ranges, ranges_text};
 use crate::render::{Bounds, Camera, ViewMode, ViewStyle};
+use crate::runner::Schedule;
 use crate::shapes::Sample;
 
 /// Extension of project files.
@@ -81,11 +82,9 @@ struct FillPart {
     task: Kind,
     #[serde(default)]
     loops: Vec<LoopId>,
-    /// The arguments of a refinement, and whether controls were changed on the way.
+    /// The arguments of a refinement.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     arguments: Vec<String>,
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    changed: bool,
     /// Ends and width of a bridge.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     ends: Vec<[f64; 3]>,
@@ -141,7 +140,6 @@ impl FillPart {
                 Work::Bridge(_, width) => width,
                 _ => 0,
             },
-            changed: matches!(&done.work, Work::Refine(work) if work.changed),
             loops: done.work.loops().to_vec(),
             selected: ranges_text(done.work.faces()),
             faces: [done.faces.start, done.faces.end],
@@ -167,7 +165,6 @@ impl FillPart {
             Kind::Refine => Work::Refine(RefineWork {
                 words: self.arguments.clone(),
                 faces: faces()?,
-                changed: self.changed,
             }),
             Kind::Flip => Work::Flip(*loops.first().ok_or("a loop is missing")?),
         };

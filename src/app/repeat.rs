@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use super::command_line::command_line;
 use super::document::{Accepted, CREASE, Source, Work};
 use super::model::Model;
-use crate::fill::command_line;
 use crate::io;
 use crate::mesh::{DVec3, ranges_text};
 
@@ -21,11 +21,11 @@ pub fn command(model: &Model) -> Result<String, String> {
     if let Some(run) = &model.run
         && let Some(side) = run.sides.first()
     {
-        let schedule = side.live.schedule_to(side.state().as_ref());
+        let schedule = side.state().map(|state| state.schedule());
         steps.push(Accepted {
             work: run.work.clone(),
             controls: side.start.clone(),
-            schedule,
+            schedule: schedule.unwrap_or_default(),
             faces: 0..0,
         });
     }
@@ -60,7 +60,7 @@ pub fn command(model: &Model) -> Result<String, String> {
             (_, true) => folder.join(format!("{stem}_filled.obj")),
             _ => folder.join(format!("{stem}_{}.obj", i + 1)),
         };
-        let schedule = if step.schedule.rows.is_empty() {
+        let schedule = if step.schedule.entries.is_empty() {
             None
         } else {
             let path = output.with_extension("schedule.csv");
@@ -75,9 +75,6 @@ pub fn command(model: &Model) -> Result<String, String> {
             step.work.has_controls().then_some(&step.controls),
             schedule.as_deref(),
         );
-        if matches!(&step.work, Work::Refine(work) if work.changed) {
-            text += "# controls were changed while this ran: the result is another one\n";
-        }
         let _ = writeln!(text, "{line}");
         input = output;
     }

@@ -1,5 +1,8 @@
-//! A fill in progress: the live flow, what of it is shown, and what it was started with.
+//! A run in progress: its flows, which states are shown, and what it was started with.
 
+mod fill_handle;
+mod handle;
+mod refine_handle;
 mod refinement;
 
 use std::sync::Arc;
@@ -7,20 +10,21 @@ use std::time::{Duration, Instant};
 
 use super::document::{Document, Work, left_of};
 use super::jobs::Wake;
-use super::live::{Live, Said, Shape};
 use super::log::Level;
-use crate::fill::{Controls, ErasedRegion, LiveFill, LiveSettings, open_selection};
+use crate::fill::{Controls, ErasedRegion, LiveFill, open_selection};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
+use crate::runner::RunSettings;
+pub use handle::{RunEvent, RunHandle, RunState, StateView, same_state};
 pub use refinement::method_name;
 
-/// Bytes of kept states for each side; beyond it every other state is dropped.
+/// Maximum size of each timeline, bytes.
 pub const TIMELINE_BYTES: usize = 512 << 20;
 
-/// One flow on the selected holes.
-pub struct Side {
+/// One of the flows that a run compares.
+pub struct RunVariant {
     /// The flow.
-    pub live: Live,
-    /// What tells it from the others: A, B or the method.
+    pub handle: Box<dyn RunHandle>,
+    /// Its name: A, B or the method.
     pub name: &'static str,
     /// The arguments that repeat a refinement.
     pub words: Vec<String>,
@@ -28,13 +32,13 @@ pub struct Side {
     pub start: Controls,
     /// Controls in force.
     pub controls: Controls,
-    /// State that is shown; `None` for the newest.
+    /// The place of the state that is shown; `None` for the newest.
     pub shown: Option<usize>,
     /// Energy of each accepted step and residual, one pair of curves a group.
     pub curves: Vec<Curve>,
-    /// Where it began to pass through itself, if it did.
+    /// Where it began to intersect itself, if it did.
     pub crossing: Option<DVec3>,
-    /// What it warned of, without repetition.
+    /// Its warnings, without repetition.
     pub warnings: Vec<String>,
 }
 
@@ -61,10 +65,8 @@ pub struct Run {
     pub kept: Option<Vec<u32>>,
     /// The loops of `base` it fills or joins.
     pub loops: Vec<BoundaryLoop>,
-    /// Whether a refinement has the energy of its edge length.
-    pub own_energy: bool,
-    /// One side, or several that are compared.
-    pub sides: Vec<Side>,
+    /// One flow, or several that are compared.
+    pub sides: Vec<RunVariant>,
     /// Whether it plays.
     pub playing: bool,
     /// When the replay of kept states moves on.
@@ -129,7 +131,7 @@ impl Run {
         let sides = sides
             .map(|(controls, name)| {
                 let live = spawn(controls).map_err(|error| error.to_string())?;
-                Ok(Side::new(Live::Fill(Box::new(live)), name, controls))
+                Ok(RunVariant::new(Box::new(live), name, controls))
             })
             .collect::<Result<_, String>>()?;
         Ok(Self {
@@ -138,7 +140,6 @@ impl Run {
             first_patch_face,
             kept,
             loops,
-            own_energy: false,
             sides,
             playing: true,
             next_frame: None,
@@ -148,31 +149,27 @@ impl Run {
     /// What the sides are called, if there are several.
     pub fn names(&self) -> Vec<&'static str> {
         let several = self.sides.len() > 1;
-        let named = |s: &Side| if several { s.name } else { "" };
+        let named = |s: &RunVariant| if several { s.name } else { "" };
         self.sides.iter().map(named).collect()
     }
 
-    /// Takes in what the flows have said. Returns messages for the log.
+    /// Takes in what the flows report. Returns messages for the log.
     pub fn poll(&mut self) -> Vec<(Level, String)> {
         let mut messages = Vec::new();
         let mut paused = false;
         for side in &mut self.sides {
-            for said in side.live.poll() {
-                match said {
-                    Said::Step(group, record) => side.book(group, &record),
-                    Said::Crossing {
-                        text,
-                        place,
-                        pauses,
-                    } => {
-                        paused |= pauses;
+            for event in side.handle.poll() {
+                match event {
+                    RunEvent::Step(group, record) => side.record(group, &record),
+                    RunEvent::SelfIntersection { text, place } => {
                         side.crossing = Some(place);
                         messages.push((Level::Warning, text));
                     }
-                    Said::Note(text) => messages.push((Level::Info, text)),
-                    Said::Error(text) => messages.push((Level::Error, text)),
-                    Said::Warning(text) if side.warnings.contains(&text) => {}
-                    Said::Warning(text) => {
+                    RunEvent::Paused => paused = true,
+                    RunEvent::Note(text) => messages.push((Level::Info, text)),
+                    RunEvent::Error(text) => messages.push((Level::Error, text)),
+                    RunEvent::Warning(text) if side.warnings.contains(&text) => {}
+                    RunEvent::Warning(text) => {
                         messages.push((Level::Warning, text.clone()));
                         side.warnings.push(text);
                     }
@@ -182,7 +179,7 @@ impl Run {
         if paused {
             // compared flows pause together
             for side in &mut self.sides {
-                side.live.pause();
+                side.handle.pause();
             }
         }
         if paused || (self.playing && self.ended()) {
@@ -201,7 +198,7 @@ impl Run {
 
     /// Whether every flow has ended.
     pub fn ended(&self) -> bool {
-        self.sides.iter().all(|s| s.live.ended())
+        self.sides.iter().all(|s| s.handle.ended())
     }
 
     /// Whether older states than the newest are shown.
@@ -219,7 +216,11 @@ impl Run {
 
     /// Number of kept states, of the longest side.
     pub fn state_count(&self) -> usize {
-        self.sides.iter().map(Side::state_count).max().unwrap_or(0)
+        self.sides
+            .iter()
+            .map(RunVariant::state_count)
+            .max()
+            .unwrap_or(0)
     }
 
     /// Moves a replay of kept states on, `pace` states a second. Returns when it wants to be
@@ -239,7 +240,7 @@ impl Run {
                 // the replay has caught up with the flow
                 self.playing = !self.ended();
                 for side in &self.sides {
-                    side.live.play();
+                    side.handle.play();
                 }
             }
         }
@@ -248,10 +249,10 @@ impl Run {
     }
 }
 
-impl Side {
-    fn new(live: Live, name: &'static str, controls: &Controls) -> Self {
+impl RunVariant {
+    fn new(handle: Box<dyn RunHandle>, name: &'static str, controls: &Controls) -> Self {
         Self {
-            live,
+            handle,
             name,
             words: Vec::new(),
             start: controls.clone(),
@@ -270,7 +271,7 @@ impl Side {
         }
     }
 
-    fn book(&mut self, group: usize, record: &crate::solver::StepRecord) {
+    fn record(&mut self, group: usize, record: &crate::solver::StepRecord) {
         if self.curves.len() <= group {
             self.curves.resize(group + 1, Curve::default());
         }
@@ -288,17 +289,17 @@ impl Side {
 
     /// Number of kept states.
     pub fn state_count(&self) -> usize {
-        self.live.state_count()
+        self.handle.state_count()
     }
 
     /// The state that is shown; `None` before the first.
-    pub fn state(&self) -> Option<Shape> {
-        self.live.state(self.shown.unwrap_or(usize::MAX))
+    pub fn state(&self) -> Option<RunState> {
+        self.handle.state(self.shown.unwrap_or(usize::MAX))
     }
 }
 
-fn settings(pace: f64) -> LiveSettings {
-    LiveSettings {
+fn settings(pace: f64) -> RunSettings {
+    RunSettings {
         playing: true,
         pace: Some(pace),
         timeline_bytes: TIMELINE_BYTES,

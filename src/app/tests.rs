@@ -211,7 +211,7 @@ fn pause_step_scrub_and_replay() {
     });
     act(&mut m, RunAction::PlayPause);
     until(&mut m, |m| {
-        m.run.as_ref().is_some_and(|r| !r.sides[0].live.playing())
+        m.run.as_ref().is_some_and(|r| !r.sides[0].handle.playing())
     });
     let settle = |m: &mut Model| {
         let mut last = 0;
@@ -236,7 +236,7 @@ fn pause_step_scrub_and_replay() {
     act(&mut m, RunAction::Scrub(Some(1)));
     let run = m.run.as_ref().expect("still there");
     let shown = run.sides[0].state().expect("a state");
-    let figures = run.sides[0].live.figures(Some(&shown));
+    let figures = run.sides[0].handle.figures(Some(&shown));
     assert!(run.scrubbed() && figures[0].step == Some(1));
     // play: the kept states first, then the flow itself
     act(&mut m, RunAction::Pace(240.0));
@@ -252,7 +252,7 @@ fn pause_step_scrub_and_replay() {
         .as_ref()
         .and_then(|r| r.sides[0].state())
         .expect("a state")
-        .positions(&m.document.mesh, false);
+        .positions(false);
     act(&mut m, RunAction::Accept(0));
     assert_eq!(m.document.mesh.positions, positions);
 }
@@ -284,7 +284,7 @@ fn controls_act_while_it_runs_and_mistakes_are_told() {
         m.run.as_ref().is_some_and(super::run::Run::ended)
     });
     let side = &m.run.as_ref().expect("there").sides[0];
-    let rows = side.live.schedule_to(None).rows;
+    let rows = side.state().expect("a state").schedule().entries;
     let named = |name: &str| rows.iter().any(|r| r.control == name);
     assert!(
         named("energy") && named("param") && named("mode"),
@@ -309,12 +309,7 @@ fn two_energies_are_compared_and_one_is_taken() {
     filled(&mut m);
     let run = m.run.as_ref().expect("there");
     assert_eq!(run.sides.len(), 2);
-    let [a, b] = [0, 1].map(|i| {
-        run.sides[i]
-            .state()
-            .expect("a state")
-            .positions(&run.base, false)
-    });
+    let [a, b] = [0, 1].map(|i| run.sides[i].state().expect("a state").positions(false));
     let difference = a
         .iter()
         .zip(&b)

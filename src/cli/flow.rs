@@ -13,14 +13,15 @@ use crate::cli::report::{FailedHole, FillReport, SkippedLoop, hole_reports, tota
 use crate::cli::result_picture::ResultPicture;
 use crate::cli::targets::check_targets;
 use crate::fill::{
-    Continuity, Controls, ControlsError, Filled, LoopChoice, RimSet, Schedule, choose,
-    fill_rim_sets, nearest_loop,
+    Continuity, Controls, ControlsError, Filled, LoopChoice, RimSet, choose, fill_rim_sets,
+    nearest_loop,
 };
 use crate::io::{self, Opened, open};
 use crate::memory::peak_memory;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
 use crate::ops::FlowSpec;
 use crate::options::Choice;
+use crate::runner::{RunControls, Schedule};
 
 use super::parse::point;
 
@@ -304,12 +305,12 @@ fn nothing_to_do(loops: usize) -> String {
     }
 }
 
-/// The schedule of a file, if it can be followed.
-fn schedule(path: &Path, controls: &Controls) -> Result<Schedule> {
+/// The schedule of a file, if it can be followed from these controls.
+pub fn schedule<C: RunControls>(path: &Path, controls: &C) -> Result<Schedule> {
     let text = std::fs::read_to_string(path)
         .with_context(|| format!("cannot read the schedule {}", path.display()))?;
     let schedule = Schedule::parse(&text);
-    let checked = schedule.and_then(|s| s.check(controls).map(|()| s));
+    let checked = schedule.and_then(|s| s.recording(controls).map(|_| s));
     checked.map_err(|error| UsageError(format!("{}: {error}", path.display())).into())
 }
 

@@ -162,6 +162,8 @@ mod tests {
             crease_angle: Some(1.0 / 3.0),
             mode: Mode::Flow,
             tau: TauChoice::Fixed(0.25),
+            growth: Some(1.5),
+            bulge: -0.5,
             steps: 7,
         };
         assert_eq!(refine_controls(&changed.to_arguments()), changed);

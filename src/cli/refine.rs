@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::analysis::{Distances, distances};
 use crate::cli::UsageError;
 use crate::cli::creases::CreaseArguments;
-use crate::cli::flow::{MeshFiles, write_text};
+use crate::cli::flow::{MeshFiles, schedule, write_text};
 use crate::cli::options::OptionArguments;
 use crate::cli::print::print;
 use crate::cli::progress::Progress;
@@ -24,7 +24,8 @@ use crate::memory::peak_memory;
 use crate::mesh::{LoadReport, Mesh, folded_edges, self_intersections};
 use crate::ops::{OperationError, RefineSpec};
 use crate::options::Choice;
-use crate::refine::{self, LevelReport, RefineControls, Refinement};
+use crate::refine::{LevelReport, RefineControls, RefineEvent, Refined, refine_recorded};
+use crate::runner::Schedule;
 use crate::solver::FlowOptions;
 
 /// Intersecting pairs counted at most.
@@ -79,6 +80,10 @@ pub struct RefineArguments {
     /// Refine only these faces; those beside them are cut to fit.
     #[command(flatten)]
     pub selection: SelectionArguments,
+    /// Repeat the changes of an earlier refinement: CSV with the columns attempt,control,value, as
+    /// the window copies it.
+    #[arg(long, value_name = "FILE.csv")]
+    pub schedule: Option<PathBuf>,
     /// Measure the result against this mesh.
     #[arg(long, value_name = "REF")]
     pub against: Option<PathBuf>,
@@ -98,6 +103,7 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     check_targets(
         &[
             ("IN", Some(&args.files.input)),
+            ("--schedule", args.schedule.as_deref()),
             ("--against", args.against.as_deref()),
         ],
         &[
@@ -112,6 +118,10 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     let energy = args.controls.0.given_energy();
     energy.map_err(|e| UsageError(format!("--energy\n{}", e.render())))?;
     let creases = args.creases.chains()?;
+    let schedule = match &args.schedule {
+        Some(path) => schedule(path, &args.controls.0)?,
+        None => Schedule::default(),
+    };
     let opened = open(&args.files.input)?;
     let reference = args.against.as_deref().map(open).transpose()?;
     let faces = args.selection.faces(&opened.mesh)?;
@@ -122,22 +132,23 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
         controls: args.controls.0.clone(),
         creases,
         faces,
-        changed: false,
+        schedule,
     };
     let options = spec.options(&opened.mesh)?;
+    let recording = spec.schedule.recording(&spec.controls)?;
     let flow = options.flow.clone();
     let start = Instant::now();
     let progress = Progress::new(1, args.files.quiet);
     let mut trace = String::from("level,step,tau,energy,residual,rejected\n");
     let mesh = Arc::new(opened.mesh.clone());
-    let refined = Refinement::new(mesh, options)?.run(|state, event| {
-        if let refine::Progress::Step(record) = event {
-            progress.step(state.level(), record);
+    let observe = &mut |event| {
+        if let RefineEvent::Step { level, record } = event {
+            progress.step(level, &record);
             // a String takes everything
             let _ = writeln!(
                 trace,
                 "{},{},{:e},{:e},{:e},{}",
-                state.level(),
+                level,
                 record.step,
                 record.tau,
                 record.energy,
@@ -146,7 +157,8 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
             );
         }
         true
-    })?;
+    };
+    let (refined, refused) = refine_recorded(mesh, options, &recording, observe)?;
     progress.finish();
     let seconds = start.elapsed().as_secs_f64();
     save_mesh(
@@ -158,6 +170,9 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
         save_mesh(path, &refined.control, &opened.material_libraries)?;
     }
     let mut report = report(args, &opened, &refined, seconds, &flow);
+    report
+        .warnings
+        .extend(refused.into_iter().map(|change| change.text));
     report.distances = reference.and_then(|r| distances(&refined.mesh, &r.mesh));
     if let Some(path) = &args.report {
         write_text(path, &(serde_json::to_string_pretty(&report)? + "\n"))?;
@@ -175,7 +190,7 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
 fn report<'a>(
     args: &RefineArguments,
     opened: &'a Opened,
-    refined: &'a refine::Refined,
+    refined: &'a Refined,
     seconds: f64,
     flow: &FlowOptions,
 ) -> RefineReport<'a> {

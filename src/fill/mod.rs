@@ -16,20 +16,19 @@ mod group_flow;
 mod hermite;
 mod hole;
 mod islands;
-mod live;
 mod noise;
 mod options;
 mod partial;
 mod patch_topology;
 mod plan;
 mod prepare;
+mod process;
 mod refill;
 mod region;
 mod remesh;
 mod result;
 mod rim;
 mod run;
-mod schedule;
 mod scheduled;
 mod select;
 mod self_intersection;
@@ -40,16 +39,15 @@ pub use bridge::{BridgeError, RimSegment, bridge, segment_at};
 pub use controls::{Continuity, Controls, ControlsError, Linear, LoopLimits};
 pub use fair::fair;
 pub use islands::with_islands;
-pub use live::{
-    GroupState, GroupStatus, LiveError, LiveEvent, LiveFill, LiveSettings, State, Timeline,
-    command_line,
-};
 pub use options::FillOptions;
 pub use partial::{PartialError, fill_part};
 pub use prepare::flow_problem;
+pub use process::{
+    FillEvent, FillProcess, FillSnapshot, FillState, FillTimeline, GroupState, GroupStatus,
+    LiveFill,
+};
 pub use refill::{ErasedRegion, RefillError, Refilled, open_selection, refill};
 pub use result::{FillError, Filled, FilledHole, GroupResult, Timings};
 pub use rim::RimSet;
 pub use run::{Observer, ScheduledOptions, fill_holes, fill_rim_sets};
-pub use schedule::{Row, Schedule, ScheduleError};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use crate::fill::Controls;
 use crate::fill::assemble::Assembly;
 use crate::fill::context::FillContext;
 use crate::fill::options::FillOptions;
@@ -12,10 +13,9 @@ use crate::fill::plan::Plan;
 use crate::fill::prepare::prepare;
 use crate::fill::result::{FillError, Filled, milliseconds};
 use crate::fill::rim::RimSet;
-use crate::fill::schedule::TimedChange;
 use crate::fill::scheduled::run_group;
-use crate::fill::{Controls, Schedule, ScheduleError};
 use crate::mesh::{BoundaryLoop, Mesh};
+use crate::runner::{Recording, Schedule, ScheduleError};
 use crate::solver::StepRecord;
 
 /// Sees every attempted step as (group, record) and returns whether the group's flow goes on.
@@ -25,7 +25,7 @@ pub type Observer<'a> = &'a (dyn Fn(usize, &StepRecord) -> bool + Sync);
 #[derive(Clone, Debug)]
 pub struct ScheduledOptions {
     pub(super) options: FillOptions,
-    pub(super) changes: Vec<TimedChange>,
+    pub(super) recording: Recording<Controls>,
 }
 
 impl ScheduledOptions {
@@ -35,8 +35,10 @@ impl ScheduledOptions {
     /// # Errors
     /// Invalid controls, or a schedule that cannot be followed.
     pub fn new(controls: &Controls, schedule: &Schedule) -> Result<Self, ScheduleError> {
-        let (options, changes) = schedule.resolve(controls)?;
-        Ok(Self { options, changes })
+        let recording = schedule.recording(controls)?;
+        let options = controls.options();
+        let options = options.map_err(|error| ScheduleError::Start(error.to_string()))?;
+        Ok(Self { options, recording })
     }
 }
 
@@ -45,7 +47,7 @@ impl From<&FillOptions> for ScheduledOptions {
     fn from(options: &FillOptions) -> Self {
         Self {
             options: options.clone(),
-            changes: Vec::new(),
+            recording: Recording::default(),
         }
     }
 }
@@ -91,12 +93,12 @@ pub(super) fn run_plan(
 ) -> Result<Filled, FillError> {
     let start = Instant::now();
     let context = FillContext { mesh, plan: &plan };
-    let ScheduledOptions { options, changes } = options;
+    let ScheduledOptions { options, recording } = options;
     let topologies = plan.groups.iter().map(|g| Arc::clone(&g.topology));
     let (runs, assembly) = rayon::join(
         || {
             let groups = (0..plan.groups.len()).into_par_iter();
-            let run = |g| run_group(context, g, options, changes, &|record| observe(g, record));
+            let run = |g| run_group(context, g, options, recording, &|record| observe(g, record));
             groups.map(run).collect::<Vec<_>>()
         },
         || Assembly::new(mesh, &plan, topologies.collect()),

@@ -105,13 +105,11 @@ impl Operation {
             Self::FillPart(spec) => spec.controls.to_arguments(),
             _ => (self.flow()).map_or_else(Vec::new, |flow| flow.controls.to_arguments()),
         });
-        if let Some(flow) = self.flow()
-            && !flow.schedule.rows.is_empty()
+        if let Some(schedule) = self.schedule()
+            && !schedule.entries.is_empty()
         {
-            words.extend(flag(
-                "schedule",
-                file("schedule.csv", flow.schedule.to_csv()),
-            ));
+            let name = file("schedule.csv", schedule.to_csv());
+            words.extend(flag("schedule", name));
         }
         words
     }

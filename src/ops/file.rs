@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Faces, RefineSpec, chain_text, parse_chain};
 use crate::options::Options;
 use crate::refine::RefineControls;
+use crate::runner::Schedule;
 
 /// Faces as a list of ranges, `1-12,40`.
 pub mod faces {
@@ -52,8 +53,8 @@ pub struct RefineEntry {
     selected: Faces,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     creases: Vec<String>,
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    changed: bool,
+    #[serde(default)]
+    schedule: Schedule,
     #[serde(default)]
     controls: RefineControls,
 }
@@ -64,7 +65,7 @@ impl From<RefineSpec> for RefineEntry {
             arguments: Vec::new(),
             selected: spec.faces,
             creases: spec.creases.iter().map(|c| chain_text(c)).collect(),
-            changed: spec.changed,
+            schedule: spec.schedule,
             controls: spec.controls,
         }
     }
@@ -93,7 +94,7 @@ impl TryFrom<RefineEntry> for RefineSpec {
             controls: entry.controls,
             creases: creases.collect::<Result<_, _>>()?,
             faces: entry.selected,
-            changed: entry.changed,
+            schedule: entry.schedule,
         })
     }
 }

@@ -17,9 +17,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fill::{Controls, Schedule};
+use crate::fill::Controls;
 use crate::mesh::{DVec3, LoopId};
 use crate::refine::RefineControls;
+use crate::runner::Schedule;
 
 pub use command::{CommandLine, chain_text, parse_chain};
 pub use run::{OperationError, Outcome};
@@ -116,8 +117,8 @@ pub struct RefineSpec {
     pub creases: Vec<Vec<u32>>,
     /// The faces to refine; empty for all.
     pub faces: Faces,
-    /// Whether options were changed on the way, which a command does not repeat.
-    pub changed: bool,
+    /// Changes on the way.
+    pub schedule: Schedule,
 }
 
 /// An erasure.
@@ -187,6 +188,14 @@ impl Operation {
             Self::Blend(spec) => Some(&mut spec.flow),
             Self::Refill(spec) | Self::Fair(spec) => Some(&mut spec.flow),
             _ => None,
+        }
+    }
+
+    /// Its changes on the way.
+    pub fn schedule(&self) -> Option<&Schedule> {
+        match self {
+            Self::Refine(spec) => Some(&spec.schedule),
+            _ => self.flow().map(|flow| &flow.schedule),
         }
     }
 

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use super::{BridgeSpec, FillPartSpec, FillSpec, FlipSpec, FlowSpec, Operation, RefineSpec};
 use crate::fill::{
     self, BridgeError, ControlsError, FillError, Filled, LoopChoice, NoSuchLoop, Observer,
-    PartialError, RefillError, Refilled, RimSet, ScheduleError, ScheduledOptions, choose,
-    fill_part, fill_rim_sets, nearest_loop, segment_at, with_islands,
+    PartialError, RefillError, Refilled, RimSet, ScheduledOptions, choose, fill_part,
+    fill_rim_sets, nearest_loop, segment_at, with_islands,
 };
 use crate::mesh::{BoundaryLoop, DVec3, Erased, LoopId, Mesh, boundary_loops, erase, face_flags};
-use crate::refine::{self, RefineError, RefineOptions, Refined, Refinement};
+use crate::refine::{RefineError, RefineEvent, RefineOptions, Refined, refine_recorded};
+use crate::runner::ScheduleError;
 
 /// What an operation made of a mesh.
 #[derive(Debug)]
@@ -210,11 +211,13 @@ impl RefineSpec {
     }
 
     fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Outcome, OperationError> {
-        let refinement = Refinement::new(Arc::new(mesh.clone()), self.options(mesh)?)?;
-        let refined = refinement.run(|state, event| match event {
-            refine::Progress::Step(record) => observe(state.level(), record),
+        let recording = self.schedule.recording(&self.controls)?;
+        let observe = &mut |event| match event {
+            RefineEvent::Step { level, record } => observe(level, &record),
             _ => true,
-        })?;
+        };
+        let (options, mesh) = (self.options(mesh)?, Arc::new(mesh.clone()));
+        let (refined, _) = refine_recorded(mesh, options, &recording, observe)?;
         Ok(Outcome::Refined(Box::new(refined)))
     }
 }

@@ -53,7 +53,7 @@ pub fn samples() -> Vec<Operation> {
             },
             creases: vec![vec![0, 4, 5], vec![9, 8]],
             faces: Arc::clone(&faces),
-            changed: false,
+            schedule: Schedule::default(),
         }),
         Operation::Erase(EraseSpec { faces }),
         Operation::Flip(FlipSpec {
@@ -94,7 +94,7 @@ fn operations_of_earlier_files_are_read() {
     let Operation::Fill(fill) = &list.fills[0] else {
         panic!("a fill");
     };
-    assert!(fill.islands && fill.flow.schedule.rows.len() == 2);
+    assert!(fill.islands && fill.flow.schedule.entries.len() == 2);
     assert_eq!(fill.flow.controls.param["a"], 0.5);
     assert_eq!(fill.flow.controls.steps, 150);
     assert_eq!(fill.flow.controls.continuity_at(2.into()), Continuity::G0);
@@ -114,7 +114,7 @@ fn operations_of_earlier_files_are_read() {
         },
         creases: vec![vec![0, 4, 5]],
         faces: Faces::new(vec![0, 1, 2]),
-        changed: true,
+        schedule: Schedule::default(),
     };
     assert_eq!(refine, &wanted);
     let Operation::Bridge(bridge) = &list.fills[2] else {

@@ -26,7 +26,7 @@ pub struct LevelFlow {
     /// Levels after this one.
     splits: usize,
     /// Constraints that the surface came to pass only by folding.
-    unreached: usize,
+    pub unreached: usize,
     /// The flow.
     pub flow: Flow,
     /// When the level was begun.
@@ -69,6 +69,13 @@ impl LevelFlow {
             constraints,
             descent,
         })
+    }
+
+    /// Counts the steps from a later state of the level.
+    #[must_use]
+    pub fn counting_from(mut self, steps: usize) -> Self {
+        self.flow = self.flow.counting_from(steps, 0);
+        self
     }
 
     /// Changes options; the flow goes on from the current shape in its first phase.

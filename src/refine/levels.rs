@@ -1,5 +1,7 @@
 //! A refinement in progress: levels of splits, each with its flow.
 
+mod restore;
+
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -17,6 +19,7 @@ use crate::refine::start::constrained_start;
 use crate::solver::{Flow, FlowOptions, FlowProblem, SolverError};
 use crate::subdivision::limit_positions;
 use crate::surface::Interpolation;
+pub(super) use restore::{SavedLevel, SavedState};
 
 /// A mesh being refined, cut open along its creases.
 ///

@@ -11,9 +11,9 @@ mod creases;
 mod descent;
 mod level_flow;
 mod levels;
-pub mod live;
 mod measures;
 mod options;
+mod process;
 mod progress;
 mod refined;
 mod region;
@@ -23,10 +23,13 @@ mod start;
 pub use boundary::BoundaryRule;
 pub use creases::{Weld, crease_edges};
 pub use levels::Refinement;
-pub use live::{LiveRefine, RefineEvent, RefineState, RefineStatus, RefineTimeline};
 pub use measures::{radius, surface_energy};
 pub use options::{
     Hold, MAX_LEVELS, Method, RefineControls, RefineError, RefineOptions, natural_flow,
+};
+pub use process::{
+    LevelFrame, LiveRefine, RefineEvent, RefineProcess, RefineSnapshot, RefineState, RefineStatus,
+    RefineTimeline, refine_recorded,
 };
 pub use progress::{LevelReport, Progress};
 pub use refined::Refined;

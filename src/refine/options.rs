@@ -67,6 +67,11 @@ options! {
         mode: Mode = Mode::default(),
         /// Time step: auto, or a fixed one (length^2 / unit of f).
         tau("T"): TauChoice = TauChoice::default(),
+        /// Factor of an adaptive time step after an accepted step [default: 10 in fast mode, 1.3 in
+        /// flow mode].
+        growth("F"): Option<f64> = None,
+        /// Spontaneous curvature in units of 1/r, with r as for --tension.
+        bulge("C"): f64 = 0.0,
         /// Maximum number of steps on a level.
         steps("N"): usize = 400,
     }
@@ -92,6 +97,25 @@ impl RefineControls {
             Some(energy) => (energy, 0.0),
             None => natural_flow(mesh),
         };
+        self.flow_of(energy, tension)
+    }
+
+    /// Checks the values that do not depend on a mesh.
+    ///
+    /// # Errors
+    /// The first invalid option.
+    pub fn check(&self) -> Result<(), RefineError> {
+        if self.levels > MAX_LEVELS {
+            return Err(RefineError::TooManyLevels {
+                levels: self.levels,
+            });
+        }
+        let energy = self.given_energy()?;
+        let energy = energy.unwrap_or_else(|| Energy::preset(Preset::H2));
+        self.flow_of(energy, 0.0).map(|_| ())
+    }
+
+    fn flow_of(&self, energy: Energy, tension: f64) -> Result<FlowOptions, RefineError> {
         let mut flow = FlowOptions::new(energy);
         flow.tension = self.tension.unwrap_or(tension);
         flow.mode = self.mode;
@@ -99,6 +123,7 @@ impl RefineControls {
             TauChoice::Auto => Tau::Auto,
             TauChoice::Fixed(tau) => Tau::Fixed(tau),
         };
+        (flow.growth, flow.bulge) = (self.growth, self.bulge);
         flow.max_steps = self.steps;
         flow.validate()?;
         Ok(flow)
@@ -308,9 +333,6 @@ pub enum RefineError {
     /// There is nothing to refine.
     #[error("the mesh has no triangle that can be refined")]
     NoFaces,
-    /// The system gives no thread.
-    #[error("the system gives no thread for the refinement: {0}")]
-    Thread(String),
     /// The energy, with the place in its text.
     #[error(transparent)]
     Energy(#[from] ExprError),

@@ -86,18 +86,4 @@ impl SolverError {
             k_max: stats.gauss[1],
         }
     }
-
-    /// The error of a caught panic.
-    pub fn from_panic(panic: &(dyn std::any::Any + Send)) -> Self {
-        Self::Panic(panic_text(panic))
-    }
-}
-
-/// The message of a caught panic.
-pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
-    panic
-        .downcast_ref::<&str>()
-        .map(|s| (*s).to_owned())
-        .or_else(|| panic.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "unknown panic".into())
 }

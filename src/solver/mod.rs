@@ -30,7 +30,7 @@ mod unknowns;
 pub use assembly::{Assembler, EnergySum, MatrixForm};
 pub use control::{Attempt, FLOW_GROWTH, Mode, STOP, StepKind, StepSizeControl, Tau};
 pub use discretization::Discretization;
-pub use error::{SolverError, panic_text};
+pub use error::SolverError;
 pub use evaluator::State;
 pub(crate) use evaluator::{Evaluator, PRECONDITIONER_RULE};
 pub use flow::{Flow, MakeStepper, scheme_stepper};

@@ -6,12 +6,12 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Duration;
 
 use meniscus::fill::{
-    Continuity, Controls, LiveEvent, LiveFill, LiveSettings, Schedule, ScheduledOptions, State,
-    fill_rim_sets,
+    Continuity, Controls, FillEvent, FillSnapshot, LiveFill, ScheduledOptions, fill_rim_sets,
 };
 use meniscus::io::{open, save_mesh};
 use meniscus::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, boundary_loops};
 use meniscus::options::{Options, TauChoice};
+use meniscus::runner::{Event, Refused, RunSettings, Schedule};
 use meniscus::shapes::{self, Hole, HoleShape};
 use meniscus::solver::{End, Mode, Scheme};
 
@@ -40,13 +40,13 @@ fn mesh() -> (Arc<Mesh>, Vec<BoundaryLoop>) {
 struct Watched {
     fill: LiveFill,
     woken: Receiver<()>,
-    events: Vec<LiveEvent>,
+    events: Vec<Event<FillEvent>>,
 }
 
 impl Watched {
     fn start(controls: &Controls, playing: bool) -> Self {
         let (mesh, loops) = mesh();
-        let settings = LiveSettings {
+        let settings = RunSettings {
             playing,
             pace: None,
             timeline_bytes: 1 << 24,
@@ -58,7 +58,7 @@ impl Watched {
         mesh: Arc<Mesh>,
         loops: Vec<BoundaryLoop>,
         controls: &Controls,
-        settings: LiveSettings,
+        settings: RunSettings,
     ) -> Self {
         let (bell, woken) = channel();
         let wake = Arc::new(move || {
@@ -73,7 +73,7 @@ impl Watched {
     }
 
     /// Waits until an event or the state of the fill is as wanted.
-    fn until(&mut self, mut is_there: impl FnMut(&LiveFill, &[LiveEvent]) -> bool) {
+    fn until(&mut self, mut is_there: impl FnMut(&LiveFill, &[Event<FillEvent>]) -> bool) {
         loop {
             let events = self.fill.poll();
             let there = is_there(&self.fill, &events);
@@ -88,13 +88,13 @@ impl Watched {
 
     fn steps(&mut self, count: usize) {
         for _ in 0..count {
-            let attempts = self.fill.groups().first().map_or(0, |g| g.attempts);
+            let clock = self.fill.clock();
             self.fill.step();
-            self.until(|fill, _| fill.groups().first().is_some_and(|g| g.attempts > attempts));
+            self.until(|fill, _| fill.clock() > clock);
         }
     }
 
-    fn latest(&self) -> Arc<State> {
+    fn latest(&self) -> Arc<FillSnapshot> {
         Arc::clone(self.fill.timeline().latest().expect("planned"))
     }
 }
@@ -113,11 +113,11 @@ fn flow() -> Controls {
 fn repeated(controls: &Controls, schedule: &Schedule, threads: usize) -> Mesh {
     let (mesh, loops) = mesh();
     let rim_sets: Vec<Vec<&BoundaryLoop>> = loops.iter().map(|l| vec![l]).collect();
+    let options = ScheduledOptions::new(controls, schedule).expect("a valid schedule");
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .expect("threads");
-    let options = ScheduledOptions::new(controls, schedule).expect("a valid schedule");
     pool.install(|| fill_rim_sets(&mesh, &rim_sets, options, &|_, _| true))
         .expect("a fill")
         .mesh
@@ -127,13 +127,13 @@ fn repeated(controls: &Controls, schedule: &Schedule, threads: usize) -> Mesh {
 fn a_plain_run_ends_and_is_the_command_lines() {
     let mut live = Watched::start(&Controls::default(), true);
     live.until(|fill, _| fill.ended());
-    assert!(matches!(live.events[0], LiveEvent::Planned));
+    assert!(matches!(live.events[0], Event::Started));
     let finished = live.events.iter().filter(
-        |e| matches!(e, LiveEvent::Finished { outcome, .. } if outcome.end == End::Converged),
+        |e| matches!(e, Event::Process(FillEvent::Finished { outcome, .. }) if outcome.end == End::Converged),
     );
     assert_eq!(finished.count(), live.fill.groups().len());
-    assert!(live.fill.schedule().rows.is_empty());
-    let filled = live.fill.mesh_at(&live.latest());
+    assert!(live.fill.schedule().entries.is_empty());
+    let filled = live.latest().mesh();
     assert_eq!(
         filled,
         repeated(&Controls::default(), &Schedule::default(), 1)
@@ -144,9 +144,9 @@ fn a_plain_run_ends_and_is_the_command_lines() {
 fn changes_on_the_way_are_repeated_to_the_bit() {
     let start = flow();
     let mut live = Watched::start(&start, false);
-    live.until(|_, events| events.iter().any(|e| matches!(e, LiveEvent::Planned)));
+    live.until(|_, events| events.iter().any(|e| matches!(e, Event::Started)));
     let first = live.latest();
-    assert_eq!((first.index, first.attempt), (0, 0));
+    assert_eq!((first.serial, first.clock), (0, 0));
     live.steps(4);
     let mut controls = start.clone();
     controls.energy = "(H-H0)^2 + a*K^2".into();
@@ -167,12 +167,8 @@ fn changes_on_the_way_are_repeated_to_the_bit() {
     controls.scheme = Scheme::MixedCorrected;
     live.fill.set_controls(&controls).expect("fine");
     live.steps(2);
-    assert!(live.fill.rewind_to(marked.index));
-    live.until(|_, events| {
-        events
-            .iter()
-            .any(|e| matches!(e, LiveEvent::Rewound { .. }))
-    });
+    assert!(live.fill.rewind_to(marked.serial));
+    live.until(|_, events| events.iter().any(|e| matches!(e, Event::Rewound { .. })));
     assert_eq!(live.latest().new_positions(), marked.new_positions());
     assert!(Arc::ptr_eq(marked.topology(), live.latest().topology()));
     controls.scheme = Scheme::Normal;
@@ -185,10 +181,10 @@ fn changes_on_the_way_are_repeated_to_the_bit() {
     live.fill.finish();
     live.until(|fill, _| fill.ended());
     for state in [&marked, &middle, &live.latest()] {
-        let schedule = live.fill.schedule_to(state);
+        let schedule = state.schedule();
         let read = Schedule::parse(&schedule.to_csv()).expect("as written");
         assert_eq!(read, schedule);
-        let filled = live.fill.mesh_at(state);
+        let filled = state.mesh();
         for threads in [1, 2] {
             assert!(
                 filled == repeated(&start, &read, threads),
@@ -207,7 +203,7 @@ fn a_refused_change_leaves_the_flow_and_a_failed_start_can_be_mended() {
     let mut live = Watched::start(&undefined, true);
     live.until(|fill, _| !fill.groups().is_empty());
     assert!(live.fill.ended());
-    let failed = live.events.iter().filter(|e| matches!(e, LiveEvent::Failed { group: Some(_), text, .. } if text.contains("not finite")));
+    let failed = live.events.iter().filter(|e| matches!(e, Event::Process(FillEvent::Failed { group: Some(_), text, .. }) if text.contains("not finite")));
     assert_eq!(failed.count(), 2);
     let first = live.latest();
     // playing, so that the mended flow starts by itself
@@ -219,8 +215,7 @@ fn a_refused_change_leaves_the_flow_and_a_failed_start_can_be_mended() {
         .expect("an energy that parses");
     live.fill.step();
     live.until(|_, events| {
-        let refused =
-            |e: &LiveEvent| matches!(e, LiveEvent::ControlsRefused { group: Some(0), .. });
+        let refused = |e: &Event<_>| matches!(e, Event::Refused(Refused { part: Some(0), .. }));
         events.iter().any(refused)
     });
     assert!(live.fill.groups().iter().all(|g| g.failed.is_none()));
@@ -236,7 +231,7 @@ fn a_refused_change_leaves_the_flow_and_a_failed_start_can_be_mended() {
     live.fill.finish();
     live.until(|fill, _| fill.ended());
     let repeated = repeated(&undefined, &live.fill.schedule(), 2);
-    assert!(live.fill.mesh_at(&live.latest()) == repeated);
+    assert!(live.latest().mesh() == repeated);
     assert!(!Arc::ptr_eq(&first, &live.latest()));
 }
 
@@ -253,22 +248,22 @@ fn a_stopped_run_is_repeated_up_to_there() {
             .iter()
             .all(|g| g.end == Some(End::Cancelled) && g.step == 3)
     );
-    let finished = |e: &&LiveEvent| matches!(e, LiveEvent::Finished { .. });
+    let finished = |e: &&Event<_>| matches!(e, Event::Process(FillEvent::Finished { .. }));
     assert_eq!(live.events.iter().filter(finished).count(), 2);
-    let rows = live.fill.schedule().rows;
+    let rows = live.fill.schedule().entries;
     assert_eq!(
         (rows.len(), rows[0].attempt, rows[0].control.as_str()),
         (1, 3, "stop")
     );
-    let filled = live.fill.mesh_at(&live.latest());
+    let filled = live.latest().mesh();
     assert!(filled == repeated(&flow(), &live.fill.schedule(), 1));
     // a state in the middle, and on from it
     let early = Arc::clone(&live.fill.timeline().states[1]);
-    let filled = live.fill.mesh_at(&early);
-    assert!(filled == repeated(&flow(), &live.fill.schedule_to(&early), 1));
-    assert!(live.fill.rewind_to(early.index) && !live.fill.rewind_to(999));
+    let filled = early.mesh();
+    assert!(filled == repeated(&flow(), &early.schedule(), 1));
+    assert!(live.fill.rewind_to(early.serial) && !live.fill.rewind_to(999));
     live.until(|_, events| {
-        let rewound = |e: &LiveEvent| matches!(e, LiveEvent::Rewound { .. });
+        let rewound = |e: &Event<_>| matches!(e, Event::Rewound { .. });
         events.iter().any(rewound)
     });
     live.steps(1);
@@ -279,7 +274,7 @@ fn a_stopped_run_is_repeated_up_to_there() {
 fn the_timeline_keeps_its_bounds_and_both_ends() {
     let timeline = |timeline_bytes: usize| {
         let (mesh, loops) = mesh();
-        let settings = LiveSettings {
+        let settings = RunSettings {
             playing: true,
             pace: None,
             timeline_bytes,
@@ -290,19 +285,19 @@ fn the_timeline_keeps_its_bounds_and_both_ends() {
     };
     // what two states need cannot be saved
     let least = timeline(0);
-    let indices: Vec<usize> = least.states.iter().map(|s| s.index).collect();
+    let indices: Vec<usize> = least.states.iter().map(|s| s.serial).collect();
     assert_eq!((indices.len(), indices[0]), (2, 0));
     assert!(indices[1] > 10);
     let some = timeline(2 * least.bytes);
     assert!(some.bytes <= 2 * least.bytes && some.states.len() > 2);
-    assert_eq!(some.states[0].index, 0);
+    assert_eq!(some.states[0].serial, 0);
     assert!(
         some.latest()
-            .is_some_and(|s| s.ended && s.index == indices[1])
+            .is_some_and(|s| s.ended() && s.serial == indices[1])
     );
     for state in &some.states {
         assert!(
-            some.find(state.index)
+            some.find(state.serial)
                 .is_some_and(|s| Arc::ptr_eq(s, state))
         );
     }
@@ -311,7 +306,7 @@ fn the_timeline_keeps_its_bounds_and_both_ends() {
 #[test]
 fn a_dropped_fill_ends() {
     let (mesh, loops) = mesh();
-    let settings = LiveSettings {
+    let settings = RunSettings {
         playing: true,
         pace: Some(0.1),
         timeline_bytes: 1 << 20,
@@ -336,13 +331,13 @@ fn the_command_line_repeats_a_run_to_the_byte() {
     let opened = open(&at("in.obj")).expect("read back");
     assert_eq!(boundary_loops(&opened.mesh), loops);
     let (mesh, controls) = (Arc::new(opened.mesh), flow());
-    let settings = LiveSettings {
+    let settings = RunSettings {
         playing: false,
         pace: None,
         timeline_bytes: 1 << 24,
     };
     let mut live = Watched::of(Arc::clone(&mesh), loops, &controls, settings);
-    live.until(|_, events| events.iter().any(|e| matches!(e, LiveEvent::Planned)));
+    live.until(|_, events| events.iter().any(|e| matches!(e, Event::Started)));
     live.steps(3);
     let mut changed = controls.clone();
     changed.density = 1.4;
@@ -350,9 +345,9 @@ fn the_command_line_repeats_a_run_to_the_byte() {
     live.fill.set_controls(&changed).expect("fine");
     live.steps(4);
     let state = live.latest();
-    let filled = live.fill.mesh_at(&state);
+    let filled = state.mesh();
     save_mesh(&at("live.obj"), &filled, &[]).expect("written");
-    std::fs::write(at("s.csv"), live.fill.schedule_to(&state).to_csv()).expect("written");
+    std::fs::write(at("s.csv"), state.schedule().to_csv()).expect("written");
     let wanted = std::fs::read(at("live.obj")).expect("there");
     for threads in ["1", "2"] {
         let mut command = assert_cmd::Command::cargo_bin("meniscus").expect("the program");
@@ -395,7 +390,7 @@ fn the_command_line_repeats_a_run_to_the_byte() {
 #[test]
 fn a_surface_that_runs_into_the_mesh_pauses_there() {
     let (mesh, loops) = crate::common::layouts::with_obstacle();
-    let settings = LiveSettings {
+    let settings = RunSettings {
         playing: true,
         pace: None,
         timeline_bytes: 1 << 24,
@@ -411,29 +406,23 @@ fn a_surface_that_runs_into_the_mesh_pauses_there() {
         woken,
         events: Vec::new(),
     };
-    live.until(|_, events| {
-        events
-            .iter()
-            .any(|e| matches!(e, LiveEvent::Crossing { .. }))
-    });
+    live.until(|_, events| events.iter().any(|e| matches!(e, Event::Paused)));
     let found = live.events.iter().find_map(|e| match e {
-        LiveEvent::Crossing {
-            place,
-            last_good,
-            paused,
-            ..
-        } => Some((*place, *last_good, *paused)),
+        Event::Process(FillEvent::SelfIntersection {
+            place, last_good, ..
+        }) => Some((*place, *last_good)),
         _ => None,
     });
-    let (place, last_good, paused) = found.expect("an event");
+    let (place, last_good) = found.expect("an event");
     // the bar is round the line x = 0.9, z = 0
     assert!(
         place.z.abs() < 0.5 && (place.x - 0.9).abs() < 0.5,
         "{place}"
     );
-    assert!(paused && !live.fill.ended());
+    assert!(!live.fill.playing() && !live.fill.ended());
     let good = last_good.expect("the start was clean");
-    assert!(live.fill.timeline().find(good).is_some());
+    let timeline = live.fill.timeline();
+    assert!(timeline.states.iter().any(|s| s.groups[0].step == good));
     // who goes on gets to the last shape without a crossing
     live.fill.finish();
     live.until(|fill, _| fill.ended());

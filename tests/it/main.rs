@@ -13,7 +13,6 @@ mod mixed;
 mod models_loops;
 mod random_holes;
 mod refine;
-mod refine_live;
 mod sphere_cap;
 
 #[cfg(feature = "cli")]
@@ -28,6 +27,8 @@ mod creases;
 mod live;
 #[cfg(feature = "cli")]
 mod models;
+#[cfg(feature = "cli")]
+mod refine_live;
 
 #[cfg(feature = "render")]
 mod render;

@@ -247,7 +247,7 @@ fn pictures_of_the_window() {
     harness.get_by_label("H").click();
     harness.run_steps(5);
     let run = harness.state().model.run.as_ref().expect("there");
-    let figures = run.sides[0].live.figures(None);
+    let figures = run.sides[0].handle.figures(None);
     assert!(figures.iter().all(|f| matches!(f.end, Some(Ok(_)))));
     harness.snapshot_options("window_filled", &options);
 }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{Display, Request, same_list};
-use crate::app::live::Shape;
 use crate::app::report::Reference;
+use crate::app::run::RunState;
 use crate::app::seam::seam;
 use crate::energy::{WellPosed, scan_well_posedness};
 use crate::mesh::{DVec3, FaceId, Mesh, Neighbourhood, Topology, VertexId};
@@ -123,8 +123,8 @@ impl DisplayBuilder {
             unreachable!("made above");
         };
         let topology = split.topology.topology();
-        let limit = request.limit && request.state.as_ref().is_none_or(Shape::has_limit);
-        let place = |state: &Shape| state.positions(&request.mesh, !limit);
+        let limit = request.limit && request.state.as_ref().is_none_or(|s| s.has_limit());
+        let place = |state: &RunState| state.positions(!limit);
         let state = request.state.as_ref();
         let positions = state.map_or_else(|| request.mesh.positions.clone(), place);
         let start = request
@@ -191,15 +191,17 @@ impl DisplayBuilder {
         });
         let bounds = Bounds::of(positions.iter().copied()).unwrap_or(request.bounds);
         let first = request.mesh.face_count();
-        let seam = state.is_some_and(|state| !state.is_whole()).then(|| {
-            seam(
-                topology,
-                &positions,
-                first,
-                &request.faired,
-                &request.creases,
-            )
-        });
+        let seam = state
+            .is_some_and(|state| state.patch_faces().is_some())
+            .then(|| {
+                seam(
+                    topology,
+                    &positions,
+                    first,
+                    &request.faired,
+                    &request.creases,
+                )
+            });
         Display {
             surfaces,
             highlights: Vec::new(),
@@ -233,7 +235,10 @@ impl Split {
         let count = topology.face_count();
         let flows = |f: FaceId| f.index() >= first || request.faired.binary_search(&f.0).is_ok();
         let all = topology.faces();
-        let whole = request.state.as_ref().is_some_and(Shape::is_whole);
+        let whole = request
+            .state
+            .as_ref()
+            .is_some_and(|s| s.patch_faces().is_none());
         let (moving, still): (Vec<FaceId>, Vec<FaceId>) = if !request.original && !whole {
             (all.filter(|&f| flows(f)).collect(), Vec::new())
         } else if count <= SMALL || whole {
@@ -245,7 +250,7 @@ impl Split {
         let options = SurfaceOptions {
             samples_per_edge: None,
             creases: request.creases.to_vec(),
-            is_cut: request.state.as_ref().is_some_and(Shape::is_cut),
+            is_cut: request.state.as_ref().is_some_and(|s| s.is_cut()),
             flags: moving.iter().map(flag).collect(),
         };
         Self {

@@ -6,8 +6,8 @@ mod builder;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use super::jobs::Wake;
-use super::live::Shape;
 use super::report::Reference;
+use super::run::{RunState, same_state};
 use super::seam::Seam;
 use crate::energy::{Energy, WellPosedScan};
 use crate::mesh::{DVec3, Mesh, VertexId};
@@ -20,9 +20,9 @@ pub struct Request {
     /// The mesh the run works on, or the document's.
     pub mesh: Arc<Mesh>,
     /// The state of the run, if there is one.
-    pub state: Option<Shape>,
+    pub state: Option<RunState>,
     /// The first state with the same vertices, to measure the deviation from.
-    pub start: Option<Shape>,
+    pub start: Option<RunState>,
     /// Faces of the mesh from here on are patches.
     pub first_patch_face: usize,
     /// Other faces that the flow moves, ascending.
@@ -53,8 +53,8 @@ impl Request {
 
     /// Whether both give the same display except for the selected faces.
     fn same_surfaces(&self, other: &Self) -> bool {
-        let same = |a: &Option<Shape>, b: &Option<Shape>| match (a, b) {
-            (Some(a), Some(b)) => a.same(b),
+        let same = |a: &Option<RunState>, b: &Option<RunState>| match (a, b) {
+            (Some(a), Some(b)) => same_state(a, b),
             (None, None) => true,
             _ => false,
         };

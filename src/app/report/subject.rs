@@ -7,8 +7,7 @@ use std::sync::Arc;
 use crate::analysis::{EdgeChain, patch_rims, sharp_edges};
 use crate::app::chains::{Chain, Places};
 use crate::app::document::{Accepted, Document, Work, left_of};
-use crate::app::live::Shape;
-use crate::app::run::Run;
+use crate::app::run::{Run, RunState, same_state};
 use crate::fill::{Continuity, Controls};
 use crate::mesh::{BoundaryLoop, LoopId, Mesh, Topology, VertexId, boundary_loops};
 use crate::options::Options;
@@ -20,7 +19,7 @@ const MAX_SHARP: usize = 24;
 #[derive(Clone)]
 pub struct Subject {
     mesh: Arc<Mesh>,
-    state: Option<Shape>,
+    state: Option<RunState>,
     /// Number of accepted operations.
     changes: usize,
     /// Whether two flows are compared.
@@ -48,7 +47,7 @@ impl Subject {
     /// Whether both are the same.
     pub fn same(&self, other: &Self) -> bool {
         let states = match (&self.state, &other.state) {
-            (Some(a), Some(b)) => a.same(b),
+            (Some(a), Some(b)) => same_state(a, b),
             (None, None) => true,
             _ => false,
         };
@@ -74,11 +73,11 @@ impl Subject {
         let Some(state) = &self.state else {
             return Arc::clone(&self.mesh);
         };
-        if let (Shape::Refine(state), true) = (state, on_surface) {
-            return Arc::new(state.mesh(&self.mesh));
+        if on_surface && state.patch_faces().is_none() {
+            return Arc::new(state.mesh());
         }
         let topology = (**state.topology()).clone();
-        let mut mesh = Mesh::new(state.positions(&self.mesh, on_surface), topology);
+        let mut mesh = Mesh::new(state.positions(on_surface), topology);
         mesh.non_orientable.clone_from(&self.mesh.non_orientable);
         Arc::new(mesh)
     }
@@ -112,7 +111,8 @@ impl Patches {
             let side = run.sides.first()?;
             side.state().map(|state| (run, side, state))
         });
-        if matches!(run, Some((.., Shape::Refine(_)))) {
+        let run_faces = run.as_ref().map(|(.., state)| state.patch_faces());
+        if run_faces == Some(None) {
             // a refinement replaces all faces
             return Self(Vec::new());
         }
@@ -144,13 +144,13 @@ impl Patches {
                 }
             })
             .collect();
-        if let Some((run, side, Shape::Fill(state))) = run {
+        if let (Some((run, side, _)), Some(Some(faces))) = (run, run_faces) {
             let numbered = |l: &BoundaryLoop| {
                 let id = l.id;
                 l.vertices.clone().into_iter().map(move |v| (v, id))
             };
             patches.push(Patch {
-                faces: state.patch_faces(),
+                faces,
                 faired: run.faired(),
                 controls: side.controls.clone(),
                 loops: Loops::Known(run.loops.iter().flat_map(numbered).collect()),
@@ -237,7 +237,7 @@ pub struct Chains {
 /// The controls of an accepted operation, as they were at its end.
 fn last_controls(done: &Accepted) -> Controls {
     let mut controls = done.controls.clone();
-    for row in &done.schedule.rows {
+    for row in &done.schedule.entries {
         // rows such as `stop` set no control
         controls.set(&row.control, &row.value).ok();
     }

@@ -3,18 +3,17 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Run, Side, settings};
+use super::refine_handle::with_controls;
+use super::{Run, RunVariant, settings};
 use crate::analysis::patch_rims;
 use crate::app::chains::{Chain, Places};
 use crate::app::document::{CREASE, Document, RefineWork, Work};
 use crate::app::jobs::Wake;
-use crate::app::live::{Live, refining_flow};
 use crate::app::view_state::Refining;
 use crate::fill::Controls;
 use crate::mesh::face_flags;
-use crate::options::{Choice, TauChoice};
-use crate::refine::{BoundaryRule, Hold, LiveRefine, Method, RefineOptions};
-use crate::solver::FlowOptions;
+use crate::options::Options;
+use crate::refine::{LiveRefine, Method, RefineControls};
 
 impl Run {
     /// Starts a refinement, with the other methods asked for beside it; `chains` are the chosen edges.
@@ -30,7 +29,6 @@ impl Run {
         wake: &Wake,
     ) -> Result<Self, String> {
         let base = Arc::clone(&document.mesh);
-        let flow = refining_flow(controls, &base, refining.own_energy)?;
         let faces = if refining.selected_only {
             Arc::clone(&document.faces)
         } else {
@@ -42,37 +40,36 @@ impl Run {
         let methods = [refining.method].into_iter().chain(others);
         let sides = methods
             .map(|method| {
-                let options = RefineOptions {
+                let own = RefineControls {
                     levels: refining.levels,
                     method,
                     hold: refining.hold,
                     boundary: refining.boundary,
-                    crease_angle: refining.sharp.then(|| refining.sharp_angle.to_radians()),
-                    creases: creases.clone(),
-                    region: region.clone(),
-                    flow: flow.clone(),
-                    ..RefineOptions::new(flow.energy.clone())
+                    crease_angle: refining.sharp.then_some(refining.sharp_angle),
+                    energy: (!refining.own_energy).then(|| controls.energy.clone()),
+                    ..RefineControls::default()
                 };
-                let mesh = Arc::clone(&base);
-                let live = LiveRefine::spawn(mesh, options, settings(pace), Arc::clone(wake));
-                let live = Live::Refine(Box::new(live.map_err(|error| error.to_string())?));
-                let mut side = Side::new(live, method_name(method), controls);
-                side.words = refine_words(refining, method, &flow, controls);
-                side.words.extend(crease_words(refining, &creases));
+                let own = with_controls(&own, controls);
+                let mut words = own.to_arguments();
+                words.extend(crease_words(&creases));
+                let (mesh, wake) = (Arc::clone(&base), Arc::clone(wake));
+                let (creases, region) = (creases.clone(), region.clone());
+                let run = LiveRefine::spawn(mesh, own, creases, region, settings(pace), wake);
+                let run = Box::new(run.map_err(|error| error.to_string())?);
+                let mut side = RunVariant::new(run, method_name(method), controls);
+                side.words = words;
                 Ok(side)
             })
-            .collect::<Result<Vec<Side>, String>>()?;
+            .collect::<Result<Vec<RunVariant>, String>>()?;
         Ok(Self {
             work: Work::Refine(RefineWork {
                 words: sides.first().map_or_else(Vec::new, |s| s.words.clone()),
                 faces,
-                changed: false,
             }),
             first_patch_face: base.face_count(),
             base,
             kept: None,
             loops: Vec::new(),
-            own_energy: refining.own_energy,
             sides,
             playing: true,
             next_frame: None,
@@ -87,37 +84,6 @@ pub fn method_name(method: Method) -> &'static str {
         Method::Butterfly => "Butterfly",
         Method::Loop => "Loop",
     }
-}
-
-/// The arguments of `meniscus refine` for it.
-fn refine_words(
-    refining: &Refining,
-    method: Method,
-    flow: &FlowOptions,
-    controls: &Controls,
-) -> Vec<String> {
-    let mut words = vec!["--levels".into(), refining.levels.to_string()];
-    if method == Method::Pde {
-        words.extend(["--energy".into(), flow.energy.text().to_owned()]);
-        for (name, value) in flow.energy.params() {
-            words.extend(["--param".into(), format!("{name}={value}")]);
-        }
-        words.extend(["--tension".into(), flow.tension.to_string()]);
-        words.extend(["--mode".into(), controls.mode.name().into()]);
-        if let TauChoice::Fixed(tau) = controls.tau {
-            words.extend(["--tau".into(), tau.to_string()]);
-        }
-        words.extend(["--steps".into(), controls.steps.to_string()]);
-    } else {
-        words.extend(["--method".into(), method_name(method).to_lowercase()]);
-    }
-    if refining.hold == Hold::Given {
-        words.extend(["--hold".into(), "given".into()]);
-    }
-    if refining.boundary == BoundaryRule::Straight {
-        words.extend(["--boundary".into(), "straight".into()]);
-    }
-    words
 }
 
 /// The edges that are to stay sharp beside those above the angle.
@@ -139,11 +105,8 @@ fn crease_ends(refining: &Refining, chains: &[Chain], document: &Document) -> Ve
 }
 
 /// The arguments for them.
-fn crease_words(refining: &Refining, creases: &[[u32; 2]]) -> Vec<String> {
+fn crease_words(creases: &[[u32; 2]]) -> Vec<String> {
     let mut words = Vec::new();
-    if refining.sharp {
-        words.extend(["--crease-angle".into(), refining.sharp_angle.to_string()]);
-    }
     for path in paths(creases) {
         let numbers: Vec<String> = path.iter().map(|v| (v + 1).to_string()).collect();
         words.extend([CREASE.into(), numbers.join(",")]);

@@ -80,7 +80,7 @@ fn three_methods_side_by_side_and_one_is_taken() {
     let Work::Refine(work) = &m.document.accepted[0].work else {
         panic!("a refinement");
     };
-    assert!(!work.changed && work.words[..2] == ["--levels", "2"]);
+    assert_eq!(work.words[..2], ["--levels", "2"]);
     act(&mut m, EditAction::Undo);
     assert!(Arc::ptr_eq(&before, &m.document.mesh));
 }

@@ -133,14 +133,14 @@ fn fairing_moves_inner_vertices_only_and_shows_them() {
     let run = m.run.as_ref().expect("a run");
     assert!(!run.faired().is_empty());
     let state = run.sides[0].state().expect("a state");
-    assert_eq!(state.positions(&before, false).len(), before.vertex_count());
+    assert_eq!(state.positions(false).len(), before.vertex_count());
     act(&mut m, RunAction::Scrub(Some(1)));
     act(&mut m, RunAction::ContinueFromShown);
     run_to_end(&mut m);
     assert!(
         m.run
             .as_ref()
-            .is_some_and(|r| r.sides[0].live.radius() > 0.1)
+            .is_some_and(|r| r.sides[0].handle.radius() > 0.1)
     );
     act(&mut m, RunAction::Accept(0));
     let after = Arc::clone(&m.document.mesh);

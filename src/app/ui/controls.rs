@@ -112,7 +112,7 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
         .run
         .as_ref()
         .and_then(|r| r.sides.first())
-        .and_then(|s| s.live.tau());
+        .and_then(|s| s.handle.tau());
     let mut fixed = matches!(next.tau, TauChoice::Fixed(_));
     ui.horizontal_wrapped(|ui| {
         ui.label("Time step τ");

@@ -7,7 +7,7 @@ use super::format::format_number;
 use crate::app::action::{Action, RunAction};
 use crate::app::document::Work;
 use crate::app::model::Model;
-use crate::app::run::{Run, Side};
+use crate::app::run::{Run, RunVariant};
 use crate::app::seam::Seam;
 use crate::app::shortcuts::hint;
 use crate::mesh::LoopId;
@@ -72,7 +72,6 @@ fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
             }
         }
         if run.scrubbed()
-            && run.sides.iter().all(|s| s.live.rewinds())
             && ui
                 .button("Continue from here")
                 .on_hover_text(
@@ -212,11 +211,11 @@ fn side_name(run: &Run, s: usize) -> String {
     }
 }
 
-fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &Side) {
+fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &RunVariant) {
     let state = side.state();
-    let rows = side.live.figures(state.as_ref());
+    let rows = side.handle.figures(state.as_ref());
     if rows.is_empty() {
-        ui.label(if side.live.ended() {
+        ui.label(if side.handle.ended() {
             "no flow: the holes needed no new vertex"
         } else {
             "first patches…"

@@ -274,7 +274,7 @@ fn diagnostics_ui(ui: &mut Ui, model: &Model, state: &UiState) {
         .run
         .iter()
         .flat_map(|r| &r.sides)
-        .map(|s| s.live.bytes())
+        .map(|s| s.handle.bytes())
         .sum();
     Grid::new("frames")
         .striped(true)

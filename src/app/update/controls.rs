@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use super::refuse_while_running;
 use crate::app::action::ControlsAction;
-use crate::app::document::Work;
 use crate::app::model::Model;
 use crate::energy::{Energy, Preset};
 use crate::fill::Controls;
@@ -48,15 +47,12 @@ fn set(model: &mut Model, controls: Controls) {
                     own.param.entry(name.clone()).or_insert(*value);
                 }
             }
-            match side.live.set_controls(&own, &run.base, run.own_energy) {
+            match side.handle.set_controls(&own) {
                 Ok(()) => {
                     if (&own.energy, &own.param) != (&side.controls.energy, &side.controls.param) {
                         side.new_energy();
                     }
                     side.controls = own;
-                    if let Work::Refine(work) = &mut run.work {
-                        work.changed = true;
-                    }
                 }
                 Err(text) => {
                     model.log.error(text);
@@ -68,7 +64,7 @@ fn set(model: &mut Model, controls: Controls) {
             // a changed control restarts a flow that has ended
             run.playing = true;
             for side in &run.sides {
-                side.live.play();
+                side.handle.play();
             }
         }
     }

@@ -7,8 +7,9 @@ use super::runs::accept;
 use crate::app::action::EditAction;
 use crate::app::document::{Accepted, Work};
 use crate::app::model::Model;
-use crate::fill::{Schedule, bridge as build_bridge, segment_at};
+use crate::fill::{bridge as build_bridge, segment_at};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, erase as erase_faces, face_flags};
+use crate::runner::Schedule;
 
 pub(crate) fn update(model: &mut Model, action: EditAction) {
     match action {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use crate::app::action::PictureAction;
 use crate::app::display::{DisplayWorker, Request};
 use crate::app::jobs::{Job, Reporter};
-use crate::app::live::Shape;
 use crate::app::model::{Done, Effect, Model};
+use crate::app::run::RunState;
 use crate::app::scene_builder;
 use crate::app::view_state::{Modal, PictureFormat, PictureKind, PictureSettings};
 use crate::render::{
@@ -105,7 +105,7 @@ fn make(model: &mut Model, settings: &PictureSettings) {
         scene.surfaces.truncate(display.surfaces.len());
     }
     let states = match (settings.kind, &model.run) {
-        (PictureKind::Flow, Some(run)) => run.sides[0].live.states(),
+        (PictureKind::Flow, Some(run)) => run.sides[0].handle.states(),
         (PictureKind::Flow, None) => {
             model
                 .log
@@ -168,7 +168,7 @@ impl PictureJob {
         &self,
         scene: &Scene,
         request: Option<Request>,
-        states: &[Shape],
+        states: &[RunState],
         reporter: &Reporter,
     ) -> Result<String, RenderError> {
         let Some(request) = request else {

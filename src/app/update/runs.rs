@@ -33,10 +33,10 @@ pub(crate) fn update(model: &mut Model, action: RunAction) {
         }
         RunAction::Finish => on_sides(model, |side| {
             side.shown = None;
-            side.live.finish();
+            side.handle.finish();
         }),
         RunAction::Stop => {
-            on_sides(model, |side| side.live.stop());
+            on_sides(model, |side| side.handle.stop());
             if let Some(run) = &mut model.run {
                 run.playing = false;
             }
@@ -49,14 +49,14 @@ pub(crate) fn update(model: &mut Model, action: RunAction) {
         RunAction::ContinueFromShown => continue_from_shown(model),
         RunAction::Pace(pace) => {
             model.view.pace = pace;
-            on_sides(model, |side| side.live.set_pace(pace));
+            on_sides(model, |side| side.handle.set_pace(pace));
         }
         RunAction::Accept(side) => accept(model, side),
         RunAction::Reject => reject(model),
     }
 }
 
-fn on_sides(model: &mut Model, f: impl Fn(&mut crate::app::run::Side)) {
+fn on_sides(model: &mut Model, f: impl Fn(&mut crate::app::run::RunVariant)) {
     if let Some(run) = &mut model.run {
         for side in &mut run.sides {
             f(side);
@@ -166,9 +166,9 @@ fn play_pause(model: &mut Model) {
     }
     for side in &run.sides {
         if run.playing && !run.scrubbed() {
-            side.live.play();
+            side.handle.play();
         } else {
-            side.live.pause();
+            side.handle.pause();
         }
     }
 }
@@ -184,7 +184,7 @@ fn step(model: &mut Model) {
         run.scrub(at.map(|i| i + 1));
     } else {
         for side in &run.sides {
-            side.live.step();
+            side.handle.step();
         }
     }
 }
@@ -195,10 +195,10 @@ fn continue_from_shown(model: &mut Model) {
     };
     for side in &mut run.sides {
         if let (Some(state), Some(_)) = (side.state(), side.shown.take()) {
-            side.live.rewind_to(&state);
+            side.handle.rewind_to(&state);
             side.crossing = None;
         }
-        side.live.play();
+        side.handle.play();
     }
     run.playing = true;
 }
@@ -211,8 +211,8 @@ pub(super) fn accept(model: &mut Model, index: usize) {
     let Some(side) = run.sides.get_mut(index) else {
         return;
     };
-    if !side.live.ended() {
-        side.live.stop();
+    if !side.handle.ended() {
+        side.handle.stop();
     }
     let Some(state) = side.state() else {
         model
@@ -220,10 +220,8 @@ pub(super) fn accept(model: &mut Model, index: usize) {
             .info("there is no patch yet: wait for the first one, or press Esc");
         return;
     };
-    let Some(filled) = side.live.mesh_at(&state) else {
-        return;
-    };
-    let surface = (state.is_whole() && state.has_limit()).then(|| state.clone());
+    let filled = state.mesh();
+    let surface = (state.patch_faces().is_none() && state.has_limit()).then(|| state.clone());
     let mut work = run.work.clone();
     let mut faces = run.base.face_count()..filled.face_count();
     if let Work::Refine(work) = &mut work {
@@ -241,7 +239,7 @@ pub(super) fn accept(model: &mut Model, index: usize) {
     let done = Accepted {
         work,
         controls: side.start.clone(),
-        schedule: side.live.schedule_to(Some(&state)),
+        schedule: state.schedule(),
         faces,
     };
     let label = done.work.label();

@@ -9,7 +9,7 @@ use crate::app::cached::SharedKey;
 use crate::app::display::Request;
 use crate::app::jobs::Job;
 use crate::app::model::{CreaseKey, Done, Effect, Model};
-use crate::app::run::Side;
+use crate::app::run::RunVariant;
 use crate::app::view_state::Task;
 use crate::fill::Continuity;
 use crate::mesh::{BoundaryLoop, VertexId};
@@ -124,7 +124,7 @@ fn request(model: &mut Model, side: usize) -> Request {
     let controls = shown.map_or(&document.controls, |s| &s.controls);
     let rims = document.selected();
     let rims = rims.iter().map(|l| l.radius).fold(0.0, f64::max);
-    let radius = shown.map_or(rims, |s| s.live.radius());
+    let radius = shown.map_or(rims, |s| s.handle.radius());
     let energy = model.energies[side].of(controls);
     let (mut mesh, mut first_patch_face) = (&document.mesh, document.first_patch_face);
     let mut faired = Arc::default();
@@ -135,7 +135,7 @@ fn request(model: &mut Model, side: usize) -> Request {
     // what was accepted as a surface is drawn as that until there is another
     let is_there = Arc::ptr_eq(mesh, &document.mesh);
     let accepted = document.surface.clone().filter(|_| is_there);
-    let state = shown.and_then(Side::state).or(accepted);
+    let state = shown.and_then(RunVariant::state).or(accepted);
     let repairs = model.view.task == Task::Repair && run.is_none();
     Request {
         mesh: Arc::clone(mesh),
@@ -147,7 +147,7 @@ fn request(model: &mut Model, side: usize) -> Request {
         },
         start: shown
             .zip(state.as_ref())
-            .and_then(|(s, at)| s.live.start_of(at)),
+            .and_then(|(s, at)| s.handle.start_of(at)),
         state,
         first_patch_face,
         creases,

@@ -3,6 +3,8 @@
 
 mod limits;
 #[cfg(test)]
+mod schedule_tests;
+#[cfg(test)]
 mod tests;
 
 use std::collections::BTreeMap;

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use meniscus::energy::Energy;
-use meniscus::fill::{Controls, Schedule};
+use meniscus::fill::Controls;
 use meniscus::io::{self, Format};
 use meniscus::mesh::{self, check_mesh};
+use meniscus::runner::Schedule;
 
 /// A function that takes any bytes and panics where the program is at fault.
 pub type Target = fn(&[u8]);
@@ -95,7 +96,7 @@ pub fn schedule(bytes: &[u8]) {
     };
     assert_eq!(Schedule::parse(&schedule.to_csv()), Ok(schedule.clone()));
     // refused or not, without a panic
-    schedule.check(&Controls::default()).ok();
+    schedule.recording(&Controls::default()).ok();
 }
 
 /// A project file is refused, or written as text that reads back as the same project.

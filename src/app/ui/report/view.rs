@@ -1,7 +1,6 @@
 //! Clicks in the view while the report chooses edges or a section.
 
 use crate::app::action::Action;
-use crate::app::live::Shape;
 use crate::app::model::Model;
 use crate::app::report::{Across, Cut, Pick, ReportAction};
 use crate::mesh::{DVec3, HalfedgeId, TriangleBvh, closest_point_on_segment};
@@ -82,11 +81,9 @@ fn point_at(model: &Model, picker: &Picker, size: [f64; 2], at: [f64; 2]) -> Opt
     };
     let on_patch = || {
         let run = model.run.as_ref()?;
-        let Shape::Fill(state) = run.sides.first()?.state()? else {
-            return None;
-        };
-        let positions = state.positions(&run.base);
-        let faces = state.patch_faces();
+        let state = run.sides.first()?.state()?;
+        let faces = state.patch_faces()?;
+        let positions = state.positions(false);
         let triangles: Vec<[u32; 3]> = state
             .topology()
             .triangles()

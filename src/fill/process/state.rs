@@ -1,20 +1,20 @@
-//! Shapes of a whole fill on its way.
+//! The state of a whole fill.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use crate::fill::assemble::Assembly;
 use crate::fill::patch_topology::PatchTopology;
-use crate::fill::schedule::Row;
 use crate::mesh::{DVec3, Mesh, Topology};
+use crate::runner::TimelineState;
 
-/// One group's shape after an accepted step.
+/// The state of one group after an accepted step.
 #[derive(Clone, Debug)]
 pub struct GroupState {
     /// Accepted steps.
     pub step: usize,
-    /// Attempts before it.
-    pub attempt: usize,
+    /// The run's clock after the step.
+    pub clock: usize,
     /// Positions of the group's new vertices.
     pub positions: Arc<[DVec3]>,
     /// Energy, by the rule of the steps; NaN where there is no flow.
@@ -25,27 +25,20 @@ pub struct GroupState {
     pub tau: f64,
     /// Smallest angle of a triangle of the patches, in degrees.
     pub worst_angle: f64,
-    pub(super) patches: Arc<PatchTopology>,
+    pub(in crate::fill) patches: Arc<PatchTopology>,
 }
 
-/// The whole fill at one moment.
+/// The state of a whole fill.
 #[derive(Clone, Debug)]
-pub struct State {
-    /// Serial number, never used twice in one fill.
-    pub index: usize,
-    /// Attempts before it.
-    pub attempt: usize,
-    /// Every group's shape.
+pub struct FillState {
+    /// The state of every group.
     pub groups: Vec<Arc<GroupState>>,
-    /// The whole filled mesh but for positions; the same `Arc` as long as no density changes.
+    pub(super) given: Arc<Mesh>,
+    /// The whole filled mesh but for positions; the same `Arc` while no triangulation changes.
     pub(super) assembly: Arc<Assembly>,
-    /// Whether every group had ended.
-    pub ended: bool,
-    /// What was changed before it.
-    pub(super) rows: Arc<Vec<Row>>,
 }
 
-impl State {
+impl FillState {
     /// Sum of the groups' energies.
     pub fn energy(&self) -> f64 {
         self.groups.iter().map(|g| g.energy).sum()
@@ -56,15 +49,15 @@ impl State {
         self.groups.iter().map(|g| g.worst_angle).reduce(f64::min)
     }
 
-    /// Connectivity of the whole filled mesh, the given vertices and faces first. The same `Arc` as
-    /// long as no density changes.
+    /// Connectivity of the whole filled mesh, the given vertices and faces first. The same `Arc`
+    /// while no triangulation changes.
     pub fn topology(&self) -> &Arc<Topology> {
         &self.assembly.topology
     }
 
-    /// Positions of all vertices of the filled mesh; `given` is the mesh it was started on.
-    pub fn positions(&self, given: &Mesh) -> Vec<DVec3> {
-        self.assembly.positions(given, self.group_positions())
+    /// Positions of all vertices of the filled mesh.
+    pub fn positions(&self) -> Vec<DVec3> {
+        self.assembly.positions(&self.given, self.group_positions())
     }
 
     /// Positions of the vertices that flow: all new ones in the order of the filled mesh, or those
@@ -79,11 +72,32 @@ impl State {
     }
 
     /// The whole filled mesh with the attributes of the given one, the old part first.
-    pub(super) fn mesh(&self, given: &Mesh) -> Mesh {
-        self.assembly.mesh(given, self.group_positions())
+    pub fn mesh(&self) -> Mesh {
+        self.assembly.mesh(&self.given, self.group_positions())
     }
 
     fn group_positions(&self) -> impl Iterator<Item = &[DVec3]> {
         self.groups.iter().map(|group| &group.positions[..])
+    }
+}
+
+impl TimelineState for FillState {
+    fn bytes(&self, before: Option<&Self>) -> usize {
+        let groups = self.groups.iter().enumerate().map(|(g, group)| {
+            let earlier = before.map(|s| &s.groups[g]);
+            if earlier.is_some_and(|e| Arc::ptr_eq(e, group)) {
+                return 0;
+            }
+            let own_patches = earlier.is_none_or(|e| !Arc::ptr_eq(&e.patches, &group.patches));
+            let patches = if own_patches {
+                group.patches.bytes()
+            } else {
+                0
+            };
+            patches + group.positions.len() * size_of::<DVec3>()
+        });
+        let is_stored = before.is_some_and(|s| Arc::ptr_eq(&s.assembly, &self.assembly));
+        let assembly = if is_stored { 0 } else { self.assembly.bytes() };
+        groups.sum::<usize>() + assembly
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Row, Schedule, ScheduleError};
+use super::{Schedule, ScheduleEntry, ScheduleError};
 use crate::options::OptionError;
 
 const HEADER: &str = "attempt,control,value";
@@ -11,7 +11,7 @@ impl Schedule {
     /// Reads a schedule. A value with a comma or a quote may be quoted.
     ///
     /// # Errors
-    /// The first line that is no row, with its number.
+    /// The first invalid line, with its number.
     pub fn parse(text: &str) -> Result<Self, ScheduleError> {
         let mut lines = (1..).zip(text.trim_end().lines());
         if lines.next().is_none_or(|(_, l)| l.trim() != HEADER) {
@@ -19,27 +19,27 @@ impl Schedule {
             let error = OptionError::new("the header is missing", remedy);
             return Err(ScheduleError::at(1, error));
         }
-        let mut rows: Vec<Row> = Vec::new();
+        let mut entries: Vec<ScheduleEntry> = Vec::new();
         for (line, text) in lines {
-            let row = row(text).map_err(|e| ScheduleError::at(line, e))?;
-            if let Some(last) = rows.last()
-                && row.attempt < last.attempt
+            let entry = entry(text).map_err(|error| ScheduleError::at(line, error))?;
+            if let Some(last) = entries.last()
+                && entry.attempt < last.attempt
             {
-                let problem = format!("attempt {} comes after {}", row.attempt, last.attempt);
+                let problem = format!("attempt {} comes after {}", entry.attempt, last.attempt);
                 let error = OptionError::new(problem, "sort the rows by attempt");
                 return Err(ScheduleError::at(line, error));
             }
-            rows.push(row);
+            entries.push(entry);
         }
-        Ok(Self { rows })
+        Ok(Self { entries })
     }
 
     /// The text that reads back as this schedule.
     pub fn to_csv(&self) -> String {
         let mut out = format!("{HEADER}\n");
-        for row in &self.rows {
-            let value = quoted(&row.value);
-            let _ = writeln!(out, "{},{},{value}", row.attempt, row.control);
+        for entry in &self.entries {
+            let value = quoted(&entry.value);
+            let _ = writeln!(out, "{},{},{value}", entry.attempt, entry.control);
         }
         out
     }
@@ -59,7 +59,7 @@ impl From<Schedule> for String {
     }
 }
 
-fn row(text: &str) -> Result<Row, OptionError> {
+fn entry(text: &str) -> Result<ScheduleEntry, OptionError> {
     let mut parts = text.splitn(3, ',');
     let (Some(attempt), Some(control), Some(value)) = (parts.next(), parts.next(), parts.next())
     else {
@@ -71,7 +71,7 @@ fn row(text: &str) -> Result<Row, OptionError> {
         let problem = format!("`{attempt}` is no count of attempts");
         return Err(OptionError::new(problem, "write a whole number"));
     };
-    Ok(Row {
+    Ok(ScheduleEntry {
         attempt: number,
         control: control.trim().to_owned(),
         // as it is written

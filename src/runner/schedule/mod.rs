@@ -1,4 +1,4 @@
-//! What was changed on the way of a fill, and when: rows of a CSV file.
+//! What was changed in a run, and when: rows of a CSV file.
 //!
 //! ```text
 //! attempt,control,value
@@ -7,29 +7,29 @@
 //! 31,finish,
 //! ```
 //!
-//! `attempt` counts steps attempted before the change acts, accepted or not. All groups of holes
-//! attempt their steps together, so that the count is the same for all; one that has ended waits.
-//! A rewind counts as an attempt of its own. Controls are named as the flags of `meniscus fill`,
-//! and beside them there are
+//! `attempt` is the clock of the run when the change acts: the number of attempted steps before it,
+//! accepted or not. A rewind counts as one attempt. All groups of holes of a fill share the clock,
+//! which continues for a group that has ended. In a refinement each begun and each finished level
+//! also counts as one.
 //!
-//! - `rewind N`: on from the shape after attempt N, with the controls of now;
-//! - `finish`: on in fast mode with an adaptive time step, until `mode`, `tau` or `growth` is
-//!   changed or the fill rewound;
-//! - `stop`: the end.
+//! Controls have the names of the flags of the command. In addition there are
+//!
+//! - `rewind N`: continue from the state after attempt N, with the present controls;
+//! - `finish`: continue in fast mode with an adaptive time step, until `mode`, `tau` or `growth` is
+//!   changed or the run is rewound;
+//! - `stop`: end here.
 
-mod course;
-#[cfg(test)]
-mod tests;
+mod controls;
 mod text;
 
-pub(super) use course::{Change, Course, Item, TimedChange};
+pub(super) use controls::{ActiveControls, UserCommand};
 
 use crate::options::OptionError;
 
 /// A change of one control.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Row {
-    /// Attempted steps (accepted or not) before it acts; a rewind counts as one.
+pub struct ScheduleEntry {
+    /// Attempted steps (accepted or not) before it acts; see the [module](self).
     pub attempt: usize,
     /// What is changed.
     pub control: String,
@@ -44,7 +44,7 @@ pub struct Row {
 #[serde(try_from = "String", into = "String")]
 pub struct Schedule {
     /// Ascending attempts.
-    pub rows: Vec<Row>,
+    pub entries: Vec<ScheduleEntry>,
 }
 
 /// Why a schedule cannot be followed.
@@ -61,7 +61,7 @@ pub enum ScheduleError {
         /// What to write instead.
         remedy: String,
     },
-    /// The controls it starts from are mistaken.
+    /// The controls it starts from are invalid.
     #[error("{0}")]
     Start(String),
 }

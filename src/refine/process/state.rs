@@ -1,11 +1,13 @@
-//! Shapes of a refinement on its way.
+//! The state of a refinement.
 
 use std::sync::Arc;
 
-use crate::live::Kept;
 use crate::mesh::{DVec3, Mesh, Topology};
+use crate::refine::levels::SavedLevel;
 use crate::refine::refined::refined_mesh;
 use crate::refine::{Method, Refinement, Weld};
+use crate::runner::TimelineState;
+use crate::solver::StepRecord;
 
 /// What the states of one level share.
 #[derive(Clone, Debug)]
@@ -24,15 +26,15 @@ pub struct LevelFrame {
     /// Whether `control` of the states is the control mesh of a smooth limit surface (not for
     /// Butterfly, whose mesh is all there is).
     pub has_limit: bool,
+    given: Arc<Mesh>,
+    pub(super) saved: SavedLevel,
 }
 
-/// A refined mesh at one moment.
+/// A refined mesh after an accepted step, or at the start of a level.
 #[derive(Clone, Debug)]
 pub struct RefineState {
-    /// Serial number, never used twice in one refinement.
-    pub index: usize,
     /// Attempted steps before it, those of all levels.
-    pub attempt: usize,
+    pub attempts: usize,
     /// Accepted steps of its level.
     pub step: usize,
     /// Connectivity and attributes; the same `Arc` for all states of a level.
@@ -51,7 +53,7 @@ pub struct RefineState {
 }
 
 impl LevelFrame {
-    pub(super) fn of(refinement: &Refinement) -> Self {
+    pub(super) fn of(refinement: &Refinement, given: &Arc<Mesh>) -> Self {
         Self {
             level: refinement.level(),
             topology: Arc::clone(refinement.topology()),
@@ -59,33 +61,56 @@ impl LevelFrame {
             colors: refinement.colors().to_vec(),
             face_tags: refinement.face_tags().to_vec(),
             has_limit: refinement.options().method != Method::Butterfly,
+            given: Arc::clone(given),
+            saved: refinement.save_level(),
         }
     }
 }
 
 impl RefineState {
+    /// The present state; `last` is the last accepted step of the level.
+    pub(super) fn of(
+        refinement: &Refinement,
+        frame: Arc<LevelFrame>,
+        last: Option<&StepRecord>,
+        attempts: usize,
+    ) -> Self {
+        let control: Arc<[DVec3]> = refinement.control().into();
+        let points = if refinement.options().method == Method::Pde {
+            refinement.points().into()
+        } else {
+            Arc::clone(&control)
+        };
+        Self {
+            attempts,
+            step: last.map_or(0, |r| r.step),
+            frame,
+            points,
+            control,
+            energy: last.map_or(f64::NAN, |r| r.energy),
+            residual: last.map(|r| r.residual),
+            tau: last.map_or(0.0, |r| r.tau),
+        }
+    }
+
     /// The refined mesh, welded, with the attributes of the given one.
-    pub fn mesh(&self, given: &Mesh) -> Mesh {
-        self.with(given, self.frame.weld.as_deref(), &self.points)
+    pub fn mesh(&self) -> Mesh {
+        self.with(self.frame.weld.as_deref(), &self.points)
     }
 
     /// The control mesh of its limit surface, open along creases, likewise.
-    pub fn control_mesh(&self, given: &Mesh) -> Mesh {
-        self.with(given, None, &self.control)
+    pub fn control_mesh(&self) -> Mesh {
+        self.with(None, &self.control)
     }
 
-    fn with(&self, given: &Mesh, weld: Option<&Weld>, positions: &[DVec3]) -> Mesh {
+    fn with(&self, weld: Option<&Weld>, positions: &[DVec3]) -> Mesh {
         let frame = &self.frame;
         let (colors, tags) = (&frame.colors, &frame.face_tags);
-        refined_mesh(given, &frame.topology, weld, positions, colors, tags)
+        refined_mesh(&frame.given, &frame.topology, weld, positions, colors, tags)
     }
 }
 
-impl Kept for RefineState {
-    fn index(&self) -> usize {
-        self.index
-    }
-
+impl TimelineState for RefineState {
     fn bytes(&self, before: Option<&Self>) -> usize {
         let frame = if before.is_some_and(|s| Arc::ptr_eq(&s.frame, &self.frame)) {
             0
@@ -93,7 +118,8 @@ impl Kept for RefineState {
             let frame = &self.frame;
             let weld = frame.weld.as_ref();
             let weld = weld.map_or(0, |w| w.topology.bytes() + 4 * w.to_whole.len());
-            frame.topology.bytes() + weld + frame.colors.len() * 16 + frame.face_tags.len() * 4
+            let attributes = frame.colors.len() * 16 + frame.face_tags.len() * 4;
+            frame.topology.bytes() + weld + attributes + frame.saved.bytes()
         };
         let mut positions = self.points.len();
         if !Arc::ptr_eq(&self.points, &self.control) {

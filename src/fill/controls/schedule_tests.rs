@@ -1,7 +1,8 @@
+//! Schedules of fills.
+
 use super::*;
-use crate::fill::{Continuity, Controls};
-use crate::options::{Options, TauChoice};
-use crate::solver::{Mode, Scheme, Tau};
+use crate::options::Options;
+use crate::runner::{Change, Schedule, ScheduleEntry};
 
 /// Controls that differ from the default in everything.
 fn changed() -> Controls {
@@ -10,7 +11,7 @@ fn changed() -> Controls {
         param: [("a".into(), 1.0 / 3.0), ("b".into(), -1e-300)].into(),
         scheme: Scheme::Mixed,
         mode: Mode::Flow,
-        linear: crate::fill::Linear::Lu,
+        linear: Linear::Lu,
         tau: TauChoice::Fixed(0.1 + 0.2),
         growth: Some(1.7),
         relaxation: 0.25,
@@ -25,13 +26,13 @@ fn changed() -> Controls {
 }
 
 fn schedule(rows: &[(usize, &str, &str)]) -> Schedule {
-    let row = |&(attempt, control, value): &(usize, &str, &str)| Row {
+    let row = |&(attempt, control, value): &(usize, &str, &str)| ScheduleEntry {
         attempt,
         control: control.into(),
         value: value.into(),
     };
     Schedule {
-        rows: rows.iter().map(row).collect(),
+        entries: rows.iter().map(row).collect(),
     }
 }
 
@@ -42,18 +43,18 @@ fn every_control_goes_to_rows_and_back() {
         (Controls::default(), changed()),
         (changed(), Controls::default()),
     ] {
-        let row = |(control, value)| Row {
+        let row = |(control, value)| ScheduleEntry {
             attempt: 2,
             control,
             value,
         };
         let written = Schedule {
-            rows: from.difference(&to).into_iter().map(row).collect(),
+            entries: from.difference(&to).into_iter().map(row).collect(),
         };
         let read = Schedule::parse(&written.to_csv()).expect("as written");
         assert_eq!(read, written);
         let mut controls = from.clone();
-        for row in &read.rows {
+        for row in &read.entries {
             controls.set(&row.control, &row.value).expect("as written");
         }
         assert_eq!(controls, to);
@@ -98,7 +99,7 @@ fn errors_name_line_and_remedy() {
     for (rows, wanted) in [
         (
             &[(1, "enrgy", "1")][..],
-            "line 2: there is no option `enrgy`; options are energy",
+            "line 2: there is no control `enrgy`; controls are energy",
         ),
         (
             &[(1, "scheme", "fast")],
@@ -118,7 +119,7 @@ fn errors_name_line_and_remedy() {
         ),
         (
             &[(4, "rewind", "5")],
-            "line 2: after 4 attempts there is no shape 5",
+            "line 2: after 4 attempts there is no state 5",
         ),
         (&[(4, "energy", "H^2+")], "line 2: energy: at character 5"),
         (
@@ -136,7 +137,7 @@ fn errors_name_line_and_remedy() {
         ),
     ] {
         let error = schedule(rows)
-            .check(&Controls::default())
+            .recording(&Controls::default())
             .expect_err("a fault");
         assert!(error.to_string().contains(wanted), "{error}");
     }
@@ -144,7 +145,7 @@ fn errors_name_line_and_remedy() {
         energy: "H^".into(),
         ..Controls::default()
     };
-    assert!(Schedule::default().check(&mistaken).is_err());
+    assert!(Schedule::default().recording(&mistaken).is_err());
 }
 
 /// An energy and its parameter may come in any order: only what they are together is looked at.
@@ -157,8 +158,8 @@ fn rows_of_one_attempt_are_one_change() {
         (1, "scheme", "mixed"),
         (3, "scheme", "normal"),
     ]);
-    let (_, changes) = schedule.resolve(&Controls::default()).expect("fine");
-    let attempts: Vec<usize> = changes.iter().map(|c| c.attempt).collect();
+    let recording = schedule.recording(&Controls::default()).expect("fine");
+    let attempts: Vec<usize> = recording.changes.iter().map(|c| c.0).collect();
     assert_eq!(attempts, [1, 1, 1, 3]);
 }
 
@@ -176,10 +177,11 @@ fn finishing_lasts_until_the_pace_is_changed() {
         (4, "finish", ""),
         (5, "rewind", "2"),
     ]);
-    let (_, changes) = schedule.resolve(&start).expect("fine");
-    let paces = changes.iter().map(|c| match &c.change {
-        Change::Options(options) | Change::Rewind { options, .. } => {
-            (options.flow.mode, options.flow.tau)
+    let recording = schedule.recording(&start).expect("fine");
+    let paces = recording.changes.iter().map(|(_, change)| match change {
+        Change::Controls(controls) | Change::Rewind { controls, .. } => {
+            let flow = controls.options().expect("valid").flow;
+            (flow.mode, flow.tau)
         }
         Change::Stop => unreachable!("no such row"),
     });

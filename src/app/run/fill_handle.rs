@@ -1,0 +1,118 @@
+//! Fills in the window.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::handle::{Figures, RunEvent, StateView, WindowProcess};
+use crate::fill::{Controls, FillEvent, FillProcess, FillSnapshot, FillTimeline, GroupStatus};
+use crate::mesh::{DVec3, Mesh, Topology};
+use crate::runner::{Runner, Schedule};
+
+impl StateView for FillSnapshot {
+    fn serial(&self) -> usize {
+        self.serial
+    }
+
+    fn schedule(&self) -> Schedule {
+        self.schedule()
+    }
+
+    fn topology(&self) -> &Arc<Topology> {
+        self.state.topology()
+    }
+
+    fn positions(&self, _flat: bool) -> Vec<DVec3> {
+        self.state.positions()
+    }
+
+    fn mesh(&self) -> Mesh {
+        self.state.mesh()
+    }
+
+    fn patch_faces(&self) -> Option<Range<usize>> {
+        Some(self.state.patch_faces())
+    }
+
+    fn has_limit(&self) -> bool {
+        true
+    }
+
+    fn is_cut(&self) -> bool {
+        false
+    }
+
+    fn attempt(&self) -> usize {
+        self.clock
+    }
+}
+
+impl WindowProcess for FillProcess {
+    fn controls(_: &Controls, window: &Controls) -> Controls {
+        window.clone()
+    }
+
+    fn events(event: FillEvent, timeline: &FillTimeline) -> Vec<RunEvent> {
+        match event {
+            FillEvent::Step { group, record } => vec![RunEvent::Step(group, record)],
+            FillEvent::SelfIntersection {
+                group,
+                place,
+                last_good,
+                text,
+            } => {
+                let is_last_good = |s: &Arc<FillSnapshot>| Some(s.groups[group].step) == last_good;
+                let back = timeline.states.iter().rposition(is_last_good);
+                let back = back.map_or_else(String::new, |at| {
+                    format!(
+                        "; state {} is the last that was checked and does not",
+                        at + 1
+                    )
+                });
+                let text = format!("the surface passes through itself or the mesh: {text}{back}");
+                vec![RunEvent::SelfIntersection { text, place }]
+            }
+            FillEvent::Finished { outcome, .. } => outcome
+                .warnings
+                .into_iter()
+                .map(RunEvent::Warning)
+                .collect(),
+            FillEvent::Failed { text, .. } => vec![RunEvent::Error(text)],
+        }
+    }
+
+    fn radius(groups: &Vec<GroupStatus>) -> f64 {
+        groups.iter().map(|g| g.radius).fold(0.0, f64::max)
+    }
+
+    fn tau(groups: &Vec<GroupStatus>) -> Option<(f64, f64)> {
+        groups.first().map(|g| (g.tau, g.tau_ref))
+    }
+
+    fn figures(runner: &Runner<Self>, shown: Option<&FillSnapshot>) -> Vec<Figures> {
+        let groups = runner.groups().iter().enumerate();
+        let row = |(g, group): (usize, &GroupStatus)| {
+            let at = shown.and_then(|s| s.groups.get(g));
+            let end = match (&group.failed, group.end) {
+                (Some(text), _) => Some(Err(text.clone())),
+                (None, end) => end.map(Ok),
+            };
+            let iterations = group.iterations;
+            let iterations = iterations.map_or_else(String::new, |n| format!("GMRES {n}  "));
+            let eta = group.eta;
+            let eta = eta.map_or_else(String::new, |s| format!("about {} s to go", s.ceil()));
+            Figures {
+                holes: group.holes.clone(),
+                level: None,
+                step: at.map(|s| s.step),
+                relative_tau: Some(group.tau / group.tau_ref),
+                energy: at.map(|s| s.energy),
+                residual: at.and_then(|s| s.residual).or(group.residual),
+                rejected: group.rejected,
+                angle: at.map(|s| s.worst_angle),
+                end,
+                doing: iterations + &eta,
+            }
+        };
+        groups.map(row).collect()
+    }
+}

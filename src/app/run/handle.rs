@@ -1,0 +1,281 @@
+//! Runs of all kinds behind one interface.
+
+use std::any::Any;
+use std::fmt::Debug;
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::fill::Controls;
+use crate::mesh::{DVec3, LoopId, Mesh, Topology};
+use crate::runner::{Event, Process, Runner, Schedule, Snapshot, Timeline, TimelineState};
+use crate::solver::{End, StepRecord};
+
+/// A run in the background.
+pub trait RunHandle {
+    /// Continues until the end.
+    fn play(&self);
+
+    /// Pauses after the present step.
+    fn pause(&self);
+
+    /// Takes one step, then pauses.
+    fn step(&self);
+
+    /// Continues to the end in fast mode.
+    fn finish(&self);
+
+    /// Ends at the present state.
+    fn stop(&self);
+
+    /// Sets the maximum number of states a second.
+    fn set_pace(&self, pace: f64);
+
+    /// Whether it plays (or would, had it not ended) or is paused.
+    fn playing(&self) -> bool;
+
+    /// Whether it had ended at the last [`Self::poll`].
+    fn ended(&self) -> bool;
+
+    /// Changes the controls from the next step on.
+    ///
+    /// # Errors
+    /// A message for the user; the run continues as before.
+    fn set_controls(&mut self, controls: &Controls) -> Result<(), String>;
+
+    /// What has happened since the last call.
+    fn poll(&mut self) -> Vec<RunEvent>;
+
+    /// The number of stored states.
+    fn state_count(&self) -> usize;
+
+    /// A stored state by its place; the newest if there is none.
+    fn state(&self, at: usize) -> Option<RunState>;
+
+    /// All stored states, oldest first.
+    fn states(&self) -> Vec<RunState>;
+
+    /// The first stored state with the vertices of another one.
+    fn start_of(&self, state: &RunState) -> Option<RunState>;
+
+    /// Bytes of the stored states.
+    fn bytes(&self) -> usize;
+
+    /// Continues from a stored state.
+    fn rewind_to(&self, state: &RunState);
+
+    /// The largest radius of its groups of holes; 0 without.
+    fn radius(&self) -> f64;
+
+    /// The next time step and the natural time of the first group of holes.
+    fn tau(&self) -> Option<(f64, f64)>;
+
+    /// One row for each group, at the state that is shown.
+    fn figures(&self, shown: Option<&RunState>) -> Vec<Figures>;
+}
+
+/// A stored state of a run.
+pub type RunState = Arc<dyn StateView>;
+
+/// What the window needs to know of a stored state.
+pub trait StateView: Any + Debug + Send + Sync {
+    /// Its serial number.
+    fn serial(&self) -> usize;
+
+    /// What repeats the run up to it.
+    fn schedule(&self) -> Schedule;
+
+    /// Connectivity of the whole mesh; of a refinement cut open along creases.
+    fn topology(&self) -> &Arc<Topology>;
+
+    /// Positions of all vertices: control points of the limit surface, or with `flat` those of the
+    /// mesh that is saved.
+    fn positions(&self, flat: bool) -> Vec<DVec3>;
+
+    /// The whole mesh.
+    fn mesh(&self) -> Mesh;
+
+    /// The faces that the run has added; `None` if it replaces all faces.
+    fn patch_faces(&self) -> Option<Range<usize>>;
+
+    /// Whether it has a smooth limit surface.
+    fn has_limit(&self) -> bool;
+
+    /// Whether its mesh is cut open along creases.
+    fn is_cut(&self) -> bool;
+
+    /// Attempted steps before it.
+    fn attempt(&self) -> usize;
+}
+
+/// Whether both are the same state.
+pub fn same_state(a: &RunState, b: &RunState) -> bool {
+    std::ptr::addr_eq(Arc::as_ptr(a), Arc::as_ptr(b))
+}
+
+/// What a run reports, as far as the window needs it.
+pub enum RunEvent {
+    /// A step was attempted by a group.
+    Step(usize, StepRecord),
+    /// It began to intersect itself or the mesh.
+    SelfIntersection {
+        /// What happened, and which state is the last without.
+        text: String,
+        /// Where.
+        place: DVec3,
+    },
+    /// It has paused by itself.
+    Paused,
+    /// A message.
+    Note(String),
+    /// A warning.
+    Warning(String),
+    /// An error.
+    Error(String),
+}
+
+/// A row of figures: of a group of holes, or of a refinement.
+#[derive(Clone, Debug, Default)]
+pub struct Figures {
+    /// Loops solved together; none for a refinement.
+    pub holes: Vec<LoopId>,
+    /// The level of a refinement.
+    pub level: Option<usize>,
+    /// Accepted steps at the state that is shown.
+    pub step: Option<usize>,
+    /// Time step over the natural time.
+    pub relative_tau: Option<f64>,
+    /// Energy at the state.
+    pub energy: Option<f64>,
+    /// Residual at the state.
+    pub residual: Option<f64>,
+    /// Rejected attempts.
+    pub rejected: usize,
+    /// Smallest angle of a triangle, degrees.
+    pub angle: Option<f64>,
+    /// How it has ended.
+    pub end: Option<Result<End, String>>,
+    /// What it is doing.
+    pub doing: String,
+}
+
+/// What the window needs of a kind of process beside its [`Runner`].
+pub trait WindowProcess: Process {
+    /// The process's controls after the user has set the window's.
+    fn controls(previous: &Self::Controls, window: &Controls) -> Self::Controls;
+
+    /// What the window needs of an event.
+    fn events(event: Self::Event, timeline: &Timeline<Self::State>) -> Vec<RunEvent>;
+
+    /// As [`RunHandle::radius`].
+    fn radius(status: &Self::Status) -> f64;
+
+    /// As [`RunHandle::tau`].
+    fn tau(status: &Self::Status) -> Option<(f64, f64)>;
+
+    /// As [`RunHandle::figures`].
+    fn figures(runner: &Runner<Self>, shown: Option<&Snapshot<Self::State>>) -> Vec<Figures>;
+}
+
+impl<P: WindowProcess> RunHandle for Runner<P>
+where
+    P::State: TimelineState + 'static,
+    Snapshot<P::State>: StateView,
+{
+    fn play(&self) {
+        self.play();
+    }
+
+    fn pause(&self) {
+        self.pause();
+    }
+
+    fn step(&self) {
+        self.step();
+    }
+
+    fn finish(&self) {
+        self.finish();
+    }
+
+    fn stop(&self) {
+        self.stop();
+    }
+
+    fn set_pace(&self, pace: f64) {
+        self.set_pace(Some(pace));
+    }
+
+    fn playing(&self) -> bool {
+        self.playing()
+    }
+
+    fn ended(&self) -> bool {
+        self.ended()
+    }
+
+    fn set_controls(&mut self, controls: &Controls) -> Result<(), String> {
+        let controls = P::controls(self.controls(), controls);
+        self.set_controls(&controls)
+            .map_err(|error| error.to_string())
+    }
+
+    fn poll(&mut self) -> Vec<RunEvent> {
+        let mut events = Vec::new();
+        for event in self.poll() {
+            match event {
+                Event::Process(event) => events.extend(P::events(event, &self.timeline())),
+                Event::Refused(refused) => events.push(RunEvent::Error(refused.text)),
+                Event::Failed { text } => events.push(RunEvent::Error(text)),
+                Event::Paused => events.push(RunEvent::Paused),
+                Event::Started
+                | Event::ControlsChanged { .. }
+                | Event::Rewound { .. }
+                | Event::Ended => {}
+            }
+        }
+        events
+    }
+
+    fn state_count(&self) -> usize {
+        self.timeline().states.len()
+    }
+
+    fn state(&self, at: usize) -> Option<RunState> {
+        let states = &self.timeline().states;
+        let state = states.get(at).or(states.last())?;
+        Some(Arc::clone(state) as RunState)
+    }
+
+    fn states(&self) -> Vec<RunState> {
+        let states = self.timeline().states.clone();
+        states.into_iter().map(|state| state as RunState).collect()
+    }
+
+    fn start_of(&self, state: &RunState) -> Option<RunState> {
+        let timeline = self.timeline();
+        let shares = |s: &&Arc<Snapshot<P::State>>| Arc::ptr_eq(s.topology(), state.topology());
+        let first = timeline.states.iter().find(shares)?;
+        Some(Arc::clone(first) as RunState)
+    }
+
+    fn bytes(&self) -> usize {
+        self.timeline().bytes
+    }
+
+    fn rewind_to(&self, state: &RunState) {
+        self.rewind_to(state.serial());
+    }
+
+    fn radius(&self) -> f64 {
+        P::radius(self.status())
+    }
+
+    fn tau(&self) -> Option<(f64, f64)> {
+        P::tau(self.status())
+    }
+
+    fn figures(&self, shown: Option<&RunState>) -> Vec<Figures> {
+        let shown = shown.and_then(|state| (&**state as &dyn Any).downcast_ref());
+        P::figures(self, shown)
+    }
+}

@@ -1,0 +1,138 @@
+//! Refinements in the window.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::handle::{Figures, RunEvent, StateView, WindowProcess};
+use crate::fill::Controls;
+use crate::mesh::{DVec3, Mesh, Topology};
+use crate::refine::{
+    RefineControls, RefineEvent, RefineProcess, RefineSnapshot, RefineStatus, RefineTimeline,
+};
+use crate::runner::{Runner, Schedule};
+use crate::solver::End;
+
+/// The controls of a refinement with the window's. One without an energy of its own has the energy
+/// and the tension that suit its mesh.
+pub fn with_controls(refinement: &RefineControls, window: &Controls) -> RefineControls {
+    let mut out = RefineControls {
+        mode: window.mode,
+        tau: window.tau,
+        growth: window.growth,
+        bulge: window.bulge,
+        steps: window.steps,
+        ..refinement.clone()
+    };
+    if refinement.energy.is_some() {
+        out.energy = Some(window.energy.clone());
+        out.param.clone_from(&window.param);
+        out.tension = Some(window.tension);
+    }
+    out
+}
+
+impl StateView for RefineSnapshot {
+    fn serial(&self) -> usize {
+        self.serial
+    }
+
+    fn schedule(&self) -> Schedule {
+        self.schedule()
+    }
+
+    fn topology(&self) -> &Arc<Topology> {
+        &self.frame.topology
+    }
+
+    fn positions(&self, flat: bool) -> Vec<DVec3> {
+        if flat || !self.frame.has_limit {
+            self.points.to_vec()
+        } else {
+            self.control.to_vec()
+        }
+    }
+
+    fn mesh(&self) -> Mesh {
+        self.state.mesh()
+    }
+
+    fn patch_faces(&self) -> Option<Range<usize>> {
+        None
+    }
+
+    fn has_limit(&self) -> bool {
+        self.frame.has_limit
+    }
+
+    fn is_cut(&self) -> bool {
+        self.frame.weld.is_some()
+    }
+
+    fn attempt(&self) -> usize {
+        self.attempts
+    }
+}
+
+impl WindowProcess for RefineProcess {
+    fn controls(previous: &RefineControls, window: &Controls) -> RefineControls {
+        with_controls(previous, window)
+    }
+
+    fn events(event: RefineEvent, _: &RefineTimeline) -> Vec<RunEvent> {
+        let mut events = Vec::new();
+        match event {
+            RefineEvent::Step { record, .. } => events.push(RunEvent::Step(0, record)),
+            RefineEvent::LevelDone(report) => {
+                // the schemes without a flow take no step
+                if report.steps > 0 {
+                    events.push(RunEvent::Note(format!(
+                        "level {}: {} vertices, energy {:.6e}, {} steps, {}",
+                        report.level, report.vertices, report.energy_end, report.steps, report.end
+                    )));
+                }
+                let level = report.level;
+                let warning = |text| RunEvent::Warning(format!("level {level}: {text}"));
+                events.extend(report.warnings.into_iter().map(warning));
+            }
+            RefineEvent::Level { .. } => {}
+        }
+        events
+    }
+
+    fn radius(_: &RefineStatus) -> f64 {
+        0.0
+    }
+
+    fn tau(_: &RefineStatus) -> Option<(f64, f64)> {
+        None
+    }
+
+    fn figures(runner: &Runner<Self>, shown: Option<&RefineSnapshot>) -> Vec<Figures> {
+        let status = runner.status();
+        let end = match runner.failed() {
+            Some(text) => Some(Err(text.to_owned())),
+            None if runner.ended() => Some(Ok(match status.reports.last().map(|l| l.end) {
+                Some("steps") => End::MaxSteps,
+                Some("stuck") => End::StepSizeCollapsed,
+                Some("cancelled") => End::Cancelled,
+                _ => End::Converged,
+            })),
+            None => None,
+        };
+        vec![Figures {
+            holes: Vec::new(),
+            level: shown.map(|s| s.frame.level),
+            step: shown.map(|s| s.step),
+            relative_tau: status.relative_tau,
+            energy: shown.map(|s| s.energy).filter(|e| e.is_finite()),
+            residual: shown.and_then(|s| s.residual).or(status.residual),
+            rejected: status.rejected,
+            angle: None,
+            end,
+            doing: format!(
+                "level {} of {}, {} vertices",
+                status.level, status.levels, status.vertices
+            ),
+        }]
+    }
+}

@@ -1,0 +1,73 @@
+//! What a fill reports on the way, and the status of its groups.
+
+use crate::mesh::{DVec3, LoopId};
+use crate::solver::{End, Outcome, StepRecord};
+
+/// Something that happened in a fill.
+#[derive(Clone, Debug)]
+pub enum FillEvent {
+    /// A step of a group was attempted.
+    Step {
+        /// The group.
+        group: usize,
+        /// Its result.
+        record: StepRecord,
+    },
+    /// A group's surface has begun to intersect itself or the mesh. The run pauses.
+    SelfIntersection {
+        /// The group.
+        group: usize,
+        /// One of the places.
+        place: DVec3,
+        /// Accepted steps of the group at the last state that was checked and is free of
+        /// intersections. States between that and the present one were not checked.
+        last_good: Option<usize>,
+        /// How many and where, in plain words.
+        text: String,
+    },
+    /// A group's flow has ended.
+    Finished {
+        /// The group.
+        group: usize,
+        /// Its result.
+        outcome: Outcome,
+    },
+    /// A hole has no patch, or a group cannot continue; its last valid state is kept.
+    Failed {
+        /// The group; `None` for a hole without a patch.
+        group: Option<usize>,
+        /// The loops concerned.
+        holes: Vec<LoopId>,
+        /// The reason, in plain words.
+        text: String,
+    },
+}
+
+/// The status of a group of holes that are solved together.
+#[derive(Clone, Debug)]
+pub struct GroupStatus {
+    /// Its loops.
+    pub holes: Vec<LoopId>,
+    /// Hole radius: the largest of the group.
+    pub radius: f64,
+    /// Vertices that move.
+    pub vertices: usize,
+    /// Accepted steps.
+    pub step: usize,
+    /// Rejected steps.
+    pub rejected: usize,
+    /// Iterations of the linear solver in the last attempted step, if it is iterative.
+    pub iterations: Option<usize>,
+    /// The next time step.
+    pub tau: f64,
+    /// Natural time of the hole; show τ relative to it.
+    pub tau_ref: f64,
+    /// Residual of the last accepted step; `None` before the first.
+    pub residual: Option<f64>,
+    /// Why it ended, if it has.
+    pub end: Option<End>,
+    /// Why it cannot continue, if so.
+    pub failed: Option<String>,
+    /// Estimated seconds to the end at the rate of the last steps.
+    pub eta: Option<f64>,
+}

@@ -1,0 +1,316 @@
+//! One group of holes as a process.
+
+use std::convert::Infallible;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use crate::fill::context::{ChangeError, FillContext};
+use crate::fill::group_flow::GroupFlow;
+use crate::fill::process::{FillEvent, GroupState, GroupStatus};
+use crate::fill::{Controls, FillOptions};
+use crate::mesh::LoopId;
+use crate::runner::{Process, Refused, panic_text};
+use crate::solver::{Flow, STOP, SolverError, StepRecord};
+
+/// A group, its latest state and what was reported of it. If it fails, only this group ends.
+pub(in crate::fill) struct GroupProgress {
+    pub run: GroupFlow,
+    state: Arc<GroupState>,
+    /// Whether the flow has moved on from `state`.
+    pub is_new: bool,
+    forecast: Forecast,
+    /// The last accepted step and its clock.
+    last: Option<(StepRecord, usize)>,
+    iterations: Option<usize>,
+    rejected: usize,
+    end_reported: bool,
+    crossing_reported: bool,
+}
+
+impl GroupProgress {
+    pub fn start(context: FillContext<'_>, group: usize, options: &FillOptions) -> Self {
+        let run = catching(|| GroupFlow::start(context, group, options));
+        let run =
+            run.unwrap_or_else(|error| GroupFlow::failed_at_start(context, group, options, error));
+        let positions = run.positions();
+        let state = GroupState {
+            step: 0,
+            clock: 0,
+            energy: run.flow().map_or(f64::NAN, |flow| flow.energy().value),
+            residual: None,
+            tau: 0.0,
+            worst_angle: run.worst_angle(context, &positions),
+            positions: positions.into(),
+            patches: Arc::clone(run.topology()),
+        };
+        Self {
+            run,
+            state: Arc::new(state),
+            is_new: false,
+            forecast: Forecast::default(),
+            last: None,
+            iterations: None,
+            rejected: 0,
+            end_reported: false,
+            crossing_reported: false,
+        }
+    }
+
+    /// Attempts a step, after which the clock is at `clock`.
+    pub fn attempt(&mut self, context: FillContext<'_>, clock: usize) -> Option<StepRecord> {
+        let record = match catching(|| self.run.attempt(context)) {
+            Ok(record) => record?,
+            Err(error) => {
+                self.fail(error);
+                return None;
+            }
+        };
+        self.iterations = record.iterations;
+        if record.rejected {
+            self.rejected += 1;
+        } else {
+            self.is_new = true;
+            self.forecast.add(record.residual);
+            self.last = Some((record.clone(), clock));
+        }
+        Some(record)
+    }
+
+    /// Continues with other options.
+    ///
+    /// # Errors
+    /// A message; the group continues as before.
+    pub fn set_options(
+        &mut self,
+        context: FillContext<'_>,
+        options: &FillOptions,
+    ) -> Result<(), String> {
+        self.change(|run| run.change(context, options))?;
+        self.is_new |= !Arc::ptr_eq(self.run.topology(), &self.state.patches);
+        Ok(())
+    }
+
+    /// Continues from an earlier state.
+    ///
+    /// # Errors
+    /// A message; the group continues as before.
+    pub fn rewind(
+        &mut self,
+        context: FillContext<'_>,
+        to: &Arc<GroupState>,
+        options: &FillOptions,
+    ) -> Result<(), String> {
+        self.change(|run| run.rewind(context, &to.patches, &to.positions, to.step, options))?;
+        (self.state, self.is_new, self.last) = (Arc::clone(to), false, None);
+        Ok(())
+    }
+
+    /// Ends the flow at the present state.
+    pub fn stop(&mut self) {
+        self.run.stop();
+        self.forecast.residuals.clear();
+    }
+
+    fn change(
+        &mut self,
+        change: impl FnOnce(&mut GroupFlow) -> Result<(), ChangeError>,
+    ) -> Result<(), String> {
+        let result = match catching(|| change(&mut self.run)) {
+            Ok(result) => result.map_err(|error| {
+                format!("a change was refused and the flow went on as before: {error}")
+            }),
+            Err(error) => {
+                let text = error.to_string();
+                self.fail(error);
+                Err(text)
+            }
+        };
+        if let Err(text) = &result {
+            self.run.warn(text.clone());
+        }
+        self.forecast.residuals.clear();
+        self.end_reported &= self.run.ended();
+        result
+    }
+
+    /// Ends the flow at the latest stored state.
+    fn fail(&mut self, error: SolverError) {
+        let state = &self.state;
+        let patches = Arc::clone(&state.patches);
+        self.run.fail(error, patches, state.positions.to_vec());
+        self.is_new = false;
+    }
+
+    /// The present state.
+    pub fn state(&mut self, context: FillContext<'_>) -> Arc<GroupState> {
+        if std::mem::take(&mut self.is_new) {
+            let positions = self.run.positions();
+            let patches = self.run.topology();
+            let last = self.last.as_ref();
+            self.state = Arc::new(GroupState {
+                step: self.run.steps(),
+                clock: last.map_or(self.state.clock, |(_, clock)| *clock),
+                energy: self.run.flow().map_or(f64::NAN, |flow| flow.energy().value),
+                residual: last.map(|(r, _)| r.residual),
+                tau: last.map_or(0.0, |(r, _)| r.tau),
+                worst_angle: self.run.worst_angle(context, &positions),
+                positions: positions.into(),
+                patches: Arc::clone(patches),
+            });
+        }
+        Arc::clone(&self.state)
+    }
+
+    /// That the surface has begun to intersect itself, once.
+    pub fn crossing_event(&mut self, group: usize) -> Option<FillEvent> {
+        let crossing = self.run.self_intersection();
+        let before = std::mem::replace(&mut self.crossing_reported, crossing.is_some());
+        let crossing = crossing.filter(|_| !before)?;
+        Some(FillEvent::SelfIntersection {
+            group,
+            place: crossing.place,
+            last_good: crossing.last_clean,
+            text: crossing.words(),
+        })
+    }
+
+    /// How the flow has ended, once.
+    pub fn end_event(&mut self, group: usize, holes: &[LoopId]) -> Option<FillEvent> {
+        if self.end_reported || !self.run.ended() {
+            return None;
+        }
+        self.end_reported = true;
+        let error = match catching(|| self.run.outcome()) {
+            Ok(Ok((outcome, _))) => return Some(FillEvent::Finished { group, outcome }),
+            Ok(Err(error)) | Err(error) => error,
+        };
+        Some(FillEvent::Failed {
+            group: Some(group),
+            holes: holes.to_vec(),
+            text: error.to_string(),
+        })
+    }
+
+    /// The status; `seconds` is the time a step takes.
+    pub fn status(&self, holes: Vec<LoopId>, radius: f64, seconds: f64) -> GroupStatus {
+        let flow = self.run.flow();
+        GroupStatus {
+            holes,
+            radius,
+            vertices: self.state.positions.len(),
+            step: self.run.steps(),
+            rejected: self.rejected,
+            iterations: self.iterations,
+            tau: flow.map_or(0.0, Flow::tau),
+            tau_ref: flow.map_or(0.0, Flow::tau_ref),
+            residual: self.last.as_ref().map(|(r, _)| r.residual),
+            end: self.run.end(),
+            failed: self.run.failed().map(ToString::to_string),
+            eta: self.forecast.eta(seconds).filter(|_| !self.run.ended()),
+        }
+    }
+}
+
+/// A group on its own: without an interactive caller, groups run independently of each other.
+pub(in crate::fill) struct GroupProcess<'a> {
+    pub context: FillContext<'a>,
+    pub group: GroupProgress,
+}
+
+impl GroupProcess<'_> {
+    fn changed(
+        &mut self,
+        controls: &Controls,
+        change: impl FnOnce(&mut GroupProgress, &FillOptions) -> Result<(), String>,
+    ) -> Vec<Refused> {
+        let options = controls.options().map_err(|error| error.to_string());
+        let result = options.and_then(|options| change(&mut self.group, &options));
+        let refused = |text| Refused { part: None, text };
+        result.err().map(refused).into_iter().collect()
+    }
+}
+
+impl Process for GroupProcess<'_> {
+    type Controls = Controls;
+    type State = GroupState;
+    type Event = StepRecord;
+    type Status = ();
+    type Error = Infallible;
+
+    fn advance(
+        &mut self,
+        clock: usize,
+        emit: &mut dyn FnMut(StepRecord),
+    ) -> Result<(), Infallible> {
+        if let Some(record) = self.group.attempt(self.context, clock) {
+            emit(record);
+        }
+        Ok(())
+    }
+
+    fn set_controls(&mut self, controls: &Controls) -> Vec<Refused> {
+        let context = self.context;
+        self.changed(controls, |group, options| {
+            group.set_options(context, options)
+        })
+    }
+
+    fn rewind(&mut self, to: &Arc<GroupState>, controls: &Controls) -> Vec<Refused> {
+        let context = self.context;
+        self.changed(controls, |group, options| {
+            group.rewind(context, to, options)
+        })
+    }
+
+    fn stop(&mut self, _: &mut dyn FnMut(StepRecord)) {
+        self.group.stop();
+    }
+
+    fn ended(&self) -> bool {
+        self.group.run.ended()
+    }
+
+    fn has_new_state(&self) -> bool {
+        self.group.is_new
+    }
+
+    fn state(&mut self) -> Result<Arc<GroupState>, Infallible> {
+        Ok(self.group.state(self.context))
+    }
+
+    fn status(&mut self, _: f64, _: &mut dyn FnMut(StepRecord)) {}
+}
+
+/// Runs what may panic. After a panic the group's state is only replaced, never used.
+fn catching<T>(work: impl FnOnce() -> T) -> Result<T, SolverError> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| SolverError::Panic(panic_text(&*panic)))
+}
+
+/// Estimates the time to the end from the last residuals.
+#[derive(Debug, Default)]
+struct Forecast {
+    residuals: Vec<f64>,
+}
+
+/// Steps over which the rate is taken.
+const WINDOW: usize = 4;
+
+impl Forecast {
+    fn add(&mut self, residual: f64) {
+        if self.residuals.len() > WINDOW {
+            self.residuals.remove(0);
+        }
+        self.residuals.push(residual);
+    }
+
+    /// Seconds to the end where a step takes `seconds`.
+    fn eta(&self, seconds: f64) -> Option<f64> {
+        if self.residuals.len() <= WINDOW {
+            return None;
+        }
+        let last = self.residuals[WINDOW];
+        let rate = (self.residuals[0] / last).ln() / WINDOW as f64;
+        let steps = (last / STOP).ln() / rate;
+        (rate > 0.0 && steps.is_finite()).then_some(steps.max(0.0) * seconds)
+    }
+}

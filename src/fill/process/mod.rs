@@ -1,0 +1,328 @@
+//! A fill as a process: all groups of holes attempt their steps together.
+//!
+//! [`LiveFill`] runs it in the background. [`fill_rim_sets`](crate::fill::fill_rim_sets) with
+//! [`ScheduledOptions`](crate::fill::ScheduledOptions) repeats such a run, each group on its own,
+//! with bit-identical results.
+
+mod events;
+mod group;
+mod state;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use crate::fill::assemble::Assembly;
+use crate::fill::context::FillContext;
+use crate::fill::fair::plan_fairing;
+use crate::fill::plan::Plan;
+use crate::fill::prepare::prepare;
+use crate::fill::{Controls, ControlsError, FillError, FillOptions, RefillError, with_islands};
+use crate::mesh::{BoundaryLoop, LoopId, Mesh, boundary_loops};
+use crate::options::TauChoice;
+use crate::runner::{
+    Process, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline, Wake,
+};
+use crate::solver::Mode;
+
+pub use events::{FillEvent, GroupStatus};
+pub(super) use group::{GroupProcess, GroupProgress};
+pub use state::{FillState, GroupState};
+
+/// A fill running in the background.
+pub type LiveFill = Runner<FillProcess>;
+/// A stored state of a fill. Positions and connectivities take 24 bytes a vertex and 12 a patch
+/// face of each group, and about 24 a vertex and 72 a face of the filled mesh for each
+/// triangulation of a patch.
+pub type FillSnapshot = Snapshot<FillState>;
+/// The stored states of a fill.
+pub type FillTimeline = Timeline<FillState>;
+
+/// What is made of the mesh.
+#[derive(Clone, Debug)]
+enum Task {
+    /// Each of these loops gets a patch of its own, islands included.
+    Holes(Vec<BoundaryLoop>),
+    /// One patch joins these loops.
+    Blend(Vec<BoundaryLoop>),
+    /// The inner vertices of the selected faces flow.
+    Fair(Vec<bool>),
+}
+
+impl RunControls for Controls {
+    const FIXED: &'static [&'static str] = &[];
+    type Error = ControlsError;
+
+    fn validate(&self) -> Result<(), ControlsError> {
+        self.options().map(|_| ())
+    }
+
+    fn fast(&self) -> Self {
+        Self {
+            mode: Mode::Fast,
+            tau: TauChoice::Auto,
+            growth: None,
+            ..self.clone()
+        }
+    }
+
+    fn same_pace(&self, other: &Self) -> bool {
+        let pace = |c: &Self| (c.mode, c.tau, c.growth);
+        pace(self) == pace(other)
+    }
+}
+
+impl Runner<FillProcess> {
+    /// Starts the fill of the given loops of a mesh, each with the islands in it. `wake` is called
+    /// from the background thread whenever there is something to [poll](Self::poll).
+    ///
+    /// # Errors
+    /// Invalid controls, or no thread is left.
+    pub fn spawn(
+        mesh: Arc<Mesh>,
+        loops: Vec<BoundaryLoop>,
+        controls: Controls,
+        settings: RunSettings,
+        wake: Wake,
+    ) -> Result<Self, StartError<ControlsError>> {
+        Self::spawn_task(mesh, Task::Holes(loops), controls, settings, wake)
+    }
+
+    /// Starts the blend of the given loops of a mesh: one patch joins them all.
+    ///
+    /// # Errors
+    /// As [`Self::spawn`].
+    pub fn spawn_blend(
+        mesh: Arc<Mesh>,
+        loops: Vec<BoundaryLoop>,
+        controls: Controls,
+        settings: RunSettings,
+        wake: Wake,
+    ) -> Result<Self, StartError<ControlsError>> {
+        Self::spawn_task(mesh, Task::Blend(loops), controls, settings, wake)
+    }
+
+    /// Starts the fairing of the selected faces (one flag each): their inner vertices flow, the
+    /// triangles stay. A selection without inner vertices comes back as
+    /// [`Event::Failed`](crate::runner::Event::Failed).
+    ///
+    /// # Errors
+    /// As [`Self::spawn`].
+    pub fn spawn_fair(
+        mesh: Arc<Mesh>,
+        selected: Vec<bool>,
+        controls: Controls,
+        settings: RunSettings,
+        wake: Wake,
+    ) -> Result<Self, StartError<ControlsError>> {
+        Self::spawn_task(mesh, Task::Fair(selected), controls, settings, wake)
+    }
+
+    fn spawn_task(
+        mesh: Arc<Mesh>,
+        task: Task,
+        controls: Controls,
+        settings: RunSettings,
+        wake: Wake,
+    ) -> Result<Self, StartError<ControlsError>> {
+        let options = controls.options().map_err(StartError::Options)?;
+        let set_up = move |cancelled: &Arc<AtomicBool>| {
+            FillProcess::new(mesh, task, &options, Arc::clone(cancelled))
+        };
+        Self::start("fill", controls, settings, wake, set_up).map_err(StartError::Thread)
+    }
+
+    /// The status of each group of holes at the last [`Self::poll`]; empty until the groups are set
+    /// up.
+    pub fn groups(&self) -> &[GroupStatus] {
+        self.status()
+    }
+}
+
+/// The loops, ascending and unique, as on the command line.
+fn ids(loops: &[BoundaryLoop]) -> Vec<LoopId> {
+    let mut ids: Vec<LoopId> = loops.iter().map(|l| l.id).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    ids
+}
+
+/// A fill of any number of groups of holes.
+pub struct FillProcess {
+    mesh: Arc<Mesh>,
+    plan: Plan,
+    groups: Vec<GroupProgress>,
+    assembly: Arc<Assembly>,
+    /// Holes without a patch that are not reported yet.
+    failed_holes: Vec<FillError>,
+    cancelled: Arc<AtomicBool>,
+}
+
+impl FillProcess {
+    fn new(
+        mesh: Arc<Mesh>,
+        task: Task,
+        options: &FillOptions,
+        cancelled: Arc<AtomicBool>,
+    ) -> Result<Self, RefillError> {
+        // any loop may be the rim of an island
+        let loops = boundary_loops(&mesh);
+        let mut plan = match task {
+            Task::Fair(selected) => plan_fairing(&mesh, &selected)?,
+            Task::Holes(chosen) => {
+                prepare(&mesh, &with_islands(&mesh, &loops, &ids(&chosen)), options)
+            }
+            Task::Blend(chosen) => {
+                let rims = ids(&chosen).iter().map(|id| &loops[id.index()]).collect();
+                prepare(&mesh, &[rims], options)
+            }
+        };
+        let failed_holes = std::mem::take(&mut plan.failed);
+        let context = FillContext {
+            mesh: &mesh,
+            plan: &plan,
+        };
+        let groups = (0..plan.groups.len()).into_par_iter();
+        let start = |g| GroupProgress::start(context, g, options);
+        let groups: Vec<GroupProgress> = groups.map(start).collect();
+        let patches = groups.iter().map(|g| Arc::clone(g.run.topology()));
+        let assembly = Assembly::new(&mesh, &plan, patches.collect()).map_err(FillError::from)?;
+        Ok(Self {
+            mesh,
+            plan,
+            groups,
+            assembly: Arc::new(assembly),
+            failed_holes,
+            cancelled,
+        })
+    }
+
+    /// Changes all groups; those that cannot take part say why.
+    fn change(
+        &mut self,
+        controls: &Controls,
+        change: impl Fn(&mut GroupProgress, usize, FillContext<'_>, &FillOptions) -> Result<(), String>
+        + Sync,
+    ) -> Vec<Refused> {
+        let options = match controls.options() {
+            Ok(options) => options,
+            Err(error) => {
+                let (part, text) = (None, error.to_string());
+                return vec![Refused { part, text }];
+            }
+        };
+        let context = FillContext {
+            mesh: &self.mesh,
+            plan: &self.plan,
+        };
+        let groups = self.groups.par_iter_mut().enumerate();
+        let results = groups.map(|(g, group)| (g, change(group, g, context, &options)));
+        let refused = |(g, result): (usize, Result<(), String>)| {
+            let (part, text) = (Some(g), result.err()?);
+            Some(Refused { part, text })
+        };
+        results.filter_map(refused).collect()
+    }
+}
+
+impl Process for FillProcess {
+    type Controls = Controls;
+    type State = FillState;
+    type Event = FillEvent;
+    type Status = Vec<GroupStatus>;
+    type Error = RefillError;
+
+    /// One attempt of every group that has not ended.
+    fn advance(
+        &mut self,
+        clock: usize,
+        emit: &mut dyn FnMut(FillEvent),
+    ) -> Result<(), RefillError> {
+        let context = FillContext {
+            mesh: &self.mesh,
+            plan: &self.plan,
+        };
+        let cancelled = &self.cancelled;
+        let attempt = |group: &mut GroupProgress| {
+            let is_wanted = !cancelled.load(Ordering::Relaxed);
+            is_wanted.then(|| group.attempt(context, clock)).flatten()
+        };
+        let records: Vec<_> = self.groups.par_iter_mut().map(attempt).collect();
+        for (group, record) in records.into_iter().enumerate() {
+            if let Some(record) = record {
+                emit(FillEvent::Step { group, record });
+            }
+        }
+        for (g, group) in self.groups.iter_mut().enumerate() {
+            group.crossing_event(g).into_iter().for_each(&mut *emit);
+        }
+        Ok(())
+    }
+
+    fn set_controls(&mut self, controls: &Controls) -> Vec<Refused> {
+        self.change(controls, |group, _, context, options| {
+            group.set_options(context, options)
+        })
+    }
+
+    fn rewind(&mut self, to: &Arc<FillState>, controls: &Controls) -> Vec<Refused> {
+        let refused = self.change(controls, |group, g, context, options| {
+            group.rewind(context, &to.groups[g], options)
+        });
+        self.assembly = Arc::clone(&to.assembly);
+        refused
+    }
+
+    fn stop(&mut self, _: &mut dyn FnMut(FillEvent)) {
+        self.groups.iter_mut().for_each(GroupProgress::stop);
+    }
+
+    fn ended(&self) -> bool {
+        self.groups.iter().all(|g| g.run.ended())
+    }
+
+    fn has_new_state(&self) -> bool {
+        self.groups.iter().any(|g| g.is_new)
+    }
+
+    fn state(&mut self) -> Result<Arc<FillState>, RefillError> {
+        let context = FillContext {
+            mesh: &self.mesh,
+            plan: &self.plan,
+        };
+        let groups: Vec<_> = self.groups.iter_mut().map(|g| g.state(context)).collect();
+        if !self.assembly.fits(groups.iter().map(|g| &g.patches)) {
+            let patches = groups.iter().map(|g| Arc::clone(&g.patches));
+            let assembly = Assembly::new(&self.mesh, &self.plan, patches.collect());
+            self.assembly = Arc::new(assembly.map_err(FillError::from)?);
+        }
+        Ok(Arc::new(FillState {
+            groups,
+            given: Arc::clone(&self.mesh),
+            assembly: Arc::clone(&self.assembly),
+        }))
+    }
+
+    fn status(&mut self, seconds: f64, emit: &mut dyn FnMut(FillEvent)) -> Vec<GroupStatus> {
+        for error in self.failed_holes.drain(..) {
+            emit(FillEvent::Failed {
+                group: None,
+                holes: error.hole().into_iter().collect(),
+                text: error.to_string(),
+            });
+        }
+        let plan = &self.plan;
+        let groups = self.groups.iter_mut().enumerate();
+        let statuses = groups.map(|(g, group)| {
+            let holes = plan.hole_ids(g);
+            group.end_event(g, &holes).into_iter().for_each(&mut *emit);
+            group.status(holes, plan.groups[g].radius, seconds)
+        });
+        statuses.collect()
+    }
+
+    fn pauses(event: &FillEvent) -> bool {
+        matches!(event, FillEvent::SelfIntersection { .. })
+    }
+}

@@ -1,0 +1,319 @@
+//! A refinement as a process: its steps begin a level, attempt a step of the level's flow, or
+//! finish the level.
+//!
+//! [`LiveRefine`] runs it in the background, [`refine_scheduled`] repeats such a run. The results
+//! are bit-identical.
+
+mod state;
+
+use std::sync::Arc;
+
+use crate::mesh::Mesh;
+use crate::options::TauChoice;
+use crate::refine::levels::SavedState;
+use crate::refine::{
+    LevelReport, Progress, RefineControls, RefineError, RefineOptions, Refined, Refinement,
+};
+use crate::runner::{
+    Process, Recording, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline,
+    Wake, replay,
+};
+use crate::solver::{Mode, StepRecord};
+pub use state::{LevelFrame, RefineState};
+
+/// A refinement running in the background.
+pub type LiveRefine = Runner<RefineProcess>;
+/// A stored state of a refinement: 48 bytes a vertex, and the connectivity of each level.
+pub type RefineSnapshot = Snapshot<RefineState>;
+/// The stored states of a refinement. The first is the mesh as it was given.
+pub type RefineTimeline = Timeline<RefineState>;
+
+/// Something that happened in a refinement.
+#[derive(Clone, Debug)]
+pub enum RefineEvent {
+    /// A level was begun.
+    Level {
+        /// From 1.
+        level: usize,
+        /// Vertices of its mesh.
+        vertices: usize,
+        /// Triangles.
+        faces: usize,
+    },
+    /// A step of a level's flow was attempted.
+    Step {
+        /// The level.
+        level: usize,
+        /// Its result.
+        record: StepRecord,
+    },
+    /// A level is finished; its report has the warnings.
+    LevelDone(LevelReport),
+}
+
+/// The status of a refinement.
+#[derive(Clone, Debug, Default)]
+pub struct RefineStatus {
+    /// The level in progress or finished last; 0 before the first.
+    pub level: usize,
+    /// Number of levels to be made.
+    pub levels: usize,
+    /// Vertices of the mesh.
+    pub vertices: usize,
+    /// Attempted steps of all levels.
+    pub attempts: usize,
+    /// Rejected ones.
+    pub rejected: usize,
+    /// The next time step over the natural time of the mesh; `None` between levels.
+    pub relative_tau: Option<f64>,
+    /// Residual of the last accepted step of the level.
+    pub residual: Option<f64>,
+    /// Reports of the finished levels.
+    pub reports: Vec<LevelReport>,
+}
+
+impl RunControls for RefineControls {
+    const FIXED: &'static [&'static str] =
+        &["method", "hold", "boundary", "corner-angle", "crease-angle"];
+    type Error = RefineError;
+
+    fn validate(&self) -> Result<(), RefineError> {
+        self.check()
+    }
+
+    fn fast(&self) -> Self {
+        Self {
+            mode: Mode::Fast,
+            tau: TauChoice::Auto,
+            growth: None,
+            ..self.clone()
+        }
+    }
+
+    fn same_pace(&self, other: &Self) -> bool {
+        let pace = |c: &Self| (c.mode, c.tau, c.growth);
+        pace(self) == pace(other)
+    }
+}
+
+impl Runner<RefineProcess> {
+    /// Starts the refinement of a mesh, with creases by the ends of their edges, of all faces or of
+    /// a region (one flag each). `wake` is called from the background thread whenever there is
+    /// something to [poll](Self::poll).
+    ///
+    /// # Errors
+    /// Invalid options, a mesh without triangles, or no thread is left.
+    pub fn spawn(
+        mesh: Arc<Mesh>,
+        controls: RefineControls,
+        creases: Vec<[u32; 2]>,
+        region: Option<Vec<bool>>,
+        settings: RunSettings,
+        wake: Wake,
+    ) -> Result<Self, StartError<RefineError>> {
+        let options = all_options(&mesh, &controls, creases, region);
+        let options = options.map_err(StartError::Options)?;
+        let set_up = move |_: &Arc<_>| RefineProcess::new(mesh, options);
+        Self::start("refine", controls, settings, wake, set_up).map_err(StartError::Thread)
+    }
+}
+
+fn all_options(
+    mesh: &Mesh,
+    controls: &RefineControls,
+    creases: Vec<[u32; 2]>,
+    region: Option<Vec<bool>>,
+) -> Result<RefineOptions, RefineError> {
+    let options = RefineOptions {
+        creases,
+        region,
+        ..controls.options(mesh)?
+    };
+    options.validate(mesh)?;
+    Ok(options)
+}
+
+/// Refines a mesh with the changes of a recording. `observe` is called with every event and returns
+/// whether to continue. Returns the changes that were refused beside the result.
+///
+/// # Errors
+/// As [`Refinement::new`] and [`Refinement::step`].
+pub fn refine_recorded(
+    mesh: Arc<Mesh>,
+    options: RefineOptions,
+    recording: &Recording<RefineControls>,
+    observe: &mut dyn FnMut(RefineEvent) -> bool,
+) -> Result<(Refined, Vec<Refused>), RefineError> {
+    let mut process = RefineProcess::new(mesh, options)?;
+    let refused = replay(&mut process, recording, observe)?;
+    Ok((process.result(), refused))
+}
+
+/// The refinement of a mesh.
+pub struct RefineProcess {
+    refinement: Refinement,
+    mesh: Arc<Mesh>,
+    /// Shared by the states of the present level, once there is one.
+    frame: Option<Arc<LevelFrame>>,
+    /// The last accepted step of the level.
+    last: Option<StepRecord>,
+    attempts: usize,
+    rejected: usize,
+    has_new_state: bool,
+    /// The state to which it was set back, until it changes.
+    rewound: Option<Arc<RefineState>>,
+}
+
+impl RefineProcess {
+    fn new(mesh: Arc<Mesh>, options: RefineOptions) -> Result<Self, RefineError> {
+        Ok(Self {
+            refinement: Refinement::new(Arc::clone(&mesh), options)?,
+            mesh,
+            frame: None,
+            last: None,
+            attempts: 0,
+            rejected: 0,
+            has_new_state: true,
+            rewound: None,
+        })
+    }
+
+    fn result(&self) -> Refined {
+        match &self.rewound {
+            Some(state) => Refined {
+                mesh: state.mesh(),
+                control: state.control_mesh(),
+                levels: self.refinement.levels().to_vec(),
+            },
+            None => self.refinement.result(),
+        }
+    }
+
+    fn changed(&mut self, last: Option<StepRecord>) {
+        (self.last, self.rewound, self.has_new_state) = (last, None, true);
+    }
+}
+
+fn refused(error: &RefineError) -> Vec<Refused> {
+    let text = format!("a change was refused and the refinement continues as before: {error}");
+    vec![Refused { part: None, text }]
+}
+
+impl Process for RefineProcess {
+    type Controls = RefineControls;
+    type State = RefineState;
+    type Event = RefineEvent;
+    type Status = RefineStatus;
+    type Error = RefineError;
+
+    fn advance(&mut self, _: usize, emit: &mut dyn FnMut(RefineEvent)) -> Result<(), RefineError> {
+        let level = self.refinement.level();
+        match self.refinement.step()? {
+            Some(Progress::Level(level)) => {
+                self.frame = None;
+                self.changed(None);
+                emit(RefineEvent::Level {
+                    level,
+                    vertices: self.refinement.vertex_count(),
+                    faces: self.refinement.topology().face_count(),
+                });
+                if self.refinement.flow().is_none() {
+                    let reports = self.refinement.levels().last();
+                    reports
+                        .into_iter()
+                        .for_each(|report| emit(RefineEvent::LevelDone(report.clone())));
+                }
+            }
+            Some(Progress::Step(record)) => {
+                self.attempts += 1;
+                self.rejected += usize::from(record.rejected);
+                if !record.rejected {
+                    self.changed(Some(record.clone()));
+                }
+                emit(RefineEvent::Step { level, record });
+            }
+            Some(Progress::Finished(report)) => emit(RefineEvent::LevelDone(report)),
+            None => {}
+        }
+        Ok(())
+    }
+
+    fn set_controls(&mut self, controls: &RefineControls) -> Vec<Refused> {
+        let flow = match controls.flow(&self.mesh) {
+            Ok(flow) => flow,
+            Err(error) => return refused(&error),
+        };
+        if flow != self.refinement.options().flow
+            && let Err(error) = self.refinement.set_flow(flow)
+        {
+            return refused(&error);
+        }
+        self.refinement.set_levels(controls.levels);
+        Vec::new()
+    }
+
+    fn rewind(&mut self, to: &Arc<RefineState>, controls: &RefineControls) -> Vec<Refused> {
+        let result = controls.flow(&self.mesh).and_then(|flow| {
+            let state = SavedState {
+                level: &to.frame.saved,
+                points: &to.points,
+                control: &to.control,
+                steps: to.step,
+            };
+            self.refinement.restore(&state, flow, controls.levels)
+        });
+        if let Err(error) = result {
+            return refused(&error);
+        }
+        self.frame = Some(Arc::clone(&to.frame));
+        (self.last, self.has_new_state) = (None, false);
+        self.rewound = Some(Arc::clone(to));
+        Vec::new()
+    }
+
+    fn stop(&mut self, emit: &mut dyn FnMut(RefineEvent)) {
+        let report = self.refinement.stop();
+        report
+            .into_iter()
+            .for_each(|report| emit(RefineEvent::LevelDone(report)));
+    }
+
+    fn ended(&self) -> bool {
+        self.refinement.is_finished()
+    }
+
+    fn has_new_state(&self) -> bool {
+        self.has_new_state
+    }
+
+    fn state(&mut self) -> Result<Arc<RefineState>, RefineError> {
+        self.has_new_state = false;
+        if let Some(state) = &self.rewound {
+            return Ok(Arc::clone(state));
+        }
+        let refinement = &self.refinement;
+        let frame = || Arc::new(LevelFrame::of(refinement, &self.mesh));
+        let frame = Arc::clone(self.frame.get_or_insert_with(frame));
+        let last = self.last.as_ref();
+        Ok(Arc::new(RefineState::of(
+            refinement,
+            frame,
+            last,
+            self.attempts,
+        )))
+    }
+
+    fn status(&mut self, _: f64, _: &mut dyn FnMut(RefineEvent)) -> RefineStatus {
+        let refinement = &self.refinement;
+        RefineStatus {
+            level: refinement.level(),
+            levels: refinement.options().levels,
+            vertices: refinement.vertex_count(),
+            attempts: self.attempts,
+            rejected: self.rejected,
+            relative_tau: refinement.flow().map(|f| f.tau() / f.tau_ref()),
+            residual: self.last.as_ref().map(|record| record.residual),
+            reports: refinement.levels().to_vec(),
+        }
+    }
+}

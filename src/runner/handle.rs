@@ -1,0 +1,236 @@
+//! The handle of a run in the background.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use crate::runner::channels::{Channels, Command, Message};
+use crate::runner::timeline::SharedTimeline;
+use crate::runner::worker;
+use crate::runner::{
+    Event, Process, RunControls, RunSettings, Schedule, Timeline, TimelineState, Wake,
+};
+
+/// Why a run cannot start.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StartError<E: std::error::Error> {
+    /// The options are invalid.
+    #[error(transparent)]
+    Options(E),
+    /// The system has no thread left.
+    #[error("could not start a thread for the run: {0}")]
+    Thread(std::io::Error),
+}
+
+/// A process running in the background. Dropping the handle cancels the run: the call returns at
+/// once, and the thread ends within one step.
+pub struct Runner<P: Process> {
+    controls: P::Controls,
+    commands: Sender<Command<P>>,
+    messages: Receiver<Message<P>>,
+    timeline: SharedTimeline<P::State>,
+    cancelled: Arc<AtomicBool>,
+    playing: AtomicBool,
+    status: P::Status,
+    clock: usize,
+    ended: bool,
+    failed: Option<String>,
+}
+
+impl<P> Runner<P>
+where
+    P: Process + 'static,
+    P::State: TimelineState + Send + Sync + 'static,
+    P::Event: Send + 'static,
+    P::Status: Send + 'static,
+{
+    /// Starts a thread that makes the process by `set_up` and runs it. `set_up` gets the flag that
+    /// is set when the run is cancelled. `controls` are those it starts with, which are valid.
+    ///
+    /// # Errors
+    /// The system has no thread left.
+    pub(crate) fn start(
+        name: &str,
+        controls: P::Controls,
+        settings: RunSettings,
+        wake: Wake,
+        set_up: impl FnOnce(&Arc<AtomicBool>) -> Result<P, P::Error> + Send + 'static,
+    ) -> Result<Self, std::io::Error> {
+        let (commands, inbox) = channel();
+        let (outbox, messages) = channel();
+        let timeline = SharedTimeline::new(settings.timeline_bytes);
+        let cancelled = Arc::new(AtomicBool::new(false));
+        let channels = Channels {
+            commands: inbox,
+            messages: outbox,
+            timeline: timeline.clone(),
+            cancelled: Arc::clone(&cancelled),
+            wake,
+        };
+        let first = controls.clone();
+        std::thread::Builder::new()
+            .name(format!("meniscus-{name}"))
+            .spawn(move || worker::run(set_up, first, settings, channels))?;
+        Ok(Self {
+            controls,
+            commands,
+            messages,
+            timeline,
+            cancelled,
+            playing: AtomicBool::new(settings.playing),
+            status: P::Status::default(),
+            clock: 0,
+            ended: false,
+            failed: None,
+        })
+    }
+}
+
+impl<P: Process> Runner<P>
+where
+    P::State: TimelineState,
+{
+    fn send(&self, command: Command<P>) {
+        // a thread that has ended has sent the reason
+        self.commands.send(command).ok();
+    }
+
+    /// Continues until the end.
+    pub fn play(&self) {
+        self.playing.store(true, Ordering::Relaxed);
+        self.send(Command::Play);
+    }
+
+    /// Pauses after the present step.
+    pub fn pause(&self) {
+        self.playing.store(false, Ordering::Relaxed);
+        self.send(Command::Pause);
+    }
+
+    /// Takes one step, then pauses.
+    pub fn step(&self) {
+        self.playing.store(false, Ordering::Relaxed);
+        self.send(Command::Step);
+    }
+
+    /// Continues to the end in the fewest steps, without a limit of pace; recorded.
+    pub fn finish(&self) {
+        self.playing.store(true, Ordering::Relaxed);
+        self.send(Command::Finish);
+    }
+
+    /// Ends the run at the present state; recorded.
+    pub fn stop(&self) {
+        self.send(Command::Stop);
+    }
+
+    /// Sets the maximum number of steps a second; `None` for no limit.
+    pub fn set_pace(&self, pace: Option<f64>) {
+        self.send(Command::Pace(pace));
+    }
+
+    /// Changes the controls before the next step; recorded. What the present surface does not
+    /// permit comes back as [`Event::Refused`].
+    ///
+    /// # Errors
+    /// Invalid controls; the run continues as before.
+    pub fn set_controls(
+        &mut self,
+        controls: &P::Controls,
+    ) -> Result<(), <P::Controls as RunControls>::Error> {
+        if *controls != self.controls {
+            controls.validate()?;
+            self.controls = controls.clone();
+            self.send(Command::Controls(Box::new(controls.clone())));
+        }
+        Ok(())
+    }
+
+    /// Continues from a stored state, by its serial number; recorded. Returns `false` if it is not
+    /// stored.
+    ///
+    /// Nothing is discarded: the state is added to the timeline as the latest one. A paused run
+    /// stays paused.
+    pub fn rewind_to(&self, serial: usize) -> bool {
+        let state = self.timeline().find(serial).cloned();
+        state
+            .map(|state| self.send(Command::Rewind(state)))
+            .is_some()
+    }
+
+    /// What has happened since the last call, in order; never waits.
+    pub fn poll(&mut self) -> Vec<Event<P::Event>> {
+        let mut events = Vec::new();
+        while let Ok(message) = self.messages.try_recv() {
+            match message {
+                Message::Status {
+                    status,
+                    clock,
+                    ended,
+                } => (self.status, self.clock, self.ended) = (*status, clock, ended),
+                Message::Event(event) => {
+                    match &event {
+                        Event::Paused => self.playing.store(false, Ordering::Relaxed),
+                        Event::Failed { text } => {
+                            (self.ended, self.failed) = (true, Some(text.clone()));
+                        }
+                        _ => {}
+                    }
+                    events.push(event);
+                }
+            }
+        }
+        events
+    }
+
+    /// The status at the last [`Self::poll`]; the default until the process is set up.
+    pub fn status(&self) -> &P::Status {
+        &self.status
+    }
+
+    /// Actions so far, at the last [`Self::poll`].
+    pub fn clock(&self) -> usize {
+        self.clock
+    }
+
+    /// Whether the run plays (or would, had it not ended) or is paused.
+    pub fn playing(&self) -> bool {
+        self.playing.load(Ordering::Relaxed)
+    }
+
+    /// Whether the run had ended or failed at the last [`Self::poll`].
+    pub fn ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Why the run cannot continue, if so at the last [`Self::poll`].
+    pub fn failed(&self) -> Option<&str> {
+        self.failed.as_deref()
+    }
+
+    /// The controls set last.
+    pub fn controls(&self) -> &P::Controls {
+        &self.controls
+    }
+
+    /// The stored states, oldest first; the first and the latest are always among them. Empty until
+    /// the process is set up.
+    pub fn timeline(&self) -> Arc<Timeline<P::State>> {
+        self.timeline.now()
+    }
+
+    /// What repeats the run up to its latest state, with the controls it was started with.
+    pub fn schedule(&self) -> Schedule {
+        let timeline = self.timeline();
+        timeline
+            .latest()
+            .map_or_else(Schedule::default, |s| s.schedule())
+    }
+}
+
+impl<P: Process> Drop for Runner<P> {
+    fn drop(&mut self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,140 @@
+//! The engine for work that advances in steps: a fill, a refinement.
+//!
+//! A [`Process`] does the work. [`Runner`] runs it on a background thread for an interactive
+//! caller: commands go in, events come out of a lossless channel, states go to a [`Timeline`], and
+//! nothing the caller calls waits for the work. Every command that changes the result is recorded.
+//! [`replay`] runs a process with the commands of a [`Recording`] on the calling thread; the result
+//! is bit-identical. A [`Schedule`] is the text of a recording.
+//!
+//! Commands act between two steps. New controls wait for the next step, so that several changes in
+//! between count as one; all other commands act at once. The clock of a run counts the actions so
+//! far: attempted steps, accepted or not, and rewinds. In a refinement it also counts begun and
+//! finished levels.
+
+mod channels;
+mod handle;
+mod replay;
+mod schedule;
+#[cfg(test)]
+mod tests;
+mod timeline;
+mod worker;
+
+use std::sync::Arc;
+
+use crate::options::Options;
+
+pub use channels::Event;
+pub use handle::{Runner, StartError};
+pub use replay::{Change, Recording, replay};
+pub use schedule::{Schedule, ScheduleEntry, ScheduleError};
+pub use timeline::{Snapshot, Timeline, TimelineState};
+
+/// Called from the background thread whenever there is something to [poll](Runner::poll).
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// How a run in the background starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunSettings {
+    /// Whether it runs at once or waits for a command.
+    pub playing: bool,
+    /// Maximum number of steps a second; `None` for no limit.
+    pub pace: Option<f64>,
+    /// Maximum size of the timeline, bytes.
+    pub timeline_bytes: usize,
+}
+
+/// The controls of a run: options that the user may change while it runs.
+pub trait RunControls: Options {
+    /// Options that only act at the start and cannot be changed later.
+    const FIXED: &'static [&'static str];
+    /// Why controls are invalid.
+    type Error: std::error::Error + Send + Sync + 'static;
+
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// The first invalid option.
+    fn validate(&self) -> Result<(), Self::Error>;
+
+    /// The same controls with the settings that reach the end in the fewest steps.
+    #[must_use]
+    fn fast(&self) -> Self;
+
+    /// Whether the settings that [`Self::fast`] replaces are the same in both.
+    fn same_pace(&self, other: &Self) -> bool;
+}
+
+/// A part of a process that keeps its previous controls or state.
+#[derive(Clone, Debug)]
+pub struct Refused {
+    /// The part; `None` for the whole process.
+    pub part: Option<usize>,
+    /// The reason, in plain words.
+    pub text: String,
+}
+
+/// Work that advances in steps. Between two steps its controls can be changed, and it can be set
+/// back to an earlier state.
+///
+/// `emit` takes the events of a call, in their order.
+pub trait Process: Sized {
+    /// What the user may change.
+    type Controls: RunControls;
+    /// What is stored of each step.
+    type State;
+    /// What is reported on the way.
+    type Event;
+    /// A summary of the present state.
+    type Status: Clone + Default;
+    /// Why the process as a whole cannot start or continue.
+    type Error: std::fmt::Display;
+
+    /// Takes the next step; does nothing once ended.
+    ///
+    /// # Errors
+    /// The process cannot continue; its state is that of the last step.
+    fn advance(
+        &mut self,
+        clock: usize,
+        emit: &mut dyn FnMut(Self::Event),
+    ) -> Result<(), Self::Error>;
+
+    /// Continues with other controls. A part that cannot keeps its previous ones.
+    fn set_controls(&mut self, controls: &Self::Controls) -> Vec<Refused>;
+
+    /// Continues from an earlier state, with these controls. A part that cannot stays as it is.
+    fn rewind(&mut self, to: &Arc<Self::State>, controls: &Self::Controls) -> Vec<Refused>;
+
+    /// Ends at the present state.
+    fn stop(&mut self, emit: &mut dyn FnMut(Self::Event));
+
+    /// Whether no step is left.
+    fn ended(&self) -> bool;
+
+    /// Whether the state differs from the one returned last.
+    fn has_new_state(&self) -> bool;
+
+    /// The present state.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    fn state(&mut self) -> Result<Arc<Self::State>, Self::Error>;
+
+    /// The present status; `seconds` is the time a step takes. Emits, once, which parts have ended.
+    fn status(&mut self, seconds: f64, emit: &mut dyn FnMut(Self::Event)) -> Self::Status;
+
+    /// Whether the run pauses after this event, for the user to decide.
+    fn pauses(_event: &Self::Event) -> bool {
+        false
+    }
+}
+
+/// The message of a caught panic.
+pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+    panic
+        .downcast_ref::<&str>()
+        .map(|s| (*s).to_owned())
+        .or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "unknown panic".into())
+}
