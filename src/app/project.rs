@@ -178,16 +178,18 @@ impl FillPart {
 }
 
 /// The text of a project file that is to lie in `folder`. A mesh that is a file or sample unchanged is
-/// named, any other is held in the text.
+/// named, any other is held in the text. So is a file whose path is not Unicode, which TOML cannot
+/// hold.
 pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
     let origin = &document.origin;
+    let named = |path: &Path| Some(relative(path, folder)).filter(|p| p.to_str().is_some());
     let (mut mesh, mut sample) = (None, None);
     match &origin.source {
-        Source::File(path) => mesh = Some(relative(path, folder)),
+        Source::File(path) => mesh = named(path),
         Source::Sample(name) => sample = Some(name.clone()),
         Source::Embedded => {}
     }
-    let embed = document.is_changed() || origin.source == Source::Embedded;
+    let embed = document.is_changed() || (mesh.is_none() && sample.is_none());
     let style = &view.style;
     let head = Project {
         version: VERSION,
@@ -210,7 +212,7 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
             limit_surface: view.limit_surface,
             rims: view.show_rims,
             report: ReportView {
-                reference: view.report.reference.as_ref().map(|p| relative(p, folder)),
+                reference: view.report.reference.as_deref().and_then(named),
                 ..view.report.clone()
             },
         },
@@ -254,7 +256,8 @@ pub fn read(path: &Path) -> Result<(Document, Project), String> {
 fn parse(text: &str, path: &Path) -> Result<(Document, Project), String> {
     let name = path.display();
     let separator = format!("\n{MESH}\n");
-    let (head, body) = match text.split_once(&separator) {
+    // the last one: a value of the head may hold that line, a mesh cannot
+    let (head, body) = match text.rsplit_once(&separator) {
         Some((head, body)) => (head, Some(body)),
         None => (text, None),
     };
@@ -275,6 +278,8 @@ fn parse(text: &str, path: &Path) -> Result<(Document, Project), String> {
         let soup = io::read(Format::Obj, body.as_bytes(), path).map_err(|e| e.to_string())?;
         let opened = io::from_soup(soup, path).map_err(|e| e.to_string())?;
         let source = match (&mesh_path, &project.sample) {
+            // unchanged, and yet not what is named
+            _ if project.fills.is_empty() => Source::Embedded,
             (Some(path), _) => Source::File(path.clone()),
             (None, Some(sample)) => Source::Sample(sample.clone()),
             (None, None) => Source::Embedded,

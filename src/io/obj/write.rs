@@ -85,5 +85,9 @@ fn push_line(text: &mut Vec<u8>, keyword: &str, name: &str) {
         name.bytes()
             .map(|b| if b == b'\n' || b == b'\r' { b' ' } else { b }),
     );
+    if name.ends_with('\\') {
+        // a backslash at its end would join the next line
+        text.push(b' ');
+    }
     text.push(b'\n');
 }

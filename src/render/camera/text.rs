@@ -80,8 +80,8 @@ impl Camera {
         };
         let [px, py, pz, qx, qy, qz, qw, distance, fov] = values;
         let rotation = DQuat::from_xyzw(qx, qy, qz, qw);
-        if rotation.length() < 1e-6 {
-            return Err(error("the rotation is zero"));
+        if !(1e-6..1e6).contains(&rotation.length()) {
+            return Err(error("the rotation is zero or too large"));
         }
         if distance <= 0.0 {
             return Err(error("the distance is not positive"));

@@ -78,7 +78,7 @@ fn obj() {
     let texts = [
         "mtllib a.mtl\no one\nv 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0\nv 1 1 1e-3\nvt 0 0\nvn 0 0 1\n\
          g left\nusemtl red\nf 1/1/1 2/1/1 3/1/1\ng right\nf -1 -2 -3\nf 1 2 4 3\n",
-        "v 0 0 0 \\\n\nv 1,5 0 0\r\nv 0 1 0 # end\nf 1//1 2//1 3//1\nl 1 2\np 1\ns off\n",
+        "v 0 0 0 \\\n\nv 1.5 0 0\r\nv 0 1 0 # end\ng \\ \nf 1 2 3\nl 1 2\np 1\ns off\n",
     ];
     let words = [
         "v ", "f ", "vn ", "g ", "o ", "usemtl ", "mtllib ", "\\\n", "/", "-", "#", "\t",
@@ -224,19 +224,17 @@ fn projects() {
                 12\nlight = [0.3, 1.0, 0.5]\nrange = [-2.0, 2.0]\nwireframe = true\ntint = \
                 true\nlimit_surface = true\nrims = false\n[controls]\nenergy = \
                 \"H^2\"\ndensity = 1.5\n";
-    let done = "[[fills]]\ntask = \"blend\"\nloops = [0, 1]\nfaces = [1, 3]\nschedule = \
+    let done = "[[fills]]\ntask = \"blend\"\nloops = [1, 2]\nfaces = [1, 3]\nschedule = \
                 \"attempt,control,value\\n3,energy,K^2\\n\"\n[fills.controls]\nenergy = \
                 \"H^2+K^2\"\n[[fills]]\ntask = \"bridge\"\nends = [[0.0, 0.0, 1.0], [1.0, 0.0, \
                 0.0]]\nwidth = 2\nfaces = [0, 2]\nschedule = \
                 \"attempt,control,value\\n\"\n[fills.controls]\n";
-    let mesh =
-        "#--- mesh (OBJ) ---\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
     let texts = [
-        format!("{head}{view}{mesh}"),
-        format!("{head}first_patch_face = 1\n{view}{done}{mesh}"),
+        format!("{head}{view}"),
+        format!("{head}first_patch_face = 1\n{view}{done}"),
     ];
     for text in &texts {
-        let read = meniscus::app::rewrite_project(text);
+        let read = meniscus::app::rewrite_project(&targets::with_mesh(text));
         assert!(read.is_ok(), "{read:?}");
     }
     let words = [

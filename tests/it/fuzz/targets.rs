@@ -99,13 +99,20 @@ pub fn schedule(bytes: &[u8]) {
     schedule.recording(&Controls::default()).ok();
 }
 
-/// A project file is refused, or written as text that reads back as the same project.
+/// A project file, whose head these bytes are, is refused, or written as text that reads back as the
+/// same project. Meshes have targets of their own.
 #[cfg(feature = "window")]
 pub fn project(bytes: &[u8]) {
     use meniscus::app::rewrite_project;
-    let text = String::from_utf8_lossy(bytes);
-    let Ok(first) = rewrite_project(&text) else {
+    let Ok(first) = rewrite_project(&with_mesh(&String::from_utf8_lossy(bytes))) else {
         return;
     };
     assert_eq!(rewrite_project(&first), Ok(first.clone()));
+}
+
+/// The text of a project from its head: with an open tetrahedron.
+#[cfg(feature = "window")]
+pub fn with_mesh(head: &str) -> String {
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
+    format!("{head}\n#--- mesh (OBJ) ---\n{mesh}")
 }
