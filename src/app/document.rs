@@ -5,12 +5,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::run::RunState;
 use crate::fill::{Controls, LoopChoice, choose};
 use crate::io::Opened;
 use crate::mesh::{BoundaryLoop, DVec3, LoadReport, LoopId, Mesh, Topology, boundary_loops};
+use crate::ops::Operation;
 use crate::render::Bounds;
-use crate::runner::Schedule;
 
 /// Where a document came from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,107 +53,31 @@ impl Origin {
     }
 }
 
-/// What can be done to a mesh. Loops are numbers, faces ascending indices, both in the mesh that it was
-/// done to.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Work {
-    /// Each loop gets a patch of its own.
-    Fill(Vec<LoopId>),
-    /// One patch joins all loops.
-    Blend(Vec<LoopId>),
-    /// The faces are erased and what opens is filled.
-    Refill(Arc<Vec<u32>>),
-    /// The inner vertices of the faces flow.
-    Fair(Arc<Vec<u32>>),
-    /// The faces are erased.
-    Erase(Arc<Vec<u32>>),
-    /// The component of a loop is turned over.
-    Flip(LoopId),
-    /// A strip of triangles joins two rim vertices, so many edges wide.
-    Bridge([DVec3; 2], usize),
-    /// The mesh is refined.
-    Refine(RefineWork),
-}
-
-/// The argument that names a chain of sharp edges.
-pub const CREASE: &str = "--crease";
-
-/// A refinement.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RefineWork {
-    /// The arguments of the command, input and output left out.
-    pub words: Vec<String>,
-    /// The faces it is confined to; empty for all.
-    pub faces: Arc<Vec<u32>>,
-}
-
-impl Work {
-    /// The command that does it.
-    pub fn command(&self) -> &'static str {
-        match self {
-            Self::Fill(_) => "fill",
-            Self::Blend(_) => "blend",
-            Self::Refill(_) | Self::Fair(_) => "refill",
-            Self::Erase(_) => "erase",
-            Self::Flip(_) => "flip",
-            Self::Bridge(..) => "bridge",
-            Self::Refine(_) => "refine",
-        }
-    }
-
-    /// Whether its command takes the controls of fills.
-    pub fn has_controls(&self) -> bool {
-        matches!(
-            self,
-            Self::Fill(_) | Self::Blend(_) | Self::Refill(_) | Self::Fair(_)
-        )
-    }
-
-    /// The loops it is about.
-    pub fn loops(&self) -> &[LoopId] {
-        match self {
-            Self::Fill(loops) | Self::Blend(loops) => loops,
-            Self::Flip(one) => std::slice::from_ref(one),
-            _ => &[],
-        }
-    }
-
-    /// The faces it is about.
-    pub fn faces(&self) -> &[u32] {
-        match self {
-            Self::Refill(faces) | Self::Fair(faces) | Self::Erase(faces) => faces,
-            Self::Refine(work) => &work.faces,
-            _ => &[],
-        }
-    }
-
-    /// For messages and the undo list.
-    pub fn label(&self) -> String {
-        match self {
-            Self::Fill(loops) if loops.len() == 1 => format!("fill of loop {}", loops[0]),
-            Self::Fill(loops) => format!("fill of {} loops", loops.len()),
-            Self::Blend(loops) => format!("blend of {} rims", loops.len()),
-            Self::Refill(faces) => format!("refill of {} faces", faces.len()),
-            Self::Fair(faces) => format!("fairing of {} faces", faces.len()),
-            Self::Erase(faces) => format!("erase {} faces", faces.len()),
-            Self::Flip(one) => format!("turn over at loop {one}"),
-            Self::Bridge(..) => "bridge".into(),
-            Self::Refine(_) => "refinement".into(),
-        }
-    }
-}
-
-/// Something that was done and accepted, with all that is needed to repeat it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Accepted {
-    /// What.
-    pub work: Work,
-    /// Controls at its start.
-    pub controls: Controls,
-    /// What was changed on the way.
-    pub schedule: Schedule,
+/// An operation that was done and accepted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AppliedOperation {
+    /// What was done.
+    #[serde(flatten)]
+    pub operation: Operation,
     /// The faces it added that are still there.
+    #[serde(with = "face_range")]
     pub faces: Range<usize>,
+}
+
+/// A range of faces as its two ends.
+mod face_range {
+    use std::ops::Range;
+
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(range: &Range<usize>, to: S) -> Result<S::Ok, S::Error> {
+        [range.start, range.end].serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Range<usize>, D::Error> {
+        let [start, end] = <[usize; 2]>::deserialize(from)?;
+        Ok(start..end)
+    }
 }
 
 /// The saved and undone state. Cloning is cheap: meshes are shared.
@@ -174,7 +100,7 @@ pub struct Document {
     /// What the next run is to use.
     pub controls: Controls,
     /// What was accepted, oldest first.
-    pub accepted: Vec<Arc<Accepted>>,
+    pub accepted: Vec<Arc<AppliedOperation>>,
 }
 
 impl Document {
@@ -217,8 +143,8 @@ impl Document {
 
     /// Takes in what was done: the mesh is `mesh`, its loops are numbered anew. `kept` are the faces
     /// that are left, by their earlier indices, if some were erased; they come first in `mesh`.
-    pub fn accept(&mut self, mesh: Mesh, kept: Option<&[u32]>, done: Accepted) {
-        if matches!(done.work, Work::Refine(_)) {
+    pub fn accept(&mut self, mesh: Mesh, kept: Option<&[u32]>, done: AppliedOperation) {
+        if matches!(done.operation, Operation::Refine(_)) {
             // there are no faces any more that could be told from others
             self.first_patch_face = mesh.face_count();
             for one in &mut self.accepted {

@@ -8,7 +8,6 @@ mod action;
 mod autosave;
 mod cached;
 mod chains;
-mod command_line;
 mod display;
 mod document;
 mod faces;
@@ -43,7 +42,7 @@ pub use action::{
     SelectHow, Switch, TaskAction, ViewAction,
 };
 pub use autosave::Autosave;
-pub use document::{Accepted, Document, RefineWork, Source, Work};
+pub use document::{AppliedOperation, Document, Source};
 pub use faces::{BrushStamp, FaceEdit, Lasso};
 pub use model::{Effect, Model};
 pub use project::rewrite_project;

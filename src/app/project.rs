@@ -9,14 +9,13 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::document::{Accepted, Document, RefineWork, Source, Work};
+use super::document::{AppliedOperation, Document, Source};
 use super::report::ReportView;
 use super::view_state::ViewState;
 use crate::fill::Controls;
 use crate::io::{self, Format, Opened};
-use crate::mesh::{DVec3, LoopId, parse_ranges, ranges_text};
+use crate::mesh::{DVec3, parse_ranges, ranges_text};
 use crate::render::{Bounds, Camera, ViewMode, ViewStyle};
-use crate::runner::Schedule;
 use crate::shapes::Sample;
 
 /// Extension of project files.
@@ -50,7 +49,7 @@ pub struct Project {
     pub view: ViewPart,
     controls: Controls,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    fills: Vec<FillPart>,
+    fills: Vec<AppliedOperation>,
 }
 
 /// What is kept of the view.
@@ -73,108 +72,6 @@ pub struct ViewPart {
     rims: bool,
     #[serde(default)]
     report: ReportView,
-}
-
-/// Something that was done.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct FillPart {
-    #[serde(default)]
-    task: Kind,
-    #[serde(default)]
-    loops: Vec<LoopId>,
-    /// The arguments of a refinement.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    arguments: Vec<String>,
-    /// Ends and width of a bridge.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    ends: Vec<[f64; 3]>,
-    #[serde(default)]
-    width: usize,
-    /// The faces it was done to, as a list of ranges.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    selected: String,
-    /// The faces it added.
-    faces: [usize; 2],
-    /// As the rows of a schedule file.
-    schedule: String,
-    controls: Controls,
-}
-
-/// What was done.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Kind {
-    #[default]
-    Fill,
-    Blend,
-    Refill,
-    Fair,
-    Erase,
-    Flip,
-    Bridge,
-    Refine,
-}
-
-impl FillPart {
-    fn of(done: &Accepted) -> Self {
-        Self {
-            task: match done.work {
-                Work::Fill(_) => Kind::Fill,
-                Work::Blend(_) => Kind::Blend,
-                Work::Refill(_) => Kind::Refill,
-                Work::Fair(_) => Kind::Fair,
-                Work::Erase(_) => Kind::Erase,
-                Work::Flip(_) => Kind::Flip,
-                Work::Bridge(..) => Kind::Bridge,
-                Work::Refine(_) => Kind::Refine,
-            },
-            arguments: match &done.work {
-                Work::Refine(work) => work.words.clone(),
-                _ => Vec::new(),
-            },
-            ends: match done.work {
-                Work::Bridge([from, to], _) => vec![from.to_array(), to.to_array()],
-                _ => Vec::new(),
-            },
-            width: match done.work {
-                Work::Bridge(_, width) => width,
-                _ => 0,
-            },
-            loops: done.work.loops().to_vec(),
-            selected: ranges_text(done.work.faces()),
-            faces: [done.faces.start, done.faces.end],
-            schedule: done.schedule.to_csv(),
-            controls: done.controls.clone(),
-        }
-    }
-
-    fn accepted(&self) -> Result<Accepted, String> {
-        let loops = self.loops.clone();
-        // faces of a mesh that is no more
-        let faces = || parse_ranges(&self.selected, u32::MAX as usize).map(Arc::new);
-        let work = match self.task {
-            Kind::Fill => Work::Fill(loops),
-            Kind::Blend => Work::Blend(loops),
-            Kind::Refill => Work::Refill(faces()?),
-            Kind::Fair => Work::Fair(faces()?),
-            Kind::Erase => Work::Erase(faces()?),
-            Kind::Bridge => match self.ends[..] {
-                [from, to] => Work::Bridge([from, to].map(DVec3::from_array), self.width),
-                _ => return Err("the ends of a bridge are missing".into()),
-            },
-            Kind::Refine => Work::Refine(RefineWork {
-                words: self.arguments.clone(),
-                faces: faces()?,
-            }),
-            Kind::Flip => Work::Flip(*loops.first().ok_or("a loop is missing")?),
-        };
-        Ok(Accepted {
-            work,
-            controls: self.controls.clone(),
-            schedule: Schedule::parse(&self.schedule).map_err(|e| e.to_string())?,
-            faces: self.faces[0]..self.faces[1],
-        })
-    }
 }
 
 /// The text of a project file that is to lie in `folder`. A mesh that is a file or sample unchanged is
@@ -220,7 +117,7 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
         fills: document
             .accepted
             .iter()
-            .map(|one| FillPart::of(one))
+            .map(|one| (**one).clone())
             .collect(),
     };
     let mut text = String::from("# Meniscus project\n");
@@ -363,10 +260,7 @@ fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document
     if !project.fills.is_empty() {
         let first = project.first_patch_face.unwrap_or(faces);
         document.first_patch_face = first.min(document.mesh.face_count());
-        let parts = project.fills.iter();
-        document.accepted = parts
-            .map(|part| part.accepted().map(Arc::new))
-            .collect::<Result<_, String>>()?;
+        document.accepted = project.fills.iter().cloned().map(Arc::new).collect();
     }
     let loops = document.loops.iter().map(|l| l.id);
     document.selection = loops

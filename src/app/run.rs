@@ -8,11 +8,12 @@ mod refinement;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::document::{Document, Work, left_of};
+use super::document::{Document, left_of};
 use super::jobs::Wake;
 use super::log::Level;
 use crate::fill::{Controls, ErasedRegion, LiveFill, open_selection};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
+use crate::ops::Operation;
 use crate::runner::RunSettings;
 pub use handle::{RunEvent, RunHandle, RunState, StateView, same_state};
 pub use refinement::method_name;
@@ -26,10 +27,8 @@ pub struct RunVariant {
     pub handle: Box<dyn RunHandle>,
     /// Its name: A, B or the method.
     pub name: &'static str,
-    /// The arguments that repeat a refinement.
-    pub words: Vec<String>,
-    /// Controls at its start.
-    pub start: Controls,
+    /// What it does, as at its start.
+    pub operation: Operation,
     /// Controls in force.
     pub controls: Controls,
     /// The place of the state that is shown; `None` for the newest.
@@ -56,7 +55,7 @@ pub struct Curve {
 /// One fill, or two that are compared.
 pub struct Run {
     /// What it does.
-    pub work: Work,
+    pub operation: Operation,
     /// The mesh it works on: the document's, or what is left of that after erasing.
     pub base: Arc<Mesh>,
     /// Faces of `base` from here on were patches before.
@@ -74,26 +73,26 @@ pub struct Run {
 }
 
 impl Run {
-    /// Starts flows of the same work, one for each set of controls.
+    /// Starts fills of the same kind that are compared, one or two.
     ///
     /// # Errors
     /// A message for the person.
     pub fn start(
-        work: Work,
+        operations: &[Operation],
         document: &Document,
-        controls: &[Controls],
         pace: f64,
         wake: &Wake,
     ) -> Result<Self, String> {
+        let operation = operations.first().ok_or("nothing to start")?;
         let mut base = Arc::clone(&document.mesh);
         let mut first_patch_face = document.first_patch_face;
         let (mut kept, mut loops) = (None, Vec::new());
-        match &work {
-            Work::Fill(_) | Work::Blend(_) => {
+        match operation {
+            Operation::Fill(_) | Operation::Blend(_) => {
                 loops = document.selected().into_iter().cloned().collect();
             }
-            Work::Refill(faces) => {
-                let flags = face_flags(faces, base.face_count());
+            Operation::Refill(spec) => {
+                let flags = face_flags(&spec.faces, base.face_count());
                 let opening = open_selection(&base, &flags).map_err(|e| e.to_string())?;
                 let ErasedRegion {
                     erased,
@@ -108,34 +107,35 @@ impl Run {
                 base = Arc::new(erased.mesh);
                 kept = Some(erased.old_face);
             }
-            Work::Fair(_) => {}
-            Work::Erase(_) | Work::Flip(_) | Work::Bridge(..) | Work::Refine(_) => {
-                return Err("that is done in another way".into());
-            }
+            Operation::Fair(_) => {}
+            _ => return Err("unsupported operation".into()),
         }
-        let spawn = |controls: &Controls| {
+        let spawn = |operation: &Operation, controls: Controls| {
             let (mesh, wake) = (Arc::clone(&base), Arc::clone(wake));
-            let (loops, controls) = (loops.clone(), controls.clone());
-            match &work {
-                Work::Fair(faces) => {
-                    let flags = face_flags(faces, mesh.face_count());
+            let loops = loops.clone();
+            match operation {
+                Operation::Fair(spec) => {
+                    let flags = face_flags(&spec.faces, mesh.face_count());
                     LiveFill::spawn_fair(mesh, flags, controls, settings(pace), wake)
                 }
-                Work::Blend(_) => {
+                Operation::Blend(_) => {
                     LiveFill::spawn_blend(mesh, loops, controls, settings(pace), wake)
                 }
                 _ => LiveFill::spawn(mesh, loops, controls, settings(pace), wake),
             }
         };
-        let sides = controls.iter().zip(["A", "B"]);
+        let sides = operations.iter().zip(["A", "B"]);
         let sides = sides
-            .map(|(controls, name)| {
-                let live = spawn(controls).map_err(|error| error.to_string())?;
-                Ok(RunVariant::new(Box::new(live), name, controls))
+            .map(|(operation, name)| {
+                let controls = operation.flow().map(|flow| flow.controls.clone());
+                let controls = controls.unwrap_or_default();
+                let live = spawn(operation, controls.clone()).map_err(|error| error.to_string())?;
+                let operation = operation.clone();
+                Ok(RunVariant::new(Box::new(live), name, operation, controls))
             })
             .collect::<Result<_, String>>()?;
         Ok(Self {
-            work,
+            operation: operation.clone(),
             base,
             first_patch_face,
             kept,
@@ -190,8 +190,8 @@ impl Run {
 
     /// The faces that flow as they are, ascending.
     pub fn faired(&self) -> Arc<Vec<u32>> {
-        match &self.work {
-            Work::Fair(faces) => Arc::clone(faces),
+        match &self.operation {
+            Operation::Fair(spec) => Arc::clone(&spec.faces),
             _ => Arc::default(),
         }
     }
@@ -250,13 +250,17 @@ impl Run {
 }
 
 impl RunVariant {
-    fn new(handle: Box<dyn RunHandle>, name: &'static str, controls: &Controls) -> Self {
+    fn new(
+        handle: Box<dyn RunHandle>,
+        name: &'static str,
+        operation: Operation,
+        controls: Controls,
+    ) -> Self {
         Self {
             handle,
             name,
-            words: Vec::new(),
-            start: controls.clone(),
-            controls: controls.clone(),
+            operation,
+            controls,
             shown: None,
             curves: Vec::new(),
             crossing: None,

@@ -5,9 +5,9 @@ mod report;
 use std::sync::Arc;
 
 use super::cached::{Cached, SharedKey};
-use super::document::Work;
 use super::model::Model;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh};
+use crate::ops::Operation;
 use crate::render::{LineStyle, Marker, Overlay, Polyline, Scene, rim_points};
 pub(crate) use report::{ReportOverlays, natural_length};
 
@@ -156,7 +156,7 @@ fn rim_lines<'a>(
 fn given_vertices(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
     let run = model.run.as_ref()?;
     let given = &run.base;
-    let shown = matches!(run.work, Work::Refine(_))
+    let shown = matches!(run.operation, Operation::Refine(_))
         && given.vertex_count() <= MAX_MARKERS
         && model.view.show_rims;
     shown.then(|| {

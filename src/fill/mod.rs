@@ -36,10 +36,10 @@ mod sheets;
 mod warm_start;
 
 pub use bridge::{BridgeError, RimSegment, bridge, segment_at};
-pub use controls::{Continuity, Controls, ControlsError, Linear, LoopLimits};
+pub use controls::{Controls, ControlsError, Linear, LoopLimits};
 pub use fair::fair;
 pub use islands::with_islands;
-pub use options::FillOptions;
+pub use options::{Continuity, FillOptions};
 pub use partial::{PartialError, fill_part};
 pub use prepare::flow_problem;
 pub use process::{

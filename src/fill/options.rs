@@ -3,10 +3,22 @@
 use std::collections::BTreeMap;
 
 use crate::energy::{Energy, Preset};
-use crate::fill::Continuity;
 use crate::mesh::LoopId;
+use crate::options::choices;
 use crate::patch::PatchOptions;
 use crate::solver::FlowOptions;
+
+/// How a patch meets the mesh along a rim.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Continuity {
+    /// In position only: the rim is a crease, and the mesh around it has no influence.
+    G0,
+    /// In position and normal: one smooth surface runs through the rim.
+    #[default]
+    G1,
+}
+
+choices!(Continuity: G1 "g1", G0 "g0");
 
 /// What can be chosen about a fill.
 #[derive(Clone, Debug)]

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fill::Controls;
 use crate::mesh::{DVec3, LoopId};
+use crate::options::Options;
 use crate::refine::RefineControls;
 use crate::runner::Schedule;
 
@@ -61,6 +62,15 @@ pub struct FlowSpec {
     /// Options at the start.
     #[serde(default)]
     pub controls: Controls,
+}
+
+impl From<Controls> for FlowSpec {
+    fn from(controls: Controls) -> Self {
+        Self {
+            schedule: Schedule::default(),
+            controls,
+        }
+    }
 }
 
 /// A fill.
@@ -197,6 +207,31 @@ impl Operation {
             Self::Refine(spec) => Some(&spec.schedule),
             _ => self.flow().map(|flow| &flow.schedule),
         }
+    }
+
+    /// Sets the changes on the way; operations without a flow have none.
+    pub fn set_schedule(&mut self, schedule: Schedule) {
+        match self {
+            Self::Refine(spec) => spec.schedule = schedule,
+            _ => {
+                if let Some(flow) = self.flow_mut() {
+                    flow.schedule = schedule;
+                }
+            }
+        }
+    }
+
+    /// The controls of its fill at the end, with all changes on the way; the defaults if it is none.
+    pub fn last_controls(&self) -> Controls {
+        let Some(flow) = self.flow() else {
+            return Controls::default();
+        };
+        let mut controls = flow.controls.clone();
+        for entry in &flow.schedule.entries {
+            // entries such as `stop` set no control
+            controls.set(&entry.control, &entry.value).ok();
+        }
+        controls
     }
 
     /// For messages and the undo list.

@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use crate::analysis::{EdgeChain, patch_rims, sharp_edges};
 use crate::app::chains::{Chain, Places};
-use crate::app::document::{Accepted, Document, Work, left_of};
+use crate::app::document::{Document, left_of};
 use crate::app::run::{Run, RunState, same_state};
 use crate::fill::{Continuity, Controls};
 use crate::mesh::{BoundaryLoop, LoopId, Mesh, Topology, VertexId, boundary_loops};
-use crate::options::Options;
+use crate::ops::Operation;
 
 /// Maximum number of listed chains of sharp edges, the longest first.
 const MAX_SHARP: usize = 24;
@@ -117,24 +117,30 @@ impl Patches {
             return Self(Vec::new());
         }
         let kept = run.as_ref().and_then(|(run, ..)| run.kept.as_deref());
-        let renumbers = |w: &Work| matches!(w, Work::Refill(_) | Work::Erase(_) | Work::Refine(_));
+        let renumbers = |o: &Operation| {
+            matches!(
+                o,
+                Operation::Refill(_) | Operation::Erase(_) | Operation::Refine(_)
+            )
+        };
         let mut patches: Vec<Patch> = accepted
             .iter()
             .enumerate()
             .map(|(i, one)| {
-                let later = accepted[i + 1..].iter().any(|l| renumbers(&l.work)) || kept.is_some();
+                let later =
+                    accepted[i + 1..].iter().any(|l| renumbers(&l.operation)) || kept.is_some();
                 let faces = match kept {
                     Some(kept) => left_of(kept, one.faces.start)..left_of(kept, one.faces.end),
                     None => one.faces.clone(),
                 };
-                let faired = match &one.work {
-                    Work::Fair(faces) if !later => Arc::clone(faces),
+                let faired = match &one.operation {
+                    Operation::Fair(spec) if !later => Arc::clone(&spec.faces),
                     _ => Arc::default(),
                 };
                 Patch {
                     faces,
                     faired,
-                    controls: last_controls(one),
+                    controls: one.operation.last_controls(),
                     // loops had other numbers before something was erased
                     loops: if later {
                         Loops::Known(BTreeMap::new())
@@ -232,16 +238,6 @@ pub struct Chains {
     pub rims: usize,
     /// Chains of sharp edges that are not among them.
     pub left_out: usize,
-}
-
-/// The controls of an accepted operation, as they were at its end.
-fn last_controls(done: &Accepted) -> Controls {
-    let mut controls = done.controls.clone();
-    for row in &done.schedule.entries {
-        // rows such as `stop` set no control
-        controls.set(&row.control, &row.value).ok();
-    }
-    controls
 }
 
 impl Patch {

@@ -7,13 +7,14 @@ use super::refine_handle::with_controls;
 use super::{Run, RunVariant, settings};
 use crate::analysis::patch_rims;
 use crate::app::chains::{Chain, Places};
-use crate::app::document::{CREASE, Document, RefineWork, Work};
+use crate::app::document::Document;
 use crate::app::jobs::Wake;
 use crate::app::view_state::Refining;
 use crate::fill::Controls;
 use crate::mesh::face_flags;
-use crate::options::Options;
+use crate::ops::{Operation, RefineSpec};
 use crate::refine::{LiveRefine, Method, RefineControls};
+use crate::runner::Schedule;
 
 impl Run {
     /// Starts a refinement, with the other methods asked for beside it; `chains` are the chosen edges.
@@ -50,22 +51,22 @@ impl Run {
                     ..RefineControls::default()
                 };
                 let own = with_controls(&own, controls);
-                let mut words = own.to_arguments();
-                words.extend(crease_words(&creases));
+                let operation = Operation::Refine(RefineSpec {
+                    controls: own.clone(),
+                    creases: paths(&creases),
+                    faces: Arc::clone(&faces),
+                    schedule: Schedule::default(),
+                });
                 let (mesh, wake) = (Arc::clone(&base), Arc::clone(wake));
                 let (creases, region) = (creases.clone(), region.clone());
                 let run = LiveRefine::spawn(mesh, own, creases, region, settings(pace), wake);
                 let run = Box::new(run.map_err(|error| error.to_string())?);
-                let mut side = RunVariant::new(run, method_name(method), controls);
-                side.words = words;
-                Ok(side)
+                let name = method_name(method);
+                Ok(RunVariant::new(run, name, operation, controls.clone()))
             })
             .collect::<Result<Vec<RunVariant>, String>>()?;
         Ok(Self {
-            work: Work::Refine(RefineWork {
-                words: sides.first().map_or_else(Vec::new, |s| s.words.clone()),
-                faces,
-            }),
+            operation: sides[0].operation.clone(),
             first_patch_face: base.face_count(),
             base,
             kept: None,
@@ -102,16 +103,6 @@ fn crease_ends(refining: &Refining, chains: &[Chain], document: &Document) -> Ve
         edges.extend(rims.iter().flat_map(|rim| &rim.edges).map(|&h| ends(h)));
     }
     edges
-}
-
-/// The arguments for them.
-fn crease_words(creases: &[[u32; 2]]) -> Vec<String> {
-    let mut words = Vec::new();
-    for path in paths(creases) {
-        let numbers: Vec<String> = path.iter().map(|v| (v + 1).to_string()).collect();
-        words.extend([CREASE.into(), numbers.join(",")]);
-    }
-    words
 }
 
 /// Directed edges joined to paths, each as its vertices.

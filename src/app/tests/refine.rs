@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use super::*;
 use crate::app::chains::Chain;
-use crate::app::document::Work;
 use crate::app::run::Run;
 use crate::app::view_state::Refining;
 use crate::mesh::VertexId;
+use crate::ops::Operation;
 use crate::refine::Method;
 use crate::shapes::{TriangleMesh, icosphere};
 
@@ -77,10 +77,10 @@ fn three_methods_side_by_side_and_one_is_taken() {
             .iter()
             .all(|p| (p.length() - 1.0).abs() < 0.02)
     );
-    let Work::Refine(work) = &m.document.accepted[0].work else {
+    let Operation::Refine(spec) = &m.document.accepted[0].operation else {
         panic!("a refinement");
     };
-    assert_eq!(work.words[..2], ["--levels", "2"]);
+    assert_eq!(spec.controls.levels, 2);
     act(&mut m, EditAction::Undo);
     assert!(Arc::ptr_eq(&before, &m.document.mesh));
 }
@@ -185,13 +185,16 @@ fn chosen_edges_and_the_rim_of_the_selection_stay_sharp() {
         m.document.mesh.vertex_count()
     };
     assert_eq!(copies, 2 * rim + 3);
-    let Work::Refine(work) = &m.document.accepted[0].work else {
+    let Operation::Refine(spec) = &m.document.accepted[0].operation else {
         panic!("a refinement");
     };
-    let chains = work.words.iter().filter(|w| *w == "--crease").count();
-    assert!((2..=1 + rim).contains(&chains), "{:?}", work.words);
-    let slit = [ends[0], far, ends[1]].map(|v| (v.0 + 1).to_string());
-    assert!(work.words.contains(&slit.join(",")), "{:?}", work.words);
+    assert!(
+        (2..=1 + rim).contains(&spec.creases.len()),
+        "{:?}",
+        spec.creases
+    );
+    let slit = vec![ends[0].0, far.0, ends[1].0];
+    assert!(spec.creases.contains(&slit), "{:?}", spec.creases);
 }
 
 #[test]

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::app::document::{Accepted, Work};
+use crate::app::document::AppliedOperation;
 use crate::app::faces::{BrushStamp, FaceEdit};
 use crate::app::run::Run;
 use crate::app::view_state::Bridging;
 use crate::mesh::FaceId;
+use crate::ops::{BridgeSpec, FacesSpec, Operation};
 
 /// A stroke far from both holes, ended.
 fn paint(m: &mut Model, radius: f64) {
@@ -47,7 +48,7 @@ fn run_to_end(m: &mut Model) {
     until(m, |m| m.run.as_ref().is_some_and(Run::ended));
 }
 
-fn last(m: &Model) -> &Accepted {
+fn last(m: &Model) -> &AppliedOperation {
     m.document.accepted.last().expect("something was accepted")
 }
 
@@ -105,7 +106,10 @@ fn refill_replaces_the_faces_and_can_be_rejected_and_undone() {
         m.document.first_patch_face,
         before.face_count() - selected.len()
     );
-    assert_eq!(last(&m).work, Work::Refill(selected));
+    let Operation::Refill(spec) = &last(&m).operation else {
+        panic!("a refill");
+    };
+    assert_eq!(spec.faces, selected);
     assert_eq!(
         last(&m).faces,
         m.document.first_patch_face..after.face_count()
@@ -146,7 +150,7 @@ fn fairing_moves_inner_vertices_only_and_shows_them() {
     let after = Arc::clone(&m.document.mesh);
     assert_eq!(before.topology, after.topology);
     assert_eq!(m.document.first_patch_face, before.face_count());
-    let Work::Fair(faces) = &last(&m).work else {
+    let Operation::Fair(FacesSpec { faces, .. }) = &last(&m).operation else {
         panic!("a fairing");
     };
     let flags = crate::mesh::face_flags(faces, before.face_count());
@@ -215,7 +219,10 @@ fn a_bridge_makes_two_holes_of_one() {
     let first = m.document.mesh.face_count();
     act(&mut m, EditAction::Bridge(ends, 1));
     assert_eq!(m.document.loops.len(), 3);
-    assert_eq!(last(&m).work, Work::Bridge(ends, 1));
+    assert_eq!(
+        last(&m).operation,
+        Operation::Bridge(BridgeSpec { ends, width: 1 })
+    );
     assert_eq!(last(&m).faces, first..m.document.mesh.face_count());
     // from a place to itself there is none
     act(&mut m, EditAction::Bridge([ends[0], ends[0]], 1));

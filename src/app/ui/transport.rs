@@ -5,12 +5,12 @@ use egui_plot::{Legend, Line, Plot, PlotPoints, VLine};
 
 use super::format::format_number;
 use crate::app::action::{Action, RunAction};
-use crate::app::document::Work;
 use crate::app::model::Model;
 use crate::app::run::{Run, RunVariant};
 use crate::app::seam::Seam;
 use crate::app::shortcuts::hint;
 use crate::mesh::LoopId;
+use crate::ops::Operation;
 use crate::solver::End;
 
 /// Everything about the run.
@@ -227,10 +227,10 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &RunVariant) {
             let words: Vec<String> = holes.iter().map(LoopId::to_string).collect();
             words.join(between)
         };
-        let what = match &run.work {
-            Work::Blend(loops) => numbers(loops, "+"),
-            Work::Fair(faces) => format!("{} faces", faces.len()),
-            Work::Refine(_) => row.level.map_or_else(String::new, |n| format!("level {n}")),
+        let what = match &run.operation {
+            Operation::Blend(spec) => numbers(&spec.loops, "+"),
+            Operation::Fair(spec) => format!("{} faces", spec.faces.len()),
+            Operation::Refine(_) => row.level.map_or_else(String::new, |n| format!("level {n}")),
             _ => numbers(&row.holes, ", "),
         };
         let text = |value: Option<String>| value.unwrap_or_default();

@@ -11,12 +11,12 @@ use super::navigation::{CLICK, navigate};
 use super::repair;
 use super::side::how;
 use crate::app::action::{Action, EditAction, SelectAction, SelectHow, TaskAction, ViewAction};
-use crate::app::document::Work;
 use crate::app::model::Model;
 use crate::app::report::Pick;
 use crate::app::scene_builder;
 use crate::app::view_state::{Bridging, Task, Tool};
 use crate::mesh::DVec3;
+use crate::ops::Operation;
 use crate::render::{MAX_SIDE, ViewportCallback};
 
 /// How near to a rim the cursor has to be, in points.
@@ -42,8 +42,8 @@ pub(crate) fn viewports_ui(
         }
         viewport_ui(ui, model, state, format, side, rect, actions);
         if let Some(run) = model.run.as_ref().filter(|r| r.sides.len() > 1) {
-            let title = match run.work {
-                Work::Refine(_) => run.sides[side].name.to_owned(),
+            let title = match run.operation {
+                Operation::Refine(_) => run.sides[side].name.to_owned(),
                 _ => super::energy::side_title(&run.sides[side].controls, side),
             };
             text(

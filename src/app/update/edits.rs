@@ -5,11 +5,10 @@ use std::sync::Arc;
 use super::refuse_while_running;
 use super::runs::accept;
 use crate::app::action::EditAction;
-use crate::app::document::{Accepted, Work};
+use crate::app::document::AppliedOperation;
 use crate::app::model::Model;
-use crate::fill::{bridge as build_bridge, segment_at};
-use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, erase as erase_faces, face_flags};
-use crate::runner::Schedule;
+use crate::mesh::{BoundaryLoop, DVec3, LoopId};
+use crate::ops::{BridgeSpec, EraseSpec, FlipSpec, Operation, Outcome};
 
 pub(crate) fn update(model: &mut Model, action: EditAction) {
     match action {
@@ -67,9 +66,17 @@ pub(crate) fn selected_faces(model: &mut Model) -> Option<Arc<Vec<u32>>> {
     Some(Arc::clone(&model.document.faces))
 }
 
-/// Takes in what needs no flow.
-fn accept_at_once(model: &mut Model, work: Work, mesh: Mesh, kept: Option<&[u32]>) {
-    let label = work.label();
+/// Applies an operation that needs no flow. Returns whether that was possible.
+fn apply(model: &mut Model, operation: Operation) -> bool {
+    let (mesh, kept) = match operation.run(&model.document.mesh, &|_, _| true) {
+        Ok(Outcome::Erased(erased)) => (erased.mesh, Some(erased.old_face)),
+        Ok(outcome) => (outcome.into_mesh(), None),
+        Err(error) => {
+            model.log.error(error.to_string());
+            return false;
+        }
+    };
+    let label = operation.label();
     model.history.record(&model.document, label.clone(), None);
     let end = mesh.face_count();
     // only what is there already may be erased
@@ -77,16 +84,15 @@ fn accept_at_once(model: &mut Model, work: Work, mesh: Mesh, kept: Option<&[u32]
         Some(_) => end,
         None => model.document.mesh.face_count(),
     };
-    let done = Accepted {
-        work,
-        controls: model.document.controls.clone(),
-        schedule: Schedule::default(),
+    let done = AppliedOperation {
+        operation,
         faces: start..end,
     };
-    model.document.accept(mesh, kept, done);
+    model.document.accept(mesh, kept.as_deref(), done);
     model.revision += 1;
     model.view.hover = None;
     model.log.info(label);
+    true
 }
 
 fn erase(model: &mut Model) {
@@ -100,13 +106,7 @@ fn erase(model: &mut Model) {
             .warning("all faces are selected: nothing would be left; Ctrl takes faces away");
         return;
     }
-    let erased = erase_faces(mesh, &face_flags(&faces, mesh.face_count()));
-    accept_at_once(
-        model,
-        Work::Erase(faces),
-        erased.mesh,
-        Some(&erased.old_face),
-    );
+    apply(model, Operation::Erase(EraseSpec { faces }));
 }
 
 /// Builds a strip between two rim vertices.
@@ -114,16 +114,8 @@ fn bridge(model: &mut Model, ends: [DVec3; 2], width: usize) {
     if model.run.is_some() {
         return;
     }
-    let (mesh, loops) = (&model.document.mesh, &model.document.loops);
-    let [Some(from), Some(to)] = ends.map(|p| segment_at(mesh, loops, p, width)) else {
-        return;
-    };
-    match build_bridge(mesh, loops, from, to) {
-        Ok(bridged) => {
-            accept_at_once(model, Work::Bridge(ends, width), bridged, None);
-            model.view.bridging = None;
-        }
-        Err(error) => model.log.error(error.to_string()),
+    if apply(model, Operation::Bridge(BridgeSpec { ends, width })) {
+        model.view.bridging = None;
     }
 }
 
@@ -132,14 +124,11 @@ fn flip(model: &mut Model, id: LoopId) {
     if refuse_while_running(model, "changing something else") {
         return;
     }
-    let Some(l) = model.document.loop_of(id) else {
+    let selected = model.document.selected();
+    let places: Vec<DVec3> = selected.iter().map(|l| l.centroid).collect();
+    if !apply(model, Operation::Flip(FlipSpec { loops: vec![id] })) {
         return;
-    };
-    let mesh = model.document.mesh.with_flipped(&[l.component]);
-    let work = Work::Flip(id);
-    let gathered = model.document.selected();
-    let places: Vec<DVec3> = gathered.iter().map(|l| l.centroid).collect();
-    accept_at_once(model, work, mesh, None);
+    }
     // the same rims stay selected; their numbers may have changed
     let loops = &model.document.loops;
     let nearest = |p: &DVec3| {

@@ -1,13 +1,17 @@
 //! Runs.
 
+use std::sync::Arc;
+
 use super::controls::params_for;
 use super::{edits, select};
 use crate::app::action::RunAction;
-use crate::app::document::{Accepted, Work, window_controls};
+use crate::app::document::{AppliedOperation, window_controls};
 use crate::app::model::Model;
 use crate::app::run::Run;
 use crate::app::view_state::Task;
 use crate::fill::Controls;
+use crate::mesh::LoopId;
+use crate::ops::{BlendSpec, FacesSpec, FillSpec, FlowSpec, Operation};
 
 pub(crate) fn update(model: &mut Model, action: RunAction) {
     match action {
@@ -19,7 +23,10 @@ pub(crate) fn update(model: &mut Model, action: RunAction) {
         RunAction::Start => start(model),
         RunAction::Fair => {
             if let Some(faces) = edits::selected_faces(model) {
-                spawn(model, Work::Fair(faces));
+                spawn(model, |flow| {
+                    let faces = Arc::clone(&faces);
+                    Operation::Fair(FacesSpec { faces, flow })
+                });
             }
         }
         RunAction::PlayPause => play_pause(model),
@@ -84,7 +91,10 @@ fn start(model: &mut Model) {
     }
     if model.view.task == Task::Repair {
         if let Some(faces) = edits::selected_faces(model) {
-            spawn(model, Work::Refill(faces));
+            spawn(model, |flow| {
+                let faces = Arc::clone(&faces);
+                Operation::Refill(FacesSpec { faces, flow })
+            });
         }
         return;
     }
@@ -109,14 +119,18 @@ fn start(model: &mut Model) {
             .warning("a blend joins two rims or more: click them, or take all with Ctrl+A");
         return;
     }
-    let loops = model.document.selection.iter().copied().collect();
-    spawn(
-        model,
+    let loops: Vec<LoopId> = model.document.selection.iter().copied().collect();
+    spawn(model, |flow| {
+        let loops = loops.clone();
         match task {
-            Task::Blend => Work::Blend(loops),
-            _ => Work::Fill(loops),
-        },
-    );
+            Task::Blend => Operation::Blend(BlendSpec { loops, flow }),
+            _ => Operation::Fill(FillSpec {
+                loops,
+                islands: true,
+                flow,
+            }),
+        }
+    });
 }
 
 fn refine(model: &mut Model) {
@@ -140,16 +154,17 @@ fn refine(model: &mut Model) {
     }
 }
 
-fn spawn(model: &mut Model, work: Work) {
+/// Starts an operation with the controls, and beside it with another energy if one is compared.
+fn spawn(model: &mut Model, operation: impl Fn(FlowSpec) -> Operation) {
     let a = model.document.controls.clone();
-    let mut sides = vec![a.clone()];
+    let mut sides = vec![operation(a.clone().into())];
     if let Some(energy) = &model.view.compare_energy {
         let mut b = a;
         b.param = params_for(energy, &b.param);
         b.energy.clone_from(energy);
-        sides.push(b);
+        sides.push(operation(b.into()));
     }
-    match Run::start(work, &model.document, &sides, model.view.pace, &model.wake) {
+    match Run::start(&sides, &model.document, model.view.pace, &model.wake) {
         Ok(run) => model.run = Some(run),
         Err(text) => model.log.error(text),
     }
@@ -222,27 +237,22 @@ pub(super) fn accept(model: &mut Model, index: usize) {
     };
     let filled = state.mesh();
     let surface = (state.patch_faces().is_none() && state.has_limit()).then(|| state.clone());
-    let mut work = run.work.clone();
+    let mut operation = side.operation.clone();
+    operation.set_schedule(state.schedule());
     let mut faces = run.base.face_count()..filled.face_count();
-    if let Work::Refine(work) = &mut work {
-        work.words.clone_from(&side.words);
+    if matches!(operation, Operation::Refine(_)) {
         faces = 0..0;
         // its vertices are points of the limit surface, if it has one
         model.view.report.on_surface |= state.has_limit();
-    } else if faces.is_empty() && !matches!(work, Work::Fair(_)) {
+    } else if faces.is_empty() && !matches!(operation, Operation::Fair(_)) {
         model
             .log
             .error("no hole could be filled; the mesh is as before");
         model.run = None;
         return;
     }
-    let done = Accepted {
-        work,
-        controls: side.start.clone(),
-        schedule: state.schedule(),
-        faces,
-    };
-    let label = done.work.label();
+    let label = operation.label();
+    let done = AppliedOperation { operation, faces };
     let kept = run.kept.take();
     let controls = side.controls.clone();
     model.history.record(&model.document, label.clone(), None);

@@ -10,25 +10,13 @@ mod tests;
 use std::collections::BTreeMap;
 
 use crate::energy::{Energy, ExprError};
-use crate::fill::FillOptions;
+use crate::fill::options::{Continuity, FillOptions};
 use crate::mesh::LoopId;
 use crate::options::{TauChoice, choices, options, text_keys};
 use crate::patch::PatchOptions;
 use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, SolverError, Tau};
 
 pub use limits::LoopLimits;
-
-/// How a patch meets the mesh along a rim.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Continuity {
-    /// In position only: the rim is a crease, and the mesh around it has no influence.
-    G0,
-    /// In position and normal: one smooth surface runs through the rim.
-    #[default]
-    G1,
-}
-
-choices!(Continuity: G1 "g1", G0 "g0");
 
 /// How the linear systems of the mixed schemes are solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
