@@ -10,7 +10,7 @@ mod blend;
 mod bridge;
 mod context;
 mod controls;
-mod fair;
+mod fairing;
 mod group;
 mod group_flow;
 mod hermite;
@@ -37,7 +37,6 @@ mod warm_start;
 
 pub use bridge::{BridgeError, RimSegment, bridge, segment_at};
 pub use controls::{Controls, ControlsError, Linear, LoopLimits};
-pub use fair::fair;
 pub use islands::with_islands;
 pub use options::{Continuity, FillOptions};
 pub use partial::{PartialError, fill_part};
@@ -46,8 +45,8 @@ pub use process::{
     FillEvent, FillProcess, FillSnapshot, FillState, FillTimeline, GroupState, GroupStatus,
     LiveFill,
 };
-pub use refill::{ErasedRegion, RefillError, Refilled, open_selection, refill};
-pub use result::{FillError, Filled, FilledHole, GroupResult, Timings};
+pub use refill::{ErasedRegion, Refilled, fair, open_selection, refill};
+pub use result::{FillError, Filled, FilledHole, GroupResult, RefillError, Timings};
 pub use rim::RimSet;
 pub use run::{Observer, ScheduledOptions, fill_holes, fill_rim_sets};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};

@@ -1,33 +1,10 @@
-//! Part of a surface replaced: erased and filled.
+//! Part of a surface made anew: erased and filled, or faired in place.
 
+use crate::fill::fairing::plan_fairing;
 use crate::fill::islands::with_islands;
-use crate::fill::result::{FillError, Filled};
-use crate::fill::run::{Observer, ScheduledOptions, fill_rim_sets};
+use crate::fill::result::{Filled, RefillError};
+use crate::fill::run::{Observer, ScheduledOptions, fill_rim_sets, run_plan};
 use crate::mesh::{BoundaryLoop, Erased, LoopId, Mesh, VertexId, boundary_loops, erase};
-
-/// Why a selection cannot be refilled or faired.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum RefillError {
-    /// No face is selected.
-    #[error("no face is selected; choose a place nearer to the surface or a larger radius")]
-    Nothing,
-    /// Every face at the selection is selected: nothing is left to continue.
-    #[error("the selection is a whole component: nothing is left for the new surface to join")]
-    Everything,
-    /// The selection is too narrow to have inner vertices.
-    #[error(
-        "the {faces} selected faces have no vertex that could move: all lie on the selection's \
-         border; select a wider region"
-    )]
-    NoInside {
-        /// Faces selected.
-        faces: usize,
-    },
-    /// Filling failed as a whole.
-    #[error(transparent)]
-    Fill(#[from] FillError),
-}
 
 /// A mesh whose selected faces are erased.
 #[derive(Clone, Debug)]
@@ -98,10 +75,27 @@ pub fn refill(
     Ok(Refilled { region, filled })
 }
 
+/// Lets the inner vertices of the selected faces flow, with G1 continuity to the rest. The
+/// triangles stay as they are. As in a new patch the vertices start from the warm start, so that
+/// their given positions do not matter. [`Filled::moved`] lists them.
+///
+/// # Errors
+/// An empty selection, one without inner vertices, or one that leaves nothing to continue from. An
+/// error of the flow is in the result.
+pub fn fair(
+    mesh: &Mesh,
+    selected: &[bool],
+    options: impl Into<ScheduledOptions>,
+    observe: Observer<'_>,
+) -> Result<Filled, RefillError> {
+    let plan = plan_fairing(mesh, selected)?;
+    Ok(run_plan(mesh, plan, &options.into(), observe)?)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fill::{FillOptions, fair};
+    use crate::fill::FillOptions;
     use crate::mesh::{DVec3, Topology, check_mesh, faces_in_ball, grow, inner_vertices};
     use crate::random::SplitMix;
     use crate::shapes;

@@ -34,6 +34,30 @@ impl FillError {
     }
 }
 
+/// Why a selection cannot be refilled or faired.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RefillError {
+    /// No face is selected.
+    #[error("no face is selected; choose a place nearer to the surface or a larger radius")]
+    Nothing,
+    /// Every face at the selection is selected: nothing is left to continue.
+    #[error("the selection is a whole component: nothing is left for the new surface to join")]
+    Everything,
+    /// The selection is too narrow to have inner vertices.
+    #[error(
+        "the {faces} selected faces have no vertex that could move: all lie on the selection's \
+         border; select a wider region"
+    )]
+    NoInside {
+        /// Faces selected.
+        faces: usize,
+    },
+    /// Filling failed as a whole.
+    #[error(transparent)]
+    Fill(#[from] FillError),
+}
+
 /// Wall-clock times of the stages of one hole or group, in milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[non_exhaustive]

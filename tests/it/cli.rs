@@ -1,12 +1,13 @@
 //! The program from end to end, on small generated meshes.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;
 
 use crate::common::desk::{Desk, Run};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use meniscus::cli::Arguments;
 use meniscus::io;
 use meniscus::mesh::{self, DVec3, boundary_loops};
@@ -117,28 +118,58 @@ fn help_has_examples_that_hold() {
         assert!(help.contains("Examples:"), "{help}");
         examples_hold(&help, count);
     }
-    for option in [
-        "--loop-at",
-        "--loops",
-        "--energy",
-        "--param",
-        "--scheme",
-        "--mode",
-        "--linear",
-        "--tau",
-        "--steps",
-        "--density",
-        "--report",
-        "--trace",
-        "--quiet",
-    ] {
-        let help = desk.run(&["fill", "--help"]).stdout;
-        assert!(help.contains(option), "{option}");
-    }
     let version = desk.run(&["--version"]).ends(0).stdout;
     assert_eq!(version, format!("meniscus {}\n", env!("CARGO_PKG_VERSION")));
     for command in ["info", "demo"] {
         desk.run(&[command, "--help"]).ends(0);
+    }
+}
+
+/// Long options of a command that its help shows.
+fn options_of(command: &clap::Command) -> BTreeSet<String> {
+    let shown = command.get_arguments().filter(|a| !a.is_hide_set());
+    shown
+        .filter_map(|a| a.get_long())
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Long options in the first column of the table of a command in the manual.
+fn options_in_table(manual: &str, command: &str) -> BTreeSet<String> {
+    let head = format!("| option of `{command}` |");
+    let from = manual.find(&head).expect("a table of the command");
+    let rows = manual[from..].lines().take_while(|l| l.starts_with('|'));
+    let cells = rows.filter_map(|l| l.split('|').nth(1));
+    cells
+        .flat_map(|cell| cell.split("`--").skip(1))
+        .map(|text| {
+            let end = text.find(|c: char| !c.is_ascii_lowercase() && c != '-');
+            text[..end.unwrap_or(text.len())].to_owned()
+        })
+        .collect()
+}
+
+#[test]
+fn the_manual_has_every_option_and_no_other() {
+    let manual = include_str!("../../docs/manual.md");
+    let program = Arguments::command();
+    let of = |name: &str| options_of(program.find_subcommand(name).expect("a command"));
+    let pictures = options_in_table(manual, "render");
+    assert_eq!(pictures, of("render"));
+    for name in ["fill", "refine", "analyze"] {
+        let table = options_in_table(manual, name);
+        let taken = of(name);
+        // the options of a picture stand once, under `render`
+        let shared = |o: &&String| table.contains(*o) || !pictures.contains(*o);
+        let own: BTreeSet<String> = taken.iter().filter(shared).cloned().collect();
+        assert_eq!(table, own, "{name}");
+    }
+    for command in program.get_subcommands() {
+        for option in options_of(command) {
+            let name = command.get_name();
+            let named = manual.contains(&format!("--{option}"));
+            assert!(named, "the manual does not name --{option} of {name}");
+        }
     }
 }
 
@@ -632,7 +663,7 @@ fn stl_in_ply_out() {
     assert_eq!(loop_count(&desk, "out.ply"), 0);
     let report = desk.json("report.json");
     assert_eq!(report["load"]["file_vertices"], 3 * faces.len());
-    let used: std::collections::BTreeSet<u32> = faces.iter().flatten().copied().collect();
+    let used: BTreeSet<u32> = faces.iter().flatten().copied().collect();
     assert_eq!(report["load"]["vertices"], used.len());
     assert_eq!(
         report["load"]["welded_vertices"],

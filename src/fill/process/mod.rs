@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::fill::assemble::Assembly;
 use crate::fill::context::FillContext;
-use crate::fill::fair::plan_fairing;
+use crate::fill::fairing::plan_fairing;
 use crate::fill::plan::Plan;
 use crate::fill::prepare::prepare;
 use crate::fill::{Controls, ControlsError, FillError, FillOptions, RefillError, with_islands};

@@ -1,31 +1,12 @@
-//! Part of a surface faired in place: its vertices flow, its triangles stay.
+//! The plan of a fairing: vertices of the mesh flow, its triangles stay.
 
 use std::sync::Arc;
 
 use crate::fill::group::Group;
 use crate::fill::plan::{Domain, Plan};
-use crate::fill::refill::RefillError;
-use crate::fill::result::Filled;
-use crate::fill::run::{Observer, ScheduledOptions, run_plan};
+use crate::fill::result::RefillError;
 use crate::mesh::{DVec3, FaceId, Mesh, Neighbourhood, VertexId, inner_vertices, rms_distance};
 use crate::solver::SUPPORT_RINGS;
-
-/// Lets the inner vertices of the selected faces flow, with G1 continuity to the rest. The
-/// triangles stay as they are. As in a new patch the vertices start from the warm start, so that
-/// their given positions do not matter. [`Filled::moved`] lists them.
-///
-/// # Errors
-/// An empty selection, one without inner vertices, or one that leaves nothing to continue from. An
-/// error of the flow is in the result.
-pub fn fair(
-    mesh: &Mesh,
-    selected: &[bool],
-    options: impl Into<ScheduledOptions>,
-    observe: Observer<'_>,
-) -> Result<Filled, RefillError> {
-    let plan = plan_fairing(mesh, selected)?;
-    Ok(run_plan(mesh, plan, &options.into(), observe)?)
-}
 
 /// The plan of a fairing: the inner vertices of the selected faces, with the faces near them as the
 /// support region.
