@@ -14,7 +14,7 @@ use crate::mesh::{BoundaryLoop, DVec3, LoadReport, LoopId, Mesh, Topology, bound
 use crate::ops::Operation;
 use crate::render::Bounds;
 
-/// Where a document came from.
+/// The origin of a document's mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
     /// A mesh file.
@@ -25,7 +25,7 @@ pub enum Source {
     Embedded,
 }
 
-/// What was opened; shared by all states of a document.
+/// The opened mesh's origin; all states of a document share it.
 #[derive(Clone, Debug)]
 pub struct Origin {
     /// Where it came from.
@@ -80,26 +80,26 @@ mod face_range {
     }
 }
 
-/// The saved and undone state. Cloning is cheap: meshes are shared.
+/// The state that is saved and undone. Cloning is cheap: meshes are shared.
 #[derive(Clone, Debug)]
 pub struct Document {
     /// What was opened.
     pub origin: Arc<Origin>,
-    /// The mesh with all that was accepted; what is left of the opened one comes first.
+    /// The mesh after all operations. What is left of the opened mesh comes first.
     pub mesh: Arc<Mesh>,
-    /// The surface behind it, if it is a refinement just accepted: its vertices are points of that.
+    /// The limit surface on which its vertices lie, if it is a refinement just accepted.
     pub surface: Option<RunState>,
     /// Faces from here on belong to patches.
     pub first_patch_face: usize,
     /// Its boundary loops.
     pub loops: Arc<Vec<BoundaryLoop>>,
-    /// The selected ones.
+    /// The selected loops.
     pub selection: BTreeSet<LoopId>,
     /// The selected faces, ascending.
     pub faces: Arc<Vec<u32>>,
-    /// What the next run is to use.
+    /// Controls of the next run.
     pub controls: Controls,
-    /// What was accepted, oldest first.
+    /// The operations applied so far, oldest first.
     pub accepted: Vec<Arc<AppliedOperation>>,
 }
 
@@ -141,11 +141,11 @@ impl Document {
         self.mesh.vertex_count() == 0 && !self.is_changed()
     }
 
-    /// Takes in what was done: the mesh is `mesh`, its loops are numbered anew. `kept` are the faces
-    /// that are left, by their earlier indices, if some were erased; they come first in `mesh`.
+    /// Takes the result of an operation. If it erased faces, `kept` are the others by their earlier
+    /// indices; they come first in `mesh`.
     pub fn accept(&mut self, mesh: Mesh, kept: Option<&[u32]>, done: AppliedOperation) {
         if matches!(done.operation, Operation::Refine(_)) {
-            // there are no faces any more that could be told from others
+            // all faces are new: none belongs to a patch
             self.first_patch_face = mesh.face_count();
             for one in &mut self.accepted {
                 Arc::make_mut(one).faces = 0..0;
@@ -199,7 +199,7 @@ impl Document {
         self.chosen(&LoopChoice::Auto)
     }
 
-    /// Whether something was accepted since the mesh was opened.
+    /// Whether an operation was applied to the opened mesh.
     pub fn is_changed(&self) -> bool {
         !self.accepted.is_empty()
     }
@@ -251,7 +251,7 @@ pub fn bounds_of(mesh: &Mesh) -> Bounds {
     Bounds::of(mesh.positions.iter().copied()).unwrap_or(Bounds::new(-unit, unit))
 }
 
-/// The window's defaults: the flow in true time, so that there is something to watch.
+/// The defaults of the window: flows in true time, for watching.
 pub fn window_controls() -> Controls {
     Controls {
         mode: crate::solver::Mode::Flow,

@@ -139,7 +139,7 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
 /// Reads a project file.
 ///
 /// # Errors
-/// What is wrong with it or with the mesh it names, for the person.
+/// What is wrong with the file or with the mesh it names, for the user.
 pub fn read(path: &Path) -> Result<(Document, Project), String> {
     let text = std::fs::read_to_string(path)
         .map_err(|e| format!("{}: {e}; check the path", path.display()))?;

@@ -8,12 +8,11 @@ use super::model::Model;
 use crate::io;
 use crate::ops::Operation;
 
-/// Commands that repeat everything that was accepted and the run that is shown, one after the other, in
-/// lines of a shell script. Schedules and long lists of faces and sharp edges are written beside the
-/// result.
+/// A shell script that repeats all accepted operations and the present run, one command a line. Writes
+/// schedules and long lists of faces and sharp edges into files beside the result.
 ///
 /// # Errors
-/// There is nothing to repeat, or a schedule cannot be written; the message is for the person.
+/// There is nothing to repeat, or a file cannot be written. The message is for the user.
 pub fn command(model: &Model) -> Result<String, String> {
     let accepted = model.document.accepted.iter();
     let mut steps: Vec<Operation> = accepted.map(|one| one.operation.clone()).collect();

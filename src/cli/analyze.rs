@@ -131,7 +131,7 @@ pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
     print(&text(&input, &analysis)?)
 }
 
-/// The same for people.
+/// The same as plain text.
 fn text(input: &str, analysis: &Analysis) -> Result<String, std::fmt::Error> {
     let mut out = String::new();
     let (s, q) = (&analysis.shape, &analysis.quality);

@@ -19,7 +19,7 @@ pub struct DemoArguments {
     /// Folder to write to; made if it does not exist.
     #[arg(long, value_name = "DIR", default_value = "meniscus-demo")]
     pub out: PathBuf,
-    /// Say nothing but errors.
+    /// Print errors only.
     #[arg(short, long)]
     pub quiet: bool,
 }

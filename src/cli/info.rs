@@ -78,7 +78,7 @@ pub fn info(args: &InfoArguments) -> Result<()> {
     print(&text(&info)?)
 }
 
-/// The same for people.
+/// The same as plain text.
 fn text(info: &Info<'_>) -> Result<String, std::fmt::Error> {
     let r = info.load;
     let mut out = String::new();

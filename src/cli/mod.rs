@@ -43,8 +43,7 @@ pub struct UsageError(pub String);
 /// Runs a command.
 ///
 /// # Errors
-/// Anything that keeps the command from doing its job; the message is for the person at the
-/// terminal. It is a [`UsageError`] if the command line is to blame.
+/// The command failed. The error is a [`UsageError`] if the command line is invalid.
 pub fn run(command: Command) -> Result<()> {
     match command {
         Command::Fill(args) => fill::fill(&args),

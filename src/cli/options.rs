@@ -1,9 +1,9 @@
 //! Structs of options as arguments of a command.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
-use crate::options::{Choice, Kind, OptionEntry, Options};
+use crate::options::{Kind, OptionEntry, Options};
 
 /// The options `T`, each a flag of its name.
 #[derive(Clone, Debug, Default)]
@@ -84,12 +84,6 @@ fn argument<T: Options>(entry: OptionEntry<T>) -> Arg {
             valid.map(|()| text.to_owned())
         }),
     }
-}
-
-/// Parses a choice by its name.
-pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
-    PossibleValuesParser::new(T::names())
-        .map(|name| T::named(&name).expect("one of the possible values"))
 }
 
 #[cfg(test)]

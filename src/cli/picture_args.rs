@@ -1,11 +1,11 @@
 //! How pictures look: the options that `render` and `fill` share.
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use crate::cli::options::choice;
 use crate::cli::parse::point;
 use crate::mesh::DVec3;
-use crate::options::choices;
+use crate::options::{Choice, choices};
 use crate::render::{MAX_SIDE, ViewMode};
 
 /// Options of pictures.
@@ -115,4 +115,10 @@ fn range(text: &str) -> Result<[f32; 2], String> {
     } else {
         Err(error())
     }
+}
+
+/// Parses a choice by its name.
+pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(T::names())
+        .map(|name| T::named(&name).expect("one of the possible values"))
 }

@@ -5,9 +5,8 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 
-use crate::cli::options::choice;
 use crate::cli::picture::Shot;
-use crate::cli::picture_args::PictureArguments;
+use crate::cli::picture_args::{PictureArguments, choice};
 use crate::cli::targets::check_targets;
 use crate::io::open;
 use crate::render::{Gpu, SequenceFormat, save_png, turntable, write_sequence};
@@ -33,7 +32,7 @@ pub struct RenderArguments {
     /// Pictures a second.
     #[arg(long, value_name = "FPS", default_value_t = 25.0, requires = "turntable", value_parser = fps)]
     pub fps: f64,
-    /// Say nothing but errors.
+    /// Print errors only.
     #[arg(short, long)]
     pub quiet: bool,
 }

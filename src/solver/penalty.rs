@@ -116,7 +116,8 @@ mod tests {
     #[test]
     fn a_growing_penalty_becomes_a_constraint() {
         let free = lattice(6);
-        let held: Vec<(u32, DVec3)> = [7, 8, 28]
+        // no two of them are neighbours, so that each ρ is proportional to the weight
+        let held: Vec<(u32, DVec3)> = [7, 10, 28]
             .map(|k| free.interior()[k])
             .map(|v| (v, free.positions()[v as usize] + free.centre()))
             .to_vec();
@@ -145,12 +146,10 @@ mod tests {
             let row = penalty.row(i).iter();
             row.map(|&(u, weight)| weight * w[u as usize]).sum::<f64>()
         };
-        // a displacement that keeps the constraints: 7 and 8 are neighbours, so by sweeps
+        // a displacement that keeps the constraints
         let mut kept: Vec<f64> = (0..n).map(|i| (0.7 * i as f64).cos()).collect();
-        for _ in 0..200 {
-            for (i, &u) in constrained.iter().enumerate() {
-                kept[u] -= limit(i, &kept) / penalty.row(i)[0].1;
-            }
+        for (i, &u) in constrained.iter().enumerate() {
+            kept[u] -= limit(i, &kept) / penalty.row(i)[0].1;
         }
         let mut violations = Vec::new();
         for weight in [1e2, 1e3, 1e4, 1e5] {

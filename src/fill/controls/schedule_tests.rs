@@ -141,11 +141,11 @@ fn errors_name_line_and_remedy() {
             .expect_err("a fault");
         assert!(error.to_string().contains(wanted), "{error}");
     }
-    let mistaken = Controls {
+    let invalid = Controls {
         energy: "H^".into(),
         ..Controls::default()
     };
-    assert!(Schedule::default().recording(&mistaken).is_err());
+    assert!(Schedule::default().recording(&invalid).is_err());
 }
 
 /// An energy and its parameter may come in any order: only what they are together is looked at.
