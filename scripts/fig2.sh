@@ -18,9 +18,10 @@ blend() {
         --picture "docs/pictures/fig2-$letter.png" "${look[@]}" "$@"
     field() { sed -n "s/^ *\"$1\": \([^,]*\),*$/\1/p" "$scratch/report.json" | head -1; }
     local end=converged
-    grep -q 'pinches off' "$scratch/report.json" && end='before the neck pinches off'
-    grep -q 'time step collapsed' "$scratch/report.json" && end='no step lowers the energy'
-    grep -q 'not converged after' "$scratch/report.json" && end='stopped'
+    warned() { grep -q "^ *\"$1\",*$" "$scratch/report.json"; } # by the code of a warning
+    warned pinched && end='before the neck pinches off'
+    warned step-size-collapsed && end='no step lowers the energy'
+    warned step-limit && end='stopped'
     rows+="| ($letter) $title | $paper | $(field steps) | $(field rejected) | $end | $(field seconds | cut -c1-5) |"$'\n'
 }
 blend b 'start, with noise' '-' --view shaded --noise 0.3 --steps 0

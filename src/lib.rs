@@ -55,5 +55,6 @@ pub mod shapes;
 pub mod solver;
 pub mod subdivision;
 pub mod surface;
+pub mod warning;
 
 pub use api::{Error, Fill, fill};

@@ -48,7 +48,7 @@ pub enum Done {
     /// A file was read.
     Loaded(PathBuf, Result<Loaded, String>),
     /// A file was written.
-    Saved(PathBuf, SavedWhat, Result<(), String>),
+    Saved(PathBuf, SavedWhat, Result<Vec<String>, String>),
     /// Picking is ready for a mesh.
     Picker(Arc<Mesh>, Arc<Picker>),
     /// The faces in a lasso were found.

@@ -15,6 +15,7 @@ use crate::fill::{Controls, ErasedRegion, LiveFill, open_selection};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
 use crate::ops::Operation;
 use crate::runner::RunSettings;
+use crate::solver::{RejectReason, StepRecord};
 pub use handle::{RunEvent, RunHandle, RunState, StateView, same_state};
 pub use refinement::method_name;
 
@@ -50,6 +51,8 @@ pub struct Curve {
     pub residual: Vec<[f64; 2]>,
     /// Attempts so far.
     attempts: usize,
+    /// Why the last rejected step was rejected.
+    pub rejection: Option<RejectReason>,
 }
 
 /// One fill, or two that are compared.
@@ -76,7 +79,7 @@ impl Run {
     /// Starts fills of the same kind that are compared, one or two.
     ///
     /// # Errors
-    /// A message for the person.
+    /// A message for the user.
     pub fn start(
         operations: &[Operation],
         document: &Document,
@@ -275,13 +278,14 @@ impl RunVariant {
         }
     }
 
-    fn record(&mut self, group: usize, record: &crate::solver::StepRecord) {
+    fn record(&mut self, group: usize, record: &StepRecord) {
         if self.curves.len() <= group {
             self.curves.resize(group + 1, Curve::default());
         }
         let curve = &mut self.curves[group];
         curve.attempts += 1;
         if record.rejected {
+            curve.rejection.clone_from(&record.reason);
             return;
         }
         let x = curve.attempts as f64;

@@ -349,6 +349,14 @@ fn compared_energies_keep_their_own_parameters_when_a_control_is_changed() {
 }
 
 #[test]
+fn what_a_format_cannot_keep_is_logged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut m = model();
+    act(&mut m, FileAction::SaveAs(folder.path().join("out.stl")));
+    until(&mut m, |m| last_message(m).contains("rounded"));
+}
+
+#[test]
 fn files_are_saved_reopened_and_never_overwritten() {
     let folder = tempfile::tempdir().expect("a folder");
     let source = folder.path().join("in.obj");
@@ -485,7 +493,7 @@ fn the_command_repeats_the_work() {
     let mut m = model();
     act(&mut m, FileAction::CopyCommand);
     assert!(
-        last_message(&m).contains("nothing was done"),
+        last_message(&m).contains("nothing to repeat"),
         "{}",
         last_message(&m)
     );

@@ -13,6 +13,7 @@ use crate::analysis::{
 };
 use crate::cli::UsageError;
 use crate::cli::flow::write_text;
+use crate::cli::hints::invalid_energy;
 use crate::cli::parse::{parameter, plane};
 use crate::cli::print::print;
 use crate::cli::targets::check_targets;
@@ -81,9 +82,7 @@ pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
         .energy
         .as_deref()
         .map(|text| Energy::parse(text, &params));
-    let energy = energy
-        .transpose()
-        .map_err(|e| UsageError(format!("--energy\n{}", e.render())))?;
+    let energy = energy.transpose().map_err(|e| invalid_energy(&e))?;
     let opened = open(&args.input)?;
     let reference = args.against.as_deref().map(open).transpose()?;
     let mesh = &opened.mesh;

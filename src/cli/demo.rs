@@ -31,6 +31,7 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
     let (positions, triangles) = shapes::demo();
     let topology = Topology::from_triangles(positions.len(), &triangles)?;
     let holed = args.out.join("holed.obj");
+    // OBJ keeps all of it
     save_mesh(&holed, &Mesh::new(positions, topology), &[])?;
     if !args.quiet {
         print(&format!("{}: the sample with its holes\n", holed.display()))?;

@@ -5,10 +5,10 @@ use clap::Args;
 
 use crate::cli::flow::MeshFiles;
 use crate::cli::parse::point;
-use crate::cli::print::print;
+use crate::cli::print::{print, save};
 use crate::cli::selection::SelectionArguments;
 use crate::fill::nearest_loop;
-use crate::io::{Opened, save_mesh};
+use crate::io::Opened;
 use crate::mesh::{DVec3, LoopId, Mesh, boundary_loops};
 use crate::ops::{BridgeSpec, EraseSpec, FlipSpec, Operation};
 
@@ -104,7 +104,7 @@ pub fn bridge(args: &BridgeArguments) -> Result<()> {
 /// Runs an operation without a flow and writes the new mesh.
 fn done(files: &MeshFiles, opened: &Opened, operation: &Operation) -> Result<Mesh> {
     let mesh = operation.run(&opened.mesh, &|_, _| true)?.into_mesh();
-    save_mesh(&files.output, &mesh, &opened.material_libraries)?;
+    save(&files.output, &mesh, opened, files.quiet)?;
     Ok(mesh)
 }
 

@@ -6,7 +6,7 @@ use clap::Args;
 use crate::cli::flow::{FlowArguments, LoopArguments, MeshFiles, Task};
 use crate::cli::options::OptionArguments;
 use crate::cli::parse::point;
-use crate::cli::progress::Progress;
+use crate::cli::progress::{Progress, Work};
 use crate::cli::report::skipped;
 use crate::fill::LoopLimits;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, boundary_loops};
@@ -51,7 +51,7 @@ pub fn fill(args: &FillArguments) -> Result<()> {
     let task = Task::new(&args.files, &args.flow)?;
     let mesh = &task.opened.mesh;
     if let [from, to] = args.part[..] {
-        let progress = Progress::new(1, args.files.quiet);
+        let progress = Progress::new(Work::Holes(1), args.files.quiet);
         let operation = Operation::FillPart(FillPartSpec {
             ends: [from, to],
             controls: task.flow.controls.clone(),

@@ -6,12 +6,14 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use crate::cli::UsageError;
+use crate::cli::hints::{invalid_energy, print_warnings};
 use crate::cli::options::OptionArguments;
-use crate::cli::print::print;
-use crate::cli::progress::Progress;
-use crate::cli::report::{FailedHole, FillReport, SkippedLoop, hole_reports, totals, trace};
+use crate::cli::print::{print, save};
+use crate::cli::progress::{Progress, Work};
+use crate::cli::report::{FailedHole, FillReport, SkippedLoop, hole_reports, totals};
 use crate::cli::result_picture::ResultPicture;
 use crate::cli::targets::check_targets;
+use crate::cli::trace::Trace;
 use crate::fill::{
     Continuity, Controls, ControlsError, Filled, LoopChoice, RimSet, choose, fill_rim_sets,
     nearest_loop,
@@ -182,7 +184,7 @@ impl<'a> Task<'a> {
                 eprintln!("{}", nothing_to_do(skipped.len()));
             }
         }
-        let progress = Progress::new(rim_sets.len(), self.files.quiet);
+        let progress = Progress::new(Work::Holes(rim_sets.len()), self.files.quiet);
         let options = self.flow.options()?;
         let filled = fill_rim_sets(&self.opened.mesh, rim_sets, options, &|group, record| {
             progress.step(group, record);
@@ -213,7 +215,7 @@ impl<'a> Task<'a> {
             opened,
             flow,
         } = self;
-        io::save_mesh(&files.output, &filled.mesh, &opened.material_libraries)?;
+        save(&files.output, &filled.mesh, opened, files.quiet)?;
         let first = filled.mesh.face_count() - filled.faces_added();
         args.picture.save(&filled.mesh, first, creases)?;
         let holes = hole_reports(filled);
@@ -245,7 +247,7 @@ impl<'a> Task<'a> {
             write_text(path, &text)?;
         }
         if let Some(path) = &args.trace {
-            write_text(path, &trace(filled))?;
+            write_text(path, Trace::of_fill(filled).text())?;
         }
         if !files.quiet {
             summary(&report)?;
@@ -278,9 +280,7 @@ fn failures(report: &FillReport<'_>, filled: &Filled, output: &Path) -> Result<(
 
 fn summary(report: &FillReport<'_>) -> Result<()> {
     for hole in &report.holes {
-        for warning in &hole.warnings {
-            eprintln!("hole {}: {warning}", hole.id);
-        }
+        print_warnings(&format!("hole {}: ", hole.id), hole.warnings.iter());
     }
     let t = &report.totals;
     print(&format!(
@@ -315,12 +315,10 @@ pub fn schedule<C: RunControls>(path: &Path, controls: &C) -> Result<Schedule> {
 }
 
 /// The error of controls whose texts are valid but whose values are not.
-fn usage(error: &ControlsError) -> anyhow::Error {
-    let text = match error.expression() {
-        Some(expression) => format!("--energy\n{}", expression.render()),
-        None => error.to_string(),
-    };
-    UsageError(text).into()
+fn usage(error: &ControlsError) -> UsageError {
+    error
+        .expression()
+        .map_or_else(|| UsageError(error.to_string()), invalid_energy)
 }
 
 /// Writes a text file.

@@ -8,6 +8,7 @@ mod demo;
 mod edit;
 mod fill;
 mod flow;
+mod hints;
 mod info;
 mod options;
 mod parse;
@@ -30,6 +31,7 @@ mod result_picture;
 mod sample;
 mod selection;
 mod targets;
+mod trace;
 
 pub use args::{Arguments, Command};
 

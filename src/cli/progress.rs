@@ -8,48 +8,117 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::solver::StepRecord;
 
-/// A spinner that shows the last step of any group; nothing where stderr is no terminal.
+/// What is in progress.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    /// Filling so many holes; steps belong to groups of them.
+    Holes(usize),
+    /// Fairing a region.
+    Fairing,
+    /// Refining a mesh; steps belong to levels.
+    Refinement,
+}
+
+impl Work {
+    /// What is shown before the first step.
+    fn start(self) -> String {
+        match self {
+            Self::Holes(1) => "1 hole: first patches".into(),
+            Self::Holes(count) => format!("{count} holes: first patches"),
+            Self::Fairing => "fairing: start".into(),
+            Self::Refinement => "level 1: start".into(),
+        }
+    }
+
+    /// What is shown after a step of a group or level; `steps` are the accepted ones of each.
+    fn after(self, steps: &BTreeMap<usize, usize>, group: usize, record: &StepRecord) -> String {
+        let total: usize = steps.values().sum();
+        let flows = steps.len();
+        let place = match self {
+            Self::Holes(_) if flows == 1 => format!("1 flow, {total} steps"),
+            Self::Holes(_) => format!("{flows} flows, {total} steps"),
+            Self::Fairing => format!("fairing, {total} steps"),
+            Self::Refinement => format!("level {group}, {} steps", record.step),
+        };
+        let last = match &record.reason {
+            Some(reason) => format!("rejected: {reason}"),
+            None => format!("residual {:.1e}", record.residual),
+        };
+        format!("{place}; energy {:.6e}, {last}", record.energy)
+    }
+}
+
+/// A spinner that shows the last step; nothing where stderr is no terminal.
 pub struct Progress {
     bar: ProgressBar,
+    work: Work,
     steps: Mutex<BTreeMap<usize, usize>>,
 }
 
 impl Progress {
-    /// For filling `holes` holes.
-    pub fn new(holes: usize, quiet: bool) -> Self {
-        let bar = if quiet || holes == 0 || !std::io::stderr().is_terminal() {
+    /// Shows the line, unless `quiet`.
+    pub fn new(work: Work, quiet: bool) -> Self {
+        let bar = if quiet || work == Work::Holes(0) || !std::io::stderr().is_terminal() {
             ProgressBar::hidden()
         } else {
             let style = ProgressStyle::with_template("{spinner} {msg}")
                 .unwrap_or_else(|_| ProgressStyle::default_spinner());
             let bar = ProgressBar::new_spinner().with_style(style);
             bar.enable_steady_tick(std::time::Duration::from_millis(100));
-            let noun = if holes == 1 { "hole" } else { "holes" };
-            bar.set_message(format!("{holes} {noun}: first patches"));
+            bar.set_message(work.start());
             bar
         };
         Self {
             bar,
+            work,
             steps: Mutex::new(BTreeMap::new()),
         }
     }
 
-    /// A step of a group was attempted.
+    /// A group or level attempted a step.
     pub fn step(&self, group: usize, record: &StepRecord) {
         if let Ok(mut steps) = self.steps.lock() {
             steps.insert(group, record.step);
-            let total: usize = steps.values().sum();
-            self.bar.set_message(format!(
-                "{} flows started, {total} steps; energy {:.6e}, residual {:.1e}",
-                steps.len(),
-                record.energy,
-                record.residual
-            ));
+            let message = self.work.after(&steps, group, record);
+            self.bar.set_message(message);
         }
     }
 
     /// Takes the line away.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::{RejectReason, StepKind};
+
+    #[test]
+    fn a_refinement_has_levels_and_no_holes() {
+        let record = StepRecord {
+            step: 3,
+            tau: 1.0,
+            energy: 2.0,
+            residual: f64::NAN,
+            rejected: true,
+            reason: Some(RejectReason::NoDescent),
+            kind: StepKind::Factorized,
+            iterations: None,
+            linear_residual: None,
+        };
+        let steps = BTreeMap::from([(1, 5), (2, 3)]);
+        let text = Work::Refinement.after(&steps, 2, &record);
+        let wanted =
+            "level 2, 3 steps; energy 2.000000e0, rejected: the step does not lower the energy";
+        assert_eq!(text, wanted);
+        let start = Work::Refinement.start();
+        assert!(
+            !start.contains("hole") && !start.contains("patch"),
+            "{start}"
+        );
+        let fill = Work::Holes(4).after(&steps, 2, &record);
+        assert!(fill.starts_with("2 flows, 8 steps"), "{fill}");
     }
 }

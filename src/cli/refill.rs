@@ -5,14 +5,15 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::cli::flow::{FlowArguments, MeshFiles, Task, write_text};
-use crate::cli::print::print;
-use crate::cli::progress::Progress;
-use crate::cli::report::step_lines;
+use crate::cli::hints::print_warnings;
+use crate::cli::print::{print, save};
+use crate::cli::progress::{Progress, Work};
 use crate::cli::selection::SelectionArguments;
+use crate::cli::trace::Trace;
 use crate::fill::Filled;
-use crate::io::save_mesh;
 use crate::ops::{FacesSpec, Operation, Outcome};
 use crate::solver::End;
+use crate::warning::Warnings;
 
 /// `meniscus refill`.
 #[derive(Debug, Args)]
@@ -45,7 +46,12 @@ pub fn refill(args: &RefillArguments) -> Result<()> {
     } else {
         Operation::Refill(spec)
     };
-    let progress = Progress::new(1, args.files.quiet);
+    let work = if args.fair {
+        Work::Fairing
+    } else {
+        Work::Holes(1)
+    };
+    let progress = Progress::new(work, args.files.quiet);
     let outcome = operation.run(mesh, &|group, record| {
         progress.step(group, record);
         true
@@ -86,15 +92,13 @@ struct FairReport<'a> {
     energy_start: f64,
     energy_end: f64,
     seconds: f64,
-    warnings: &'a [String],
+    #[serde(flatten)]
+    warnings: &'a Warnings,
 }
 
 fn save_faired(args: &RefillArguments, task: &Task<'_>, faces: usize, new: &Filled) -> Result<()> {
-    save_mesh(
-        &args.files.output,
-        &new.mesh,
-        &task.opened.material_libraries,
-    )?;
+    let files = &args.files;
+    save(&files.output, &new.mesh, &task.opened, files.quiet)?;
     let Some(Ok(group)) = new.groups.first() else {
         let error = new.groups.iter().find_map(|g| g.as_ref().err());
         let why = error.map_or_else(String::new, ToString::to_string);
@@ -123,14 +127,12 @@ fn save_faired(args: &RefillArguments, task: &Task<'_>, faces: usize, new: &Fill
         write_text(path, &(serde_json::to_string_pretty(&report)? + "\n"))?;
     }
     if let Some(path) = &args.flow.trace {
-        write_text(path, &step_lines([(None, &group.records[..])]))?;
+        write_text(path, Trace::of_fill(new).text())?;
     }
     if args.files.quiet {
         return Ok(());
     }
-    for warning in &outcome.warnings {
-        eprintln!("{warning}");
-    }
+    print_warnings("", outcome.warnings.iter());
     print(&format!(
         "{}: {} vertices faired in {:.2} s\n",
         report.output, report.vertices_moved, report.seconds

@@ -11,15 +11,16 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::analysis::{Distances, distances};
-use crate::cli::UsageError;
 use crate::cli::creases::CreaseArguments;
 use crate::cli::flow::{MeshFiles, schedule, write_text};
+use crate::cli::hints::{invalid_energy, print_warnings};
 use crate::cli::options::OptionArguments;
-use crate::cli::print::print;
-use crate::cli::progress::Progress;
+use crate::cli::print::{print, save};
+use crate::cli::progress::{Progress, Work};
 use crate::cli::selection::SelectionArguments;
 use crate::cli::targets::check_targets;
-use crate::io::{Opened, open, save_mesh};
+use crate::cli::trace::Trace;
+use crate::io::{Opened, open};
 use crate::memory::peak_memory;
 use crate::mesh::{LoadReport, Mesh, folded_edges, self_intersections};
 use crate::ops::{OperationError, RefineSpec};
@@ -27,6 +28,7 @@ use crate::options::Choice;
 use crate::refine::{LevelReport, RefineControls, RefineEvent, Refined, refine_recorded};
 use crate::runner::Schedule;
 use crate::solver::FlowOptions;
+use crate::warning::{Warning, Warnings};
 
 /// Intersecting pairs counted at most.
 const MOST_INTERSECTIONS: usize = 1000;
@@ -62,7 +64,9 @@ struct RefineReport<'a> {
     distances: Option<Distances>,
     seconds: f64,
     peak_memory: u64,
-    warnings: Vec<String>,
+    /// Those of the levels and about the result.
+    #[serde(flatten)]
+    warnings: Warnings,
 }
 
 /// `meniscus refine`.
@@ -116,7 +120,7 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
         ],
     )?;
     let energy = args.controls.0.given_energy();
-    energy.map_err(|e| UsageError(format!("--energy\n{}", e.render())))?;
+    energy.map_err(|e| invalid_energy(&e))?;
     let creases = args.creases.chains()?;
     let schedule = match &args.schedule {
         Some(path) => schedule(path, &args.controls.0)?,
@@ -138,47 +142,34 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     let recording = spec.schedule.recording(&spec.controls)?;
     let flow = options.flow.clone();
     let start = Instant::now();
-    let progress = Progress::new(1, args.files.quiet);
-    let mut trace = String::from("level,step,tau,energy,residual,rejected\n");
+    let progress = Progress::new(Work::Refinement, args.files.quiet);
+    let mut trace = Trace::new("level");
     let mesh = Arc::new(opened.mesh.clone());
     let observe = &mut |event| {
         if let RefineEvent::Step { level, record } = event {
             progress.step(level, &record);
-            // a String takes everything
-            let _ = writeln!(
-                trace,
-                "{},{},{:e},{:e},{:e},{}",
-                level,
-                record.step,
-                record.tau,
-                record.energy,
-                record.residual,
-                u8::from(record.rejected)
-            );
+            trace.add(&level, &record);
         }
         true
     };
     let (refined, refused) = refine_recorded(mesh, options, &recording, observe)?;
     progress.finish();
     let seconds = start.elapsed().as_secs_f64();
-    save_mesh(
-        &args.files.output,
-        &refined.mesh,
-        &opened.material_libraries,
-    )?;
+    let files = &args.files;
+    save(&files.output, &refined.mesh, &opened, files.quiet)?;
     if let Some(path) = &args.control {
-        save_mesh(path, &refined.control, &opened.material_libraries)?;
+        save(path, &refined.control, &opened, files.quiet)?;
     }
     let mut report = report(args, &opened, &refined, seconds, &flow);
-    report
-        .warnings
-        .extend(refused.into_iter().map(|change| change.text));
+    let refused = refused.into_iter().map(|change| change.text);
+    let warning = |text| Warning::ChangeRefused { text };
+    report.warnings.extend(refused.map(warning));
     report.distances = reference.and_then(|r| distances(&refined.mesh, &r.mesh));
     if let Some(path) = &args.report {
         write_text(path, &(serde_json::to_string_pretty(&report)? + "\n"))?;
     }
     if let Some(path) = &args.trace {
-        write_text(path, &trace)?;
+        write_text(path, trace.text())?;
     }
     if args.files.quiet {
         Ok(())
@@ -200,18 +191,11 @@ fn report<'a>(
         first.map(|p| p.to_array().map(f64::to_bits)).collect()
     };
     let (own, of_input) = (faults(mesh), faults(given));
-    let mut warnings: Vec<String> = refined
-        .levels
-        .iter()
-        .flat_map(|l| l.warnings.iter().map(|w| format!("level {}: {w}", l.level)))
-        .collect();
+    let levels = refined.levels.iter();
+    let mut warnings: Warnings = levels.flat_map(|l| l.warnings.iter().cloned()).collect();
     if own.0 > of_input.0 {
-        warnings.push(format!(
-            "the result has {} pairs of intersecting triangles, the input {}: two sheets of the \
-             coarse mesh are too near to each other for a smooth surface through its vertices \
-             (try more --tension)",
-            own.0, of_input.0
-        ));
+        let (pairs, of_input) = (own.0, of_input.0);
+        warnings.push(Warning::IntersectingResult { pairs, of_input });
     }
     RefineReport {
         version: env!("CARGO_PKG_VERSION"),
@@ -247,9 +231,11 @@ fn faults(mesh: &Mesh) -> (usize, usize) {
 }
 
 fn summary(report: &RefineReport<'_>) -> Result<()> {
-    for warning in &report.warnings {
-        eprintln!("{warning}");
+    for l in report.levels {
+        print_warnings(&format!("level {}: ", l.level), l.warnings.iter());
     }
+    let is_new = |w: &&Warning| !report.levels.iter().any(|l| l.warnings.contains(w));
+    print_warnings("", report.warnings.iter().filter(is_new));
     let mut text = String::new();
     for l in report.levels {
         writeln!(

@@ -1,12 +1,11 @@
-//! The JSON report and the CSV trace of a fill.
-
-use std::fmt::Write as _;
+//! The JSON report of a fill.
 
 use serde::Serialize;
 
 use crate::fill::{Filled, Timings};
 use crate::mesh::{BoundaryLoop, LoadReport, LoopId};
-use crate::solver::{End, StepRecord};
+use crate::solver::End;
+use crate::warning::{Warning, Warnings};
 
 /// Everything a fill did.
 #[derive(Debug, Serialize)]
@@ -75,8 +74,9 @@ pub struct HoleReport {
     /// Scheme A: largest relative residual of a linear solve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linear_residual: Option<f64>,
-    /// Warnings in plain words.
-    pub warnings: Vec<String>,
+    /// Warnings: their texts and codes.
+    #[serde(flatten)]
+    pub warnings: Warnings,
 }
 
 /// A hole that could not be filled.
@@ -155,7 +155,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
                 timings: Timings::default(),
                 gmres_iterations: None,
                 linear_residual: None,
-                warnings: Vec::new(),
+                warnings: Warnings::default(),
             };
             match hole.group.map(|g| &filled.groups[g]) {
                 Some(Ok(group)) => {
@@ -174,7 +174,8 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
                 }
                 Some(Err(error)) => {
                     report.converged = false;
-                    report.warnings.push(error.to_string());
+                    let reason = error.to_string();
+                    report.warnings.push(Warning::FlowFailed { reason });
                 }
                 None => {}
             }
@@ -226,39 +227,4 @@ pub fn skipped(
             reason: reason(l),
         })
         .collect()
-}
-
-/// One line a step attempted: loop (the first of its group), step, τ, energy, residual, rejected.
-pub fn trace(filled: &Filled) -> String {
-    let groups = filled.groups.iter().enumerate();
-    step_lines(groups.filter_map(|(g, group)| {
-        let id = filled.first_hole(g)?.id();
-        Some((Some(id), &group.as_ref().ok()?.records[..]))
-    }))
-}
-
-/// The CSV of several flows, each with its loop (0 for none).
-pub fn step_lines<'a>(
-    flows: impl IntoIterator<Item = (Option<LoopId>, &'a [StepRecord])>,
-) -> String {
-    let mut csv = String::from("loop,step,tau,energy,residual,rejected\n");
-    for (id, records) in flows {
-        let number = id.map_or_else(|| "0".into(), |id| id.to_string());
-        for r in records {
-            let residual = if r.rejected {
-                String::new()
-            } else {
-                format!("{:e}", r.residual)
-            };
-            let _ = writeln!(
-                csv,
-                "{number},{},{:e},{:e},{residual},{}",
-                r.step,
-                r.tau,
-                r.energy,
-                u8::from(r.rejected)
-            );
-        }
-    }
-    csv
 }

@@ -4,36 +4,34 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use crate::cli::UsageError;
-use crate::cli::print::print;
+use crate::cli::print::{print, save};
 use crate::io;
 use crate::shapes::{SAMPLES, Sample};
 
 /// `meniscus sample`.
 #[derive(Debug, Args)]
 pub struct SampleArguments {
-    /// Which: creature, sphere, torus, catenoid or saddle.
-    #[arg(value_name = "NAME")]
-    pub name: String,
+    /// Which.
+    #[arg(value_name = "NAME", value_parser = samples())]
+    pub sample: &'static Sample,
     /// Mesh to write (.obj, .ply, .stl).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 }
 
+/// The samples by their names.
+fn samples() -> impl TypedValueParser<Value = &'static Sample> {
+    let names = SAMPLES.map(|s| PossibleValue::new(s.name).help(s.title));
+    PossibleValuesParser::new(names).try_map(|name| Sample::named(&name).ok_or("no such sample"))
+}
+
 /// Runs the command.
 pub fn sample(args: &SampleArguments) -> Result<()> {
-    let Some(sample) = Sample::named(&args.name) else {
-        let names: Vec<&str> = SAMPLES.iter().map(|s| s.name).collect();
-        return Err(UsageError(format!(
-            "there is no sample `{}`; there are {}",
-            args.name,
-            names.join(", ")
-        ))
-        .into());
-    };
+    let sample = args.sample;
     io::check_target(&args.output)?;
     let opened = io::from_soup(sample.soup(), Path::new(sample.name))?;
-    io::save_mesh(&args.output, &opened.mesh, &[])?;
+    save(&args.output, &opened.mesh, &opened, false)?;
     print(&format!("{}: {}\n", args.output.display(), sample.title))
 }

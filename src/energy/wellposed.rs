@@ -103,29 +103,6 @@ pub struct WellPosedScan {
     pub worst: Option<WorstPoint>,
 }
 
-impl WellPosedScan {
-    /// A sentence for the user where the flow is not parabolic at some sample, else `None`.
-    pub fn warning(&self) -> Option<String> {
-        let worst = self.worst.filter(|worst| worst.class > WellPosed::Strict)?;
-        let (count, what) = match worst.class {
-            WellPosed::Undefined => (self.undefined, "has no finite second derivatives"),
-            WellPosed::IllPosed => (self.ill_posed, "is ill-posed (short waves grow)"),
-            _ => (
-                self.degenerate,
-                "is degenerate (does not smooth in some direction)",
-            ),
-        };
-        let WorstPoint {
-            h, k, symbol, b, ..
-        } = worst;
-        Some(format!(
-            "the flow of this energy {what} at {count} of {} points; worst at H = {h:.6e}, \
-             K = {k:.6e}: symbol {symbol:.3e} in the direction of normal curvature {b:.3e}",
-            self.samples
-        ))
-    }
-}
-
 /// Classifies the flow of `energy` at every `[H, K]` of `samples`.
 ///
 /// `length` is the size of the region, such as the hole's radius: a symbol below `tol` times its

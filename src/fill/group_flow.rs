@@ -16,14 +16,12 @@ use crate::fill::self_intersection::{SelfIntersection, SelfIntersectionMonitor};
 use crate::fill::warm_start::{warm_start, warm_start_of};
 use crate::mesh::{DVec3, VertexId};
 use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord, sharpest_cosine};
+use crate::warning::{Warning, Warnings};
 
 /// Maximum factor by which remeshing may raise the energy. A rise is normal: new vertices lie on
 /// the control triangles and not on the smooth surface, which the next steps correct, and stretched
 /// triangles underestimate the curvature.
 const MAX_ENERGY_RISE: f64 = 1.6;
-
-/// What a user can do about a surface that intersects itself.
-const REMEDY: &str = "take another energy or a tension, or join fewer rims at a time";
 
 /// The flow of a group of holes.
 pub(super) struct GroupFlow {
@@ -39,7 +37,7 @@ pub(super) struct GroupFlow {
     remeshing: RemeshPolicy,
     intersection: SelfIntersectionMonitor,
     energy_start: Option<f64>,
-    warnings: Vec<String>,
+    warnings: Warnings,
     timings: Timings,
 }
 
@@ -80,7 +78,7 @@ impl GroupFlow {
             remeshing: RemeshPolicy::default(),
             intersection: SelfIntersectionMonitor::default(),
             energy_start: None,
-            warnings: Vec::new(),
+            warnings: Warnings::default(),
             timings: Timings::default(),
         }
     }
@@ -205,11 +203,13 @@ impl GroupFlow {
         let Some(found) = self.intersection.found().copied().filter(|_| ended) else {
             return;
         };
+        let warning = |kept_step| Warning::SelfIntersection {
+            pairs: found.pairs,
+            at: found.place,
+            kept_step,
+        };
         let Some(clean) = self.intersection.clean().cloned() else {
-            self.warn(format!(
-                "the surface passes through itself or the mesh from the start ({}); {REMEDY}",
-                found.words()
-            ));
+            self.warn(warning(None));
             return;
         };
         let built = self.build(
@@ -223,12 +223,7 @@ impl GroupFlow {
         if let Ok(Some(mut flow)) = built {
             flow.finish(End::SelfIntersected);
             self.install(clean.topology, clean.positions, Some(flow));
-            self.warn(format!(
-                "not converged: on its way the surface passes through itself or the mesh ({}); its last \
-                 shape without that, after step {}, is kept ({REMEDY})",
-                found.words(),
-                clean.steps
-            ));
+            self.warn(warning(Some(clean.steps)));
         }
     }
 
@@ -420,18 +415,15 @@ impl GroupFlow {
     }
 
     /// Adds a warning for the user.
-    pub fn warn(&mut self, text: String) {
-        self.warnings.push(text);
+    pub fn warn(&mut self, warning: Warning) {
+        self.warnings.push(warning);
     }
 
     /// Warnings so far, each once.
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Warnings {
         let mut all = self.warnings.clone();
-        for text in self.flow.iter().flat_map(Flow::warnings) {
-            if !all.contains(text) {
-                all.push(text.clone());
-            }
-        }
+        let of_flow = self.flow.iter().flat_map(|flow| flow.warnings().iter());
+        all.extend(of_flow.cloned());
         all
     }
 
@@ -440,25 +432,20 @@ impl GroupFlow {
     /// # Errors
     /// Why the flow failed.
     pub fn outcome(&mut self) -> Result<(Outcome, Timings), SolverError> {
-        let before = std::mem::take(&mut self.warnings);
-        let result = match (&mut self.flow, &self.failed) {
+        match (&mut self.flow, &self.failed) {
             (Some(flow), _) => {
                 let mut outcome = flow.outcome();
                 if let Some(start) = self.energy_start {
                     outcome.energy_start = start;
                 }
-                let own = std::mem::take(&mut outcome.warnings);
-                outcome.warnings.clone_from(&before);
-                outcome
-                    .warnings
-                    .extend(own.into_iter().filter(|text| !before.contains(text)));
+                let mut all = self.warnings.clone();
+                all.extend(outcome.warnings);
+                outcome.warnings = all;
                 Ok((outcome, self.timings))
             }
             (None, Some(error)) => Err(error.clone()),
             (None, None) => Ok((nothing_to_do(), self.timings)),
-        };
-        self.warnings = before;
-        result
+        }
     }
 }
 
@@ -470,6 +457,6 @@ fn nothing_to_do() -> Outcome {
         rejected: 0,
         energy_start: 0.0,
         energy_end: 0.0,
-        warnings: Vec::new(),
+        warnings: Warnings::default(),
     }
 }

@@ -6,20 +6,19 @@ use crate::fill::assemble::appended_triangles;
 use crate::fill::context::FillContext;
 use crate::fill::patch_topology::PatchTopology;
 use crate::mesh::{DVec3, Mesh, self_intersections};
+use crate::warning::{MAX_PAIRS, pairs_near};
 
 /// Maximum number of accepted steps between two checks.
 const STEPS_BETWEEN: usize = 5;
 /// Movement of a vertex, in mean edge lengths of the patches, after which a check is due at once.
 const FAR: f64 = 0.5;
-/// Pairs of intersecting triangles are counted up to this number.
-const MAX_PAIRS: usize = 100;
 
 /// A surface that intersects itself or the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SelfIntersection {
     /// One of the places.
     pub place: DVec3,
-    /// Intersecting pairs of triangles, at most 100.
+    /// Intersecting pairs of triangles, [`MAX_PAIRS`] at most.
     pub pairs: usize,
     /// Accepted steps up to the last surface known to be free of intersections.
     pub last_clean: Option<usize>,
@@ -28,20 +27,7 @@ pub(super) struct SelfIntersection {
 impl SelfIntersection {
     /// Number of pairs and place, for a message.
     pub fn words(&self) -> String {
-        let at = self.place;
-        let (one, more) = (
-            self.pairs == 1,
-            if self.pairs < MAX_PAIRS {
-                ""
-            } else {
-                " or more"
-            },
-        );
-        let pairs = if one { "pair" } else { "pairs" };
-        format!(
-            "{}{more} {pairs} of triangles, one near ({:.6}, {:.6}, {:.6})",
-            self.pairs, at.x, at.y, at.z
-        )
+        pairs_near(self.pairs, self.place)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What can be written in which format, and what a format leaves out.
 
 use super::{Format, MeshFault, OutputMesh};
+use crate::mesh::DVec3;
 
 /// Checks that `mesh` can be written in `format`: finite coordinates, indices in range, attribute
 /// arrays of the right length.
@@ -60,23 +61,26 @@ pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
     Ok(())
 }
 
-/// What a file in `format` will not hold of `mesh`, in words for the user; empty if
-/// nothing is lost. STL rounds coordinates to `f32`, which is only reported where it matters: where
-/// two corners of a triangle become the same point.
+/// What a file in `format` does not keep of `mesh`, one sentence for the user each; empty if nothing
+/// is lost.
 pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
     let mut lost = Vec::new();
     let colored = !mesh.colors.is_empty();
     match format {
         Format::Obj if mesh.colors.iter().any(|c| c[3] != 1.0) => {
-            lost.push("OBJ has no transparency: the alpha channel is not written".to_owned());
+            lost.push("transparency is not kept in OBJ".to_owned());
         }
-        Format::Stl if colored => lost.push("STL has no colours: they are not written".to_owned()),
+        Format::Stl if colored => lost.push("colours are not kept in STL".to_owned()),
         _ => {}
     }
     if format != Format::Obj && !mesh.face_tags.is_empty() {
-        lost.push("groups and materials are only written to OBJ".to_owned());
+        lost.push("groups and materials are kept in OBJ only".to_owned());
     }
     if format == Format::Stl {
+        let rounded = |p: &DVec3| p.as_vec3().as_dvec3() != *p;
+        if mesh.positions.iter().any(rounded) {
+            lost.push("coordinates are rounded to single precision in STL".to_owned());
+        }
         let single = |v: u32| mesh.positions[v as usize].as_vec3();
         let same = |a: u32, b: u32| {
             single(a) == single(b) && mesh.positions[a as usize] != mesh.positions[b as usize]
@@ -85,8 +89,8 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         let count = mesh.triangles.iter().filter(collapsed).count();
         if count > 0 {
             lost.push(format!(
-                "{count} triangles collapse in the single precision of STL: move the mesh to the \
-                 origin, or write OBJ or PLY"
+                "triangles that collapse in single precision: {count}; move the mesh to the origin, \
+                 or write OBJ or PLY"
             ));
         }
     }

@@ -351,7 +351,7 @@ impl ParseErrorKind {
 fn extension_words(extension: Option<&str>) -> String {
     match extension {
         Some(ext) => format!("unknown file type '.{ext}'"),
-        None => "no file extension that says the format".to_owned(),
+        None => "no file extension".to_owned(),
     }
 }
 

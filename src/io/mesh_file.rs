@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{LoadError, OutputMesh, SaveError, load, save};
+use super::{Format, LoadError, OutputMesh, SaveError, load, losses, save};
 use crate::mesh::{self, BuildError, LoadReport, Mesh, Soup};
 
 /// A mesh read from a file.
@@ -57,12 +57,20 @@ pub fn from_soup(soup: Soup, path: &Path) -> Result<Opened, OpenError> {
     })
 }
 
-/// Writes a mesh atomically, in the format of the extension.
+/// Writes a mesh atomically, in the format of the extension. Returns the [`losses`], one sentence
+/// each.
 ///
 /// # Errors
 /// As [`save`].
-pub fn save_mesh(path: &Path, mesh: &Mesh, material_libraries: &[String]) -> Result<(), SaveError> {
-    with_output(mesh, material_libraries, |output| save(path, output))
+pub fn save_mesh(
+    path: &Path,
+    mesh: &Mesh,
+    material_libraries: &[String],
+) -> Result<Vec<String>, SaveError> {
+    with_output(mesh, material_libraries, |output| {
+        save(path, output)?;
+        Ok(Format::from_path(path).map_or_else(Vec::new, |format| losses(format, output)))
+    })
 }
 
 /// Calls `write` with all that a file holds of a mesh.

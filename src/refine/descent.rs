@@ -10,11 +10,11 @@
 use std::sync::Arc;
 
 use crate::energy::Energy;
-use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs};
+use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs, LinearError};
 use crate::mesh::{DVec3, Topology};
 use crate::solver::{
     Attempt, EnergySum, Evaluator, FlowOptions, FlowProblem, FoldGuard, MatrixForm,
-    PRECONDITIONER_RULE, SolverError, State, StepKind, StepRequest, Stepper,
+    PRECONDITIONER_RULE, RejectReason, SolverError, State, StepKind, StepRequest, Stepper,
 };
 use crate::subdivision::Rule;
 
@@ -91,14 +91,14 @@ impl FullGradientDescent {
 
     pub(super) fn step(&mut self, tau: f64) -> Attempt {
         let fresh = self.age.is_none_or(|age| age >= REFRESH);
-        if fresh && let Err(note) = self.factorize(tau) {
-            return Attempt::rejected(Some(note));
+        if fresh && let Err(error) = self.factorize(tau) {
+            return Attempt::rejected(error.into());
         }
         let Some(step) = self.search() else {
             self.age = None;
             return Attempt {
                 needs_refactorization: !fresh,
-                ..Attempt::rejected(None)
+                ..Attempt::rejected(RejectReason::NoDescent)
             };
         };
         let (new, old) = (
@@ -128,13 +128,11 @@ impl FullGradientDescent {
         Attempt::accepted(max_displacement, kind)
     }
 
-    pub(super) fn factorize(&mut self, tau: f64) -> Result<(), String> {
+    pub(super) fn factorize(&mut self, tau: f64) -> Result<(), LinearError> {
         let mut values = Vec::new();
         let directions = vec![DVec3::X; self.evaluator.unknowns().len()];
         self.evaluator.matrix(&directions, tau, &mut values);
-        self.cholesky
-            .factorize(&values)
-            .map_err(|e| e.to_string())?;
+        self.cholesky.factorize(&values)?;
         self.memory.clear();
         self.age = Some(0);
         for d in &mut self.damping {

@@ -15,6 +15,7 @@ use crate::solver::{
     scheme_stepper,
 };
 use crate::subdivision::Rule;
+use crate::warning::Warning;
 
 /// The descent may take one in so many of the steps.
 const DESCENT_SHARE: usize = 2;
@@ -141,11 +142,9 @@ impl LevelFlow {
         let problem = self.flow.problem();
         let mut warnings = outcome.warnings;
         if self.unreached > 0 {
-            warnings.push(format!(
-                "{} vertices could not be reached without a fold in the surface (the mesh itself may be \
-                 folded there)",
-                self.unreached
-            ));
+            warnings.push(Warning::Unreached {
+                vertices: self.unreached,
+            });
         }
         LevelReport {
             level,

@@ -19,6 +19,7 @@ use crate::refine::start::constrained_start;
 use crate::solver::{Flow, FlowOptions, FlowProblem, SolverError};
 use crate::subdivision::limit_positions;
 use crate::surface::Interpolation;
+use crate::warning::Warnings;
 pub(super) use restore::{SavedLevel, SavedState};
 
 /// A mesh being refined, cut open along its creases.
@@ -386,7 +387,7 @@ impl Refinement {
             held_error: None,
             seconds: start.elapsed().as_secs_f64(),
             peak_memory: peak_memory(),
-            warnings: Vec::new(),
+            warnings: Warnings::default(),
         }
     }
 }

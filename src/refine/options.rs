@@ -285,8 +285,8 @@ fn median_bend(mesh: &Mesh) -> f64 {
 pub enum RefineError {
     /// The result would be too large.
     #[error(
-        "{levels} levels make more triangles than a mesh can hold; take fewer (each level makes \
-         four of one)"
+        "{levels} levels give more triangles than a mesh can hold; use fewer (each level replaces \
+         a triangle by four)"
     )]
     TooManyLevels {
         /// Levels asked for.
@@ -308,10 +308,10 @@ pub enum RefineError {
         /// In degrees.
         angle: f64,
     },
-    /// A crease is no edge of the mesh.
+    /// A crease is not an edge of the mesh.
     #[error(
-        "the crease from vertex {} to vertex {} (counted from 1) is no edge of the mesh; name \
-         neighbouring vertices",
+        "the crease from vertex {} to vertex {} (counted from 1) is not an edge of the mesh; name \
+         adjacent vertices",
         ends[0] + 1,
         ends[1] + 1
     )]
@@ -322,7 +322,7 @@ pub enum RefineError {
     /// A crease is too short to be one.
     #[error(
         "the crease from vertex {} to vertex {} (counted from 1) is a single edge that meets no \
-         other crease and no boundary; add a neighbouring edge or leave it out",
+         other crease and no boundary; add an adjacent edge or omit it",
         ends[0] + 1,
         ends[1] + 1
     )]

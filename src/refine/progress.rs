@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::solver::StepRecord;
+use crate::warning::Warnings;
 
 /// Report of a finished level.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -35,8 +36,9 @@ pub struct LevelReport {
     /// Largest resident set of the process up to the end of the level, bytes; 0 where the system does
     /// not tell.
     pub peak_memory: u64,
-    /// Warnings in plain words.
-    pub warnings: Vec<String>,
+    /// Warnings about its flow.
+    #[serde(flatten)]
+    pub warnings: Warnings,
 }
 
 /// What [`Refinement::step`](crate::refine::Refinement::step) did.

@@ -3,6 +3,7 @@
 use crate::linear::GmresReport;
 use crate::options::choices;
 use crate::solver::assembly::EnergySum;
+use crate::solver::record::RejectReason;
 
 /// What the flow is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -50,8 +51,8 @@ pub struct Attempt {
     pub needs_refactorization: bool,
     /// Scheme A: how the linear solve went.
     pub linear: Option<GmresReport>,
-    /// Why it was rejected, unless the energy rose.
-    pub note: Option<String>,
+    /// Why it was rejected, if it was.
+    pub reason: Option<RejectReason>,
 }
 
 impl Attempt {
@@ -62,18 +63,18 @@ impl Attempt {
             kind,
             needs_refactorization: false,
             linear: None,
-            note: None,
+            reason: None,
         }
     }
 
-    pub(crate) fn rejected(note: Option<String>) -> Self {
+    pub(crate) fn rejected(reason: RejectReason) -> Self {
         Self {
             accepted: false,
             max_displacement: 0.0,
             kind: StepKind::Factorized,
             needs_refactorization: false,
             linear: None,
-            note,
+            reason: Some(reason),
         }
     }
 }

@@ -18,6 +18,7 @@ use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::Rule;
 use crate::surface::{SurfaceStats, sample_surface};
+use crate::warning::{Warning, Warnings};
 
 /// Makes the stepper of a flow at the starting positions of a problem. The energy is that of the
 /// options on the problem's radius.
@@ -47,7 +48,7 @@ pub struct Flow {
     factorized: usize,
     end: Option<End>,
     energy_start: f64,
-    warnings: Vec<String>,
+    warnings: Warnings,
 }
 
 impl Flow {
@@ -153,7 +154,7 @@ impl Flow {
     }
 
     /// Warnings so far, in plain words.
-    pub fn warnings(&self) -> &[String] {
+    pub fn warnings(&self) -> &Warnings {
         &self.warnings
     }
 
@@ -279,18 +280,10 @@ impl Flow {
         let open = self.problem.clone().with_positions(self.pinch.last_open());
         self.stepper = (self.make)(&open, &self.options, &self.energy)?;
         self.end = Some(End::Pinched);
-        let at = place + self.problem.centre();
-        let reason = if self.energy.order() == Order::Second {
-            "since this energy has no minimum between rims so far apart; the last shape with an open neck is \
-             kept (take a fourth-order energy such as H^2, or bring the rims nearer)"
-        } else {
-            "or its triangles vanish there; the last shape with all of them is kept (take another energy or \
-             a tension, or bring the rims nearer)"
-        };
-        self.warnings.push(format!(
-            "not converged: the surface pinches off near ({:.6}, {:.6}, {:.6}), {reason}",
-            at.x, at.y, at.z
-        ));
+        self.warnings.push(Warning::Pinched {
+            at: place + self.problem.centre(),
+            order: self.energy.order(),
+        });
         Ok(())
     }
 
@@ -363,6 +356,7 @@ impl Flow {
             energy: self.energy().value,
             residual,
             rejected: !attempt.accepted,
+            reason: attempt.reason.clone(),
             kind: attempt.kind,
             iterations: attempt.linear.map(|l| l.iterations),
             linear_residual: attempt.linear.map(|l| l.relative_residual),
@@ -390,28 +384,16 @@ impl Flow {
     pub fn outcome(&mut self) -> Outcome {
         let energy_end = self.fine_energy();
         let mut warnings = self.warnings.clone();
-        if self.stepper.frozen() > 0 {
-            warnings.push(format!(
-                "{} vertices rest where the least further step would fold the surface (more tension, or a \
-                 finer mesh there, would free them)",
-                self.stepper.frozen()
-            ));
+        let vertices = self.stepper.frozen();
+        if vertices > 0 {
+            warnings.push(Warning::Frozen { vertices });
         }
         match self.end {
-            Some(End::StepSizeCollapsed) => warnings.push(
-                "not converged: the time step collapsed, no step lowers the energy any more; \
-                 the last good shape is kept (try another energy, or --tau with a fixed value)"
-                    .into(),
-            ),
-            Some(End::MaxSteps) => warnings.push(format!(
-                "not converged after {} steps; allow more with --steps{}",
-                self.steps,
-                if self.options.scheme == Scheme::Mixed {
-                    ", or take --scheme mixed-corrected, which does not creep along the surface"
-                } else {
-                    ""
-                }
-            )),
+            Some(End::StepSizeCollapsed) => warnings.push(Warning::StepSizeCollapsed),
+            Some(End::MaxSteps) => warnings.push(Warning::StepLimit {
+                steps: self.steps,
+                mixed: self.options.scheme == Scheme::Mixed,
+            }),
             _ => {}
         }
         Outcome {
@@ -461,14 +443,10 @@ fn stats(problem: &FlowProblem, options: &FlowOptions, energy: &Energy) -> Surfa
 }
 
 /// Warnings for an energy on the surface of `stats`.
-fn warnings(problem: &FlowProblem, energy: &Energy, stats: &SurfaceStats) -> Vec<String> {
-    let mut warnings: Vec<String> = stats.warning(problem.centre()).into_iter().collect();
-    if energy.order() == Order::Stationary {
-        warnings.push(
-            "this energy is a multiple of K, whose integral depends on the rim alone: every \
-             surface is stationary and the first patch stays as it is"
-                .into(),
-        );
-    }
-    warnings
+fn warnings(problem: &FlowProblem, energy: &Energy, stats: &SurfaceStats) -> Warnings {
+    let stationary = energy.order() == Order::Stationary;
+    let posed = stats.warning(problem.centre()).into_iter();
+    posed
+        .chain(stationary.then_some(Warning::StationaryEnergy))
+        .collect()
 }

@@ -38,7 +38,7 @@ pub(crate) use fold_guard::FoldGuard;
 pub use mixed::{LinearSolver, MixedFlow};
 pub use options::{FlowOptions, Scheme};
 pub use problem::{FlowProblem, SUPPORT_RINGS};
-pub use record::{End, Outcome, StepRecord};
+pub use record::{End, Outcome, RejectReason, StepRecord};
 pub use relax::sharpest_cosine;
 pub use stepper::{StepRequest, Stepper};
 pub use unknowns::Unknowns;

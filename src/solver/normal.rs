@@ -16,6 +16,7 @@ use crate::solver::control::{Attempt, StepKind};
 use crate::solver::evaluator::{Evaluator, PRECONDITIONER_RULE, State};
 use crate::solver::fold_guard::FoldGuard;
 use crate::solver::normals::LimitNormals;
+use crate::solver::record::RejectReason;
 use crate::solver::stepper::{StepRequest, Stepper};
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::Rule;
@@ -46,15 +47,6 @@ pub struct NormalFlow {
     w: Vec<f64>,
     quasi_newton: Option<QuasiNewton>,
     guard: Option<Guard>,
-}
-
-/// Why a step was not taken.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Refusal {
-    /// The shortest part of it that was tried folds the surface.
-    Fold,
-    /// It does not lower the energy or is not finite.
-    Other,
 }
 
 /// The guard against folds under constraints.
@@ -124,7 +116,7 @@ impl NormalFlow {
         self.stiffen_frozen();
         if let Err(error) = self.cholesky.factorize(&self.values) {
             // M/τ dominates for small τ: reject and let the step-size control shrink it
-            return Attempt::rejected(Some(error.to_string()));
+            return Attempt::rejected(error.into());
         }
         project(
             &self.evaluator.state.gradient,
@@ -137,11 +129,11 @@ impl NormalFlow {
         self.zero_dependent();
         let longest = match self.try_step(request.next_tau, may_freeze) {
             Ok(longest) => longest,
-            Err(refusal) => {
+            Err(reason) => {
                 return Attempt {
                     // the same τ again, if the others can go on without the vertices at a fold
-                    needs_refactorization: refusal == Refusal::Fold && self.freeze_marked(),
-                    ..Attempt::rejected(None)
+                    needs_refactorization: reason == RejectReason::Fold && self.freeze_marked(),
+                    ..Attempt::rejected(reason)
                 };
             }
         };
@@ -164,7 +156,7 @@ impl NormalFlow {
     /// and folds nothing (`w` is shortened to that). Returns the length of the whole step. With
     /// `freeze` only the gradient is made at the new point, else the normals too and, without a
     /// guard, the matrix for `next_tau`.
-    fn try_step(&mut self, next_tau: f64, freeze: bool) -> Result<f64, Refusal> {
+    fn try_step(&mut self, next_tau: f64, freeze: bool) -> Result<f64, RejectReason> {
         self.matrix_tau = None;
         if self.guard.is_some() {
             let longest = self.search()?;
@@ -176,7 +168,7 @@ impl NormalFlow {
         }
         let longest = self.displace();
         if !longest.is_finite() {
-            return Err(Refusal::Other);
+            return Err(RejectReason::NoDescent);
         }
         if freeze {
             // quasi-Newton steps keep the normals of this factor
@@ -189,26 +181,26 @@ impl NormalFlow {
                 .evaluate_trial_with_matrix(normals, next_tau, values);
         }
         if !self.evaluator.admits_trial() {
-            return Err(Refusal::Other);
+            return Err(RejectReason::NoDescent);
         }
         self.matrix_tau = (!freeze).then_some(next_tau);
         Ok(longest)
     }
 
     /// Halves the step until it lowers the energy and folds nothing.
-    fn search(&mut self) -> Result<f64, Refusal> {
+    fn search(&mut self) -> Result<f64, RejectReason> {
         let mut whole = None;
-        let mut refusal = Refusal::Other;
+        let mut reason = RejectReason::NoDescent;
         for _ in 0..=HALVINGS {
             let longest = self.displace();
             let whole = *whole.get_or_insert(longest);
-            refusal = Refusal::Other;
+            reason = RejectReason::NoDescent;
             if !longest.is_finite() {
-                return Err(refusal);
+                return Err(reason);
             }
             if self.would_fold() {
                 if longest < SHORT * self.evaluator.radius() {
-                    refusal = Refusal::Fold;
+                    reason = RejectReason::Fold;
                 }
             } else {
                 self.evaluator.evaluate_trial();
@@ -218,7 +210,7 @@ impl NormalFlow {
             }
             self.w.iter_mut().for_each(|w| *w *= 0.5);
         }
-        Err(refusal)
+        Err(reason)
     }
 
     fn quasi_newton_step(&mut self, mut phase: QuasiNewton) -> Attempt {
@@ -234,13 +226,16 @@ impl NormalFlow {
             .memory
             .direction(&mut self.w, |q| cholesky.solve_in_place(q, 1));
         self.zero_dependent();
-        let Ok(longest) = self.try_step(0.0, true) else {
-            // back to a fresh matrix at the current point
-            self.leave_quasi_newton();
-            return Attempt {
-                needs_refactorization: true,
-                ..Attempt::rejected(None)
-            };
+        let longest = match self.try_step(0.0, true) {
+            Ok(longest) => longest,
+            Err(reason) => {
+                // back to a fresh matrix at the current point
+                self.leave_quasi_newton();
+                return Attempt {
+                    needs_refactorization: true,
+                    ..Attempt::rejected(reason)
+                };
+            }
         };
         self.remember(&mut phase.memory);
         let stale = longest > SHRINK * phase.last_move;

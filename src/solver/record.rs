@@ -1,6 +1,8 @@
 //! What a flow tells of its steps and of its end.
 
+use crate::linear::LinearError;
 use crate::solver::control::StepKind;
+use crate::warning::Warnings;
 
 /// One line of the record of a flow.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,12 +18,71 @@ pub struct StepRecord {
     pub residual: f64,
     /// Whether it was rejected.
     pub rejected: bool,
+    /// Why, if it was.
+    pub reason: Option<RejectReason>,
     /// How it was computed.
     pub kind: StepKind,
     /// Scheme A: iterations of GMRES.
     pub iterations: Option<usize>,
     /// Scheme A: relative residual of the linear solve.
     pub linear_residual: Option<f64>,
+}
+
+/// Why a step was rejected.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RejectReason {
+    /// The energy after the step is not finite, or higher than before by more than rounding.
+    #[error("the step does not lower the energy")]
+    NoDescent,
+    /// The surface would fold.
+    #[error("the step would fold the surface")]
+    Fold,
+    /// τ is not a positive number.
+    #[error("the time step is {0}")]
+    TimeStep(f64),
+    /// The energy's second derivatives are not finite somewhere.
+    #[error("second derivatives of the energy are not finite on the surface")]
+    UndefinedDerivatives,
+    /// The linear system could not be solved.
+    #[error("{0}")]
+    Linear(#[from] LinearError),
+    /// Scheme A: GMRES stopped at its limit of iterations.
+    #[error(
+        "GMRES did not converge: relative residual {relative_residual:.1e} after {iterations} iterations"
+    )]
+    NotSolved {
+        /// Residual over that at the start.
+        relative_residual: f64,
+        /// Iterations.
+        iterations: usize,
+    },
+    /// Scheme A: the energy fell by much more than its gradient promises.
+    #[error(
+        "the surface is no longer resolved: the energy fell by {fall:.1e}, its gradient promises \
+         {promised:.1e}"
+    )]
+    Unresolved {
+        /// Decrease of the energy.
+        fall: f64,
+        /// Decrease by its gradient.
+        promised: f64,
+    },
+}
+
+impl RejectReason {
+    /// A stable name for traces and scripts.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::NoDescent => "no-descent",
+            Self::Fold => "fold",
+            Self::TimeStep(_) => "time-step",
+            Self::UndefinedDerivatives => "undefined-derivatives",
+            Self::Linear(_) => "linear-solve",
+            Self::NotSolved { .. } => "gmres",
+            Self::Unresolved { .. } => "unresolved",
+        }
+    }
 }
 
 /// Why a flow ended.
@@ -55,6 +116,6 @@ pub struct Outcome {
     pub energy_start: f64,
     /// Energy at the end, by the rule of the steps, 12 points at least.
     pub energy_end: f64,
-    /// Warnings in plain words.
-    pub warnings: Vec<String>,
+    /// What the user should know about it.
+    pub warnings: Warnings,
 }

@@ -1,9 +1,10 @@
 //! Curvature ranges of a limit surface, and how an energy's flow behaves on it.
 
-use crate::energy::{Energy, WellPosedScan, scan_well_posedness};
+use crate::energy::{Energy, WellPosed, WellPosedScan, scan_well_posedness};
 use crate::mesh::DVec3;
 use crate::subdivision::Elements;
 use crate::surface::each_point;
+use crate::warning::Warning;
 
 /// What [`sample_surface`] measures.
 #[derive(Clone, Debug)]
@@ -86,16 +87,26 @@ impl SurfaceStats {
     ///
     /// Isolated degenerate points are common and harmless (flat points under `k1^4 + k2^4`). They
     /// are named only above one sample in a thousand.
-    pub fn warning(&self, centre: DVec3) -> Option<String> {
-        let bad = self.posed.ill_posed + self.posed.undefined;
-        if bad == 0 && 1000 * self.posed.degenerate <= self.posed.samples {
+    pub fn warning(&self, centre: DVec3) -> Option<Warning> {
+        let posed = &self.posed;
+        let bad = posed.ill_posed + posed.undefined;
+        if bad == 0 && 1000 * posed.degenerate <= posed.samples {
             return None;
         }
-        let at = self.worst_place + centre;
-        let text = self.posed.warning()?;
-        Some(format!(
-            "{text}, near ({:.6}, {:.6}, {:.6})",
-            at.x, at.y, at.z
-        ))
+        let worst = posed.worst.filter(|w| w.class > WellPosed::Strict)?;
+        Some(Warning::NotParabolic {
+            class: worst.class,
+            count: match worst.class {
+                WellPosed::Undefined => posed.undefined,
+                WellPosed::IllPosed => posed.ill_posed,
+                _ => posed.degenerate,
+            },
+            samples: posed.samples,
+            at: self.worst_place + centre,
+            h: worst.h,
+            k: worst.k,
+            symbol: worst.symbol,
+            direction: worst.b,
+        })
     }
 }

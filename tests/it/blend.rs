@@ -85,8 +85,9 @@ fn the_area_pinches_and_says_so() {
     let report = desk.json("r.json");
     let hole = &report["holes"][0];
     assert_eq!(hole["converged"], false);
-    let warnings = hole["warnings"].to_string();
-    assert!(warnings.contains("pinches off near"), "{warnings}");
+    let texts = hole["warnings"].to_string();
+    assert!(texts.contains("pinches off near"), "{texts}");
+    assert_eq!(hole["warning_codes"], serde_json::json!(["pinched"]));
     verdict(&desk, Keep::Everything);
 }
 

@@ -232,7 +232,7 @@ fn bad_energies_point_at_the_character() {
     energy("k1^2 + k1*k2").fails(2, &["not symmetric"]);
     energy("sqrt(-1)").fails(2, &["no finite value"]);
     // a typed energy that is fine, and a parameter that is missing
-    energy("a*H^2").fails(2, &["a"]);
+    energy("a*H^2").fails(2, &["unknown name 'a'", "--param a=VALUE"]);
     desk.run(&[
         "fill",
         "in.obj",
@@ -512,7 +512,9 @@ fn trace_is_sound(trace: &str, holes: &[Value]) {
     let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
     assert_eq!(
         header,
-        ["loop", "step", "tau", "energy", "residual", "rejected"]
+        [
+            "loop", "step", "tau", "energy", "residual", "rejected", "reason"
+        ]
     );
     let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
     for hole in holes {
@@ -522,7 +524,8 @@ fn trace_is_sound(trace: &str, holes: &[Value]) {
         let of_hole = rows.iter().filter(|row| row[0] == number);
         let (mut steps, mut rejected, mut energy) = (0, 0, f64::INFINITY);
         for row in of_hole {
-            assert_eq!(row.len(), 6);
+            assert_eq!(row.len(), 7);
+            assert_eq!(row[5] == "1", !row[6].is_empty(), "{row:?}");
             assert!(row[2].parse::<f64>().expect("tau") > 0.0);
             let now: f64 = row[3].parse().expect("an energy");
             if row[5] == "1" {
@@ -589,6 +592,50 @@ fn quiet_says_nothing() {
         .ends(0);
     assert_eq!((quiet.stdout.as_str(), quiet.stderr.as_str()), ("", ""));
     assert!(desk.bytes("a.obj") == desk.bytes("b.obj"));
+}
+
+#[test]
+fn what_a_format_cannot_keep_is_reported() {
+    let desk = Desk::new();
+    desk.write("in.obj", &obj(&plate()));
+    let stl = desk.run(&["fill", "in.obj", "-o", "a.stl"]).ends(0);
+    assert!(
+        stl.stderr.contains("a.stl: coordinates are rounded"),
+        "{}",
+        stl.stderr
+    );
+    let obj = desk.run(&["fill", "in.obj", "-o", "a.obj"]).ends(0);
+    assert!(!obj.stderr.contains("a.obj: "), "{}", obj.stderr);
+}
+
+#[test]
+fn the_limit_of_steps_has_a_code_and_a_hint_that_names_the_option() {
+    let desk = Desk::new();
+    desk.write("in.obj", &obj(&plate()));
+    let words = [
+        "fill", "in.obj", "-o", "a.obj", "--steps", "0", "--report", "r.json",
+    ];
+    let run = desk.run(&words).ends(0);
+    assert!(
+        run.stderr.contains("hint: allow more steps with --steps"),
+        "{}",
+        run.stderr
+    );
+    let hole = &desk.json("r.json")["holes"][0];
+    assert_eq!(hole["warning_codes"], serde_json::json!(["step-limit"]));
+    let text = hole["warnings"][0].as_str().expect("a text");
+    assert!(
+        text.contains("limit of 0 steps") && !text.contains("--"),
+        "{text}"
+    );
+}
+
+#[test]
+fn the_help_of_samples_names_them_all() {
+    let help = Desk::new().run(&["sample", "--help"]).ends(0).stdout;
+    for sample in &shapes::SAMPLES {
+        assert!(help.contains(sample.name), "{}: {help}", sample.name);
+    }
 }
 
 #[test]

@@ -168,7 +168,7 @@ fn rejected_steps_leave_no_trace() {
     let start = one.positions().to_vec();
     for tau in [f64::NAN, -1.0, 1e6] {
         let attempt = one.attempt(tau);
-        assert!(!attempt.accepted);
+        assert!(!attempt.accepted && attempt.reason.is_some(), "{tau}");
         assert_eq!(one.positions(), start);
     }
     for flow in [&mut one, &mut two] {

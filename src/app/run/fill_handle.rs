@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::handle::{Figures, RunEvent, StateView, WindowProcess};
+use super::handle::{Figures, RunEvent, StateView, WindowProcess, with_hint};
 use crate::fill::{Controls, FillEvent, FillProcess, FillSnapshot, FillTimeline, GroupStatus};
 use crate::mesh::{DVec3, Mesh, Topology};
 use crate::runner::{Runner, Schedule};
@@ -73,8 +73,8 @@ impl WindowProcess for FillProcess {
             }
             FillEvent::Finished { outcome, .. } => outcome
                 .warnings
-                .into_iter()
-                .map(RunEvent::Warning)
+                .iter()
+                .map(|warning| RunEvent::Warning(with_hint(warning)))
                 .collect(),
             FillEvent::Failed { text, .. } => vec![RunEvent::Error(text)],
         }

@@ -9,6 +9,7 @@ use crate::fill::Controls;
 use crate::mesh::{DVec3, LoopId, Mesh, Topology};
 use crate::runner::{Event, Process, Runner, Schedule, Snapshot, Timeline, TimelineState};
 use crate::solver::{End, StepRecord};
+use crate::warning::Warning;
 
 /// A run in the background.
 pub trait RunHandle {
@@ -278,4 +279,17 @@ where
         let shown = shown.and_then(|state| (&**state as &dyn Any).downcast_ref());
         P::figures(self, shown)
     }
+}
+
+/// A warning and what to do about it in the window.
+pub(super) fn with_hint(warning: &Warning) -> String {
+    let hint = match warning {
+        Warning::StepLimit { mixed: false, .. } => Some("raise “Most steps” to continue"),
+        Warning::StepLimit { mixed: true, .. } => Some(
+            "raise “Most steps” to continue, or choose the scheme “corrected”, which does not creep \
+             along the surface",
+        ),
+        _ => warning.hint(),
+    };
+    hint.map_or_else(|| warning.to_string(), |hint| format!("{warning} ({hint})"))
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::handle::{Figures, RunEvent, StateView, WindowProcess};
+use super::handle::{Figures, RunEvent, StateView, WindowProcess, with_hint};
 use crate::fill::Controls;
 use crate::mesh::{DVec3, Mesh, Topology};
 use crate::refine::{
@@ -91,8 +91,8 @@ impl WindowProcess for RefineProcess {
                     )));
                 }
                 let level = report.level;
-                let warning = |text| RunEvent::Warning(format!("level {level}: {text}"));
-                events.extend(report.warnings.into_iter().map(warning));
+                let warning = |w| RunEvent::Warning(format!("level {level}: {}", with_hint(w)));
+                events.extend(report.warnings.iter().map(warning));
             }
             RefineEvent::Level { .. } => {}
         }

@@ -20,7 +20,7 @@ impl Run {
     /// Starts a refinement, with the other methods asked for beside it; `chains` are the chosen edges.
     ///
     /// # Errors
-    /// A message for the person.
+    /// A message for the user.
     pub fn start_refinement(
         refining: &Refining,
         chains: &[Chain],

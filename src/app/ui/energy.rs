@@ -24,9 +24,9 @@ fn about(preset: Preset) -> &'static str {
         Preset::K1P4PlusK2P4 => "punishes strong curvature most",
         Preset::K => "Gauss-Bonnet: every surface is stationary",
         Preset::HMinusH0Squared => "Helfrich energy: wants mean curvature H0",
-        Preset::K1SqPlusK2Sq => "thin-plate like total curvature",
+        Preset::K1SqPlusK2Sq => "bending energy of a thin plate",
         Preset::K1MinusK2Squared => "wants umbilics: spheres",
-        Preset::CurvatureNorm => "total curvature: edges may stay sharp, sides stay flat",
+        Preset::CurvatureNorm => "curvature norm: edges may stay sharp, sides stay flat",
     }
 }
 

@@ -70,7 +70,7 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .filter(|m| **m == own)
             .for_each(|m| *m = None);
         ui.checkbox(&mut next.own_energy, "energy by edge length").on_hover_text(
-            "total curvature and area in the proportion that suits the mesh's edges: keeps edges, does not \
+            "curvature norm and area in the proportion that suits the mesh's edges: keeps edges, does not \
              bulge between sparse vertices; off: the energy and the tension of the controls at the right",
         );
         choice(

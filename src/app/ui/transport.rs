@@ -222,7 +222,7 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &RunVariant) {
         });
         ui.end_row();
     }
-    for row in rows {
+    for (g, row) in rows.into_iter().enumerate() {
         let numbers = |holes: &[LoopId], between| {
             let words: Vec<String> = holes.iter().map(LoopId::to_string).collect();
             words.join(between)
@@ -239,7 +239,10 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &RunVariant) {
         ui.label(text(row.relative_tau.map(format_number)));
         ui.label(text(row.energy.map(|e| format!("{:.6}", Sig(e)))));
         ui.label(text(row.residual.map(|r| format!("{r:.1e}"))));
-        ui.label(row.rejected.to_string());
+        let rejected = ui.label(row.rejected.to_string());
+        if let Some(reason) = side.curves.get(g).and_then(|c| c.rejection.as_ref()) {
+            rejected.on_hover_text(format!("the last one because {reason}"));
+        }
         ui.label(text(row.angle.map(|a| format!("{a:.0}°"))));
         match row.end {
             Some(Err(text)) => {

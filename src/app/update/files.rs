@@ -221,13 +221,24 @@ pub(super) fn loaded(model: &mut Model, path: &Path, result: Result<Loaded, Stri
 }
 
 /// Takes in that something was written.
-pub(super) fn saved(model: &mut Model, path: PathBuf, what: SavedWhat, result: Result<(), String>) {
-    if let Err(text) = result {
-        model.after_save = None;
-        model.log.error(text);
-        return;
-    }
+pub(super) fn saved(
+    model: &mut Model,
+    path: PathBuf,
+    what: SavedWhat,
+    result: Result<Vec<String>, String>,
+) {
+    let losses = match result {
+        Ok(losses) => losses,
+        Err(text) => {
+            model.after_save = None;
+            model.log.error(text);
+            return;
+        }
+    };
     model.log.info(format!("saved {}", path.display()));
+    for loss in losses {
+        model.log.warning(loss);
+    }
     let (SavedWhat::Mesh(revision) | SavedWhat::Project(revision)) = what else {
         return;
     };
@@ -370,7 +381,7 @@ fn save(model: &mut Model, path: &Path) {
         move |_| {
             let result = if is_project {
                 let folder = path.parent().unwrap_or(Path::new("."));
-                io::save_text(&path, &project::write(&document, &view, folder))
+                io::save_text(&path, &project::write(&document, &view, folder)).map(|()| Vec::new())
             } else {
                 io::save_mesh(&path, &document.mesh, &document.origin.material_libraries)
             };

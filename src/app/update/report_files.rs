@@ -96,7 +96,8 @@ pub(super) fn save(model: &mut Model, file: ReportFile, path: PathBuf) {
     model.jobs.push(Job::spawn(what, &model.wake, move |_| {
         let result = sheet
             .text()
-            .and_then(|text| io::save_text(&path, &text).map_err(|e| e.to_string()));
+            .and_then(|text| io::save_text(&path, &text).map_err(|e| e.to_string()))
+            .map(|()| Vec::new());
         Done::Saved(path, SavedWhat::Report, result)
     }));
 }

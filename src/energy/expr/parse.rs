@@ -245,14 +245,14 @@ impl<'a> Parser<'a> {
             _ => "",
         };
         let given = if self.params.is_empty() {
-            "none is given".to_owned()
+            "none".to_owned()
         } else {
             let names: Vec<&str> = self.params.keys().map(String::as_str).collect();
-            format!("given: {}", names.join(", "))
+            names.join(", ")
         };
         format!(
             "unknown name '{name}'{meant} Known are H, K, k1, k2, pi, the functions {functions}, \
-             and parameters that have a value, e.g. --param {name}=0.3 ({given})",
+             and the parameters that have a value ({given})",
             meant = if meant.is_empty() { "." } else { meant },
         )
     }

@@ -122,7 +122,7 @@ fn errors_point_at_the_character() {
         ("min(H»)", "min takes two arguments: expected ','"),
         ("min(H,K»,1)", "expected an operator or ')'"),
         ("max(H,»)", "found ')'"),
-        ("H + »b", "--param b=0.3 (given: a, n)"),
+        ("H + »b", "parameters that have a value (a, n)"),
         ("»h^2", "did you mean H?"),
         ("»k*H", "did you mean K?"),
         ("»K1 + K2", "did you mean k1?"),

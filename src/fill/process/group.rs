@@ -11,6 +11,7 @@ use crate::fill::{Controls, FillOptions};
 use crate::mesh::LoopId;
 use crate::runner::{Process, Refused, panic_text};
 use crate::solver::{Flow, STOP, SolverError, StepRecord};
+use crate::warning::Warning;
 
 /// A group, its latest state and what was reported of it. If it fails, only this group ends.
 pub(in crate::fill) struct GroupProgress {
@@ -117,17 +118,21 @@ impl GroupProgress {
     ) -> Result<(), String> {
         let result = match catching(|| change(&mut self.run)) {
             Ok(result) => result.map_err(|error| {
-                format!("a change was refused and the flow went on as before: {error}")
+                let text =
+                    format!("a change was refused and the flow continued as before: {error}");
+                Warning::ChangeRefused { text }
             }),
             Err(error) => {
-                let text = error.to_string();
+                let reason = error.to_string();
                 self.fail(error);
-                Err(text)
+                Err(Warning::FlowFailed { reason })
             }
         };
-        if let Err(text) = &result {
-            self.run.warn(text.clone());
-        }
+        let result = result.map_err(|warning| {
+            let text = warning.to_string();
+            self.run.warn(warning);
+            text
+        });
         self.forecast.residuals.clear();
         self.end_reported &= self.run.ended();
         result

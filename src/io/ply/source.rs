@@ -92,7 +92,10 @@ impl Source for Text<'_> {
     fn end_row(&mut self, what: What<'_>) -> Result<(), ParseError> {
         self.scanner.skip_blanks();
         if !self.scanner.line_over() {
-            let what = format!("{} has more on its line than the header says", what());
+            let what = format!(
+                "{} has more values on its line than the header declares",
+                what()
+            );
             return Err(self
                 .place()
                 .error(ParseErrorKind::syntax(what, self.found())));

@@ -9,7 +9,7 @@ use crate::render::Bounds;
 /// Why a text is no camera.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{text}` is no camera: {what}. It takes front, back, left, right, top, bottom or iso, or \
+    "invalid camera `{text}`: {what}. Use front, back, left, right, top, bottom or iso, or \
      px,py,pz,qx,qy,qz,qw,distance,fov,persp (or ortho): the point looked at, a rotation, the \
      distance in units of the file and the vertical field of view in degrees"
 )]

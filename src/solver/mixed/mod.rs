@@ -37,6 +37,7 @@ use crate::solver::control::{Attempt, StepKind};
 use crate::solver::evaluator::{Evaluator, State};
 use crate::solver::normal::max_magnitude;
 use crate::solver::normals::LimitNormals;
+use crate::solver::record::RejectReason;
 use crate::solver::stepper::{StepRequest, Stepper};
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::Rule;
@@ -169,31 +170,31 @@ impl MixedFlow {
     /// number is rejected.
     pub fn attempt(&mut self, tau: f64) -> Attempt {
         if !(tau > 0.0 && tau.is_finite()) {
-            return Attempt::rejected(Some(format!("{tau} is not a time step")));
+            return Attempt::rejected(RejectReason::TimeStep(tau));
         }
         if !self.assembled {
-            if let Err(note) = self.assemble() {
-                return Attempt::rejected(Some(note));
+            if let Err(reason) = self.assemble() {
+                return Attempt::rejected(reason);
             }
             self.assembled = true;
         }
         self.system.position_block(tau, &mut self.position_block);
         let linear = match self.solve(tau) {
             Ok(report) => report,
-            Err(error) => return Attempt::rejected(Some(error.to_string())),
+            Err(error) => return Attempt::rejected(error.into()),
         };
         let mut attempt = Attempt {
             linear,
             kind: linear.map_or(StepKind::Factorized, |_| StepKind::Krylov),
-            ..Attempt::rejected(None)
+            ..Attempt::rejected(RejectReason::NoDescent)
         };
         if let Some(report) = linear
             && !report.converged
         {
-            attempt.note = Some(format!(
-                "GMRES stopped at a relative residual of {:.1e} after {} iterations",
-                report.relative_residual, report.iterations
-            ));
+            attempt.reason = Some(RejectReason::NotSolved {
+                relative_residual: report.relative_residual,
+                iterations: report.iterations,
+            });
             return attempt;
         }
         let (longest, promised) = self.displace();
@@ -207,23 +208,23 @@ impl MixedFlow {
         }
         let fall = before.value - after.value;
         if fall > IMPLAUSIBLE * promised.abs() + 1e-9 * before.scale {
-            attempt.note = Some(format!(
-                "the energy fell by {fall:.1e} where its gradient promises {:.1e}: the surface is \
-                 no longer resolved",
-                -promised
-            ));
+            let promised = -promised;
+            attempt.reason = Some(RejectReason::Unresolved { fall, promised });
             return attempt;
         }
         self.take_curvatures();
         self.evaluator.accept_trial();
         self.after_move();
-        attempt.accepted = true;
-        attempt.max_displacement = longest;
-        attempt
+        Attempt {
+            accepted: true,
+            max_displacement: longest,
+            reason: None,
+            ..attempt
+        }
     }
 
     /// Matrices, `h(x)`, `k(x)` and the force at the present positions.
-    fn assemble(&mut self) -> Result<(), String> {
+    fn assemble(&mut self) -> Result<(), RejectReason> {
         let system = &mut self.system;
         let State {
             positions,
@@ -237,11 +238,9 @@ impl MixedFlow {
         let (h, k) = (&self.lifted_h, &self.lifted_k);
         system.assemble(positions, h, k, energy, self.corrected);
         if !system.is_finite() {
-            return Err("second derivatives of the energy are not finite on the surface".into());
+            return Err(RejectReason::UndefinedDerivatives);
         }
-        self.precond
-            .factorize_mass(system)
-            .map_err(|e| e.to_string())?;
+        self.precond.factorize_mass(system)?;
         // m has the unit r²
         let scale = system.units.length.powi(-2);
         let m = system.numbering.h.len();

@@ -1,0 +1,39 @@
+//! Warnings and errors with hints that name options of the command line.
+
+use crate::cli::UsageError;
+use crate::energy::ExprError;
+use crate::warning::Warning;
+
+/// Prints warnings, each with its hint on a line of its own.
+pub fn print_warnings<'a>(prefix: &str, warnings: impl IntoIterator<Item = &'a Warning>) {
+    for warning in warnings {
+        eprintln!("{prefix}{warning}");
+        if let Some(hint) = hint(warning) {
+            eprintln!("  hint: {hint}");
+        }
+    }
+}
+
+/// What to do about a warning on the command line.
+fn hint(warning: &Warning) -> Option<&'static str> {
+    Some(match warning {
+        Warning::StepSizeCollapsed => "try another --energy, or a fixed time step with --tau",
+        Warning::StepLimit { mixed: false, .. } => "allow more steps with --steps",
+        Warning::StepLimit { mixed: true, .. } => {
+            "allow more steps with --steps, or use --scheme mixed-corrected, which does not creep \
+             along the surface"
+        }
+        Warning::Frozen { .. } => "increase --tension, or use a finer mesh there",
+        Warning::IntersectingResult { .. } => "increase --tension",
+        _ => return warning.hint(),
+    })
+}
+
+/// The error of an invalid `--energy`.
+pub fn invalid_energy(error: &ExprError) -> UsageError {
+    let mut text = format!("--energy\n{}", error.render());
+    if let Some(name) = error.syntax().and_then(|e| e.unknown.as_ref()) {
+        text += &format!("\n  hint: give a parameter its value with --param {name}=VALUE");
+    }
+    UsageError(text)
+}

@@ -1,0 +1,421 @@
+//! Warnings about a result, with the data behind them.
+//!
+//! A warning has a stable code for scripts, a message for users and, where there is one, a remedy.
+//! Neither names an option of the command line or a button: the front ends do that.
+
+use std::fmt;
+use std::ops::Deref;
+
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+use crate::energy::{Order, WellPosed};
+use crate::mesh::DVec3;
+
+/// Pairs of intersecting triangles are counted up to this number.
+pub const MAX_PAIRS: usize = 100;
+
+/// Something a user should know about a result.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// The flow of the energy is not strictly parabolic at some points of the surface.
+    NotParabolic {
+        /// The worst class met.
+        class: WellPosed,
+        /// Points of this class.
+        count: usize,
+        /// Points sampled.
+        samples: usize,
+        /// The worst point.
+        at: DVec3,
+        /// Mean curvature there.
+        h: f64,
+        /// Gaussian curvature there.
+        k: f64,
+        /// Smallest value of the symbol over all directions there.
+        symbol: f64,
+        /// Normal curvature of the direction in which the symbol is smallest.
+        direction: f64,
+    },
+    /// The energy is a multiple of `K`: every surface is stationary.
+    StationaryEnergy,
+    /// The surface pinches off, or triangles lose their area.
+    Pinched {
+        /// Where.
+        at: DVec3,
+        /// Order of the energy's flow.
+        order: Order,
+    },
+    /// No step lowers the energy any more.
+    StepSizeCollapsed,
+    /// The flow ended at its limit of steps.
+    StepLimit {
+        /// Accepted steps.
+        steps: usize,
+        /// Whether the scheme was the mixed one without correction.
+        mixed: bool,
+    },
+    /// Vertices do not move because any further step would fold the surface.
+    Frozen {
+        /// Their number.
+        vertices: usize,
+    },
+    /// Given vertices that the surface passes only with a fold.
+    Unreached {
+        /// Their number.
+        vertices: usize,
+    },
+    /// The surface passes through itself or the mesh.
+    SelfIntersection {
+        /// Pairs of intersecting triangles, [`MAX_PAIRS`] at most.
+        pairs: usize,
+        /// One of the places.
+        at: DVec3,
+        /// Accepted steps up to the last shape without an intersection, which is kept; `None` if
+        /// the surface intersects itself from the start.
+        kept_step: Option<usize>,
+    },
+    /// The result has more pairs of intersecting triangles than the input.
+    IntersectingResult {
+        /// Pairs of the result.
+        pairs: usize,
+        /// Pairs of the input.
+        of_input: usize,
+    },
+    /// A change during a flow was refused.
+    ChangeRefused {
+        /// The message.
+        text: String,
+    },
+    /// The flow failed; the last valid shape is kept.
+    FlowFailed {
+        /// Why.
+        reason: String,
+    },
+}
+
+impl Warning {
+    /// A stable name of the kind of warning, for scripts.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::NotParabolic { class, .. } => match class {
+                WellPosed::Undefined => "undefined-derivatives",
+                WellPosed::IllPosed => "ill-posed",
+                _ => "degenerate",
+            },
+            Self::StationaryEnergy => "stationary-energy",
+            Self::Pinched { .. } => "pinched",
+            Self::StepSizeCollapsed => "step-size-collapsed",
+            Self::StepLimit { .. } => "step-limit",
+            Self::Frozen { .. } => "frozen",
+            Self::Unreached { .. } => "unreached",
+            Self::SelfIntersection { .. } => "self-intersection",
+            Self::IntersectingResult { .. } => "intersecting-result",
+            Self::ChangeRefused { .. } => "change-refused",
+            Self::FlowFailed { .. } => "flow-failed",
+        }
+    }
+
+    /// What a user can do about it, in a few words.
+    pub fn hint(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Pinched {
+                order: Order::Second,
+                ..
+            } => "use a fourth-order energy such as H^2, or move the rims closer together",
+            Self::Pinched { .. } => {
+                "use another energy, add a tension, or move the rims closer together"
+            }
+            Self::StepSizeCollapsed => "try another energy or a fixed time step",
+            Self::StepLimit { mixed: false, .. } => "allow more steps",
+            Self::StepLimit { mixed: true, .. } => {
+                "allow more steps, or use the corrected mixed scheme, which does not creep along the \
+                 surface"
+            }
+            Self::Frozen { .. } => "increase the tension, or use a finer mesh there",
+            Self::Unreached { .. } => "check whether the mesh is folded there",
+            Self::SelfIntersection { .. } => {
+                "use another energy, add a tension, or join fewer rims at a time"
+            }
+            Self::IntersectingResult { .. } => "increase the tension",
+            _ => return None,
+        })
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotParabolic {
+                class,
+                count,
+                samples,
+                at,
+                h,
+                k,
+                symbol,
+                direction,
+            } => {
+                let what = match class {
+                    WellPosed::Undefined => "has no finite second derivatives",
+                    WellPosed::IllPosed => "is ill-posed (short waves grow)",
+                    _ => "is degenerate (does not smooth in some direction)",
+                };
+                write!(
+                    f,
+                    "the flow of this energy {what} at {count} of {samples} points; worst at \
+                     H = {h:.6e}, K = {k:.6e}: symbol {symbol:.3e} in the direction of normal \
+                     curvature {direction:.3e}, near {}",
+                    Place(*at)
+                )
+            }
+            Self::StationaryEnergy => f.write_str(
+                "this energy is a multiple of K, whose integral depends on the rim alone: every \
+                 surface is stationary and the first patch is kept",
+            ),
+            Self::Pinched { at, order } => {
+                let reason = if *order == Order::Second {
+                    "because this energy has no minimum between rims so far apart; the last shape \
+                     with an open neck is kept"
+                } else {
+                    "or triangles lose their area there; the last shape before that is kept"
+                };
+                let at = Place(*at);
+                write!(
+                    f,
+                    "not converged: the surface pinches off near {at}, {reason}"
+                )
+            }
+            Self::StepSizeCollapsed => f.write_str(
+                "not converged: the time step collapsed because no step lowers the energy any more; \
+                 the last valid shape is kept",
+            ),
+            Self::StepLimit { steps, .. } => {
+                write!(f, "not converged: the flow ended at its limit of {steps} steps")
+            }
+            Self::Frozen { vertices } => write!(
+                f,
+                "vertices are frozen where any further step would fold the surface: {vertices}"
+            ),
+            Self::Unreached { vertices } => write!(
+                f,
+                "given vertices that the surface cannot reach without a fold: {vertices}"
+            ),
+            Self::SelfIntersection {
+                pairs,
+                at,
+                kept_step: None,
+            } => write!(
+                f,
+                "the surface passes through itself or the mesh from the start: {}",
+                pairs_near(*pairs, *at)
+            ),
+            Self::SelfIntersection {
+                pairs,
+                at,
+                kept_step: Some(step),
+            } => write!(
+                f,
+                "not converged: the surface passes through itself or the mesh ({}); its last shape \
+                 without an intersection is kept, that after step {step}",
+                pairs_near(*pairs, *at)
+            ),
+            Self::IntersectingResult { pairs, of_input } => write!(
+                f,
+                "two sheets of the mesh are too close together for a smooth surface through its \
+                 vertices: the result has {pairs} pairs of intersecting triangles, the input \
+                 {of_input}"
+            ),
+            Self::ChangeRefused { text } | Self::FlowFailed { reason: text } => f.write_str(text),
+        }
+    }
+}
+
+/// How many pairs of triangles intersect, and one of the places.
+pub fn pairs_near(pairs: usize, at: DVec3) -> String {
+    let more = if pairs < MAX_PAIRS { "" } else { " or more" };
+    let noun = if pairs == 1 { "pair" } else { "pairs" };
+    let at = Place(at);
+    format!("{pairs}{more} {noun} of intersecting triangles, one near {at}")
+}
+
+struct Place(DVec3);
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let DVec3 { x, y, z } = self.0;
+        write!(f, "({x:.6}, {y:.6}, {z:.6})")
+    }
+}
+
+/// Warnings in the order in which they arose, each once.
+///
+/// Serialized as the two fields `warnings` (messages) and `warning_codes`, in the same order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Warnings(Vec<Warning>);
+
+impl Warnings {
+    /// Adds a warning unless it is there already.
+    pub fn push(&mut self, warning: Warning) {
+        if !self.0.contains(&warning) {
+            self.0.push(warning);
+        }
+    }
+}
+
+impl Deref for Warnings {
+    type Target = [Warning];
+
+    fn deref(&self) -> &[Warning] {
+        &self.0
+    }
+}
+
+impl Extend<Warning> for Warnings {
+    fn extend<T: IntoIterator<Item = Warning>>(&mut self, more: T) {
+        more.into_iter().for_each(|warning| self.push(warning));
+    }
+}
+
+impl IntoIterator for Warnings {
+    type Item = Warning;
+    type IntoIter = std::vec::IntoIter<Warning>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
+    }
+}
+
+impl FromIterator<Warning> for Warnings {
+    fn from_iter<T: IntoIterator<Item = Warning>>(all: T) -> Self {
+        let mut warnings = Self::default();
+        warnings.extend(all);
+        warnings
+    }
+}
+
+impl Serialize for Warnings {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let texts: Vec<String> = self.iter().map(ToString::to_string).collect();
+        let codes: Vec<&str> = self.iter().map(Warning::code).collect();
+        let mut map = serializer.serialize_map(Some(2))?;
+        map.serialize_entry("warnings", &texts)?;
+        map.serialize_entry("warning_codes", &codes)?;
+        map.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    fn one_of_each() -> Vec<Warning> {
+        let at = DVec3::new(1.0, -2.0, 0.5);
+        let posed = |class| Warning::NotParabolic {
+            class,
+            count: 3,
+            samples: 7,
+            at,
+            h: 1.0,
+            k: -1.0,
+            symbol: -0.5,
+            direction: 2.0,
+        };
+        vec![
+            posed(WellPosed::Degenerate),
+            posed(WellPosed::IllPosed),
+            posed(WellPosed::Undefined),
+            Warning::StationaryEnergy,
+            Warning::Pinched {
+                at,
+                order: Order::Second,
+            },
+            Warning::StepSizeCollapsed,
+            Warning::StepLimit {
+                steps: 5,
+                mixed: true,
+            },
+            Warning::Frozen { vertices: 4 },
+            Warning::Unreached { vertices: 4 },
+            Warning::SelfIntersection {
+                pairs: 1,
+                at,
+                kept_step: Some(6),
+            },
+            Warning::IntersectingResult {
+                pairs: 2,
+                of_input: 1,
+            },
+            Warning::ChangeRefused { text: "no".into() },
+            Warning::FlowFailed {
+                reason: "no".into(),
+            },
+        ]
+    }
+
+    #[test]
+    fn codes_are_distinct_kebab_case_words() {
+        let all = one_of_each();
+        let codes: BTreeSet<&str> = all.iter().map(Warning::code).collect();
+        assert_eq!(codes.len(), all.len());
+        for code in codes {
+            let kebab = |c: char| c.is_ascii_lowercase() || c == '-';
+            assert!(code.chars().all(kebab), "{code}");
+        }
+    }
+
+    /// Neither message nor hint knows the command line, and lines of source leave no run of blanks.
+    #[test]
+    fn texts_name_no_flag_and_have_single_blanks() {
+        for warning in one_of_each() {
+            let text = format!("{warning} {}", warning.hint().unwrap_or_default());
+            assert!(!text.contains("--") && !text.contains("  "), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_script_of_fig_2_asks_for_codes_that_exist() {
+        let script = include_str!("../scripts/fig2.sh");
+        let asked = script.split("    warned ").skip(1);
+        let asked: Vec<&str> = asked.filter_map(|s| s.split(' ').next()).collect();
+        assert_eq!(asked.len(), 3);
+        let all = one_of_each();
+        for code in asked {
+            assert!(all.iter().any(|w| w.code() == code), "{code}");
+        }
+    }
+
+    #[test]
+    fn messages_give_places_and_counts() {
+        let at = DVec3::new(1.0, -2.0, 0.5);
+        let text = |pairs, kept_step| {
+            let warning = Warning::SelfIntersection {
+                pairs,
+                at,
+                kept_step,
+            };
+            warning.to_string()
+        };
+        assert!(text(1, Some(6)).contains(
+            "1 pair of intersecting triangles, one near (1.000000, -2.000000, 0.500000)"
+        ));
+        assert!(text(1, Some(6)).contains("after step 6"));
+        assert!(text(100, None).contains("100 or more pairs"));
+    }
+
+    #[test]
+    fn a_list_has_each_warning_once_and_serializes_as_texts_and_codes() {
+        let twice = [Warning::StepSizeCollapsed, Warning::StepSizeCollapsed];
+        let warnings: Warnings = twice.into_iter().collect();
+        assert_eq!(warnings.len(), 1);
+        let json = serde_json::to_value(&warnings).expect("a map");
+        assert_eq!(
+            json["warning_codes"],
+            serde_json::json!(["step-size-collapsed"])
+        );
+        let text = json["warnings"][0].as_str().expect("a text");
+        assert!(text.starts_with("not converged: the time step collapsed"));
+    }
+}
