@@ -65,9 +65,9 @@ fn patches(c: &mut Criterion) {
     for edges in [30, 61, 108, 218, 669] {
         let rim = cap(edges);
         c.bench_function(&format!("fill cap {edges}"), |b| {
-            b.iter(|| fill(black_box(&rim), &options));
+            b.iter(|| fill(black_box(&rim), options));
         });
-        let patch = fill(&rim, &options).expect("a sound rim");
+        let patch = fill(&rim, options).expect("a sound rim");
         let (topology, points, interior) = with_collar(&rim, &patch);
         let mut moved = points.clone();
         c.bench_function(
@@ -83,7 +83,7 @@ fn patches(c: &mut Criterion) {
     let coarse = PatchOptions { density: 0.05 };
     for edges in [120, 5000] {
         let rim = coil(edges);
-        let options = if edges > 1000 { &coarse } else { &options };
+        let options = if edges > 1000 { coarse } else { options };
         c.bench_function(&format!("fill coil {edges}"), |b| {
             b.iter(|| fill(black_box(&rim), options));
         });

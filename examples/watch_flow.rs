@@ -21,8 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 step.residual,
                 if step.rejected { ", rejected" } else { "" }
             );
-            // the residual of a rejected step is NaN
-            !(step.residual < 1e-3)
+            step.rejected || step.residual >= 1e-3
         })
         .run()?;
     for group in filled.groups {

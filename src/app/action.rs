@@ -95,7 +95,7 @@ pub enum FileAction {
 }
 
 /// Undo, and changes of the mesh without a flow.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EditAction {
     /// Undo; in the middle of a run its shown state is accepted first.
     Undo,
@@ -230,7 +230,7 @@ pub enum Switch {
 }
 
 /// Camera, style, appearance.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ViewAction {
     /// The cursor is over a loop.
     Hover(Option<LoopId>),

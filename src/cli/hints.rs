@@ -33,7 +33,9 @@ fn hint(warning: &Warning) -> Option<&'static str> {
 pub fn invalid_energy(error: &ExprError) -> UsageError {
     let mut text = format!("--energy\n{}", error.render());
     if let Some(name) = error.syntax().and_then(|e| e.unknown.as_ref()) {
-        text += &format!("\n  hint: give a parameter its value with --param {name}=VALUE");
+        text += "\n  hint: give a parameter its value with --param ";
+        text += name;
+        text += "=VALUE";
     }
     UsageError(text)
 }

@@ -33,7 +33,7 @@ pub(super) fn shape(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions
     move_to_warm_start(mesh, drafts, options);
     each_blend(drafts, |rims, draft| {
         if let Ok(membrane) = draft {
-            *membrane = patch::reblend(&rims.geometry, membrane, &options.patch);
+            *membrane = patch::reblend(&rims.geometry, membrane, options.patch);
         }
     });
     move_to_warm_start(mesh, drafts, options);
@@ -49,7 +49,7 @@ pub(super) fn shape(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions
         if membrane.as_ref().is_some_and(is_fine) {
             return;
         }
-        let lofted = patch::lofted_candidates(&rims.geometry, &options.patch);
+        let lofted = patch::lofted_candidates(&rims.geometry, options.patch);
         let better = lofted
             .into_iter()
             .find(|patch| StartQuality::new(mesh, rims, patch).is_better_than(membrane.as_ref()));
@@ -83,7 +83,7 @@ fn move_to_warm_start(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptio
         let positions = problem.to_world(problem.positions());
         for (&h, (_, own)) in group.holes.iter().zip(group.topology.split(&positions)) {
             if plan.holes()[h].rims.is_blend() {
-                let patch = &mut planned[h];
+                let patch = &mut *planned[h];
                 let rim = patch.rim;
                 patch.points[rim..].copy_from_slice(own);
             }

@@ -108,7 +108,7 @@ struct CandidateHole {
 impl CandidateHole {
     fn new(mesh: &Mesh, loops: &[BoundaryLoop], index: usize) -> Self {
         let one = &loops[index];
-        let patch = patch::fill(&rim_of(mesh, one), &PatchOptions { density: 0.5 });
+        let patch = patch::fill(&rim_of(mesh, one), PatchOptions { density: 0.5 });
         Self {
             index,
             normal: area(mesh, one),

@@ -58,7 +58,7 @@ pub fn fill_part(
     let rim = part_of_rim(mesh, hole, &along, to, &chord);
     let longer = with_vertices(mesh, &chord, hole.vertices[to])?;
     let part = part_of_loop(mesh, hole, &along, to, &rim);
-    let patch = patch::fill(&rim, &options.patch);
+    let patch = patch::fill(&rim, options.patch);
     let draft = DraftHole {
         rims: Arc::new(HoleRims::with_geometry(
             vec![part],

@@ -24,7 +24,7 @@ pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOption
         let start = Instant::now();
         let rims = HoleRims::new(mesh, rims);
         DraftHole {
-            patch: patch::blend(&rims.geometry, &options.patch),
+            patch: patch::blend(&rims.geometry, options.patch),
             rims: Arc::new(rims),
             has_initial_shape: false,
             patch_ms: milliseconds(start),

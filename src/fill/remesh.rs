@@ -58,7 +58,7 @@ pub(super) fn remesh_degraded(
             let present = hole.rims.patch(own, here);
             let before = present.sharpest_angle();
             if before < SHARP {
-                let fresh = patch::reblend(&hole.rims.geometry, &present, &options.patch);
+                let fresh = patch::reblend(&hole.rims.geometry, &present, options.patch);
                 better = (fresh.sharpest_angle() > before).then_some(fresh);
             }
         }
@@ -98,11 +98,11 @@ fn remesh_hole(
 ) -> Result<Patch, ChangeError> {
     let geometry = &hole.rims.geometry;
     let [rim] = &geometry.rims[..] else {
-        return Ok(patch::reblend(geometry, present, &options.patch));
+        return Ok(patch::reblend(geometry, present, options.patch));
     };
     let hole = hole.rims.id();
     let mut fresh =
-        patch::fill(rim, &options.patch).map_err(|source| ChangeError::Patch { hole, source })?;
+        patch::fill(rim, options.patch).map_err(|source| ChangeError::Patch { hole, source })?;
     patch::transfer(present, &mut fresh)
         .map_err(|source| ChangeError::Transfer { hole, source })?;
     Ok(fresh)
@@ -117,7 +117,7 @@ struct Remeshed {
 
 impl Remeshed {
     fn push(&mut self, patch: &Patch) {
-        self.keep(&HoleTopology::of(&patch), patch.new_points());
+        self.keep(&HoleTopology::of(patch), patch.new_points());
     }
 
     fn keep(&mut self, hole: &HoleTopology, positions: &[DVec3]) {

@@ -16,7 +16,7 @@ use crate::mesh::{DVec3, vector_area};
 ///
 /// # Errors
 /// What makes the rim unusable; see [`PatchError`].
-pub fn fill(rim: &Rim, options: &PatchOptions) -> Result<Patch, PatchError> {
+pub fn fill(rim: &Rim, options: PatchOptions) -> Result<Patch, PatchError> {
     validate(rim, options.density)?;
     let n = rim.points.len();
     let frame = Frame::around(rim.points.iter().copied());

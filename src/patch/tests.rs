@@ -153,7 +153,7 @@ fn check(name: &str, rim: &Rim, patch: &Patch) {
 }
 
 fn fill_default(rim: &Rim) -> Patch {
-    fill(rim, &PatchOptions::default()).expect("a sound rim")
+    fill(rim, PatchOptions::default()).expect("a sound rim")
 }
 
 #[test]
@@ -192,30 +192,30 @@ fn unusable_rims_are_named() {
     let mut rim = good.clone();
     rim.points.truncate(2);
     rim.opposite.truncate(2);
-    assert_eq!(fill(&rim, &o), Err(PatchError::TooFewEdges { edges: 2 }));
+    assert_eq!(fill(&rim, o), Err(PatchError::TooFewEdges { edges: 2 }));
     let mut rim = good.clone();
     rim.points[4] = rim.points[3];
     assert_eq!(
-        fill(&rim, &o),
+        fill(&rim, o),
         Err(PatchError::Coincident { index: 3, next: 4 })
     );
     let mut rim = good.clone();
     rim.points[7].y = f64::NAN;
-    assert_eq!(fill(&rim, &o), Err(PatchError::NotFinite { index: 7 }));
+    assert_eq!(fill(&rim, o), Err(PatchError::NotFinite { index: 7 }));
     let line = closed_curve(12, |t| DVec3::new(1.0, 2.0, 3.0) * t.cos());
     assert!(matches!(
-        fill(&line, &o),
+        fill(&line, o),
         Err(PatchError::Collinear { .. } | PatchError::Coincident { .. })
     ));
     let mut rim = good.clone();
     rim.forbidden.push([5, 4]);
     assert!(matches!(
-        fill(&rim, &o),
+        fill(&rim, o),
         Err(PatchError::BadForbiddenPair { .. })
     ));
     let options = PatchOptions { density: 0.0 };
     assert!(matches!(
-        fill(&good, &options),
+        fill(&good, options),
         Err(PatchError::BadDensity { .. })
     ));
 }
@@ -270,7 +270,7 @@ fn large_loops_of_any_shape() {
     });
     for (name, rim) in [("wavy", wavy), ("coil", coil)] {
         // coarse, for the sake of the test's time: the interior grows with the density's square
-        let patch = fill(&rim, &PatchOptions { density: 0.05 }).expect("a sound rim");
+        let patch = fill(&rim, PatchOptions { density: 0.05 }).expect("a sound rim");
         check(name, &rim, &patch);
     }
 }
@@ -309,7 +309,7 @@ fn triangles_have_the_size_of_the_rims_edges() {
         let (length, angle) = measure(&rim, &fill_default(&rim));
         assert!((0.7..1.1).contains(&length), "{name}: edges {length}");
         assert!(angle > 15.0, "{name}: least angle {angle}");
-        let dense = fill(&rim, &PatchOptions { density: 2.0 }).expect("a sound rim");
+        let dense = fill(&rim, PatchOptions { density: 2.0 }).expect("a sound rim");
         check(name, &rim, &dense);
         let (length, _) = measure(&rim, &dense);
         assert!(
@@ -389,7 +389,7 @@ fn tangled_loops_get_a_disc_or_an_error() {
             opposite,
             forbidden: Vec::new(),
         };
-        match fill(&rim, &PatchOptions::default()) {
+        match fill(&rim, PatchOptions::default()) {
             Ok(patch) => check(&format!("round {round}"), &rim, &patch),
             Err(error) => assert!(width * flatness < 1e-3, "round {round}: {error}"),
         }

@@ -167,7 +167,7 @@ mod tests {
     }
 
     fn patch(density: f64) -> Patch {
-        fill(&rim(), &PatchOptions { density }).expect("a patch")
+        fill(&rim(), PatchOptions { density }).expect("a patch")
     }
 
     #[test]

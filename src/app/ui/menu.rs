@@ -211,7 +211,7 @@ fn analyze_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     }
     let show_report = ViewAction::Toggle(Switch::Analysis);
     if !chosen.is_empty() && !model.view.windows.analysis {
-        actions.push(show_report.clone().into());
+        actions.push(show_report.into());
     }
     actions.append(&mut chosen);
     ui.separator();

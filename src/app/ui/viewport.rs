@@ -234,7 +234,7 @@ fn pick(
             let to = picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH));
             match (bridging.from, to) {
                 (Some(from), Some(to)) => {
-                    actions.push(EditAction::Bridge([from, to], bridging.width).into())
+                    actions.push(EditAction::Bridge([from, to], bridging.width).into());
                 }
                 (None, Some(from)) => actions.push(
                     TaskAction::Bridging(Some(Bridging {

@@ -15,7 +15,7 @@ use crate::patch::surface::Surface;
 /// a hub (three or more). They are sorted by their bending, and none intersects itself.
 ///
 /// They are patches like that of [`super::blend`], with a shape from which a flow can start.
-pub fn lofted_candidates(geometry: &RimGeometry, options: &PatchOptions) -> Vec<Patch> {
+pub fn lofted_candidates(geometry: &RimGeometry, options: PatchOptions) -> Vec<Patch> {
     let usable = |rim: &Rim| validate(rim, options.density).is_ok();
     if geometry.rims.len() < 2
         || !geometry.rims.iter().all(usable)
@@ -26,7 +26,7 @@ pub fn lofted_candidates(geometry: &RimGeometry, options: &PatchOptions) -> Vec<
     let frame = Frame::around(geometry.points());
     let rims: Vec<Rim> = geometry.rims.iter().map(|r| frame.local(r)).collect();
     let curves: Vec<RimCurve> = rims.iter().map(RimCurve::new).collect();
-    let size = sizes(&rims, *options);
+    let size = sizes(&rims, options);
     let mut first = 0;
     let mean: Vec<f64> = rims
         .iter()

@@ -42,7 +42,7 @@ pub use lofted::lofted_candidates;
 /// # Errors
 /// A rim that cannot be used; rims that touch ([`PatchError::RimsTouch`]); rims whose faces have
 /// opposite orientations ([`PatchError::InsideOut`]).
-pub fn blend(geometry: &RimGeometry, options: &PatchOptions) -> Result<Patch, PatchError> {
+pub fn blend(geometry: &RimGeometry, options: PatchOptions) -> Result<Patch, PatchError> {
     if let [rim] = &geometry.rims[..] {
         return super::fill(rim, options);
     }
@@ -63,7 +63,7 @@ pub fn blend(geometry: &RimGeometry, options: &PatchOptions) -> Result<Patch, Pa
         }
         bridges::surface(&rims, &chords)
     };
-    surface.size = sizes(&rims, *options);
+    surface.size = sizes(&rims, options);
     let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
     let wanted = rim_valences(&surface, &loose);
     split_chords(&mut surface, &chords);
@@ -77,11 +77,11 @@ pub fn blend(geometry: &RimGeometry, options: &PatchOptions) -> Result<Patch, Pa
 /// splits, collapses and flips. Vertices move along the surface only. `patch` is a result of
 /// [`blend`] over the same rims, with other positions. A patch that has grown so much that this
 /// would take 16 times its vertices is returned unchanged.
-pub fn reblend(geometry: &RimGeometry, patch: &Patch, options: &PatchOptions) -> Patch {
+pub fn reblend(geometry: &RimGeometry, patch: &Patch, options: PatchOptions) -> Patch {
     let frame = Frame::around(geometry.points());
     let rims: Vec<Rim> = geometry.rims.iter().map(|r| frame.local(r)).collect();
     let points: Vec<DVec3> = patch.points.iter().map(|&p| frame.to_local(p)).collect();
-    let mut size = sizes(&rims, *options);
+    let mut size = sizes(&rims, options);
     let middle = size.iter().sum::<f64>() / size.len() as f64;
     size.resize(points.len(), middle);
     let max_vertices = MAX_GROWTH * points.len() as f64;

@@ -137,7 +137,7 @@ fn check(name: &str, gap: &RimGeometry, patch: &Patch) -> Topology {
 fn rims_are_joined_by_a_sphere_with_holes() {
     for (name, gap) in joinable() {
         for density in [0.6, 1.0, 2.0] {
-            let patch = blend(&gap, &PatchOptions { density }).expect(name);
+            let patch = blend(&gap, PatchOptions { density }).expect(name);
             check(name, &gap, &patch);
             if name == "side by side" {
                 // in one plane, and the patch has to go around both: flat, and folded over
@@ -213,7 +213,7 @@ fn any_rims_whatever_get_a_manifold_patch() {
         check("bridged", &gap, &bridged(&gap));
         // one piece: it cannot be turned over
         gap.pieces.fill(0);
-        match blend(&gap, &PatchOptions::default()) {
+        match blend(&gap, PatchOptions::default()) {
             Ok(patch) => {
                 check("random", &gap, &patch);
             }
@@ -228,7 +228,7 @@ fn a_piece_inside_out_is_named() {
     let mut inwards = mouth(X, X, 0.5, 30);
     inwards.points.reverse();
     let mut gap = gap(vec![outwards.clone(), inwards.clone()]);
-    let error = |gap: &RimGeometry| blend(gap, &PatchOptions::default()).err();
+    let error = |gap: &RimGeometry| blend(gap, PatchOptions::default()).err();
     assert_eq!(error(&gap), Some(PatchError::InsideOut { rim: 1 }));
     gap.pieces.fill(5);
     assert_eq!(error(&gap), Some(PatchError::OneSided { rim: 1 }));
@@ -240,7 +240,7 @@ fn a_piece_inside_out_is_named() {
 #[test]
 fn rims_that_meet_are_refused() {
     let gap = gap(vec![mouth(X, X, 1.0, 8), mouth(X, X, 1.0, 8)]);
-    let error = blend(&gap, &PatchOptions::default());
+    let error = blend(&gap, PatchOptions::default());
     assert!(matches!(
         error,
         Err(PatchError::RimsTouch { rims: [0, 1], .. })
@@ -260,8 +260,8 @@ fn turning_and_scaling_changes_nothing_else() {
             *p = map(*p);
         }
     }
-    let one = blend(&plain, &PatchOptions::default()).expect("a patch");
-    let two = blend(&mapped, &PatchOptions::default()).expect("a patch");
+    let one = blend(&plain, PatchOptions::default()).expect("a patch");
+    let two = blend(&mapped, PatchOptions::default()).expect("a patch");
     assert_eq!(one.triangles, two.triangles);
     for (p, q) in one.points.iter().zip(&two.points) {
         assert!(p.distance(unmap(*q)) < 1e-9);
@@ -271,7 +271,7 @@ fn turning_and_scaling_changes_nothing_else() {
 #[test]
 fn vertices_are_graded_from_rim_to_rim() {
     let gap = gap(vec![mouth(O, -Z, 0.5, 16), mouth(2.0 * Z, Z, 0.5, 64)]);
-    let patch = blend(&gap, &PatchOptions::default()).expect("a patch");
+    let patch = blend(&gap, PatchOptions::default()).expect("a patch");
     let mean_edge = |low: f64, high: f64| {
         let (mut sum, mut count) = (0.0, 0);
         for t in &patch.triangles {
@@ -369,7 +369,7 @@ fn bending_is_that_of_the_cylinder_and_the_sphere() {
 #[test]
 fn a_u_turn_is_swept_as_half_a_torus() {
     let gap = gap(vec![mouth(X, Z, 0.4, 28), mouth(-X, Z, 0.4, 28)]);
-    let patch = &lofted_candidates(&gap, &PatchOptions::default())[0];
+    let patch = &lofted_candidates(&gap, PatchOptions::default())[0];
     check("u", &gap, patch);
     // a cubic follows half a circle to 2 % of its radius, here up to 1.4
     for p in &patch.points {
@@ -395,7 +395,7 @@ fn swept_surfaces_cross_nothing_where_films_do() {
     ];
     for (name, rims) in layouts {
         let gap = gap(rims);
-        let found = lofted_candidates(&gap, &PatchOptions::default());
+        let found = lofted_candidates(&gap, PatchOptions::default());
         assert!(!found.is_empty(), "{name}");
         let bends = found.iter().map(|p| bending(&p.points, &p.triangles));
         assert!(bends.collect::<Vec<_>>().is_sorted(), "{name}");
@@ -409,13 +409,11 @@ fn swept_surfaces_cross_nothing_where_films_do() {
     assert!(
         lofted_candidates(
             &gap(vec![mouth(X, X, 1.0, 8), mouth(X, X, 1.0, 8)]),
-            &PatchOptions::default()
+            PatchOptions::default()
         )
         .is_empty()
     );
-    assert!(
-        lofted_candidates(&gap(vec![mouth(X, X, 1.0, 8)]), &PatchOptions::default()).is_empty()
-    );
+    assert!(lofted_candidates(&gap(vec![mouth(X, X, 1.0, 8)]), PatchOptions::default()).is_empty());
 }
 
 /// A surface that runs away would take vertices without end.
@@ -423,13 +421,13 @@ fn swept_surfaces_cross_nothing_where_films_do() {
 fn a_patch_that_has_grown_out_of_all_proportion_stays() {
     let gap = gap(vec![mouth(O, -Z, 1.0, 16), mouth(Z, Z, 1.0, 16)]);
     let options = PatchOptions::default();
-    let mut patch = blend(&gap, &options).expect("joined");
-    let again = reblend(&gap, &patch, &options);
+    let mut patch = blend(&gap, options).expect("joined");
+    let again = reblend(&gap, &patch, options);
     assert!(again.points.len() < 2 * patch.points.len());
     for p in &mut patch.points[32..] {
         *p *= 1e4;
     }
-    let same = reblend(&gap, &patch, &options);
+    let same = reblend(&gap, &patch, options);
     assert_eq!(
         (&same.points, &same.triangles),
         (&patch.points, &patch.triangles)

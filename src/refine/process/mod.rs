@@ -217,11 +217,10 @@ impl Process for RefineProcess {
                     vertices: self.refinement.vertex_count(),
                     faces: self.refinement.topology().face_count(),
                 });
-                if self.refinement.flow().is_none() {
-                    let reports = self.refinement.levels().last();
-                    reports
-                        .into_iter()
-                        .for_each(|report| emit(RefineEvent::LevelDone(report.clone())));
+                if self.refinement.flow().is_none()
+                    && let Some(report) = self.refinement.levels().last()
+                {
+                    emit(RefineEvent::LevelDone(report.clone()));
                 }
             }
             Some(Progress::Step(record)) => {
@@ -272,10 +271,9 @@ impl Process for RefineProcess {
     }
 
     fn stop(&mut self, emit: &mut dyn FnMut(RefineEvent)) {
-        let report = self.refinement.stop();
-        report
-            .into_iter()
-            .for_each(|report| emit(RefineEvent::LevelDone(report)));
+        if let Some(report) = self.refinement.stop() {
+            emit(RefineEvent::LevelDone(report));
+        }
     }
 
     fn ended(&self) -> bool {

@@ -33,12 +33,12 @@ impl<C: RunControls> ActiveControls<C> {
         }
     }
 
-    fn effective(&self) -> Box<C> {
-        Box::new(if self.finishing {
+    fn effective(&self) -> C {
+        if self.finishing {
             self.controls.fast()
         } else {
             self.controls.clone()
-        })
+        }
     }
 
     /// The entries that record a command at `clock`, and the change it makes, if it makes any.
@@ -61,16 +61,16 @@ impl<C: RunControls> ActiveControls<C> {
                 }
                 self.finishing &= self.controls.same_pace(controls);
                 self.controls = (**controls).clone();
-                (entries, Some(Change::Controls(self.effective())))
+                (entries, Some(Change::Controls(Box::new(self.effective()))))
             }
             UserCommand::Finish => {
                 self.finishing = true;
-                let change = Change::Controls(self.effective());
+                let change = Change::Controls(Box::new(self.effective()));
                 (vec![entry("finish", String::new())], Some(change))
             }
             UserCommand::Rewind(to) => {
                 self.finishing = false;
-                let controls = self.effective();
+                let controls = Box::new(self.effective());
                 let change = Change::Rewind { to: *to, controls };
                 (vec![entry("rewind", to.to_string())], Some(change))
             }

@@ -68,7 +68,7 @@ fn replace_number(input: &mut Vec<u8>, at: usize, number: &str) {
     let Some(start) = (at..input.len()).find(|&i| input[i].is_ascii_digit()) else {
         return;
     };
-    let digits = |&i: &usize| input.get(i).is_some_and(u8::is_ascii_digit);
-    let end = (start..).take_while(digits).last().map_or(start, |i| i + 1);
+    let digits = input[start..].iter().take_while(|b| b.is_ascii_digit());
+    let end = start + digits.count();
     input.splice(start..end, number.bytes());
 }
