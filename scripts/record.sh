@@ -11,7 +11,7 @@ quick=${2:-}
 export MENISCUS=${MENISCUS:-$PWD/target/debug/meniscus}
 models=${MENISCUS_MODELS:?MENISCUS_MODELS must name the folder of test models}
 scratch=$(mktemp -d)
-export scratch
+export scratch models
 trap 'rm -rf "$scratch"' EXIT
 jobs=$scratch/jobs
 : >"$jobs"
@@ -27,7 +27,7 @@ job() {
 
 samples=(creature sphere torus catenoid saddle four-cylinders three-y)
 for sample in "${samples[@]}"; do
-    "$MENISCUS" sample "$sample" -o "$scratch/$sample.obj" 2>/dev/null
+    "$MENISCUS" sample "$sample" -o "$scratch/$sample.obj" >/dev/null 2>&1
     job "sample/$sample" obj sample "$sample" -o @
     case $sample in
     four-cylinders | three-y) ;;
@@ -105,7 +105,8 @@ run_job() {
     local words=("${fields[@]:2}")
     rm -f "$output"
     timeout 300 "$MENISCUS" "${words[@]/#@/$output}" >"$output.stdout" 2>/dev/null </dev/null || status=$?
-    [ "${fields[1]}" != json ] || mv "$output.stdout" "$output"
+    # a measured file is named by its path, which differs from run to run
+    [ "${fields[1]}" != json ] || sed -e "s#$scratch/##g" -e "s#$models/##g" "$output.stdout" >"$output"
     local hash=-
     [ ! -f "$output" ] || hash=$(sha256sum "$output" | cut -c1-24)
     rm -f "$output" "$output.stdout"

@@ -23,6 +23,8 @@ pub enum Tau {
     /// Grown after accepted, shrunk after rejected steps.
     #[default]
     Auto,
+    /// Adapted like `Auto` from this first step (length² / unit of f).
+    From(f64),
     /// Always this one (length² / unit of f), shrunk only where a step is rejected.
     Fixed(f64),
 }
@@ -147,6 +149,7 @@ impl StepSizeControl {
     pub fn new(mode: Mode, tau: Tau, tau_ref: f64, gentle: f64, growth: Option<f64>) -> Self {
         let (start, wanted) = match (tau, mode) {
             (Tau::Fixed(t), _) => (t, Some(t)),
+            (Tau::From(t), _) => (t, None),
             (Tau::Auto, Mode::Fast) => (2.0 * tau_ref, None),
             (Tau::Auto, Mode::Flow) => {
                 let [least, most] = FIRST.map(|part| part * tau_ref);

@@ -336,7 +336,7 @@ fn mistaken_creases_are_named() {
     let far = far.expect("not all are neighbours");
     for ends in [[0, far], [0, 99], [99, 0], [3, 3]] {
         options.creases = vec![ends];
-        let error = crease_edges(&ball, &options).expect_err("no edge");
+        let error = crease_edges(&ball, &options).expect_err("not an edge");
         assert!(matches!(error, RefineError::NoCrease { .. }));
         assert!(
             error

@@ -193,7 +193,7 @@ fn ply_ascii_bodies() {
     says(
         Ply,
         ascii_ply("3", "1", &format!("{points}3 0 1 2 2\n")),
-        &["line 13", "more on its line"],
+        &["line 13", "more values on its line"],
     );
     says(
         Ply,
