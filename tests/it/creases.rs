@@ -336,7 +336,7 @@ fn mistaken_creases_are_named() {
     let far = far.expect("not all are neighbours");
     for ends in [[0, far], [0, 99], [99, 0], [3, 3]] {
         options.creases = vec![ends];
-        let error = crease_edges(&ball, &options).expect_err("not an edge");
+        let error = crease_edges(&ball, &options).expect_err("no edge");
         assert!(matches!(error, RefineError::NoCrease { .. }));
         assert!(
             error
@@ -397,7 +397,7 @@ fn the_command_keeps_sharp_edges() {
     assert!(run(from_file).status.success());
     assert_eq!(read("named.obj"), by_angle);
     for (wrong, code, word) in [
-        ("--crease 1,8", 1, "no edge"),
+        ("--crease 1,8", 1, "not an edge"),
         ("--crease 1", 2, "4,7,9"),
         ("--crease-angle 0", 1, "positive"),
         ("--creases-from nowhere", 2, "nowhere"),
