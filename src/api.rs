@@ -1,4 +1,4 @@
-//! A fill in one call, or with a few choices.
+//! Filling holes with one call or with a few options.
 
 use crate::fill::{
     Continuity, Controls, ControlsError, FillError, Filled, LoopChoice, NoSuchLoop, choose,
@@ -7,35 +7,35 @@ use crate::fill::{
 use crate::mesh::{Mesh, boundary_loops};
 use crate::solver::StepRecord;
 
-/// Fills the holes of a mesh as `meniscus fill` does without options: every boundary loop that is not
-/// guessed an outer rim gets a patch that continues the surface smoothly and makes `∫ H² dA`
-/// stationary.
+/// Fills the holes of a mesh as `meniscus fill` does without options. Every boundary loop that is
+/// not assumed to be an outer boundary gets a patch. The patch continues the surface smoothly and
+/// makes `∫ H² dA` stationary.
 ///
 /// # Errors
-/// [`Error::Fill`] if the result would not be a manifold. What fails for a single hole is in the
-/// result ([`Filled::complete`]).
+/// [`Error::Fill`] if the result would not be a manifold. Failures of single holes are reported in
+/// the result ([`Filled::complete`]).
 pub fn fill(mesh: &Mesh) -> Result<Filled, Error> {
     Fill::new(mesh).run()
 }
 
-/// Why a fill could not be done.
+/// Why a fill failed.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// An energy that cannot be read, or an option out of range.
+    /// An energy that cannot be parsed, or an option out of range.
     #[error(transparent)]
     Controls(#[from] ControlsError),
-    /// A loop that the mesh does not have.
+    /// A boundary loop that does not exist in the mesh.
     #[error(transparent)]
     NoSuchLoop(#[from] NoSuchLoop),
-    /// The patches do not fit.
+    /// The patches cannot be inserted.
     #[error(transparent)]
     Fill(#[from] FillError),
 }
 
 type StepObserver<'a> = Box<dyn Fn(&StepRecord) -> bool + Sync + 'a>;
 
-/// A fill with choices; what is not chosen is as [`fn@fill`] has it.
+/// A fill with options. The defaults are those of [`fn@fill`].
 ///
 /// ```
 /// use meniscus::{Fill, mesh, shapes::Sample};
@@ -55,7 +55,7 @@ pub struct Fill<'a> {
 }
 
 impl<'a> Fill<'a> {
-    /// A fill of a mesh.
+    /// Starts with the defaults for a mesh.
     pub fn new(mesh: &'a Mesh) -> Self {
         Self {
             mesh,
@@ -66,7 +66,7 @@ impl<'a> Fill<'a> {
         }
     }
 
-    /// Which boundary loops.
+    /// The boundary loops to fill.
     #[must_use]
     pub fn loops(mut self, loops: LoopChoice) -> Self {
         self.loops = loops;
@@ -80,7 +80,7 @@ impl<'a> Fill<'a> {
         self
     }
 
-    /// A parameter of the energy, to be given before it.
+    /// A parameter of the energy; set it before the energy.
     #[must_use]
     pub fn param(mut self, name: &str, value: f64) -> Self {
         self.controls.param.insert(name.to_owned(), value);
@@ -105,32 +105,32 @@ impl<'a> Fill<'a> {
         self
     }
 
-    /// How patches meet the mesh.
+    /// How patches join the mesh.
     #[must_use]
     pub fn continuity(mut self, continuity: Continuity) -> Self {
         self.controls.continuity = continuity;
         self
     }
 
-    /// All other choices, and these too: replaces what was chosen before but the loops.
+    /// Sets all options at once. Replaces every previous choice except the loops.
     #[must_use]
     pub fn controls(mut self, controls: Controls) -> Self {
         self.controls = controls;
         self
     }
 
-    /// Calls `observer` after every attempted step of every group of holes, from several threads. It
-    /// returns whether to go on.
+    /// Calls `observer` after every attempted step of every group of holes, from several threads.
+    /// It returns whether to continue.
     #[must_use]
     pub fn on_step(mut self, observer: impl Fn(&StepRecord) -> bool + Sync + 'a) -> Self {
         self.observer = Box::new(observer);
         self
     }
 
-    /// Fills.
+    /// Runs the fill.
     ///
     /// # Errors
-    /// [`Error`]; what fails for a single hole is in the result.
+    /// [`Error`]; failures of single holes are reported in the result.
     pub fn run(self) -> Result<Filled, Error> {
         let options = self.controls.options()?;
         let loops = boundary_loops(self.mesh);

@@ -19,14 +19,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Fill`] takes choices: the loops, an energy, a density. Files are read and repaired by [`io::open`]
-//! and written by [`io::save_mesh`]. [`mod@fill`] has all the parts of a fill, and fills in the
-//! background ([`fill::LiveFill`]); [`refine`] refines meshes, [`analysis`] measures them and
-//! [`solver`] runs a single flow. `docs/formulation.md` has the mathematics and its signs,
-//! `ARCHITECTURE.md` the map of the modules.
+//! [`Fill`] has options: the loops, an energy, a density. [`io::open`] reads and repairs files, and
+//! [`io::save_mesh`] writes them. [`mod@fill`] contains all parts of a fill and also runs fills in
+//! the background ([`fill::LiveFill`]). [`refine`] refines meshes, [`analysis`] measures them, and
+//! [`solver`] runs a single flow. `docs/formulation.md` describes the mathematics and the sign
+//! conventions, `ARCHITECTURE.md` the modules.
 //!
-//! Cargo features: `render` adds the module of that name (pictures without a window), `cli` and
-//! `window` (the default) make the program.
+//! Cargo features: `render` adds the module of that name (pictures without a window). `cli` and
+//! `window` (the default) build the program.
 
 mod api;
 

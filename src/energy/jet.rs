@@ -83,7 +83,7 @@ impl Jet2 {
 
     /// Whether all six numbers are finite.
     pub fn is_finite(&self) -> bool {
-        // A sum of finite numbers can overflow; the members are tested one by one.
+        // A sum of finite numbers can overflow, so the members are tested individually.
         [self.f, self.h, self.k, self.hh, self.hk, self.kk]
             .iter()
             .all(|x| x.is_finite())
@@ -114,8 +114,8 @@ impl Jet2 {
 
     /// Chain rule for `φ(self)`.
     ///
-    /// A zero first derivative of the argument is kept out of the products, so that an infinite
-    /// `φ''` does not affect directions in which the argument does not change.
+    /// A zero first derivative of the argument is excluded from the products. An infinite `φ''`
+    /// therefore does not affect directions in which the argument does not change.
     pub(super) fn chain(self, p: Outer1) -> Self {
         let second = |x: f64, y: f64, xy: f64| times(p.dd, x * y) + times(p.d, xy);
         Self {

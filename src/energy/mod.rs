@@ -53,14 +53,14 @@ enum Density {
     Preset(Preset, f64),
     /// An expression in `H` and `K`.
     Plain(Arc<expr::Program>),
-    /// An expression with κ1 or κ2; the flag says that it is even in `κ1 − κ2`.
+    /// An expression with κ1 or κ2. The flag states whether it is even in `κ1 − κ2`.
     Principal(Arc<expr::Program>, bool),
     /// Another energy with tension and spontaneous curvature.
     Shifted(shift::Shift),
 }
 
 impl Energy {
-    /// A preset; its parameter, if it has one, at its usual value ([`Preset::parameter`]).
+    /// A preset. Its parameter, if it has one, has its default value ([`Preset::parameter`]).
     pub fn preset(preset: Preset) -> Self {
         let mut params = BTreeMap::new();
         let parameter = preset.parameter();
@@ -79,23 +79,24 @@ impl Energy {
         }
     }
 
-    /// Reads an expression in `H`, `K`, `k1`, `k2`, numbers, `pi`, the parameters in `params`,
+    /// Parses an expression in `H`, `K`, `k1`, `k2`, numbers, `pi`, the parameters in `params`,
     /// `+ − * / ^`, parentheses and `abs sqrt exp log sin cos tanh min max`.
     ///
-    /// `^` is right associative and binds tighter than the sign: `-H^2 = -(H^2)`, `2^-1 = 0.5`.
-    /// Integer powers are exact for every base, zero included (`0^0 = 1`); other powers need a
-    /// positive base. The derivatives of `abs`, `min` and `max` are those of the active branch; at
-    /// a tie that of the first argument, or of `+x` for `abs(x)` (between expressions that differ
-    /// in `κ1 − κ2`, that of the limit from `κ1 > κ2`). Where a derivative does not exist, as for
-    /// `sqrt(H)` at `H = 0` or `abs(k1-k2)` at an umbilic, [`Energy::jet`] is not finite.
+    /// `^` is right associative and binds more tightly than the sign: `-H^2 = -(H^2)`,
+    /// `2^-1 = 0.5`. Integer powers are exact for every base, including zero (`0^0 = 1`); other
+    /// powers need a positive base. The derivatives of `abs`, `min` and `max` are those of the
+    /// active branch. At a tie they are those of the first argument, or of `+x` for `abs(x)`.
+    /// Between expressions that differ in `κ1 − κ2` they are those of the limit from `κ1 > κ2`.
+    /// Where a derivative does not exist, as for `sqrt(H)` at `H = 0` or `abs(k1-k2)` at an
+    /// umbilic, [`Energy::jet`] is not finite.
     ///
     /// An expression that expands to a [`Preset`] is evaluated as that preset, however it is
     /// written. Parameters that do not occur are ignored; see [`Energy::params`] for those that do.
     ///
     /// # Errors
-    /// [`ExprError`] for text outside this grammar (with the character), unknown names, parameters
+    /// [`ExprError`] for text outside this grammar (with the position), unknown names, parameters
     /// that are not finite or have a reserved name, expressions not symmetric in κ1 and κ2, and
-    /// such that have no finite value at any curvature.
+    /// expressions without a finite value at any curvature.
     pub fn parse(text: &str, params: &BTreeMap<String, f64>) -> Result<Self, ExprError> {
         for (name, &value) in params {
             check_parameter(name, value)?;
@@ -131,7 +132,7 @@ impl Energy {
     /// The same energy with another value of one of its parameters.
     ///
     /// # Errors
-    /// [`ExprError::Parameter`] when the energy has no parameter of that name; those of
+    /// [`ExprError::Parameter`] if the energy has no parameter of that name, and the errors of
     /// [`Energy::parse`] for the new value.
     pub fn with_param(&self, name: &str, value: f64) -> Result<Self, ExprError> {
         if !self.params.contains_key(name) {
@@ -161,7 +162,7 @@ impl Energy {
         &self.params
     }
 
-    /// The expression as it was typed, or the preset's.
+    /// The expression as typed, or that of the preset.
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -181,9 +182,9 @@ impl Energy {
 
     /// `f` and its derivatives at mean curvature `h` and Gauss curvature `k`.
     ///
-    /// Members are not finite where `f` is not twice differentiable or not defined. Where
-    /// `h² < k`, which no surface has but roundoff may, rational expressions are continued as they
-    /// stand, other functions of κ1 and κ2 take their umbilic value.
+    /// Members are not finite where `f` is undefined or not twice differentiable. `h² < k` does not
+    /// occur on a surface, but roundoff can produce it. Rational expressions are then continued
+    /// unchanged; other functions of κ1 and κ2 take their umbilic value.
     #[inline]
     pub fn jet(&self, h: f64, k: f64) -> Jet2 {
         match &self.density {
@@ -194,8 +195,8 @@ impl Energy {
         }
     }
 
-    /// The order of an expression that is no low polynomial: second where no sample has a second
-    /// derivative (abs(H), say).
+    /// The order of an expression that is not a polynomial of low degree. It is second if no sample
+    /// has a second derivative, for example abs(H).
     fn sampled_order(&self) -> Order {
         let mut jets = expr::sample_curvatures()
             .map(|[h, k]| self.jet(h, k))
@@ -210,7 +211,7 @@ impl Energy {
     }
 }
 
-/// Energies written alike, with the same parameters and shifts.
+/// Whether two energies have the same text, parameters and shifts.
 impl PartialEq for Energy {
     fn eq(&self, other: &Self) -> bool {
         let shifts = match (&self.density, &other.density) {

@@ -2,7 +2,7 @@
 
 use super::jet::Jet2;
 
-/// An energy density known by name.
+/// A named energy density.
 ///
 /// The first six are those of Xu 2008, Fig. 2. `κ1, κ2 = H ± √(H² − K)`, hence
 /// `κ1⁴ + κ2⁴ = 16H⁴ − 16H²K + 2K²`, `κ1² + κ2² = 4H² − 2K`, `(κ1 − κ2)² = 4H² − 4K`.
@@ -22,7 +22,7 @@ pub enum Preset {
     K1P4PlusK2P4,
     /// `f = K`: every surface is stationary (Gauss-Bonnet).
     K,
-    /// `f = (H − H0)²`: Helfrich's energy; the parameter `H0` is 0 until it is set.
+    /// `f = (H − H0)²`: Helfrich's energy; the parameter `H0` has the default 0.
     HMinusH0Squared,
     /// `f = κ1² + κ2²`: bending energy.
     K1SqPlusK2Sq,
@@ -67,7 +67,7 @@ impl Preset {
         }
     }
 
-    /// The parameter in its text, if it has one, with its value until it is set.
+    /// The parameter of its expression, if it has one, with the default value.
     pub const fn parameter(self) -> Option<(&'static str, f64)> {
         match self {
             Self::HMinusH0Squared => Some(("H0", 0.0)),
@@ -88,8 +88,8 @@ impl Preset {
         }
     }
 
-    /// The coefficient `c[i][j]` of `H^i K^j`, `i ≤ 4`, `j ≤ 2`, of a polynomial one; of the square
-    /// of [`Preset::CurvatureNorm`]. `parameter` is that of the preset.
+    /// The coefficient `c[i][j]` of `H^i K^j`, `i ≤ 4`, `j ≤ 2`, of a polynomial preset. For
+    /// [`Preset::CurvatureNorm`] it is that of the square. `parameter` is that of the preset.
     pub(super) const fn coefficients(self, parameter: f64) -> [[f64; 3]; 5] {
         let mut c = [[0.0; 3]; 5];
         match self {

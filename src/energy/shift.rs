@@ -1,4 +1,4 @@
-//! Energies with a weight of the area and a spontaneous curvature.
+//! Energies with tension and spontaneous curvature.
 
 use std::sync::Arc;
 
@@ -13,12 +13,12 @@ pub(super) struct Shift {
 }
 
 impl Energy {
-    /// `f(k1 − c, k2 − c) + t`: the area counts with the weight `tension` t besides, and curvatures
-    /// are measured from the spontaneous `curvature` c (negative makes the surface bulge along its
-    /// normals). For `H^2` that is `(H − c)² + t`. Units are those of f and of H.
+    /// `f(k1 − c, k2 − c) + t`. The tension t is the weight of the area. Curvatures are measured
+    /// from the spontaneous `curvature` c; a negative c makes the surface bulge along its normals.
+    /// For `H^2` the result is `(H − c)² + t`. Units are those of f and of H.
     ///
-    /// Bending pays for curvature, tension for area: between two rims a higher tension draws the
-    /// surface together.
+    /// Bending penalizes curvature and tension penalizes area. Between two rims, a higher tension
+    /// contracts the surface.
     #[must_use]
     pub fn shifted(&self, tension: f64, curvature: f64) -> Self {
         if tension == 0.0 && curvature == 0.0 {

@@ -33,8 +33,8 @@ fn members(j: &Jet2) -> [f64; 6] {
     [j.f, j.h, j.k, j.hh, j.hk, j.kk]
 }
 
-/// The largest difference of two jets, each member relative to what it is made of at curvature
-/// scale `c`: `f/c^i` for a derivative of weight i.
+/// The largest difference of two jets. Each member is relative to its magnitude at curvature scale
+/// `c`: `f/c^i` for a derivative of weight i.
 fn distance(x: &Jet2, y: &Jet2, c: f64) -> f64 {
     let weights = [1.0, c, c * c, c * c, c * c * c, c * c * c * c];
     let scaled = |j: &Jet2| std::array::from_fn::<f64, 6, _>(|i| members(j)[i] * weights[i]);
@@ -206,7 +206,7 @@ fn branches_take_the_active_side() {
     let max = parsed("max(k1,k2)");
     assert_eq!([max.jet(0.5, -0.75).f, max.jet(0.5, -0.75).k], [1.5, -0.5]);
     assert_eq!(parsed("min(k2,k1)").jet(0.5, -0.75).f, -0.5);
-    // Not differentiable at umbilics, and said so.
+    // Not differentiable at umbilics, as documented.
     assert!(!max.jet(1.0, 1.0).is_finite());
     assert!(!parsed("abs(k2-k1)").jet(1.0, 1.0).is_finite());
     // Symmetric in both: the tie does no harm.

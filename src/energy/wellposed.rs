@@ -7,7 +7,7 @@
 
 use super::{Energy, Jet2, Order, Preset};
 
-/// What the flow is at a point. The variants are ordered from harmless to bad.
+/// The type of the flow at a point. The variants are ordered from harmless to bad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum WellPosed {
     /// The energy is a multiple of `K`: nothing moves.
@@ -22,18 +22,18 @@ pub enum WellPosed {
     Undefined,
 }
 
-/// The smallest value of the symbol over all directions at a point.
+/// The minimum of the symbol over all directions at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Symbol {
     min: f64,
-    /// Where it is taken.
+    /// The normal curvature `b` of the minimum.
     b: f64,
     /// Sum of the magnitudes of its terms at the larger principal curvature.
     scale: f64,
 }
 
 impl Energy {
-    /// Whether the flow is strictly parabolic on every surface, so that there is nothing to scan.
+    /// Whether the flow is strictly parabolic on every surface, so that no scan is needed.
     pub fn is_uniformly_parabolic(&self) -> bool {
         matches!(
             self.as_preset(),
@@ -67,7 +67,7 @@ impl Energy {
     }
 }
 
-/// The worst of a set of samples.
+/// The worst sample of a set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorstPoint {
     /// Index of the sample.
@@ -78,13 +78,13 @@ pub struct WorstPoint {
     pub h: f64,
     /// Gauss curvature there.
     pub k: f64,
-    /// The smallest value of the symbol over all directions.
+    /// The minimum of the symbol over all directions.
     pub symbol: f64,
-    /// The normal curvature `b` in which it is taken.
+    /// The normal curvature `b` of the minimum.
     pub b: f64,
 }
 
-/// How often each class occurs in a set of samples.
+/// The number of samples of each class.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WellPosedScan {
     /// Number of samples.
@@ -105,9 +105,9 @@ pub struct WellPosedScan {
 
 /// Classifies the flow of `energy` at every `[H, K]` of `samples`.
 ///
-/// `length` is the size of the region, such as the hole's radius: a symbol below `tol` times its
-/// size on a sphere of that radius counts as zero, so that κ1⁴+κ2⁴ is degenerate on what is flat
-/// up to roundoff. Pass infinity to compare with the sample's own terms only.
+/// `length` is the size of the region, such as the hole's radius. A symbol counts as zero below
+/// `tol` times its size on a sphere of that radius. κ1⁴+κ2⁴ is therefore degenerate on surfaces
+/// that are flat up to roundoff. Pass infinity to compare with the sample's own terms only.
 pub fn scan_well_posedness(
     energy: &Energy,
     samples: &[[f64; 2]],

@@ -18,12 +18,12 @@ use faer::{Auto, Conj, MatMut, Par, Spec};
 
 use super::{LinearError, SymmetricPattern};
 
-/// Merging of small supernodes: (columns together, admitted share of stored zeros).
+/// Merging of small supernodes: (number of merged columns, maximum fraction of stored zeros).
 const RELAX: &[(usize, f64)] = &[(4, 1.0), (16, 0.8), (48, 0.1), (usize::MAX, 0.05)];
 
 /// Structure of the Cholesky factor of a pattern, computed once per pattern.
 ///
-/// The matrix is factorized in the order given; permute it first, with
+/// The matrix is factorized in the given order. Permute it first, with
 /// [`nested_dissection`](super::nested_dissection) for matrices over surfaces.
 #[derive(Debug)]
 pub struct CholeskySymbolic {
@@ -43,7 +43,7 @@ fn symbolic_error(error: FaerError, n: usize) -> LinearError {
 }
 
 impl CholeskySymbolic {
-    /// Analyses a pattern (already permuted: it is factorized in its own order).
+    /// Analyses a pattern. It must already be permuted, because it is factorized in its own order.
     ///
     /// # Errors
     /// [`LinearError::TooLarge`] if the factor needs more than 2³¹ entries,
@@ -123,7 +123,7 @@ pub struct Cholesky {
     values: Vec<f64>,
     factorized: bool,
     workspace: MemBuffer,
-    /// Right-hand sides the workspace is large enough for.
+    /// Number of right-hand sides for which the workspace is large enough.
     columns: usize,
 }
 
@@ -137,7 +137,7 @@ impl std::fmt::Debug for Cholesky {
 }
 
 impl Cholesky {
-    /// Allocates the factor and the workspace; nothing is factorized yet.
+    /// Allocates the factor and the workspace; does not factorize yet.
     pub fn new(symbolic: Arc<CholeskySymbolic>) -> Self {
         let columns = 3;
         let scratch = StackReq::or(
@@ -157,7 +157,7 @@ impl Cholesky {
         }
     }
 
-    /// The structure this factorization was made with.
+    /// The structure of this factorization.
     pub fn symbolic(&self) -> &Arc<CholeskySymbolic> {
         &self.symbolic
     }
@@ -167,10 +167,10 @@ impl Cholesky {
     ///
     /// # Errors
     /// [`LinearError::NotPositiveDefinite`] with the row of the first pivot that is not positive
-    /// (also for values that are not numbers). The previous factor is lost then.
+    /// (also for values that are not numbers). The previous factor is then lost.
     ///
     /// # Panics
-    /// If `values` is not as long as the pattern.
+    /// If the length of `values` differs from that of the pattern.
     pub fn factorize(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let lower = self.symbolic.lower.as_ref();
         assert_eq!(
@@ -195,12 +195,12 @@ impl Cholesky {
         Ok(())
     }
 
-    /// Replaces `rhs` by the solution of `A x = rhs`; `rhs` holds `columns` right-hand sides of
-    /// length n, one after another. All are solved in one pass over the factor. Allocates only when
-    /// `columns` is larger than 3 and than ever before.
+    /// Replaces `rhs` by the solution of `A x = rhs`. `rhs` contains `columns` right-hand sides of
+    /// length n, one after another. All are solved in one pass over the factor. Allocates only if
+    /// `columns` exceeds 3 and every previous value.
     ///
     /// # Panics
-    /// If `rhs` is not of length n times `columns`, or the last factorization failed or never was.
+    /// If `rhs` is not of length n times `columns`, or there is no successful factorization.
     pub fn solve_in_place(&mut self, rhs: &mut [f64], columns: usize) {
         let n = self.symbolic.n();
         assert!(

@@ -1,4 +1,4 @@
-//! What can go wrong in a factorization, with the evidence.
+//! Errors of factorizations, with evidence.
 
 /// Failure of a factorization or a direct solve.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -30,7 +30,7 @@ pub enum LinearError {
         /// Number of columns.
         columns: usize,
     },
-    /// The factor has more entries than indices of 32 bits can address.
+    /// The factor has more entries than 32-bit indices can address.
     #[error("factor of the {n} x {n} matrix is too large to index; split the region into parts")]
     TooLarge {
         /// Dimension of the matrix.

@@ -1,14 +1,14 @@
 //! Restarted GMRES with right preconditioning (Saad and Schultz 1986; Saad, Iterative Methods,
 //! algorithm 9.5).
 
-/// When to stop, and how much memory to use.
+/// Stopping criteria and memory limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GmresOptions {
-    /// Wanted |b - A x| / |b|.
+    /// Target |b - A x| / |b|.
     pub tolerance: f64,
     /// Basis vectors kept before a restart (m in GMRES(m)).
     pub restart: usize,
-    /// Applications of the operator allowed, restarts included.
+    /// Maximum number of applications of the operator, including restarts.
     pub max_iterations: usize,
 }
 
@@ -23,7 +23,7 @@ impl Default for GmresOptions {
     }
 }
 
-/// How a solve ended.
+/// Result of a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GmresReport {
     /// Steps of the Arnoldi process, one operator and one preconditioner application each.
@@ -39,11 +39,11 @@ type Apply<'a> = &'a mut dyn FnMut(&[f64], &mut [f64]);
 
 /// Solves A x = b from the initial guess in `x`.
 ///
-/// `operator(v, out)` computes A v, `preconditioner(v, out)` approximates A⁻¹ v and must be the same
-/// linear map at each call. Right preconditioning keeps the residual of the iteration that of the
-/// given system; before convergence is reported the residual is evaluated once more from x.
-/// Stagnation over a whole restart cycle and values that are not finite end the iteration with
-/// `converged: false`; x is then the best that was found.
+/// `operator(v, out)` computes A v. `preconditioner(v, out)` approximates A⁻¹ v and must be the
+/// same linear map at each call. With right preconditioning, the residual of the iteration is that
+/// of the given system. Before convergence is reported, the residual is evaluated once more from x.
+/// The iteration ends with `converged: false` if it stagnates over a whole restart cycle or values
+/// are not finite; x is then the best iterate.
 ///
 /// # Panics
 /// If b and x differ in length or `restart` is 0.
@@ -75,8 +75,8 @@ pub fn gmres(
         iterations += cycle.arnoldi(operator, preconditioner, residual, target, steps);
         cycle.correct(preconditioner, x);
         let after = cycle.start(operator, b, x);
-        // A cycle never raises the residual in exact arithmetic; where rounding does, or nothing
-        // is gained any more, further cycles repeat the same.
+        // A cycle never raises the residual in exact arithmetic. If rounding raises it, or nothing
+        // is gained, further cycles would repeat the same.
         if after >= residual || after.is_nan() {
             x.copy_from_slice(&cycle.before);
             break;
@@ -90,7 +90,7 @@ pub fn gmres(
     }
 }
 
-/// Part of a new Krylov vector below which only rounding is left of it: the space is invariant.
+/// Fraction of a new Krylov vector below which only rounding remains: the space is invariant.
 const INVARIANT: f64 = 1e-14;
 
 /// Memory of one restart cycle, reused by the next.
@@ -105,7 +105,7 @@ struct Cycle {
     rotations: Vec<(f64, f64)>,
     /// Rotated right-hand side of the least-squares problem.
     g: Vec<f64>,
-    /// Steps taken in the present cycle.
+    /// Number of steps in the current cycle.
     len: usize,
     z: Vec<f64>,
     w: Vec<f64>,
@@ -161,8 +161,8 @@ impl Cycle {
             applied += 1;
             let before = norm(&self.w);
             let next = self.orthogonalize(before);
-            // A pivot of rounding size is a direction the operator maps to what is had already
-            // (it is singular): leave it out. Also taken for values that are not finite.
+            // A pivot of rounding size is a direction that the operator maps into the existing
+            // space (it is singular): omit it. Values that are not finite also take this branch.
             let pivot = self.rotate(next);
             if !(pivot > INVARIANT * before && pivot.is_finite()) {
                 break;
@@ -187,8 +187,8 @@ impl Cycle {
         }
     }
 
-    /// Modified Gram-Schmidt of `w` against the basis, a second time where the first cancelled
-    /// digits; the coefficients go to column `len` of `r`. Returns the norm of what is left.
+    /// Modified Gram-Schmidt of `w` against the basis, repeated where the first pass cancelled
+    /// digits. The coefficients go to column `len` of `r`. Returns the norm of the remainder.
     fn orthogonalize(&mut self, norm_before: f64) -> f64 {
         let j = self.len;
         let column = &mut self.r[j * (self.restart + 1)..][..=j];

@@ -2,10 +2,10 @@
 
 use std::collections::VecDeque;
 
-/// Pairs kept.
+/// Number of stored pairs.
 const MEMORY: usize = 5;
 
-/// A pair is dropped when its curvature sᵀy is below this part of |s||y|.
+/// A pair is dropped when its curvature sᵀy is below this fraction of |s||y|.
 const CURVATURE: f64 = 1e-10;
 
 /// History of steps and gradient changes that corrects an approximate inverse Hessian.
@@ -37,14 +37,14 @@ impl Lbfgs {
         self.pairs.is_empty()
     }
 
-    /// Forgets all pairs, for instance after a new factorization.
+    /// Removes all pairs, for instance after a new factorization.
     pub fn clear(&mut self) {
         self.pairs.clear();
     }
 
     /// Adds the step `s` and the change `y` of the gradient over it. Without positive curvature
-    /// (sᵀy > 1e-10 |s||y|) the approximation would not be definite: the pair is left out
-    /// and `false` returned. The oldest of more than 5 pairs is dropped, its memory reused.
+    /// (sᵀy > 1e-10 |s||y|) the approximation would not be definite; the pair is then ignored and
+    /// `false` returned. The oldest of more than 5 pairs is dropped and its memory reused.
     ///
     /// # Panics
     /// If the lengths differ from each other or from those of the stored pairs.
@@ -59,7 +59,7 @@ impl Lbfgs {
         }
         let sy = dot(s, y);
         let floor = CURVATURE * (dot(s, s) * dot(y, y)).sqrt();
-        // Also refuses values that are not numbers.
+        // Also rejects values that are not numbers.
         if !(sy > floor && sy.is_finite()) {
             return false;
         }

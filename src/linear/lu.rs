@@ -18,7 +18,7 @@ pub struct SparseLu {
     symbolic: SymbolicLu<usize>,
     numeric: NumericLu<usize, f64>,
     workspace: MemBuffer,
-    /// Right-hand sides the workspace is large enough for.
+    /// Number of right-hand sides for which the workspace is large enough.
     columns: usize,
 }
 
@@ -37,9 +37,10 @@ impl std::fmt::Debug for SparseLu {
 impl SparseLu {
     /// Factorizes a square matrix.
     ///
-    /// Besides pivots that are exactly zero, a matrix is called singular when a probe solution of
-    /// the system with rows and columns scaled to largest entries 1 grows beyond 1/ε: then no digit
-    /// of a solution means anything. The scaling makes the test blind to the units of rows and columns.
+    /// A matrix is singular if a pivot is exactly zero. It also counts as singular if a probe
+    /// solution grows beyond 1/ε, because then no digit of a solution is meaningful. The probe uses
+    /// the system with rows and columns scaled to largest entries 1, so the test does not depend on
+    /// the units of rows and columns.
     ///
     /// # Errors
     /// [`LinearError::NotSquare`], [`LinearError::Singular`], [`LinearError::OutOfMemory`],
@@ -131,7 +132,8 @@ impl SparseLu {
         );
     }
 
-    /// One solve with a right-hand side of alternating signs, scaled as [`SparseLu::new`] says.
+    /// One solve with a right-hand side of alternating signs, scaled as described at
+    /// [`SparseLu::new`].
     fn probe_is_singular(&mut self, matrix: &CscMatrix<f64>) -> bool {
         let mut row_scale = vec![0.0_f64; self.n];
         for (i, _, &a) in matrix.triplet_iter() {

@@ -1,11 +1,11 @@
-//! Sparse linear algebra: the only module that names the factorization crate.
+//! Sparse linear algebra: the only module that uses the factorization crate.
 //!
-//! The usual path for a symmetric positive definite matrix over a surface mesh is
-//! [`nested_dissection`] of the matrix graph, [`SymmetricPattern::of_permuted_graph`],
-//! [`CholeskySymbolic`] once per topology, then [`Cholesky::factorize`] and
-//! [`Cholesky::solve_in_place`] as often as wanted, without allocation. Everything runs on the
-//! calling thread: two threads were slower at every size tried (1,000 to 50,000 unknowns), and one
-//! thread gives the same bits everywhere.
+//! The usual sequence for a symmetric positive definite matrix over a surface mesh starts with
+//! [`nested_dissection`] of the matrix graph and [`SymmetricPattern::of_permuted_graph`].
+//! [`CholeskySymbolic`] follows once per topology. [`Cholesky::factorize`] and
+//! [`Cholesky::solve_in_place`] can then be repeated without allocation. Everything runs on the
+//! calling thread. Two threads were slower at every size tried (1,000 to 50,000 unknowns), and with
+//! one thread results are bit-identical everywhere.
 
 mod cholesky;
 mod error;

@@ -1,13 +1,13 @@
 //! Fill-reducing order of a surface graph by geometric nested dissection.
 //!
-//! The vertices are halved by a plane across their longest principal axis, the vertices of one half
-//! that have a neighbour in the other become the separator, eliminated last, and the halves are
-//! treated the same way until they are small. A surface graph of n vertices has separators of order
-//! √n (Lipton, Rose, Tarjan 1979), so the Cholesky factor has O(n log n) entries.
+//! A plane across the longest principal axis halves the vertices. The vertices of one half that
+//! have a neighbour in the other become the separator, which is eliminated last. The halves are
+//! divided in the same way until they are small. A surface graph of n vertices has separators of
+//! order √n (Lipton, Rose, Tarjan 1979), so the Cholesky factor has O(n log n) entries.
 
 use glam::DVec3;
 
-/// Parts of at most this many vertices are not cut further.
+/// Parts of at most this many vertices are not divided further.
 const LEAF: usize = 48;
 
 /// Region label of vertices whose place is final.
@@ -20,8 +20,8 @@ const PLACED: u32 = u32::MAX;
 /// graph of the *matrix* (vertices that share a patch are neighbours), not the edges of the mesh:
 /// the separators must cut the former.
 ///
-/// Any points are accepted (coincident, collinear, not finite), as are disconnected graphs; only
-/// the fill suffers. Deterministic; O(n log n) beside one pass over the adjacency.
+/// Any points are valid (coincident, collinear, not finite), and so are disconnected graphs; they
+/// only increase the fill. Deterministic; O(n log n) plus one pass over the adjacency.
 ///
 /// # Panics
 /// If `adjacency_offsets` is not of length `points.len() + 1`, or an index is out of range.
@@ -79,8 +79,8 @@ impl Graph<'_> {
         &self.adjacency[self.offsets[v] as usize..self.offsets[v + 1] as usize]
     }
 
-    /// Distance of the farthest neighbour of each vertex. A vertex farther than that from a plane has
-    /// no neighbour beyond the plane, so its neighbours need no check.
+    /// Distance of the farthest neighbour of each vertex. A vertex farther than that from a plane
+    /// has no neighbour beyond the plane, so its neighbours need no check.
     fn reach(&self) -> Vec<f64> {
         (0..self.points.len())
             .map(|v| {
@@ -184,7 +184,8 @@ fn principal_axis(points: &[DVec3], part: &[u32]) -> (DVec3, DVec3) {
         DVec3::new(xy, yy, yz),
         DVec3::new(xz, yz, zz),
     );
-    // Squaring six times is the power method with exponent 64; near ties any direction will do.
+    // Squaring six times is the power method with exponent 64; near ties any direction is
+    // acceptable.
     for _ in 0..6 {
         let scale = m.x_axis.x.max(m.y_axis.y).max(m.z_axis.z);
         m *= 1.0 / scale;

@@ -9,7 +9,7 @@ pub struct SymmetricPattern {
     pub n: usize,
     /// Start of each column in `row_idx`; length `n + 1`, first entry 0, last `row_idx.len()`.
     pub col_ptr: Vec<usize>,
-    /// Rows of each column, strictly ascending, the first of column `j` being `j` itself.
+    /// Rows of each column, strictly ascending; the first row of column `j` is `j`.
     pub row_idx: Vec<usize>,
 }
 

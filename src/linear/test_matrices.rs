@@ -12,7 +12,7 @@ pub(crate) struct Graph {
 }
 
 impl Graph {
-    /// Graph of the edges given (each once).
+    /// Graph of the given edges (each once).
     pub(crate) fn new(points: Vec<DVec3>, edges: &[(usize, usize)]) -> Self {
         let mut lists = vec![Vec::new(); points.len()];
         for &(a, b) in edges {

@@ -1,6 +1,6 @@
 //! Enums whose values have names.
 
-/// A choice among a few named values. Implemented by [`choices!`].
+/// A choice among a few named values. Implemented by `choices!`.
 pub trait Choice: Copy + PartialEq + Send + Sync + 'static {
     /// All values.
     const ALL: &'static [Self];

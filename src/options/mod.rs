@@ -1,6 +1,6 @@
 //! Options as data: one struct per kind of options, and everything else made from it.
 //!
-//! [`options!`] defines a struct of options: name, type, default and help text of each. From it
+//! `options!` defines a struct of options: name, type, default and help text of each. From it
 //! come the fields (`serde`, kebab-case names), the defaults, the arguments of the command line
 //! (`cli::options`), the rows of a schedule and the project file. All of them use the same names.
 //!
@@ -17,7 +17,7 @@
 //! What can be done with any such struct is in [`Options`]: [`difference`](Options::difference) of
 //! two sets as names and texts, [`set`](Options::set) one option from its name and text,
 //! [`to_arguments`](Options::to_arguments). The type of an option implements [`OptionValue`]; for
-//! an enum, [`choices!`] names its values and does so.
+//! an enum, `choices!` names its values and does so.
 
 mod choice;
 mod value;
@@ -46,7 +46,7 @@ pub struct OptionEntry<T> {
     pub(crate) changes: fn(&T, &T) -> Vec<String>,
 }
 
-/// A struct made by [`options!`].
+/// A struct made by `options!`.
 pub trait Options: Clone + Default + PartialEq + Send + Sync + 'static {
     /// All options, in the order of the struct.
     fn entries() -> Vec<OptionEntry<Self>>;

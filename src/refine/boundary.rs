@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::mesh::{DVec3, Split, Topology, VertexId};
 use crate::options::choices;
 
-/// How boundaries and creases are continued between their vertices.
+/// How boundaries and creases are interpolated between their vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum BoundaryRule {
     /// By interpolating cubic B-splines, broken at corners.
@@ -17,36 +17,37 @@ pub enum BoundaryRule {
 
 choices!(BoundaryRule: Spline "spline", Straight "straight");
 
-/// Where a vertex is on the curves.
+/// The position of a vertex relative to the curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
-    /// On none.
+    /// Not on a curve.
     Off,
-    /// A curve passes it smoothly, between these neighbours.
+    /// On the smooth part of a curve, between these neighbours.
     Between([u32; 2]),
-    /// A curve has a kink or ends there, curves meet, or they are straight throughout.
+    /// A corner: the curve has a kink or ends, several curves meet, or the curves are straight
+    /// lines.
     Corner,
 }
 
 /// Cubic B-splines through the vertices of boundaries and creases. Their control points are refined
-/// like those of a crease of Loop's scheme; between two corners the spline is natural.
+/// like those of a crease of Loop's scheme. Between two corners the spline is natural.
 #[derive(Clone, Debug)]
 pub struct BoundaryCurves {
-    /// Control point of each vertex; of no meaning off the curves.
+    /// Control point of each vertex; meaningless for vertices off the curves.
     control: Vec<DVec3>,
     place: Vec<Place>,
-    /// The edges of the curves, the lower vertex first.
+    /// The edges of the curves, with the lower vertex index first.
     edges: BTreeSet<[u32; 2]>,
     rule: BoundaryRule,
 }
 
-/// Sweeps of Gauss-Seidel for the control points; each more than halves the error.
+/// Gauss-Seidel sweeps for the control points. Each sweep more than halves the error.
 const SWEEPS: usize = 60;
 
 impl BoundaryCurves {
-    /// Curves through the vertices of the boundary and of the edges that are `creases` (one flag
-    /// each). A vertex where a curve turns by more than `corner_angle` (radians) is a corner, as is
-    /// one in which other than two edges of curves meet.
+    /// Interpolates the vertices of the boundary and of the edges flagged in `creases` (one flag
+    /// per edge). A vertex is a corner if a curve turns there by more than `corner_angle`
+    /// (radians), or if the number of curve edges at it is not two.
     pub fn new(
         topology: &Topology,
         positions: &[DVec3],
@@ -88,7 +89,7 @@ impl BoundaryCurves {
         }
     }
 
-    /// The curves over the mesh after a split.
+    /// The curves on the mesh after a split.
     #[must_use]
     pub fn split(&self, old: &Topology, split: &Split) -> Self {
         let mut next = self.clone();
@@ -122,7 +123,7 @@ impl BoundaryCurves {
         next
     }
 
-    /// Where a curve passes a vertex; `None` off the curves.
+    /// The point of the curve at a vertex; `None` off the curves.
     pub fn point(&self, v: VertexId) -> Option<DVec3> {
         let p = self.control[v.index()];
         match self.place[v.index()] {
@@ -137,7 +138,7 @@ impl BoundaryCurves {
         self.place[v.index()] == Place::Corner
     }
 
-    /// Sum of the differences of two control points to that of a vertex.
+    /// Sum of the differences between two control points and that of a vertex.
     fn spokes(&self, v: usize, ends: [u32; 2]) -> DVec3 {
         let p = self.control[v];
         let [a, b] = ends.map(|w| self.control[w as usize] - p);

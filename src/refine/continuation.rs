@@ -1,13 +1,13 @@
-//! Continuation in the constraints: from a surface near the targets to one that passes them.
+//! Continuation in the constraints: from a surface near the targets to one that interpolates them.
 
 use crate::mesh::{DVec3, VertexId};
 use crate::refine::descent::FullGradientDescent;
 
-/// Maximum part of its path that a constraint moves at once.
+/// Maximum fraction of its path that a constraint moves in one round.
 const MAX_STEP_FRACTION: f64 = 0.34;
-/// Minimum part; a constraint that cannot move even that without a fold waits.
+/// Minimum fraction. A constraint whose move by this fraction still folds the surface waits.
 const MIN_STEP_FRACTION: f64 = 1e-3;
-/// Factors on the part after a fold and after a free step.
+/// Factors on the fraction after a fold and after a move without a fold.
 const SHRINK: f64 = 0.4;
 const GROW: f64 = 1.6;
 /// Maximum number of rounds, and steps of descent after each.
@@ -16,13 +16,13 @@ const DESCENTS: usize = 2;
 /// Trial points of one round.
 const TRIALS: usize = 40;
 
-/// The straight paths of the constraints and how far each has come.
+/// The straight paths of the constraints and the progress along each.
 struct ConstraintPath<'a> {
     start: Vec<DVec3>,
     goals: &'a [DVec3],
-    /// Part of the path behind each constraint.
+    /// Fraction of its path that each constraint has covered.
     reached: Vec<f64>,
-    /// Part that each may move at once.
+    /// Maximum fraction that each constraint may move in the next round.
     stride: Vec<f64>,
 }
 
@@ -32,7 +32,7 @@ impl ConstraintPath<'_> {
         self.reached.iter().filter(|&&r| r < 1.0).count()
     }
 
-    /// The part each constraint moves next.
+    /// The fraction that each constraint moves next.
     fn next(&self) -> Vec<f64> {
         let parts = self.reached.iter().zip(&self.stride);
         parts.map(|(&r, &s)| s.min(1.0 - r)).collect()
@@ -48,7 +48,7 @@ impl ConstraintPath<'_> {
             .collect()
     }
 
-    /// Records moves by `parts` of the parts that were `wanted`.
+    /// Records moves by `parts` out of the requested fractions `wanted`.
     fn advance(&mut self, parts: &[f64], wanted: &[f64]) {
         for i in 0..parts.len() {
             self.reached[i] += parts[i];
@@ -62,10 +62,10 @@ impl ConstraintPath<'_> {
 }
 
 impl FullGradientDescent {
-    /// Moves the constraints from the points that the surface passes now to `goals`, each by parts
-    /// that fold nothing. The preconditioner spreads each move over the surface, and steps of
-    /// descent follow. Constraints that cannot arrive without a fold are moved to their goals at
-    /// the end. Returns how many.
+    /// Moves the constraints from the current points of the surface to `goals`, in parts that cause
+    /// no fold. The preconditioner spreads each move over the surface, and descent steps follow.
+    /// Constraints that cannot reach their goals without a fold are moved there at the end. Returns
+    /// the number of these constraints.
     pub fn move_constraints_to(&mut self, goals: &[DVec3], tau: f64) -> usize {
         let Some(constraints) = &self.evaluator.constraints else {
             return 0;
@@ -94,7 +94,7 @@ impl FullGradientDescent {
         unreached
     }
 
-    /// One move of the constraints; those at a fold move less, or wait.
+    /// One move of the constraints. Constraints next to a fold move less, or wait.
     fn advance(&mut self, path: &mut ConstraintPath<'_>) {
         let mut parts = path.next();
         let wanted = parts.clone();
@@ -139,8 +139,8 @@ impl FullGradientDescent {
         Some(positions)
     }
 
-    /// Shortens the parts of the constraints next to the last fold; whether there were any that
-    /// moved.
+    /// Shortens the moves of the constraints next to the last fold. Returns whether any of these
+    /// constraints was moving.
     fn slow_down(&self, parts: &mut [f64]) -> bool {
         let Some(constraints) = &self.evaluator.constraints else {
             return false;

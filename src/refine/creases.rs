@@ -1,10 +1,10 @@
 //! Sharp edges: creases of the limit surface.
 //!
-//! On a crease the limit curve is a cubic B-spline of the crease's own vertices, and the surface on
-//! either side has a tangent plane of its own (Hoppe et al., "Piecewise Smooth Surface
-//! Reconstruction", 1994). Open boundaries are just that, so the mesh is cut open along its creases
-//! and refined as an open one; both sides are held on the same curves, those of the whole mesh, and
-//! the result is welded.
+//! The limit curve of a crease is a cubic B-spline of the crease's own vertices. The surfaces on
+//! the two sides have separate tangent planes (Hoppe et al., "Piecewise Smooth Surface
+//! Reconstruction", 1994). Open boundaries have the same properties. The mesh is therefore cut open
+//! along its creases and refined as an open mesh. Both sides interpolate the same curves, those of
+//! the whole mesh, and the result is welded.
 
 use std::sync::Arc;
 
@@ -16,13 +16,13 @@ use crate::refine::boundary::BoundaryCurves;
 use crate::refine::options::{RefineError, RefineOptions};
 use crate::solver::SolverError;
 
-/// For each edge of a mesh whether it is to be a crease: inner edges at which the triangles differ by
-/// more than the options' angle, and those named. A single sharp edge with both ends inside makes no
-/// crease; found by the angle it is passed over.
+/// Returns for each edge of a mesh whether it is a crease. Creases are the inner edges whose
+/// triangles differ by more than the options' angle, and the named edges. A single edge with both
+/// ends in the interior is not a crease; one found by its angle is ignored.
 ///
 /// # Errors
 /// [`RefineError::NoCrease`] for two vertices that are not neighbours, [`RefineError::LoneCrease`]
-/// for a named edge that makes no crease.
+/// for a named edge that cannot be a crease.
 pub fn crease_edges(mesh: &Mesh, options: &RefineOptions) -> Result<Vec<bool>, RefineError> {
     let topology = &mesh.topology;
     let edges = topology.edges();
@@ -56,7 +56,7 @@ pub fn crease_edges(mesh: &Mesh, options: &RefineOptions) -> Result<Vec<bool>, R
     Ok(flags)
 }
 
-/// Creases that meet neither another nor a boundary.
+/// Creases that meet neither another crease nor a boundary.
 fn lone_edges(topology: &Topology, creases: &[bool]) -> Vec<usize> {
     let chosen = creases.iter().enumerate().filter(|&(_, &is)| is);
     let ends_here = |v: VertexId| {
@@ -72,7 +72,7 @@ fn lone_edges(topology: &Topology, creases: &[bool]) -> Vec<usize> {
         .collect()
 }
 
-/// How a mesh that was cut open is welded again: the whole mesh has the same faces, in the same order.
+/// The map from a cut mesh to the whole mesh. Both have the same faces in the same order.
 #[derive(Clone, Debug)]
 pub struct Weld {
     /// Connectivity of the whole mesh.
@@ -82,8 +82,8 @@ pub struct Weld {
 }
 
 impl Weld {
-    /// What belongs to the vertices of the whole mesh, from what belongs to those of the cut one: of
-    /// several copies the first counts.
+    /// Converts per-vertex data of the cut mesh to the whole mesh. The first of several copies is
+    /// used.
     pub fn welded<T: Copy + Default>(&self, of_cut: &[T]) -> Vec<T> {
         let mut of_whole = vec![T::default(); self.topology.vertex_count()];
         for (&w, &value) in self.to_whole.iter().zip(of_cut).rev() {
@@ -92,7 +92,7 @@ impl Weld {
         of_whole
     }
 
-    /// Goes over to the meshes after a split of the faces `chosen` and those beside them.
+    /// Advances to the meshes after a split of the faces `chosen` and their neighbours.
     fn split(&self, cut: &Topology, whole: &Split) -> Result<(Split, Self), TopologyError> {
         let topology =
             Topology::from_triangles(whole.vertex_count(&self.topology), &whole.triangles)?;
@@ -152,12 +152,12 @@ pub struct Features {
     curves: BoundaryCurves,
     /// If there are creases.
     weld: Option<Arc<Weld>>,
-    /// For each given vertex whether a crease has a corner there.
+    /// For each input vertex whether a crease has a corner there.
     corners: Vec<bool>,
 }
 
 impl Features {
-    /// Finds the creases; the mesh to be refined comes first.
+    /// Finds the creases. Also returns the mesh to refine, as the first value.
     ///
     /// # Errors
     /// As [`crease_edges`].
@@ -199,12 +199,12 @@ impl Features {
         self.weld.as_ref()
     }
 
-    /// The whole mesh behind the cut one, which may be the same.
+    /// The whole mesh of the cut mesh; the two may be the same.
     pub fn whole<'a>(&'a self, cut: &'a Topology) -> &'a Topology {
         self.weld.as_ref().map_or(cut, |weld| &weld.topology)
     }
 
-    /// What belongs to the vertices of the cut mesh, from what belongs to those of the whole one.
+    /// Converts per-vertex data of the whole mesh to the cut mesh.
     pub fn opened<T: Copy>(&self, of_whole: &[T]) -> Vec<T> {
         match &self.weld {
             Some(weld) if !of_whole.is_empty() => {
@@ -215,7 +215,7 @@ impl Features {
         }
     }
 
-    /// Splits the faces `chosen` of the mesh and those beside them, and goes over to the finer one.
+    /// Splits the faces `chosen` of the mesh and their neighbours, and advances to the finer mesh.
     ///
     /// # Errors
     /// The finer mesh has too many vertices.
@@ -225,7 +225,7 @@ impl Features {
             self.curves = self.curves.split(cut, &split);
             return Ok(split);
         };
-        // both sides of a crease are to be split alike
+        // split both sides of a crease alike
         let whole = split_faces(&weld.topology, chosen);
         self.curves = self.curves.split(&weld.topology, &whole);
         let (split, finer) = weld.split(cut, &whole)?;
@@ -233,7 +233,7 @@ impl Features {
         Ok(split)
     }
 
-    /// Where a curve passes a vertex; `None` off boundaries and creases.
+    /// The point of the curve at a vertex; `None` off boundaries and creases.
     pub fn point(&self, v: VertexId) -> Option<DVec3> {
         self.curves.point(match &self.weld {
             Some(weld) => VertexId(weld.to_whole[v.index()]),
@@ -249,8 +249,8 @@ impl Features {
         })
     }
 
-    /// Gives the copies of a vertex the same point, bit for bit: the one before (`old`, of the coarser
-    /// mesh) if one of them stays there, or the first one's.
+    /// Makes the points of all copies of a vertex bit-identical. The point is the previous one
+    /// (`old`, of the coarser mesh) if one copy keeps it, otherwise that of the first copy.
     pub fn join(&self, points: &mut [DVec3], old: &[DVec3]) {
         let Some(weld) = &self.weld else {
             return;

@@ -1,11 +1,12 @@
 //! The first phase of a level: descent along the full gradient.
 //!
-//! The normal flow moves vertices along the normals. On coarse irregular meshes that is not enough:
-//! where the parametrization is bad the discrete energy falls only if vertices slide along the
-//! surface. This method follows the whole exact gradient, `d = −H G`. For each component `H` is the
-//! inverse of the matrix of scheme B in its isotropic form ([`MatrixForm::Isotropic`]), corrected by
-//! L-BFGS. Every step is searched for a decrease of the energy (Armijo) and may fold nothing
-//! ([`FoldGuard`]). Vertices next to a fold are damped one by one, `H → D H D`; the others go on.
+//! The normal flow moves vertices along the normals. On coarse irregular meshes this is not enough:
+//! where the parametrization is bad, the discrete energy falls only if vertices slide along the
+//! surface. This method follows the whole exact gradient, `d = −H G`. For each component, `H` is
+//! the inverse of the matrix of scheme B in its isotropic form ([`MatrixForm::Isotropic`]),
+//! corrected by L-BFGS. A line search ensures that every step lowers the energy (Armijo) and folds
+//! nothing ([`FoldGuard`]). Vertices next to a fold are damped individually, `H → D H D`; the other
+//! vertices continue to move.
 
 use std::sync::Arc;
 
@@ -18,14 +19,15 @@ use crate::solver::{
 };
 use crate::subdivision::Rule;
 
-/// Steps with one matrix.
+/// Number of steps with one matrix.
 const REFRESH: usize = 10;
-/// Minimum part of a step, and maximum number of trial points, those that fold included.
+/// Minimum fraction of a step, and maximum number of trial points, including those that fold.
 const MIN_LENGTH: f64 = 1.0 / 65536.0;
 const MAX_TRIALS: usize = 48;
-/// Part of the slope a step must gain.
+/// Fraction of the slope by which a step must lower the energy.
 const ARMIJO: f64 = 1e-4;
-/// Factor on the steps of vertices next to a fold; below `FROZEN` they do not move.
+/// Factor on the steps of vertices next to a fold. Vertices whose damping is below `FROZEN` do not
+/// move.
 const DAMP: f64 = 0.3;
 const FROZEN: f64 = 1e-3;
 /// Growth of the damping factors after each step.
@@ -53,7 +55,7 @@ struct Step {
 }
 
 impl FullGradientDescent {
-    /// At the starting positions of a problem, with energies by `rule`.
+    /// Starts at the positions of a problem, with energies by `rule`.
     ///
     /// # Errors
     /// [`SolverError::EnergyNotFinite`] if the energy is not finite at the start, or a failed
@@ -114,7 +116,7 @@ impl FullGradientDescent {
         }
         self.evaluator.accept_trial();
         self.folds.accept();
-        // a step shortened by the fold guard is no measure of the distance to the stationary shape
+        // a step shortened by the fold guard does not measure the distance to the stationary shape
         let max_displacement = if damped {
             step.max_displacement.max(self.evaluator.radius() * 1e-3)
         } else {
@@ -136,7 +138,7 @@ impl FullGradientDescent {
         self.memory.clear();
         self.age = Some(0);
         for d in &mut self.damping {
-            // frozen vertices get another chance
+            // allow frozen vertices to move again
             *d = d.max(FROZEN);
         }
         if let Some(constraints) = &self.evaluator.constraints {
@@ -145,13 +147,13 @@ impl FullGradientDescent {
         Ok(())
     }
 
-    /// Energy and gradient after a change of positions or constraints.
+    /// Updates energy and gradient after a change of positions or constraints.
     pub(super) fn refresh(&mut self) {
         self.evaluator.evaluate_state();
         self.memory.clear();
     }
 
-    /// Searches an acceptable trial point along the direction of descent.
+    /// Searches for an acceptable trial point along the direction of descent.
     fn search(&mut self) -> Option<Step> {
         let n = self.evaluator.unknowns().len();
         let mut direction = self.direction();
@@ -217,7 +219,7 @@ impl FullGradientDescent {
                 *d = if *d * DAMP < FROZEN { 0.0 } else { *d * DAMP };
             }
         }
-        // pairs of other dampings would move the frozen vertices again
+        // pairs recorded under another damping would move the frozen vertices again
         self.memory.clear();
     }
 }
@@ -227,7 +229,7 @@ impl Stepper for FullGradientDescent {
         &self.evaluator.state
     }
 
-    /// One step; the time step is that of the matrix, if a new one is due.
+    /// Attempts one step. If a new matrix is due, it is made for the given time step.
     fn attempt(&mut self, request: &StepRequest) -> Attempt {
         self.step(request.tau)
     }

@@ -1,8 +1,8 @@
 //! The flow of one level, in two phases.
 //!
 //! In fast mode a level starts with [`FullGradientDescent`], which lets vertices slide along the
-//! surface. Once that gains little, the normal flow takes over. A flow in true time is normal from
-//! the start.
+//! surface. When its gain becomes small, the normal flow takes over. A flow in true time uses the
+//! normal flow from the start.
 
 use std::time::Instant;
 
@@ -17,28 +17,29 @@ use crate::solver::{
 use crate::subdivision::Rule;
 use crate::warning::Warning;
 
-/// The descent may take one in so many of the steps.
+/// The descent may take at most the number of steps divided by this.
 const DESCENT_SHARE: usize = 2;
-/// The normal flow takes over when so many steps together gained less than this part.
+/// The normal flow takes over when this many steps together gained less than this fraction.
 const SETTLED: (usize, f64) = (10, 1e-4);
 
-/// The flow of the level under way.
+/// The flow of the current level.
 pub struct LevelFlow {
     /// Levels after this one.
     splits: usize,
-    /// Constraints that the surface came to pass only by folding.
+    /// Number of constraints that the surface satisfies only by folding.
     pub unreached: usize,
     /// The flow.
     pub flow: Flow,
-    /// When the level was begun.
+    /// When the level started.
     start: Instant,
-    /// Vertices the limit surface passes, and where.
+    /// The vertices that the limit surface interpolates, and their target points.
     pub constraints: Vec<(u32, DVec3)>,
     /// In the descent, the energies after its accepted steps.
     descent: Option<Vec<f64>>,
 }
 
-/// What makes the steppers of a level's first phase, and whether that is the descent.
+/// The constructor of the steppers for a level's first phase, and whether that phase is the
+/// descent.
 fn first_phase(mode: Mode) -> (MakeStepper, Option<Vec<f64>>) {
     match mode {
         Mode::Fast => (FullGradientDescent::make, Some(Vec::new())),
@@ -47,8 +48,8 @@ fn first_phase(mode: Mode) -> (MakeStepper, Option<Vec<f64>>) {
 }
 
 impl LevelFlow {
-    /// The flow of a level begun at `start`, with `splits` levels to come. `constraints` are those
-    /// of the problem; `unreached` of them are passed only by folding.
+    /// Starts the flow of a level at `start`, with `splits` levels to come. `constraints` are those
+    /// of the problem. The surface satisfies `unreached` of them only by folding.
     ///
     /// # Errors
     /// As [`Flow::new`].
@@ -72,17 +73,17 @@ impl LevelFlow {
         })
     }
 
-    /// Counts the steps from a later state of the level.
+    /// Continues the step counts from a later state of the level.
     #[must_use]
     pub fn counting_from(mut self, steps: usize) -> Self {
         self.flow = self.flow.counting_from(steps, 0);
         self
     }
 
-    /// Changes options; the flow goes on from the current shape in its first phase.
+    /// Changes options. The flow continues from the current shape in its first phase.
     ///
     /// # Errors
-    /// The new options are refused and the old ones stay in force.
+    /// Invalid options; the old options stay in force.
     pub fn set_options(&mut self, options: &FlowOptions) -> Result<(), SolverError> {
         let (make, descent) = first_phase(options.mode);
         self.flow
@@ -136,7 +137,7 @@ impl LevelFlow {
             .restart(self.flow.options().clone(), scheme_stepper)
     }
 
-    /// The report of the level, on a mesh of so many vertices and faces.
+    /// The report of the level, for a mesh with these numbers of vertices and faces.
     pub fn report(&mut self, level: usize, vertices: usize, faces: usize) -> LevelReport {
         let outcome = self.flow.outcome();
         let problem = self.flow.problem();
@@ -171,8 +172,8 @@ impl LevelFlow {
     }
 }
 
-/// The options of a level's flow. Its quadrature has the 12 points of each triangle there will be
-/// after the `splits` to come, because coarse meshes fold between fewer points.
+/// The options of a level's flow. The quadrature uses the 12 points of each triangle that will
+/// exist after the `splits` to come, because coarse meshes fold between fewer points.
 fn level_options(flow: &FlowOptions, splits: usize) -> FlowOptions {
     FlowOptions {
         scheme: Scheme::Normal,

@@ -24,8 +24,8 @@ pub(super) use restore::{SavedLevel, SavedState};
 
 /// A mesh being refined, cut open along its creases.
 ///
-/// The first `given` vertices keep their positions to the bit (but for Loop's scheme): those of the
-/// mesh and the copies of them that the cut made.
+/// The first `given` vertices are the input vertices and the copies of them that the cut made.
+/// Their positions stay bit-identical, except with Loop's scheme.
 pub struct Refinement {
     options: RefineOptions,
     given: usize,
@@ -47,10 +47,10 @@ pub struct Refinement {
 }
 
 impl Refinement {
-    /// A refinement at level 0.
+    /// Sets up a refinement at level 0.
     ///
     /// # Errors
-    /// An option out of range, a crease that is none, or a mesh without triangles.
+    /// An option out of range, a named crease that is not a crease, or a mesh without triangles.
     pub fn new(mesh: Arc<Mesh>, options: RefineOptions) -> Result<Self, RefineError> {
         options.validate(&mesh)?;
         if mesh.face_count() == 0 {
@@ -59,13 +59,14 @@ impl Refinement {
         let (topology, features) = Features::new(&mesh, &options)?;
         let points = features.opened(&mesh.positions);
         let mut control = points.clone();
-        // a region of all faces is the same as none
+        // a region of all faces is equivalent to no region
         let region = options
             .region
             .clone()
             .filter(|faces| faces.contains(&false));
         if region.is_some() && options.method == Method::Pde {
-            // the surface outside does not change, and passes its vertices as that inside does
+            // the surface outside the region does not change; like the one inside, it interpolates
+            // its vertices
             let used = |&v: &VertexId| topology.has_faces(v);
             let all = (0..points.len()).map(VertexId::from).filter(used);
             let held: Vec<(u32, DVec3)> = all.map(|v| (v.0, points[v.index()])).collect();
@@ -105,8 +106,8 @@ impl Refinement {
         self.features.whole(&self.topology).vertex_count()
     }
 
-    /// Current positions of the refined mesh: points of the limit surface, the given vertices as
-    /// they were.
+    /// Current positions of the refined mesh: points of the limit surface, and the unchanged input
+    /// vertices.
     pub fn points(&self) -> Vec<DVec3> {
         match &self.current {
             Some(running) => self.points_of(&self.control_of(running), &running.constraints),
@@ -137,7 +138,7 @@ impl Refinement {
         self.current.as_ref().map(|running| &running.flow)
     }
 
-    /// The current level, or the one finished last; 0 before the first.
+    /// The current level, or the last finished one; 0 before the first.
     pub fn level(&self) -> usize {
         self.level
     }
@@ -147,7 +148,7 @@ impl Refinement {
         &self.levels
     }
 
-    /// The options in force.
+    /// The current options.
     pub fn options(&self) -> &RefineOptions {
         &self.options
     }
@@ -157,7 +158,8 @@ impl Refinement {
         self.current.is_none() && (self.is_cancelled || self.level >= self.options.levels)
     }
 
-    /// Ends the refinement: the current level ends with its current shape, and no other begins.
+    /// Ends the refinement. The current level ends with its current shape, and no further level
+    /// starts.
     pub fn cancel(&mut self) {
         self.is_cancelled = true;
         if let Some(running) = &mut self.current {
@@ -165,10 +167,10 @@ impl Refinement {
         }
     }
 
-    /// Changes energy, mode, τ or steps; the current level goes on from its current shape.
+    /// Changes energy, mode, τ or steps. The current level continues from its current shape.
     ///
     /// # Errors
-    /// The new options are refused and the old ones stay in force.
+    /// Invalid options; the old options stay in force.
     pub fn set_flow(&mut self, flow: FlowOptions) -> Result<(), RefineError> {
         flow.validate()?;
         if let Some(running) = &mut self.current {
@@ -183,8 +185,8 @@ impl Refinement {
         self.options.levels = levels;
     }
 
-    /// Does one thing: begins a level, attempts a step of its flow, or finishes it. `None` if there
-    /// is nothing left to do.
+    /// Performs one action: starts a level, attempts a step of its flow, or finishes it. Returns
+    /// `None` if nothing is left to do.
     ///
     /// # Errors
     /// Errors that a smaller step cannot avoid; the shape is that of the last step.
@@ -201,7 +203,7 @@ impl Refinement {
         }))
     }
 
-    /// Runs to the end; `observe` is called after every step and returns whether to go on.
+    /// Runs to the end. `observe` is called after every step and returns whether to continue.
     ///
     /// # Errors
     /// As [`Self::step`].
@@ -217,7 +219,7 @@ impl Refinement {
         Ok(self.result())
     }
 
-    /// The mesh as it is now.
+    /// The current mesh.
     pub fn result(&self) -> Refined {
         let part = |weld, positions: &[DVec3]| {
             let (colors, tags) = (&self.colors, &self.face_tags);
@@ -291,13 +293,13 @@ impl Refinement {
         self.points = points;
     }
 
-    /// Makes the limit surface pass points where no vertex is free.
+    /// Makes the limit surface interpolate points where no vertex is free.
     fn hold(&mut self, held: &[(u32, DVec3)]) {
         Interpolation::new(&self.topology, held).enforce(&mut self.control);
         self.points = self.points_of(&self.control, held);
     }
 
-    /// The free vertices, and the constrained ones with the points to pass.
+    /// The free vertices, and the constrained vertices with their target points.
     fn partition_vertices(&self, old: &Topology, split: &Split) -> (Vec<u32>, Vec<(u32, DVec3)>) {
         let topology = &self.topology;
         let (mut free, mut held) = (Vec::new(), Vec::new());

@@ -14,8 +14,8 @@ pub fn surface_energy(topology: &Topology, control: &[DVec3], energy: &Energy) -
         .value
 }
 
-/// RMS distance of the vertices of triangles from their mean, the unit of length of a refinement; 1
-/// if they coincide.
+/// RMS distance of the vertices of triangles from their mean, the unit of length of a refinement.
+/// It is 1 if all vertices coincide.
 pub fn radius(mesh: &Mesh) -> f64 {
     let topology = &mesh.topology;
     let used: Vec<DVec3> = topology

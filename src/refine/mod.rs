@@ -1,9 +1,10 @@
 //! Refinement of a mesh: every level cuts each triangle into four and places the new vertices.
 //!
-//! By the flow ([`Method::Pde`]) the limit surface of Loop's scheme passes every given vertex and makes
-//! `∫ f(H, K) dA` stationary among all that do; the refined mesh has its vertices on that surface.
-//! From one level to the next the surface is the same, only freer. Sharp edges may be kept as creases. The modified Butterfly scheme
-//! and Loop's own are there to compare with.
+//! With the flow ([`Method::Pde`]), the limit surface of Loop's scheme interpolates every input
+//! vertex. It makes `∫ f(H, K) dA` stationary under these constraints. The vertices of the refined
+//! mesh lie on that surface. The surface is the same at the start of a level as at the end of the
+//! previous one, but it has more degrees of freedom. Sharp edges can be kept as creases. The
+//! modified Butterfly scheme and Loop's own scheme are available for comparison.
 
 mod boundary;
 mod continuation;

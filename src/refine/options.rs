@@ -1,4 +1,4 @@
-//! What may be chosen about a refinement, and what can keep it from starting.
+//! Options of a refinement, and the errors that prevent it from starting.
 
 use std::collections::BTreeMap;
 
@@ -13,24 +13,24 @@ use crate::solver::{FlowOptions, Mode, SolverError, Tau};
 /// How new vertices are placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Method {
-    /// By a geometric flow; the given vertices lie on the limit surface.
+    /// By a geometric flow; the limit surface interpolates the input vertices.
     #[default]
     Pde,
-    /// By the modified Butterfly scheme; the given vertices stay.
+    /// By the modified Butterfly scheme; the input vertices stay.
     Butterfly,
-    /// By Loop's scheme, which does not interpolate: the given vertices move.
+    /// By Loop's scheme, which does not interpolate: the input vertices move.
     Loop,
 }
 
 choices!(Method: Pde "pde", Butterfly "butterfly", Loop "loop");
 
-/// Which vertices the limit surface keeps passing from the second level on.
+/// The vertices that the limit surface interpolates from the second level on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Hold {
     /// All vertices of the previous level, as in the paper.
     #[default]
     Previous,
-    /// The given vertices only: lower energies, farther from the first level.
+    /// The input vertices only: lower energies, but larger deviation from the first level.
     Given,
 }
 
@@ -88,7 +88,7 @@ impl RefineControls {
             .transpose()
     }
 
-    /// The flow on a mesh, with the energy and the tension that suit the mesh where none is given.
+    /// The options of the flow on a mesh. Defaults for energy and tension are adapted to the mesh.
     ///
     /// # Errors
     /// [`RefineError::Energy`], or an option of the flow out of range.
@@ -129,10 +129,10 @@ impl RefineControls {
         Ok(flow)
     }
 
-    /// The options of a refinement of a mesh, without chosen creases and region.
+    /// The options for refining a mesh, without named creases and region.
     ///
     /// # Errors
-    /// As [`Self::flow`]. [`RefineOptions::validate`] checks the rest.
+    /// As [`Self::flow`]. [`RefineOptions::validate`] checks the other options.
     pub fn options(&self, mesh: &Mesh) -> Result<RefineOptions, RefineError> {
         Ok(RefineOptions {
             levels: self.levels,
@@ -148,7 +148,7 @@ impl RefineControls {
     }
 }
 
-/// Everything about a refinement of one mesh, ready to run.
+/// All settings of the refinement of one mesh.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct RefineOptions {
@@ -156,24 +156,24 @@ pub struct RefineOptions {
     pub levels: usize,
     /// The method.
     pub method: Method,
-    /// What later levels hold.
+    /// The vertices that later levels interpolate.
     pub hold: Hold,
-    /// Energy, mode, τ and steps (of each level) of the flow. Scheme and quadrature are chosen by
-    /// the refinement.
+    /// Energy, mode, τ and steps (per level) of the flow. The refinement chooses scheme and
+    /// quadrature.
     pub flow: FlowOptions,
-    /// Boundaries and creases between their vertices.
+    /// Shape of boundaries and creases between their vertices.
     pub boundary: BoundaryRule,
     /// A vertex of a boundary or crease is a corner where that turns by more than this, radians.
     pub corner_angle: f64,
     /// Edges at which the triangles differ by more than this are creases, radians.
     pub crease_angle: Option<f64>,
-    /// More creases, by the ends of the edges.
+    /// Further creases, by the ends of their edges.
     pub creases: Vec<[u32; 2]>,
-    /// Refine only these faces (one flag each); those beside them are cut to fit.
+    /// Refine only these faces (one flag per face). Neighbouring faces are split to match.
     pub region: Option<Vec<bool>>,
 }
 
-/// Most levels: 4^12 triangles of each.
+/// Maximum number of levels; 4^12 triangles from each input triangle.
 pub const MAX_LEVELS: usize = 12;
 /// Curvature above which bends cost their angle in [`natural_flow`], in median bends over an edge.
 const BENDS: f64 = 3.0;
@@ -237,14 +237,14 @@ impl RefineOptions {
     }
 }
 
-/// The energy and the tension ([`FlowOptions::tension`]) that suit a mesh: `√(κ1² + κ2² + c²) + t` with
-/// `c = max(1, 3 θ) / h` and `c + t = 3 / (c h²)`, `h` the mean length of its edges and `θ` the median
-/// angle between triangles, radians.
+/// The energy and the tension ([`FlowOptions::tension`]) adapted to a mesh: `√(κ1² + κ2² + c²) + t`
+/// with `c = max(1, 3 θ) / h` and `c + t = 3 / (c h²)`. Here `h` is the mean edge length and `θ`
+/// the median angle between triangles, in radians.
 ///
-/// Bends that are much sharper than most edges of the mesh cost their angle, weaker ones their square as
-/// under `H²`, and the area counts as much as the bending over one edge. `H²` pays for every bend by its
-/// square: it rounds edges off and bulges beside them; and, knowing no length, it inflates what sparse
-/// vertices leave open.
+/// Bends much sharper than most edges of the mesh cost their angle. Weaker bends cost their square,
+/// as under `H²`. Over one edge, the area counts as much as the bending. `H²` alone costs the
+/// square of every bend, so it rounds edges off and bulges beside them. It also has no length
+/// scale, so the surface inflates between sparse vertices.
 pub fn natural_flow(mesh: &Mesh) -> (Energy, f64) {
     let (length, angle) = (mean_edge(mesh), median_bend(mesh));
     let c = (BENDS * angle).max(1.0) / length;
@@ -289,21 +289,21 @@ pub enum RefineError {
          a triangle by four)"
     )]
     TooManyLevels {
-        /// Levels asked for.
+        /// Requested number of levels.
         levels: usize,
     },
     /// The region does not belong to the mesh.
     #[error("the region has {flags} flags for {faces} faces; give one for each")]
     BadRegion {
-        /// Flags given.
+        /// Number of flags.
         flags: usize,
-        /// Faces of the mesh.
+        /// Number of faces of the mesh.
         faces: usize,
     },
     /// An angle is not positive.
     #[error("the {which} angle is {angle} degrees; give a positive number")]
     BadAngle {
-        /// Of corners or of creases.
+        /// `corner` or `crease`.
         which: &'static str,
         /// In degrees.
         angle: f64,

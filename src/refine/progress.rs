@@ -23,28 +23,29 @@ pub struct LevelReport {
     pub converged: bool,
     /// `converged`, `steps` (as many as allowed), `stuck` (τ collapsed) or `cancelled`.
     pub end: &'static str,
-    /// Energy of the limit surface at the start of the level, by the 12 points of each triangle of the last
-    /// level, 192 for a triangle at most; by 12 for Loop's scheme and Butterfly.
+    /// Energy of the limit surface at the start of the level, by the 12 points of each triangle of
+    /// the last level. At most 192 points per triangle are used; 12 for Loop's scheme and
+    /// Butterfly.
     pub energy_start: f64,
     /// At its end.
     pub energy_end: f64,
-    /// Largest distance of the limit surface from a vertex it has to pass, over the radius of the
-    /// mesh; null for Loop's scheme and Butterfly.
+    /// Largest distance between the limit surface and a vertex it interpolates, over the radius of
+    /// the mesh; null for Loop's scheme and Butterfly.
     pub held_error: Option<f64>,
     /// Wall clock.
     pub seconds: f64,
-    /// Largest resident set of the process up to the end of the level, bytes; 0 where the system does
-    /// not tell.
+    /// Largest resident set of the process up to the end of the level, bytes; 0 where the system
+    /// does not report it.
     pub peak_memory: u64,
-    /// Warnings about its flow.
+    /// Warnings about the level's flow.
     #[serde(flatten)]
     pub warnings: Warnings,
 }
 
-/// What [`Refinement::step`](crate::refine::Refinement::step) did.
+/// The action of [`Refinement::step`](crate::refine::Refinement::step).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Progress {
-    /// A level was begun: topology and positions are those of the finer mesh.
+    /// A level has started: topology and positions are those of the finer mesh.
     Level(usize),
     /// A step of the level's flow was attempted.
     Step(StepRecord),

@@ -1,4 +1,4 @@
-//! What comes out of a refinement.
+//! The result of a refinement.
 
 use crate::mesh::{DVec3, Mesh, Topology};
 use crate::refine::{LevelReport, Weld};
@@ -7,18 +7,19 @@ use crate::refine::{LevelReport, Weld};
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Refined {
-    /// The refined mesh, on the limit surface; the given vertices first.
+    /// The refined mesh, on the limit surface; the input vertices come first.
     pub mesh: Mesh,
-    /// The control mesh of the limit surface, open along creases, where either side has control
-    /// points of its own: the faces in the order of `mesh`, the given vertices first, then those that
-    /// the cut doubles. For Butterfly, which has no limit surface, its points are those of the mesh.
+    /// The control mesh of the limit surface. It is open along creases, where each side has its own
+    /// control points. The faces are in the order of `mesh`. The input vertices come first, then
+    /// the copies that the cut made. Butterfly has no limit surface; there the points are those of
+    /// the mesh.
     pub control: Mesh,
-    /// Level by level.
+    /// One report per level.
     pub levels: Vec<LevelReport>,
 }
 
-/// A refined mesh with the attributes of the given one, welded if it was cut. `colors` and
-/// `face_tags` may be empty.
+/// Builds the refined mesh with the attributes of the input mesh, and welds it if it was cut.
+/// `colors` and `face_tags` may be empty.
 pub fn refined_mesh(
     given: &Mesh,
     topology: &Topology,

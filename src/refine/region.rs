@@ -11,8 +11,8 @@ pub struct Region {
     faces: Vec<bool>,
 }
 
-/// Rings around new vertices whose control points may change with them: their limit positions
-/// involve a new vertex's ring.
+/// Number of rings around new vertices whose control points may change with them. Their limit
+/// positions involve a new vertex's ring.
 const NEAR: usize = 2;
 
 impl Region {
@@ -26,8 +26,8 @@ impl Region {
         &self.faces
     }
 
-    /// Goes over to the mesh after a split: the parts of the region's faces, without those at its
-    /// rim, so that each level is framed by one of the level before.
+    /// Advances to the mesh after a split. The new region has the parts of the old region's faces,
+    /// except those at its rim. Each level is thus framed by one of the previous level.
     pub fn descend(&mut self, new: &Topology, split: &Split) {
         let inside: Vec<bool> = split
             .parent
@@ -61,8 +61,8 @@ impl Region {
     }
 }
 
-/// Loop's scheme (see [`loop_step`]) where the mesh is split all around; beside and outside the region
-/// that is split old vertices stay.
+/// Loop's scheme (see [`loop_step`]) where the mesh is split all around. Next to the split region
+/// and outside it, old vertices stay.
 pub fn nested_step(
     old: &Topology,
     positions: &[DVec3],

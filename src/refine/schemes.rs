@@ -1,7 +1,7 @@
 //! Loop's and the modified Butterfly scheme: one step of stationary subdivision.
 //!
-//! Both continue an open mesh by ghosts, as [`crate::subdivision`] does; boundary curves depend on
-//! boundary vertices alone.
+//! Both schemes continue an open mesh by ghosts, as [`crate::subdivision`] does. Boundary curves
+//! depend on boundary vertices only.
 
 use std::f64::consts::TAU;
 
@@ -9,9 +9,9 @@ use crate::mesh::{DVec3, HalfedgeId, Split, Topology, VertexId, edge_diamond};
 use crate::subdivision::{EDGE_END, EDGE_OPPOSITE, beta, ring_points};
 
 /// Loop's scheme: new positions of all vertices, old and new, of a mesh whose edges were split.
-/// On a boundary cubic B-splines, but for its vertices at `corners` (one flag each, or none), which
-/// stay. Where the mesh was split everywhere, the control points given and returned have the same
-/// limit surface.
+/// Boundaries are cubic B-splines; the boundary vertices at `corners` (one flag per vertex, or
+/// empty) stay. Where the mesh was split everywhere, the control points before and after have the
+/// same limit surface.
 pub fn loop_step(
     topology: &Topology,
     positions: &[DVec3],
@@ -42,7 +42,7 @@ fn is_flagged(flags: &[bool], v: VertexId) -> bool {
     flags.get(v.index()).copied().unwrap_or(false)
 }
 
-/// How far Loop's scheme moves an old vertex.
+/// The displacement of an old vertex by Loop's scheme.
 fn loop_shift(topology: &Topology, positions: &[DVec3], v: VertexId) -> DVec3 {
     let p = positions[v.index()];
     let spoke = |w: VertexId| positions[w.index()] - p;
@@ -50,7 +50,8 @@ fn loop_shift(topology: &Topology, positions: &[DVec3], v: VertexId) -> DVec3 {
         return DVec3::ZERO;
     }
     if topology.is_boundary_vertex(v) {
-        // at a pinched vertex the curves of all its loops would have to meet: it stays
+        // a pinched vertex stays, because the curves of all its boundary loops would have to meet
+        // there
         let [a, b] = boundary_neighbours(topology, v)[..] else {
             return DVec3::ZERO;
         };
@@ -72,9 +73,10 @@ fn boundary_neighbours(topology: &Topology, v: VertexId) -> Vec<VertexId> {
         .collect()
 }
 
-/// The modified Butterfly scheme (Zorin, Schröder and Sweldens, "Interpolating Subdivision for Meshes
-/// with Arbitrary Topology", 1996): positions of all vertices, the old ones as they were. On a
-/// boundary the four-point scheme, straight on beyond `corners` (one flag for each vertex, or none).
+/// The modified Butterfly scheme (Zorin, Schröder and Sweldens, "Interpolating Subdivision for
+/// Meshes with Arbitrary Topology", 1996). Returns the positions of all vertices; the old ones are
+/// unchanged. On a boundary it is the four-point scheme, continued straight beyond `corners` (one
+/// flag per vertex, or empty).
 pub fn butterfly_step(
     topology: &Topology,
     positions: &[DVec3],
@@ -128,7 +130,7 @@ fn irregular_point(centre: DVec3, ring: &[DVec3]) -> DVec3 {
             (0.25 + angle.cos() + 0.5 * (2.0 * angle).cos()) / n as f64
         }
     };
-    // the weights sum up to 1/4; differences, so that a mesh far from the origin loses nothing
+    // the weights sum up to 1/4; differences avoid cancellation on a mesh far from the origin
     let pull = ring
         .iter()
         .enumerate()
@@ -145,7 +147,7 @@ fn four_point(topology: &Topology, positions: &[DVec3], h: HalfedgeId, corners: 
             .into_iter()
             .filter(|&w| w != other)
             .collect();
-        // at a corner or pinched vertex the curve has no single continuation: a straight one
+        // at a corner or pinched vertex the curve has no unique continuation: use a straight one
         match others[..] {
             [w] if !is_flagged(corners, v) => positions[w.index()],
             _ => 2.0 * positions[v.index()] - positions[other.index()],
@@ -179,7 +181,7 @@ mod tests {
         }
     }
 
-    /// Both schemes commute with affine maps, and Butterfly keeps its old vertices to the bit.
+    /// Both schemes commute with affine maps, and Butterfly keeps its old vertices bit-identical.
     #[test]
     fn affine_maps_commute() {
         for shape in [icosphere(2), graph(2.0, 5, |x, y| x * y, 1)] {

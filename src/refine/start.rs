@@ -7,11 +7,11 @@ use crate::solver::{FlowProblem, SolverError, Stepper};
 use crate::subdivision::{Rule, limit_positions};
 use crate::surface::sample_surface;
 
-/// A problem with the limit surface constrained to pass `held`, from a surface near to these points.
-/// The constraints are moved there without folds as far as possible, while the surface relaxes
-/// under `H²` whatever the energy of the flow.
+/// A problem whose limit surface is constrained to interpolate `held`, started from a surface near
+/// these points. The constraints are moved to their targets without folds as far as possible.
+/// Meanwhile the surface relaxes under `H²`, whatever the energy of the flow.
 ///
-/// Returns beside it how many points could not be reached without a fold.
+/// Also returns the number of points that could not be reached without a fold.
 ///
 /// # Errors
 /// As [`FlowProblem::with_constraints`] and [`FullGradientDescent::new`].

@@ -1,4 +1,4 @@
-//! What the handle of a run and its thread send each other.
+//! Messages between the handle of a run and its thread.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,12 +7,12 @@ use std::sync::mpsc::{Receiver, Sender};
 use crate::runner::timeline::SharedTimeline;
 use crate::runner::{Process, Refused, Snapshot, Wake};
 
-/// What happened in a run; `E` are the events of its process.
+/// An event of a run; `E` are the events of its process.
 #[derive(Clone, Debug)]
 pub enum Event<E> {
     /// The process is set up; its first state is in the timeline.
     Started,
-    /// The process reports something.
+    /// An event of the process.
     Process(E),
     /// New controls are in force.
     ControlsChanged {
@@ -26,18 +26,18 @@ pub enum Event<E> {
         /// Actions so far, the rewind included.
         clock: usize,
     },
-    /// The run has paused by itself because of the event before.
+    /// The run has paused automatically because of the preceding event.
     Paused,
     /// No step is left, or the run was stopped.
     Ended,
     /// The run cannot continue; the last valid state is kept.
     Failed {
-        /// The reason, in plain words.
+        /// The reason, as text.
         text: String,
     },
 }
 
-/// What the handle sends to the thread.
+/// A command from the handle to the thread.
 pub(super) enum Command<P: Process> {
     Play,
     Pause,
@@ -46,11 +46,11 @@ pub(super) enum Command<P: Process> {
     Stop,
     Pace(Option<f64>),
     Controls(Box<P::Controls>),
-    /// The state itself: it may be discarded from the timeline meanwhile.
+    /// The state, because the timeline may discard it meanwhile.
     Rewind(Arc<Snapshot<P::State>>),
 }
 
-/// What the thread sends to the handle.
+/// A message from the thread to the handle.
 pub(super) enum Message<P: Process> {
     Event(Event<P::Event>),
     Status {

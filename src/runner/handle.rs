@@ -18,12 +18,12 @@ pub enum StartError<E: std::error::Error> {
     /// The options are invalid.
     #[error(transparent)]
     Options(E),
-    /// The system has no thread left.
+    /// No thread could be started.
     #[error("could not start a thread for the run: {0}")]
     Thread(std::io::Error),
 }
 
-/// A process running in the background. Dropping the handle cancels the run: the call returns at
+/// A process running in the background. Dropping the handle cancels the run. The call returns at
 /// once, and the thread ends within one step.
 pub struct Runner<P: Process> {
     controls: P::Controls,
@@ -45,11 +45,12 @@ where
     P::Event: Send + 'static,
     P::Status: Send + 'static,
 {
-    /// Starts a thread that makes the process by `set_up` and runs it. `set_up` gets the flag that
-    /// is set when the run is cancelled. `controls` are those it starts with, which are valid.
+    /// Starts a thread that constructs the process by `set_up` and runs it. `set_up` receives the
+    /// flag that is set when the run is cancelled. `controls` are the initial controls; they must
+    /// be valid.
     ///
     /// # Errors
-    /// The system has no thread left.
+    /// No thread could be started.
     pub(crate) fn start(
         name: &str,
         controls: P::Controls,
@@ -92,7 +93,7 @@ where
     P::State: TimelineState,
 {
     fn send(&self, command: Command<P>) {
-        // a thread that has ended has sent the reason
+        // a thread that has ended has already sent the reason
         self.commands.send(command).ok();
     }
 
@@ -102,7 +103,7 @@ where
         self.send(Command::Play);
     }
 
-    /// Pauses after the present step.
+    /// Pauses after the current step.
     pub fn pause(&self) {
         self.playing.store(false, Ordering::Relaxed);
         self.send(Command::Pause);
@@ -114,24 +115,24 @@ where
         self.send(Command::Step);
     }
 
-    /// Continues to the end in the fewest steps, without a limit of pace; recorded.
+    /// Continues to the end in the fewest steps, without a pace limit; recorded.
     pub fn finish(&self) {
         self.playing.store(true, Ordering::Relaxed);
         self.send(Command::Finish);
     }
 
-    /// Ends the run at the present state; recorded.
+    /// Ends the run at the current state; recorded.
     pub fn stop(&self) {
         self.send(Command::Stop);
     }
 
-    /// Sets the maximum number of steps a second; `None` for no limit.
+    /// Sets the maximum number of steps per second; `None` for no limit.
     pub fn set_pace(&self, pace: Option<f64>) {
         self.send(Command::Pace(pace));
     }
 
-    /// Changes the controls before the next step; recorded. What the present surface does not
-    /// permit comes back as [`Event::Refused`].
+    /// Changes the controls before the next step; recorded. Controls that the current surface does
+    /// not permit are reported by [`Event::Refused`].
     ///
     /// # Errors
     /// Invalid controls; the run continues as before.
@@ -147,8 +148,8 @@ where
         Ok(())
     }
 
-    /// Continues from a stored state, by its serial number; recorded. Returns `false` if it is not
-    /// stored.
+    /// Continues from a stored state, by its serial number; recorded. Returns `false` if no such
+    /// state is stored.
     ///
     /// Nothing is discarded: the state is added to the timeline as the latest one. A paused run
     /// stays paused.
@@ -159,7 +160,7 @@ where
             .is_some()
     }
 
-    /// What has happened since the last call, in order; never waits.
+    /// The events since the last call, in order; never blocks.
     pub fn poll(&mut self) -> Vec<Event<P::Event>> {
         let mut events = Vec::new();
         while let Ok(message) = self.messages.try_recv() {
@@ -189,12 +190,12 @@ where
         &self.status
     }
 
-    /// Actions so far, at the last [`Self::poll`].
+    /// Number of actions, at the last [`Self::poll`].
     pub fn clock(&self) -> usize {
         self.clock
     }
 
-    /// Whether the run plays (or would, had it not ended) or is paused.
+    /// Whether the run is playing rather than paused. The end of the run does not change this.
     pub fn playing(&self) -> bool {
         self.playing.load(Ordering::Relaxed)
     }
@@ -204,12 +205,12 @@ where
         self.ended
     }
 
-    /// Why the run cannot continue, if so at the last [`Self::poll`].
+    /// Why the run cannot continue, if it had failed at the last [`Self::poll`].
     pub fn failed(&self) -> Option<&str> {
         self.failed.as_deref()
     }
 
-    /// The controls set last.
+    /// The latest controls.
     pub fn controls(&self) -> &P::Controls {
         &self.controls
     }
@@ -220,7 +221,7 @@ where
         self.timeline.now()
     }
 
-    /// What repeats the run up to its latest state, with the controls it was started with.
+    /// The recording that repeats the run up to its latest state, with its initial controls.
     pub fn schedule(&self) -> Schedule {
         let timeline = self.timeline();
         timeline

@@ -1,14 +1,14 @@
 //! The engine for work that advances in steps: a fill, a refinement.
 //!
 //! A [`Process`] does the work. [`Runner`] runs it on a background thread for an interactive
-//! caller: commands go in, events come out of a lossless channel, states go to a [`Timeline`], and
-//! nothing the caller calls waits for the work. Every command that changes the result is recorded.
-//! [`replay`] runs a process with the commands of a [`Recording`] on the calling thread; the result
-//! is bit-identical. A [`Schedule`] is the text of a recording.
+//! caller. The caller sends commands and receives events from a lossless channel. States go to a
+//! [`Timeline`]. No call of the caller waits for the work. Every command that changes the result is
+//! recorded. [`replay()`] runs a process with the commands of a [`Recording`] on the calling thread;
+//! the result is bit-identical. A [`Schedule`] is the text of a recording.
 //!
-//! Commands act between two steps. New controls wait for the next step, so that several changes in
-//! between count as one; all other commands act at once. The clock of a run counts the actions so
-//! far: attempted steps, accepted or not, and rewinds. In a refinement it also counts begun and
+//! Commands act between two steps. New controls wait for the next step, so several changes before
+//! it count as one. All other commands act at once. The clock of a run counts its actions:
+//! attempted steps, accepted or not, and rewinds. In a refinement it also counts started and
 //! finished levels.
 
 mod channels;
@@ -30,15 +30,15 @@ pub use replay::{Change, Recording, replay};
 pub use schedule::{Schedule, ScheduleEntry, ScheduleError};
 pub use timeline::{Snapshot, Timeline, TimelineState};
 
-/// Called from the background thread whenever there is something to [poll](Runner::poll).
+/// Called from the background thread whenever there are events to [poll](Runner::poll).
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
-/// How a run in the background starts.
+/// How a background run starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunSettings {
-    /// Whether it runs at once or waits for a command.
+    /// Whether it runs immediately or waits for a command.
     pub playing: bool,
-    /// Maximum number of steps a second; `None` for no limit.
+    /// Maximum number of steps per second; `None` for no limit.
     pub pace: Option<f64>,
     /// Maximum size of the timeline, bytes.
     pub timeline_bytes: usize,
@@ -46,7 +46,7 @@ pub struct RunSettings {
 
 /// The controls of a run: options that the user may change while it runs.
 pub trait RunControls: Options {
-    /// Options that only act at the start and cannot be changed later.
+    /// Options that take effect only at the start.
     const FIXED: &'static [&'static str];
     /// Why controls are invalid.
     type Error: std::error::Error + Send + Sync + 'static;
@@ -61,7 +61,7 @@ pub trait RunControls: Options {
     #[must_use]
     fn fast(&self) -> Self;
 
-    /// Whether the settings that [`Self::fast`] replaces are the same in both.
+    /// Whether both have the same values of the settings that [`Self::fast`] replaces.
     fn same_pace(&self, other: &Self) -> bool;
 }
 
@@ -70,27 +70,27 @@ pub trait RunControls: Options {
 pub struct Refused {
     /// The part; `None` for the whole process.
     pub part: Option<usize>,
-    /// The reason, in plain words.
+    /// The reason, as text.
     pub text: String,
 }
 
-/// Work that advances in steps. Between two steps its controls can be changed, and it can be set
-/// back to an earlier state.
+/// Work that advances in steps. Between two steps its controls can be changed, and an earlier state
+/// can be restored.
 ///
-/// `emit` takes the events of a call, in their order.
+/// `emit` receives the events of a call, in order.
 pub trait Process: Sized {
-    /// What the user may change.
+    /// Settings that the user may change.
     type Controls: RunControls;
-    /// What is stored of each step.
+    /// The data stored after each step.
     type State;
-    /// What is reported on the way.
+    /// The events of the process.
     type Event;
-    /// A summary of the present state.
+    /// A summary of the current state.
     type Status: Clone + Default;
-    /// Why the process as a whole cannot start or continue.
+    /// Why the whole process cannot start or continue.
     type Error: std::fmt::Display;
 
-    /// Takes the next step; does nothing once ended.
+    /// Takes the next step; does nothing after the end.
     ///
     /// # Errors
     /// The process cannot continue; its state is that of the last step.
@@ -100,13 +100,14 @@ pub trait Process: Sized {
         emit: &mut dyn FnMut(Self::Event),
     ) -> Result<(), Self::Error>;
 
-    /// Continues with other controls. A part that cannot keeps its previous ones.
+    /// Continues with other controls. A part that cannot use them keeps its previous ones.
     fn set_controls(&mut self, controls: &Self::Controls) -> Vec<Refused>;
 
-    /// Continues from an earlier state, with these controls. A part that cannot stays as it is.
+    /// Continues from an earlier state, with these controls. A part that cannot do so stays
+    /// unchanged.
     fn rewind(&mut self, to: &Arc<Self::State>, controls: &Self::Controls) -> Vec<Refused>;
 
-    /// Ends at the present state.
+    /// Ends at the current state.
     fn stop(&mut self, emit: &mut dyn FnMut(Self::Event));
 
     /// Whether no step is left.
@@ -115,16 +116,16 @@ pub trait Process: Sized {
     /// Whether the state differs from the one returned last.
     fn has_new_state(&self) -> bool;
 
-    /// The present state.
+    /// The current state.
     ///
     /// # Errors
     /// As [`Self::advance`].
     fn state(&mut self) -> Result<Arc<Self::State>, Self::Error>;
 
-    /// The present status; `seconds` is the time a step takes. Emits, once, which parts have ended.
+    /// The current status; `seconds` is the time per step. Emits once which parts have ended.
     fn status(&mut self, seconds: f64, emit: &mut dyn FnMut(Self::Event)) -> Self::Status;
 
-    /// Whether the run pauses after this event, for the user to decide.
+    /// Whether the run pauses after this event so that the user can decide.
     fn pauses(_event: &Self::Event) -> bool {
         false
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::runner::{Process, Refused};
 
-/// What changes a process between two steps.
+/// A change of a process between two steps.
 #[derive(Clone, Debug)]
 pub enum Change<C> {
     /// Continue with these controls.
@@ -17,7 +17,7 @@ pub enum Change<C> {
         /// The controls to continue with.
         controls: Box<C>,
     },
-    /// End at the present state.
+    /// End at the current state.
     Stop,
 }
 
@@ -36,11 +36,10 @@ impl<C> Default for Recording<C> {
 }
 
 /// Runs a process to its end, with the changes of a recording. `observe` is called with every event
-/// and returns whether to continue; otherwise the process is stopped where it is. Returns which
-/// changes were refused.
+/// and returns whether to continue; if not, the process stops at once. Returns the refused changes.
 ///
-/// All parts of a process share one clock. It continues to the next change where the process has
-/// ended before that.
+/// All parts of a process share one clock. If the process has ended before the next change, the
+/// clock continues to that change.
 ///
 /// # Errors
 /// As [`Process::advance`].
@@ -75,14 +74,14 @@ pub fn replay<P: Process>(
 struct Replay<'a, P: Process> {
     process: &'a mut P,
     clock: usize,
-    /// Clocks of the states needed later.
+    /// Clocks of the states that are needed later.
     wanted: BTreeSet<usize>,
     stored: BTreeMap<usize, Arc<P::State>>,
     observe: &'a mut dyn FnMut(P::Event) -> bool,
 }
 
 impl<P: Process> Replay<'_, P> {
-    /// Stores the present state as that at the wanted clocks of `first..=last`.
+    /// Stores the current state for the required clocks in `first..=last`.
     fn store_state(&mut self, first: usize, last: usize) -> Result<(), P::Error> {
         for &clock in self.wanted.range(first..=last) {
             self.stored.insert(clock, self.process.state()?);
@@ -90,8 +89,8 @@ impl<P: Process> Replay<'_, P> {
         Ok(())
     }
 
-    /// Advances until the clock is at `clock` or the process has ended. Returns `false` if the
-    /// observer ends it.
+    /// Advances until the clock reaches `clock` or the process has ended. Returns `false` if the
+    /// observer stops it.
     fn run_until(&mut self, clock: usize) -> Result<bool, P::Error> {
         while self.clock < clock && !self.process.ended() {
             self.clock += 1;

@@ -9,7 +9,7 @@ use crate::options::options;
 options! {
     /// Controls of a counter.
     struct CounterControls {
-        /// What a step adds.
+        /// The increment of a step.
         add("N"): usize = 1,
         /// Number of steps.
         count("N"): usize = 20,
@@ -46,7 +46,7 @@ impl RunControls for CounterControls {
     }
 }
 
-/// A number that depends on all controls of all steps, and the steps made.
+/// A number that depends on all controls of all steps, and the number of steps.
 #[derive(Clone, Debug, PartialEq)]
 struct Count {
     value: usize,
@@ -208,7 +208,7 @@ fn every_state_of_a_changed_run_is_repeated() {
     let mut run = Watched::start(false);
     run.until(|_, events| !events.is_empty());
     run.steps(2);
-    // two changes before a step are one
+    // two changes before a step count as one
     run.set(5, 20);
     run.set(3, 20);
     run.steps(3);

@@ -7,7 +7,7 @@ use crate::runner::{Schedule, ScheduleEntry};
 
 /// A state that a [`Timeline`] can store.
 pub trait TimelineState {
-    /// Bytes of what it does not share with the state stored before it.
+    /// Memory that it does not share with the state stored before it, in bytes.
     fn bytes(&self, before: Option<&Self>) -> usize;
 }
 
@@ -16,7 +16,7 @@ pub trait TimelineState {
 pub struct Snapshot<S> {
     /// Serial number, unique in a run, ascending along the timeline.
     pub serial: usize,
-    /// The run's clock at this state: actions before it.
+    /// The run's clock at this state: the number of actions before it.
     pub clock: usize,
     /// The state.
     pub state: Arc<S>,
@@ -60,7 +60,7 @@ impl<S> Snapshot<S> {
 pub struct Timeline<S> {
     /// The states.
     pub states: Vec<Arc<Snapshot<S>>>,
-    /// Bytes they take; what states share counts once.
+    /// Their size in bytes; shared data counts once.
     pub bytes: usize,
     limit: usize,
 }
@@ -84,7 +84,7 @@ impl<S: TimelineState> Timeline<S> {
         }
     }
 
-    /// The stored state of that serial number.
+    /// The stored state with that serial number.
     pub fn find(&self, serial: usize) -> Option<&Arc<Snapshot<S>>> {
         let found = self.states.binary_search_by_key(&serial, |s| s.serial);
         found.ok().map(|at| &self.states[at])
@@ -112,7 +112,7 @@ impl<S: TimelineState> Timeline<S> {
     }
 }
 
-/// A timeline that one thread fills and another reads; neither waits for long.
+/// A timeline that one thread fills and another reads; neither blocks for long.
 pub(super) struct SharedTimeline<S>(Arc<Mutex<Arc<Timeline<S>>>>);
 
 impl<S> Clone for SharedTimeline<S> {
@@ -127,7 +127,7 @@ impl<S: TimelineState> SharedTimeline<S> {
         Self(Arc::new(Mutex::new(Arc::new(Timeline::new(limit)))))
     }
 
-    /// The timeline as it is now.
+    /// A snapshot of the timeline.
     pub fn now(&self) -> Arc<Timeline<S>> {
         Arc::clone(&self.lock())
     }
@@ -182,7 +182,7 @@ mod tests {
         let stored = serials(&timeline);
         assert!(stored.len() > 3 && stored.is_sorted());
         assert!(timeline.find(stored[1]).is_some() && timeline.find(stored[1] + 1).is_none());
-        // two states stay, whatever they take
+        // always keep two states, whatever their size
         let mut tight = Timeline::new(1);
         (0..5).for_each(|i| tight.push(state(i)));
         assert_eq!(serials(&tight), [0, 4]);

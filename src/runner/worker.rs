@@ -12,9 +12,9 @@ use crate::runner::{
     Change, Event, Process, RunSettings, ScheduleEntry, Snapshot, TimelineState, panic_text,
 };
 
-/// Makes a process and runs it until its handle is dropped.
+/// Constructs a process and runs it until its handle is dropped.
 ///
-/// The work runs on a thread pool of its own, so that no other work waits for a long step.
+/// The work runs on its own thread pool, so that no other work waits for a long step.
 pub(super) fn run<P: Process>(
     set_up: impl FnOnce(&Arc<AtomicBool>) -> Result<P, P::Error> + Send,
     controls: P::Controls,
@@ -62,13 +62,13 @@ struct Worker<P: Process> {
     next_serial: usize,
     latest: Option<Arc<Snapshot<P::State>>>,
     playing: bool,
-    /// Whether a single step is to be taken.
+    /// Whether to take a single step.
     step_once: bool,
-    /// Whether steps follow each other without a pace, to the end.
+    /// Whether to run to the end without a pace limit.
     fast_forward: bool,
     pace: Option<f64>,
     last_step: Instant,
-    /// Time a step takes at the present pace.
+    /// Time per step at the current pace.
     seconds: f64,
     end_reported: bool,
 }
@@ -144,7 +144,7 @@ where
             Command::Pause => (self.playing, self.fast_forward) = (false, false),
             Command::Step => (self.playing, self.step_once) = (false, true),
             Command::Pace(pace) => self.pace = pace,
-            // earlier ones that have not acted yet are replaced
+            // replaces earlier ones that have not acted yet
             Command::Controls(controls) => self.pending = Some(controls),
             Command::Finish => {
                 self.apply_pending();
@@ -176,7 +176,7 @@ where
         }
     }
 
-    /// Records a command and changes the process; `state` is where a rewind goes to.
+    /// Records a command and changes the process; `state` is the target of a rewind.
     fn apply(&mut self, command: &UserCommand<P::Controls>, state: Option<&Arc<P::State>>) {
         let (entries, change) = self.controls.take(self.clock, command);
         Arc::make_mut(&mut self.entries).extend(entries);
@@ -215,7 +215,7 @@ where
         if self.process.has_new_state() {
             self.push_state()?;
         }
-        // a user who asks for the end gets there
+        // a fast-forwarded run continues to the end without pausing
         let pauses = !self.fast_forward && events.iter().any(P::pauses);
         for event in events {
             self.channels.emit(Event::Process(event));
@@ -235,7 +235,7 @@ where
         Ok(())
     }
 
-    /// Puts the present state into the timeline.
+    /// Adds the current state to the timeline.
     fn push_state(&mut self) -> Result<(), P::Error> {
         let state = Arc::new(Snapshot {
             serial: self.next_serial,

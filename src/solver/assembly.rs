@@ -1,9 +1,9 @@
 //! Energy, gradient and matrix over all active elements.
 //!
 //! The sparsity pattern and every scatter position are computed once per topology. Elements are
-//! worked on in batches of equal stencil size: the elements of a batch in parallel, its results
-//! added in element order, so that the sums do not depend on the number of threads. While one batch
-//! is added the next is computed.
+//! processed in batches of equal stencil size. The elements of a batch are computed in parallel,
+//! and its results are added in element order. The sums therefore do not depend on the number of
+//! threads. While one batch is added, the next is computed.
 
 use std::sync::Arc;
 
@@ -39,16 +39,16 @@ pub struct EnergySum {
     pub scale: f64,
 }
 
-/// Which displacements the matrix of scheme B is for.
+/// The displacements for which the matrix of scheme B is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixForm {
     /// Along the normals: the linearisation of the flow.
     Flow,
     /// Along the normals, without the membrane term where the Hessian part alone is strictly
-    /// elliptic: faster towards the stationary shape.
+    /// elliptic. This converges faster to the stationary shape.
     Stationary,
-    /// One matrix for each component of the displacements: `<N_i, n>` counts as 1, so the surface
-    /// is as stiff along itself as across, also where the normal turns far within an element.
+    /// One matrix for each component of the displacements. `<N_i, n>` counts as 1, so the stiffness
+    /// along the surface equals that across it, even where the normal turns far within an element.
     Isotropic,
 }
 
@@ -75,8 +75,9 @@ struct Buffer {
 }
 
 impl Assembler {
-    /// Prepares the assembly over `elements`, whose tables are for `rule`, with `unknowns` moving.
-    /// It makes energies and gradients; see [`Self::with_matrix`] for matrices.
+    /// Prepares the assembly over `elements`, whose tables are for `rule`; the vertices in
+    /// `unknowns` move. It computes energies and gradients only; see [`Self::with_matrix`] for
+    /// matrices.
     pub fn new(elements: &Elements, rule: Rule, unknowns: impl Into<Arc<Unknowns>>) -> Self {
         let count = elements.len();
         let chunks_of = |e: usize| elements.table(e).n.div_ceil(4);
@@ -259,12 +260,13 @@ impl Assembler {
         sum
     }
 
-    /// Whether threads are worth waking: below a thousand points they cost more than they do.
+    /// Whether threads pay off: below a thousand points they cost more than they save.
     fn is_large(&self) -> bool {
         self.order.len() * self.points >= 2 * BATCH
     }
 
-    /// Lanes of an element's local result; nothing but the energy is kept where nothing moves.
+    /// Number of lanes of an element's local result. Where nothing moves, only the energy is
+    /// stored.
     fn lanes_per_element<const MATRIX: bool>(&self, chunks: usize) -> usize {
         if self.unknowns.is_empty() {
             return 0;

@@ -49,7 +49,7 @@ fn assert_close(a: f64, b: f64, tolerance: f64) {
     assert!((a - b).abs() <= tolerance * b.abs(), "{a} instead of {b}");
 }
 
-/// `K` and its derivatives of second order vanish on a plane: only `M/τ` is left.
+/// `K` and its second derivatives vanish on a plane: only `M/τ` remains.
 #[test]
 fn the_mass_matrix_integrates_products() {
     let problem = lattice(5);
@@ -112,8 +112,8 @@ fn the_isotropic_matrix_is_that_of_the_normals_on_a_plane() {
     }
 }
 
-/// `1 + H²` is elliptic by its Hessian, so the stationary form drops the membrane term: what is left
-/// is the matrix of `H²`.
+/// `1 + H²` is elliptic by its Hessian, so the stationary form drops the membrane term. The matrix
+/// of `H²` remains.
 #[test]
 fn the_stationary_form_drops_the_membrane() {
     let problem = lattice(5);

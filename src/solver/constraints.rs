@@ -1,4 +1,4 @@
-//! Constrained limit positions as the schemes use them.
+//! Constrained limit positions in the form that the schemes use.
 
 use std::sync::Arc;
 
@@ -12,18 +12,19 @@ use crate::surface::Interpolation;
 /// Interpolation constraints in the numbering of a scheme's unknowns.
 ///
 /// The control points of the constrained vertices follow those of the free ones, so that the limit
-/// surface passes the targets. Gradients are pulled back to the free vertices; in matrices a
-/// penalty holds the limit positions.
+/// surface interpolates the targets. Gradients are pulled back to the free vertices. In matrices, a
+/// penalty enforces the limit positions.
 pub struct Constraints {
     interpolation: Arc<Interpolation>,
     penalty: Penalty,
     unknowns: Vec<u32>,
-    /// Penalty weight of each constrained vertex in the matrix last made.
+    /// Penalty weight of each constrained vertex in the latest matrix.
     weights: Vec<f64>,
 }
 
 impl Constraints {
-    /// Those of a problem, if it has any; `pattern` is that of the matrix over `unknowns`.
+    /// The constraints of a problem, if it has any; `pattern` is that of the matrix over
+    /// `unknowns`.
     pub fn of(
         problem: &FlowProblem,
         unknowns: &Unknowns,
@@ -40,7 +41,8 @@ impl Constraints {
         })
     }
 
-    /// Turns derivatives by all unknowns into those by the free ones; 0 at the constrained ones.
+    /// Converts derivatives by all unknowns to derivatives by the free ones; 0 at the constrained
+    /// ones.
     pub fn pull_back(&self, unknowns: &Unknowns, gradient: &mut [DVec3]) {
         self.interpolation.pull_back(&unknowns.of_vertex, gradient);
     }
@@ -50,17 +52,17 @@ impl Constraints {
         self.weights = self.penalty.add(normals, values);
     }
 
-    /// Where the limit surface passes the constrained vertices.
+    /// The current limit positions of the constrained vertices.
     pub fn targets(&self) -> &[DVec3] {
         self.interpolation.targets()
     }
 
-    /// Moves the targets.
+    /// Changes the targets.
     pub fn set_targets(&mut self, targets: Vec<DVec3>) {
         self.interpolation = Arc::new(self.interpolation.with_targets(targets));
     }
 
-    /// Moves the constrained control points such that the limit surface passes the targets.
+    /// Moves the constrained control points so that the limit surface interpolates the targets.
     pub fn enforce(&self, positions: &mut [DVec3]) {
         self.interpolation.enforce(positions);
     }
@@ -70,8 +72,8 @@ impl Constraints {
         self.interpolation.enforce_at(targets, positions);
     }
 
-    /// Adds to the right-hand side (x, y and z components one after the other) the load under which
-    /// the solution with the matrix last made moves the limit surface by `shifts` at the
+    /// Adds a load to the right-hand side (x, y and z components one after the other). Under this
+    /// load, the solution with the latest matrix moves the limit surface by `shifts` at the
     /// constrained vertices.
     pub fn add_load(&self, shifts: &[DVec3], rhs: &mut [f64]) {
         let n = rhs.len() / 3;
@@ -91,7 +93,7 @@ impl Constraints {
         &self.unknowns
     }
 
-    /// Sets the entries of the constrained unknowns to zero: they have no step of their own.
+    /// Sets the entries of the constrained unknowns to zero: they have no independent step.
     pub fn zero_constrained(&self, step: &mut [f64]) {
         for &u in &self.unknowns {
             step[u as usize] = 0.0;

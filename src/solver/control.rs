@@ -5,13 +5,13 @@ use crate::options::choices;
 use crate::solver::assembly::EnergySum;
 use crate::solver::record::RejectReason;
 
-/// What the flow is for.
+/// The purpose of the flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Mode {
     /// The stationary shape in as few steps as possible.
     #[default]
     Fast,
-    /// The flow in true time, for watching.
+    /// The flow in true time, to show its intermediate shapes.
     Flow,
 }
 
@@ -20,12 +20,12 @@ choices!(Mode: Fast "fast", Flow "flow");
 /// How the time step is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Tau {
-    /// Grown after accepted, shrunk after rejected steps.
+    /// Adaptive: grows after accepted steps and shrinks after rejected ones.
     #[default]
     Auto,
     /// Adapted like `Auto` from this first step (length² / unit of f).
     From(f64),
-    /// Always this one (length² / unit of f), shrunk only where a step is rejected.
+    /// Always this value (length² / unit of f), reduced only where a step is rejected.
     Fixed(f64),
 }
 
@@ -43,17 +43,17 @@ pub enum StepKind {
 /// The outcome of one attempted step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attempt {
-    /// Whether the state moved.
+    /// Whether the step was accepted.
     pub accepted: bool,
     /// Largest displacement of a vertex; 0 if rejected.
     pub max_displacement: f64,
-    /// How it was computed.
+    /// The method of its computation.
     pub kind: StepKind,
     /// Whether the next step needs a new matrix: a quasi-Newton phase ended, or vertices were frozen.
     pub needs_refactorization: bool,
-    /// Scheme A: how the linear solve went.
+    /// Scheme A: the result of the linear solve.
     pub linear: Option<GmresReport>,
-    /// Why it was rejected, if it was.
+    /// The reason for a rejection.
     pub reason: Option<RejectReason>,
 }
 
@@ -82,35 +82,35 @@ impl Attempt {
 }
 
 impl EnergySum {
-    /// Whether a step to `new` may be taken: finite, and not above by more than rounding.
+    /// Whether a step to energy `new` is acceptable: finite, and not higher by more than rounding.
     pub fn admits(&self, new: &Self) -> bool {
         new.value.is_finite() && new.value <= self.value + 1e-12 * self.scale
     }
 }
 
-/// Relative displacement (of the hole radius) under which a step counts as none.
+/// Relative displacement (of the hole radius) below which a step counts as zero.
 pub const STOP: f64 = 1e-6;
-/// Minimum of τ over `τ_ref`; below, no step lowers the energy.
+/// Minimum of τ over `τ_ref`. Below it, no step is expected to lower the energy.
 const MIN_TAU_RATIO: f64 = 1e-14;
 const SHRINK: f64 = 8.0;
 const FAST_GROWTH: f64 = 10.0;
-/// Range of the first τ in flow mode, as multiples of `τ_ref`: from a warm start near the
-/// stationary shape the gentle one alone would get there in a handful of steps.
+/// Range of the first τ in flow mode, as multiples of `τ_ref`. From a warm start near the
+/// stationary shape, the edge-limited τ alone would converge within a few steps.
 const FIRST: [f64; 2] = [1e-9, 1e-4];
 /// Growth of τ in flow mode. From the upper end of `FIRST` to `τ_ref` it takes more than thirty
 /// steps, so that the flow can be watched.
 pub const FLOW_GROWTH: f64 = 1.3;
 /// Accepted steps after which an energy that has not fallen beyond rounding counts as constant.
 const PATIENCE: usize = 10;
-/// Fall of the energy that counts as none, relative to the sum of its absolute terms.
+/// Decrease of the energy that counts as zero, relative to the sum of its absolute terms.
 pub const STAGNATION: f64 = 1e-11;
 /// The same under constraints, where vertices move along the surface long after its shape has
 /// converged.
 pub const STAGNATION_CONSTRAINED: f64 = 1e-8;
-/// Maximum of τ over `τ_ref`: such a step is Newton's.
+/// Maximum of τ over `τ_ref`; at this τ a step is practically a Newton step.
 const MAX_TAU_RATIO: f64 = 1e12;
 
-/// Whether an energy still falls.
+/// Tests whether an energy still decreases.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct StagnationTest {
     start: EnergySum,
@@ -118,7 +118,7 @@ pub(super) struct StagnationTest {
 }
 
 impl StagnationTest {
-    /// Records the energy after an accepted step. Returns whether for ten steps it has not fallen by
+    /// Records the energy after an accepted step. Returns whether ten steps have not lowered it by
     /// more than `part` of the sum of its absolute terms.
     pub fn has_stagnated(&mut self, energy: EnergySum, part: f64) -> bool {
         self.steps += 1;
@@ -132,7 +132,7 @@ impl StagnationTest {
     }
 }
 
-/// The choice of the time step.
+/// Control of the time step.
 #[derive(Clone, Copy, Debug)]
 pub struct StepSizeControl {
     /// The next step's τ.
@@ -144,8 +144,8 @@ pub struct StepSizeControl {
 }
 
 impl StepSizeControl {
-    /// For a mode. `gentle` is the first τ proposed for a flow in true time, `growth` the factor after
-    /// an accepted step, `None` for the mode's own.
+    /// The control for a mode. `gentle` is the proposed first τ of a flow in true time. `growth` is
+    /// the factor after an accepted step; `None` selects the default of the mode.
     pub fn new(mode: Mode, tau: Tau, tau_ref: f64, gentle: f64, growth: Option<f64>) -> Self {
         let (start, wanted) = match (tau, mode) {
             (Tau::Fixed(t), _) => (t, Some(t)),
@@ -167,7 +167,7 @@ impl StepSizeControl {
         }
     }
 
-    /// The τ that follows an accepted step.
+    /// Sets the τ that follows an accepted step.
     pub fn next(&self) -> f64 {
         match self.wanted {
             Some(t) => t.min(2.0 * self.tau),
@@ -175,18 +175,18 @@ impl StepSizeControl {
         }
     }
 
-    /// A factorized step was accepted.
+    /// Records that a factorized step was accepted.
     pub fn accept(&mut self) {
         self.tau = self.next();
     }
 
-    /// A step was rejected. Returns whether τ has collapsed.
+    /// Records a rejected step. Returns whether τ has collapsed.
     pub fn reject(&mut self) -> bool {
         self.tau /= SHRINK;
         self.tau < MIN_TAU_RATIO * self.tau_ref.min(self.wanted.unwrap_or(f64::INFINITY))
     }
 
-    /// Displacement of a step of time `tau`, brought to `τ_ref`, over the hole radius.
+    /// Displacement of a step of time `tau`, scaled to `τ_ref`, over the hole radius.
     pub fn residual(&self, displacement: f64, tau: f64, radius: f64) -> f64 {
         displacement / radius * (self.tau_ref / tau).max(1.0)
     }

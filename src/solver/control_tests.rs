@@ -56,7 +56,7 @@ fn time_steps_stay_in_their_range() {
     assert_eq!(control.tau, 2e12);
 }
 
-/// From `2 τ_ref` by eighths to `1e-14 τ_ref`, or as far below a fixed τ that is shorter still.
+/// From `2 τ_ref` by eighths to `1e-14 τ_ref`, or equally far below a fixed τ that is even shorter.
 #[test]
 fn rejected_steps_collapse_in_the_end() {
     for (tau, wanted) in [(Tau::Auto, 16), (Tau::Fixed(1e-6), 16)] {
@@ -66,7 +66,7 @@ fn rejected_steps_collapse_in_the_end() {
     }
 }
 
-/// A step shorter than `τ_ref` is extrapolated to it, a longer one counts as it is.
+/// A step shorter than `τ_ref` is extrapolated to it; a longer one counts unchanged.
 #[test]
 fn residuals_are_displacements_in_the_natural_time() {
     let control = StepSizeControl::new(Mode::Fast, Tau::Auto, 2.0, 1.0, None);

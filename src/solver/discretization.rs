@@ -1,4 +1,4 @@
-//! What all computations on one region share.
+//! Data shared by all computations on one region.
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,7 +6,7 @@ use crate::mesh::{FaceId, Topology};
 use crate::subdivision::{Elements, Rule, Stencils};
 
 /// Connectivity of a region, the faces over which the energy is integrated, and their elements by
-/// quadrature rule. Stencils are gathered once, tables of a rule at the first use of that rule.
+/// quadrature rule. Stencils are gathered once; the tables of a rule are made at its first use.
 #[derive(Debug)]
 pub struct Discretization {
     topology: Arc<Topology>,
@@ -31,7 +31,7 @@ impl Discretization {
         &self.topology
     }
 
-    /// Where the energy is integrated.
+    /// The faces over which the energy is integrated.
     pub fn active_faces(&self) -> &[FaceId] {
         &self.active
     }

@@ -31,7 +31,7 @@ pub enum SolverError {
         /// The local vertex.
         vertex: usize,
     },
-    /// The limit surface cannot pass two points at one vertex.
+    /// The limit surface cannot interpolate two points at one vertex.
     #[error("vertex {vertex} is held twice; name each held vertex once")]
     ConstrainedTwice {
         /// The local vertex.
@@ -49,13 +49,13 @@ pub enum SolverError {
          K between {k_min:.3e} and {k_max:.3e}); choose an expression defined there"
     )]
     EnergyNotFinite {
-        /// Least mean curvature met.
+        /// Minimum mean curvature.
         h_min: f64,
-        /// Greatest mean curvature met.
+        /// Maximum mean curvature.
         h_max: f64,
-        /// Least Gaussian curvature met.
+        /// Minimum Gaussian curvature.
         k_min: f64,
-        /// Greatest Gaussian curvature met.
+        /// Maximum Gaussian curvature.
         k_max: f64,
     },
     /// A linear system could not be solved.
@@ -68,7 +68,7 @@ pub enum SolverError {
         option: &'static str,
         /// Its value, as text.
         value: String,
-        /// What is accepted.
+        /// The accepted values.
         expected: &'static str,
     },
     /// The solver thread died.
@@ -77,7 +77,7 @@ pub enum SolverError {
 }
 
 impl SolverError {
-    /// The error for an energy that is not finite on the surface of `stats`.
+    /// The error for an energy that is not finite on the surface with these `stats`.
     pub(super) fn energy_not_finite(stats: &SurfaceStats) -> Self {
         Self::EnergyNotFinite {
             h_min: stats.mean[0],

@@ -13,8 +13,7 @@ use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::Rule;
 use crate::surface::sample_surface;
 
-/// Quadrature points that are enough for the matrix of a step that is searched for a decrease of
-/// the energy: it need not be exact.
+/// Quadrature rule for the matrix of a step with a line search. Such a matrix need not be exact.
 pub const PRECONDITIONER_RULE: Rule = Rule::Twelve;
 
 /// A surface with its energy.
@@ -24,29 +23,29 @@ pub struct State {
     pub positions: Vec<DVec3>,
     /// Energy by the quadrature rule of the steps.
     pub energy: EnergySum,
-    /// Its gradient by the unknowns; under constraints by the free ones, 0 at the others.
+    /// Its gradient by the unknowns; under constraints by the free ones, with 0 at the others.
     pub gradient: Vec<DVec3>,
 }
 
-/// Evaluates energy, gradient and the matrix of scheme B, and holds the two points that a step
+/// Evaluates energy, gradient and the matrix of scheme B. Stores the two points that a step
 /// compares.
 pub struct Evaluator {
     assembler: Assembler,
-    /// For matrices, where they need fewer quadrature points than the energy.
+    /// For matrices, if they use fewer quadrature points than the energy.
     coarse: Option<Assembler>,
     energy: Energy,
     radius: f64,
-    /// Limit positions to keep.
+    /// The constrained limit positions.
     pub constraints: Option<Constraints>,
     /// The current point.
     pub state: State,
-    /// The point of the step under way; fixed vertices are those of `state`.
+    /// The trial point of the current step; fixed vertices are those of `state`.
     pub trial: State,
 }
 
 impl Evaluator {
-    /// At the starting positions of a problem: energies by `rule`, matrices by the coarser of
-    /// `rule` and `matrix_rule`. The unknowns are numbered by nested dissection.
+    /// Starts at the positions of a problem. Energies use `rule`, matrices the coarser of `rule`
+    /// and `matrix_rule`. Nested dissection numbers the unknowns.
     ///
     /// # Errors
     /// [`SolverError::EnergyNotFinite`].
@@ -77,7 +76,7 @@ impl Evaluator {
         Ok(out)
     }
 
-    /// With an assembler for energy and gradient alone.
+    /// The same with an assembler for energy and gradient only.
     ///
     /// # Errors
     /// [`SolverError::EnergyNotFinite`].
@@ -128,7 +127,7 @@ impl Evaluator {
         self.coarse.as_ref().unwrap_or(&self.assembler).pattern()
     }
 
-    /// Energy and gradient after a change of the current positions or constraints.
+    /// Updates energy and gradient after a change of the current positions or constraints.
     pub fn evaluate_state(&mut self) {
         let constraints = self.constraints.as_ref();
         evaluate(
@@ -139,7 +138,7 @@ impl Evaluator {
         );
     }
 
-    /// Energy and gradient at the trial point.
+    /// Updates energy and gradient at the trial point.
     pub fn evaluate_trial(&mut self) {
         let constraints = self.constraints.as_ref();
         evaluate(
@@ -150,7 +149,7 @@ impl Evaluator {
         );
     }
 
-    /// Moves the trial point from the current one by `shift` of each unknown; constrained control
+    /// Moves each unknown of the trial point by `shift` from the current point. Constrained control
     /// points follow.
     pub fn displace(&mut self, shift: impl Fn(usize) -> DVec3) {
         for (i, &v) in self.assembler.unknowns().vertex.iter().enumerate() {
@@ -161,8 +160,8 @@ impl Evaluator {
         }
     }
 
-    /// Energy and gradient at the trial point, and the matrix there for displacements along
-    /// `normals`. For one rule and no constraints.
+    /// Computes energy and gradient at the trial point, and the matrix there for displacements
+    /// along `normals`. Requires a single rule and no constraints.
     pub fn evaluate_trial_with_matrix(
         &mut self,
         normals: &[DVec3],
@@ -181,9 +180,10 @@ impl Evaluator {
         );
     }
 
-    /// The matrix at the current point for displacements along `normals`, constraints included.
+    /// Computes the matrix at the current point for displacements along `normals`, including
+    /// constraints.
     pub fn matrix(&mut self, normals: &[DVec3], tau: f64, values: &mut Vec<f64>) {
-        // the gradient is known, and by a coarser rule it is another
+        // the gradient is known already, and the coarser rule gives a different one
         self.coarse.as_mut().unwrap_or(&mut self.assembler).matrix(
             &self.state.positions,
             normals,
@@ -209,7 +209,8 @@ impl Evaluator {
     }
 
     /// Moves to other positions, such as a slide along the surface after a step from energy
-    /// `before`, if that gives back only a part of the step's gain. Returns whether it moved.
+    /// `before`. The move is made only if it gives back at most a part of the step's gain. Returns
+    /// whether it was made.
     pub fn slide(&mut self, positions: &[DVec3], before: EnergySum) -> bool {
         self.trial.positions.copy_from_slice(positions);
         self.evaluate_trial();

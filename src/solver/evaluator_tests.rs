@@ -4,8 +4,8 @@ use crate::mesh::VertexId;
 use crate::solver::test_surfaces::{bumps, energy, lattice};
 use crate::subdivision::limit_position;
 
-/// A lattice whose limit surface passes points above two of its vertices that are neighbours, and
-/// one apart.
+/// A lattice whose limit surface is constrained above two neighbouring vertices and one separate
+/// vertex.
 fn constrained() -> FlowProblem {
     let free = lattice(6);
     let held: Vec<(u32, DVec3)> = [7, 8, 28]
@@ -27,7 +27,7 @@ fn evaluator(problem: &FlowProblem) -> Evaluator {
     Evaluator::new(problem, &energy("1+H^2"), Rule::Twelve, Rule::Three, form).expect("start")
 }
 
-/// How far the limit surface is from the targets.
+/// Distance between the limit surface and the targets.
 fn error(problem: &FlowProblem, positions: &[DVec3]) -> f64 {
     let interpolation = problem.interpolation().expect("constraints");
     let pairs = interpolation
@@ -47,7 +47,7 @@ fn trial_points_satisfy_the_constraints() {
     let vertices = evaluator.unknowns().vertex.clone();
     evaluator.displace(|i| heights[vertices[i] as usize] * DVec3::new(0.2, 0.1, 1.0));
     assert!(error(&problem, &evaluator.trial.positions) < 1e-13);
-    // the current point and fixed vertices stay
+    // the current point and fixed vertices do not change
     assert_eq!(evaluator.state.positions, problem.positions());
     for (v, &height) in heights.iter().enumerate() {
         let moved = evaluator.trial.positions[v] != evaluator.state.positions[v];

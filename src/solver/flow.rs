@@ -1,4 +1,4 @@
-//! A flow: steps of one method, their size, and when they end.
+//! A flow: the steps of one method, their step size, and the stopping rules.
 
 use crate::energy::{Energy, Order};
 use crate::mesh::DVec3;
@@ -21,20 +21,20 @@ use crate::surface::{SurfaceStats, sample_surface};
 use crate::warning::{Warning, Warnings};
 
 /// Makes the stepper of a flow at the starting positions of a problem. The energy is that of the
-/// options on the problem's radius.
+/// options for the problem's radius.
 pub type MakeStepper =
     fn(&FlowProblem, &FlowOptions, &Energy) -> Result<Box<dyn Stepper>, SolverError>;
 
-/// Attempts at relaxing after a step, each half as far as the one before.
+/// Number of attempts at relaxing after a step; each attempt moves half as far as the previous one.
 const RELAXATION_TRIES: usize = 3;
-/// Factorized steps before fast mode goes over to the frozen factor.
+/// Number of factorized steps before fast mode keeps the factor.
 const FACTORIZED_STEPS: usize = 2;
 
 /// A flow in progress.
 pub struct Flow {
     problem: FlowProblem,
     options: FlowOptions,
-    /// The options' energy with tension and bulge.
+    /// The options' energy with tension and spontaneous curvature.
     energy: Energy,
     make: MakeStepper,
     stepper: Box<dyn Stepper>,
@@ -52,15 +52,16 @@ pub struct Flow {
 }
 
 impl Flow {
-    /// A flow by the scheme of the options from the problem's starting positions.
+    /// Starts a flow by the scheme of the options from the problem's starting positions.
     ///
     /// # Errors
-    /// A bad option, an energy that is not finite at the start, a failed symbolic factorization.
+    /// An invalid option, an energy that is not finite at the start, or a failed symbolic
+    /// factorization.
     pub fn new(problem: FlowProblem, options: FlowOptions) -> Result<Self, SolverError> {
         Self::with_stepper(problem, options, scheme_stepper)
     }
 
-    /// The same with steps computed by what `make` makes.
+    /// The same with the stepper that `make` constructs.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -72,7 +73,7 @@ impl Flow {
         options.validate()?;
         let energy = options.energy_at(problem.radius());
         let discretization = problem.discretization();
-        // reported energies have at least twelve points, steps may have fewer
+        // reported energies use at least twelve points; steps may use fewer
         let ((report, energy_start), prepared) = rayon::join(
             || {
                 let rule = options.quadrature.max(Rule::Twelve);
@@ -128,7 +129,7 @@ impl Flow {
         &self.problem
     }
 
-    /// The options in force.
+    /// The current options.
     pub fn options(&self) -> &FlowOptions {
         &self.options
     }
@@ -143,7 +144,7 @@ impl Flow {
         self.stepper.state().energy
     }
 
-    /// The natural time of the hole, `τ_ref`; show τ relative to it.
+    /// The natural time of the hole, `τ_ref`; display τ relative to it.
     pub fn tau_ref(&self) -> f64 {
         self.control.tau_ref
     }
@@ -153,28 +154,28 @@ impl Flow {
         self.control.tau
     }
 
-    /// Warnings so far, in plain words.
+    /// Warnings so far, as text.
     pub fn warnings(&self) -> &Warnings {
         &self.warnings
     }
 
-    /// Energy where this flow started, by the rule of the steps, 12 points at least.
+    /// Energy at the start of this flow, by the rule of the steps with at least 12 points.
     pub fn energy_start(&self) -> f64 {
         self.energy_start
     }
 
-    /// Energy of the present shape, by the rule of the steps, 12 points at least.
+    /// Energy of the current shape, by the rule of the steps with at least 12 points.
     pub fn fine_energy(&mut self) -> f64 {
         let positions = &self.stepper.state().positions;
         self.report.energy(positions, &self.energy).value
     }
 
-    /// Accepted and rejected steps.
+    /// Numbers of accepted and rejected steps.
     pub fn counts(&self) -> (usize, usize) {
         (self.steps, self.rejected)
     }
 
-    /// Counts on from earlier steps of the same shape.
+    /// Continues the counts from earlier steps of the same shape.
     #[must_use]
     pub fn counting_from(mut self, steps: usize, rejected: usize) -> Self {
         (self.steps, self.rejected) = (steps, rejected);
@@ -186,25 +187,25 @@ impl Flow {
         self.end
     }
 
-    /// Ends the flow; the current shape stays.
+    /// Ends the flow and keeps the current shape.
     pub fn cancel(&mut self) {
         self.finish(End::Cancelled);
     }
 
-    /// Ends the flow for a reason of the caller's, if it has not ended; the current shape stays.
+    /// Ends the flow with the caller's reason, if it has not ended, and keeps the current shape.
     pub fn finish(&mut self, end: End) {
         self.end.get_or_insert(end);
     }
 
-    /// Changes options between steps; the flow goes on from the current shape.
+    /// Changes options between steps. The flow continues from the current shape.
     ///
     /// # Errors
-    /// The new options are refused and the old ones stay in force.
+    /// Invalid options; the old options stay in force.
     pub fn set_options(&mut self, options: FlowOptions) -> Result<(), SolverError> {
         self.restart(options, self.make)
     }
 
-    /// [`Self::set_options`] with steps computed by what `make` makes.
+    /// [`Self::set_options`] with the stepper that `make` constructs.
     ///
     /// # Errors
     /// As [`Self::set_options`].
@@ -234,8 +235,8 @@ impl Flow {
         if self.end.is_some() {
             return Ok(None);
         }
-        // a multiple of K is stationary everywhere (Gauss-Bonnet): what is left of its gradient is
-        // the quadrature's error, and an adaptive τ would grow until that error moves the surface
+        // a multiple of K is stationary everywhere (Gauss-Bonnet): its remaining gradient is the
+        // error of the quadrature, and an adaptive τ would grow until that error moves the surface
         let still =
             self.energy.order() == Order::Stationary && !matches!(self.options.tau, Tau::Fixed(_));
         if still || self.problem.interior().is_empty() {
@@ -250,7 +251,7 @@ impl Flow {
         let next_tau = self.control.next();
         // constrained vertices follow the others
         let relaxing = self.options.relaxation > 0.0 && self.problem.interpolation().is_none();
-        // relaxation moves the vertices for which the factor was made
+        // relaxation moves the vertices for which the factor was computed
         let quick = self.options.mode == Mode::Fast
             && !matches!(self.options.tau, Tau::Fixed(_))
             && !relaxing;
@@ -271,7 +272,7 @@ impl Flow {
         Ok(Some(record))
     }
 
-    /// Ends the flow at the last shape with open necks if one is closing.
+    /// Ends the flow at the last shape with open necks if a neck is closing.
     fn watch_necks(&mut self) -> Result<(), SolverError> {
         let positions = &self.stepper.state().positions;
         let Some(place) = self.pinch.check(&self.problem, positions) else {
@@ -287,8 +288,9 @@ impl Flow {
         Ok(())
     }
 
-    /// Slides the vertices along the surface after a step from energy `before`, by no more than the
-    /// step moved any: so the sliding ends with the flow and does not keep it from converging.
+    /// Slides the vertices along the surface after a step from energy `before`, by at most the
+    /// largest displacement of the step. The sliding therefore ends with the flow and does not
+    /// prevent convergence.
     fn relax(&mut self, before: EnergySum, longest: f64) {
         let relaxation = self
             .relaxation
@@ -307,7 +309,7 @@ impl Flow {
         }
     }
 
-    /// Counts an attempt, moves τ and decides whether the flow has ended.
+    /// Counts an attempt, updates τ and decides whether the flow has ended.
     fn record(&mut self, attempt: &Attempt, tau: f64) -> StepRecord {
         let radius = self.problem.radius();
         let mut residual = f64::NAN;
@@ -322,10 +324,10 @@ impl Flow {
                 self.control.accept();
             }
             if attempt.needs_refactorization {
-                // one fresh matrix, then quasi-Newton steps again
+                // compute one new matrix, then take quasi-Newton steps again
                 self.factorized = FACTORIZED_STEPS - 1;
             }
-            // adaptive steps in true time may go on and off between a stable and an unstable τ where
+            // adaptive steps in true time may alternate between a stable and an unstable τ although
             // the shape is stationary to rounding
             let is_adaptive = !matches!(self.options.tau, Tau::Fixed(_));
             let energy = self.energy();
@@ -363,8 +365,8 @@ impl Flow {
         }
     }
 
-    /// Steps until the flow ends; `observe` is called after every attempt and returns whether to
-    /// go on.
+    /// Steps until the flow ends. `observe` is called after every attempt and returns whether to
+    /// continue.
     ///
     /// # Errors
     /// As [`Self::step`].
@@ -380,7 +382,7 @@ impl Flow {
         Ok(self.outcome())
     }
 
-    /// The record of the whole flow up to now.
+    /// The record of the whole flow so far.
     pub fn outcome(&mut self) -> Outcome {
         let energy_end = self.fine_energy();
         let mut warnings = self.warnings.clone();
@@ -410,7 +412,8 @@ impl Flow {
 /// Makes the stepper of the scheme in the options.
 ///
 /// # Errors
-/// [`SolverError::BadOption`] for the mixed schemes under constraints; those of the schemes.
+/// [`SolverError::BadOption`] for the mixed schemes under constraints, and the errors of the
+/// schemes.
 pub fn scheme_stepper(
     problem: &FlowProblem,
     options: &FlowOptions,
@@ -442,7 +445,7 @@ fn stats(problem: &FlowProblem, options: &FlowOptions, energy: &Energy) -> Surfa
     sample_surface(elements, problem.positions(), energy, problem.radius())
 }
 
-/// Warnings for an energy on the surface of `stats`.
+/// Warnings for an energy on the surface with these `stats`.
 fn warnings(problem: &FlowProblem, energy: &Energy, stats: &SurfaceStats) -> Warnings {
     let stationary = energy.order() == Order::Stationary;
     let posed = stats.warning(problem.centre()).into_iter();

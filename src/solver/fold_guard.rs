@@ -1,10 +1,11 @@
 //! A guard against steps that would fold the surface.
 //!
-//! An energy sampled at quadrature points does not see a fold between them, and a minimiser finds
-//! such places. Two conditions are checked beside the energy. Face by face, the normals of the limit
-//! surface keep to the side of the flat triangle through the limit positions of the corners. No two
-//! neighbouring flat triangles close like a book. A face that is folded already may not get much
-//! worse: leaving the fold lowers the energy.
+//! An energy sampled at quadrature points does not detect a fold between them, and a minimiser
+//! finds such places. Two conditions are therefore checked in addition to the energy. First, on
+//! each face the normals of the limit surface stay on the side of the flat triangle through the
+//! limit positions of the corners. Second, no two neighbouring flat triangles fold onto each other.
+//! A face that is already folded may not get much worse. It may stay folded, because the energy
+//! falls when it leaves the fold.
 
 use std::sync::Arc;
 
@@ -16,16 +17,16 @@ use crate::subdivision::{Elements, Rule, limit_normals, limit_positions};
 
 /// The finest rule at whose points normals are checked.
 const MAX_RULE: Rule = Rule::FortyEight;
-/// A face is in order if its normals keep at least this cosine to the flat triangle.
+/// A face is not folded if its normals have at least this cosine to that of the flat triangle.
 const MIN_NORMAL_COSINE: f64 = -0.3;
-/// Two flat triangles are in order if their normals keep at least this cosine.
+/// Two neighbouring flat triangles are not folded if their normals have at least this cosine.
 const MIN_EDGE_COSINE: f64 = -0.77;
-/// How much a cosine that is below its limit may fall in one step.
+/// Maximum decrease, in one step, of a cosine that is below its limit.
 const MAX_DEGRADATION: f64 = 0.3;
-/// Cosine of the largest angle by which the flat triangle of a face in order may turn in one step.
+/// Cosine of the maximum rotation of the flat triangle of an unfolded face in one step.
 const MIN_TURN_COSINE: f64 = 0.5;
 
-/// Cosine between a vector and a unit vector; -1 for one that has no direction.
+/// Cosine between a vector and a unit vector; -1 for a vector without direction.
 fn cosine(vector: DVec3, unit: DVec3) -> f64 {
     let length = vector.length();
     if length > 0.0 && length.is_finite() {
@@ -35,7 +36,7 @@ fn cosine(vector: DVec3, unit: DVec3) -> f64 {
     }
 }
 
-/// How a surface is folded: what steps are compared with.
+/// The folds of a surface, the reference with which steps are compared.
 #[derive(Clone, Debug, Default)]
 struct FoldState {
     /// Minimum cosine between a normal and that of the flat triangle, by element.
@@ -45,7 +46,7 @@ struct FoldState {
 }
 
 impl FoldState {
-    /// Of the surface over `elements`, which cover the faces that may change.
+    /// Computes the state of the surface over `elements`, which cover the faces that may change.
     fn new(topology: &Topology, elements: &Elements, positions: &[DVec3]) -> Self {
         let points = limit_positions(topology, positions);
         let normals = limit_normals(topology, positions);
@@ -97,7 +98,8 @@ pub struct FoldGuard {
 }
 
 impl FoldGuard {
-    /// Of the surface over `positions`, sampled by `rule` or by [`MAX_RULE`] where that is coarser.
+    /// Starts at the surface over `positions`, sampled by `rule` or by [`MAX_RULE`] if that is
+    /// coarser.
     pub fn new(discretization: &Discretization, rule: Rule, positions: &[DVec3]) -> Self {
         let topology = Arc::clone(discretization.topology());
         let elements = discretization.elements(rule.min(MAX_RULE)).clone();
@@ -110,26 +112,26 @@ impl FoldGuard {
         }
     }
 
-    /// Whether the step to `positions` would fold the surface, or fold it much more than it is.
-    /// Marks the control vertices of such places.
+    /// Whether the step to `positions` would fold the surface, or make a fold much worse. Marks the
+    /// control vertices of such places.
     pub fn would_fold(&mut self, positions: &[DVec3]) -> bool {
         self.trial = FoldState::new(&self.topology, &self.elements, positions);
         self.marked.fill(false);
-        // both, so that all places are marked
+        // run both, so that all places are marked
         self.mark_faces() | self.mark_edges()
     }
 
-    /// For each vertex whether the last step tried folds the surface near it.
+    /// For each vertex whether the last trial step folds the surface near it.
     pub fn marked(&self) -> &[bool] {
         &self.marked
     }
 
-    /// Makes the last surface tried the current one.
+    /// Makes the last trial surface the current one.
     pub fn accept(&mut self) {
         std::mem::swap(&mut self.current, &mut self.trial);
     }
 
-    /// Makes any surface the current one.
+    /// Makes another surface the current one.
     pub fn reset(&mut self, positions: &[DVec3]) {
         self.current = FoldState::new(&self.topology, &self.elements, positions);
     }
@@ -153,7 +155,7 @@ impl FoldGuard {
         any
     }
 
-    /// Marks the edges whose two flat triangles close like a book.
+    /// Marks the edges whose two flat triangles fold onto each other.
     fn mark_edges(&mut self) -> bool {
         let topology = &self.topology;
         let mut any = false;
@@ -178,8 +180,8 @@ impl FoldGuard {
     }
 }
 
-/// Whether a cosine falls below its limit, or below what it was by more than is admitted for a
-/// place that is folded already.
+/// Whether a cosine falls below its limit, or, if it is already below, falls by more than the
+/// tolerance.
 fn degrades(old: f64, new: f64, limit: f64) -> bool {
     new.is_nan() || (new < limit && (old >= limit || new < old - MAX_DEGRADATION))
 }

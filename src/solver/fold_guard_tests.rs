@@ -15,7 +15,7 @@ fn guard(degrees: f64) -> FoldGuard {
     FoldGuard::new(&discretization, Rule::Twelve, &book(degrees))
 }
 
-/// The book closes by small steps until its flat triangles nearly meet, and no further.
+/// The two triangles close by small steps until they nearly meet, and no further.
 #[test]
 fn a_pair_of_triangles_does_not_close() {
     let mut guard = guard(0.0);
@@ -40,14 +40,14 @@ fn a_pair_that_is_folded_may_unfold() {
     }
 }
 
-/// A large turn in one step is refused also where nothing is folded in the end.
+/// A large rotation in one step is rejected even if nothing is folded at its end.
 #[test]
 fn a_facet_turns_by_no_more_than_60_degrees() {
     assert!(!guard(0.0).would_fold(&book(40.0)));
     assert!(guard(0.0).would_fold(&book(110.0)));
 }
 
-/// A vertex moved across its neighbours turns facets over; only places near it are marked.
+/// A vertex moved across its neighbours flips facets; only nearby vertices are marked.
 #[test]
 fn a_flipped_facet_is_found() {
     let problem = lattice(5);

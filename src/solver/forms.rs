@@ -57,7 +57,7 @@ pub fn gauss_variation(p: &PointGeometry) -> Coefficients {
 
 /// The positive part of the Hessian of `f`, as two weights-and-directions in `(δH, δK)`.
 ///
-/// The clipping is done in the scaled variables `(r H, r² K)`, `r` the hole radius, so that it does
+/// The clipping uses the scaled variables `(r H, r² K)`, with `r` the hole radius, so that it does
 /// not depend on the unit of length (formulation, section 6).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PositiveHessian {
@@ -97,8 +97,9 @@ impl PositiveHessian {
         Self { factors }
     }
 
-    /// Whether the clipped Hessian alone gives a strictly elliptic operator: the least over `b`
-    /// between the principal curvatures of `¼ P_HH + P_HK b + P_KK b²`, against its scale.
+    /// Whether the clipped Hessian alone gives a strictly elliptic operator. This compares the
+    /// minimum of `¼ P_HH + P_HK b + P_KK b²`, over `b` between the principal curvatures, with its
+    /// scale.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "see PointGeometry::new")]
     pub fn is_elliptic(&self, mean: f64, gauss: f64, radius: f64) -> bool {

@@ -1,7 +1,7 @@
 //! Element kernels: energy, gradient (12) and the matrix of scheme B on one triangle.
 //!
-//! A kernel has no global indices and does not allocate. Control vertices are padded to a multiple
-//! of four with zeros ("chunks" of `Lane`), so that the loops over them vectorise; the common chunk
+//! A kernel has no global indices and does not allocate. Control vertices are padded with zeros to
+//! a multiple of four ("chunks" of `Lane`), so that the loops over them vectorise. The common chunk
 //! counts are compiled with the count as a constant.
 
 use crate::energy::Energy;
@@ -9,14 +9,14 @@ use crate::mesh::DVec3;
 use crate::solver::forms::{PositiveHessian, gauss_variation, mean_variation, variation};
 use crate::surface::{Coefficients, PointGeometry};
 
-/// Four numbers that are worked on together.
+/// Four numbers that are processed together.
 pub type Lane = [f64; 4];
 
 /// Maximum number of rank-one terms of a quadrature point: mass, two of the Hessian, two of the
 /// membrane.
 pub const TERMS_PER_POINT: usize = 5;
 
-/// What all elements of one assembly share.
+/// Data shared by all elements of one assembly.
 pub struct KernelInput<'a> {
     /// The energy.
     pub energy: &'a Energy,
@@ -24,11 +24,11 @@ pub struct KernelInput<'a> {
     pub radius: f64,
     /// 1/τ, the weight of the mass matrix.
     pub inv_tau: f64,
-    /// Whether the membrane term enters everywhere, or only where the Hessian part is not strictly
-    /// elliptic.
+    /// Whether the membrane term is included everywhere, or only where the Hessian part is not
+    /// strictly elliptic.
     pub membrane: bool,
-    /// Whether the directions stand for displacements that lie along the surface's normal
-    /// everywhere: `<N_i, n>` is 1 for those that move.
+    /// Whether the directions represent displacements that are normal to the surface everywhere.
+    /// `<N_i, n>` is then 1 for moving vertices.
     pub isotropic: bool,
     /// Quadrature weight of a point (before ½√g).
     pub weight: f64,
@@ -47,14 +47,14 @@ pub struct ElementInput<'a> {
     pub normals: &'a [Lane],
 }
 
-/// Where one element's results go.
+/// The output buffers of one element.
 pub struct ElementOutput<'a> {
     /// Gradient of the energy, components as in [`ElementInput::x`].
     pub gradient: &'a mut [Lane],
     /// Rows of `chunks` lanes, filled up to and including the diagonal's lane; empty if no matrix
-    /// is asked for.
+    /// is needed.
     pub matrix: &'a mut [Lane],
-    /// Scratch: `TERMS_PER_POINT * points * chunks` lanes; empty if no matrix is wanted.
+    /// Scratch: `TERMS_PER_POINT * points * chunks` lanes; empty if no matrix is needed.
     pub terms: &'a mut [Lane],
 }
 
@@ -74,8 +74,8 @@ fn add_scaled(acc: &mut Lane, a: f64, b: &Lane) {
     }
 }
 
-/// Energy of one element; writes its gradient (unless the output is empty) and, if asked for, its
-/// matrix.
+/// Computes the energy of one element. Writes its gradient (unless the output is empty) and, if
+/// requested, its matrix.
 #[inline(always)]
 #[expect(
     clippy::inline_always,
@@ -219,8 +219,8 @@ impl TermList {
     }
 }
 
-/// `<N_i, n> c · (φ_i, φ_i,u, …)` for all control vertices of the element, for each `c` of `list`;
-/// without a normal the first component of the direction stands for `<N_i, n>`.
+/// `<N_i, n> c · (φ_i, φ_i,u, …)` for all control vertices of the element, for each `c` of `list`.
+/// Without a normal, the first component of the direction replaces `<N_i, n>`.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "part of the element kernels")]
 fn project_terms(

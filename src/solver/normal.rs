@@ -1,10 +1,10 @@
 //! Scheme B: the linearly implicit normal flow (formulation, section 6).
 //!
 //! Each step solves `(M/τ + S) w = −g` for one scalar per moving vertex and moves it by `w_j N_j`,
-//! `N_j` the limit normal. Without constraints one assembly at the trial point gives its energy,
-//! its gradient and the matrix of the next step. Under constraints the matrix is a preconditioner:
-//! the step is halved until it lowers the energy and folds nothing, and vertices next to folds that
-//! remain are frozen.
+//! `N_j` the limit normal. Without constraints, one assembly at the trial point gives its energy,
+//! its gradient and the matrix of the next step. Under constraints the matrix is a preconditioner.
+//! The step is halved until it lowers the energy and folds nothing. Vertices next to remaining
+//! folds are frozen.
 
 use std::sync::Arc;
 
@@ -21,14 +21,15 @@ use crate::solver::stepper::{StepRequest, Stepper};
 use crate::solver::{FlowProblem, SolverError};
 use crate::subdivision::Rule;
 
-/// A quasi-Newton step that is not this much shorter than the one before calls for a new matrix.
+/// A quasi-Newton step that is longer than this fraction of the previous step requires a new
+/// matrix.
 const SHRINK: f64 = 0.4;
 
 /// Factor on the diagonal of the matrix at frozen vertices.
 const RIGID: f64 = 1e6;
-/// Length, over the radius, below which steps that fold freeze vertices.
+/// Length, over the radius, below which steps that fold the surface freeze vertices.
 const SHORT: f64 = 1e-3;
-/// How often a guarded step is halved before τ is made smaller.
+/// Maximum number of halvings of a guarded step before τ is reduced.
 const HALVINGS: usize = 8;
 
 /// State of scheme B.
@@ -38,7 +39,7 @@ pub struct NormalFlow {
     ring: LimitNormals,
     cholesky: Cholesky,
     values: Vec<f64>,
-    /// The τ for which `values` hold the matrix at the current point.
+    /// The τ for which `values` contains the matrix at the current point.
     matrix_tau: Option<f64>,
     /// Normals at the current point, or those of the last factorization in a quasi-Newton phase.
     normals: Vec<DVec3>,
@@ -52,19 +53,19 @@ pub struct NormalFlow {
 /// The guard against folds under constraints.
 struct Guard {
     folds: FoldGuard,
-    /// Unknowns that do not move any more, since their shortest step would fold the surface.
+    /// Frozen unknowns: their shortest step would fold the surface.
     frozen: Vec<bool>,
 }
 
-/// Steps with the frozen factor.
+/// Number of steps with the same factor.
 struct QuasiNewton {
     memory: Lbfgs,
     last_move: f64,
 }
 
 impl NormalFlow {
-    /// At the starting positions of a problem, with energies by `rule`; `form` is that of the
-    /// matrix. Orders the unknowns and makes the symbolic factorization.
+    /// Starts at the positions of a problem, with energies by `rule`; `form` is that of the matrix.
+    /// Orders the unknowns and makes the symbolic factorization.
     ///
     /// # Errors
     /// [`SolverError::EnergyNotFinite`] if the energy is not finite at the start, or a failed
@@ -115,7 +116,7 @@ impl NormalFlow {
         }
         self.stiffen_frozen();
         if let Err(error) = self.cholesky.factorize(&self.values) {
-            // M/τ dominates for small τ: reject and let the step-size control shrink it
+            // M/τ dominates for small τ: reject the step and let the step-size control reduce τ
             return Attempt::rejected(error.into());
         }
         project(
@@ -131,7 +132,7 @@ impl NormalFlow {
             Ok(longest) => longest,
             Err(reason) => {
                 return Attempt {
-                    // the same τ again, if the others can go on without the vertices at a fold
+                    // retry the same τ if the other vertices can move without those at a fold
                     needs_refactorization: reason == RejectReason::Fold && self.freeze_marked(),
                     ..Attempt::rejected(reason)
                 };
@@ -152,9 +153,9 @@ impl NormalFlow {
         Attempt::accepted(longest, StepKind::Factorized)
     }
 
-    /// Moves the trial point by the step `w`, or under guard by as much of it as lowers the energy
-    /// and folds nothing (`w` is shortened to that). Returns the length of the whole step. With
-    /// `freeze` only the gradient is made at the new point, else the normals too and, without a
+    /// Moves the trial point by the step `w`. Under a guard, `w` is first shortened until it lowers
+    /// the energy and folds nothing. Returns the length of the whole step. With `freeze`, only the
+    /// gradient is computed at the new point. Otherwise the normals are computed too and, without a
     /// guard, the matrix for `next_tau`.
     fn try_step(&mut self, next_tau: f64, freeze: bool) -> Result<f64, RejectReason> {
         self.matrix_tau = None;
@@ -229,7 +230,7 @@ impl NormalFlow {
         let longest = match self.try_step(0.0, true) {
             Ok(longest) => longest,
             Err(reason) => {
-                // back to a fresh matrix at the current point
+                // return to a new matrix at the current point
                 self.leave_quasi_newton();
                 return Attempt {
                     needs_refactorization: true,
@@ -259,7 +260,7 @@ impl NormalFlow {
             .evaluate(&self.evaluator.state.positions, &mut self.normals);
     }
 
-    /// Gives the pair (step, change of gradient) to the quasi-Newton memory.
+    /// Adds the pair (step, change of gradient) to the quasi-Newton memory.
     fn remember(&self, memory: &mut Lbfgs) {
         let (new, old) = (
             &self.evaluator.trial.gradient,
@@ -274,13 +275,13 @@ impl NormalFlow {
         memory.push(&self.w, &change);
     }
 
-    /// `trial = positions + w N`; returns `max |w|`, NaN if there is one.
+    /// Sets `trial = positions + w N`. Returns `max |w|`, or NaN if `w` contains a NaN.
     fn displace(&mut self) -> f64 {
         self.evaluator.displace(|i| self.normals[i] * self.w[i]);
         max_magnitude(self.w.iter().copied())
     }
 
-    /// Constrained vertices follow the others and frozen ones stay: both have no step.
+    /// Constrained vertices follow the others and frozen ones stay: neither has a step.
     fn zero_dependent(&mut self) {
         if let Some(constraints) = &self.evaluator.constraints {
             constraints.zero_constrained(&mut self.w);
@@ -306,7 +307,7 @@ impl NormalFlow {
         }
     }
 
-    /// Whether the trial point is folded where the current one is not.
+    /// Whether the trial point has a fold that the current point does not have.
     fn would_fold(&mut self) -> bool {
         let trial = &self.evaluator.trial.positions;
         self.guard
@@ -314,7 +315,7 @@ impl NormalFlow {
             .is_some_and(|guard| guard.folds.would_fold(trial))
     }
 
-    /// Freezes the vertices next to the last fold; whether there were any that moved.
+    /// Freezes the vertices next to the last fold. Returns whether any of them was moving.
     fn freeze_marked(&mut self) -> bool {
         let Some(guard) = &mut self.guard else {
             return false;
@@ -391,7 +392,7 @@ impl Stepper for NormalFlow {
     }
 }
 
-/// The largest magnitude, NaN if there is one ([`f64::max`] would hide it).
+/// The largest magnitude, or NaN if there is a NaN ([`f64::max`] would hide it).
 pub(super) fn max_magnitude(numbers: impl Iterator<Item = f64>) -> f64 {
     let larger = |max: f64, x: f64| {
         if x.abs() <= max || max.is_nan() {

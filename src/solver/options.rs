@@ -15,7 +15,8 @@ pub enum Scheme {
     Normal,
     /// Scheme A, the paper's mixed finite elements (21)-(23).
     Mixed,
-    /// Scheme A with the exact gradient as right-hand side: the same matrix, another fixed point.
+    /// Scheme A with the exact gradient as right-hand side: the same matrix, but another fixed
+    /// point.
     MixedCorrected,
 }
 
@@ -27,8 +28,8 @@ choices!(Scheme: Normal "normal", Mixed "mixed", MixedCorrected "mixed-corrected
 pub struct FlowOptions {
     /// f(H, K).
     pub energy: Energy,
-    /// Weight of the area added to f, in units of 1 / r² for an f of the dimension of `H²`; r is the
-    /// hole radius. 0 for f alone.
+    /// Weight of the area added to f, in units of 1 / r² for an f of the dimension of `H²`; r is
+    /// the hole radius. 0 gives f only.
     pub tension: f64,
     /// Spontaneous curvature, in units of 1 / r, positive along the normals: 1 favours spheres of the
     /// hole radius.
@@ -43,7 +44,7 @@ pub struct FlowOptions {
     pub growth: Option<f64>,
     /// Weight of tangential relaxation after each accepted step, 0 (none) to 1.
     pub relaxation: f64,
-    /// Steps after which the flow ends, converged or not.
+    /// Maximum number of steps.
     pub max_steps: usize,
     /// Scheme A's linear solver.
     pub linear: LinearSolver,
@@ -70,8 +71,9 @@ impl FlowOptions {
         }
     }
 
-    /// The energy with tension and bulge for a hole of that radius. On a sphere with outward normals
-    /// H is negative, so a positive bulge is a negative spontaneous curvature.
+    /// The energy with tension and spontaneous curvature for a hole of that radius. On a sphere
+    /// with outward normals H is negative, so a positive option value is a negative spontaneous
+    /// curvature.
     pub fn energy_at(&self, radius: f64) -> Energy {
         self.energy
             .shifted(self.tension / (radius * radius), -self.bulge / radius)

@@ -10,9 +10,9 @@ use crate::linear::SymmetricPattern;
 use crate::mesh::DVec3;
 use crate::surface::Interpolation;
 
-/// `ρ` over the diagonal entry of the constrained vertex. It is large against 1: a step keeps the
-/// limit positions to four digits, which is enough for a preconditioner of the exact gradient. It
-/// is small enough to leave most digits of the factorization to the other vertices.
+/// `ρ` over the diagonal entry of the constrained vertex. It is large compared with 1: a step keeps
+/// the limit positions to four digits, which is enough for a preconditioner of the exact gradient.
+/// It is small enough to leave most digits of the factorization to the other vertices.
 const WEIGHT: f64 = 1e5;
 
 /// Where the terms `ρ AᵀA` go.

@@ -3,14 +3,14 @@
 use crate::mesh::{DVec3, FaceId};
 use crate::solver::FlowProblem;
 
-/// A triangle that keeps less than this part of its area belongs to a neck that is closing.
+/// A triangle that keeps less than this fraction of its area belongs to a closing neck.
 const CLOSED: f64 = 0.01;
-/// The last shape whose triangles all keep at least this part is stored.
+/// The last shape in which every triangle keeps at least this fraction is stored.
 const OPEN: f64 = 0.1;
 
-/// Areas of the control triangles that move, compared with what they were at the start. Under an
-/// energy without a minimum between the rims (the area of a tube that is too long) a neck closes and
-/// the triangles around it vanish; a flow that converges keeps nearly all of their area.
+/// Areas of the moving control triangles, compared with those at the start. Some energies have no
+/// minimum between the rims, for example the area of a tube that is too long. Under these a neck
+/// closes and the triangles around it vanish. A flow that converges keeps nearly all of their area.
 #[derive(Clone, Debug)]
 pub(super) struct PinchWatch {
     faces: Vec<FaceId>,
@@ -19,7 +19,7 @@ pub(super) struct PinchWatch {
 }
 
 impl PinchWatch {
-    /// From the starting positions of a problem on.
+    /// Starts from the positions of a problem.
     pub fn new(problem: &FlowProblem) -> Self {
         let is_moving = |f: &FaceId| {
             let corners = problem.topology().face_vertices(*f);
@@ -36,8 +36,8 @@ impl PinchWatch {
         Self { faces, areas, open }
     }
 
-    /// Checks the shape after a step. If a neck is closing, the place, relative to the problem's
-    /// centre.
+    /// Checks the shape after a step. If a neck is closing, returns the place, relative to the
+    /// problem's centre.
     pub fn check(&mut self, problem: &FlowProblem, positions: &[DVec3]) -> Option<DVec3> {
         let mut least = f64::INFINITY;
         let mut place = DVec3::ZERO;
@@ -61,7 +61,7 @@ impl PinchWatch {
     }
 }
 
-/// Area and middle of a control triangle.
+/// Area and centroid of a control triangle.
 fn area(problem: &FlowProblem, positions: &[DVec3], f: FaceId) -> (f64, DVec3) {
     let corners = problem.topology().face_vertices(f);
     let [a, b, c] = corners.map(|v| positions[v.index()]);
@@ -73,7 +73,8 @@ mod tests {
     use super::*;
     use crate::shapes::cylinder;
 
-    /// A tube whose middle moves, and its positions with the middle narrowed to a part of its width.
+    /// A tube whose middle moves, and its positions with the middle narrowed to a fraction of its
+    /// width.
     fn tube() -> (FlowProblem, impl Fn(f64) -> Vec<DVec3>) {
         let (positions, triangles) = cylinder(1.0, 4.0, 16, 1);
         let interior: Vec<u32> = (0..positions.len() as u32)
@@ -101,7 +102,7 @@ mod tests {
             assert_eq!(watch.check(&problem, &narrowed(part)), None);
             assert_eq!(watch.last_open(), narrowed(part));
         }
-        // narrow, but not closed: the shape to go back to stays
+        // narrow, but not closed: the stored open shape stays
         assert_eq!(watch.check(&problem, &narrowed(0.05)), None);
         assert_eq!(watch.last_open(), narrowed(0.2));
         let place = watch.check(&problem, &narrowed(1e-3)).expect("a neck");

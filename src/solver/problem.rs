@@ -7,13 +7,14 @@ use crate::solver::SolverError;
 use crate::solver::discretization::Discretization;
 use crate::surface::Interpolation;
 
-/// How far from the interior vertices positions can matter: active elements have corners up to
-/// ring 2 whose one-rings reach ring 3; the fixed curvatures of scheme A reach ring 4.
+/// Number of rings around the interior vertices whose positions matter. Active elements have
+/// corners up to ring 2 whose one-rings reach ring 3; the fixed curvatures of scheme A reach ring
+/// 4.
 pub const SUPPORT_RINGS: u8 = 4;
 
-/// A local mesh whose interior vertices flow while all others stay.
+/// A local mesh whose interior vertices move while all others stay.
 ///
-/// Positions are kept relative to `centre`, so that a mesh far from the origin loses nothing.
+/// Positions are stored relative to `centre`, to avoid cancellation on a mesh far from the origin.
 #[derive(Clone, Debug)]
 pub struct FlowProblem {
     discretization: Arc<Discretization>,
@@ -29,7 +30,7 @@ pub struct FlowProblem {
 impl FlowProblem {
     /// A flow of the vertices `interior` of the mesh `positions`, `triangles`.
     ///
-    /// The mesh must contain all faces within [`SUPPORT_RINGS`] rings of the interior; a nearer
+    /// The mesh must contain all faces within [`SUPPORT_RINGS`] rings of the interior. A nearer
     /// boundary counts as a boundary of the surface. `radius` is the hole radius (RMS distance of
     /// the rim from its mean), the unit of length of all tolerances.
     ///
@@ -86,8 +87,8 @@ impl FlowProblem {
         })
     }
 
-    /// The same problem with fixed vertices at which the surface ends in a crease (G0): its normal
-    /// there is free.
+    /// The same problem with fixed vertices at which the surface ends in a crease (G0). The normal
+    /// is free there.
     ///
     /// # Errors
     /// [`SolverError::NoSuchVertex`].
@@ -115,13 +116,13 @@ impl FlowProblem {
         marks
     }
 
-    /// The same problem with the limit surface constrained to pass given points (in the given mesh's
-    /// own coordinates): the control points of these vertices follow those of the other interior
-    /// vertices. The vertices may lie on a boundary; other vertices of a boundary do not move. The
-    /// starting positions of the constrained vertices are set accordingly.
+    /// The same problem with interpolation constraints: the limit surface passes given points (in
+    /// the input mesh's coordinates). The control points of these vertices follow those of the
+    /// other interior vertices. The vertices may lie on a boundary; other vertices of a boundary do
+    /// not move. The starting positions of the constrained vertices are set accordingly.
     ///
     /// # Errors
-    /// [`SolverError`] if a vertex does not exist, is named twice, or a coordinate is not finite.
+    /// [`SolverError`] if a vertex does not exist or is named twice, or a coordinate is not finite.
     pub fn with_constraints(mut self, held: &[(u32, DVec3)]) -> Result<Self, SolverError> {
         let mut seen = vec![false; self.positions.len()];
         for &(v, target) in held {
@@ -143,7 +144,7 @@ impl FlowProblem {
         Ok(self)
     }
 
-    /// Makes faces around the given vertices active where none is: constrained vertices are
+    /// Activates the faces around given vertices that have no active face. Constrained vertices are
     /// unknowns, and each needs an element to have a row of the matrix.
     fn take_in(&mut self, vertices: impl Iterator<Item = VertexId>) {
         let topology = self.topology();
@@ -182,12 +183,12 @@ impl FlowProblem {
         &self.positions
     }
 
-    /// What was subtracted from the given positions.
+    /// The point subtracted from the input positions.
     pub fn centre(&self) -> DVec3 {
         self.centre
     }
 
-    /// Graph distance from the interior vertices, 0 for these, at most [`SUPPORT_RINGS`] + 1.
+    /// Graph distance from the interior vertices: 0 at these, at most [`SUPPORT_RINGS`] + 1.
     pub fn ring(&self) -> &[u8] {
         &self.ring
     }
@@ -197,19 +198,19 @@ impl FlowProblem {
         &self.interior
     }
 
-    /// Where the energy is integrated: faces with a vertex at graph distance at most 1 from an
-    /// interior vertex, and those around constrained vertices farther away.
+    /// The faces over which the energy is integrated: those with a vertex at graph distance at most
+    /// 1 from an interior vertex, and those around constrained vertices farther away.
     pub fn active_faces(&self) -> &[FaceId] {
         self.discretization.active_faces()
     }
 
-    /// The points that the limit surface passes, if there are constraints.
+    /// The interpolation constraints, if there are any.
     pub fn interpolation(&self) -> Option<&Arc<Interpolation>> {
         self.interpolation.as_ref()
     }
 
-    /// The vertices whose control points change: the interior ones, then the constrained ones that
-    /// are not among them.
+    /// The vertices whose control points change: the interior ones, then the other constrained
+    /// ones.
     pub fn moving(&self) -> Vec<u32> {
         let mut moving = self.interior.clone();
         if let Some(interpolation) = &self.interpolation {
@@ -224,8 +225,8 @@ impl FlowProblem {
         self.radius
     }
 
-    /// The same problem from other starting positions (of all vertices, relative to
-    /// [`Self::centre`]); only those of [`Self::moving`] vertices are taken.
+    /// The same problem with other starting positions (of all vertices, relative to
+    /// [`Self::centre`]). Only those of the [`Self::moving`] vertices are used.
     #[must_use]
     pub fn with_positions(mut self, positions: &[DVec3]) -> Self {
         for v in self.moving() {
@@ -234,7 +235,7 @@ impl FlowProblem {
         self
     }
 
-    /// Positions of the interior vertices in the given mesh's own coordinates.
+    /// Positions of the interior vertices in the input mesh's coordinates.
     pub fn to_world(&self, positions: &[DVec3]) -> Vec<DVec3> {
         self.interior
             .iter()

@@ -1,4 +1,4 @@
-//! What a flow tells of its steps and of its end.
+//! Records of the steps of a flow and of its end.
 
 use crate::linear::LinearError;
 use crate::solver::control::StepKind;
@@ -10,17 +10,17 @@ use crate::warning::Warnings;
 pub struct StepRecord {
     /// Accepted steps so far, this one included if it was accepted.
     pub step: usize,
-    /// Its time step (for quasi-Newton steps that of the factor).
+    /// Its time step (for quasi-Newton steps, that of the factor).
     pub tau: f64,
     /// Energy after it, by the quadrature rule of the steps.
     pub energy: f64,
-    /// Displacement brought to `τ_ref`, over the hole radius; NaN if rejected.
+    /// Displacement scaled to `τ_ref`, over the hole radius; NaN if rejected.
     pub residual: f64,
     /// Whether it was rejected.
     pub rejected: bool,
     /// Why, if it was.
     pub reason: Option<RejectReason>,
-    /// How it was computed.
+    /// The method of its computation.
     pub kind: StepKind,
     /// Scheme A: iterations of GMRES.
     pub iterations: Option<usize>,
@@ -57,7 +57,7 @@ pub enum RejectReason {
         /// Iterations.
         iterations: usize,
     },
-    /// Scheme A: the energy fell by much more than its gradient promises.
+    /// Scheme A: the energy fell by much more than its gradient predicts.
     #[error(
         "the surface is no longer resolved: the energy fell by {fall:.1e}, its gradient promises \
          {promised:.1e}"
@@ -65,7 +65,7 @@ pub enum RejectReason {
     Unresolved {
         /// Decrease of the energy.
         fall: f64,
-        /// Decrease by its gradient.
+        /// Decrease predicted by its gradient.
         promised: f64,
     },
 }
@@ -90,19 +90,19 @@ impl RejectReason {
 pub enum End {
     /// The stopping rule was met.
     Converged,
-    /// `max_steps` were taken.
+    /// `max_steps` was reached.
     MaxSteps,
     /// τ collapsed: no step lowers the energy.
     StepSizeCollapsed,
     /// The surface was pinching off; the shape is the last one with an open neck.
     Pinched,
-    /// The surface passes through itself; the shape is the last one that does not.
+    /// The surface intersects itself; the shape is the last one without a self-intersection.
     SelfIntersected,
-    /// It was told to.
+    /// Stopped by the caller.
     Cancelled,
 }
 
-/// How a flow went.
+/// Summary of a flow.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Outcome {
@@ -112,10 +112,10 @@ pub struct Outcome {
     pub steps: usize,
     /// Rejected steps.
     pub rejected: usize,
-    /// Energy at the start, by the rule of the steps, 12 points at least.
+    /// Energy at the start, by the rule of the steps with at least 12 points.
     pub energy_start: f64,
-    /// Energy at the end, by the rule of the steps, 12 points at least.
+    /// Energy at the end, by the rule of the steps with at least 12 points.
     pub energy_end: f64,
-    /// What the user should know about it.
+    /// Warnings for the user.
     pub warnings: Warnings,
 }

@@ -1,4 +1,4 @@
-//! Tangential relaxation: vertices slide along the surface to where their neighbours are.
+//! Tangential relaxation: vertices slide along the surface towards the mean of their neighbours.
 
 use std::sync::Arc;
 
@@ -6,10 +6,10 @@ use crate::mesh::{DVec3, FaceId, Topology, VertexId};
 use crate::solver::FlowProblem;
 use crate::solver::assembly::EnergySum;
 
-/// Maximum part of a step's gain that relaxation may give back, so that the energy still falls.
+/// Maximum fraction of a step's gain that relaxation may give back, so that the energy still falls.
 const GIVEN_BACK: f64 = 0.5;
 
-/// Passes over the triangles in which vertices are put back; each may degrade other triangles.
+/// Number of passes over the triangles in which moves are undone; each may degrade other triangles.
 const GUARD_PASSES: usize = 4;
 
 /// Proposes tangential moves of the moving vertices.
@@ -35,9 +35,9 @@ impl Relaxation {
         }
     }
 
-    /// `x + weight (mean of neighbours − x)` without its normal part, at the moving `vertices`, none
-    /// further than `reach`. Vertices that would make a triangle sharper than the sharpest one do not
-    /// move; `None` if that is not enough.
+    /// `x + weight (mean of neighbours − x)` without its normal part, at the moving `vertices`,
+    /// each moved by at most `reach`. Vertices that would make a triangle sharper than the
+    /// currently sharpest one do not move. Returns `None` if that is not enough.
     pub(super) fn propose(
         &mut self,
         positions: &[DVec3],
@@ -81,7 +81,7 @@ impl Relaxation {
     }
 }
 
-/// The cosine of the smallest angle of a triangle; 1 if it has none.
+/// The cosine of the smallest angle of any triangle; 1 if there is none.
 pub fn sharpest_cosine(corners: [DVec3; 3]) -> f64 {
     let mut sharpest = -1.0f64;
     for i in 0..3 {
@@ -116,7 +116,7 @@ mod tests {
         assert_eq!(sharpest_cosine([DVec3::ZERO, DVec3::X, DVec3::X]), 1.0);
     }
 
-    /// In a plane sliding is all there is: it keeps the plane and makes the triangles better.
+    /// In a plane, sliding is the only motion: it keeps the plane and improves the triangles.
     #[test]
     fn vertices_slide_in_the_plane_and_no_triangle_gets_sharper_than_the_sharpest() {
         let (positions, triangles) = shapes::plane(2.0, 14, 3);

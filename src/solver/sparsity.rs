@@ -11,9 +11,9 @@
 //!        ⎣ e f ⎦       e → (7, 5), f → (7, 4)    …
 //! ```
 //!
-//! A scatter map stores for each entry of each `a_e` its place in the values of the sparse matrix,
-//! so that assembly only adds. Indices from the number of unknowns on stand for fixed values: their
-//! entries go to one more place behind the last.
+//! A scatter map stores for each entry of each `a_e` its place in the values of the sparse matrix.
+//! Assembly therefore only adds. Indices greater than or equal to the number of unknowns represent
+//! fixed values. Their entries go to one extra place after the last.
 
 use crate::linear::{SymmetricPattern, nested_dissection};
 use crate::mesh::DVec3;
@@ -39,8 +39,8 @@ impl IndexLists {
         &self.items[self.start[list] as usize..self.start[list + 1] as usize]
     }
 
-    /// For each value below `n` the lists that contain it and its place there, by a counting sort.
-    /// Other values are left out.
+    /// For each value below `n`, the lists that contain it and its place there, by a counting sort.
+    /// Other values are ignored.
     pub fn incidence(&self, n: usize) -> Incidence {
         let mut start = vec![0u32; n + 1];
         for &i in self.items.iter().filter(|&&i| (i as usize) < n) {
@@ -117,7 +117,7 @@ impl<'a> ListGraph<'a> {
         }
     }
 
-    /// A fill-reducing order by nested dissection of the unknowns, which lie at `points`:
+    /// A fill-reducing order of the unknowns, with positions `points`, by nested dissection:
     /// `order[new] = old`.
     pub fn dissect(&self, points: &[DVec3]) -> Vec<u32> {
         nested_dissection(points, &self.offsets, &self.adjacency)

@@ -28,7 +28,7 @@ pub fn lattice(inner: u32) -> FlowProblem {
     FlowProblem::new(&positions, &triangles, &interior, 1.0).expect("a lattice")
 }
 
-/// Heights of the moving vertices without pattern, at most `size`; 0 at the others.
+/// Irregular heights of the moving vertices, at most `size`; 0 at the others.
 pub fn bumps(problem: &FlowProblem, size: f64) -> Vec<f64> {
     let mut heights = vec![0.0; problem.positions().len()];
     for (k, &v) in problem.interior().iter().enumerate() {
@@ -37,7 +37,7 @@ pub fn bumps(problem: &FlowProblem, size: f64) -> Vec<f64> {
     heights
 }
 
-/// The positions of a problem, raised.
+/// The positions of a problem with these heights added.
 pub fn raised(problem: &FlowProblem, heights: &[f64]) -> Vec<DVec3> {
     let lift = |(p, h): (&DVec3, &f64)| *p + *h * DVec3::Z;
     problem.positions().iter().zip(heights).map(lift).collect()

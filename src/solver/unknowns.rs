@@ -1,4 +1,4 @@
-//! Which vertices move, in the order of the factorization.
+//! The moving vertices, in the order of the factorization.
 
 use crate::mesh::DVec3;
 use crate::solver::sparsity::{IndexLists, ListGraph, SymmetricScatter};

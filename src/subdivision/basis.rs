@@ -25,8 +25,8 @@ pub struct BasisTable {
 
 impl BasisTable {
     /// Tabulates the triangle with the given corner valences (each at least 3), with
-    /// `a + b + c - 6` control vertices (4 for the tetrahedron) in standard order. None are
-    /// identified with each other, though in a small mesh some may coincide.
+    /// `a + b + c - 6` control vertices (4 for the tetrahedron) in standard order. All are treated
+    /// as distinct, although some may coincide in a small mesh.
     ///
     /// # Panics
     /// If a valence is less than 3.
@@ -54,7 +54,7 @@ impl BasisTable {
         }
     }
 
-    /// The table of a flat triangle, controlled by its corners alone.
+    /// The table of a flat triangle with its corners as the only control vertices.
     pub(super) fn flat(points: &[[f64; 2]]) -> Self {
         let rows = |&[v, w]: &[f64; 2]| {
             let derivatives = [[1.0 - v - w, v, w], [-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]];
@@ -79,9 +79,9 @@ impl BasisTable {
 /// with the given corner valences (each at least 3), in standard order, at the point `(v, w)` of
 /// the closed parameter triangle.
 ///
-/// At a corner of valence other than 6 the derivatives do not exist in this parametrization: they
-/// are NaN, the values are those of the limit position mask; [`super::limit_normal`] gives the
-/// normal there.
+/// At a corner of valence other than 6 the derivatives do not exist in this parametrization. They
+/// are NaN there; the values are those of the limit position mask. [`super::limit_normal`] gives
+/// the normal.
 ///
 /// # Panics
 /// If a valence is less than 3.
@@ -92,7 +92,7 @@ pub fn basis_at(valences: [usize; 3], v: f64, w: f64) -> Vec<[f64; DERIVATIVES]>
 /// Buffers of an evaluation.
 #[derive(Default)]
 struct Scratch {
-    /// Patches left behind on the way down to a regular one, and the child entered.
+    /// Patches passed on the way down to a regular one, and the child entered at each.
     path: Vec<(Patch, Child)>,
     rows: Vec<Row>,
     lifted: Vec<Row>,
@@ -105,10 +105,10 @@ enum Child {
 }
 
 impl Scratch {
-    /// Descends by subdivision to the regular child that holds the point, evaluates the box spline
-    /// there and applies the transposed subdivision matrices on the way back. The parameter
-    /// directions are carried along as barycentric differences: each step doubles them, the middle
-    /// child also turns them round.
+    /// Descends by subdivision to the regular child that contains the point, evaluates the box
+    /// spline there and applies the transposed subdivision matrices on the way back. The parameter
+    /// directions are propagated as barycentric differences: each step doubles them, and the middle
+    /// child also reverses them.
     fn rows(&mut self, mut valences: [usize; 3], v: f64, w: f64) -> &[Row] {
         let mut at = [1.0 - v - w, v, w];
         let mut along_v = [-1.0, 1.0, 0.0];

@@ -101,7 +101,7 @@ const TRIPLES: [[usize; 3]; 12] = [
 /// Order of each derivative.
 const ORDER: [i32; DERIVATIVES] = [0, 1, 1, 2, 2, 2];
 
-/// By how much the rounding of a derivative grows with each order: 2 for each subdivision step
+/// Growth of the rounding error of a derivative with each order: 2 for each subdivision step
 /// towards a corner.
 fn growth(v: f64, w: f64) -> f64 {
     (1.0 - v.max(w).max(1.0 - v - w)).recip()
@@ -129,7 +129,7 @@ fn partition_of_unity() {
     }
 }
 
-/// Turning the triangle permutes corners and outer ring and changes parameters accordingly.
+/// Rotating the triangle permutes corners and outer ring and changes parameters accordingly.
 #[test]
 fn turned_triangle() {
     for [a, b, c] in TRIPLES {

@@ -1,6 +1,6 @@
-//! The basis tables of this process, made once and shared.
+//! The shared basis tables of this process; each is computed once.
 //!
-//! A table depends on its key alone, so a result does not depend on what the cache holds.
+//! A table depends only on its key, so results do not depend on the content of the cache.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,8 +9,8 @@ use super::basis::BasisTable;
 use super::folding::Folding;
 use super::rule::Rule;
 
-/// Numbers (of 8 bytes) that the cache holds at most; it is emptied when a table exceeds that.
-/// Tables in use stay alive.
+/// Maximum number of stored values (8 bytes each). The cache is emptied when a table would exceed
+/// it. Tables in use stay alive.
 const CAPACITY: usize = 2 << 20;
 
 struct Cache {
@@ -52,8 +52,8 @@ pub(super) fn folded_table(folding: &Folding, rule: Rule) -> Arc<BasisTable> {
     )
 }
 
-/// The table of `key`, made without holding the lock if it is not in the cache: of two threads that
-/// miss the same key both make it, and the first to finish stores it.
+/// The table of `key`. If it is not in the cache, it is computed without holding the lock. Two
+/// threads that miss the same key both compute it, and the first to finish stores it.
 fn cached<K: Ord>(
     tables: impl Fn(&mut Cache) -> &mut BTreeMap<K, Arc<BasisTable>>,
     key: K,

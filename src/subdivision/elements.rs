@@ -11,9 +11,9 @@ use crate::mesh::{FaceId, Topology};
 
 /// The control vertices and basis functions of a list of faces.
 ///
-/// Faces are sorted by table, those of one table in the order in which they were given. The first
-/// three control vertices of an element are the corners of its face in the face's own order; the
-/// vertices of an element are distinct.
+/// Faces are sorted by table; faces of one table keep the given order. The first three control
+/// vertices of an element are the corners of its face in the face's own order. The vertices of an
+/// element are distinct.
 #[derive(Clone, Debug)]
 pub struct Elements {
     /// One table for each class of the stencils.
@@ -21,8 +21,8 @@ pub struct Elements {
     stencils: Arc<Stencils>,
 }
 
-/// The control vertices of a list of faces: what does not depend on the points at which basis
-/// functions are tabulated.
+/// The control vertices of a list of faces: the data that do not depend on the points at which
+/// basis functions are tabulated.
 #[derive(Debug)]
 pub struct Stencils {
     classes: Vec<Class>,
@@ -38,9 +38,9 @@ pub struct Stencils {
 /// Faces with the same basis functions.
 #[derive(Debug)]
 enum Class {
-    /// Their control vertices are distinct real vertices.
+    /// Faces whose control vertices are distinct real vertices.
     Valences([usize; 3]),
-    /// They are not.
+    /// All other faces.
     Folded(Folding),
 }
 
@@ -68,7 +68,7 @@ impl Elements {
         &self.tables[self.table_of()[element] as usize]
     }
 
-    /// The tables that occur.
+    /// The tables in use.
     pub fn tables(&self) -> &[Arc<BasisTable>] {
         &self.tables
     }
@@ -133,13 +133,13 @@ pub fn elements_at(topology: &Topology, faces: &[FaceId], points: &[[f64; 2]]) -
 impl Stencils {
     /// Gathers the stencils of `faces`.
     ///
-    /// Where a corner of a face lies on an open boundary, the mesh is extended: beyond each boundary
-    /// edge `(p, q)` of a triangle `(p, q, r)` by a ghost vertex `p + q - r`, and at each boundary
-    /// vertex by one more triangle between the ghosts of its two boundary edges. Ghosts do not
-    /// appear in the result: their basis functions are added to those of the vertices they are made
-    /// of. Likewise a vertex that occurs several times around a triangle of a tiny closed mesh
-    /// appears once, with the sum of its functions. Two triangles glued along all their edges are
-    /// flat elements of their corners alone.
+    /// Where a corner of a face lies on an open boundary, the mesh is extended. Beyond each
+    /// boundary edge `(p, q)` of a triangle `(p, q, r)` lies a ghost vertex `p + q - r`. At each
+    /// boundary vertex, one more triangle lies between the ghosts of its two boundary edges. Ghosts
+    /// do not appear in the result: their basis functions are added to those of the vertices that
+    /// define them. Likewise, a vertex that occurs several times around a triangle of a tiny closed
+    /// mesh appears once, with the sum of its functions. Two triangles glued along all their edges
+    /// are flat elements with their corners as the only control vertices.
     pub fn new(topology: &Topology, faces: &[FaceId]) -> Self {
         let gathered = gather(topology, faces);
         let mut out = Self {

@@ -4,10 +4,10 @@ use super::basis::{BasisTable, DERIVATIVES};
 use super::ring::{Neighbour, extended_ring};
 use crate::mesh::{FaceId, Topology, VertexId};
 
-/// How the unrolled control vertices of a triangle are made of real ones.
+/// How real control vertices determine the unrolled ones of a triangle.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Folding {
-    /// Corner valences, ghosts counted.
+    /// Corner valences, including ghosts.
     pub(super) valences: [usize; 3],
     /// Number of distinct real control vertices.
     columns: usize,
@@ -23,8 +23,8 @@ enum Source {
 }
 
 impl Folding {
-    /// Whether a corner has only two neighbours: the triangle is one of two glued along all their
-    /// edges, and Loop's scheme has no limit surface for them.
+    /// Whether a corner has only two neighbours. The triangle is then one of two glued along all
+    /// their edges, for which Loop's scheme has no limit surface.
     pub(super) fn is_flat(&self) -> bool {
         self.valences.iter().any(|&n| n < 3)
     }
@@ -54,8 +54,8 @@ impl Folding {
     }
 }
 
-/// The folding of a face and its real control vertices: the corners in the face's order, the others
-/// as they first occur in the outer ring.
+/// The folding of a face and its real control vertices: the corners in the face's order, then the
+/// others in the order of their first occurrence in the outer ring.
 pub(super) fn fold(topology: &Topology, f: FaceId) -> (Folding, Vec<u32>) {
     let corners = topology.face_vertices(f);
     let mut valences = [0; 3];
@@ -93,7 +93,7 @@ pub(super) fn fold(topology: &Topology, f: FaceId) -> (Folding, Vec<u32>) {
             vertices.len() - 1
         })
     };
-    // real ones first: a ghost may precede the vertices it is made of
+    // real ones first: a ghost may precede its defining vertices
     for u in &unrolled {
         if let Neighbour::Real(v) = *u {
             column(v);

@@ -1,15 +1,16 @@
-//! Control vertices of faces off the boundary, in one pass, and the faces sorted by valences.
+//! Control vertices of faces away from the boundary, in one pass, with the faces sorted by
+//! valences.
 
 use std::collections::BTreeMap;
 
 use super::elements::stencil_size;
 use crate::mesh::{FaceId, Topology, VertexId};
 
-/// The stencils of a list of faces, and which of them need folding instead.
+/// The stencils of a list of faces, and the faces that need folding.
 pub(super) struct Gathered {
     /// Distinct valence triples, ascending, each with the number of its faces.
     pub(super) classes: Vec<([usize; 3], usize)>,
-    /// The faces of the first class, then of the second, ..., in each as given.
+    /// The faces of the first class, then of the second, and so on, each in the given order.
     pub(super) faces: Vec<u32>,
     /// The control vertices of these faces in standard order.
     pub(super) vertices: Vec<u32>,
@@ -17,8 +18,9 @@ pub(super) struct Gathered {
     pub(super) to_fold: Vec<FaceId>,
 }
 
-/// Finds rings and classes in a first pass, writes the stencils to their sorted places in a second.
-/// Both run in the order of `faces`, which is near the order of the vertices in memory.
+/// Finds rings and classes in a first pass and writes the stencils to their sorted places in a
+/// second. Both passes run in the order of `faces`, which is close to the order of the vertices in
+/// memory.
 pub(super) fn gather(topology: &Topology, faces: &[FaceId]) -> Gathered {
     let mut rings = Rings::new(topology);
     let mut classes = Classes::new();
@@ -55,7 +57,7 @@ struct Part {
     valences: [usize; 3],
     first_face: usize,
     first_vertex: usize,
-    /// Faces written so far.
+    /// Number of faces written so far.
     count: usize,
 }
 
@@ -97,7 +99,8 @@ impl Parts {
         }
     }
 
-    /// Writes a face and its control vertices; `false`, and nothing written, if one occurs twice.
+    /// Writes a face and its control vertices. If a vertex occurs twice, writes nothing and returns
+    /// `false`.
     fn push(&mut self, class: usize, f: FaceId, topology: &Topology, rings: &mut Rings) -> bool {
         let part = &mut self.ranges[self.rank[class]];
         let n = stencil_size(part.valences);
@@ -111,7 +114,7 @@ impl Parts {
         true
     }
 
-    /// Moves the parts together where faces were refused.
+    /// Closes the gaps where faces were refused.
     fn close_gaps(&mut self) {
         let (mut faces, mut vertices) = (0, 0);
         for part in &self.ranges {
@@ -131,13 +134,13 @@ impl Parts {
     }
 }
 
-/// In place of a ring or a class: not to be treated here.
+/// Replaces a ring or a class of faces that are not handled here.
 const UNFIT: u32 = u32::MAX;
 
-/// Neighbours of vertices, each found once.
+/// Neighbours of vertices; each ring is computed once.
 struct Rings<'a> {
     topology: &'a Topology,
-    /// For each vertex where its ring is in `data`, 0 if it has not been looked at.
+    /// For each vertex the place of its ring in `data`; 0 if it has not been visited.
     span: Vec<u32>,
     /// For each vertex its valence, then its neighbours counter-clockwise.
     data: Vec<u32>,
@@ -151,14 +154,14 @@ impl<'a> Rings<'a> {
         Self {
             topology,
             span: vec![0; topology.vertex_count()],
-            // so that no ring is at 0
+            // so that no ring starts at 0
             data: vec![0],
             last_stencil: vec![0; topology.vertex_count()],
             stencils: 0,
         }
     }
 
-    /// Corner valences of a face; `None` if a corner is on a boundary or has but two neighbours.
+    /// Corner valences of a face; `None` if a corner is on a boundary or has only two neighbours.
     fn valences(&mut self, corners: [VertexId; 3]) -> Option<[usize; 3]> {
         let spans = corners.map(|v| match self.span[v.index()] {
             0 => self.find(v),
@@ -188,8 +191,8 @@ impl<'a> Rings<'a> {
         span
     }
 
-    /// Writes the control vertices of a face, whose corners have been looked at, in standard order.
-    /// Whether they are distinct.
+    /// Writes the control vertices of a face, whose corners have been visited, in standard order.
+    /// Returns whether they are distinct.
     fn write_stencil(
         &mut self,
         corners: [VertexId; 3],
@@ -231,7 +234,7 @@ impl<'a> Rings<'a> {
     }
 }
 
-/// Valences below this are looked up directly, as nearly all are.
+/// Valences below this, nearly all of them, are looked up directly.
 const DIRECT: usize = 16;
 
 /// Valence triples in the order in which they were first seen, each with its number.

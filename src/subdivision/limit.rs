@@ -6,7 +6,7 @@ use super::masks::{limit_mask, tangent_mask};
 use super::ring::{Neighbour, extended_ring};
 use crate::mesh::{DVec3, Topology, VertexId};
 
-/// Valences up to this have their masks tabulated.
+/// Masks are tabulated for valences up to this.
 const TABULATED: usize = 32;
 
 /// Limit position weight of a neighbour and tangent weights, by valence.
@@ -28,7 +28,7 @@ impl Mask {
 }
 
 /// Calls `f` with the mask of the vertex and the differences of its neighbours to it,
-/// counter-clockwise; differences, so that nothing is lost far from the origin.
+/// counter-clockwise. Differences avoid cancellation far from the origin.
 fn with_star<T>(
     topology: &Topology,
     positions: &[DVec3],
@@ -74,14 +74,14 @@ fn normal_with(
     })
 }
 
-/// Where the limit surface passes a control vertex; the vertex itself if it has no triangles.
-/// At an open boundary the mesh is continued by ghosts, as in [`super::elements()`].
+/// The limit position of a control vertex; the vertex itself if it has no triangles. At an open
+/// boundary the mesh is continued by ghosts, as in [`super::elements()`].
 pub fn limit_position(topology: &Topology, positions: &[DVec3], v: VertexId) -> DVec3 {
     position_with(topology, positions, v, &mut Vec::new())
 }
 
-/// Fills `points` with the neighbours of `v` counter-clockwise from its neighbour `first` on; at an
-/// open boundary with ghosts. Empty for a vertex without triangles.
+/// Fills `points` with the neighbours of `v` counter-clockwise, starting at its neighbour `first`;
+/// at an open boundary including ghosts. Empty for a vertex without triangles.
 pub fn ring_points(
     topology: &Topology,
     positions: &[DVec3],
@@ -98,8 +98,8 @@ pub fn ring_points(
 }
 
 /// Appends the weights of the limit position of a vertex as `(vertex, weight)`: first its own, then
-/// those of its neighbours, ghosts given to the vertices they are made of. A vertex may occur
-/// several times.
+/// those of its neighbours. The weights of ghosts are distributed to the vertices that define them.
+/// A vertex may occur several times.
 pub fn limit_stencil(topology: &Topology, v: VertexId, stencil: &mut Vec<(u32, f64)>) {
     let mut ring = Vec::new();
     extended_ring(topology, v, &mut ring);
@@ -114,8 +114,8 @@ pub fn limit_stencil(topology: &Topology, v: VertexId, stencil: &mut Vec<(u32, f
     }
 }
 
-/// Appends the weights of the two tangents of [`tangent_mask`] at a vertex, which span the plane
-/// orthogonal to [`limit_normal`], as `(vertex, [t1, t2])`; as [`limit_stencil`] for the rest.
+/// Appends the weights of the two tangents of [`tangent_mask`] at a vertex as `(vertex, [t1, t2])`.
+/// The tangents span the plane orthogonal to [`limit_normal`]. Otherwise as [`limit_stencil`].
 pub fn tangent_stencil(topology: &Topology, v: VertexId, stencil: &mut Vec<(u32, [f64; 2])>) {
     let mut ring = Vec::new();
     extended_ring(topology, v, &mut ring);
@@ -140,8 +140,8 @@ pub fn limit_positions(topology: &Topology, positions: &[DVec3]) -> Vec<DVec3> {
 }
 
 /// Unit normal of the limit surface at the limit position of a control vertex, on the side from
-/// which the triangles run counter-clockwise; zero if the tangents are parallel or vanish, and for
-/// a vertex without triangles. At an open boundary the mesh is continued by ghosts.
+/// which the triangles run counter-clockwise. It is zero if the tangents are parallel or vanish,
+/// and for a vertex without triangles. At an open boundary the mesh is continued by ghosts.
 pub fn limit_normal(topology: &Topology, positions: &[DVec3], v: VertexId) -> DVec3 {
     normal_with(topology, positions, v, &mut Vec::new())
 }

@@ -29,8 +29,8 @@ pub fn limit_mask(n: usize) -> (f64, f64) {
 }
 
 /// Weights of the `n` neighbours, in counter-clockwise order, in two tangents `(t1, t2)` of the
-/// limit surface at a vertex (the vertex itself has weight 0 in both); `t1 x t2` points along the
-/// normal. Their lengths carry no meaning.
+/// limit surface at a vertex. The vertex itself has weight 0 in both. `t1 x t2` points along the
+/// normal. The lengths of the tangents are meaningless.
 pub fn tangent_mask(n: usize) -> impl ExactSizeIterator<Item = (f64, f64)> {
     (0..n).map(move |j| {
         let (sin, cos) = (TAU * j as f64 / n as f64).sin_cos();
@@ -50,8 +50,8 @@ mod tests {
         assert!((omega(3) - 1.0 / 5.0).abs() < 1e-15);
     }
 
-    /// The limit mask is the left eigenvector of the subdivision matrix of a one-ring to the
-    /// eigenvalue 1: applied after one step it gives the same point.
+    /// The limit mask is the left eigenvector of the subdivision matrix of a one-ring for the
+    /// eigenvalue 1. Applied after one step, it gives the same point.
     #[test]
     fn limit_mask_is_invariant_under_subdivision() {
         for n in 3..40 {
@@ -66,7 +66,7 @@ mod tests {
         }
     }
 
-    /// The tangent masks are left eigenvectors to the eigenvalue `3/8 + cos(2 pi / n) / 4`.
+    /// The tangent masks are left eigenvectors for the eigenvalue `3/8 + cos(2 pi / n) / 4`.
     #[test]
     fn tangent_masks_are_eigenvectors() {
         for n in 3..40 {

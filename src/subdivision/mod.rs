@@ -1,10 +1,10 @@
 //! Loop limit surfaces: masks, basis functions of a triangle, control vertices of faces.
 //!
 //! The control mesh is the triangle mesh itself. A triangle `(p0, p1, p2)` of the limit surface is
-//! parametrized by `(v, w)`, the point `(1 - v - w) p0 + v p1 + w p2` of a unit right triangle, and
-//! depends on the vertices that share an edge with one of its corners: the three corners, then the
-//! outer ring counter-clockwise from the vertex opposite the edge `(p0, p1)` around `p1`, `p2` and
-//! `p0`. Basis values at fixed points depend on the three corner valences only.
+//! parametrized by `(v, w)`, the point `(1 - v - w) p0 + v p1 + w p2` of a unit right triangle. It
+//! depends on the vertices that share an edge with one of its corners. These are the three corners,
+//! then the outer ring counter-clockwise from the vertex opposite the edge `(p0, p1)` around `p1`,
+//! `p2` and `p0`. Basis values at fixed points depend only on the three corner valences.
 
 mod basis;
 mod cache;

@@ -3,7 +3,7 @@
 use super::masks::{EDGE_END, EDGE_OPPOSITE, beta};
 
 /// The control vertices of a triangle with given corner valences, in standard order, as abstract
-/// indices: corners 0, 1, 2, then the outer ring. Nothing is known of which of them coincide in a
+/// indices: corners 0, 1, 2, then the outer ring. It does not record which of them coincide in a
 /// particular mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patch {

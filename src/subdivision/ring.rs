@@ -1,10 +1,11 @@
 //! The closed ring of neighbours of a vertex, completed by ghosts at an open boundary.
 //!
-//! Beyond each boundary edge `(p, q)` whose triangle has the third corner `r` stands the ghost
-//! `p + q - r`, and at each boundary vertex one more triangle joins the two ghosts of its boundary
-//! edges. A boundary vertex with `k` triangles thus has valence `k + 3`: 6 on a straight boundary of
-//! a regular mesh, which is therefore continued as it is; at a corner (`k < 3`) or a notch (`k > 3`)
-//! the continued mesh is irregular. At a pinched vertex this is done for each gap.
+//! Beyond each boundary edge `(p, q)` whose triangle has the third corner `r` lies the ghost
+//! `p + q - r`. At each boundary vertex, one more triangle joins the two ghosts of its boundary
+//! edges. A boundary vertex with `k` triangles thus has valence `k + 3`. On a straight boundary of
+//! a regular mesh the valence is 6, so the continuation is regular. At a corner (`k < 3`) or a
+//! notch (`k > 3`) the continued mesh is irregular. At a pinched vertex each gap is continued
+//! separately.
 
 use crate::mesh::{DVec3, HalfedgeId, Topology, VertexId};
 
@@ -18,7 +19,7 @@ pub(super) enum Neighbour {
 }
 
 impl Neighbour {
-    /// Where it is.
+    /// Its position.
     pub(super) fn position(self, positions: &[DVec3]) -> DVec3 {
         match self {
             Self::Real(v) => positions[v.index()],
@@ -29,7 +30,7 @@ impl Neighbour {
         }
     }
 
-    /// Gives a weight to the vertices it is made of.
+    /// Distributes a weight to the vertices that define it.
     pub(super) fn scatter(self, weight: f64, mut add: impl FnMut(VertexId, f64)) {
         match self {
             Self::Real(v) => add(v, weight),
@@ -46,8 +47,8 @@ impl Neighbour {
 /// vertex without triangles.
 pub(super) fn extended_ring(topology: &Topology, v: VertexId, ring: &mut Vec<Neighbour>) {
     ring.clear();
-    // Clockwise, a boundary half-edge starts a fan of triangles, and the half-edge before it (of the
-    // fan before, or of the same one) ends one. The walk starts at such a half-edge.
+    // Clockwise, a boundary half-edge starts a fan of triangles. The half-edge before it ends a
+    // fan, either the previous one or the same one. The walk starts at such a half-edge.
     let mut before = HalfedgeId::NONE;
     let mut open = false;
     for out in topology.outgoing(v) {

@@ -1,6 +1,6 @@
 //! Quadrature rules of the parameter triangle.
 
-/// Where the integrand is sampled in each triangle. All points of a rule have the same weight.
+/// The sample points of the integrand in each triangle. All points of a rule have the same weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rule {
     /// 3 points, barycentric (2/3, 1/6, 1/6) and permutations: exact for quadratics.
@@ -55,8 +55,8 @@ impl Rule {
         }
     }
 
-    /// The rule whose points on a triangle are the 12 points of each of the `4^splits` triangles it
-    /// is cut into by 1→4 splits; no finer than 192 points.
+    /// The rule whose points on a triangle are the 12 points of each of the `4^splits` triangles
+    /// produced by 1→4 splits. It has at most 192 points.
     pub const fn twelve_after(splits: usize) -> Self {
         match splits {
             0 => Self::Twelve,

@@ -1,4 +1,4 @@
-//! What the basis, the stencils and the masks must give together on whole meshes.
+//! Joint tests of the basis, the stencils and the masks on whole meshes.
 
 use super::basis::DERIVATIVES;
 use super::folding::fold;
@@ -77,7 +77,7 @@ fn elements_are_the_surface() {
     }
 }
 
-/// Two triangles back to back have no limit surface; they stay as they are.
+/// Two triangles glued back to back have no limit surface; they stay unchanged.
 #[test]
 fn a_pillow_is_flat() {
     let pillow = Topology::from_triangles(3, &[[0, 1, 2], [0, 2, 1]]).expect("closed");
@@ -140,8 +140,8 @@ fn corner_of(topology: &Topology, f: FaceId, v: VertexId) -> usize {
     corners.iter().position(|&c| c == v).expect("a corner")
 }
 
-/// Masks at a vertex and the basis of every triangle there agree, on position and on the direction
-/// of the normal as it is approached.
+/// The mask at a vertex agrees with the basis of every adjacent triangle, in the position and in
+/// the limit direction of the normal.
 #[test]
 fn limit_masks_are_the_surface_at_corners() {
     for Shape {
@@ -182,8 +182,8 @@ fn basis_valence(topology: &Topology, f: FaceId, corner: usize) -> usize {
     fold(topology, f).0.valences[corner]
 }
 
-/// By how much each halving of the distance to a vertex improves the normal: the ratio of the
-/// third to the second eigenvalue of the subdivision matrix.
+/// Improvement of the normal with each halving of the distance to a vertex: the ratio of the third
+/// to the second eigenvalue of the subdivision matrix.
 fn normal_rate(n: usize) -> f64 {
     let eigenvalue = |j: f64| 0.375 + 0.25 * (std::f64::consts::TAU * j / n as f64).cos();
     let second = eigenvalue(1.0);
@@ -285,7 +285,7 @@ fn rigid_motion() {
     }
 }
 
-/// The result is the same whatever the cache holds.
+/// The result does not depend on the content of the cache.
 #[test]
 fn caches_do_not_show() {
     for shape in shapes() {

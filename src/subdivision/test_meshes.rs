@@ -1,4 +1,4 @@
-//! Meshes for the tests: closed and open, regular and not, tiny and pinched.
+//! Test meshes: closed and open, regular and irregular, tiny and pinched.
 
 use crate::mesh::{DVec3, Topology};
 
@@ -32,7 +32,7 @@ impl Noise {
 fn shape(name: &'static str, positions: Vec<DVec3>, triangles: &[[u32; 3]]) -> Shape {
     let topology = Topology::from_triangles(positions.len(), triangles).expect("a manifold");
     let mut noise = Noise::new(7);
-    // so that nothing agrees by symmetry
+    // avoids agreement by symmetry
     let positions = positions
         .into_iter()
         .map(|p| p + 0.05 * noise.vector())
@@ -44,8 +44,8 @@ fn shape(name: &'static str, positions: Vec<DVec3>, triangles: &[[u32; 3]]) -> S
     }
 }
 
-/// A regular lattice of `m` by `n` unit quads, each cut along the diagonal from its lower right to
-/// its upper left, or along the other where `flip` says so.
+/// A regular lattice of `m` by `n` unit quads. Each is cut along the diagonal from its lower right
+/// to its upper left, or along the other diagonal where `flip` is true.
 pub(super) fn grid(m: u32, n: u32, mut flip: impl FnMut() -> bool) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut positions = Vec::new();
     for j in 0..=n {
@@ -68,7 +68,7 @@ pub(super) fn grid(m: u32, n: u32, mut flip: impl FnMut() -> bool) -> (Vec<DVec3
     (positions, triangles)
 }
 
-/// A regular torus of `m` by `n` quads; with 3 by 3 vertices meet themselves in stencils.
+/// A regular torus of `m` by `n` quads; with 3 by 3, stencils contain a vertex more than once.
 fn torus(m: u32, n: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut positions = Vec::new();
     let mut triangles = Vec::new();
@@ -154,7 +154,7 @@ fn pinched() -> Vec<DVec3> {
     .to_vec()
 }
 
-/// One shape for each situation a stencil can be in.
+/// One shape for each type of stencil.
 pub(super) fn shapes() -> Vec<Shape> {
     let tetrahedron = vec![
         DVec3::ONE,

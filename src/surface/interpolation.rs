@@ -1,11 +1,11 @@
 //! Interpolation constraints: the interpolating basis (formulation, section 7).
 //!
 //! `A` is the limit mask, `f` are the constrained and `c` the free vertices. The control points of
-//! the constrained vertices follow the free ones, `x_f = A_ff⁻¹ (p_f − A_fc x_c)`, so that the limit
-//! surface always passes the given points. Free vertices then have the basis `φ̃ = Qᵀφ`,
-//! `Q = [−A_ff⁻¹A_fc; I]`. If no two constrained vertices are adjacent, as after a 1→4 split, `A_ff`
-//! is diagonal. Otherwise Gauss-Seidel sweeps solve with it. They converge because `A_ff` is
-//! diagonally dominant or, by a scaling of its rows, symmetric positive definite.
+//! the constrained vertices follow the free ones, `x_f = A_ff⁻¹ (p_f − A_fc x_c)`, so that the
+//! limit surface always interpolates the given points. Free vertices then have the basis
+//! `φ̃ = Qᵀφ`, `Q = [−A_ff⁻¹A_fc; I]`. If no two constrained vertices are adjacent, as after a 1→4
+//! split, `A_ff` is diagonal. Otherwise it is solved by Gauss-Seidel sweeps. They converge because
+//! `A_ff` is diagonally dominant or, by a scaling of its rows, symmetric positive definite.
 
 use crate::mesh::{DVec3, Topology, VertexId};
 use crate::subdivision::limit_stencil;
@@ -13,16 +13,16 @@ use crate::subdivision::limit_stencil;
 /// Maximum number of sweeps.
 const MAX_SWEEPS: usize = 400;
 
-/// Points that the limit surface passes.
+/// Points that the limit surface interpolates.
 #[derive(Clone, Debug)]
 pub struct Interpolation {
     /// The vertices whose limit positions are given.
     held: Vec<u32>,
-    /// Where the limit surface passes.
+    /// Their target points.
     target: Vec<DVec3>,
     /// `A_ff`'s diagonal.
     diagonal: Vec<f64>,
-    /// Start of each row in `entries`, and the rows: vertex and weight, the diagonal left out.
+    /// Start of each row in `entries`, and the rows: vertex and weight, without the diagonal.
     start: Vec<u32>,
     entries: Vec<(u32, f64)>,
     /// Place of each vertex among the constrained ones, `NONE` for the free ones.
@@ -34,7 +34,8 @@ pub struct Interpolation {
 const NONE: u32 = u32::MAX;
 
 impl Interpolation {
-    /// Constrains the limit surface over `topology` to pass a point at each vertex of `held`.
+    /// Constrains the limit surface over `topology` to interpolate a point at each vertex of
+    /// `held`.
     ///
     /// # Panics
     /// If a vertex occurs twice or does not exist.
@@ -82,7 +83,7 @@ impl Interpolation {
         self.place[v as usize] != NONE
     }
 
-    /// The points that the limit surface passes, one for each constrained vertex.
+    /// The target points, one for each constrained vertex.
     pub fn targets(&self) -> &[DVec3] {
         &self.target
     }
@@ -90,7 +91,7 @@ impl Interpolation {
     /// The same vertices with other points, in the same order.
     ///
     /// # Panics
-    /// If there is not one point for each.
+    /// If the number of points differs from the number of constrained vertices.
     #[must_use]
     pub fn with_targets(&self, targets: Vec<DVec3>) -> Self {
         assert_eq!(targets.len(), self.held.len(), "one point for each");
@@ -106,7 +107,7 @@ impl Interpolation {
         (self.diagonal[i], &self.entries[range])
     }
 
-    /// Moves the constrained control points such that the limit surface passes the targets:
+    /// Moves the constrained control points so that the limit surface interpolates the targets:
     /// `x_f = A_ff⁻¹ (p_f − A_fc x_c)`.
     pub fn enforce(&self, positions: &mut [DVec3]) {
         self.enforce_at(&self.target, positions);
@@ -120,7 +121,7 @@ impl Interpolation {
             for (i, &v) in self.held.iter().enumerate() {
                 let (own, row) = self.row(i);
                 let p = targets[i];
-                // differences to the target, so that nothing is lost far from the origin
+                // differences to the target avoid cancellation far from the origin
                 let pull: DVec3 = row
                     .iter()
                     .map(|&(w, weight)| weight * (positions[w as usize] - p))
@@ -136,7 +137,7 @@ impl Interpolation {
         }
     }
 
-    /// Largest distance of the limit surface from its targets.
+    /// Largest distance between the limit surface and its targets.
     pub fn error(&self, positions: &[DVec3]) -> f64 {
         let distance = |(i, &v): (usize, &u32)| {
             let (own, row) = self.row(i);
@@ -152,13 +153,14 @@ impl Interpolation {
             .fold(0.0, f64::max)
     }
 
-    /// Turns derivatives by all control points into those by the free ones, which the constrained
-    /// ones follow: `g_c ← g_c − A_fcᵀ A_ff⁻ᵀ g_f`, `g_f ← 0`. `gradient` has one entry for each vertex
-    /// that `unknown` numbers below its length; it has no derivatives by others.
+    /// Converts derivatives by all control points to those by the free ones, which the constrained
+    /// ones follow: `g_c ← g_c − A_fcᵀ A_ff⁻ᵀ g_f`, `g_f ← 0`. `gradient` has one entry for each
+    /// vertex that `unknown` numbers below its length; it contains no derivatives by other
+    /// vertices.
     pub fn pull_back(&self, unknown: &[u32], gradient: &mut [DVec3]) {
         let n = gradient.len();
         let of = |v: u32| unknown[v as usize] as usize;
-        // y = A_ff⁻ᵀ g_f by the same sweeps: what is left of g_f is handed on by columns
+        // y = A_ff⁻ᵀ g_f by the same sweeps: the remainder of g_f is propagated by columns
         let mut total = vec![DVec3::ZERO; self.held.len()];
         let scale = gradient.iter().fold(0.0f64, |m, g| m.max(g.length()));
         for _ in 0..MAX_SWEEPS {
@@ -202,7 +204,8 @@ mod tests {
     use crate::shapes::{graph, icosphere};
     use crate::subdivision::limit_position;
 
-    /// A mesh split once, its old vertices held; `all`: every vertex of the first mesh held on it.
+    /// A mesh split once with its old vertices constrained; with `all`, every vertex of the first
+    /// mesh.
     fn cases() -> Vec<(Topology, Vec<DVec3>, Vec<u32>)> {
         let ball = icosphere(2);
         let sheet = graph(2.0, 4, |x, y| x * y, 3);

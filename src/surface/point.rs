@@ -139,7 +139,7 @@ pub fn each_point(
     }
 }
 
-/// One point of an element's table on the limit surface, and the geometry there.
+/// Evaluates one point of an element's table: the position on the limit surface and the geometry.
 #[inline]
 pub fn surface_point(
     elements: &Elements,

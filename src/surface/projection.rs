@@ -2,12 +2,12 @@
 
 use crate::subdivision::{Elements, Rule};
 
-/// Sums for the projection: a function's value at a vertex is the average of its samples around it,
+/// Sums for the projection. A function's value at a vertex is the average of its samples around it,
 /// weighted with the vertex's hat function.
 ///
-/// `sample` gives the weight of an element's quadrature point (its area, up to a factor common to
-/// all) and the value there, or `None` to leave the point out. `add` receives for each corner the
-/// vertex, the weight times the hat function, and the value; element by element, point by point.
+/// `sample` returns the weight of an element's quadrature point (its area, up to a common factor)
+/// and the value there. It returns `None` to skip the point. `add` receives for each corner the
+/// vertex, the weight times the hat function, and the value, element by element and point by point.
 pub fn project_to_vertices<T>(
     elements: &Elements,
     rule: Rule,

@@ -1,4 +1,4 @@
-//! Curvature ranges of a limit surface, and how an energy's flow behaves on it.
+//! Curvature ranges of a limit surface, and well-posedness of an energy's flow on it.
 
 use crate::energy::{Energy, WellPosed, WellPosedScan, scan_well_posedness};
 use crate::mesh::DVec3;
@@ -6,22 +6,22 @@ use crate::subdivision::Elements;
 use crate::surface::each_point;
 use crate::warning::Warning;
 
-/// What [`sample_surface`] measures.
+/// The results of [`sample_surface`].
 #[derive(Clone, Debug)]
 pub struct SurfaceStats {
     /// `r² / f̂`, `f̂` the mean of `max(|η|, |f_HH|/r², |f_HK|/r³, |f_KK|/r⁴)`.
     pub tau_ref: f64,
-    /// Least and greatest mean curvature.
+    /// Minimum and maximum mean curvature.
     pub mean: [f64; 2],
-    /// Least and greatest Gaussian curvature.
+    /// Minimum and maximum Gaussian curvature.
     pub gauss: [f64; 2],
     /// Well-posedness of the flow at the samples.
     pub posed: WellPosedScan,
-    /// The sample at which the flow is posed worst.
+    /// The sample at which the flow is worst posed.
     pub worst_place: DVec3,
 }
 
-/// Largest number of sampled elements where the energy may be ill-posed. Larger regions are sampled
+/// Maximum number of sampled elements where the energy may be ill-posed. Larger regions are sampled
 /// evenly.
 const SAMPLES: usize = 8192;
 /// The same where only the natural time step is needed.
@@ -66,7 +66,7 @@ pub fn sample_surface(
         });
     }
     let posed = scan_well_posedness(energy, &samples, r, TOLERANCE);
-    // an energy without scale (f = K) leaves any τ as good as another
+    // an energy without scale (f = K) gives no natural time step: any τ is equally good
     let f_hat = weighted / area;
     let tau_ref = if f_hat.is_finite() && f_hat > 0.0 {
         r * r / f_hat
@@ -83,10 +83,10 @@ pub fn sample_surface(
 }
 
 impl SurfaceStats {
-    /// A warning where the flow is not well posed, with a place (`centre` is added to it).
+    /// A warning if the flow is not well posed, with a place (`centre` is added to it).
     ///
     /// Isolated degenerate points are common and harmless (flat points under `k1^4 + k2^4`). They
-    /// are named only above one sample in a thousand.
+    /// are reported only if they exceed one sample in a thousand.
     pub fn warning(&self, centre: DVec3) -> Option<Warning> {
         let posed = &self.posed;
         let bad = posed.ill_posed + posed.undefined;

@@ -1,21 +1,21 @@
-//! Postfix instructions put together, constant parts folded on the way.
+//! Assembly of postfix instructions, with constant folding.
 
 use super::program::{Function, MAX_STACK, Op};
 use super::scalar::ScalarAlgebra;
 
-/// Largest exponent evaluated by multiplication; beyond, `x^c` is that of a real exponent.
+/// Largest exponent evaluated by multiplication. Larger ones are evaluated as real exponents.
 const MAX_INTEGER_POWER: f64 = 1000.0;
 
 /// Instructions so far.
 #[derive(Debug, Default)]
 pub struct Builder {
     ops: Vec<Op>,
-    /// Values on the stack when they have run.
+    /// Number of values on the stack after they have run.
     pending: usize,
 }
 
 impl Builder {
-    /// Where the next operand will begin.
+    /// Where the next operand will start.
     pub fn mark(&self) -> usize {
         self.ops.len()
     }
@@ -78,7 +78,7 @@ impl Builder {
         }
     }
 
-    /// Drops the number at `left`, its right operand now stands alone and takes `ops`.
+    /// Drops the number at `left`; its right operand remains and takes `ops`.
     fn replace_left(&mut self, left: usize, ops: &[Op]) {
         self.ops.remove(left);
         self.ops.extend_from_slice(ops);

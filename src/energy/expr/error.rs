@@ -1,6 +1,6 @@
-//! Errors of typed energies, with the character at fault.
+//! Errors of typed energies, with the position of the error.
 
-/// Why a typed energy is refused.
+/// Why a typed energy is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExprError {
@@ -35,20 +35,20 @@ pub enum ExprError {
         /// The expression.
         text: String,
     },
-    /// A parameter was given that cannot be one.
+    /// An invalid parameter.
     #[error("energy: parameter '{name}' = {value}: {reason}")]
     Parameter {
         /// The parameter's name.
         name: String,
         /// The value given.
         value: f64,
-        /// What is wrong and what to do.
+        /// What is wrong and how to correct it.
         reason: String,
     },
 }
 
 impl ExprError {
-    /// The message; for an error at a character also the text with a caret under it.
+    /// The message; for an error with a position also the text with a caret under it.
     pub fn render(&self) -> String {
         match self {
             Self::Syntax(error) => error.render(),
@@ -56,7 +56,7 @@ impl ExprError {
         }
     }
 
-    /// Where in the text it is wrong, if the error has a place.
+    /// The position of the error in the text, if it has one.
     pub fn syntax(&self) -> Option<&SyntaxError> {
         match self {
             Self::Syntax(error) => Some(error),
@@ -71,21 +71,21 @@ impl From<SyntaxError> for ExprError {
     }
 }
 
-/// An error at one place of the text.
+/// An error at one position of the text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("at character {}: {message}", character + 1)]
 pub struct SyntaxError {
     /// The whole text.
     pub text: String,
-    /// Byte offset of the place (the text's length when something is missing at its end).
+    /// Byte offset of the position (the text's length when something is missing at its end).
     pub byte: usize,
-    /// Offset of the place in characters, from 0 (messages count from 1).
+    /// Offset of the position in characters, from 0 (messages count from 1).
     pub character: usize,
-    /// How many characters the place spans, at least 1.
+    /// Number of characters of the erroneous part, at least 1.
     pub length: usize,
     /// What is wrong and what was expected.
     pub message: String,
-    /// A name that has no meaning yet: as a parameter with a value it is valid.
+    /// A name without a meaning yet; it is valid as a parameter with a value.
     pub unknown: Option<String>,
 }
 
@@ -104,7 +104,7 @@ impl SyntaxError {
         }
     }
 
-    /// Three lines: the text around the place, carets under it, the message.
+    /// Three lines: the text around the error, carets under it, the message.
     pub fn render(&self) -> String {
         const BEFORE: usize = 50;
         const AFTER: usize = 30;

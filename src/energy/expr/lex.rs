@@ -1,8 +1,8 @@
-//! Text to tokens, each with its place.
+//! Converts text to tokens with positions.
 
 use super::error::SyntaxError;
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind<'a> {
     /// A number.
@@ -18,7 +18,7 @@ pub enum Kind<'a> {
 /// A token and its byte range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Token<'a> {
-    /// What it is.
+    /// Its kind.
     pub kind: Kind<'a>,
     /// First byte.
     pub start: usize,
@@ -27,7 +27,7 @@ pub struct Token<'a> {
 }
 
 impl Token<'_> {
-    /// How an error message names it.
+    /// Its name in error messages.
     pub fn describe(&self) -> String {
         match self.kind {
             Kind::Number(x) => format!("the number {x}"),
@@ -38,7 +38,7 @@ impl Token<'_> {
     }
 }
 
-/// Splits `text`; the last token is [`Kind::End`].
+/// Splits `text` into tokens; the last one is [`Kind::End`].
 pub fn tokens(text: &str) -> Result<Vec<Token<'_>>, SyntaxError> {
     let mut out = Vec::new();
     let mut at = 0;

@@ -1,4 +1,4 @@
-//! Typed energies: text to a postfix program, and what it is evaluated over.
+//! Typed energies: the parser, the postfix program, and the algebras that evaluate it.
 
 mod build;
 mod error;

@@ -1,9 +1,9 @@
 //! Evaluation of expressions in κ1, κ2 by jets in `(H, K)`, exact at umbilics.
 //!
-//! With `t = s² = H² − K`, a value is kept as `a + s b`, where `a` and `b` are jets in `(H, K)`:
+//! With `t = s² = H² − K`, a value is stored as `a + s b`, where `a` and `b` are jets in `(H, K)`:
 //! `κ1 = H + s`, `κ2 = H − s`. Sums, products and quotients never divide by `s`
-//! (`(a + s b)(c + s d) = (ac + t bd) + s (ad + bc)`), and for an expression symmetric in κ1, κ2
-//! the `s` part cancels, so the even part is `f` with its exact derivatives, umbilics included.
+//! (`(a + s b)(c + s d) = (ac + t bd) + s (ad + bc)`). For an expression symmetric in κ1, κ2 the
+//! `s` part cancels, so the even part is `f` with its exact derivatives, including at umbilics.
 //! This is the expansion in even powers of `s` of formulation.md section 2, carried to all orders
 //! for rational expressions.
 //!
@@ -15,17 +15,17 @@
 //! O_u = (E[φ'] − O[φ])/(2u),  O_au = (E[φ''] − O[φ'])/(2u),  O_uu = (½ O[φ''] − 3 O_u)/(2u).
 //! ```
 //!
-//! **Near umbilics.** With ℓ the length over which φ varies (1 for exp, sin, cos, tanh; the
-//! distance |a| to the singularity for log; |a|/max(1,|c|) for powers c) these differences lose
-//! `ε (ℓ/w)³` in what the even part of the result needs (`E_uu`, `u·O_uu`) and `ε (ℓ/w)⁵` in
-//! `O_uu` itself. Below `w = ℓ/8` ([`SWITCH`]) the Taylor series of φ at `a` takes their place,
-//! [`TERMS`] = 9 of them: the first one left out is `64⁻⁹` times at most 21·20 of the leading one,
-//! below 1e-13. At the switch the differences lose about 1e-13, and 1e-11 in `O_uu`.
+//! **Near umbilics.** Let ℓ be the length over which φ varies (1 for exp, sin, cos, tanh; the
+//! distance |a| to the singularity for log; |a|/max(1,|c|) for powers c). These differences lose
+//! `ε (ℓ/w)³` in the terms that the even part of the result needs (`E_uu`, `u·O_uu`), and
+//! `ε (ℓ/w)⁵` in `O_uu` alone. Below `w = ℓ/8` ([`SWITCH`]) the Taylor series of φ at `a` replaces
+//! them, with [`TERMS`] = 9 terms. The first omitted term is `64⁻⁹` times at most 21·20 of the
+//! leading one, below 1e-13. At the switch the differences lose about 1e-13, and 1e-11 in `O_uu`.
 //!
-//! **Far from umbilics.** `a − w` cancels where φ, or a quotient, meets values at κ1 and κ2 that
-//! differ much, as in sqrt(1e-8 + k1^2) on a cylinder. Beyond a factor of 64 ([`CANCELLED`]) the
-//! point is marked, and the caller evaluates by the plain chain rule through κ1 and κ2 instead:
-//! there `s` is as large as the lengths over which the expression varies, and nothing is lost.
+//! **Far from umbilics.** `a − w` cancels where the values of φ, or of a quotient, at κ1 and κ2
+//! differ greatly, as in sqrt(1e-8 + k1^2) on a cylinder. Beyond a factor of 64 ([`CANCELLED`]) the
+//! point is marked. The caller then evaluates by the plain chain rule through κ1 and κ2. There `s`
+//! is as large as the lengths over which the expression varies, so no accuracy is lost.
 
 use std::cell::Cell;
 
@@ -42,8 +42,9 @@ pub struct Pair {
 
 /// Pairs at one point `(H, K)`.
 ///
-/// For `H² < K` (no surface has that, but roundoff does) rational expressions are continued as the
-/// same rational function of `H` and `K`; smooth functions use the umbilic value `u = 0`.
+/// `H² < K` does not occur on a surface, but roundoff can produce it. Rational expressions are then
+/// continued as the same rational function of `H` and `K`; smooth functions use the umbilic value
+/// `u = 0`.
 #[derive(Clone, Debug)]
 pub struct PairAlgebra {
     h: f64,
@@ -56,7 +57,7 @@ pub struct PairAlgebra {
     cancelled: Cell<bool>,
 }
 
-/// Terms in `u` of the series, and the order in `a` that takes.
+/// Number of terms in `u` of the series, and the order in `a` that they need.
 const TERMS: usize = 9;
 const ORDER: usize = 2 * TERMS + 5;
 /// The switch to the series: `w < SWITCH · ℓ`.
@@ -85,9 +86,9 @@ impl PairAlgebra {
 
     /// `f` of an expression at `(h, k)`.
     ///
-    /// `odd_cancels` says that the expression is even in `s` (symmetric, and free of abs, min and
-    /// max of κ1 and κ2), so that what is left of the odd part is roundoff. Otherwise `s b` is
-    /// added, whose derivatives are infinite at umbilics unless `b` vanishes there.
+    /// Set `odd_cancels` if the expression is even in `s` (symmetric, and free of abs, min and max
+    /// of κ1 and κ2); the odd part is then only roundoff. Otherwise `s b` is added, whose
+    /// derivatives are infinite at umbilics unless `b` vanishes there.
     pub fn jet(program: &Program, odd_cancels: bool, h: f64, k: f64) -> Jet2 {
         let algebra = Self::new(h, k);
         let x = program.eval(&algebra);
@@ -101,8 +102,8 @@ impl PairAlgebra {
         x.a + root * x.b
     }
 
-    /// Marks the point when a difference has lost too much; not at an umbilic, where κ1 and κ2
-    /// are no better.
+    /// Marks the point when a difference has lost too many digits. Umbilics are not marked, because
+    /// κ1 and κ2 are no more accurate there.
     fn watch(&self, difference: f64, of: f64) {
         if difference < CANCELLED * of && self.s > 0.0 {
             self.cancelled.set(true);
@@ -349,7 +350,7 @@ fn series(c: &[f64; ORDER], length: f64, u: f64) -> (Outer2, Outer2) {
 }
 
 impl Function {
-    /// A change of the argument that matters wherever it is made; 0 for functions of ratios.
+    /// A change of the argument that is significant at every argument; 0 for functions of ratios.
     fn unit(self) -> f64 {
         match self {
             Self::Exp | Self::Sin | Self::Cos | Self::Tanh => 1.0,

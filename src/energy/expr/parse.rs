@@ -1,4 +1,4 @@
-//! Recursive descent straight to postfix.
+//! Recursive descent parser that emits postfix directly.
 //!
 //! ```text
 //! sum     = product (("+" | "-") product)*
@@ -8,9 +8,9 @@
 //! atom    = number | name | name "(" sum ("," sum)* ")" | "(" sum ")"
 //! ```
 //!
-//! Parameters become numbers and constant parts are folded while parsing, so that an exponent that
-//! is an integer in value is known as one. Recursion only follows parentheses and exponents and is
-//! bounded by [`MAX_DEPTH`].
+//! Parameters become numbers and constant parts are folded during parsing. An exponent with an
+//! integer value is therefore recognised as an integer. Recursion only follows parentheses and
+//! exponents and is bounded by [`MAX_DEPTH`].
 
 use std::collections::BTreeMap;
 
@@ -19,9 +19,9 @@ use super::error::SyntaxError;
 use super::lex::{Kind, Token, tokens};
 use super::program::{Function, MAX_STACK, Op, Program, Variable};
 
-/// Longest text accepted, bytes.
+/// Maximum length of the text, bytes.
 pub const MAX_LENGTH: usize = 4096;
-/// Deepest nesting of parentheses, function calls and exponents.
+/// Maximum nesting of parentheses, function calls and exponents.
 pub const MAX_DEPTH: usize = 30;
 
 const FUNCTIONS: [&str; 9] = [
@@ -34,7 +34,7 @@ pub fn is_reserved(name: &str) -> bool {
     FUNCTIONS.contains(&name) || NAMES.contains(&name)
 }
 
-/// Whether `name` is read as one name.
+/// Whether `name` is parsed as one name.
 pub fn is_name(name: &str) -> bool {
     let is = |token: &Token<'_>| token.kind == Kind::Name(name);
     tokens(name).is_ok_and(|all| all.first().is_some_and(is))
@@ -78,7 +78,7 @@ struct Parser<'a> {
     text: &'a str,
     tokens: Vec<Token<'a>>,
     at: usize,
-    /// Open parentheses, calls and exponents.
+    /// Depth of open parentheses, calls and exponents.
     depth: usize,
     code: Builder,
     params: &'a BTreeMap<String, f64>,

@@ -1,12 +1,12 @@
-//! Expressions that are polynomials of low degree, expanded: to recognise presets and second-order
-//! energies independently of their notation.
+//! Expansion of expressions that are polynomials of low degree. It recognises presets and
+//! second-order energies independently of their notation.
 
 use super::program::{Algebra, Op, Variable};
 
 /// `H^i K^j`, `i ≤ 4`, `j ≤ 2`: coefficient `c[i][j]`. All presets fit.
 pub type Polynomial = [[f64; 3]; 5];
 
-/// `even + s·odd` with `s² = H² − K`; `None` once it is no such polynomial.
+/// `even + s·odd` with `s² = H² − K`; `None` once it is not such a polynomial.
 pub type Extended = Option<(Polynomial, Polynomial)>;
 
 /// Expands a program; `None` unless it is a polynomial of at most degree 4 in `H` and 2 in `K`

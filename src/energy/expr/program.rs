@@ -66,7 +66,7 @@ pub enum Op {
 }
 
 impl Op {
-    /// How many operands it takes from the stack; it always leaves one value.
+    /// The number of operands that it takes from the stack; it always leaves one value.
     pub const fn arity(self) -> usize {
         match self {
             Self::Constant(_) | Self::Variable(_) => 0,
@@ -83,7 +83,7 @@ impl Op {
     }
 }
 
-/// What an expression is evaluated over: numbers, jets, pairs of jets, polynomials.
+/// The domain of an evaluation: numbers, jets, pairs of jets, polynomials.
 pub trait Algebra {
     /// An element.
     type Value: Copy;
@@ -97,10 +97,11 @@ pub trait Algebra {
     fn binary(&self, op: Op, x: Self::Value, y: Self::Value) -> Self::Value;
 }
 
-/// Stack slots an expression may need.
+/// Maximum number of stack slots of an expression.
 pub const MAX_STACK: usize = 32;
 
-/// A checked postfix program: never underflows, leaves exactly one value, fits [`MAX_STACK`].
+/// A checked postfix program: it never underflows, leaves exactly one value, and fits
+/// [`MAX_STACK`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Program {
     ops: Vec<Op>,
@@ -118,7 +119,7 @@ impl Program {
         (depth == 1 && slots <= MAX_STACK).then_some(Self { ops, slots })
     }
 
-    /// What an expression that is a square root is the root of.
+    /// The radicand of an expression that is a square root.
     pub fn radicand(&self) -> Option<Self> {
         let (last, rest) = self.ops.split_last()?;
         (*last == Op::Call(Function::Power(0.5)))
@@ -138,10 +139,10 @@ impl Program {
         self.ops.iter().any(|op| principal.contains(op))
     }
 
-    /// Whether abs, min and max stay clear of what may contain κ1 or κ2.
+    /// Whether abs, min and max are applied only to operands without κ1 and κ2.
     ///
-    /// Then the expression is analytic in `κ1 − κ2` wherever it is finite, and being symmetric it
-    /// is even in it.
+    /// The expression is then analytic in `κ1 − κ2` wherever it is finite. Because it is symmetric,
+    /// it is even in `κ1 − κ2`.
     pub fn is_smooth_in_principal(&self) -> bool {
         // Marks of the operands: does κ1 or κ2 occur in it?
         let mut marks = Vec::with_capacity(self.slots);

@@ -42,8 +42,8 @@ impl ScalarAlgebra {
     }
 }
 
-/// A number, and the magnitude its roundoff is relative to: the largest operand of sums, carried
-/// through products and functions to first order.
+/// A number, and the magnitude to which its roundoff is relative. This is the largest operand of
+/// sums, propagated through products and functions to first order.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracked {
     /// The value.
@@ -179,8 +179,8 @@ impl JetAlgebra {
         }
     }
 
-    /// With `κ1,2 = H ± √(H² − K)`; good where `κ1 − κ2` is not small beside the lengths over
-    /// which the expression varies.
+    /// With `κ1,2 = H ± √(H² − K)`. Accurate where `κ1 − κ2` is not small compared with the lengths
+    /// over which the expression varies.
     pub fn principal(h: f64, k: f64) -> Self {
         let t = Jet2 {
             f: h * h - k,

@@ -1,4 +1,4 @@
-//! Is `f(κ1, κ2) = f(κ2, κ1)`? Decided at sample points over nine decades of curvature.
+//! Tests `f(κ1, κ2) = f(κ2, κ1)` at sample points over nine decades of curvature.
 
 use super::error::ExprError;
 use super::program::Program;
@@ -17,13 +17,13 @@ const PAIRS: [[f64; 2]; 9] = [
     [0.113, 5.9],
 ];
 
-/// Relative to the magnitude the roundoff comes from; that is a few 1e-16 per operation.
+/// Relative to the magnitude from which the roundoff comes, which is a few 1e-16 per operation.
 const TOLERANCE: f64 = 1e-11;
 
-/// Refuses an expression that is not symmetric, with a counterexample, or that is finite nowhere.
+/// Rejects an expression that is not symmetric, with a counterexample, or that is finite nowhere.
 pub fn check_symmetry(text: &str, program: &Program) -> Result<(), ExprError> {
     let mut finite = false;
-    // From unit curvature outwards: the counterexample shown is a plain one if there is one.
+    // From unit curvature outwards, so that the counterexample shown is simple if possible.
     for scale in [1.0, 10.0, 0.1, 100.0, 0.01, 1e3, 1e-3, 1e4, 1e-4] {
         for [x, y] in PAIRS.map(|pair| pair.map(|k| k * scale)) {
             let there = program.eval(&ScalarAlgebra { k1: x, k2: y });

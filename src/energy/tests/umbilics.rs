@@ -189,7 +189,7 @@ fn a_little_below_the_umbilic_is_continuous() {
         let (at, below) = (energy.jet(-1.0, 1.0), energy.jet(-1.0, 1.0 + 1e-15));
         assert!(distance(&at, &below, 1.0) < 1e-13, "{text}");
     }
-    // Data that no surface has: rational expressions go on, the rest stays finite.
+    // Data that no surface has: rational expressions are continued, everything else stays finite.
     let (h, k) = (0.3, 2.0);
     let preset = Energy::preset(Preset::K1P4PlusK2P4).jet(h, k);
     assert!(distance(&unrecognised("k1^4+k2^4").jet(h, k), &preset, 1.4) < 1e-14);

@@ -17,7 +17,7 @@ use crate::solver::{FlowOptions, FlowProblem};
 pub(in crate::refine) struct SavedLevel {
     level: usize,
     topology: Arc<Topology>,
-    /// Points of the level before, while the level's flow runs.
+    /// Points of the previous level, while the level's flow runs.
     previous: Vec<DVec3>,
     colors: Vec<[f32; 4]>,
     face_tags: Vec<u32>,
@@ -46,7 +46,7 @@ pub(in crate::refine) struct SavedState<'a> {
 }
 
 impl SavedLevel {
-    /// Bytes of what it does not share with the mesh of its level.
+    /// Memory that the state does not share with the mesh of its level, in bytes.
     pub fn bytes(&self) -> usize {
         let flow = self.flow.as_ref();
         let flow = flow.map_or(0, |f| 4 * f.free.len() + 32 * f.constraints.len());
@@ -55,7 +55,7 @@ impl SavedLevel {
 }
 
 impl Refinement {
-    /// What is needed to return to the present level.
+    /// The data needed to return to the current level.
     pub(in crate::refine) fn save_level(&self) -> SavedLevel {
         SavedLevel {
             level: self.level,
@@ -74,10 +74,10 @@ impl Refinement {
         }
     }
 
-    /// Continues from an earlier state, with these options of the flow and number of levels.
+    /// Continues from an earlier state with new flow options and a new number of levels.
     ///
     /// # Errors
-    /// No flow can start there with these options; the refinement is as before.
+    /// No flow can start there with these options; the refinement stays unchanged.
     pub(in crate::refine) fn restore(
         &mut self,
         to: &SavedState<'_>,
@@ -116,7 +116,7 @@ impl Refinement {
         Ok(())
     }
 
-    /// Ends the refinement at the present shape. Returns the report of the level that this ends.
+    /// Ends the refinement at the current shape. Returns the report of the level that this ends.
     pub fn stop(&mut self) -> Option<LevelReport> {
         self.cancel();
         self.current.is_some().then(|| self.finish_level())

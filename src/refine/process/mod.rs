@@ -1,7 +1,7 @@
 //! A refinement as a process: its steps begin a level, attempt a step of the level's flow, or
 //! finish the level.
 //!
-//! [`LiveRefine`] runs it in the background, [`refine_scheduled`] repeats such a run. The results
+//! [`LiveRefine`] runs it in the background, [`refine_recorded`] repeats such a run. The results
 //! are bit-identical.
 
 mod state;
@@ -47,16 +47,16 @@ pub enum RefineEvent {
         /// Its result.
         record: StepRecord,
     },
-    /// A level is finished; its report has the warnings.
+    /// A level is finished. Its report contains the warnings.
     LevelDone(LevelReport),
 }
 
 /// The status of a refinement.
 #[derive(Clone, Debug, Default)]
 pub struct RefineStatus {
-    /// The level in progress or finished last; 0 before the first.
+    /// The level in progress or the last finished one; 0 before the first.
     pub level: usize,
-    /// Number of levels to be made.
+    /// Total number of levels.
     pub levels: usize,
     /// Vertices of the mesh.
     pub vertices: usize,
@@ -97,12 +97,12 @@ impl RunControls for RefineControls {
 }
 
 impl Runner<RefineProcess> {
-    /// Starts the refinement of a mesh, with creases by the ends of their edges, of all faces or of
-    /// a region (one flag each). `wake` is called from the background thread whenever there is
-    /// something to [poll](Self::poll).
+    /// Starts the refinement of a mesh, with creases given by the ends of their edges. Refines all
+    /// faces or a region (one flag per face). `wake` is called from the background thread whenever
+    /// there are events to [poll](Self::poll).
     ///
     /// # Errors
-    /// Invalid options, a mesh without triangles, or no thread is left.
+    /// Invalid options, a mesh without triangles, or no thread could be started.
     pub fn spawn(
         mesh: Arc<Mesh>,
         controls: RefineControls,
@@ -134,7 +134,7 @@ fn all_options(
 }
 
 /// Refines a mesh with the changes of a recording. `observe` is called with every event and returns
-/// whether to continue. Returns the changes that were refused beside the result.
+/// whether to continue. Returns the result and the refused changes.
 ///
 /// # Errors
 /// As [`Refinement::new`] and [`Refinement::step`].
@@ -153,14 +153,14 @@ pub fn refine_recorded(
 pub struct RefineProcess {
     refinement: Refinement,
     mesh: Arc<Mesh>,
-    /// Shared by the states of the present level, once there is one.
+    /// Shared by the states of the current level, once there is one.
     frame: Option<Arc<LevelFrame>>,
     /// The last accepted step of the level.
     last: Option<StepRecord>,
     attempts: usize,
     rejected: usize,
     has_new_state: bool,
-    /// The state to which it was set back, until it changes.
+    /// The state that was restored last, until the next change.
     rewound: Option<Arc<RefineState>>,
 }
 

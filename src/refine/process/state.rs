@@ -9,22 +9,22 @@ use crate::refine::{Method, Refinement, Weld};
 use crate::runner::TimelineState;
 use crate::solver::StepRecord;
 
-/// What the states of one level share.
+/// Data shared by the states of one level.
 #[derive(Clone, Debug)]
 pub struct LevelFrame {
-    /// The level; 0 is the mesh as it was given.
+    /// The level; 0 is the input mesh.
     pub level: usize,
-    /// Connectivity, cut open along creases; the given vertices come first, then the copies of them
-    /// that the cut made.
+    /// Connectivity, cut open along creases. The input vertices come first, then their copies made
+    /// by the cut.
     pub topology: Arc<Topology>,
-    /// How the mesh is welded, if it is cut.
+    /// The map to the welded mesh, if the mesh is cut.
     pub weld: Option<Arc<Weld>>,
     /// Colours of the vertices; empty if the mesh has none.
     pub colors: Vec<[f32; 4]>,
     /// Tags of the faces, as in [`Mesh::face_tags`].
     pub face_tags: Vec<u32>,
-    /// Whether `control` of the states is the control mesh of a smooth limit surface (not for
-    /// Butterfly, whose mesh is all there is).
+    /// Whether `control` of the states is the control mesh of a smooth limit surface. It is not for
+    /// Butterfly, which has no such surface.
     pub has_limit: bool,
     given: Arc<Mesh>,
     pub(super) saved: SavedLevel,
@@ -33,14 +33,14 @@ pub struct LevelFrame {
 /// A refined mesh after an accepted step, or at the start of a level.
 #[derive(Clone, Debug)]
 pub struct RefineState {
-    /// Attempted steps before it, those of all levels.
+    /// Number of attempted steps before it, over all levels.
     pub attempts: usize,
     /// Accepted steps of its level.
     pub step: usize,
     /// Connectivity and attributes; the same `Arc` for all states of a level.
     pub frame: Arc<LevelFrame>,
-    /// The vertices of the refined mesh: points of the limit surface (of the scheme), the given ones
-    /// as they were.
+    /// The vertices of the refined mesh: points of the limit surface (of the scheme), and the
+    /// unchanged input vertices.
     pub points: Arc<[DVec3]>,
     /// Control points of the limit surface over the same connectivity.
     pub control: Arc<[DVec3]>,
@@ -68,7 +68,7 @@ impl LevelFrame {
 }
 
 impl RefineState {
-    /// The present state; `last` is the last accepted step of the level.
+    /// The current state; `last` is the last accepted step of the level.
     pub(super) fn of(
         refinement: &Refinement,
         frame: Arc<LevelFrame>,
@@ -93,12 +93,12 @@ impl RefineState {
         }
     }
 
-    /// The refined mesh, welded, with the attributes of the given one.
+    /// The refined mesh, welded, with the attributes of the input mesh.
     pub fn mesh(&self) -> Mesh {
         self.with(self.frame.weld.as_deref(), &self.points)
     }
 
-    /// The control mesh of its limit surface, open along creases, likewise.
+    /// The control mesh of its limit surface, open along creases, with the same attributes.
     pub fn control_mesh(&self) -> Mesh {
         self.with(None, &self.control)
     }

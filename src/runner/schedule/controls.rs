@@ -1,13 +1,13 @@
-//! The controls in force in the course of a run.
+//! The controls that are active during a run.
 
 use super::{Schedule, ScheduleEntry, ScheduleError};
 use crate::options::{OptionError, OptionValue};
 use crate::runner::{Change, Recording, RunControls};
 
-/// Commands that are no controls.
+/// Commands that are not controls.
 const COMMANDS: [&str; 3] = ["finish", "rewind", "stop"];
 
-/// What the user asks for between two steps.
+/// A user command between two steps.
 #[derive(Clone, Debug)]
 pub(in crate::runner) enum UserCommand<C> {
     Controls(Box<C>),
@@ -17,7 +17,7 @@ pub(in crate::runner) enum UserCommand<C> {
     Stop,
 }
 
-/// The controls in force.
+/// The active controls.
 #[derive(Clone, Debug)]
 pub(in crate::runner) struct ActiveControls<C> {
     controls: C,
@@ -41,7 +41,7 @@ impl<C: RunControls> ActiveControls<C> {
         }
     }
 
-    /// The entries that record a command at `clock`, and the change it makes, if it makes any.
+    /// The entries that record a command at `clock`, and the change that it makes, if any.
     pub fn take(
         &mut self,
         clock: usize,
@@ -84,8 +84,8 @@ impl Schedule {
     /// at the same attempt are one change.
     ///
     /// # Errors
-    /// The first row that names no control, has an invalid value, or changes what cannot be changed
-    /// in a run.
+    /// The first row that names no control, has an invalid value, or changes an option that is
+    /// fixed during a run.
     pub fn recording<C: RunControls>(&self, start: &C) -> Result<Recording<C>, ScheduleError> {
         let invalid = |error: C::Error| ScheduleError::Start(error.to_string());
         start.validate().map_err(invalid)?;

@@ -1,4 +1,4 @@
-//! What was changed in a run, and when: rows of a CSV file.
+//! The changes of a run and their times, as rows of a CSV file.
 //!
 //! ```text
 //! attempt,control,value
@@ -8,11 +8,11 @@
 //! ```
 //!
 //! `attempt` is the clock of the run when the change acts: the number of attempted steps before it,
-//! accepted or not. A rewind counts as one attempt. All groups of holes of a fill share the clock,
-//! which continues for a group that has ended. In a refinement each begun and each finished level
-//! also counts as one.
+//! accepted or not. A rewind counts as one attempt. All groups of holes of a fill share the clock;
+//! it also advances for a group that has ended. In a refinement, each started level and each
+//! finished level also counts as one.
 //!
-//! Controls have the names of the flags of the command. In addition there are
+//! Controls have the names of the command-line flags. There are also
 //!
 //! - `rewind N`: continue from the state after attempt N, with the present controls;
 //! - `finish`: continue in fast mode with an adaptive time step, until `mode`, `tau` or `growth` is
@@ -29,9 +29,9 @@ use crate::options::OptionError;
 /// A change of one control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScheduleEntry {
-    /// Attempted steps (accepted or not) before it acts; see the [module](self).
+    /// Attempted steps (accepted or not) before it acts.
     pub attempt: usize,
-    /// What is changed.
+    /// The name of the control.
     pub control: String,
     /// Its new value, as on the command line.
     pub value: String,
@@ -39,7 +39,7 @@ pub struct ScheduleEntry {
 
 /// Changes in the order in which they act.
 ///
-/// In files it stands as its CSV text.
+/// Files contain it as CSV text.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Schedule {
@@ -47,21 +47,21 @@ pub struct Schedule {
     pub entries: Vec<ScheduleEntry>,
 }
 
-/// Why a schedule cannot be followed.
+/// Why a schedule is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScheduleError {
-    /// A line that is wrong.
+    /// An invalid line.
     #[error("schedule, line {line}: {problem}; {remedy}")]
     Line {
         /// Counted from 1, the header included.
         line: usize,
         /// What is wrong.
         problem: String,
-        /// What to write instead.
+        /// How to correct it.
         remedy: String,
     },
-    /// The controls it starts from are invalid.
+    /// The initial controls are invalid.
     #[error("{0}")]
     Start(String),
 }

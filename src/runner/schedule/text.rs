@@ -8,7 +8,7 @@ use crate::options::OptionError;
 const HEADER: &str = "attempt,control,value";
 
 impl Schedule {
-    /// Reads a schedule. A value with a comma or a quote may be quoted.
+    /// Parses a schedule. A value with a comma or a quote may be quoted.
     ///
     /// # Errors
     /// The first invalid line, with its number.
@@ -34,7 +34,7 @@ impl Schedule {
         Ok(Self { entries })
     }
 
-    /// The text that reads back as this schedule.
+    /// The text that parses to this schedule.
     pub fn to_csv(&self) -> String {
         let mut out = format!("{HEADER}\n");
         for entry in &self.entries {
@@ -74,13 +74,13 @@ fn entry(text: &str) -> Result<ScheduleEntry, OptionError> {
     Ok(ScheduleEntry {
         attempt: number,
         control: control.trim().to_owned(),
-        // as it is written
+        // the value as written
         value: unquoted(value.trim()).replace('\r', " "),
     })
 }
 
 fn quoted(value: &str) -> String {
-    // a typed energy may hold line breaks; to its grammar they are spaces
+    // a typed energy may contain line breaks; its grammar treats them as spaces
     let value = value.replace(['\r', '\n'], " ");
     if value.contains([',', '"']) || value.trim() != value {
         format!("\"{}\"", value.replace('"', "\"\""))

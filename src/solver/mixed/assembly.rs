@@ -18,8 +18,8 @@ const BATCH: usize = 256;
 /// Elements one task computes.
 const TASK: usize = 16;
 
-/// Makes the system independent of the units: `x / r`, `h r`, `k r²` are solved for, with rows
-/// divided by the unit of force, by `r` and by 1.
+/// Makes the system independent of the units. It is solved for `x / r`, `h r` and `k r²`; its rows
+/// are divided by the unit of force, by `r` and by 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Units {
     /// Hole radius.
@@ -28,7 +28,7 @@ pub struct Units {
     pub force: f64,
 }
 
-/// Which vertices the three kinds of unknowns belong to.
+/// The vertices of the three kinds of unknowns.
 #[derive(Clone, Debug)]
 pub struct Numbering {
     /// Positions: the interior.
@@ -71,7 +71,7 @@ pub struct System {
     pub rhs_h: Vec<f64>,
     /// `−l² x − m k` over the fixed k, by component (not in [`Units`]).
     pub rhs_k: Vec<f64>,
-    /// What it is measured in.
+    /// The units of the matrices.
     pub units: Units,
     elements: Elements,
     pub(super) couplings: ScatterMap,
@@ -98,8 +98,8 @@ fn dissected(first: &Unknowns, lists: &IndexLists, positions: &[DVec3]) -> Unkno
 }
 
 impl Numbering {
-    /// h and k in an order for the factorization of `m`, x in one for that of the Schur complement
-    /// (two vertices are neighbours in it if they meet the same `ψ`).
+    /// Orders h and k for the factorization of `m`, and x for that of the Schur complement. Two
+    /// vertices are neighbours in the Schur complement if they meet the same `ψ`.
     fn new(problem: &FlowProblem, elements: &Elements) -> Self {
         let positions = problem.positions();
         let is_crease = problem.crease_marks();
@@ -162,8 +162,8 @@ impl System {
         3 * self.numbering.x.len() + 6 * self.numbering.h.len()
     }
 
-    /// Fills all matrices at `positions`; `h` and `k` (per vertex of the region) are read where
-    /// they are fixed. `doubled` as in [`Splitting`](super::splitting::Splitting).
+    /// Fills all matrices at `positions`. `h` and `k` (per vertex of the region) are read where
+    /// they are fixed. `doubled` is as in [`Splitting`](super::splitting::Splitting).
     pub fn assemble(
         &mut self,
         positions: &[DVec3],
@@ -217,8 +217,8 @@ impl System {
         }
     }
 
-    /// Runs an element kernel over the elements `first..last`, in parallel; the results, `len`
-    /// numbers an element, lie `stride` (returned) apart in `buffer`.
+    /// Runs an element kernel over the elements `first..last`, in parallel. Each result has `len`
+    /// numbers; results start `stride` (returned) numbers apart in `buffer`.
     fn compute(
         &self,
         [first, last]: [usize; 2],
@@ -277,8 +277,9 @@ impl System {
     ///   m, weight, rhs    m over pairs of corners; sums at each corner
     /// ```
     ///
-    /// Symmetric matrices keep the lower triangle. Entries of fixed vertices go to a place behind
-    /// the last value. A fixed corner instead moves its known `h` and `k` to the right-hand side.
+    /// Only the lower triangle of symmetric matrices is stored. Entries of fixed vertices go to an
+    /// extra place after the last value. A fixed corner instead moves its known `h` and `k` to the
+    /// right-hand side.
     fn scatter(&mut self, e: usize, local: &[f64], h: &[DVec3], k: &[DVec3]) {
         let r = self.units.length;
         let force = self.units.force;

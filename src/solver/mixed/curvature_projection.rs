@@ -1,19 +1,19 @@
-//! Curvature normals that are data of scheme A instead of unknowns.
+//! Curvature normals that are data, not unknowns, of scheme A.
 
 use super::kernel;
 use crate::mesh::{DVec3, FaceId};
 use crate::solver::FlowProblem;
 use crate::subdivision::{Elements, Rule, elements};
 
-/// Vertices whose `h` and `k` are taken from a surface by the L2 projection with lumped mass over
-/// all faces around.
+/// Vertices whose `h` and `k` are computed from a surface by the L2 projection with lumped mass
+/// over all surrounding faces.
 pub(super) struct CurvatureProjection {
     wanted: Vec<bool>,
     around: Elements,
 }
 
 impl CurvatureProjection {
-    /// For the vertices that satisfy `wanted`.
+    /// Selects the vertices that satisfy `wanted`.
     pub(super) fn new(problem: &FlowProblem, wanted: impl Fn(usize) -> bool) -> Self {
         let topology = problem.topology();
         let wanted: Vec<bool> = (0..topology.vertex_count()).map(wanted).collect();

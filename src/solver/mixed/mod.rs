@@ -1,27 +1,28 @@
 //! Scheme A: the paper's mixed finite element method, equations (18)-(23) corrected.
 //!
-//! The curvature normals `h = 2Hn` and `k = 2Kn` are unknowns of their own, in piecewise linears on
-//! rings 0 and 1, beside the positions of ring 0. All matrices are those of the present surface;
-//! one linear system gives all unknowns at the new time. At creases, where the surface ends in a rim
-//! without a collar, `h` and `k` are data taken from the present surface. `assembly` has the system, `splitting`
-//! what is taken implicitly, `precond` the preconditioner.
+//! The curvature normals `h = 2Hn` and `k = 2Kn` are separate unknowns, piecewise linear on rings 0
+//! and 1. The other unknowns are the positions of ring 0. All matrices are those of the current
+//! surface; one linear system gives all unknowns at the new time. At creases the surface ends in a
+//! rim without a support region. There `h` and `k` are data computed from the current surface.
+//! `assembly` contains the system, `splitting` the implicit terms, `precond` the preconditioner.
 //!
-//! The system is solved for increments. With `h(x)`, `k(x)` the solutions of the second and third
-//! rows at the present positions, these rows have right-hand side 0, and the first has
+//! The system is solved for increments. Let `h(x)`, `k(x)` be the solutions of the second and third
+//! rows at the current positions. These rows then have right-hand side 0, and the first row has
 //!
-//! - in the plain scheme `−(l^p x + l^m h(x) + l^g k(x) + b)`: this is (23), written from the present
-//!   state;
-//! - in the residual-corrected variant `−δE`, the exact gradient (12), so that what stands still is
-//!   a stationary point of the discrete energy itself.
+//! - in the plain scheme `−(l^p x + l^m h(x) + l^g k(x) + b)`: this is (23), written from the
+//!   current state;
+//! - in the residual-corrected variant `−δE`, the exact gradient (12), so that the fixed points are
+//!   the stationary points of the discrete energy.
 //!
-//! A smooth energy does not change when the surface is moved along itself, but the discrete one
-//! does by a little. The plain scheme follows that: its shape settles within some ten steps of
-//! large τ and then creeps for hundreds as the vertices slide (by a percent of what is left a step).
-//! The corrected variant takes the normal part of the gradient and of the increment at each vertex,
-//! and converges like scheme B, to the same shapes.
+//! A smooth energy is invariant under tangential motion of the surface, but the discrete energy
+//! changes slightly. The plain scheme follows that change. Its shape converges within about ten
+//! steps of large τ. Its vertices then slide for hundreds of steps, each by a percent of the
+//! remaining distance. The corrected variant takes the normal part of the gradient and of the
+//! increment at each vertex. It converges like scheme B, to the same shapes.
 //!
-//! The plain scheme treats terms without second derivatives of `f` explicitly and is unstable where
-//! `f` has only such terms (`f = K`, under which the corrected variant stands still as it should).
+//! The plain scheme treats terms without second derivatives of `f` explicitly. It is unstable where
+//! `f` has only such terms, for example `f = K`. The corrected variant correctly stays stationary
+//! under `f = K`.
 
 mod assembly;
 mod curvature_projection;
@@ -52,7 +53,7 @@ use precond::BlockElimination;
 pub enum LinearSolver {
     /// Restarted GMRES with block elimination as preconditioner, to a relative residual.
     Gmres {
-        /// Wanted relative residual.
+        /// Target relative residual.
         tolerance: f64,
     },
     /// Sparse LU.
@@ -65,13 +66,13 @@ impl Default for LinearSolver {
     }
 }
 
-/// Restart length of GMRES; never reached with a preconditioner that fits.
+/// Restart length of GMRES; not reached with an effective preconditioner.
 const RESTART: usize = 100;
-/// Iterations after which GMRES gives up; a smaller τ helps.
+/// Maximum number of GMRES iterations; a smaller τ helps if it is reached.
 const MAX_ITERATIONS: usize = 300;
-/// A step under which the energy falls by this multiple of what its gradient promises has left the
-/// surfaces on which the quadrature means anything (it happens to `f = K`, whose integral is a
-/// constant of the smooth surface).
+/// A step is rejected if the energy falls by more than this multiple of the decrease that its
+/// gradient predicts. The quadrature is then no longer meaningful. (This happens for `f = K`, whose
+/// integral is constant on smooth surfaces.)
 const IMPLAUSIBLE: f64 = 10.0;
 
 /// State of scheme A.
@@ -84,16 +85,17 @@ pub struct MixedFlow {
     corrected: bool,
     /// Limit normals at the interior vertices.
     normals: Vec<DVec3>,
-    /// The curvature normals `2Hn` and `2Kn` of all vertices of the region: on rings 0 and 1 as the
-    /// last accepted step gave them (zero before the first), fixed on ring 2, zero beyond.
+    /// The curvature normals `2Hn` and `2Kn` of all vertices of the region. On rings 0 and 1 they
+    /// are those of the last accepted step (zero before the first). On ring 2 they are fixed;
+    /// beyond it they are zero.
     h: Vec<DVec3>,
     k: Vec<DVec3>,
-    /// What renews them at creases, where they are data of the present surface.
+    /// Updates them at creases, where they are data of the current surface.
     creases: Option<CurvatureProjection>,
     /// The same, with `h(x)` and `k(x)` on rings 0 and 1.
     lifted_h: Vec<DVec3>,
     lifted_k: Vec<DVec3>,
-    /// Whether the matrices and `force` are those of the present positions.
+    /// Whether the matrices and `force` are those of the current positions.
     assembled: bool,
     /// `δE` at the interior vertices, exact or by the mixed form.
     force: Vec<DVec3>,
@@ -103,8 +105,8 @@ pub struct MixedFlow {
 }
 
 impl MixedFlow {
-    /// Sets the scheme up: elements of the 12-point rule, patterns, fixed curvature normals of
-    /// ring 2 from the starting surface. `corrected` asks for the residual-corrected variant.
+    /// Sets the scheme up: elements of the 12-point rule, patterns, and the fixed curvature normals
+    /// of ring 2 from the starting surface. `corrected` selects the residual-corrected variant.
     ///
     /// # Errors
     /// [`SolverError::EnergyNotFinite`] if the energy is not finite at the start, or a failed
@@ -165,8 +167,8 @@ impl MixedFlow {
         self.system.dimension()
     }
 
-    /// One step of time `tau`. If it is rejected the state does not change. The reported displacement
-    /// is the one along the normals, which changes the shape. A `tau` that is not a positive
+    /// Attempts one step of time `tau`. A rejected step does not change the state. The reported
+    /// displacement is the normal one, which changes the shape. A `tau` that is not a positive
     /// number is rejected.
     pub fn attempt(&mut self, tau: f64) -> Attempt {
         if !(tau > 0.0 && tau.is_finite()) {
@@ -223,7 +225,7 @@ impl MixedFlow {
         }
     }
 
-    /// Matrices, `h(x)`, `k(x)` and the force at the present positions.
+    /// Computes matrices, `h(x)`, `k(x)` and the force at the current positions.
     fn assemble(&mut self) -> Result<(), RejectReason> {
         let system = &mut self.system;
         let State {
@@ -264,7 +266,7 @@ impl MixedFlow {
         Ok(())
     }
 
-    /// Solves the linear system for the present position block.
+    /// Solves the linear system for the current position block.
     fn solve(&mut self, tau: f64) -> Result<Option<GmresReport>, LinearError> {
         let system = &self.system;
         let position = &self.position_block;
@@ -296,7 +298,8 @@ impl MixedFlow {
                 let mut lu = SparseLu::new(&system.to_csc(position))?;
                 self.solution.copy_from_slice(&self.rhs);
                 lu.solve_in_place(&mut self.solution, 1);
-                // one step of iterative refinement: rows and columns are of very different size
+                // one step of iterative refinement, because rows and columns differ greatly in
+                // magnitude
                 let mut residual = vec![0.0; self.rhs.len()];
                 system.multiply(position, &self.solution, &mut residual);
                 for (r, b) in residual.iter_mut().zip(&self.rhs) {
@@ -311,8 +314,8 @@ impl MixedFlow {
         }
     }
 
-    /// `trial = positions + δx`; returns the largest displacement along the normals, and the change
-    /// of energy to first order.
+    /// Sets `trial = positions + δx`. Returns the largest normal displacement, and the change of
+    /// energy to first order.
     fn displace(&mut self) -> (f64, f64) {
         let n = self.system.numbering.x.len();
         let r = self.system.units.length;
@@ -332,7 +335,7 @@ impl MixedFlow {
         (max_magnitude((0..n).map(along)), promised)
     }
 
-    /// `h` and `k` after an accepted step.
+    /// Updates `h` and `k` after an accepted step.
     fn take_curvatures(&mut self) {
         let r = self.system.units.length;
         let (n, m) = (self.system.numbering.x.len(), self.system.numbering.h.len());

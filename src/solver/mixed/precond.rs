@@ -8,9 +8,9 @@
 //!       ⎣ L² 0  m ⎦        ⎣ L²  0  m ⎦                   ⎣   0    0  1 ⎦
 //! ```
 //!
-//! GMRES solves with `S Ŝ⁻¹` only. The leading part of `S` is a scalar operator that acts on x, y and z
-//! alike (what couples them has one derivative less), and, with `m` lumped and `l^m`, `l^g`
-//! integrated by parts, a symmetric one:
+//! GMRES solves with `S Ŝ⁻¹` only. The leading part of `S` is a scalar operator that acts equally
+//! on x, y and z (the terms that couple them have one derivative less). With `m` lumped and `l^m`,
+//! `l^g` integrated by parts, this operator is symmetric:
 //!
 //! ```text
 //!   Ŝ = M/τ + l^p + Σ_v [L¹_v L²_v]ᵀ W_v [L¹_v L²_v] / m_v,
@@ -18,9 +18,10 @@
 //!                        ⎣ ½(½β + γ)       δ     ⎦
 //! ```
 //!
-//! It takes a Cholesky factorization of one row a vertex, about a thirtieth of the time of an LU
-//! factorization of all of `S` with lumped `m`, and GMRES needs as many iterations with either
-//! (20 to 26 for a relative residual of 1e-10 at any τ, where the lumping is the common limit).
+//! It needs a Cholesky factorization with one row per vertex. That takes about a thirtieth of the
+//! time of an LU factorization of all of `S` with lumped `m`. GMRES needs the same number of
+//! iterations with either: 20 to 26 for a relative residual of 1e-10 at any τ. The lumping limits
+//! both.
 
 use std::sync::Arc;
 
@@ -30,8 +31,8 @@ use crate::solver::forms::PositiveHessian;
 use crate::solver::mixed::assembly::System;
 use crate::solver::sparsity::{IndexLists, SymmetricScatter};
 
-/// Structure of the Schur complement with a lumped `m`: for each vertex v of rings 0 and 1, the
-/// vertices whose basis functions meet `ψ_v` are coupled with each other.
+/// Structure of the Schur complement with a lumped `m`. For each vertex v of rings 0 and 1, it
+/// couples all vertices whose basis functions meet `ψ_v`.
 struct SchurPattern {
     /// The vertices i that meet each v.
     meets: IndexLists,
@@ -50,7 +51,7 @@ impl SchurPattern {
         let (x, schur) = (&system.positions.pattern, &scatter.pattern);
         let mut of_position = Vec::with_capacity(x.nnz());
         for i in 0..n {
-            // both rows ascend, and what shares an element shares one of its corners
+            // both rows ascend, and vertices that share an element share one of its corners
             let mut at = schur.col_ptr[i];
             for &j in &x.row_idx[x.col_ptr[i]..x.col_ptr[i + 1]] {
                 while schur.row_idx[at] != j {
@@ -107,7 +108,8 @@ impl SchurPattern {
     }
 }
 
-/// The preconditioner: symbolic once per topology, `m` once per state, `Ŝ` once per step.
+/// The preconditioner. The symbolic factorizations are made once per topology, `m` once per state,
+/// `Ŝ` once per step.
 pub struct BlockElimination {
     mass: Cholesky,
     schur: Cholesky,

@@ -5,9 +5,10 @@ use crate::energy::Jet2;
 /// Coefficients at a point with `f_H = 2αH + 2βK + μ`, `f_K = 2γH + 2δK + ν` and
 /// `f = 2ωH + 2ϖK + η`.
 ///
-/// The splitting is not unique. This one is the first-order Taylor polynomial of `f_H` and `f_K`
-/// and of `f` about the present curvatures (`2ω = f_H`, `2ϖ = f_K`), valid for any smooth `f`: what
-/// multiplies `h = 2Hn` and `k = 2Kn` is taken at the new time, the rest at the old.
+/// The splitting is not unique. This one is the first-order Taylor polynomial of `f_H`, `f_K` and
+/// `f` about the current curvatures (`2ω = f_H`, `2ϖ = f_K`). It is valid for any smooth `f`. The
+/// factors of `h = 2Hn` and `k = 2Kn` are implicit (new time); all other terms are explicit (old
+/// time).
 ///
 /// The residual-corrected variant doubles `δ`. The system has `k = □x` with the coefficients of `□`
 /// at the old time, but these contain second derivatives of `x` themselves, so that `□δx` is half

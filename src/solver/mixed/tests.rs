@@ -52,7 +52,7 @@ fn closed(levels: usize, r: f64, f: &str) -> MixedFlow {
     MixedFlow::new(&problem, &energy(f), LinearSolver::default(), false).expect("start")
 }
 
-/// Numbers in [-1, 1] without pattern.
+/// Irregular numbers in [-1, 1].
 fn numbers(count: usize) -> Vec<f64> {
     let mut state = 1u64;
     let next = || {
@@ -101,9 +101,9 @@ fn mixed_form_is_the_first_variation_at_the_exact_curvatures() {
     }
 }
 
-/// m h + l¹ x = 0 and m k + l² x = 0 have h = −2/R n, k = 2/R² n on a sphere. In the root mean
-/// square only: at the six vertices of valence 4 the curvature of a Loop surface is off by a
-/// quarter at any density.
+/// On a sphere, m h + l¹ x = 0 and m k + l² x = 0 have the solutions h = −2/R n, k = 2/R² n. This
+/// holds only in the root mean square: at the six vertices of valence 4 the curvature of a Loop
+/// surface is wrong by a quarter at any density.
 #[test]
 fn curvature_normals_of_a_sphere() {
     let r = 1.7;
@@ -129,8 +129,8 @@ fn curvature_normals_of_a_sphere() {
     assert!(errors[1][1] < 0.7 * errors[0][1], "{errors:?}");
 }
 
-/// The matrices are the derivatives of the residual by h and k, and l^p x, l¹ x, l² x are the
-/// integrals they stand for.
+/// The matrices are the derivatives of the residual by h and k. l^p x, l¹ x, l² x equal their
+/// defining integrals.
 #[test]
 fn matrices_match_the_residual() {
     for f in ["1", "H^2", "H^2*K^2", "k1^4+k2^4"] {
