@@ -41,7 +41,7 @@ fn files(c: &mut Criterion) {
         ..OutputMesh::default()
     };
     let path = |name: &str| -> PathBuf { directory.path().join(name) };
-    // As most files are: nine digits.
+    // Nine digits, as in most files.
     let mut short = String::new();
     for p in &positions {
         writeln!(short, "v {:.9} {:.9} {:.9}", p.x, p.y, p.z).expect("text");

@@ -24,8 +24,8 @@ fn bumpy_sphere() -> Arc<Mesh> {
     Arc::new(Mesh::new(positions, topology))
 }
 
-/// Refines with the defaults of the command, [`LEVELS`] times, of which those after the `last` are left out: how
-/// many are to come decides how many points the first has.
+/// Refines with the defaults of the command, for [`LEVELS`] levels, but omits those after `last`.
+/// The planned number of levels determines how many quadrature points the first level has.
 fn refine(mesh: &Arc<Mesh>, last: usize) -> Vec<LevelReport> {
     let (energy, tension) = natural_flow(mesh);
     let mut options = RefineOptions::new(energy);

@@ -1,4 +1,4 @@
-//! One hole under energies of one's own: `(H - H0)²` draws the patch towards spheres of curvature H0.
+//! One hole with custom energies: `(H - H0)²` draws the patch towards spheres of curvature H0.
 
 use std::error::Error;
 
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let farthest = new.iter().map(|p| p.length()).fold(0.0, f64::max);
         println!("H0 = {h0}: the patch reaches {farthest:.4} from the centre");
     }
-    // a mistake is shown in its place
+    // the message marks the position of an error
     if let Err(error) = Fill::new(&sphere).energy("H^2 + k1") {
         println!("{error}");
     }

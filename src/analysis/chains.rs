@@ -54,7 +54,7 @@ pub fn sharp_edges(mesh: &Mesh, angle: f64) -> Vec<EdgeChain> {
         .collect()
 }
 
-/// Greatest turn of a straight chain at a vertex.
+/// Maximum turning angle of a straight chain at a vertex.
 const STRAIGHT: f64 = std::f64::consts::FRAC_PI_6;
 
 /// The chain through an edge: where neighbouring triangles differ by more than `angle` (radians)
@@ -82,7 +82,7 @@ pub fn chain_through(mesh: &Mesh, edge: HalfedgeId, angle: f64) -> Option<EdgeCh
         if topology.is_boundary_vertex(at) {
             return None;
         }
-        // the least turn; of equal ones the first half-edge's
+        // the smallest turn; among equal turns, the first half-edge
         on.map(|o| (along(h).angle_between(along(o)), o))
             .filter(|(turn, _)| *turn <= STRAIGHT)
             .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
@@ -95,8 +95,8 @@ pub fn chain_through(mesh: &Mesh, edge: HalfedgeId, angle: f64) -> Option<EdgeCh
     })
 }
 
-/// An edge and what follows it to either side, in order and direction, until there is nothing more
-/// or a vertex comes again.
+/// An edge and its continuation on either side, in order and direction. Each side ends where no
+/// edge follows or a vertex repeats.
 fn follow(
     topology: &Topology,
     edge: HalfedgeId,

@@ -8,11 +8,11 @@ use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh, Topology, dihedral_angle};
 use crate::subdivision::{Rule, elements, elements_at};
 use crate::surface::{PointGeometry, each_point, mean_curvature};
 
-/// Places on each edge that are measured, as parts of its length. The ends are left out: a limit
+/// Measured points of each edge, as fractions of its length. The ends are left out: a limit
 /// surface may have no curvature there.
 const PLACES: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 
-/// Least, mean and greatest of a quantity along a chain.
+/// Minimum, mean and maximum of a quantity along a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Statistic {
     /// Least.
@@ -34,7 +34,7 @@ pub struct ChainReport {
     pub edges: usize,
     /// Sum of their lengths.
     pub length: f64,
-    /// Whether both sides were taken as surfaces of their own.
+    /// Whether the two sides were measured as separate surfaces.
     pub is_crease: bool,
     /// Whether the limit surface is continuous in position and normal by construction: always,
     /// unless it is a crease.

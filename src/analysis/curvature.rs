@@ -9,8 +9,8 @@ use crate::surface::{each_point, project_to_vertices, surface_point};
 
 /// Bins of a histogram.
 const BINS: usize = 32;
-/// Part of the area left out at each end of a histogram's range, so that a few spikes do not push
-/// all the rest into one bin; what lies outside counts for the outermost bins.
+/// Fraction of the area left out at each end of a histogram's range. Otherwise a few spikes would
+/// push everything else into one bin. Values outside count for the outermost bins.
 const TRIM: f64 = 0.01;
 
 /// The curvatures of a surface.

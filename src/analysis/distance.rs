@@ -12,7 +12,7 @@ pub struct Deviation {
     pub rms: f64,
     /// Area average of the distance.
     pub mean: f64,
-    /// Largest distance met, over vertices and sample points.
+    /// Largest distance over vertices and sample points.
     pub max: f64,
     /// Where it is, on the mesh whose distances these are.
     pub max_at: [f64; 3],
@@ -30,12 +30,12 @@ pub struct Distances {
     pub from_reference: Deviation,
     /// Root of the mean of both squared RMS distances.
     pub rms: f64,
-    /// The larger of both maxima: the Hausdorff distance, from below.
+    /// The larger of both maxima: a lower bound of the Hausdorff distance.
     pub max: f64,
 }
 
-/// Sample points of a triangle, all of the same weight: the seven corners, side middles and centre
-/// would leave gaps; these are the centres of its division into sixteen.
+/// Sample points of a triangle, all of the same weight: the centres of its division into sixteen.
+/// Only the three corners, three edge midpoints and the centre would leave gaps.
 const DIVISIONS: u32 = 4;
 
 /// Distances between a mesh and a reference, or `None` if one of them has no triangles. Triangles

@@ -52,7 +52,7 @@ pub fn vertices_csv(mesh: &Mesh, vertices: Vertices, analysis: &Analysis) -> Str
         let root = (h * h - k).max(0.0).sqrt();
         let distance = distances.map_or_else(String::new, |d| format!("{:e}", d[v]));
         let (k1, k2) = (h + root, h - root);
-        // a String takes everything
+        // writing to a String cannot fail
         let _ = writeln!(
             csv,
             "{v},{},{},{},{h:e},{k:e},{k1:e},{k2:e},{distance}",
@@ -86,7 +86,7 @@ pub fn sections_csv(sections: &[Section]) -> String {
     csv
 }
 
-/// A line for each measure: what of, which, the value, where, and a remark.
+/// A line for each measure: subject, name, value, position and remark.
 pub fn measures_csv(analysis: &Analysis) -> String {
     let mut table = Table(String::from("of,measure,value,x,y,z,remark\n"));
     shape_rows(&mut table, analysis);

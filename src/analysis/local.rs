@@ -5,7 +5,7 @@ use crate::subdivision::elements_at;
 use crate::surface::{PointGeometry, surface_point};
 
 /// The faces and every face at one of their corners, cut apart along the edges of `cuts`. `None` if
-/// that is no manifold, which happens only if the mesh is none.
+/// the result is not a manifold, which happens only if the mesh is not one.
 pub(super) fn with_rings(
     topology: &Topology,
     faces: &[FaceId],

@@ -31,7 +31,7 @@ use serde::Serialize;
 use crate::energy::Energy;
 use crate::mesh::Mesh;
 
-/// Everything [`analyze`] finds out.
+/// All results of [`analyze`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Analysis {
@@ -51,7 +51,7 @@ pub struct Analysis {
     pub sections: Vec<Section>,
 }
 
-/// What is to be measured, and how.
+/// Options of a measurement.
 #[derive(Clone, Debug, Default)]
 pub struct AnalysisOptions<'a> {
     /// What the vertices are.
@@ -66,7 +66,7 @@ pub struct AnalysisOptions<'a> {
     pub planes: Vec<Plane>,
 }
 
-/// Measures a mesh. Nothing is assumed of it: without triangles all measures are zero or absent.
+/// Measures any mesh. Without triangles all measures are zero or absent.
 pub fn analyze(mesh: &Mesh, options: &AnalysisOptions<'_>) -> Analysis {
     let Some(all) = analyze_while(mesh, options, &|_, _| true) else {
         unreachable!("it is wanted to the end");
@@ -74,8 +74,8 @@ pub fn analyze(mesh: &Mesh, options: &AnalysisOptions<'_>) -> Analysis {
     all
 }
 
-/// [`analyze`] as long as it is `wanted`, which is asked between two measures with how many were
-/// made and how many there are; `None` once it is not.
+/// [`analyze`] that can be cancelled. Between two measures it calls `wanted` with the number of
+/// finished measures and the total; it returns `None` as soon as `wanted` returns false.
 pub fn analyze_while(
     mesh: &Mesh,
     options: &AnalysisOptions<'_>,

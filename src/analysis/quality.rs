@@ -4,14 +4,14 @@ use serde::Serialize;
 
 use crate::mesh::{DVec3, HalfedgeId, Mesh, dihedral_angle, folded_edges, self_intersections};
 
-/// Intersecting pairs counted at most.
+/// Maximum number of intersecting pairs that are counted.
 const MAX_INTERSECTIONS: usize = 10_000;
 /// An edge is folded where the normals differ by more than this, in degrees.
 const FOLDED: f64 = 150.0;
-/// Places named at most.
+/// Maximum number of reported places.
 const PLACES: usize = 100;
 
-/// How good the triangles of a mesh are.
+/// Quality of the triangles of a mesh.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct QualityReport {
     /// Smallest angle, degrees.
@@ -35,7 +35,7 @@ pub struct QualityReport {
     pub max_dihedral: f64,
     /// Edges where that is above 150°.
     pub folded_edges: usize,
-    /// Pairs of triangles that meet elsewhere than where they should, at most 10,000.
+    /// Pairs of triangles that meet outside a shared edge or vertex, at most 10,000.
     pub self_intersections: usize,
     /// Centres of the first of these pairs, at most 100.
     pub self_intersections_at: Vec<[f64; 3]>,
@@ -89,7 +89,7 @@ pub fn quality(mesh: &Mesh) -> QualityReport {
     }
 }
 
-/// Least, mean and greatest; zeros of nothing.
+/// Minimum, mean and maximum; zeros for an empty list.
 fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     let (mut sum, mut count) = (0.0, 0usize);

@@ -1,4 +1,4 @@
-//! Curves from one rim vertex to another that leave the mesh smoothly.
+//! Curves between two rim vertices that continue the mesh smoothly.
 
 use crate::mesh::{BoundaryLoop, DVec3, Mesh};
 

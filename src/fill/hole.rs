@@ -11,7 +11,7 @@ use crate::patch::{Patch, PatchError, RimGeometry};
 /// The rims that one patch joins.
 #[derive(Clone, Debug)]
 pub(crate) struct HoleRims {
-    /// At least one; the first stands for the hole.
+    /// At least one; the first represents the hole.
     pub loops: Vec<BoundaryLoop>,
     /// Vertices of the mesh along all rims: the first vertices of the patch, in its order.
     pub vertices: Vec<VertexId>,

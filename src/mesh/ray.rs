@@ -18,7 +18,7 @@ struct Ray {
     inverse: DVec3,
     /// The axis along which the direction is longest, and the two others.
     axes: [usize; 3],
-    /// What the others change by along the first.
+    /// Change of the other two coordinates per unit of the first.
     shear: [f64; 2],
 }
 
@@ -26,8 +26,8 @@ impl TriangleBvh {
     /// The first triangle on `origin + t · direction` with `t` strictly between the ends of
     /// `within`, which may be infinite; both sides of a triangle count.
     ///
-    /// Neighbours decide about their common edge and corners exactly and alike, so no ray slips
-    /// through between them.
+    /// Neighbouring triangles use the same exact test for their common edge and corners, so no ray
+    /// passes between them.
     pub fn first_hit(&self, origin: DVec3, direction: DVec3, within: [f64; 2]) -> Option<RayHit> {
         let ray = Ray::new(origin, direction);
         let [start, mut end] = within;

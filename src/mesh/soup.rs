@@ -1,4 +1,4 @@
-//! Polygons as a file gives them, before any repair.
+//! Polygons as read from a file, before any repair.
 
 use super::DVec3;
 

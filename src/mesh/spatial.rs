@@ -45,7 +45,7 @@ pub struct ClosestPoint {
 }
 
 impl TriangleBvh {
-    /// Builds the hierarchy over `triangles`, whose corners index `positions`.
+    /// Builds the hierarchy over `triangles`, whose corners are indices into `positions`.
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]]) -> Self {
         let corner = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
         let centroids: Vec<DVec3> = triangles.iter().map(|t| centre(&corner(t))).collect();

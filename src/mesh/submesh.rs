@@ -1,4 +1,4 @@
-//! A part of a mesh as a mesh of its own, with the way back.
+//! A part of a mesh as a separate mesh, with the map back to the whole.
 
 use super::union_find::{find, unite};
 use super::{FaceId, HalfedgeId, Topology, TopologyError};
@@ -8,9 +8,9 @@ use super::{FaceId, HalfedgeId, Topology, TopologyError};
 pub struct Submesh {
     /// Connectivity. Faces are in the order of `faces`, corners as in the whole mesh.
     pub topology: Topology,
-    /// The face of the whole mesh that each face is, ascending.
+    /// For each face the corresponding face of the whole mesh, ascending.
     pub faces: Vec<FaceId>,
-    /// The vertex of the whole mesh that each vertex is, or is a copy of.
+    /// For each vertex the vertex of the whole mesh that it corresponds to or is a copy of.
     pub to_whole: Vec<u32>,
 }
 
@@ -44,12 +44,12 @@ impl Submesh {
         })
     }
 
-    /// The face that a face of the whole mesh has become, if it is part of this mesh.
+    /// The face of this mesh that corresponds to a face of the whole mesh, if there is one.
     pub fn face(&self, whole: FaceId) -> Option<FaceId> {
         self.faces.binary_search(&whole).ok().map(FaceId::from)
     }
 
-    /// The values of this mesh's vertices, of those of the whole mesh.
+    /// The values at this mesh's vertices, taken from those of the whole mesh.
     pub fn gather<T: Copy>(&self, of_whole: &[T]) -> Vec<T> {
         self.to_whole
             .iter()

@@ -193,7 +193,7 @@ impl Topology {
         Ok(topology)
     }
 
-    /// Every half-edge must be reached by turning around its origin.
+    /// Every half-edge must be reached by circulating around its origin.
     fn check_fans(&self) -> Result<(), TopologyError> {
         let mut degree = vec![0u32; self.vertex_count()];
         for v in &self.origin {
@@ -218,7 +218,7 @@ impl Topology {
         self.face_halfedge.len()
     }
 
-    /// Memory its arrays take, in bytes.
+    /// Memory used by the arrays, in bytes.
     pub fn bytes(&self) -> usize {
         // half-edges hold next, origin and face; vertices and faces one half-edge each
         self.halfedge_count() * 12 + (self.vertex_count() + self.face_count()) * 4

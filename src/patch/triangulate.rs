@@ -53,8 +53,8 @@ pub(super) fn triangulate(rim: &Rim) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// Whether a triangle lies back to back with the existing face at a rim edge, as where a loose
-/// triangle of the mesh stands up from a projection that looks flat.
+/// Whether a triangle lies back to back with the existing face at a rim edge. This occurs where a
+/// loose triangle of the mesh stands up from an otherwise flat projection.
 fn folds_back(rim: &Rim, part: &[u32], triangles: &[[u32; 3]]) -> bool {
     let n = rim.points.len();
     triangles.iter().any(|t| {
@@ -143,7 +143,7 @@ const STEPS: f64 = 1024.0;
 const FORBIDDEN: i32 = -4096;
 /// Stands for the normal of a degenerate existing face.
 const NO_NORMAL: DVec3 = DVec3::splat(2.0);
-/// The flatness of what has no neighbour yet.
+/// The flatness of a triangle that has no neighbour yet.
 const FLAT: i32 = 1024;
 
 fn quantised(cosine: f64) -> i32 {

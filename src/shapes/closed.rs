@@ -61,7 +61,7 @@ pub fn icosphere(frequency: u32) -> TriangleMesh {
     (positions, triangles)
 }
 
-/// The point `i / n` of the way along the great circle from `p` to `q`.
+/// The point at the fraction `i / n` of the great-circle arc from `p` to `q`.
 fn on_arc(p: DVec3, q: DVec3, i: u32, n: u32) -> DVec3 {
     let angle = p.dot(q).clamp(-1.0, 1.0).acos();
     let t = f64::from(i) / f64::from(n);

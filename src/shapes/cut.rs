@@ -11,7 +11,7 @@ use super::relax::Adjacency;
 use crate::mesh::DVec3;
 use crate::mesh::union_find::{find, unite};
 
-/// A hole to be cut: an outline laid onto the surface around a point.
+/// A hole to cut: an outline mapped onto the surface around a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hole {
     /// Where; the nearest vertex is taken.

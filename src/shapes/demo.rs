@@ -1,4 +1,4 @@
-//! The built-in sample: a small four-legged creature riddled with complex holes.
+//! The built-in sample: a small four-legged creature with many complex holes.
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -37,7 +37,7 @@ impl Corners<'_> {
     fn is_joined(&self, c: u32, w: u32) -> bool {
         for turn in [next, prev] {
             let mut at = c;
-            // not more turns than there are faces around
+            // no more rotations than there are faces around the vertex
             for _ in 0..=self.valence[self.at(c) as usize] {
                 if self.at(next(at)) == w || self.at(prev(at)) == w {
                     return true;
@@ -55,7 +55,7 @@ impl Corners<'_> {
         false
     }
 
-    /// Turns the edge opposite to corner `c` to join the two corners it separated.
+    /// Flips the edge opposite to corner `c`, so that it joins the two corners it separated.
     fn flip(&mut self, c: u32) {
         let o = self.opposite[c as usize];
         let (a, b, d, e) = (self.at(c), self.at(next(c)), self.at(prev(c)), self.at(o));
@@ -100,8 +100,8 @@ fn corners(vertex_count: usize, triangles: &mut [[u32; 3]]) -> Corners<'_> {
     }
 }
 
-/// Flips edges whose opposite angles sum to more than π, as long as the surface is not folded and
-/// no edge doubled by it. Connectivity stays manifold; a fixed number of sweeps bounds the time.
+/// Flips edges whose opposite angles sum to more than π, unless the flip would fold the surface or
+/// duplicate an edge. Connectivity stays manifold; a fixed number of sweeps bounds the time.
 pub fn delaunay_flips(positions: &[DVec3], triangles: &mut [[u32; 3]]) {
     let mut mesh = corners(positions.len(), triangles);
     for _ in 0..10 {

@@ -14,7 +14,7 @@ pub enum HoleShape {
         /// Geodesic radius.
         radius: f64,
     },
-    /// Disc whose radius wavers with the direction, by about a third.
+    /// Disc whose radius varies with the direction, by about a third.
     Ragged {
         /// Mean radius.
         radius: f64,
@@ -44,7 +44,7 @@ pub enum HoleShape {
     },
     /// Union of random overlapping discs, some of them bitten.
     Blots {
-        /// Radius within which it stays.
+        /// Radius of the disc that contains the outline.
         radius: f64,
     },
 }

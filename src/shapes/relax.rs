@@ -1,11 +1,11 @@
-//! Evening out: vertices move to the middle of their neighbours and back onto the surface.
+//! Smoothing: vertices move towards the mean of their neighbours and back onto the surface.
 
 use super::TriangleMesh;
 use super::flip::delaunay_flips;
 use crate::mesh::DVec3;
 use crate::random::SplitMix;
 
-/// Share of the way to the neighbours' mean that a vertex goes in one sweep.
+/// Fraction of the distance to the neighbours' mean that a vertex moves in one sweep.
 const STEP: f64 = 0.7;
 
 /// Moves every vertex not on a boundary by up to `amount` of its mean edge length in a random

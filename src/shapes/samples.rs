@@ -1,4 +1,4 @@
-//! Samples to try the program on, by name.
+//! Built-in sample surfaces, by name.
 
 use super::{
     Hole, HoleShape, TriangleMesh, catenoid, cut_holes, demo, four_cylinders, graph, sphere,
@@ -6,7 +6,7 @@ use super::{
 };
 use crate::mesh::{DVec3, Soup};
 
-/// A surface to try things on.
+/// A sample surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Name on the command line.

@@ -100,7 +100,7 @@ fn an_inside_out_component_is_named_and_turned_over() {
     let start = ["blend", "in.obj", "-o", "out.obj"];
     let error = desk.fails(1, &[&start[..], &loops, &flipped].concat());
     assert!(error.contains("flip"), "{error}");
-    // turned over twice is as it was
+    // flipping twice restores the original
     desk.runs(&[&start[..], &loops].concat());
     let error = desk.fails(1, &[&start[..], &["--loops", "1"]].concat());
     assert!(error.contains("at least two"), "{error}");

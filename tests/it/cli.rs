@@ -159,7 +159,7 @@ fn the_manual_has_every_option_and_no_other() {
     for name in ["fill", "refine", "analyze"] {
         let table = options_in_table(manual, name);
         let taken = of(name);
-        // the options of a picture stand once, under `render`
+        // the options of a picture are listed once, under `render`
         let shared = |o: &&String| table.contains(*o) || !pictures.contains(*o);
         let own: BTreeSet<String> = taken.iter().filter(shared).cloned().collect();
         assert_eq!(table, own, "{name}");
@@ -231,7 +231,7 @@ fn bad_energies_point_at_the_character() {
     energy("k1").fails(2, &["not symmetric"]);
     energy("k1^2 + k1*k2").fails(2, &["not symmetric"]);
     energy("sqrt(-1)").fails(2, &["no finite value"]);
-    // a typed energy that is fine, and a parameter that is missing
+    // a valid energy whose parameter is missing
     energy("a*H^2").fails(2, &["unknown name 'a'", "--param a=VALUE"]);
     desk.run(&[
         "fill",
@@ -260,7 +260,7 @@ fn files_that_cannot_be_used_end_with_1() {
         .fails(1, &["out.xyz", ".obj, .ply, .stl"]);
     desk.run(&["fill", "in.obj", "-o", "nowhere/out.obj"])
         .fails(1, &["no directory"]);
-    // records are looked at before the work too
+    // records are checked before the work too
     for option in ["--report", "--trace"] {
         desk.run(&["fill", "in.obj", "-o", "out.obj", option, "nowhere/x"])
             .fails(1, &["no directory"]);

@@ -117,7 +117,7 @@ fn a_crease_with_the_area_on_a_catenoid_is_the_catenoid() {
     assert!(worst[0] < 6e-3 && worst[1] < 0.35 * worst[0], "{worst:?}");
 }
 
-/// Two holes whose collars meet, one with a crease: the smooth one still joins its collar.
+/// Two holes whose support regions meet, one with a crease: the other still joins smoothly.
 #[test]
 fn a_group_may_mix_creases_and_smooth_rims() {
     let hole = |centre: DVec3, radius: f64| Hole {

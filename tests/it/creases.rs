@@ -220,7 +220,7 @@ fn one_sided_normals_keep_the_angle() {
             let other = open.target(open.face_halfedges(beyond)[k]);
             let normal = |v: VertexId| limit_normal(open, &refined.control.positions, v);
             let angle = normal(open.origin(here)).angle_between(normal(other));
-            // the wall may lean by what the energy gains between the held vertices
+            // the wall may tilt where that lowers the energy between the constrained vertices
             assert!((angle - FRAC_PI_2).abs() < 0.2, "{}", angle.to_degrees());
             compared += 1;
         }

@@ -1,11 +1,11 @@
-//! Which module uses which: ARCHITECTURE.md shows what the sources import, no more and no less.
+//! Dependencies between modules: ARCHITECTURE.md shows exactly what the sources import.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Where the picture begins in ARCHITECTURE.md, which ends at the next line of the same kind.
+/// Start of the graph in ARCHITECTURE.md, which ends at the next line of the same kind.
 const FENCE: &str = "```";
 const PICTURE: &str = "```modules\n";
 
@@ -147,7 +147,7 @@ fn used() -> BTreeMap<String, BTreeSet<String>> {
 /// The modules in floors: each uses modules of lower floors only, and one of the next at least.
 ///
 /// # Panics
-/// If modules use each other in a circle.
+/// If the modules have a circular dependency.
 fn picture(used: &BTreeMap<String, BTreeSet<String>>) -> String {
     let mut floors: Vec<Vec<&String>> = Vec::new();
     let mut placed: BTreeSet<&String> = BTreeSet::new();

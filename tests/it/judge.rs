@@ -1,4 +1,4 @@
-//! The judge itself: what is right passes, and every kind of wrong is found.
+//! The judge itself: correct results pass, and every kind of defect is found.
 
 use crate::common::judge::{Keep, Verdict, judge, loops_of};
 use crate::common::raw::RawMesh;

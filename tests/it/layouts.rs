@@ -9,12 +9,12 @@ use meniscus::mesh::{DVec3, check_mesh, components, folded_edges, self_intersect
 use meniscus::solver::End;
 use meniscus::warning::Warning;
 
-/// Most steps of a blend.
+/// Maximum number of steps of a blend.
 const MAX_STEPS: usize = 60;
 /// Normals of neighbours that differ by more than this are called a fold.
 const FOLD_DEGREES: f64 = 150.0;
 
-/// What is wrong with the blend of a layout, and a row about it.
+/// The defects of the blend of a layout, and a row of its measures.
 fn blended(layout: &Layout) -> (Vec<String>, String) {
     let mesh = layout.mesh();
     let loops = Layout::loops(&mesh);
@@ -98,7 +98,7 @@ fn sharpest(positions: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     corners.map(angle).fold(f64::INFINITY, f64::min)
 }
 
-/// Layouts of every kind that are done in a moment.
+/// Layouts of every kind that finish quickly.
 #[test]
 fn layouts_are_joined_without_crossings() {
     let quick = [

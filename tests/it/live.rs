@@ -206,7 +206,7 @@ fn a_refused_change_leaves_the_flow_and_a_failed_start_can_be_mended() {
     let failed = live.events.iter().filter(|e| matches!(e, Event::Process(FillEvent::Failed { group: Some(_), text, .. }) if text.contains("not finite")));
     assert_eq!(failed.count(), 2);
     let first = live.latest();
-    // playing, so that the mended flow starts by itself
+    // playing, so that the repaired flow starts by itself
     live.fill.set_controls(&flow()).expect("fine");
     live.until(|fill, _| fill.groups()[0].step >= 2);
     live.fill.pause();
@@ -257,7 +257,7 @@ fn a_stopped_run_is_repeated_up_to_there() {
     );
     let filled = live.latest().mesh();
     assert!(filled == repeated(&flow(), &live.fill.schedule(), 1));
-    // a state in the middle, and on from it
+    // go to a state in the middle and continue from it
     let early = Arc::clone(&live.fill.timeline().states[1]);
     let filled = early.mesh();
     assert!(filled == repeated(&flow(), &early.schedule(), 1));
@@ -316,7 +316,7 @@ fn a_dropped_fill_ends() {
         bell.send(()).ok();
     });
     drop(LiveFill::spawn(mesh, loops, flow(), settings, wake).expect("thread"));
-    // the thread gives up its end of the bell, though the next round is ten seconds away
+    // the thread drops its end of the bell, although the next round is ten seconds away
     while woken.recv_timeout(Duration::from_mins(1)).is_ok() {}
     assert!(matches!(woken.try_recv(), Err(TryRecvError::Disconnected)));
 }
@@ -423,7 +423,7 @@ fn a_surface_that_runs_into_the_mesh_pauses_there() {
     let good = last_good.expect("the start was clean");
     let timeline = live.fill.timeline();
     assert!(timeline.states.iter().any(|s| s.groups[0].step == good));
-    // who goes on gets to the last shape without a crossing
+    // continuing leads to the last surface without a self-intersection
     live.fill.finish();
     live.until(|fill, _| fill.ended());
     assert_eq!(live.fill.groups()[0].end, Some(End::SelfIntersected));

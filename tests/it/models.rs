@@ -15,7 +15,7 @@ use crate::common::raw::{self, RawMesh};
 use crate::common::truth::Truth;
 use serde_json::Value;
 
-/// Longer than any honest fill; what takes longer hangs.
+/// Time limit of a fill, longer than any that works; a fill that takes longer hangs.
 const TIMEOUT: Duration = Duration::from_mins(5);
 const MAX_STEPS: u64 = 25;
 const MAX_REJECTED: u64 = 2;

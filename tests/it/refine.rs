@@ -170,8 +170,8 @@ fn a_region_may_reach_the_boundary() {
     }
 }
 
-/// A ball with spikes, dents and slivers: every vertex off by up to a third of the radius, some along the
-/// surface by most of an edge.
+/// A ball with spikes, dents and slivers. Every vertex is displaced by up to a third of the radius,
+/// some of them along the surface by most of an edge.
 fn crumpled(seed: u64) -> Mesh {
     let (mut positions, triangles) = icosphere(2);
     let mut random = SplitMix::new(seed);
@@ -183,8 +183,8 @@ fn crumpled(seed: u64) -> Mesh {
     Mesh::new(positions, topology)
 }
 
-/// Coarse meshes with bad triangles: nothing folds or crosses, the energy falls and goes on where a level
-/// ends, all levels being integrated at the same points of the surface.
+/// Coarse meshes with bad triangles: the surface does not fold or intersect itself. The energy
+/// falls and is continuous between levels, which are all integrated at the same surface points.
 #[test]
 fn energies_fall_over_all_levels_and_nothing_folds() {
     for seed in 1..3 {
@@ -248,7 +248,7 @@ fn the_natural_energy_goes_with_the_scale() {
     }
 }
 
-/// Each level says up to where the memory of the process has gone.
+/// Each level reports the peak memory of the process.
 #[test]
 fn the_peak_of_memory_only_rises() {
     let (ball, options) = ball_and_region(|_| true);

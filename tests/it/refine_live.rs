@@ -78,7 +78,7 @@ impl Watched {
         }
     }
 
-    /// Does `count` things one by one.
+    /// Performs `count` actions one by one.
     fn steps(&mut self, count: usize) {
         for _ in 0..count {
             let clock = self.live.clock();
@@ -242,7 +242,7 @@ fn changes_and_rewinds_are_repeated_to_the_bit() {
     changed.mode = Mode::Fast;
     live.live.set_controls(&changed).expect("options");
     live.steps(1);
-    // forth again: every stored state can be returned to
+    // forward again: every stored state can be restored
     assert!(live.live.rewind_to(second.serial));
     live.until(|live| live.status().level == 2);
     changed.levels = 3;
@@ -350,7 +350,7 @@ fn dropping_waits_for_nothing_and_ends_the_thread() {
     controls.levels = 5;
     let spawned = LiveRefine::spawn(mesh(), controls, Vec::new(), None, settings(true), wake);
     drop(spawned.expect("thread"));
-    // the bell goes with the thread
+    // the bell is dropped with the thread
     while woken.recv_timeout(Duration::from_mins(1)).is_ok() {}
     assert!(matches!(
         woken.try_recv(),

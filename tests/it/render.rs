@@ -1,5 +1,5 @@
-//! Pictures: drawn on whatever adapter there is, in software if need be. Without one these tests
-//! fail and say what to install.
+//! Pictures, drawn on any available adapter, in software if necessary. Without an adapter these
+//! tests fail and report what to install.
 
 use std::sync::Arc;
 

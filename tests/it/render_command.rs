@@ -91,7 +91,7 @@ fn a_crease_shows_as_one() {
     desk.runs(&words.split_whitespace().collect::<Vec<_>>());
     let words = format!("render flat.obj -o b.png {look}");
     desk.runs(&words.split_whitespace().collect::<Vec<_>>());
-    // the file says nothing of creases, so the second picture rounds the rim
+    // the file contains no creases, so the second picture rounds the rim
     let (sharp, round) = (image_of(&desk, "a.png"), image_of(&desk, "b.png"));
     let differ = sharp
         .pixels()

@@ -1,4 +1,4 @@
-//! What was done in the window is done again by the command line it copies, to the bit.
+//! The command line copied from the window reproduces the window's result bit-identically.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

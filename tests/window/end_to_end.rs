@@ -12,7 +12,7 @@ use meniscus::mesh::{DVec3, Mesh, Topology, boundary_loops, check_mesh};
 use meniscus::render::{Bounds, Camera};
 use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
-/// Ended when the test is, however it ends.
+/// A process that is ended with the test, whatever its outcome.
 struct Process(Child);
 
 impl Drop for Process {
@@ -69,7 +69,7 @@ impl Display {
     }
 }
 
-/// Waits until the program has used no processor time for a while: nothing is under way. The while is
+/// Waits until the program is idle: it has used no processor time for a while. That interval is
 /// shorter than a text cursor stays on or off.
 fn wait_until_idle(program: &Process) {
     let spent = || -> u64 {

@@ -9,8 +9,8 @@ use crate::analysis::bending::{bending_form, vertex_forms};
 use crate::analysis::local::FaceSurface;
 use crate::mesh::{DVec3, FaceId, Topology, VertexId};
 
-/// Pieces each edge of a face is divided into to find where the plane goes through; what the plane
-/// cuts off within one of them is missed.
+/// Number of pieces into which each edge of a face is divided to find its intersections with the
+/// plane. Two intersections within one piece are missed.
 const PIECES: u32 = 4;
 /// Distances from the plane below this part of the surface's extent are rounding and count as
 /// above it, so that a plane through vertices, or along a flat part, gives one curve.
@@ -21,7 +21,7 @@ const BESIDE: f64 = 1e-3;
 /// Sine of the angle between plane and tangent plane below which they touch and the section has no
 /// curvature.
 const TOUCHING: f64 = 1e-6;
-/// Evaluations per root at most; the bracket has shrunk to rounding long before.
+/// Maximum evaluations per root; the bracket shrinks to rounding error long before.
 const ROUNDS: usize = 60;
 
 /// A point of the lattices of all faces: kind (vertex, edge, face), which one, and which place.
@@ -264,7 +264,7 @@ impl<'a> Cutter<'a> {
         }
     }
 
-    /// The name of a lattice point, the same from every face it lies in.
+    /// The identifier of a lattice point, the same from every face it lies in.
     fn place(&self, f: FaceId, [i, j]: [u32; 2]) -> Place {
         let corners = self.topology.face_vertices(f);
         // barycentric, in pieces
@@ -285,7 +285,7 @@ impl<'a> Cutter<'a> {
         (1, h.edge() as u32, k)
     }
 
-    /// Strings the crossings together.
+    /// Joins the crossings into curves.
     fn curves(&self) -> Vec<SectionCurve> {
         let ends: BTreeSet<&Crossing> = self.next.values().collect();
         let open = self.next.keys().filter(|k| !ends.contains(k));

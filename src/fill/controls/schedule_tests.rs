@@ -148,7 +148,7 @@ fn errors_name_line_and_remedy() {
     assert!(Schedule::default().recording(&invalid).is_err());
 }
 
-/// An energy and its parameter may come in any order: only what they are together is looked at.
+/// An energy and its parameter may come in any order: only the combination is checked.
 #[test]
 fn rows_of_one_attempt_are_one_change() {
     let schedule = schedule(&[

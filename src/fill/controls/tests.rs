@@ -35,7 +35,7 @@ fn invalid_options_are_refused_with_their_place() {
     }
 }
 
-/// A project file may leave out what it does not know yet.
+/// A project file may omit options that were added later.
 #[test]
 fn missing_fields_are_the_defaults() {
     let controls: Controls =

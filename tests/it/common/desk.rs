@@ -1,4 +1,4 @@
-//! A folder of its own for a test, and the program run in it.
+//! A separate folder for each test, and runs of the program in it.
 
 use std::fs;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use super::raw::{self, RawMesh};
 
-/// A folder that is gone after the test.
+/// A folder that is deleted after the test.
 pub struct Desk(TempDir);
 
 impl Desk {

@@ -28,7 +28,7 @@ pub enum Keep {
     Positions,
 }
 
-/// What was measured, and in `failures` what is not as it must be.
+/// The measures; `failures` lists the violated requirements.
 #[derive(Clone, Debug, Default)]
 pub struct Verdict {
     pub failures: Vec<String>,
@@ -142,8 +142,8 @@ fn kept_vertices(
         .collect()
 }
 
-/// The faces the input has not got (compared by corner positions), and reports originals that are
-/// missing.
+/// The faces that are not in the input (compared by corner positions). Also reports originals that
+/// are missing.
 fn added_faces(
     input: &RawMesh,
     output: &RawMesh,

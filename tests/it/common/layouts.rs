@@ -133,7 +133,7 @@ pub fn with_obstacle() -> (Mesh, Vec<BoundaryLoop>) {
     (mesh, gap)
 }
 
-/// Tubes in places and directions of chance that are clear of one another and of what they point to.
+/// Tubes at random places and directions, clear of one another and of what they point to.
 pub fn random(seed: u64) -> Layout {
     let mut random = SplitMix::new(seed);
     let count = 2 + random.below(4);

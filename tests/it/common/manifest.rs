@@ -9,7 +9,7 @@ pub struct Manifest {
     pub cases: Vec<Case>,
 }
 
-/// One file and what is known about it. Indices are 0-based, in file order.
+/// One file and its known properties. Indices are 0-based, in file order.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Case {
     pub name: String,

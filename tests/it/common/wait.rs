@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-/// Time between two looks at a condition.
+/// Time between two checks of a condition.
 const INTERVAL: Duration = Duration::from_millis(5);
 
 /// Calls `found` until it returns something; panics after two minutes.

@@ -2,7 +2,7 @@
 
 use meniscus::random::SplitMix;
 
-/// Numbers at the edges of what readers take.
+/// Numbers at the limits of what readers accept.
 const NUMBERS: [&str; 16] = [
     "0",
     "-0",
@@ -21,7 +21,7 @@ const NUMBERS: [&str; 16] = [
     "nan",
     "-inf",
 ];
-/// Most changes of one input.
+/// Maximum number of changes of one input.
 const MAX_CHANGES: usize = 6;
 
 /// Changes an input in a few places. `seeds` lend pieces, `words` belong to the format.
@@ -63,7 +63,7 @@ fn piece_end(bytes: &[u8], at: usize, random: &mut SplitMix) -> usize {
     (at + random.below(longest) + 1).min(bytes.len())
 }
 
-/// Puts `number` in the place of the first run of digits from `at` on.
+/// Replaces the first run of digits from `at` on by `number`.
 fn replace_number(input: &mut Vec<u8>, at: usize, number: &str) {
     let Some(start) = (at..input.len()).find(|&i| input[i].is_ascii_digit()) else {
         return;
