@@ -10,8 +10,8 @@ use crate::subdivision::{Rule, elements};
 use crate::surface::each_point;
 
 /// Relative errors of area and `∫ H² dA` at three densities have the orders of docs/accuracy.md:
-/// fourth on a regular grid, and lower at vertices of valence 5, where the curvature of Loop's
-/// surfaces does not converge to that of the approximated surface.
+/// fourth on a regular grid, and lower at vertices of valence 5, where Loop's surfaces
+/// cannot have the curvature of the approximated surface.
 #[test]
 fn integrals_have_their_orders() {
     let clifford = 2.0_f64.sqrt();
