@@ -114,7 +114,7 @@ pub struct FlowArguments {
     /// Energy, method, time step and the like.
     #[command(flatten)]
     pub controls: OptionArguments<Controls>,
-    /// Repeat the changes on the way of an earlier fill: CSV with the columns
+    /// Repeat the changes of an earlier fill: CSV with the columns
     /// attempt,control,value, as the window copies it.
     #[arg(long, value_name = "FILE.csv")]
     pub schedule: Option<PathBuf>,

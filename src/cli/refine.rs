@@ -52,7 +52,7 @@ struct RefineReport<'a> {
     faces: usize,
     /// Whether every level converged.
     converged: bool,
-    /// Whether the vertices of the input are where they were, to the bit.
+    /// Whether the input vertices are unchanged, bit by bit.
     input_kept: bool,
     /// Pairs of intersecting triangles of the result (at most 1000), and of the input.
     self_intersections: usize,

@@ -1,7 +1,7 @@
 //! What can be done to a mesh, as data.
 //!
-//! An [`Operation`] holds everything that is needed to do it, and to do it again with the same
-//! result to the bit. The commands of the command line make operations and run them, the window's
+//! An [`Operation`] holds everything that is needed to do it, and to do it again with a
+//! bit-identical result. The commands of the command line make operations and run them, the window's
 //! document is a list of them, the project file holds them (`serde`), and [`Operation::command`]
 //! is the command line that repeats one.
 //!

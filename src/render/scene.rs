@@ -75,7 +75,7 @@ impl Geometry {
     }
 
     /// Some of its faces, of `faces` that have equally many triangles, one after the other; `flags`
-    /// are added. Drawn after the whole it covers that, since the corners are the same to the bit.
+    /// are added. Drawn after the whole it covers that, since the corners are bit-identical.
     #[must_use]
     pub fn part(&self, places: &[usize], faces: usize, flags: u32) -> Self {
         let each = self.triangles.len() / faces.max(1);
