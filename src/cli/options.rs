@@ -93,9 +93,8 @@ mod tests {
     use super::*;
     use crate::cli::{Arguments, Command};
     use crate::fill::{Continuity, Controls, Linear};
-    use crate::options::TauChoice;
     use crate::refine::{BoundaryRule, Hold, Method, RefineControls};
-    use crate::solver::{Mode, Scheme};
+    use crate::solver::{Mode, Scheme, Tau};
 
     fn parsed(command: &str, arguments: &[String]) -> Command {
         let words = ["meniscus", command, "a.obj", "-o", "b.obj"].map(String::from);
@@ -127,7 +126,7 @@ mod tests {
             scheme: Scheme::MixedCorrected,
             mode: Mode::Flow,
             linear: Linear::Lu,
-            tau: TauChoice::Fixed(1e-7),
+            tau: Tau::Fixed(1e-7),
             growth: Some(1.3),
             relaxation: 0.5,
             tension: 0.125,
@@ -155,7 +154,7 @@ mod tests {
             corner_angle: 30.5,
             crease_angle: Some(1.0 / 3.0),
             mode: Mode::Flow,
-            tau: TauChoice::Fixed(0.25),
+            tau: Tau::Fixed(0.25),
             growth: Some(1.5),
             bulge: -0.5,
             steps: 7,

@@ -5,10 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::*;
 use crate::fill::Continuity;
 use crate::mesh::{Mesh, Topology, boundary_loops};
-use crate::options::TauChoice;
 use crate::refine::Method;
 use crate::shapes;
-use crate::solver::Mode;
+use crate::solver::{Mode, Tau};
 
 /// One operation of each kind, with options that differ from the defaults.
 pub fn samples() -> Vec<Operation> {
@@ -16,7 +15,7 @@ pub fn samples() -> Vec<Operation> {
         energy: "H^2 + a*K^2".into(),
         param: [("a".into(), 0.5)].into(),
         mode: Mode::Flow,
-        tau: TauChoice::Fixed(0.25),
+        tau: Tau::Fixed(0.25),
         loop_continuity: [(1.into(), Continuity::G0)].into(),
         ..Controls::default()
     };

@@ -28,7 +28,7 @@ mod tests;
 pub use choice::Choice;
 pub(crate) use choice::choices;
 pub(crate) use value::text_keys;
-pub use value::{Kind, OptionError, OptionValue, TauChoice};
+pub use value::{Kind, OptionError, OptionValue};
 
 /// One option of the struct `T`.
 pub struct OptionEntry<T> {

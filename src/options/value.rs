@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::str::FromStr;
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer};
 
 /// Why a text is no value of an option.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -211,36 +211,5 @@ where
         let set = to.iter().filter(|(k, v)| self.get(k) != Some(v));
         let set = set.map(|(k, v)| format!("{k}={}", v.text().unwrap_or_default()));
         removed.chain(set).collect()
-    }
-}
-
-/// How the time step is chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TauChoice {
-    /// Grown after accepted, shrunk after rejected steps.
-    #[default]
-    Auto,
-    /// Always this one (length² / unit of f).
-    Fixed(f64),
-}
-
-impl OptionValue for TauChoice {
-    fn text(&self) -> Option<String> {
-        Some(match self {
-            Self::Auto => AUTO.into(),
-            Self::Fixed(tau) => number(*tau),
-        })
-    }
-
-    fn set(&mut self, text: &str, _: &str) -> Result<(), OptionError> {
-        *self = match text {
-            AUTO => Self::Auto,
-            _ => Self::Fixed(parsed(text).map_err(|error| OptionError {
-                remedy: "write `auto` or a positive number".into(),
-                ..error
-            })?),
-        };
-        Ok(())
     }
 }

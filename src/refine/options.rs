@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::energy::{Energy, ExprError, Preset};
 use crate::mesh::{Mesh, dihedral_angle};
-use crate::options::{TauChoice, choices, options};
+use crate::options::{choices, options};
 use crate::refine::BoundaryRule;
 use crate::refine::creases::crease_edges;
 use crate::refine::measures::radius;
@@ -66,7 +66,7 @@ options! {
         /// `fast` computes the stationary shape in few steps, `flow` follows the flow in true time.
         mode: Mode = Mode::default(),
         /// Time step: auto, or a fixed one (length^2 / unit of f).
-        tau("T"): TauChoice = TauChoice::default(),
+        tau("T"): Tau = Tau::default(),
         /// Factor of an adaptive time step after an accepted step [default: 10 in fast mode, 1.3 in
         /// flow mode].
         growth("F"): Option<f64> = None,
@@ -119,11 +119,7 @@ impl RefineControls {
         let mut flow = FlowOptions::new(energy);
         flow.tension = self.tension.unwrap_or(tension);
         flow.mode = self.mode;
-        flow.tau = match self.tau {
-            TauChoice::Auto => Tau::Auto,
-            TauChoice::Fixed(tau) => Tau::Fixed(tau),
-        };
-        (flow.growth, flow.bulge) = (self.growth, self.bulge);
+        (flow.tau, flow.growth, flow.bulge) = (self.tau, self.growth, self.bulge);
         flow.max_steps = self.steps;
         flow.validate()?;
         Ok(flow)

@@ -48,6 +48,8 @@ pub struct RunSettings {
 pub trait RunControls: Options {
     /// Options that take effect only at the start.
     const FIXED: &'static [&'static str];
+    /// The options, by name and text, with which a run reaches its end in the fewest steps.
+    const FASTEST: &'static [(&'static str, &'static str)];
     /// Why controls are invalid.
     type Error: std::error::Error + Send + Sync + 'static;
 
@@ -56,13 +58,6 @@ pub trait RunControls: Options {
     /// # Errors
     /// The first invalid option.
     fn validate(&self) -> Result<(), Self::Error>;
-
-    /// The same controls with the settings that reach the end in the fewest steps.
-    #[must_use]
-    fn fast(&self) -> Self;
-
-    /// Whether both have the same values of the settings that [`Self::fast`] replaces.
-    fn same_pace(&self, other: &Self) -> bool;
 }
 
 /// A part of a process that keeps its previous controls or state.

@@ -24,6 +24,7 @@ struct AddsNothing;
 
 impl RunControls for CounterControls {
     const FIXED: &'static [&'static str] = &["start"];
+    const FASTEST: &'static [(&'static str, &'static str)] = &[("add", "100")];
     type Error = AddsNothing;
 
     fn validate(&self) -> Result<(), AddsNothing> {
@@ -32,17 +33,6 @@ impl RunControls for CounterControls {
         } else {
             Ok(())
         }
-    }
-
-    fn fast(&self) -> Self {
-        Self {
-            add: 100,
-            ..self.clone()
-        }
-    }
-
-    fn same_pace(&self, other: &Self) -> bool {
-        self.add == other.add
     }
 }
 

@@ -1,7 +1,9 @@
 //! Step size, acceptance and the stopping rule (formulation, section 6).
 
+use serde::{Deserialize, Serialize};
+
 use crate::linear::GmresReport;
-use crate::options::choices;
+use crate::options::{OptionError, OptionValue, choices};
 use crate::solver::assembly::EnergySum;
 use crate::solver::record::RejectReason;
 
@@ -18,16 +20,37 @@ pub enum Mode {
 choices!(Mode: Fast "fast", Flow "flow");
 
 /// How the time step is chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Tau {
     /// Adaptive: grows after accepted steps and shrinks after rejected ones.
     #[default]
     Auto,
-    /// Adapted like `Auto` from this first step (length² / unit of f).
-    From(f64),
     /// Always this value (length² / unit of f), reduced only where a step is rejected.
     Fixed(f64),
 }
+
+impl OptionValue for Tau {
+    fn text(&self) -> Option<String> {
+        match self {
+            Self::Auto => Some("auto".into()),
+            Self::Fixed(tau) => tau.text(),
+        }
+    }
+
+    fn set(&mut self, text: &str, form: &str) -> Result<(), OptionError> {
+        let mut tau = None;
+        tau.set(text, form).map_err(|error| OptionError {
+            remedy: "write `auto` or a positive number".into(),
+            ..error
+        })?;
+        *self = tau.map_or(Self::Auto, Self::Fixed);
+        Ok(())
+    }
+}
+
+/// The options of a run that reaches the stationary shape in the fewest steps, by name and text.
+pub const FASTEST: &[(&str, &str)] = &[("mode", "fast"), ("tau", "auto"), ("growth", "auto")];
 
 /// How a step was computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,7 +172,6 @@ impl StepSizeControl {
     pub fn new(mode: Mode, tau: Tau, tau_ref: f64, gentle: f64, growth: Option<f64>) -> Self {
         let (start, wanted) = match (tau, mode) {
             (Tau::Fixed(t), _) => (t, Some(t)),
-            (Tau::From(t), _) => (t, None),
             (Tau::Auto, Mode::Fast) => (2.0 * tau_ref, None),
             (Tau::Auto, Mode::Flow) => {
                 let [least, most] = FIRST.map(|part| part * tau_ref);

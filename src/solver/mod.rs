@@ -28,7 +28,7 @@ mod stepper;
 mod unknowns;
 
 pub use assembly::{Assembler, EnergySum, MatrixForm};
-pub use control::{Attempt, FLOW_GROWTH, Mode, STOP, StepKind, StepSizeControl, Tau};
+pub use control::{Attempt, FASTEST, FLOW_GROWTH, Mode, STOP, StepKind, StepSizeControl, Tau};
 pub use discretization::Discretization;
 pub use error::SolverError;
 pub use evaluator::State;

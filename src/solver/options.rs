@@ -82,7 +82,7 @@ impl FlowOptions {
     /// # Errors
     /// [`SolverError::BadOption`] naming the option that is out of range.
     pub fn validate(&self) -> Result<(), SolverError> {
-        if let Tau::Fixed(t) | Tau::From(t) = self.tau
+        if let Tau::Fixed(t) = self.tau
             && !(t.is_finite() && t > 0.0)
         {
             return Err(SolverError::BadOption {

@@ -10,10 +10,10 @@ use meniscus::fill::{
 };
 use meniscus::io::{open, save_mesh};
 use meniscus::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, boundary_loops};
-use meniscus::options::{Options, TauChoice};
+use meniscus::options::Options;
 use meniscus::runner::{Event, Refused, RunSettings, Schedule};
 use meniscus::shapes::{self, Hole, HoleShape};
-use meniscus::solver::{End, Mode, Scheme};
+use meniscus::solver::{End, Mode, Scheme, Tau};
 
 /// A sphere with two holes near each other and one apart.
 fn mesh() -> (Arc<Mesh>, Vec<BoundaryLoop>) {
@@ -154,13 +154,13 @@ fn changes_on_the_way_are_repeated_to_the_bit() {
     live.fill.set_controls(&controls).expect("fine");
     live.steps(3);
     let marked = live.latest();
-    controls.tau = TauChoice::Fixed(1e-4);
+    controls.tau = Tau::Fixed(1e-4);
     live.fill.set_controls(&controls).expect("fine");
     controls.relaxation = 0.5;
     live.fill.set_controls(&controls).expect("fine");
     live.steps(3);
     controls.density = 1.5;
-    controls.tau = TauChoice::Auto;
+    controls.tau = Tau::Auto;
     live.fill.set_controls(&controls).expect("fine");
     live.steps(3);
     assert!(!Arc::ptr_eq(marked.topology(), live.latest().topology()));

@@ -8,14 +8,14 @@ use std::time::Duration;
 
 use meniscus::io::{open, save_mesh};
 use meniscus::mesh::{Mesh, Topology};
-use meniscus::options::{Options, TauChoice};
+use meniscus::options::Options;
 use meniscus::refine::{
     LiveRefine, Method, RefineControls, RefineEvent, RefineSnapshot, Refined, Refinement,
     refine_recorded,
 };
 use meniscus::runner::{Event, RunSettings, Schedule};
 use meniscus::shapes;
-use meniscus::solver::Mode;
+use meniscus::solver::{Mode, Tau};
 
 fn mesh() -> Arc<Mesh> {
     let (positions, triangles) = shapes::sphere(30, 3);
@@ -180,9 +180,9 @@ fn it_waits_steps_changes_and_stops() {
     live.until(|live| live.status().attempts == 1);
     let mut changed = controls(Method::Pde);
     changed.energy = Some("1".into());
-    (changed.mode, changed.tau) = (Mode::Flow, TauChoice::Fixed(f64::NAN));
+    (changed.mode, changed.tau) = (Mode::Flow, Tau::Fixed(f64::NAN));
     assert!(live.live.set_controls(&changed).is_err());
-    changed.tau = TauChoice::Auto;
+    changed.tau = Tau::Auto;
     live.live.set_controls(&changed).expect("options");
     live.live.step();
     live.until(|live| live.status().attempts == 2);

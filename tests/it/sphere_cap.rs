@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 
 use meniscus::energy::Energy;
 use meniscus::mesh::{DVec3, Topology, VertexId};
-use meniscus::solver::{
-    Assembler, End, EnergySum, Flow, FlowOptions, FlowProblem, Mode, Tau, Unknowns,
-};
+use meniscus::solver::{Assembler, End, EnergySum, Flow, FlowOptions, FlowProblem, Mode, Unknowns};
 use meniscus::subdivision::Rule;
 use meniscus::warning::Warning;
 
@@ -194,8 +192,7 @@ fn flow_reaches_the_reference_minimum() {
         let problem = FlowProblem::new(&start, &faces, &interior, 1.0).expect("cap");
         let mut options = FlowOptions::new(energy(name));
         options.mode = Mode::Flow;
-        // quadrature, first step and growth as the reference was computed
-        options.tau = Tau::From(1e-6);
+        // quadrature and growth as the reference was computed
         options.growth = Some(4.0);
         options.quadrature = Rule::Twelve;
         let mut flow = Flow::new(problem, options).expect("start");

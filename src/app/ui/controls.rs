@@ -8,8 +8,7 @@ use crate::app::document::window_controls;
 use crate::app::model::Model;
 use crate::app::view_state::Task;
 use crate::fill::{Continuity, Controls, Linear};
-use crate::options::TauChoice;
-use crate::solver::{FLOW_GROWTH, Mode, Scheme};
+use crate::solver::{FLOW_GROWTH, Mode, Scheme, Tau};
 
 /// All controls of a run; each acts at the next step.
 pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -113,7 +112,7 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
         .as_ref()
         .and_then(|r| r.sides.first())
         .and_then(|s| s.handle.tau());
-    let mut fixed = matches!(next.tau, TauChoice::Fixed(_));
+    let mut fixed = matches!(next.tau, Tau::Fixed(_));
     ui.horizontal_wrapped(|ui| {
         ui.label("Time step τ");
         ui.selectable_value(&mut fixed, false, "auto")
@@ -123,14 +122,14 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
     });
     let unit = reference.map_or(1.0, |(_, tau_ref)| tau_ref);
     match (fixed, next.tau) {
-        (false, TauChoice::Fixed(_)) => next.tau = TauChoice::Auto,
-        (true, TauChoice::Auto) => {
+        (false, Tau::Fixed(_)) => next.tau = Tau::Auto,
+        (true, Tau::Auto) => {
             let start = reference.map_or(1e-4, |(tau, tau_ref)| tau.min(1e-2 * tau_ref));
-            next.tau = TauChoice::Fixed(start);
+            next.tau = Tau::Fixed(start);
         }
         _ => {}
     }
-    if let TauChoice::Fixed(tau) = next.tau {
+    if let Tau::Fixed(tau) = next.tau {
         ui.horizontal_wrapped(|ui| {
             let mut relative = tau / unit;
             let name = if reference.is_some() {
@@ -140,7 +139,7 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
             };
             let tip = format!("τ = {tau:.3e} length² / unit of f");
             if slider(ui, name, &tip, &mut relative, 1e-8..=1e4) {
-                next.tau = TauChoice::Fixed(relative * unit);
+                next.tau = Tau::Fixed(relative * unit);
             }
         });
     } else if next.mode == Mode::Flow {

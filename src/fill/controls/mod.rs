@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use crate::energy::{Energy, ExprError};
 use crate::fill::options::{Continuity, FillOptions};
 use crate::mesh::LoopId;
-use crate::options::{TauChoice, choices, options, text_keys};
+use crate::options::{choices, options, text_keys};
 use crate::patch::PatchOptions;
 use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, SolverError, Tau};
 
@@ -48,7 +48,7 @@ options! {
         /// Linear solver of the mixed schemes.
         linear: Linear = Linear::default(),
         /// Time step: auto, or a fixed one (length^2 / unit of f).
-        tau("T"): TauChoice = TauChoice::default(),
+        tau("T"): Tau = Tau::default(),
         /// Factor of an adaptive time step after an accepted step [default: 10 in fast mode, 1.3 in
         /// flow mode].
         growth("F"): Option<f64> = None,
@@ -123,10 +123,7 @@ impl Controls {
             Linear::Gmres => LinearSolver::default(),
             Linear::Lu => LinearSolver::Lu,
         };
-        flow.tau = match self.tau {
-            TauChoice::Auto => Tau::Auto,
-            TauChoice::Fixed(tau) => Tau::Fixed(tau),
-        };
+        flow.tau = self.tau;
         flow.tension = self.tension;
         flow.bulge = self.bulge;
         flow.growth = self.growth;

@@ -12,7 +12,7 @@ fn changed() -> Controls {
         scheme: Scheme::Mixed,
         mode: Mode::Flow,
         linear: Linear::Lu,
-        tau: TauChoice::Fixed(0.1 + 0.2),
+        tau: Tau::Fixed(0.1 + 0.2),
         growth: Some(1.7),
         relaxation: 0.25,
         tension: 0.125,
@@ -167,7 +167,7 @@ fn rows_of_one_attempt_are_one_change() {
 fn finishing_lasts_until_the_pace_is_changed() {
     let start = Controls {
         mode: Mode::Flow,
-        tau: TauChoice::Fixed(0.5),
+        tau: Tau::Fixed(0.5),
         ..Controls::default()
     };
     let schedule = schedule(&[

@@ -27,7 +27,7 @@ fn invalid_options_are_refused_with_their_place() {
             &(|c: &mut Controls| c.density = 0.0) as &dyn Fn(&mut Controls),
             "density",
         ),
-        (&|c| c.tau = TauChoice::Fixed(f64::NAN), "tau"),
+        (&|c| c.tau = Tau::Fixed(f64::NAN), "tau"),
         (&|c| c.growth = Some(0.5), "growth"),
         (&|c| c.relaxation = f64::NAN, "relaxation"),
     ] {
@@ -40,10 +40,10 @@ fn invalid_options_are_refused_with_their_place() {
 fn missing_fields_are_the_defaults() {
     let controls: Controls =
         serde_json::from_str(r#"{"energy":"K^2","tau":{"fixed":0.5}}"#).expect("controls");
-    assert_eq!(controls.tau, TauChoice::Fixed(0.5));
+    assert_eq!(controls.tau, Tau::Fixed(0.5));
     let wanted = Controls {
         energy: "K^2".into(),
-        tau: TauChoice::Fixed(0.5),
+        tau: Tau::Fixed(0.5),
         ..Controls::default()
     };
     assert_eq!(controls, wanted);
@@ -83,7 +83,7 @@ fixed = 0.25
         scheme: Scheme::MixedCorrected,
         mode: Mode::Flow,
         linear: Linear::Lu,
-        tau: TauChoice::Fixed(0.25),
+        tau: Tau::Fixed(0.25),
         relaxation: 0.5,
         density: 1.5,
         continuity: Continuity::G0,

@@ -20,11 +20,10 @@ use crate::fill::plan::Plan;
 use crate::fill::prepare::prepare;
 use crate::fill::{Controls, ControlsError, FillError, FillOptions, RefillError, with_islands};
 use crate::mesh::{BoundaryLoop, LoopId, Mesh, boundary_loops};
-use crate::options::TauChoice;
 use crate::runner::{
     Process, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline, Wake,
 };
-use crate::solver::Mode;
+use crate::solver::FASTEST;
 
 pub use events::{FillEvent, GroupStatus};
 pub(super) use group::{GroupProcess, GroupProgress};
@@ -52,24 +51,11 @@ enum Task {
 
 impl RunControls for Controls {
     const FIXED: &'static [&'static str] = &[];
+    const FASTEST: &'static [(&'static str, &'static str)] = FASTEST;
     type Error = ControlsError;
 
     fn validate(&self) -> Result<(), ControlsError> {
         self.options().map(|_| ())
-    }
-
-    fn fast(&self) -> Self {
-        Self {
-            mode: Mode::Fast,
-            tau: TauChoice::Auto,
-            growth: None,
-            ..self.clone()
-        }
-    }
-
-    fn same_pace(&self, other: &Self) -> bool {
-        let pace = |c: &Self| (c.mode, c.tau, c.growth);
-        pace(self) == pace(other)
     }
 }
 

@@ -9,7 +9,6 @@ mod state;
 use std::sync::Arc;
 
 use crate::mesh::Mesh;
-use crate::options::TauChoice;
 use crate::refine::levels::SavedState;
 use crate::refine::{
     LevelReport, Progress, RefineControls, RefineError, RefineOptions, Refined, Refinement,
@@ -18,7 +17,7 @@ use crate::runner::{
     Process, Recording, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline,
     Wake, replay,
 };
-use crate::solver::{Mode, StepRecord};
+use crate::solver::{FASTEST, StepRecord};
 pub use state::{LevelFrame, RefineState};
 
 /// A refinement running in the background.
@@ -75,24 +74,11 @@ pub struct RefineStatus {
 impl RunControls for RefineControls {
     const FIXED: &'static [&'static str] =
         &["method", "hold", "boundary", "corner-angle", "crease-angle"];
+    const FASTEST: &'static [(&'static str, &'static str)] = FASTEST;
     type Error = RefineError;
 
     fn validate(&self) -> Result<(), RefineError> {
         self.check()
-    }
-
-    fn fast(&self) -> Self {
-        Self {
-            mode: Mode::Fast,
-            tau: TauChoice::Auto,
-            growth: None,
-            ..self.clone()
-        }
-    }
-
-    fn same_pace(&self, other: &Self) -> bool {
-        let pace = |c: &Self| (c.mode, c.tau, c.growth);
-        pace(self) == pace(other)
     }
 }
 
