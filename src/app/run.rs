@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use super::document::{Document, left_of};
 use super::jobs::Wake;
 use super::log::Level;
-use crate::fill::{Controls, ErasedRegion, LiveFill, open_selection};
+use crate::fill::{Controls, ErasedRegion, FillTask, LiveFill, open_selection};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
 use crate::ops::Operation;
 use crate::runner::RunSettings;
@@ -114,18 +114,19 @@ impl Run {
             _ => return Err("unsupported operation".into()),
         }
         let spawn = |operation: &Operation, controls: Controls| {
-            let (mesh, wake) = (Arc::clone(&base), Arc::clone(wake));
-            let loops = loops.clone();
-            match operation {
-                Operation::Fair(spec) => {
-                    let flags = face_flags(&spec.faces, mesh.face_count());
-                    LiveFill::spawn_fair(mesh, flags, controls, settings(pace), wake)
-                }
-                Operation::Blend(_) => {
-                    LiveFill::spawn_blend(mesh, loops, controls, settings(pace), wake)
-                }
-                _ => LiveFill::spawn(mesh, loops, controls, settings(pace), wake),
-            }
+            let ids = || loops.iter().map(|l| l.id).collect();
+            let task = match operation {
+                Operation::Fair(spec) => FillTask::Fair(face_flags(&spec.faces, base.face_count())),
+                Operation::Blend(_) => FillTask::Blend(ids()),
+                _ => FillTask::Holes(ids()),
+            };
+            LiveFill::spawn(
+                Arc::clone(&base),
+                task,
+                controls,
+                settings(pace),
+                Arc::clone(wake),
+            )
         };
         let sides = operations.iter().zip(["A", "B"]);
         let sides = sides

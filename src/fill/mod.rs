@@ -42,8 +42,8 @@ pub use options::{Continuity, FillOptions};
 pub use partial::{PartialError, fill_part};
 pub use prepare::flow_problem;
 pub use process::{
-    FillEvent, FillProcess, FillSnapshot, FillState, FillTimeline, GroupState, GroupStatus,
-    LiveFill,
+    FillEvent, FillProcess, FillSnapshot, FillState, FillTask, FillTimeline, GroupState,
+    GroupStatus, LiveFill,
 };
 pub use refill::{ErasedRegion, Refilled, fair, open_selection, refill};
 pub use result::{FillError, Filled, FilledHole, GroupResult, RefillError, Timings};

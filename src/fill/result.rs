@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::time::Instant;
 
+use crate::fill::select::NoSuchLoop;
 use crate::mesh::{LoopId, Mesh, TopologyError, VertexId};
 use crate::patch::PatchError;
 use crate::solver::{End, Outcome, SolverError, StepRecord};
@@ -53,6 +54,9 @@ pub enum RefillError {
         /// Faces selected.
         faces: usize,
     },
+    /// A boundary loop that does not exist.
+    #[error(transparent)]
+    NoSuchLoop(#[from] NoSuchLoop),
     /// Filling failed as a whole.
     #[error(transparent)]
     Fill(#[from] FillError),

@@ -6,7 +6,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Duration;
 
 use meniscus::fill::{
-    Continuity, Controls, FillEvent, FillSnapshot, LiveFill, ScheduledOptions, fill_rim_sets,
+    Continuity, Controls, FillEvent, FillSnapshot, FillTask, LiveFill, ScheduledOptions,
+    fill_rim_sets,
 };
 use meniscus::io::{open, save_mesh};
 use meniscus::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, boundary_loops};
@@ -37,6 +38,14 @@ fn mesh() -> (Arc<Mesh>, Vec<BoundaryLoop>) {
     (Arc::new(mesh), loops)
 }
 
+fn ids(loops: &[BoundaryLoop]) -> Vec<LoopId> {
+    loops.iter().map(|l| l.id).collect()
+}
+
+fn holes(loops: &[BoundaryLoop]) -> FillTask {
+    FillTask::Holes(ids(loops))
+}
+
 struct Watched {
     fill: LiveFill,
     woken: Receiver<()>,
@@ -51,12 +60,12 @@ impl Watched {
             pace: None,
             timeline_bytes: 1 << 24,
         };
-        Self::of(mesh, loops, controls, settings)
+        Self::of(mesh, &loops, controls, settings)
     }
 
     fn of(
         mesh: Arc<Mesh>,
-        loops: Vec<BoundaryLoop>,
+        loops: &[BoundaryLoop],
         controls: &Controls,
         settings: RunSettings,
     ) -> Self {
@@ -64,7 +73,8 @@ impl Watched {
         let wake = Arc::new(move || {
             bell.send(()).ok();
         });
-        let fill = LiveFill::spawn(mesh, loops, controls.clone(), settings, wake).expect("thread");
+        let fill =
+            LiveFill::spawn(mesh, holes(loops), controls.clone(), settings, wake).expect("thread");
         Self {
             fill,
             woken,
@@ -279,7 +289,7 @@ fn the_timeline_keeps_its_bounds_and_both_ends() {
             pace: None,
             timeline_bytes,
         };
-        let mut live = Watched::of(mesh, loops, &flow(), settings);
+        let mut live = Watched::of(mesh, &loops, &flow(), settings);
         live.until(|fill, _| fill.ended());
         live.fill.timeline()
     };
@@ -315,7 +325,7 @@ fn a_dropped_fill_ends() {
     let wake = Arc::new(move || {
         bell.send(()).ok();
     });
-    drop(LiveFill::spawn(mesh, loops, flow(), settings, wake).expect("thread"));
+    drop(LiveFill::spawn(mesh, holes(&loops), flow(), settings, wake).expect("thread"));
     // the thread drops its end of the bell, although the next round is ten seconds away
     while woken.recv_timeout(Duration::from_mins(1)).is_ok() {}
     assert!(matches!(woken.try_recv(), Err(TryRecvError::Disconnected)));
@@ -336,7 +346,7 @@ fn the_command_line_repeats_a_run_to_the_byte() {
         pace: None,
         timeline_bytes: 1 << 24,
     };
-    let mut live = Watched::of(Arc::clone(&mesh), loops, &controls, settings);
+    let mut live = Watched::of(Arc::clone(&mesh), &loops, &controls, settings);
     live.until(|_, events| events.iter().any(|e| matches!(e, Event::Started)));
     live.steps(3);
     let mut changed = controls.clone();
@@ -399,7 +409,8 @@ fn a_surface_that_runs_into_the_mesh_pauses_there() {
     let wake = Arc::new(move || {
         bell.send(()).ok();
     });
-    let spawned = LiveFill::spawn_blend(Arc::new(mesh), loops, Controls::default(), settings, wake);
+    let task = FillTask::Blend(ids(&loops));
+    let spawned = LiveFill::spawn(Arc::new(mesh), task, Controls::default(), settings, wake);
     let fill = spawned.expect("thread");
     let mut live = Watched {
         fill,

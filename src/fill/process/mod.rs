@@ -18,8 +18,10 @@ use crate::fill::context::FillContext;
 use crate::fill::fairing::plan_fairing;
 use crate::fill::plan::Plan;
 use crate::fill::prepare::prepare;
-use crate::fill::{Controls, ControlsError, FillError, FillOptions, RefillError, with_islands};
-use crate::mesh::{BoundaryLoop, LoopId, Mesh, boundary_loops};
+use crate::fill::{
+    Controls, ControlsError, FillError, FillOptions, LoopChoice, RefillError, choose, with_islands,
+};
+use crate::mesh::{LoopId, Mesh, boundary_loops};
 use crate::runner::{
     Process, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline, Wake,
 };
@@ -38,14 +40,14 @@ pub type FillSnapshot = Snapshot<FillState>;
 /// The stored states of a fill.
 pub type FillTimeline = Timeline<FillState>;
 
-/// What is made of the mesh.
+/// What is made of a mesh.
 #[derive(Clone, Debug)]
-enum Task {
+pub enum FillTask {
     /// Each of these loops gets a patch of its own, islands included.
-    Holes(Vec<BoundaryLoop>),
+    Holes(Vec<LoopId>),
     /// One patch joins these loops.
-    Blend(Vec<BoundaryLoop>),
-    /// The inner vertices of the selected faces flow.
+    Blend(Vec<LoopId>),
+    /// The inner vertices of the selected faces (one flag each) flow; the triangles stay.
     Fair(Vec<bool>),
 }
 
@@ -60,54 +62,15 @@ impl RunControls for Controls {
 }
 
 impl Runner<FillProcess> {
-    /// Starts the fill of the given loops of a mesh, each with the islands in it. `wake` is called
-    /// from the background thread whenever there is something to [poll](Self::poll).
+    /// Starts a task on a mesh. `wake` is called from the background thread whenever there is
+    /// something to [poll](Self::poll). A task that does not fit the mesh comes back as
+    /// [`Event::Failed`](crate::runner::Event::Failed).
     ///
     /// # Errors
     /// Invalid controls, or no thread is left.
     pub fn spawn(
         mesh: Arc<Mesh>,
-        loops: Vec<BoundaryLoop>,
-        controls: Controls,
-        settings: RunSettings,
-        wake: Wake,
-    ) -> Result<Self, StartError<ControlsError>> {
-        Self::spawn_task(mesh, Task::Holes(loops), controls, settings, wake)
-    }
-
-    /// Starts the blend of the given loops of a mesh: one patch joins them all.
-    ///
-    /// # Errors
-    /// As [`Self::spawn`].
-    pub fn spawn_blend(
-        mesh: Arc<Mesh>,
-        loops: Vec<BoundaryLoop>,
-        controls: Controls,
-        settings: RunSettings,
-        wake: Wake,
-    ) -> Result<Self, StartError<ControlsError>> {
-        Self::spawn_task(mesh, Task::Blend(loops), controls, settings, wake)
-    }
-
-    /// Starts the fairing of the selected faces (one flag each): their inner vertices flow, the
-    /// triangles stay. A selection without inner vertices comes back as
-    /// [`Event::Failed`](crate::runner::Event::Failed).
-    ///
-    /// # Errors
-    /// As [`Self::spawn`].
-    pub fn spawn_fair(
-        mesh: Arc<Mesh>,
-        selected: Vec<bool>,
-        controls: Controls,
-        settings: RunSettings,
-        wake: Wake,
-    ) -> Result<Self, StartError<ControlsError>> {
-        Self::spawn_task(mesh, Task::Fair(selected), controls, settings, wake)
-    }
-
-    fn spawn_task(
-        mesh: Arc<Mesh>,
-        task: Task,
+        task: FillTask,
         controls: Controls,
         settings: RunSettings,
         wake: Wake,
@@ -126,14 +89,6 @@ impl Runner<FillProcess> {
     }
 }
 
-/// The loops, ascending and unique, as on the command line.
-fn ids(loops: &[BoundaryLoop]) -> Vec<LoopId> {
-    let mut ids: Vec<LoopId> = loops.iter().map(|l| l.id).collect();
-    ids.sort_unstable();
-    ids.dedup();
-    ids
-}
-
 /// A fill of any number of groups of holes.
 pub struct FillProcess {
     mesh: Arc<Mesh>,
@@ -148,19 +103,25 @@ pub struct FillProcess {
 impl FillProcess {
     fn new(
         mesh: Arc<Mesh>,
-        task: Task,
+        task: FillTask,
         options: &FillOptions,
         cancelled: Arc<AtomicBool>,
     ) -> Result<Self, RefillError> {
         // any loop may be the rim of an island
         let loops = boundary_loops(&mesh);
+        let chosen = |listed| choose(&loops, &LoopChoice::Listed(listed));
         let mut plan = match task {
-            Task::Fair(selected) => plan_fairing(&mesh, &selected)?,
-            Task::Holes(chosen) => {
-                prepare(&mesh, &with_islands(&mesh, &loops, &ids(&chosen)), options)
-            }
-            Task::Blend(chosen) => {
-                let rims = ids(&chosen).iter().map(|id| &loops[id.index()]).collect();
+            FillTask::Fair(selected) => plan_fairing(&mesh, &selected)?,
+            FillTask::Holes(listed) => prepare(
+                &mesh,
+                &with_islands(&mesh, &loops, &chosen(listed)?),
+                options,
+            ),
+            FillTask::Blend(listed) => {
+                let rims = chosen(listed)?
+                    .iter()
+                    .map(|id| &loops[id.index()])
+                    .collect();
                 prepare(&mesh, &[rims], options)
             }
         };
