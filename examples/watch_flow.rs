@@ -19,9 +19,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                 step.step,
                 step.energy,
                 step.residual,
-                if step.rejected { ", rejected" } else { "" }
+                if step.is_rejected() { ", rejected" } else { "" }
             );
-            step.rejected || step.residual >= 1e-3
+            step.is_rejected() || step.residual >= 1e-3
         })
         .run()?;
     for group in filled.groups {

@@ -285,8 +285,8 @@ impl RunVariant {
         }
         let curve = &mut self.curves[group];
         curve.attempts += 1;
-        if record.rejected {
-            curve.rejection.clone_from(&record.reason);
+        if record.is_rejected() {
+            curve.rejection.clone_from(&record.rejection);
             return;
         }
         let x = curve.attempts as f64;

@@ -40,7 +40,7 @@ impl Work {
             Self::Fairing => format!("fairing, {total} steps"),
             Self::Refinement => format!("level {group}, {} steps", record.step),
         };
-        let last = match &record.reason {
+        let last = match &record.rejection {
             Some(reason) => format!("rejected: {reason}"),
             None => format!("residual {:.1e}", record.residual),
         };
@@ -102,8 +102,7 @@ mod tests {
             tau: 1.0,
             energy: 2.0,
             residual: f64::NAN,
-            rejected: true,
-            reason: Some(RejectReason::NoDescent),
+            rejection: Some(RejectReason::NoDescent),
             kind: StepKind::Factorized,
             iterations: None,
             linear_residual: None,

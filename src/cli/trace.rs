@@ -34,9 +34,9 @@ impl Trace {
         let StepRecord {
             step, tau, energy, ..
         } = record;
-        let residual = (!record.rejected).then(|| format!("{:e}", record.residual));
-        let (residual, rejected) = (residual.unwrap_or_default(), u8::from(record.rejected));
-        let reason = record.reason.as_ref().map_or("", |reason| reason.code());
+        let residual = (!record.is_rejected()).then(|| format!("{:e}", record.residual));
+        let (residual, rejected) = (residual.unwrap_or_default(), u8::from(record.is_rejected()));
+        let reason = record.rejection.as_ref().map_or("", |reason| reason.code());
         // a String takes everything
         let _ = writeln!(
             self.0,
@@ -62,16 +62,14 @@ mod tests {
             tau: 0.5,
             energy: 2.0,
             residual: 0.25,
-            rejected: false,
-            reason: None,
+            rejection: None,
             kind: StepKind::Factorized,
             iterations: None,
             linear_residual: None,
         };
         let rejected = StepRecord {
             residual: f64::NAN,
-            rejected: true,
-            reason: Some(RejectReason::NotSolved {
+            rejection: Some(RejectReason::NotSolved {
                 relative_residual: 0.1,
                 iterations: 7,
             }),

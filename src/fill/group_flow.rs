@@ -136,7 +136,7 @@ impl GroupFlow {
         self.timings.flow += milliseconds(start);
         match record {
             Ok(record) => {
-                if record.as_ref().is_some_and(|record| !record.rejected) {
+                if record.as_ref().is_some_and(|record| !record.is_rejected()) {
                     self.remesh_if_degraded(context);
                     self.check_self_intersection(context);
                 }

@@ -82,7 +82,7 @@ impl FullGradientDescent {
             }
             self.advance(&mut path);
             for _ in 0..DESCENTS {
-                if !self.step(tau).accepted {
+                if !self.step(tau).is_accepted() {
                     break;
                 }
             }

@@ -113,7 +113,7 @@ impl LevelFlow {
 
     /// Whether the descent ends with a step.
     fn has_settled(&mut self, record: &StepRecord) -> bool {
-        let Some(energies) = self.descent.as_mut().filter(|_| !record.rejected) else {
+        let Some(energies) = self.descent.as_mut().filter(|_| !record.is_rejected()) else {
             return false;
         };
         energies.push(record.energy);

@@ -66,8 +66,6 @@ pub enum StepKind {
 /// The outcome of one attempted step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attempt {
-    /// Whether the step was accepted.
-    pub accepted: bool,
     /// Largest displacement of a vertex; 0 if rejected.
     pub max_displacement: f64,
     /// The method of its computation.
@@ -76,31 +74,34 @@ pub struct Attempt {
     pub needs_refactorization: bool,
     /// Scheme A: the result of the linear solve.
     pub linear: Option<GmresReport>,
-    /// The reason for a rejection.
-    pub reason: Option<RejectReason>,
+    /// Why the step was rejected; `None` if it was accepted.
+    pub rejection: Option<RejectReason>,
 }
 
 impl Attempt {
     pub(crate) fn accepted(max_displacement: f64, kind: StepKind) -> Self {
         Self {
-            accepted: true,
             max_displacement,
             kind,
             needs_refactorization: false,
             linear: None,
-            reason: None,
+            rejection: None,
         }
     }
 
     pub(crate) fn rejected(reason: RejectReason) -> Self {
         Self {
-            accepted: false,
             max_displacement: 0.0,
             kind: StepKind::Factorized,
             needs_refactorization: false,
             linear: None,
-            reason: Some(reason),
+            rejection: Some(reason),
         }
+    }
+
+    /// Whether the step was accepted.
+    pub fn is_accepted(&self) -> bool {
+        self.rejection.is_none()
     }
 }
 

@@ -262,11 +262,11 @@ impl Flow {
             may_freeze: quick && self.factorized + 1 >= FACTORIZED_STEPS,
         });
         let mut record = self.record(&attempt, tau);
-        if attempt.accepted && relaxing {
+        if attempt.is_accepted() && relaxing {
             self.relax(before, attempt.max_displacement);
             record.energy = self.energy().value;
         }
-        if attempt.accepted && self.problem.interpolation().is_none() {
+        if attempt.is_accepted() && self.problem.interpolation().is_none() {
             self.watch_necks()?;
         }
         Ok(Some(record))
@@ -313,7 +313,7 @@ impl Flow {
     fn record(&mut self, attempt: &Attempt, tau: f64) -> StepRecord {
         let radius = self.problem.radius();
         let mut residual = f64::NAN;
-        if attempt.accepted {
+        if attempt.is_accepted() {
             self.steps += 1;
             residual = match attempt.kind {
                 StepKind::QuasiNewton => attempt.max_displacement / radius,
@@ -357,8 +357,7 @@ impl Flow {
             tau,
             energy: self.energy().value,
             residual,
-            rejected: !attempt.accepted,
-            reason: attempt.reason.clone(),
+            rejection: attempt.rejection.clone(),
             kind: attempt.kind,
             iterations: attempt.linear.map(|l| l.iterations),
             linear_residual: attempt.linear.map(|l| l.relative_residual),

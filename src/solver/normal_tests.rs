@@ -25,7 +25,7 @@ fn bumps_are_flattened_along_the_normals() {
     let (vertices, normals) = flow.normals().expect("normals");
     let (vertices, normals) = (vertices.to_vec(), normals.to_vec());
     let attempt = flow.attempt(&request(1e-2));
-    assert!(attempt.accepted && attempt.kind == StepKind::Factorized);
+    assert!(attempt.is_accepted() && attempt.kind == StepKind::Factorized);
     assert!(flow.state().energy.value < before.energy.value);
     let mut longest = 0.0f64;
     for (&v, n) in vertices.iter().zip(&normals) {
@@ -36,7 +36,7 @@ fn bumps_are_flattened_along_the_normals() {
     assert!((longest / attempt.max_displacement - 1.0).abs() < 1e-12);
     let mut tau = 1e-2;
     for _ in 0..40 {
-        tau *= if flow.attempt(&request(tau)).accepted {
+        tau *= if flow.attempt(&request(tau)).is_accepted() {
             2.0
         } else {
             0.25
@@ -59,7 +59,7 @@ fn frozen_factors_give_quasi_newton_steps() {
     let kinds = [0, 1].map(|_| {
         let before = flow.state().energy.value;
         let attempt = flow.attempt(&may_freeze);
-        assert!(attempt.accepted && flow.state().energy.value < before);
+        assert!(attempt.is_accepted() && flow.state().energy.value < before);
         attempt.kind
     });
     assert_eq!(kinds, [StepKind::Factorized, StepKind::QuasiNewton]);
@@ -96,7 +96,7 @@ fn constrained_steps_pass_the_targets_and_freeze_nothing() {
         NormalFlow::new(&problem, &energy("1+H^2"), Rule::FortyEight, form).expect("start");
     let before = flow.state().energy.value;
     for _ in 0..5 {
-        assert!(flow.attempt(&request(1.0)).accepted);
+        assert!(flow.attempt(&request(1.0)).is_accepted());
         assert!(interpolation.error(&flow.state().positions) < 1e-13);
     }
     assert!(flow.state().energy.value < before);

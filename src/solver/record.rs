@@ -16,16 +16,21 @@ pub struct StepRecord {
     pub energy: f64,
     /// Displacement scaled to `τ_ref`, over the hole radius; NaN if rejected.
     pub residual: f64,
-    /// Whether it was rejected.
-    pub rejected: bool,
-    /// Why, if it was.
-    pub reason: Option<RejectReason>,
+    /// Why it was rejected; `None` if it was accepted.
+    pub rejection: Option<RejectReason>,
     /// The method of its computation.
     pub kind: StepKind,
     /// Scheme A: iterations of GMRES.
     pub iterations: Option<usize>,
     /// Scheme A: relative residual of the linear solve.
     pub linear_residual: Option<f64>,
+}
+
+impl StepRecord {
+    /// Whether it was rejected.
+    pub fn is_rejected(&self) -> bool {
+        self.rejection.is_some()
+    }
 }
 
 /// Why a step was rejected.

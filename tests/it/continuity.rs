@@ -178,7 +178,7 @@ fn relaxed_flows_fall_and_converge_and_keep_their_triangles() {
                 let filled = fill(&tube, &controls);
                 let group = group(&filled);
                 assert_eq!(group.outcome.end, End::Converged);
-                let accepted = group.records.iter().filter(|r| !r.rejected);
+                let accepted = group.records.iter().filter(|r| !r.is_rejected());
                 let energies: Vec<f64> = accepted.map(|r| r.energy).collect();
                 let rounding = 1e-11 * energies[0].abs();
                 assert!(energies.windows(2).all(|e| e[1] <= e[0] + rounding));

@@ -67,7 +67,7 @@ impl GroupProgress {
             }
         };
         self.iterations = record.iterations;
-        if record.rejected {
+        if record.is_rejected() {
             self.rejected += 1;
         } else {
             self.is_new = true;

@@ -211,8 +211,8 @@ impl Process for RefineProcess {
             }
             Some(Progress::Step(record)) => {
                 self.attempts += 1;
-                self.rejected += usize::from(record.rejected);
-                if !record.rejected {
+                self.rejected += usize::from(record.is_rejected());
+                if !record.is_rejected() {
                     self.changed(Some(record.clone()));
                 }
                 emit(RefineEvent::Step { level, record });

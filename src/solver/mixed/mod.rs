@@ -193,7 +193,7 @@ impl MixedFlow {
         if let Some(report) = linear
             && !report.converged
         {
-            attempt.reason = Some(RejectReason::NotSolved {
+            attempt.rejection = Some(RejectReason::NotSolved {
                 relative_residual: report.relative_residual,
                 iterations: report.iterations,
             });
@@ -211,16 +211,15 @@ impl MixedFlow {
         let fall = before.value - after.value;
         if fall > IMPLAUSIBLE * promised.abs() + 1e-9 * before.scale {
             let promised = -promised;
-            attempt.reason = Some(RejectReason::Unresolved { fall, promised });
+            attempt.rejection = Some(RejectReason::Unresolved { fall, promised });
             return attempt;
         }
         self.take_curvatures();
         self.evaluator.accept_trial();
         self.after_move();
         Attempt {
-            accepted: true,
             max_displacement: longest,
-            reason: None,
+            rejection: None,
             ..attempt
         }
     }

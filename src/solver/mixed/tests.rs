@@ -205,7 +205,7 @@ fn gmres_and_lu_give_the_same_curvature_normals() {
         let step = |linear| {
             let flow = MixedFlow::new(&problem, &energy("H^2+K^2"), linear, corrected);
             let mut flow = flow.expect("start");
-            assert!(flow.attempt(1e-4).accepted);
+            assert!(flow.attempt(1e-4).is_accepted());
             [flow.h, flow.k]
         };
         let one = step(LinearSolver::Gmres { tolerance: 1e-12 });
@@ -268,7 +268,7 @@ fn threads_do_not_change_a_bit() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.expect("threads").install(|| {
             let mut flow = closed(3, 1.0, "(H-0.3)^2");
-            assert!(flow.attempt(1e-3).accepted);
+            assert!(flow.attempt(1e-3).is_accepted());
             flow.positions().to_vec()
         })
     };
