@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use meniscus::mesh::{Mesh, Topology};
-use meniscus::refine::{LevelReport, Progress, RefineOptions, Refinement, natural_flow};
+use meniscus::refine::{self, LevelReport, RefineEvent, RefineOptions, natural_flow};
+use meniscus::runner::Recording;
 use meniscus::shapes::icosphere;
 
 /// Levels of the table, and those that are repeated.
@@ -32,10 +33,9 @@ fn refine(mesh: &Arc<Mesh>, last: usize) -> Vec<LevelReport> {
     options.levels = LEVELS;
     options.flow.tension = tension;
     options.flow.max_steps = 400;
-    let refinement = Refinement::new(Arc::clone(mesh), options).expect("options");
-    let go_on = |progress: &Progress| !matches!(progress, Progress::Finished(l) if l.level >= last);
-    let refined = refinement.run(|_, progress| go_on(progress));
-    refined.expect("refined").levels
+    let mut go_on = |event| !matches!(event, RefineEvent::LevelDone(l) if l.level >= last);
+    let refined = refine::refine(Arc::clone(mesh), options, &Recording::default(), &mut go_on);
+    refined.expect("refined").0.levels
 }
 
 fn table(mesh: &Arc<Mesh>) {

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use meniscus::energy::{Energy, Preset};
 use meniscus::mesh::{Mesh, Topology};
-use meniscus::refine::{Progress, RefineOptions, Refinement};
+use meniscus::refine::{self, RefineEvent, RefineOptions};
+use meniscus::runner::Recording;
 use meniscus::shapes::icosphere;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -15,16 +16,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let coarse = Arc::new(Mesh::new(positions, topology));
     let mut options = RefineOptions::new(Energy::preset(Preset::H2));
     options.levels = 2;
-    let refinement = Refinement::new(Arc::clone(&coarse), options)?;
-    let refined = refinement.run(|_, progress| {
-        if let Progress::Finished(level) = progress {
+    let print = &mut |event| {
+        if let RefineEvent::LevelDone(level) = event {
             println!(
                 "level {}: {} triangles, ∫ H² dA = {:.4} (4π = 12.5664 for a sphere)",
                 level.level, level.faces, level.energy_end
             );
         }
         true
-    })?;
+    };
+    let (refined, _) = refine::refine(Arc::clone(&coarse), options, &Recording::default(), print)?;
     let given = coarse.vertex_count();
     assert_eq!(refined.mesh.positions[..given], coarse.positions);
     let radii = refined.mesh.positions.iter().map(|p| p.length());

@@ -25,7 +25,7 @@ use crate::memory::peak_memory;
 use crate::mesh::{LoadReport, Mesh, folded_edges, self_intersections};
 use crate::ops::{OperationError, RefineSpec};
 use crate::options::Choice;
-use crate::refine::{LevelReport, RefineControls, RefineEvent, Refined, refine_recorded};
+use crate::refine::{self, LevelReport, RefineControls, RefineEvent, Refined};
 use crate::runner::Schedule;
 use crate::solver::FlowOptions;
 use crate::warning::{Warning, Warnings};
@@ -152,7 +152,7 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
         }
         true
     };
-    let (refined, refused) = refine_recorded(mesh, options, &recording, observe)?;
+    let (refined, refused) = refine::refine(mesh, options, &recording, observe)?;
     progress.finish();
     let seconds = start.elapsed().as_secs_f64();
     let files = &args.files;

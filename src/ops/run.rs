@@ -9,7 +9,7 @@ use crate::fill::{
     fill_rim_sets, nearest_loop, segment_at, with_islands,
 };
 use crate::mesh::{BoundaryLoop, DVec3, Erased, LoopId, Mesh, boundary_loops, erase, face_flags};
-use crate::refine::{RefineError, RefineEvent, RefineOptions, Refined, refine_recorded};
+use crate::refine::{RefineError, RefineEvent, RefineOptions, Refined, refine};
 use crate::runner::ScheduleError;
 
 /// What an operation made of a mesh.
@@ -217,7 +217,7 @@ impl RefineSpec {
             _ => true,
         };
         let (options, mesh) = (self.options(mesh)?, Arc::new(mesh.clone()));
-        let (refined, _) = refine_recorded(mesh, options, &recording, observe)?;
+        let (refined, _) = refine(mesh, options, &recording, observe)?;
         Ok(Outcome::Refined(Box::new(refined)))
     }
 }

@@ -11,7 +11,7 @@ use crate::refine::creases::{Features, Weld};
 use crate::refine::level_flow::LevelFlow;
 use crate::refine::measures::{radius, surface_energy};
 use crate::refine::options::{Hold, Method, RefineError, RefineOptions};
-use crate::refine::progress::{LevelReport, Progress};
+use crate::refine::progress::{LevelReport, RefineEvent};
 use crate::refine::refined::{Refined, refined_mesh};
 use crate::refine::region::{Region, nested_step};
 use crate::refine::schemes::butterfly_step;
@@ -158,15 +158,6 @@ impl Refinement {
         self.current.is_none() && (self.is_cancelled || self.level >= self.options.levels)
     }
 
-    /// Ends the refinement. The current level ends with its current shape, and no further level
-    /// starts.
-    pub fn cancel(&mut self) {
-        self.is_cancelled = true;
-        if let Some(running) = &mut self.current {
-            running.flow.cancel();
-        }
-    }
-
     /// Changes energy, mode, τ or steps. The current level continues from its current shape.
     ///
     /// # Errors
@@ -190,33 +181,23 @@ impl Refinement {
     ///
     /// # Errors
     /// Errors that a smaller step cannot avoid; the shape is that of the last step.
-    pub fn step(&mut self) -> Result<Option<Progress>, RefineError> {
+    pub fn step(&mut self) -> Result<Option<RefineEvent>, RefineError> {
+        let level = self.level;
         let Some(running) = &mut self.current else {
             if self.is_finished() {
                 return Ok(None);
             }
-            return self.begin_level().map(Some);
+            self.begin_level()?;
+            return Ok(Some(RefineEvent::Level {
+                level: self.level,
+                vertices: self.vertex_count(),
+                faces: self.topology.face_count(),
+            }));
         };
         Ok(Some(match running.step()? {
-            Some(record) => Progress::Step(record),
-            None => Progress::Finished(self.finish_level()),
+            Some(record) => RefineEvent::Step { level, record },
+            None => RefineEvent::LevelDone(self.finish_level()),
         }))
-    }
-
-    /// Runs to the end. `observe` is called after every step and returns whether to continue.
-    ///
-    /// # Errors
-    /// As [`Self::step`].
-    pub fn run(
-        mut self,
-        mut observe: impl FnMut(&Self, &Progress) -> bool,
-    ) -> Result<Refined, RefineError> {
-        while let Some(progress) = self.step()? {
-            if !observe(&self, &progress) {
-                self.cancel();
-            }
-        }
-        Ok(self.result())
     }
 
     /// The current mesh.
@@ -232,7 +213,7 @@ impl Refinement {
         }
     }
 
-    fn begin_level(&mut self) -> Result<Progress, RefineError> {
+    fn begin_level(&mut self) -> Result<(), RefineError> {
         let start = Instant::now();
         let old = Arc::clone(&self.topology);
         let everything = || vec![true; old.face_count()];
@@ -254,17 +235,16 @@ impl Refinement {
         if let Some(region) = &mut self.region {
             region.descend(self.features.whole(&self.topology), &split);
         }
-        let level = Progress::Level(self.level);
         if self.options.method != Method::Pde {
             self.levels.push(self.scheme_report(start));
-            return Ok(level);
+            return Ok(());
         }
         let (free, held) = self.partition_vertices(&old, &split);
         if free.is_empty() {
             // all vertices lie on creases and boundaries
             self.hold(&held);
             self.levels.push(self.scheme_report(start));
-            return Ok(level);
+            return Ok(());
         }
         let triangles: Vec<[u32; 3]> = self.topology.triangles().collect();
         let problem = FlowProblem::new(&self.control, &triangles, &free, self.radius)?;
@@ -276,7 +256,7 @@ impl Refinement {
         let splits = self.options.levels.saturating_sub(self.level);
         let flow = LevelFlow::new(problem, &self.options.flow, splits, held, unreached, start)?;
         self.current = Some(flow);
-        Ok(level)
+        Ok(())
     }
 
     /// One step of Butterfly or of Loop's scheme.

@@ -23,15 +23,14 @@ mod start;
 
 pub use boundary::BoundaryRule;
 pub use creases::{Weld, crease_edges};
-pub use levels::Refinement;
 pub use measures::{radius, surface_energy};
 pub use options::{
     Hold, MAX_LEVELS, Method, RefineControls, RefineError, RefineOptions, natural_flow,
 };
 pub use process::{
-    LevelFrame, LiveRefine, RefineEvent, RefineProcess, RefineSnapshot, RefineState, RefineStatus,
-    RefineTimeline, refine_recorded,
+    LevelFrame, LiveRefine, RefineProcess, RefineSnapshot, RefineState, RefineStatus,
+    RefineTimeline, refine,
 };
-pub use progress::{LevelReport, Progress};
+pub use progress::{LevelReport, RefineEvent};
 pub use refined::Refined;
 pub use schemes::{butterfly_step, loop_step};

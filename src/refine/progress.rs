@@ -42,13 +42,25 @@ pub struct LevelReport {
     pub warnings: Warnings,
 }
 
-/// The action of [`Refinement::step`](crate::refine::Refinement::step).
-#[derive(Clone, Debug, PartialEq)]
-pub enum Progress {
-    /// A level has started: topology and positions are those of the finer mesh.
-    Level(usize),
-    /// A step of the level's flow was attempted.
-    Step(StepRecord),
-    /// The level is finished.
-    Finished(LevelReport),
+/// Something that happened in a refinement.
+#[derive(Clone, Debug)]
+pub enum RefineEvent {
+    /// A level was begun.
+    Level {
+        /// From 1.
+        level: usize,
+        /// Vertices of its mesh.
+        vertices: usize,
+        /// Triangles.
+        faces: usize,
+    },
+    /// A step of a level's flow was attempted.
+    Step {
+        /// The level.
+        level: usize,
+        /// Its result.
+        record: StepRecord,
+    },
+    /// A level is finished. Its report contains the warnings.
+    LevelDone(LevelReport),
 }

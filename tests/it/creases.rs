@@ -9,9 +9,8 @@ use std::sync::Arc;
 use meniscus::energy::{Energy, Preset};
 use meniscus::io;
 use meniscus::mesh::{DVec3, HalfedgeId, Mesh, Topology, VertexId, check_mesh, dihedral_angle};
-use meniscus::refine::{
-    Method, RefineError, RefineOptions, Refined, Refinement, crease_edges, radius,
-};
+use meniscus::refine::{Method, RefineError, RefineOptions, Refined, crease_edges, radius, refine};
+use meniscus::runner::Recording;
 use meniscus::shapes::icosphere;
 use meniscus::subdivision::limit_normal;
 
@@ -77,8 +76,9 @@ fn options(mesh: &Mesh, levels: usize, degrees: f64) -> RefineOptions {
 }
 
 fn refined(mesh: &Mesh, options: &RefineOptions) -> Refined {
-    let refinement = Refinement::new(Arc::new(mesh.clone()), options.clone()).expect("options");
-    let refined = refinement.run(|_, _| true).expect("refined");
+    let (copy, options) = (Arc::new(mesh.clone()), options.clone());
+    let refined = refine(copy, options, &Recording::default(), &mut |_| true);
+    let (refined, _) = refined.expect("refined");
     is_sound(&refined, mesh);
     refined
 }

@@ -8,8 +8,9 @@ use meniscus::energy::{Energy, Preset};
 use meniscus::mesh::{DVec3, Mesh, Topology, check_mesh, folded_edges, self_intersections};
 use meniscus::random::SplitMix;
 use meniscus::refine::{
-    Hold, Method, RefineOptions, Refined, Refinement, natural_flow, surface_energy,
+    Hold, Method, RefineOptions, Refined, natural_flow, refine, surface_energy,
 };
+use meniscus::runner::Recording;
 use meniscus::shapes::{graph, icosphere};
 use meniscus::subdivision::limit_position;
 
@@ -52,8 +53,7 @@ fn refined(mesh: Mesh) -> f64 {
     let given = mesh.positions.clone();
     let mut options = RefineOptions::new(Energy::preset(Preset::H2));
     options.levels = 3;
-    let refinement = Refinement::new(Arc::new(mesh), options).expect("options");
-    let refined = refinement.run(|_, _| true).expect("refined");
+    let refined = run(&mesh, &options);
     check_mesh(&refined.mesh).expect("sound");
     assert_eq!(refined.mesh.positions[..given.len()], given);
     let control = &refined.control.positions;
@@ -90,8 +90,9 @@ fn ball_and_region(chosen: impl Fn(usize) -> bool) -> (Mesh, RefineOptions) {
 }
 
 fn run(mesh: &Mesh, options: &RefineOptions) -> Refined {
-    let refinement = Refinement::new(Arc::new(mesh.clone()), options.clone()).expect("options");
-    refinement.run(|_, _| true).expect("refined")
+    let (mesh, options) = (Arc::new(mesh.clone()), options.clone());
+    let refined = refine(mesh, options, &Recording::default(), &mut |_| true);
+    refined.expect("refined").0
 }
 
 #[test]

@@ -10,10 +10,9 @@ use meniscus::io::{open, save_mesh};
 use meniscus::mesh::{Mesh, Topology};
 use meniscus::options::Options;
 use meniscus::refine::{
-    LiveRefine, Method, RefineControls, RefineEvent, RefineSnapshot, Refined, Refinement,
-    refine_recorded,
+    LiveRefine, Method, RefineControls, RefineEvent, RefineSnapshot, Refined, refine,
 };
-use meniscus::runner::{Event, RunSettings, Schedule};
+use meniscus::runner::{Event, Recording, RunSettings, Schedule};
 use meniscus::shapes;
 use meniscus::solver::{Mode, Tau};
 
@@ -129,7 +128,7 @@ fn repeated(controls: &RefineControls, schedule: &Schedule, threads: usize) -> R
         .num_threads(threads)
         .build()
         .expect("threads");
-    let run = || refine_recorded(mesh, options, &recording, &mut |_| true);
+    let run = || refine(mesh, options, &recording, &mut |_| true);
     let (refined, refused) = pool.install(run).expect("refined");
     assert!(refused.is_empty());
     refined
@@ -146,8 +145,8 @@ fn every_method_ends_where_it_does_in_the_foreground() {
         live.until(LiveRefine::ended);
         assert_eq!(live.course(), course);
         let options = controls(method).options(&mesh()).expect("options");
-        let plain = Refinement::new(mesh(), options).expect("options");
-        let plain = plain.run(|_, _| true).expect("refined");
+        let plain = refine(mesh(), options, &Recording::default(), &mut |_| true);
+        let (plain, _) = plain.expect("refined");
         let timeline = live.live.timeline();
         let latest = timeline.latest().expect("states");
         assert_eq!(latest.mesh(), plain.mesh);

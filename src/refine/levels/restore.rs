@@ -118,7 +118,9 @@ impl Refinement {
 
     /// Ends the refinement at the current shape. Returns the report of the level that this ends.
     pub fn stop(&mut self) -> Option<LevelReport> {
-        self.cancel();
-        self.current.is_some().then(|| self.finish_level())
+        self.is_cancelled = true;
+        let running = self.current.as_mut()?;
+        running.flow.cancel();
+        Some(self.finish_level())
     }
 }

@@ -1,17 +1,17 @@
 //! A refinement as a process: its steps begin a level, attempt a step of the level's flow, or
 //! finish the level.
 //!
-//! [`LiveRefine`] runs it in the background, [`refine_recorded`] repeats such a run. The results
-//! are bit-identical.
+//! [`LiveRefine`] runs it in the background, [`refine`] on the calling thread. The results are
+//! bit-identical.
 
 mod state;
 
 use std::sync::Arc;
 
 use crate::mesh::Mesh;
-use crate::refine::levels::SavedState;
+use crate::refine::levels::{Refinement, SavedState};
 use crate::refine::{
-    LevelReport, Progress, RefineControls, RefineError, RefineOptions, Refined, Refinement,
+    LevelReport, RefineControls, RefineError, RefineEvent, RefineOptions, Refined,
 };
 use crate::runner::{
     Process, Recording, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline,
@@ -26,29 +26,6 @@ pub type LiveRefine = Runner<RefineProcess>;
 pub type RefineSnapshot = Snapshot<RefineState>;
 /// The stored states of a refinement. The first is the mesh as it was given.
 pub type RefineTimeline = Timeline<RefineState>;
-
-/// Something that happened in a refinement.
-#[derive(Clone, Debug)]
-pub enum RefineEvent {
-    /// A level was begun.
-    Level {
-        /// From 1.
-        level: usize,
-        /// Vertices of its mesh.
-        vertices: usize,
-        /// Triangles.
-        faces: usize,
-    },
-    /// A step of a level's flow was attempted.
-    Step {
-        /// The level.
-        level: usize,
-        /// Its result.
-        record: StepRecord,
-    },
-    /// A level is finished. Its report contains the warnings.
-    LevelDone(LevelReport),
-}
 
 /// The status of a refinement.
 #[derive(Clone, Debug, Default)]
@@ -123,8 +100,9 @@ fn all_options(
 /// whether to continue. Returns the result and the refused changes.
 ///
 /// # Errors
-/// As [`Refinement::new`] and [`Refinement::step`].
-pub fn refine_recorded(
+/// An option out of range, a named crease that is not a crease, a mesh without triangles, or an
+/// error of a flow that a smaller step cannot avoid.
+pub fn refine(
     mesh: Arc<Mesh>,
     options: RefineOptions,
     recording: &Recording<RefineControls>,
@@ -193,33 +171,30 @@ impl Process for RefineProcess {
     type Error = RefineError;
 
     fn advance(&mut self, _: usize, emit: &mut dyn FnMut(RefineEvent)) -> Result<(), RefineError> {
-        let level = self.refinement.level();
-        match self.refinement.step()? {
-            Some(Progress::Level(level)) => {
+        let Some(event) = self.refinement.step()? else {
+            return Ok(());
+        };
+        let mut done = None;
+        match &event {
+            RefineEvent::Level { .. } => {
                 self.frame = None;
                 self.changed(None);
-                emit(RefineEvent::Level {
-                    level,
-                    vertices: self.refinement.vertex_count(),
-                    faces: self.refinement.topology().face_count(),
-                });
-                if self.refinement.flow().is_none()
-                    && let Some(report) = self.refinement.levels().last()
-                {
-                    emit(RefineEvent::LevelDone(report.clone()));
+                // a level without a flow is finished at once
+                if self.refinement.flow().is_none() {
+                    done = self.refinement.levels().last().cloned();
                 }
             }
-            Some(Progress::Step(record)) => {
+            RefineEvent::Step { record, .. } => {
                 self.attempts += 1;
                 self.rejected += usize::from(record.is_rejected());
                 if !record.is_rejected() {
                     self.changed(Some(record.clone()));
                 }
-                emit(RefineEvent::Step { level, record });
             }
-            Some(Progress::Finished(report)) => emit(RefineEvent::LevelDone(report)),
-            None => {}
+            RefineEvent::LevelDone(_) => {}
         }
+        emit(event);
+        done.map(RefineEvent::LevelDone).into_iter().for_each(emit);
         Ok(())
     }
 

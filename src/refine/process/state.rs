@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use crate::mesh::{DVec3, Mesh, Topology};
-use crate::refine::levels::SavedLevel;
+use crate::refine::levels::{Refinement, SavedLevel};
 use crate::refine::refined::refined_mesh;
-use crate::refine::{Method, Refinement, Weld};
+use crate::refine::{Method, Weld};
 use crate::runner::TimelineState;
 use crate::solver::StepRecord;
 
