@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use meniscus::fill::{FillOptions, fill_holes, flow_problem};
-use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
+use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, boundary_loops};
 use meniscus::shapes::{self, Hole, HoleShape};
 use meniscus::solver::{Flow, FlowOptions, Mode};
 
@@ -20,8 +20,7 @@ fn sphere_with_hole(missing: usize) -> Mesh {
         seed: 1,
     };
     let (positions, triangles) = shapes::cut_holes(&shapes::sphere(missing * 100 / 18, 7), &[hole]);
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("sphere");
-    Mesh::new(positions, topology)
+    Mesh::from_triangles(positions, &triangles).expect("sphere")
 }
 
 fn fills(c: &mut Criterion) {

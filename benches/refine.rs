@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use meniscus::mesh::{Mesh, Topology};
+use meniscus::mesh::Mesh;
 use meniscus::refine::{self, LevelReport, RefineEvent, RefineOptions, natural_flow};
 use meniscus::runner::Recording;
 use meniscus::shapes::icosphere;
@@ -21,8 +21,7 @@ fn bumpy_sphere() -> Arc<Mesh> {
         let bump = (4.0 * p.x).sin() * (5.0 * p.y).cos() + (3.0 * p.z + p.x).sin();
         *p *= 1.0 + bump / 12.0;
     }
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("sphere");
-    Arc::new(Mesh::new(positions, topology))
+    Arc::new(Mesh::from_triangles(positions, &triangles).expect("sphere"))
 }
 
 /// Refines with the defaults of the command, for [`LEVELS`] levels, but omits those after `last`.

@@ -4,13 +4,12 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use meniscus::mesh::{DVec3, FaceId, Mesh, Topology, boundary_loops};
+use meniscus::mesh::{DVec3, FaceId, Mesh, boundary_loops};
 use meniscus::render::{Bounds, Camera, DynamicSurface, Picker, SurfaceOptions, static_surface};
 use meniscus::shapes;
 
 fn mesh((positions, triangles): shapes::TriangleMesh) -> Mesh {
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a manifold");
-    Mesh::new(positions, topology)
+    Mesh::from_triangles(positions, &triangles).expect("a manifold")
 }
 
 /// A sphere of 100 000 triangles with holes all over.

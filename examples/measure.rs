@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use meniscus::analysis::{AnalysisOptions, analyze};
-use meniscus::mesh::{self, Mesh, Topology};
+use meniscus::mesh::{self, Mesh};
 use meniscus::shapes::{Sample, icosphere};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -11,8 +11,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (holed, _) = mesh::build(&sample.soup())?;
     let filled = meniscus::fill(&holed)?.mesh;
     let (positions, triangles) = icosphere(30);
-    let topology = Topology::from_triangles(positions.len(), &triangles)?;
-    let sphere = Mesh::new(positions, topology);
+    let sphere = Mesh::from_triangles(positions, &triangles)?;
     let found = analyze(
         &filled,
         &AnalysisOptions {

@@ -5,15 +5,14 @@ use std::error::Error;
 use std::sync::Arc;
 
 use meniscus::energy::{Energy, Preset};
-use meniscus::mesh::{Mesh, Topology};
+use meniscus::mesh::Mesh;
 use meniscus::refine::{self, RefineEvent, RefineOptions};
 use meniscus::runner::Recording;
 use meniscus::shapes::icosphere;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (positions, triangles) = icosphere(1);
-    let topology = Topology::from_triangles(positions.len(), &triangles)?;
-    let coarse = Arc::new(Mesh::new(positions, topology));
+    let coarse = Arc::new(Mesh::from_triangles(positions, &triangles)?);
     let mut options = RefineOptions::new(Energy::preset(Preset::H2));
     options.levels = 2;
     let print = &mut |event| {

@@ -125,13 +125,13 @@ fn sample([a, b, c]: [DVec3; 3], distance: impl Fn(DVec3) -> f64) -> (f64, f64, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Topology;
+
     use crate::shapes::icosphere;
 
     fn ball(radius: f64, frequency: u32) -> Mesh {
         let (positions, triangles) = icosphere(frequency);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
-        Mesh::new(positions.iter().map(|&p| radius * p).collect(), topology)
+        Mesh::from_triangles(positions.iter().map(|&p| radius * p).collect(), &triangles)
+            .expect("closed")
     }
 
     #[test]
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn nothing_to_measure() {
-        let none = Mesh::new(Vec::new(), Topology::from_triangles(0, &[]).expect("empty"));
+        let none = Mesh::from_triangles(Vec::new(), &[]).expect("empty");
         assert!(distances(&none, &ball(1.0, 1)).is_none());
         assert!(distances(&ball(1.0, 1), &none).is_none());
     }

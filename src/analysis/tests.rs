@@ -3,12 +3,11 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology, VertexId};
+use crate::mesh::{DVec3, FaceId, HalfedgeId, VertexId};
 use crate::shapes::{TriangleMesh, catenoid, cylinder, icosphere, sphere, torus};
 
 pub(super) fn mesh((positions, triangles): TriangleMesh) -> Mesh {
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
-    Mesh::new(positions, topology)
+    Mesh::from_triangles(positions, &triangles).expect("manifold")
 }
 
 pub(super) fn on_surface(mesh: &Mesh) -> Analysis {
@@ -165,10 +164,7 @@ fn sharp_edges_of_a_cube() {
 
 #[test]
 fn an_isolated_vertex_and_no_triangle_are_fine() {
-    let none = Mesh::new(
-        vec![DVec3::ONE],
-        Topology::from_triangles(1, &[]).expect("empty"),
-    );
+    let none = Mesh::from_triangles(vec![DVec3::ONE], &[]).expect("empty");
     let a = on_surface(&none);
     assert_eq!((a.shape.faces, a.shape.euler, a.shape.genus), (0, 0, 0));
     assert!(a.shape.volume.is_none());

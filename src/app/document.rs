@@ -233,8 +233,7 @@ impl Document {
             .iter()
             .map(|t| t.map(|v| new_index[v as usize]))
             .collect();
-        let topology = Topology::from_triangles(positions.len(), &local).ok()?;
-        let mut patches = Mesh::new(positions, topology);
+        let mut patches = Mesh::from_triangles(positions, &local).ok()?;
         patches.colors = colors;
         Some(patches)
     }

@@ -221,14 +221,13 @@ fn is_inside(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Topology;
+
     use crate::render::Bounds;
     use crate::shapes;
 
     fn ball() -> Mesh {
         let (positions, triangles) = shapes::icosphere(8);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
-        Mesh::new(positions, topology)
+        Mesh::from_triangles(positions, &triangles).expect("closed")
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::cli::flow::{FlowArguments, LoopArguments, MeshFiles};
 use crate::cli::options::OptionArguments;
 use crate::cli::print::print;
 use crate::io::save_mesh;
-use crate::mesh::{Mesh, Topology};
+use crate::mesh::Mesh;
 use crate::shapes;
 
 /// `meniscus demo`.
@@ -29,10 +29,9 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
     let (positions, triangles) = shapes::demo();
-    let topology = Topology::from_triangles(positions.len(), &triangles)?;
     let holed = args.out.join("holed.obj");
     // OBJ keeps all of it
-    save_mesh(&holed, &Mesh::new(positions, topology), &[])?;
+    save_mesh(&holed, &Mesh::from_triangles(positions, &triangles)?, &[])?;
     if !args.quiet {
         print(&format!("{}: the sample with its holes\n", holed.display()))?;
     }

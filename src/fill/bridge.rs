@@ -182,8 +182,7 @@ mod tests {
     fn holed() -> Mesh {
         let ball = shapes::sphere(2000, 7);
         let (positions, triangles) = shapes::cut_where(&ball, |p| p.z > 0.7 || p.z < -0.8);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
-        Mesh::new(positions, topology)
+        Mesh::from_triangles(positions, &triangles).expect("manifold")
     }
 
     #[test]

@@ -153,15 +153,14 @@ fn area(mesh: &Mesh, one: &BoundaryLoop) -> DVec3 {
 mod tests {
     use super::*;
     use crate::fill::{FillOptions, fill_rim_sets};
-    use crate::mesh::{Topology, boundary_loops, check_filled, components, erase};
+    use crate::mesh::{boundary_loops, check_filled, components, erase};
     use crate::shapes;
 
     /// A sphere of radius 1 with a wide hole at its top, in which the faces that `stays` says
     /// float.
     fn islands(stays: impl Fn(DVec3) -> bool) -> Mesh {
         let (positions, triangles) = shapes::sphere(3000, 7);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
-        let ball = Mesh::new(positions, topology);
+        let ball = Mesh::from_triangles(positions, &triangles).expect("closed");
         let selected: Vec<bool> = (0..ball.face_count())
             .map(|f| ball.corners(f.into()).iter().sum::<DVec3>() / 3.0)
             .map(|middle| middle.z > 0.5 && !stays(middle))
@@ -220,8 +219,7 @@ mod tests {
                 .extend(triangles.iter().map(|t| t.map(|v| v + start)));
         }
         assert!(shape.0.len() as u32 > first);
-        let topology = Topology::from_triangles(shape.0.len(), &shape.1).expect("manifold");
-        let mesh = Mesh::new(shape.0, topology);
+        let mesh = Mesh::from_triangles(shape.0, &shape.1).expect("manifold");
         let loops = boundary_loops(&mesh);
         assert_eq!(loops.len(), 3);
         let rim_sets = with_islands(&mesh, &loops, &[LoopId::FIRST]);

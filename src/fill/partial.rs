@@ -167,8 +167,7 @@ mod tests {
     fn a_part_and_the_rest_make_the_whole() {
         let ball = shapes::sphere(2500, 7);
         let (positions, triangles) = shapes::cut_where(&ball, |p| p.z > 0.6);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
-        let mesh = Mesh::new(positions, topology);
+        let mesh = Mesh::from_triangles(positions, &triangles).expect("manifold");
         let options = FillOptions::default();
         let loops = boundary_loops(&mesh);
         let n = loops[0].edges();
@@ -194,8 +193,7 @@ mod tests {
     #[test]
     fn an_edge_is_no_part() {
         let (positions, triangles) = shapes::cut_where(&shapes::sphere(500, 7), |p| p.z > 0.6);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
-        let mesh = Mesh::new(positions, topology);
+        let mesh = Mesh::from_triangles(positions, &triangles).expect("manifold");
         let loops = boundary_loops(&mesh);
         let error = fill_part(&mesh, &loops[0], 3, 4, &FillOptions::default(), &|_, _| {
             true

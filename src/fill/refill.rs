@@ -96,14 +96,13 @@ pub fn fair(
 mod tests {
     use super::*;
     use crate::fill::FillOptions;
-    use crate::mesh::{DVec3, Topology, check_mesh, faces_in_ball, grow, inner_vertices};
+    use crate::mesh::{DVec3, check_mesh, faces_in_ball, grow, inner_vertices};
     use crate::random::SplitMix;
     use crate::shapes;
 
     fn ball() -> Mesh {
         let (positions, triangles) = shapes::sphere(3000, 11);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
-        Mesh::new(positions, topology)
+        Mesh::from_triangles(positions, &triangles).expect("closed")
     }
 
     /// A ball with a dent and noise where it is to be mended.

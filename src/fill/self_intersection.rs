@@ -194,14 +194,13 @@ pub(super) fn intersections(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Topology;
+
     use crate::shapes;
 
     #[test]
     fn self_intersections_and_those_with_the_mesh_are_found() {
         let (positions, faces) = shapes::sphere(500, 1);
-        let topology = Topology::from_triangles(positions.len(), &faces).expect("a sphere");
-        let mesh = Mesh::new(positions, topology);
+        let mesh = Mesh::from_triangles(positions, &faces).expect("a sphere");
         let old = mesh.vertex_count() as u32;
         let triangle = |at: DVec3, size: f64| [at, at + size * DVec3::Y, at + size * DVec3::Z];
         let look = |new: &[DVec3]| {

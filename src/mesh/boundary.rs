@@ -118,7 +118,7 @@ fn diameter(points: &[DVec3], centre: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Topology;
+
     use crate::random::SplitMix;
 
     #[test]
@@ -137,8 +137,7 @@ mod tests {
                 [[i, j, j + 4], [i, j + 4, i + 4]]
             })
             .collect();
-        let topology = Topology::from_triangles(8, &triangles).expect("a ring");
-        let loops = boundary_loops(&Mesh::new(positions, topology));
+        let loops = boundary_loops(&Mesh::from_triangles(positions, &triangles).expect("a ring"));
         assert_eq!(
             loops.iter().map(|l| l.id.index()).collect::<Vec<_>>(),
             [0, 1]

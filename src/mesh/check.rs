@@ -278,11 +278,8 @@ mod tests {
     use super::*;
 
     fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Mesh {
-        let topology = Topology::from_triangles(positions.len(), triangles).expect("manifold");
-        Mesh::new(
-            positions.iter().map(|&p| DVec3::from(p)).collect(),
-            topology,
-        )
+        let positions = positions.iter().map(|&p| DVec3::from(p)).collect();
+        Mesh::from_triangles(positions, triangles).expect("manifold")
     }
 
     const CORNERS: [[f64; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];

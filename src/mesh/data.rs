@@ -1,7 +1,7 @@
 //! The mesh everything works on: an oriented manifold with positions and the attributes of its
 //! file.
 
-use super::{DVec3, FaceId, FaceTag, HalfedgeId, Topology, VertexId};
+use super::{DVec3, FaceId, FaceTag, HalfedgeId, Topology, TopologyError, VertexId};
 
 /// An oriented manifold triangle mesh, possibly with boundary, as [`build`](super::build()) makes
 /// it of a [`Soup`](super::Soup).
@@ -43,6 +43,18 @@ impl Mesh {
             non_orientable: Vec::new(),
             non_orientable_tags: Vec::new(),
         }
+    }
+
+    /// A mesh of these triangles without attributes.
+    ///
+    /// # Errors
+    /// As [`Topology::from_triangles`].
+    pub fn from_triangles(
+        positions: Vec<DVec3>,
+        triangles: &[[u32; 3]],
+    ) -> Result<Self, TopologyError> {
+        let topology = Topology::from_triangles(positions.len(), triangles)?;
+        Ok(Self::new(positions, topology))
     }
 
     /// The mesh with the faces of some components (numbers as in [`components`]) flipped: their

@@ -128,8 +128,7 @@ mod tests {
     #[test]
     fn what_is_left_is_a_manifold_in_order() {
         let (positions, triangles) = shapes::sphere(800, 3);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
-        let mut mesh = Mesh::new(positions, topology);
+        let mut mesh = Mesh::from_triangles(positions, &triangles).expect("closed");
         mesh.colors = (0..mesh.vertex_count()).map(|v| [v as f32; 4]).collect();
         mesh.face_tags = (0..mesh.face_count() as u32).collect();
         let mut random = SplitMix::new(1);
@@ -157,8 +156,7 @@ mod tests {
     #[test]
     fn nothing_selected_changes_nothing() {
         let (positions, triangles) = shapes::demo();
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
-        let mesh = Mesh::new(positions, topology);
+        let mesh = Mesh::from_triangles(positions, &triangles).expect("manifold");
         let left = erase(&mesh, &vec![false; mesh.face_count()]);
         assert_eq!(left.mesh, mesh);
     }

@@ -199,7 +199,7 @@ fn component_areas(mesh: &Mesh, parts: &Components) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Topology, boundary_loops};
+    use crate::mesh::boundary_loops;
     use glam::DMat3;
     use std::f64::consts::{PI, TAU};
 
@@ -226,8 +226,7 @@ mod tests {
             }
         }
         triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
-        Mesh::new(positions, topology)
+        Mesh::from_triangles(positions, &triangles).expect("manifold")
     }
 
     fn arc(from: f64, to: f64) -> Vec<[f64; 2]> {
@@ -250,8 +249,7 @@ mod tests {
             .triangles()
             .filter(|t| !t.iter().all(|&v| hole(mesh.positions[v as usize])))
             .collect();
-        let topology = Topology::from_triangles(mesh.vertex_count(), &kept).expect("manifold");
-        Mesh::new(mesh.positions.clone(), topology)
+        Mesh::from_triangles(mesh.positions.clone(), &kept).expect("manifold")
     }
 
     fn moved(mesh: &Mesh, turn: DMat3, shift: DVec3) -> Mesh {
@@ -267,8 +265,7 @@ mod tests {
             positions.extend(&part.positions);
             triangles.extend(part.topology.triangles().map(|t| t.map(|v| v + first)));
         }
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
-        Mesh::new(positions, topology)
+        Mesh::from_triangles(positions, &triangles).expect("manifold")
     }
 
     fn outer(mesh: &Mesh) -> Vec<bool> {

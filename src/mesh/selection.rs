@@ -204,8 +204,7 @@ mod tests {
 
     fn ball() -> Mesh {
         let (positions, triangles) = shapes::icosphere(8);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
-        Mesh::new(positions, topology)
+        Mesh::from_triangles(positions, &triangles).expect("closed")
     }
 
     fn count(selected: &[bool]) -> usize {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::*;
 use crate::fill::Continuity;
-use crate::mesh::{Mesh, Topology, boundary_loops};
+use crate::mesh::{Mesh, boundary_loops};
 use crate::refine::Method;
 use crate::shapes;
 use crate::solver::{Mode, Tau};
@@ -158,8 +158,7 @@ fn commands_name_files_for_what_is_long() {
 
 fn cup() -> Mesh {
     let (positions, triangles) = shapes::cut_where(&shapes::sphere(300, 1), |p| p.z > 0.6);
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a cup");
-    Mesh::new(positions, topology)
+    Mesh::from_triangles(positions, &triangles).expect("a cup")
 }
 
 #[test]

@@ -13,8 +13,7 @@ struct Model {
 }
 
 fn model((positions, triangles): shapes::TriangleMesh) -> Model {
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a manifold");
-    let mesh = Mesh::new(positions, topology);
+    let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
     let loops = boundary_loops(&mesh);
     Model {
         picker: Picker::new(&mesh.positions, &mesh.topology, &loops),

@@ -3,7 +3,7 @@
 use crate::common::desk::Desk;
 use crate::common::judge::{Keep, Verdict, judge};
 use meniscus::io::save_mesh;
-use meniscus::mesh::{DVec3, FaceId, Mesh, Topology, boundary_loops, erase};
+use meniscus::mesh::{DVec3, FaceId, Mesh, boundary_loops, erase};
 use meniscus::shapes::sphere;
 
 /// `out.obj` judged as a change of `in.obj`.
@@ -43,8 +43,7 @@ fn samples_are_blended() {
 fn joins_get_smoother_with_density() {
     let angle = |around: usize| {
         let (positions, triangles) = meniscus::shapes::four_cylinders(around);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("tubes");
-        let mesh = Mesh::new(positions, topology);
+        let mesh = Mesh::from_triangles(positions, &triangles).expect("tubes");
         let desk = Desk::new();
         save_mesh(&desk.path("in.obj"), &mesh, &[]).expect("written");
         desk.runs(&["blend", "in.obj", "-o", "out.obj"]);
@@ -164,8 +163,7 @@ fn refilling_erases_and_fills_and_fairing_keeps_the_triangles() {
 fn where_each_piece_has_one_rim_nothing_else_can_be_meant() {
     let desk = Desk::with_sample("torus");
     let (positions, triangles) = sphere(900, 3);
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a ball");
-    let ball = Mesh::new(positions, topology);
+    let ball = Mesh::from_triangles(positions, &triangles).expect("a ball");
     let high = |f: usize| ball.corners(FaceId::from(f)).iter().any(|p| p.z > -0.5);
     let bowl = erase(&ball, &(0..ball.face_count()).map(high).collect::<Vec<_>>()).mesh;
     let (mut points, mut faces) = (Vec::new(), Vec::new());
@@ -174,8 +172,7 @@ fn where_each_piece_has_one_rim_nothing_else_can_be_meant() {
         points.extend(bowl.positions.iter().map(|&p| p + x * DVec3::X));
         faces.extend(bowl.topology.triangles().map(|t| t.map(|v| v + first)));
     }
-    let topology = Topology::from_triangles(points.len(), &faces).expect("two bowls");
-    let mesh = Mesh::new(points, topology);
+    let mesh = Mesh::from_triangles(points, &faces).expect("two bowls");
     assert!(boundary_loops(&mesh).iter().all(|l| l.outer_rim));
     save_mesh(&desk.path("in.obj"), &mesh, &[]).expect("written");
     desk.runs(&["blend", "in.obj", "-o", "out.obj"]);

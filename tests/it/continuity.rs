@@ -3,14 +3,13 @@
 use std::collections::BTreeMap;
 
 use meniscus::fill::{Continuity, Controls, Filled, GroupResult, fill_holes};
-use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
+use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, boundary_loops};
 use meniscus::shapes::{self, Hole, HoleShape, TriangleMesh};
 use meniscus::solver::{End, Mode, Scheme, sharpest_cosine};
 use meniscus::subdivision::limit_positions;
 
 fn mesh((positions, triangles): TriangleMesh) -> Mesh {
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a manifold");
-    Mesh::new(positions, topology)
+    Mesh::from_triangles(positions, &triangles).expect("a manifold")
 }
 
 fn creased(energy: &str, h0: f64) -> Controls {

@@ -8,15 +8,14 @@ use std::sync::Arc;
 
 use meniscus::energy::{Energy, Preset};
 use meniscus::io;
-use meniscus::mesh::{DVec3, HalfedgeId, Mesh, Topology, VertexId, check_mesh, dihedral_angle};
+use meniscus::mesh::{DVec3, HalfedgeId, Mesh, VertexId, check_mesh, dihedral_angle};
 use meniscus::refine::{Method, RefineError, RefineOptions, Refined, crease_edges, radius, refine};
 use meniscus::runner::Recording;
 use meniscus::shapes::icosphere;
 use meniscus::subdivision::limit_normal;
 
 fn mesh(positions: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
-    let topology = Topology::from_triangles(positions.len(), triangles).expect("a surface");
-    Mesh::new(positions.to_vec(), topology)
+    Mesh::from_triangles(positions.to_vec(), triangles).expect("a surface")
 }
 
 /// `[-1, 1]³` of twelve triangles.

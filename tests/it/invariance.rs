@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat};
 use meniscus::energy::Energy;
 use meniscus::fill::{FillOptions, fill_holes, flow_problem};
-use meniscus::mesh::{DVec3, Mesh, Topology, boundary_loops};
+use meniscus::mesh::{DVec3, Mesh, boundary_loops};
 use meniscus::shapes::{self, Hole, HoleShape, TriangleMesh};
 use meniscus::solver::{End, Flow, FlowOptions, FlowProblem, Scheme};
 use std::collections::BTreeMap;
@@ -18,8 +18,7 @@ fn holed(radius: f64, seed: u64) -> Mesh {
             seed,
         }],
     );
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("sphere");
-    Mesh::new(positions, topology)
+    Mesh::from_triangles(positions, &triangles).expect("sphere")
 }
 
 /// The region of the first hole: local positions, triangles, interior vertices, hole radius.

@@ -10,7 +10,7 @@ use meniscus::fill::{
     fill_rim_sets,
 };
 use meniscus::io::{open, save_mesh};
-use meniscus::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, boundary_loops};
+use meniscus::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, boundary_loops};
 use meniscus::options::Options;
 use meniscus::runner::{Event, Refused, RunSettings, Schedule};
 use meniscus::shapes::{self, Hole, HoleShape};
@@ -32,8 +32,7 @@ fn mesh() -> (Arc<Mesh>, Vec<BoundaryLoop>) {
             hole(DVec3::new(-0.3, 0.2, -1.0), 0.5),
         ],
     );
-    let topology = Topology::from_triangles(shape.0.len(), &shape.1).expect("sphere with holes");
-    let mesh = Mesh::new(shape.0, topology);
+    let mesh = Mesh::from_triangles(shape.0, &shape.1).expect("sphere with holes");
     let loops = boundary_loops(&mesh);
     (Arc::new(mesh), loops)
 }

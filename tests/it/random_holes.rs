@@ -1,9 +1,7 @@
 //! Random holes in random spheres and tori: every fill is sound.
 
 use meniscus::fill::{FillOptions, fill_holes};
-use meniscus::mesh::{
-    BoundaryLoop, DVec3, Mesh, Topology, boundary_loops, check_filled, self_intersections,
-};
+use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, boundary_loops, check_filled, self_intersections};
 use meniscus::shapes::{self, Hole, HoleShape};
 use proptest::prelude::*;
 
@@ -17,9 +15,8 @@ fn hole_shape() -> impl Strategy<Value = HoleShape> {
 }
 
 fn fill_all(positions: Vec<DVec3>, triangles: &[[u32; 3]]) -> Result<(), TestCaseError> {
-    let topology = Topology::from_triangles(positions.len(), triangles)
+    let mesh = Mesh::from_triangles(positions, triangles)
         .map_err(|e| TestCaseError::reject(e.to_string()))?;
-    let mesh = Mesh::new(positions, topology);
     let loops = boundary_loops(&mesh);
     prop_assume!(!loops.is_empty());
     let all: Vec<&BoundaryLoop> = loops.iter().collect();

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use meniscus::energy::{Energy, Preset};
-use meniscus::mesh::{DVec3, Mesh, Topology, check_mesh, folded_edges, self_intersections};
+use meniscus::mesh::{DVec3, Mesh, check_mesh, folded_edges, self_intersections};
 use meniscus::random::SplitMix;
 use meniscus::refine::{
     Hold, Method, RefineOptions, Refined, natural_flow, refine, surface_energy,
@@ -16,8 +16,7 @@ use meniscus::subdivision::limit_position;
 
 fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Mesh {
     let positions: Vec<DVec3> = positions.iter().map(|&p| DVec3::from_array(p)).collect();
-    let topology = Topology::from_triangles(positions.len(), triangles).expect("closed");
-    Mesh::new(positions, topology)
+    Mesh::from_triangles(positions, triangles).expect("closed")
 }
 
 fn octahedron() -> Mesh {
@@ -44,8 +43,7 @@ fn octahedron() -> Mesh {
 
 fn icosahedron() -> Mesh {
     let (positions, triangles) = icosphere(1);
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
-    Mesh::new(positions, topology)
+    Mesh::from_triangles(positions, &triangles).expect("closed")
 }
 
 /// Energy of the limit surface after three levels, whose given vertices lie on it.
@@ -81,8 +79,7 @@ fn an_octahedron_and_an_icosahedron_become_spheres() {
 /// A sphere of 80 faces, and options to refine the chosen ones twice.
 fn ball_and_region(chosen: impl Fn(usize) -> bool) -> (Mesh, RefineOptions) {
     let (positions, triangles) = icosphere(2);
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
-    let ball = Mesh::new(positions, topology);
+    let ball = Mesh::from_triangles(positions, &triangles).expect("closed");
     let mut options = RefineOptions::new(Energy::preset(Preset::H2));
     options.levels = 2;
     options.region = Some((0..ball.face_count()).map(chosen).collect());
@@ -157,8 +154,7 @@ fn a_region_of_everything_is_no_region() {
 #[test]
 fn a_region_may_reach_the_boundary() {
     let (positions, triangles) = graph(2.0, 6, |x, y| 0.3 * (x * x - y * y), 2);
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("open");
-    let sheet = Mesh::new(positions, topology);
+    let sheet = Mesh::from_triangles(positions, &triangles).expect("open");
     let mut options = RefineOptions::new(Energy::preset(Preset::H2));
     options.levels = 2;
     for first in [0, sheet.face_count() / 2] {
@@ -180,8 +176,7 @@ fn crumpled(seed: u64) -> Mesh {
         *p *= random.range(0.7, 1.3);
         *p += 0.1 * random.direction();
     }
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
-    Mesh::new(positions, topology)
+    Mesh::from_triangles(positions, &triangles).expect("closed")
 }
 
 /// Coarse meshes with bad triangles: the surface does not fold or intersect itself. The energy

@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use meniscus::io::{open, save_mesh};
-use meniscus::mesh::{Mesh, Topology};
+use meniscus::mesh::Mesh;
 use meniscus::options::Options;
 use meniscus::refine::{
     LiveRefine, Method, RefineControls, RefineEvent, RefineSnapshot, Refined, refine,
@@ -18,8 +18,7 @@ use meniscus::solver::{Mode, Tau};
 
 fn mesh() -> Arc<Mesh> {
     let (positions, triangles) = shapes::sphere(30, 3);
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
-    Arc::new(Mesh::new(positions, topology))
+    Arc::new(Mesh::from_triangles(positions, &triangles).expect("closed"))
 }
 
 fn controls(method: Method) -> RefineControls {

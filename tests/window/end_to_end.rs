@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::wait::{wait_at_most, wait_for};
 use meniscus::io;
-use meniscus::mesh::{DVec3, Mesh, Topology, boundary_loops, check_mesh};
+use meniscus::mesh::{DVec3, Mesh, boundary_loops, check_mesh};
 use meniscus::render::{Bounds, Camera};
 use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
@@ -109,8 +109,7 @@ fn model(folder: &Path) -> (PathBuf, Mesh) {
         seed,
     };
     let (positions, triangles) = cut_holes(&sphere(900, 3), &[hole(towards, 1), hole(-towards, 2)]);
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
-    let mesh = Mesh::new(positions, topology);
+    let mesh = Mesh::from_triangles(positions, &triangles).expect("a sphere");
     let path = folder.join("holes.obj");
     io::save_mesh(&path, &mesh, &[]).expect("written");
     (path, mesh)

@@ -1,14 +1,10 @@
 use std::f64::consts::TAU;
 
 use super::*;
+use crate::analysis::tests::mesh;
 use crate::analysis::{Vertices, control_points};
 use crate::mesh::Mesh;
-use crate::shapes::{TriangleMesh, cylinder, icosphere};
-
-fn mesh((positions, triangles): TriangleMesh) -> Mesh {
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("manifold");
-    Mesh::new(positions, topology)
-}
+use crate::shapes::{cylinder, icosphere};
 
 fn cut(mesh: &Mesh, point: DVec3, normal: DVec3) -> Section {
     let control = control_points(mesh, Vertices::OnSurface);

@@ -120,7 +120,6 @@ impl Reference {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Topology;
 
     /// Outside a thin wedge the nearest point is on its sharp edge, where one of the two face normals
     /// looks away.
@@ -133,8 +132,7 @@ mod tests {
             DVec3::new(4.0, 0.5, -0.3),
         ];
         let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-        let topology = Topology::from_triangles(4, &triangles).expect("a tetrahedron");
-        let mesh = Mesh::new(corners.to_vec(), topology);
+        let mesh = Mesh::from_triangles(corners.to_vec(), &triangles).expect("a tetrahedron");
         let flip = if mesh_volume(&mesh) > 0.0 { 1.0 } else { -1.0 };
         let reference = Reference::new("wedge".into(), mesh);
         for (p, sign) in [

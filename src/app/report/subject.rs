@@ -9,7 +9,7 @@ use crate::app::chains::{Chain, Places};
 use crate::app::document::{Document, left_of};
 use crate::app::run::{Run, RunState, same_state};
 use crate::fill::{Continuity, Controls};
-use crate::mesh::{BoundaryLoop, LoopId, Mesh, Topology, VertexId, boundary_loops};
+use crate::mesh::{BoundaryLoop, LoopId, Mesh, VertexId, boundary_loops};
 use crate::ops::Operation;
 
 /// Maximum number of listed chains of sharp edges, the longest first.
@@ -251,10 +251,8 @@ impl Patch {
             Loops::Before => {
                 let old = mesh.topology.triangles().take(self.faces.start);
                 let old: Vec<[u32; 3]> = old.collect();
-                let before = Topology::from_triangles(mesh.vertex_count(), &old).ok();
-                let loops = before.map_or_else(Vec::new, |topology| {
-                    boundary_loops(&Mesh::new(mesh.positions.clone(), topology))
-                });
+                let before = Mesh::from_triangles(mesh.positions.clone(), &old);
+                let loops = before.map_or_else(|_| Vec::new(), |before| boundary_loops(&before));
                 let numbered = |l: BoundaryLoop| {
                     let id = l.id;
                     l.vertices.into_iter().map(move |v| (v, id))

@@ -19,7 +19,7 @@ use crate::app::update::{act, replace, tick};
 use crate::app::view_state::Task;
 use crate::fill::Continuity;
 use crate::io;
-use crate::mesh::{FaceId, Topology};
+use crate::mesh::FaceId;
 use crate::render::Vertex;
 use crate::shapes::icosphere;
 
@@ -219,9 +219,9 @@ fn distances_to_a_reference_are_measured_and_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("ball.ply");
     let (positions, triangles) = icosphere(12);
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
     let larger = positions.iter().map(|p| 1.1 * *p).collect();
-    io::save_mesh(&path, &Mesh::new(larger, topology), &[]).expect("written");
+    let larger = Mesh::from_triangles(larger, &triangles).expect("closed");
+    io::save_mesh(&path, &larger, &[]).expect("written");
 
     let mut m = model();
     let choose = ReportAction::Reference;

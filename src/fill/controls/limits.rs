@@ -36,14 +36,14 @@ impl LoopLimits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Mesh, Topology, boundary_loops};
+    use crate::mesh::{Mesh, boundary_loops};
     use crate::shapes;
 
     #[test]
     fn each_limit_leaves_larger_loops_open() {
         let (positions, triangles) = shapes::cut_where(&shapes::sphere(300, 1), |p| p.z > 0.6);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("a cup");
-        let one = boundary_loops(&Mesh::new(positions, topology)).remove(0);
+        let one =
+            boundary_loops(&Mesh::from_triangles(positions, &triangles).expect("a cup")).remove(0);
         let within = LoopLimits {
             max_edges: Some(one.edges()),
             max_perimeter: Some(one.perimeter),

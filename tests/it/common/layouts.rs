@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, Topology, boundary_loops};
+use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, boundary_loops};
 use meniscus::random::SplitMix;
 use meniscus::shapes::{
     TriangleMesh, Tube, cut_where, ellipsoid, plane, sphere, torus, tube_onto_plane, tubes,
@@ -19,9 +19,7 @@ pub struct Layout {
 impl Layout {
     pub fn mesh(&self) -> Mesh {
         let (positions, triangles) = self.shape.clone();
-        let topology =
-            Topology::from_triangles(positions.len(), &triangles).expect("an oriented manifold");
-        Mesh::new(positions, topology)
+        Mesh::from_triangles(positions, &triangles).expect("an oriented manifold")
     }
 
     /// The loops whose middles are nearest to the points.
