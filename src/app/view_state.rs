@@ -3,7 +3,7 @@
 use super::report::{ReportFile, ReportView};
 use crate::fill::LoopLimits;
 use crate::mesh::{DVec3, LoopId};
-use crate::refine::{BoundaryRule, Hold, Method};
+use crate::refine::{Method, RefineControls};
 use crate::render::{Camera, ViewStyle};
 
 /// How the mouse moves the camera.
@@ -85,48 +85,20 @@ pub enum Tool {
 }
 
 /// How the mesh is refined.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Refining {
-    /// Number of subdivision levels.
-    pub levels: usize,
-    /// How new vertices are placed.
-    pub method: Method,
-    /// Which vertices later levels interpolate.
-    pub hold: Hold,
-    /// Curves of boundaries and sharp edges.
-    pub boundary: BoundaryRule,
-    /// Whether edges above an angle stay sharp.
-    pub sharp: bool,
-    /// The angle, degrees.
-    pub sharp_angle: f64,
+    /// Options. Only levels, method, vertices to interpolate, boundaries and creases are those of
+    /// the refinement; the others follow the controls of the document, the energy if it is not
+    /// `None`.
+    pub controls: RefineControls,
     /// Whether the edges chosen for the report stay sharp.
     pub chosen_edges: bool,
     /// Whether the rim of the selected faces stays sharp.
     pub selection_rim: bool,
-    /// Derive energy and tension from the edge length of the mesh, not from the controls.
-    pub own_energy: bool,
     /// Only the selected faces.
     pub selected_only: bool,
     /// Methods to compare with.
     pub beside: [Option<Method>; 2],
-}
-
-impl Default for Refining {
-    fn default() -> Self {
-        Self {
-            levels: 3,
-            method: Method::default(),
-            hold: Hold::default(),
-            boundary: BoundaryRule::default(),
-            sharp: false,
-            sharp_angle: 40.0,
-            chosen_edges: false,
-            selection_rim: false,
-            own_energy: true,
-            selected_only: false,
-            beside: [None; 2],
-        }
-    }
 }
 
 /// How faces are selected.

@@ -13,7 +13,7 @@ use meniscus::app::{
 };
 use meniscus::fill::Continuity;
 use meniscus::io;
-use meniscus::mesh::{DVec3, FaceId, Mesh, Topology};
+use meniscus::mesh::{DVec3, FaceId, Mesh};
 use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
 fn until(model: &mut Model, what: &str, done: impl Fn(&Model) -> bool) {
@@ -45,8 +45,12 @@ fn scan(path: &Path) {
         hole([0.0, 1.0, 0.1], 0.3, 3),
     ];
     let (positions, triangles) = cut_holes(&sphere(900, 8), &holes);
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
-    io::save_mesh(path, &Mesh::new(positions, topology), &[]).expect("written");
+    io::save_mesh(
+        path,
+        &Mesh::from_triangles(positions, &triangles).expect("a sphere"),
+        &[],
+    )
+    .expect("written");
 }
 
 fn opened(input: PathBuf) -> Model {
@@ -200,18 +204,17 @@ fn refinements_are_repeated_too() {
     let input = folder.path().join("coarse.obj");
     let output = folder.path().join("done.obj");
     let (positions, triangles) = meniscus::shapes::icosphere(1);
-    let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
-    io::save_mesh(&input, &Mesh::new(positions, topology), &[]).expect("written");
+    io::save_mesh(
+        &input,
+        &Mesh::from_triangles(positions, &triangles).expect("a sphere"),
+        &[],
+    )
+    .expect("written");
     let mut m = opened(input);
     act(&mut m, TaskAction::Choose(Task::Refine));
-    let levels = 2;
-    act(
-        &mut m,
-        TaskAction::Refining(Box::new(Refining {
-            levels,
-            ..Refining::default()
-        })),
-    );
+    let mut refining = Refining::default();
+    refining.controls.levels = 2;
+    act(&mut m, TaskAction::Refining(Box::new(refining)));
     act(&mut m, ControlsAction::EnergyText("H^2 + 0.1*K^2".into()));
     act(&mut m, ControlsAction::ApplyEnergy);
     act(&mut m, RunAction::Start);
@@ -228,22 +231,20 @@ fn sharp_edges_are_repeated_too() {
         let input = folder.path().join("coarse.obj");
         let output = folder.path().join("done.obj");
         let (positions, triangles) = meniscus::shapes::icosphere(frequency);
-        let topology = Topology::from_triangles(positions.len(), &triangles).expect("a sphere");
-        io::save_mesh(&input, &Mesh::new(positions, topology), &[]).expect("written");
+        io::save_mesh(
+            &input,
+            &Mesh::from_triangles(positions, &triangles).expect("a sphere"),
+            &[],
+        )
+        .expect("written");
         let mut m = opened(input);
         act(&mut m, TaskAction::Choose(Task::Repair));
         paint(&mut m, DVec3::Z, 0.6);
         act(&mut m, TaskAction::Choose(Task::Refine));
-        act(
-            &mut m,
-            TaskAction::Refining(Box::new(Refining {
-                levels: 1,
-                sharp: true,
-                sharp_angle: 41.8,
-                selection_rim: true,
-                ..Refining::default()
-            })),
-        );
+        let mut refining = Refining::default();
+        (refining.controls.levels, refining.selection_rim) = (1, true);
+        refining.controls.crease_angle = Some(41.8);
+        act(&mut m, TaskAction::Refining(Box::new(refining)));
         act(&mut m, RunAction::Start);
         until(&mut m, "the end", ended);
         act(&mut m, RunAction::Accept(0));

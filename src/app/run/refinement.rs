@@ -38,19 +38,13 @@ impl Run {
         let region = (!faces.is_empty()).then(|| face_flags(&faces, base.face_count()));
         let creases = crease_ends(refining, chains, document);
         let others = refining.beside.iter().flatten().copied();
-        let methods = [refining.method].into_iter().chain(others);
+        let methods = [refining.controls.method].into_iter().chain(others);
         let sides = methods
             .map(|method| {
                 let own = RefineControls {
-                    levels: refining.levels,
                     method,
-                    hold: refining.hold,
-                    boundary: refining.boundary,
-                    crease_angle: refining.sharp.then_some(refining.sharp_angle),
-                    energy: (!refining.own_energy).then(|| controls.energy.clone()),
-                    ..RefineControls::default()
+                    ..with_controls(&refining.controls, controls)
                 };
-                let own = with_controls(&own, controls);
                 let operation = Operation::Refine(RefineSpec {
                     controls: own.clone(),
                     creases: paths(&creases),

@@ -8,8 +8,15 @@ use crate::app::run::Run;
 use crate::app::view_state::Refining;
 use crate::mesh::VertexId;
 use crate::ops::Operation;
-use crate::refine::Method;
+use crate::refine::{Method, RefineControls};
 use crate::shapes::{TriangleMesh, icosphere};
+
+fn levels(levels: usize) -> RefineControls {
+    RefineControls {
+        levels,
+        ..RefineControls::default()
+    }
+}
 
 fn on_icosahedron(refining: Refining) -> Model {
     on_mesh(icosphere(1), refining)
@@ -35,8 +42,10 @@ fn on_mesh((positions, triangles): TriangleMesh, refining: Refining) -> Model {
 #[test]
 fn three_methods_side_by_side_and_one_is_taken() {
     let mut m = on_icosahedron(Refining {
-        levels: 2,
-        own_energy: false,
+        controls: RefineControls {
+            energy: Some("H^2".into()),
+            ..levels(2)
+        },
         beside: [Some(Method::Butterfly), Some(Method::Loop)],
         ..Refining::default()
     });
@@ -88,7 +97,7 @@ fn three_methods_side_by_side_and_one_is_taken() {
 #[test]
 fn a_refinement_needs_its_selected_faces() {
     let mut m = on_icosahedron(Refining {
-        levels: 1,
+        controls: levels(1),
         selected_only: true,
         ..Refining::default()
     });
@@ -116,9 +125,10 @@ fn drawn(m: &mut Model, is_asked: impl Fn(&Model) -> bool) -> Vec<[f32; 3]> {
 #[test]
 fn an_accepted_surface_stays_as_it_was() {
     let mut m = on_icosahedron(Refining {
-        levels: 2,
-        sharp: true,
-        sharp_angle: 1.0,
+        controls: RefineControls {
+            crease_angle: Some(1.0),
+            ..levels(2)
+        },
         ..Refining::default()
     });
     act(&mut m, RunAction::Start);
@@ -147,8 +157,10 @@ fn chosen_edges_and_the_rim_of_the_selection_stay_sharp() {
     let mut m = on_mesh(
         icosphere(2),
         Refining {
-            levels: 1,
-            method: Method::Butterfly,
+            controls: RefineControls {
+                method: Method::Butterfly,
+                ..levels(1)
+            },
             chosen_edges: true,
             selection_rim: true,
             ..Refining::default()

@@ -15,7 +15,7 @@ pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>)
     egui::ScrollArea::vertical().show(ui, |ui| {
         ui.add_space(4.0);
         ui.heading("Energy");
-        if model.view.task == Task::Refine && model.view.refining.own_energy {
+        if model.view.task == Task::Refine && model.view.refining.controls.energy.is_none() {
             ui.weak("by the mesh's edge length, see the task at the left");
         } else {
             super::energy::energy_ui(ui, model, actions);
@@ -183,7 +183,7 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
             0.25..=4.0,
         );
     });
-    let own_energy = refining && model.view.refining.own_energy;
+    let own_energy = refining && model.view.refining.controls.energy.is_none();
     for (name, tip, value, range) in [
         (
             "Tension",

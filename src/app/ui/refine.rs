@@ -10,6 +10,8 @@ use crate::app::shortcuts::hint;
 use crate::app::view_state::Refining;
 use crate::refine::{BoundaryRule, Hold, Method};
 
+/// The angle above which edges stay sharp, until another one is chosen; degrees.
+const SHARP: f64 = 40.0;
 const METHODS: [(Method, &str); 3] = [
     (
         Method::Pde,
@@ -28,7 +30,7 @@ const METHODS: [(Method, &str); 3] = [
 /// Levels, method and what is compared.
 pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let document = &model.document;
-    let mut next = model.view.refining;
+    let mut next = model.view.refining.clone();
     ui.horizontal(|ui| {
         ui.heading("Refine");
         ui.weak(format!("{} faces", document.mesh.face_count()));
@@ -38,13 +40,13 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.horizontal_wrapped(|ui| {
             ui.label("Method");
             for (method, tip) in METHODS {
-                ui.selectable_value(&mut next.method, method, method_name(method))
+                ui.selectable_value(&mut next.controls.method, method, method_name(method))
                     .on_hover_text(tip);
             }
         });
         ui.horizontal_wrapped(|ui| {
             ui.label("Beside it");
-            for (method, tip) in METHODS.into_iter().filter(|(m, _)| *m != next.method) {
+            for (method, tip) in METHODS.into_iter().filter(|(m, _)| *m != next.controls.method) {
                 let mut shown = next.beside.contains(&Some(method));
                 if ui
                     .checkbox(&mut shown, method_name(method))
@@ -64,19 +66,21 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             }
         });
         // a method is not shown beside itself
-        let own = Some(next.method);
+        let own = Some(next.controls.method);
         next.beside
             .iter_mut()
             .filter(|m| **m == own)
             .for_each(|m| *m = None);
-        ui.checkbox(&mut next.own_energy, "energy by edge length").on_hover_text(
+        let mut own_energy = next.controls.energy.is_none();
+        ui.checkbox(&mut own_energy, "energy by edge length").on_hover_text(
             "curvature norm and area in the proportion that suits the mesh's edges: keeps edges, does not \
              bulge between sparse vertices; off: the energy and the tension of the controls at the right",
         );
+        next.controls.energy = (!own_energy).then(|| document.controls.energy.clone());
         choice(
             ui,
             "Later levels keep",
-            &mut next.hold,
+            &mut next.controls.hold,
             [
                 (
                     Hold::Previous,
@@ -93,7 +97,7 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         choice(
             ui,
             "Boundaries",
-            &mut next.boundary,
+            &mut next.controls.boundary,
             [
                 (
                     BoundaryRule::Spline,
@@ -128,23 +132,26 @@ fn levels_ui(ui: &mut Ui, model: &Model, next: &mut Refining) {
     };
     ui.horizontal(|ui| {
         let label = ui.label("Levels");
-        ui.add(egui::Slider::new(&mut next.levels, 1..=6))
+        ui.add(egui::Slider::new(&mut next.controls.levels, 1..=6))
             .labelled_by(label.id)
             .on_hover_text("times every triangle becomes four");
     });
-    let after = (faces as u64) << (2 * next.levels);
+    let after = (faces as u64) << (2 * next.controls.levels);
     ui.weak(format!("{after} faces afterwards"));
 }
 
 /// Which edges stay sharp.
 fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
-        ui.checkbox(&mut next.sharp, "Sharp edges").on_hover_text(
+        let mut sharp = next.controls.crease_angle.is_some();
+        let mut angle = next.controls.crease_angle.unwrap_or(SHARP);
+        ui.checkbox(&mut sharp, "Sharp edges").on_hover_text(
             "edges at which the triangles differ by more stay sharp: curves of their own, with a \
              smooth surface on either side",
         );
-        let angle = egui::DragValue::new(&mut next.sharp_angle);
-        ui.add_enabled(next.sharp, angle.range(1.0..=179.0).speed(0.5).suffix("°"));
+        let value = egui::DragValue::new(&mut angle);
+        ui.add_enabled(sharp, value.range(1.0..=179.0).speed(0.5).suffix("°"));
+        next.controls.crease_angle = sharp.then_some(angle);
     });
     ui.horizontal_wrapped(|ui| {
         let count: usize = (model.view.report.chains.iter())

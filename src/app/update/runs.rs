@@ -134,7 +134,7 @@ fn start(model: &mut Model) {
 }
 
 fn refine(model: &mut Model) {
-    let refining = model.view.refining;
+    let refining = &model.view.refining;
     if refining.selected_only && model.document.faces.is_empty() {
         model
             .log
@@ -144,7 +144,7 @@ fn refine(model: &mut Model) {
     let (document, controls) = (&model.document, &model.document.controls);
     let (pace, wake) = (model.view.pace, &model.wake);
     let chains = &model.view.report.chains;
-    match Run::start_refinement(&refining, chains, document, controls, pace, wake) {
+    match Run::start_refinement(refining, chains, document, controls, pace, wake) {
         Ok(run) => {
             // several views are narrower than one
             model.view.fit |= run.sides.len() > 1;
