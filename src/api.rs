@@ -1,10 +1,8 @@
 //! Filling holes with one call or with a few options.
 
-use crate::fill::{
-    Continuity, Controls, ControlsError, FillError, Filled, LoopChoice, NoSuchLoop, choose,
-    fill_rim_sets, with_islands,
-};
+use crate::fill::{Continuity, Controls, ControlsError, Filled, LoopChoice, choose};
 use crate::mesh::{Mesh, boundary_loops};
+use crate::ops::{BlendSpec, FillSpec, FlowSpec, OperationError};
 use crate::solver::StepRecord;
 
 /// Fills the holes of a mesh as `meniscus fill` does without options. Every boundary loop that is
@@ -12,25 +10,10 @@ use crate::solver::StepRecord;
 /// makes `∫ H² dA` stationary.
 ///
 /// # Errors
-/// [`Error::Fill`] if the result would not be a manifold. Failures of single holes are reported in
-/// the result ([`Filled::complete`]).
-pub fn fill(mesh: &Mesh) -> Result<Filled, Error> {
+/// [`OperationError::Fill`] if the result would not be a manifold. Failures of single holes are
+/// reported in the result ([`Filled::complete`]).
+pub fn fill(mesh: &Mesh) -> Result<Filled, OperationError> {
     Fill::new(mesh).run()
-}
-
-/// Why a fill failed.
-#[derive(Clone, Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// An energy that cannot be parsed, or an option out of range.
-    #[error(transparent)]
-    Controls(#[from] ControlsError),
-    /// A boundary loop that does not exist in the mesh.
-    #[error(transparent)]
-    NoSuchLoop(#[from] NoSuchLoop),
-    /// The patches cannot be inserted.
-    #[error(transparent)]
-    Fill(#[from] FillError),
 }
 
 type StepObserver<'a> = Box<dyn Fn(&StepRecord) -> bool + Sync + 'a>;
@@ -73,7 +56,7 @@ impl<'a> Fill<'a> {
         self
     }
 
-    /// Joins all of these loops by one patch instead of filling each.
+    /// Joins all of these loops, at least two, by one patch instead of filling each.
     #[must_use]
     pub fn joined(mut self) -> Self {
         self.joined = true;
@@ -91,8 +74,8 @@ impl<'a> Fill<'a> {
     /// outward normals; lengths are in the units of the mesh.
     ///
     /// # Errors
-    /// [`Error::Controls`] with the place in the text.
-    pub fn energy(mut self, text: &str) -> Result<Self, Error> {
+    /// [`ControlsError::Energy`] with the place in the text.
+    pub fn energy(mut self, text: &str) -> Result<Self, ControlsError> {
         text.clone_into(&mut self.controls.energy);
         self.controls.options()?;
         Ok(self)
@@ -130,17 +113,23 @@ impl<'a> Fill<'a> {
     /// Runs the fill.
     ///
     /// # Errors
-    /// [`Error`]; failures of single holes are reported in the result.
-    pub fn run(self) -> Result<Filled, Error> {
-        let options = self.controls.options()?;
-        let loops = boundary_loops(self.mesh);
-        let chosen = choose(&loops, &self.loops)?;
-        let rim_sets = if self.joined && !chosen.is_empty() {
-            vec![chosen.iter().map(|id| &loops[id.index()]).collect()]
-        } else {
-            with_islands(self.mesh, &loops, &chosen)
-        };
+    /// A loop that does not exist, invalid options, fewer than two loops to join, or a result that
+    /// would not be a manifold. Failures of single holes are reported in the result.
+    pub fn run(self) -> Result<Filled, OperationError> {
+        let mesh = self.mesh;
+        let loops = choose(&boundary_loops(mesh), &self.loops)?;
+        let flow = FlowSpec::from(self.controls);
         let observe = |_, record: &StepRecord| (self.observer)(record);
-        Ok(fill_rim_sets(self.mesh, &rim_sets, &options, &observe)?)
+        if self.joined {
+            BlendSpec { loops, flow }.run(mesh, &observe)
+        } else {
+            let islands = true;
+            FillSpec {
+                loops,
+                islands,
+                flow,
+            }
+            .run(mesh, &observe)
+        }
     }
 }

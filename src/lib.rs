@@ -4,13 +4,12 @@
 //! of an energy `E(S) = ∫ f(H, K) dA` (G. Xu, GMP 2008) until it is stationary; `f = H²` by default.
 //!
 //! ```
-//! use meniscus::mesh::{Mesh, Topology, boundary_loops};
+//! use meniscus::mesh::{Mesh, boundary_loops};
 //! use meniscus::shapes;
 //!
 //! // a unit sphere with a cap cut off
 //! let (positions, triangles) = shapes::cut_where(&shapes::sphere(600, 1), |p| p.z > 0.8);
-//! let topology = Topology::from_triangles(positions.len(), &triangles)?;
-//! let mesh = Mesh::new(positions, topology);
+//! let mesh = Mesh::from_triangles(positions, &triangles)?;
 //! let filled = meniscus::fill(&mesh)?;
 //! assert!(filled.complete() && boundary_loops(&filled.mesh).is_empty());
 //! // it is a sphere again, the old vertices untouched
@@ -57,4 +56,4 @@ pub mod subdivision;
 pub mod surface;
 pub mod warning;
 
-pub use api::{Error, Fill, fill};
+pub use api::{Fill, fill};

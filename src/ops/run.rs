@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{BridgeSpec, FillPartSpec, FillSpec, FlipSpec, FlowSpec, Operation, RefineSpec};
+use super::{
+    BlendSpec, BridgeSpec, FillPartSpec, FillSpec, FlipSpec, FlowSpec, Operation, RefineSpec,
+};
 use crate::fill::{
     self, BridgeError, ControlsError, FillError, Filled, LoopChoice, NoSuchLoop, Observer,
     PartialError, RefillError, Refilled, RimSet, ScheduledOptions, choose, fill_part,
@@ -10,7 +12,7 @@ use crate::fill::{
 };
 use crate::mesh::{BoundaryLoop, DVec3, Erased, LoopId, Mesh, boundary_loops, erase, face_flags};
 use crate::refine::{RefineError, RefineEvent, RefineOptions, Refined, refine};
-use crate::runner::ScheduleError;
+use crate::runner::{RunControls, ScheduleError};
 
 /// What an operation made of a mesh.
 #[derive(Debug)]
@@ -104,45 +106,30 @@ impl Operation {
     /// It does not fit the mesh, its options are invalid, or nothing could be made. What fails for
     /// a single hole is in the outcome.
     pub fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Outcome, OperationError> {
-        let fill = |rim_sets: &[RimSet<'_>], flow: &FlowSpec| {
-            let filled = fill_rim_sets(mesh, rim_sets, flow.options()?, observe)?;
-            Ok(Outcome::Filled(Box::new(filled)))
-        };
-        match self {
-            Self::Fill(spec) => {
-                let loops = boundary_loops(mesh);
-                fill(&spec.rim_sets(mesh, &loops)?, &spec.flow)
-            }
-            Self::Blend(spec) => {
-                let loops = boundary_loops(mesh);
-                let chosen = chosen(&loops, &spec.loops)?;
-                let rims: RimSet<'_> = chosen.iter().map(|id| &loops[id.index()]).collect();
-                if rims.len() < 2 {
-                    return Err(OperationError::TooFewLoops(rims.len()));
-                }
-                fill(&[rims], &spec.flow)
-            }
+        let filled = |filled| Outcome::Filled(Box::new(filled));
+        Ok(match self {
+            Self::Fill(spec) => filled(spec.run(mesh, observe)?),
+            Self::Blend(spec) => filled(spec.run(mesh, observe)?),
             Self::Refill(spec) => {
                 let flags = flags(mesh, &spec.faces)?;
                 let new = fill::refill(mesh, &flags, spec.flow.options()?, observe)?;
-                Ok(Outcome::Refilled(Box::new(new)))
+                Outcome::Refilled(Box::new(new))
             }
             Self::Fair(spec) => {
                 let flags = flags(mesh, &spec.faces)?;
-                let new = fill::fair(mesh, &flags, spec.flow.options()?, observe)?;
-                Ok(Outcome::Filled(Box::new(new)))
+                filled(fill::fair(mesh, &flags, spec.flow.options()?, observe)?)
             }
-            Self::FillPart(spec) => spec.run(mesh, observe),
-            Self::Refine(spec) => spec.run(mesh, observe),
+            Self::FillPart(spec) => filled(spec.run(mesh, observe)?),
+            Self::Refine(spec) => Outcome::Refined(Box::new(spec.run(mesh, observe)?)),
             Self::Erase(spec) => {
                 if spec.faces.is_empty() {
                     return Err(OperationError::NoFaces);
                 }
-                Ok(Outcome::Erased(erase(mesh, &flags(mesh, &spec.faces)?)))
+                Outcome::Erased(erase(mesh, &flags(mesh, &spec.faces)?))
             }
-            Self::Flip(spec) => Ok(Outcome::Changed(spec.run(mesh)?)),
-            Self::Bridge(spec) => Ok(Outcome::Changed(spec.run(mesh)?)),
-        }
+            Self::Flip(spec) => Outcome::Changed(spec.run(mesh)?),
+            Self::Bridge(spec) => Outcome::Changed(spec.run(mesh)?),
+        })
     }
 }
 
@@ -151,12 +138,28 @@ impl FlowSpec {
     ///
     /// # Errors
     /// Invalid controls, or a schedule that cannot be followed.
-    pub fn options(&self) -> Result<ScheduledOptions, ScheduleError> {
-        ScheduledOptions::new(&self.controls, &self.schedule)
+    pub fn options(&self) -> Result<ScheduledOptions, OperationError> {
+        self.controls.validate()?;
+        Ok(ScheduledOptions::new(&self.controls, &self.schedule)?)
     }
 }
 
 impl FillSpec {
+    /// Fills the loops.
+    ///
+    /// # Errors
+    /// As [`Operation::run`].
+    pub fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Filled, OperationError> {
+        let loops = boundary_loops(mesh);
+        let rim_sets = self.rim_sets(mesh, &loops)?;
+        Ok(fill_rim_sets(
+            mesh,
+            &rim_sets,
+            self.flow.options()?,
+            observe,
+        )?)
+    }
+
     /// The rims that each patch joins: a loop, with the rims of the islands in it.
     ///
     /// # Errors
@@ -175,8 +178,24 @@ impl FillSpec {
     }
 }
 
+impl BlendSpec {
+    /// Joins the loops.
+    ///
+    /// # Errors
+    /// As [`Operation::run`].
+    pub fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Filled, OperationError> {
+        let loops = boundary_loops(mesh);
+        let chosen = chosen(&loops, &self.loops)?;
+        if chosen.len() < 2 {
+            return Err(OperationError::TooFewLoops(chosen.len()));
+        }
+        let rims = chosen.iter().map(|id| &loops[id.index()]).collect();
+        Ok(fill_rim_sets(mesh, &[rims], self.flow.options()?, observe)?)
+    }
+}
+
 impl FillPartSpec {
-    fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Outcome, OperationError> {
+    fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Filled, OperationError> {
         let loops = boundary_loops(mesh);
         let [from, to] = self.ends;
         let hole = nearest_loop(mesh, &loops, from).ok_or(OperationError::NoLoops)?;
@@ -190,8 +209,7 @@ impl FillPartSpec {
             [to, from]
         };
         let options = self.controls.options()?;
-        let filled = fill_part(mesh, hole, from, to, &options, observe)?;
-        Ok(Outcome::Filled(Box::new(filled)))
+        Ok(fill_part(mesh, hole, from, to, &options, observe)?)
     }
 }
 
@@ -210,15 +228,14 @@ impl RefineSpec {
         Ok(options)
     }
 
-    fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Outcome, OperationError> {
+    fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Refined, OperationError> {
         let recording = self.schedule.recording(&self.controls)?;
         let observe = &mut |event| match event {
             RefineEvent::Step { level, record } => observe(level, &record),
             _ => true,
         };
         let (options, mesh) = (self.options(mesh)?, Arc::new(mesh.clone()));
-        let (refined, _) = refine(mesh, options, &recording, observe)?;
-        Ok(Outcome::Refined(Box::new(refined)))
+        Ok(refine(mesh, options, &recording, observe)?.0)
     }
 }
 
