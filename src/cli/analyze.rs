@@ -23,47 +23,48 @@ use crate::io::open;
 /// `meniscus analyze`.
 #[derive(Debug, Args)]
 pub struct AnalyzeArguments {
-    /// Mesh to measure (.obj, .ply, .stl).
+    /// The mesh to measure (.obj, .ply, .stl).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
-    /// Energy f(H,K) to integrate beside the usual ones.
+    /// An energy f(H,K) to integrate in addition to the standard ones.
     #[arg(long, value_name = "F", allow_hyphen_values = true)]
     pub energy: Option<String>,
-    /// Value of a parameter of the energy (repeatable).
+    /// The value of a parameter in the energy (repeatable).
     #[arg(long, value_name = "NAME=VALUE", value_parser = parameter)]
     pub param: Vec<(String, f64)>,
-    /// Distances to this mesh, both ways.
+    /// Measure the distances to and from this mesh.
     #[arg(long, value_name = "REF")]
     pub against: Option<PathBuf>,
-    /// How many of the first faces are the surroundings of patches, as in the output of `fill` (the
-    /// faces of its input): the rims between them and the rest are measured.
+    /// The number of original faces, which come first. The faces after them are patches. The
+    /// boundary between the two is measured. For an output of `fill` this is the number of faces of
+    /// its input.
     #[arg(long, value_name = "N")]
     pub first_faces: Option<usize>,
-    /// Measure along the edges at which the surface bends by more than this, in degrees.
+    /// Measure along the edges with a larger dihedral angle than this, in degrees.
     #[arg(long, value_name = "DEG")]
     pub edge_angle: Option<f64>,
-    /// Take the mesh as the surface: vertices are points of the limit surface, not control points.
+    /// Treat the vertices as points of the limit surface, not as control points.
     #[arg(long)]
     pub on_surface: bool,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
-    /// Write curvatures (and distances) of every vertex as CSV.
+    /// Write the curvatures (and distances) of all vertices as CSV.
     #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
-    /// Write all measures as CSV, a line each.
+    /// Write all measures as CSV, one per line.
     #[arg(long, value_name = "FILE.csv")]
     pub measures: Option<PathBuf>,
-    /// Cut the limit surface by the plane through a point, with a normal (repeatable); the curves and
-    /// their curvatures are in the report.
+    /// Cut the limit surface by a plane, given by a point and a normal (repeatable). The report
+    /// contains the curves and their curvatures.
     #[arg(long, value_name = "X,Y,Z,NX,NY,NZ", value_parser = plane, allow_hyphen_values = true)]
     pub section: Vec<Plane>,
-    /// Write the points of the sections as CSV.
+    /// Write the points of all sections as CSV.
     #[arg(long, value_name = "FILE.csv", requires = "section")]
     pub section_csv: Option<PathBuf>,
 }
 
-/// Runs the command.
+/// Runs `meniscus analyze`.
 pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
     check_targets(
         &[
@@ -130,7 +131,7 @@ pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
     print(&text(&input, &analysis)?)
 }
 
-/// The same as plain text.
+/// The report as plain text.
 fn text(input: &str, analysis: &Analysis) -> Result<String, std::fmt::Error> {
     let mut out = String::new();
     let (s, q) = (&analysis.shape, &analysis.quality);
@@ -155,19 +156,20 @@ fn text(input: &str, analysis: &Analysis) -> Result<String, std::fmt::Error> {
         e.willmore, e.total_curvature, e.gauss_squared, e.bending
     )?;
     if let Some(given) = e.given {
-        writeln!(out, "  energy given: {given:.6e}")?;
+        writeln!(out, "  given energy: {given:.6e}")?;
     }
     for (name, range) in analysis.curvature.named() {
         writeln!(out, "  {}", curvature_line(name, range))?;
     }
     writeln!(
         out,
-        "  triangles: angles {:.2} to {:.2} degrees, {} below 10, {} without area; edges {:.4e} to {:.4e}",
+        "  triangles: angles {:.2} to {:.2} degrees, {} below 10, {} with zero area; edges {:.4e} \
+         to {:.4e}",
         q.min_angle, q.max_angle, q.slivers, q.degenerate, q.edge_length[0], q.edge_length[2]
     )?;
     writeln!(
         out,
-        "  {} self-intersections, {} folded edges, greatest dihedral angle {:.2} degrees",
+        "  {} self-intersections, {} folded edges, maximum dihedral angle {:.2} degrees",
         q.self_intersections, q.folded_edges, q.max_dihedral
     )?;
     for chain in &analysis.chains {
@@ -191,7 +193,11 @@ fn text(input: &str, analysis: &Analysis) -> Result<String, std::fmt::Error> {
             )?;
         }
         if section.curves.is_empty() {
-            writeln!(out, "  section {}: the plane meets nothing", n + 1)?;
+            writeln!(
+                out,
+                "  section {}: the plane does not meet the surface",
+                n + 1
+            )?;
         }
     }
     if let Some(d) = &analysis.distances {
@@ -199,7 +205,8 @@ fn text(input: &str, analysis: &Analysis) -> Result<String, std::fmt::Error> {
             let [x, y, z] = one.max_at;
             writeln!(
                 out,
-                "  distance {name} the reference: RMS {:.4e}, mean {:.4e}, largest {:.4e} at ({x:.5}, {y:.5}, {z:.5})",
+                "  distance {name} the reference: RMS {:.4e}, mean {:.4e}, maximum {:.4e} at \
+                 ({x:.5}, {y:.5}, {z:.5})",
                 one.rms, one.mean, one.max
             )?;
         }
@@ -214,29 +221,33 @@ fn volume(volume: Option<f64>) -> String {
 fn curvature_line(name: &str, r: &Range) -> String {
     let h = &r.histogram;
     format!(
-        "{name:>2}: {:.4e} to {:.4e}, 98 % of the area {:.4e} to {:.4e}, average {:.4e}, deviation {:.4e}",
+        "{name:>2}: {:.4e} to {:.4e}, 98 % of the area {:.4e} to {:.4e}, mean {:.4e}, deviation \
+         {:.4e}",
         r.min, r.max, h.from, h.to, r.average, r.deviation
     )
 }
 
 fn chain_lines(out: &mut String, chain: &ChainReport) -> std::fmt::Result {
     let kind = if chain.smooth_by_construction {
-        "one limit surface runs through: gap and angle are zero by construction"
+        "inside one limit surface: gap and angle are zero by construction"
     } else {
-        "crease: both sides taken by themselves"
+        "crease: both sides evaluated separately"
     };
     writeln!(out, "  {} ({} edges; {kind})", chain.name, chain.edges)?;
     for (name, s) in [
         ("gap", &chain.gap),
-        ("angle of the normals, degrees", &chain.normal_angle),
-        ("dihedral angle of the triangles, degrees", &chain.dihedral),
+        ("angle between normals, degrees", &chain.normal_angle),
+        ("dihedral angle of triangles, degrees", &chain.dihedral),
         ("jump of H", &chain.curvature_jump),
-        ("step of H from face to face", &chain.curvature_step),
+        (
+            "difference of H between neighbouring faces",
+            &chain.curvature_step,
+        ),
     ] {
         let [x, y, z] = s.max_at;
         writeln!(
             out,
-            "    {name}: {:.3e} to {:.3e}, mean {:.3e}, largest at ({x:.5}, {y:.5}, {z:.5})",
+            "    {name}: {:.3e} to {:.3e}, mean {:.3e}, maximum at ({x:.5}, {y:.5}, {z:.5})",
             s.min, s.max, s.mean
         )?;
     }

@@ -17,10 +17,10 @@ use crate::cli::refine::RefineArguments;
 use crate::cli::render::RenderArguments;
 use crate::cli::sample::SampleArguments;
 
-/// Fill holes in triangle meshes with smooth surfaces.
+/// Fills holes in triangle meshes with smooth surfaces.
 ///
-/// Every hole gets a patch that joins its surroundings smoothly (G1) and makes the integral of an
-/// energy f(H,K) stationary, H the mean and K the Gaussian curvature.
+/// Each hole gets a patch that joins the mesh with continuous normals (G1) and makes the integral
+/// of an energy f(H,K) stationary. H is the mean curvature, K the Gaussian curvature.
 #[derive(Debug, Parser)]
 #[command(
     name = "meniscus",
@@ -30,10 +30,10 @@ use crate::cli::sample::SampleArguments;
     args_conflicts_with_subcommands = true
 )]
 pub struct Arguments {
-    /// What to do without a window; without a command the window opens.
+    /// A command that runs without a window. Without a command the window opens.
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// Mesh or project to open in the window; a sample if none is given.
+    /// The mesh or project to open in the window. The default is a built-in sample.
     #[cfg(feature = "window")]
     #[arg(value_name = "FILE", value_parser = file)]
     pub file: Option<PathBuf>,
@@ -53,7 +53,7 @@ const EXAMPLES: &str = "Examples:
   meniscus blend pipes.obj -o joined.obj --loops 1,3
   meniscus demo --out demo
 
-Exit codes: 0 done, 1 failed with a message, 2 wrong usage.";
+Exit codes: 0 success, 1 failure with a message, 2 invalid command line.";
 
 const FILL_EXAMPLES: &str = "Examples:
   meniscus fill bunny.obj -o filled.obj
@@ -67,7 +67,7 @@ const FILL_EXAMPLES: &str = "Examples:
 Energies: 1, H^2, K^2, H^2+K^2, H^2*K^2, k1^4+k2^4, K, (H-H0)^2, k1^2+k2^2, (k1-k2)^2,
 sqrt(k1^2+k2^2+c^2), or any expression in H, K, k1, k2 and parameters with + - * / ^, abs, sqrt,
 exp, log, sin, cos, tanh, min and max. It must be symmetric in k1 and k2. H is negative on a sphere with outward normals.
-A typed energy is in the units of the file.";
+An energy is evaluated in the units of the file.";
 
 const BLEND_EXAMPLES: &str = "Examples:
   meniscus blend pipes.obj -o joined.obj
@@ -106,35 +106,35 @@ const RENDER_EXAMPLES: &str = "Examples:
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Fill holes of a mesh and write the result.
+    /// Fill the holes of a mesh and write the result.
     ///
     /// The vertices of IN come first in OUT, unchanged.
     #[command(after_help = FILL_EXAMPLES)]
     Fill(Box<FillArguments>),
-    /// Join several rims, of one or more components, by one smooth surface.
+    /// Join several rims, of one or more components, by one smooth patch.
     ///
     /// The vertices of IN come first in OUT, unchanged.
     #[command(after_help = BLEND_EXAMPLES)]
     Blend(Box<BlendArguments>),
-    /// Erase part of a surface and fill it anew, or fair it in place.
+    /// Erase faces and fill the hole, or fair them in place.
     #[command(after_help = REFILL_EXAMPLES)]
     Refill(Box<RefillArguments>),
-    /// Refine a mesh: every triangle becomes four, again and again, on a smooth surface through the
-    /// given vertices.
+    /// Refine a mesh: split every triangle into four, level by level, on a smooth surface through
+    /// the input vertices.
     ///
-    /// The vertices of IN come first in OUT, unchanged (but for `--method loop`).
+    /// The vertices of IN come first in OUT, unchanged (except with `--method loop`).
     #[command(after_help = REFINE_EXAMPLES)]
     Refine(Box<RefineArguments>),
-    /// Erase part of a surface and leave it open.
+    /// Erase faces and leave the hole open.
     ///
-    /// OUT holds what is left, in the order of IN.
+    /// OUT contains the remaining vertices and faces in the order of IN.
     #[command(after_help = ERASE_EXAMPLES)]
     Erase(EraseArguments),
-    /// Flip components: the other side becomes the outer one.
+    /// Flip components: reverse the orientation of their faces.
     ///
-    /// OUT holds the same vertices and faces in the same order.
+    /// OUT contains the same vertices and faces in the same order.
     Flip(FlipArguments),
-    /// Build a strip of triangles across a hole, or from one hole to another.
+    /// Add a strip of triangles across a hole, or from one hole to another.
     ///
     /// The vertices of IN come first in OUT, unchanged.
     Bridge(BridgeArguments),
@@ -143,23 +143,23 @@ pub enum Command {
     /// Measure a surface: energies, curvatures, continuity, triangles, distances.
     #[command(after_help = ANALYZE_EXAMPLES)]
     Analyze(AnalyzeArguments),
-    /// Draw a mesh into a picture.
+    /// Write a picture of a mesh.
     #[cfg(feature = "render")]
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArguments),
     /// Write a built-in sample as a mesh file.
     Sample(SampleArguments),
-    /// Fill a built-in sample riddled with holes and write both meshes and the report.
+    /// Fill a built-in sample with many holes and write both meshes and the report.
     Demo(DemoArguments),
 }
 
-/// A word that is no command and does not look like a file is more likely a mistyped command.
+/// Parses FILE. A word without an extension that is not a file is probably a mistyped command.
 #[cfg(feature = "window")]
 fn file(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     if path.exists() || path.extension().is_some() || path.components().count() > 1 {
         Ok(path)
     } else {
-        Err("it is neither a command nor a file; `meniscus --help` lists the commands".into())
+        Err("this is neither a command nor a file; `meniscus --help` lists the commands".into())
     }
 }

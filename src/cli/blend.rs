@@ -14,18 +14,18 @@ pub struct BlendArguments {
     /// Input and output.
     #[command(flatten)]
     pub files: MeshFiles,
-    /// Which loops.
+    /// The loops to join.
     #[command(flatten)]
     pub loops: LoopArguments,
     /// Flip the faces of this loop's component first (repeatable).
     #[arg(long, value_name = "LOOP")]
     pub flip: Vec<LoopId>,
-    /// The flow and what is written.
+    /// The flow and the output.
     #[command(flatten)]
     pub flow: FlowArguments,
 }
 
-/// Runs the command.
+/// Runs `meniscus blend`.
 pub fn blend(args: &BlendArguments) -> Result<()> {
     let mut task = Task::new(&args.files, &args.flow)?;
     if !args.flip.is_empty() {
@@ -39,7 +39,7 @@ pub fn blend(args: &BlendArguments) -> Result<()> {
     let mut chosen = args.loops.chosen(mesh, &loops)?;
     let is_auto = args.loops.are_auto();
     if is_auto && chosen.len() < 2 && is_one_each(&loops) {
-        // whatever their shape, nothing else can be meant
+        // no component has two loops, so `auto` can only mean all of them
         chosen = loops.iter().map(|l| l.id).collect();
     }
     if chosen.len() < 2 {
@@ -58,7 +58,7 @@ pub fn blend(args: &BlendArguments) -> Result<()> {
     )
 }
 
-/// Whether no component has two of the loops.
+/// Whether the loops lie on different components.
 fn is_one_each(loops: &[BoundaryLoop]) -> bool {
     let mut components: Vec<u32> = loops.iter().map(|l| l.component).collect();
     components.sort_unstable();

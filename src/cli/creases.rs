@@ -7,20 +7,20 @@ use clap::Args;
 use crate::cli::UsageError;
 use crate::ops::parse_chain;
 
-/// Edges that are to stay sharp: all that one of the options names.
+/// Edges that stay sharp: the union of those named by the options.
 #[derive(Debug, Args)]
 pub struct CreaseArguments {
-    /// Keep the edges between these vertices sharp, one after the other: their numbers, counted from 1
-    /// in the order of the file (repeatable).
+    /// Keep the edges of this chain of vertices sharp. Vertices are counted from 1 in the order of
+    /// the file (repeatable).
     #[arg(long, value_name = "V,W,...")]
     pub crease: Vec<String>,
-    /// Read such chains from a file, one a line, as the window writes them.
+    /// Read chains from a file, one per line, as written by the window.
     #[arg(long, value_name = "FILE")]
     pub creases_from: Option<PathBuf>,
 }
 
 impl CreaseArguments {
-    /// The chains of edges named, by the indices of their vertices.
+    /// The named chains of edges, as vertex indices.
     ///
     /// # Errors
     /// A chain that cannot be read.
@@ -39,7 +39,7 @@ impl CreaseArguments {
     }
 }
 
-/// The chains of a file, one a line.
+/// The chains of a file, one per line.
 fn lines(text: &str) -> Result<Vec<Vec<u32>>, String> {
     let lines = text.lines().enumerate();
     lines

@@ -16,10 +16,10 @@ use crate::shapes;
 /// `meniscus demo`.
 #[derive(Debug, Args)]
 pub struct DemoArguments {
-    /// Folder to write to; made if it does not exist.
+    /// The folder to write to. It is created if it does not exist.
     #[arg(long, value_name = "DIR", default_value = "meniscus-demo")]
     pub out: PathBuf,
-    /// Print errors only.
+    /// Print only errors.
     #[arg(short, long)]
     pub quiet: bool,
 }
@@ -27,10 +27,10 @@ pub struct DemoArguments {
 /// Writes the sample, fills it from its file, writes the result and the report.
 pub fn demo(args: &DemoArguments) -> Result<()> {
     std::fs::create_dir_all(&args.out)
-        .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
+        .with_context(|| format!("cannot create the folder {}", args.out.display()))?;
     let (positions, triangles) = shapes::demo();
     let holed = args.out.join("holed.obj");
-    // OBJ keeps all of it
+    // OBJ keeps all data of the sample
     save_mesh(&holed, &Mesh::from_triangles(positions, &triangles)?, &[])?;
     if !args.quiet {
         print(&format!("{}: the sample with its holes\n", holed.display()))?;

@@ -18,7 +18,7 @@ pub struct EraseArguments {
     /// Input and output.
     #[command(flatten)]
     pub files: MeshFiles,
-    /// Which faces.
+    /// The faces to erase.
     #[command(flatten)]
     pub selection: SelectionArguments,
 }
@@ -29,7 +29,7 @@ pub struct FlipArguments {
     /// Input and output.
     #[command(flatten)]
     pub files: MeshFiles,
-    /// Flip the component of this loop (`meniscus info` lists them; repeatable).
+    /// Flip the component of this loop. `meniscus info` lists the loops (repeatable).
     #[arg(long, value_name = "LOOP", required = true)]
     pub component_of: Vec<LoopId>,
 }
@@ -40,13 +40,13 @@ pub struct BridgeArguments {
     /// Input and output.
     #[command(flatten)]
     pub files: MeshFiles,
-    /// One end: at the rim vertex nearest to this point.
+    /// Start at the rim vertex nearest to this point.
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub from: DVec3,
-    /// The other end.
+    /// End at the rim vertex nearest to this point.
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub to: DVec3,
-    /// Width in rim edges.
+    /// The width in rim edges.
     #[arg(long, value_name = "N", default_value_t = 2)]
     pub width: usize,
 }

@@ -18,14 +18,14 @@ pub struct FillArguments {
     /// Input and output.
     #[command(flatten)]
     pub files: MeshFiles,
-    /// Which loops.
+    /// The loops to fill.
     #[command(flatten)]
     pub loops: LoopArguments,
-    /// Which loops are left open.
+    /// Limits above which loops are left open.
     #[command(flatten)]
     pub limits: OptionArguments<LoopLimits>,
-    /// Fill only part of one hole: along its rim from the vertex nearest to the first point to the
-    /// one nearest to the second, the shorter way. A later fill does the rest.
+    /// Fill only part of one hole: the shorter segment of its rim between the vertices nearest to
+    /// these points. A later fill closes the rest.
     #[arg(
         long,
         num_args = 2,
@@ -37,16 +37,15 @@ pub struct FillArguments {
         ]
     )]
     pub part: Vec<DVec3>,
-    /// Fill holes as if no loose pieces lay in them; without it patches pass through the rims of
-    /// islands.
+    /// Ignore loose components (islands) inside a hole. Without it the patch joins their rims.
     #[arg(long)]
     pub no_islands: bool,
-    /// The flow and what is written.
+    /// The flow and the output.
     #[command(flatten)]
     pub flow: FlowArguments,
 }
 
-/// Runs the command.
+/// Runs `meniscus fill`.
 pub fn fill(args: &FillArguments) -> Result<()> {
     let task = Task::new(&args.files, &args.flow)?;
     let mesh = &task.opened.mesh;

@@ -1,4 +1,4 @@
-//! What the commands share that fill with a flow: arguments, checks, and writing the result.
+//! Shared parts of the commands that fill with a flow: arguments, checks, and writing the result.
 
 use std::path::{Path, PathBuf};
 
@@ -30,19 +30,19 @@ use super::parse::point;
 /// The files of a command that changes a mesh.
 #[derive(Debug, Args)]
 pub struct MeshFiles {
-    /// Mesh to read (.obj, .ply, .stl).
+    /// The mesh to read (.obj, .ply, .stl).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
-    /// Mesh to write (.obj, .ply, .stl).
+    /// The mesh to write (.obj, .ply, .stl).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// Print errors only.
+    /// Print only errors.
     #[arg(short, long, display_order = 1000)]
     pub quiet: bool,
 }
 
 impl MeshFiles {
-    /// Opens IN, after a check whether OUT can be written.
+    /// Checks that OUT can be written, then opens IN.
     pub fn open(&self) -> Result<Opened> {
         check_targets(
             &[("IN", Some(&self.input))],
@@ -53,14 +53,14 @@ impl MeshFiles {
     }
 }
 
-/// Which loops.
+/// The choice of loops.
 #[derive(Debug, Default, Args)]
 pub struct LoopArguments {
-    /// Take the loop with the vertex nearest to this point (repeatable; replaces --loops).
+    /// Choose the loop with the vertex nearest to this point, instead of --loops (repeatable).
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub loop_at: Vec<DVec3>,
-    /// Which loops: auto (all that are not guessed outer rims), all, all-but-largest, or numbers
-    /// as `meniscus info` shows them.
+    /// The loops to choose: auto (all that are not classified as outer boundaries), all,
+    /// all-but-largest, or numbers as listed by `meniscus info`.
     #[arg(
         long,
         value_name = "CHOICE",
@@ -81,16 +81,16 @@ impl LoopArguments {
         !self.loop_at.is_empty() || matches!(self.loops, LoopChoice::Listed(_))
     }
 
-    /// Why a loop is not among the chosen ones.
+    /// Why a loop is not chosen.
     pub fn reason_to_skip(&self, one: &BoundaryLoop) -> String {
         if self.are_auto() && one.outer_rim {
-            format!("guessed an outer rim: {}", one.reason)
+            format!("classified as an outer boundary: {}", one.reason)
         } else {
             "not chosen".into()
         }
     }
 
-    /// The chosen loops, ascending.
+    /// The chosen loops in ascending order.
     pub fn chosen(&self, mesh: &Mesh, loops: &[BoundaryLoop]) -> Result<Vec<LoopId>> {
         if self.loop_at.is_empty() {
             return Ok(choose(loops, &self.loops)?);
@@ -108,14 +108,14 @@ impl LoopArguments {
     }
 }
 
-/// A flow, and what is written beside the mesh.
+/// The flow, and the files written beside the mesh.
 #[derive(Debug, Default, Args)]
 pub struct FlowArguments {
-    /// Energy, method, time step and the like.
+    /// The options of the flow.
     #[command(flatten)]
     pub controls: OptionArguments<Controls>,
-    /// Repeat the changes of an earlier fill: CSV with the columns
-    /// attempt,control,value, as the window copies it.
+    /// Apply these changes during the flow: CSV with the columns attempt,control,value, as copied
+    /// by the window.
     #[arg(long, value_name = "FILE.csv")]
     pub schedule: Option<PathBuf>,
     /// Write a report as JSON.
@@ -124,7 +124,7 @@ pub struct FlowArguments {
     /// Write every step as CSV.
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
-    /// A picture of the result.
+    /// The picture of the result.
     #[command(flatten)]
     pub picture: ResultPicture,
 }
@@ -140,7 +140,7 @@ pub struct Task<'a> {
 }
 
 impl<'a> Task<'a> {
-    /// Does everything before the work: checks options and targets, reads schedule and mesh.
+    /// Checks the options and output paths, then reads the schedule and the mesh.
     pub fn new(files: &'a MeshFiles, args: &'a FlowArguments) -> Result<Self> {
         let controls = args.controls.0.clone();
         controls.options().map_err(|e| usage(&e))?;
@@ -161,7 +161,7 @@ impl<'a> Task<'a> {
             Some(path) => schedule(path, &controls)?,
             None => Schedule::default(),
         };
-        // the pool's threads start while the file is read
+        // start the threads of the pool while the file is read
         rayon::spawn(|| ());
         Ok(Self {
             files,
@@ -171,7 +171,7 @@ impl<'a> Task<'a> {
         })
     }
 
-    /// Fills holes and writes everything asked for. `skipped` are the loops left open.
+    /// Fills holes and writes all requested files. `skipped` are the loops left open.
     pub fn fill(&self, rim_sets: &[RimSet<'_>], skipped: Vec<SkippedLoop>) -> Result<()> {
         if !self.files.quiet {
             for note in &self.opened.report.notes {
@@ -191,7 +191,7 @@ impl<'a> Task<'a> {
             true
         })?;
         progress.finish();
-        // rims joined without continuous normals are drawn from either side by itself
+        // both sides of a rim joined without continuous normals are drawn separately
         let controls = &self.flow.controls;
         let sharp = rim_sets
             .iter()
@@ -201,8 +201,8 @@ impl<'a> Task<'a> {
         self.save(&filled, skipped, creases)
     }
 
-    /// Writes the mesh and everything else asked for, and prints what was done. `creases` are the
-    /// edges of rims that a picture shows from either side by itself.
+    /// Writes the mesh and all other requested files, and prints a summary. `creases` are rim edges
+    /// whose two sides a picture draws separately.
     pub fn save(
         &self,
         filled: &Filled,
@@ -256,11 +256,11 @@ impl<'a> Task<'a> {
     }
 }
 
-/// The error of what is left open though it should not be.
+/// The error if a chosen hole was not filled.
 fn failures(report: &FillReport<'_>, filled: &Filled, output: &Path) -> Result<()> {
     if let Some(first) = report.failed.first() {
         bail!(
-            "{} of {} holes could not be filled; {} was written with the others. First: {}",
+            "{} of {} holes could not be filled; {} contains the others. First error: {}",
             report.failed.len(),
             report.failed.len() + report.holes.len(),
             output.display(),
@@ -271,7 +271,7 @@ fn failures(report: &FillReport<'_>, filled: &Filled, output: &Path) -> Result<(
     let failed = groups.find_map(|(g, r)| Some((filled.first_hole(g)?.id(), r.as_ref().err()?)));
     if let Some((id, error)) = failed {
         bail!(
-            "hole {id}: {error}. {} was written with the first patch there",
+            "hole {id}: {error}. {} contains the first patch there",
             output.display()
         );
     }
@@ -296,7 +296,7 @@ fn summary(report: &FillReport<'_>) -> Result<()> {
 
 fn nothing_to_do(loops: usize) -> String {
     if loops == 0 {
-        "no boundary loops: the mesh is closed and is written as it is".into()
+        "no boundary loops: the mesh is closed and is written unchanged".into()
     } else {
         format!(
             "nothing to fill: all {loops} boundary loops are left open (choose some with --loops or \
@@ -305,7 +305,7 @@ fn nothing_to_do(loops: usize) -> String {
     }
 }
 
-/// The schedule of a file, if it can be followed from these controls.
+/// Reads a schedule and checks it against these controls.
 pub fn schedule<C: RunControls>(path: &Path, controls: &C) -> Result<Schedule> {
     let text = std::fs::read_to_string(path)
         .with_context(|| format!("cannot read the schedule {}", path.display()))?;
@@ -314,7 +314,7 @@ pub fn schedule<C: RunControls>(path: &Path, controls: &C) -> Result<Schedule> {
     checked.map_err(|error| UsageError(format!("{}: {error}", path.display())).into())
 }
 
-/// The error of controls whose texts are valid but whose values are not.
+/// The error of controls with a value out of range.
 fn usage(error: &ControlsError) -> UsageError {
     error
         .expression()

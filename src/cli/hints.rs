@@ -14,14 +14,14 @@ pub fn print_warnings<'a>(prefix: &str, warnings: impl IntoIterator<Item = &'a W
     }
 }
 
-/// What to do about a warning on the command line.
+/// The remedy for a warning, with the options of the command line.
 fn hint(warning: &Warning) -> Option<&'static str> {
     Some(match warning {
         Warning::StepSizeCollapsed => "try another --energy, or a fixed time step with --tau",
         Warning::StepLimit { mixed: false, .. } => "allow more steps with --steps",
         Warning::StepLimit { mixed: true, .. } => {
-            "allow more steps with --steps, or use --scheme mixed-corrected, which does not creep \
-             along the surface"
+            "allow more steps with --steps, or use --scheme mixed-corrected, whose vertices \
+             do not drift along the surface"
         }
         Warning::Frozen { .. } => "increase --tension, or use a finer mesh there",
         Warning::IntersectingResult { .. } => "increase --tension",

@@ -14,7 +14,7 @@ use crate::mesh::{BoundaryLoop, LoadReport, LoopId, boundary_loops};
 /// `meniscus info`.
 #[derive(Debug, Args)]
 pub struct InfoArguments {
-    /// Mesh to read (.obj, .ply, .stl).
+    /// The mesh to read (.obj, .ply, .stl).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// Print JSON.
@@ -60,7 +60,7 @@ impl<'a> From<&'a BoundaryLoop> for LoopInfo<'a> {
     }
 }
 
-/// Runs the command.
+/// Runs `meniscus info`.
 pub fn info(args: &InfoArguments) -> Result<()> {
     let opened = open(&args.input)?;
     let loops = boundary_loops(&opened.mesh);
@@ -78,7 +78,7 @@ pub fn info(args: &InfoArguments) -> Result<()> {
     print(&text(&info)?)
 }
 
-/// The same as plain text.
+/// The report as plain text.
 fn text(info: &Info<'_>) -> Result<String, std::fmt::Error> {
     let r = info.load;
     let mut out = String::new();
@@ -90,14 +90,14 @@ fn text(info: &Info<'_>) -> Result<String, std::fmt::Error> {
     )?;
     writeln!(
         out,
-        "  {} vertices, {} triangles as a mesh",
+        "  {} vertices, {} triangles in the mesh",
         r.vertices, r.faces
     )?;
     for (i, c) in r.components.iter().enumerate() {
         let one_sided = if c.orientable {
             ""
         } else {
-            ", one-sided (left alone)"
+            ", non-orientable (not filled)"
         };
         writeln!(
             out,
@@ -113,7 +113,7 @@ fn text(info: &Info<'_>) -> Result<String, std::fmt::Error> {
         writeln!(out, "  defect {:?} at ({}, {}, {})", d.kind, p.x, p.y, p.z)?;
     }
     if info.loops.is_empty() {
-        writeln!(out, "  no boundary loops: closed")?;
+        writeln!(out, "  no boundary loops: the mesh is closed")?;
     } else {
         writeln!(out, "  loop   edges    perimeter     diameter  centroid")?;
     }
@@ -125,7 +125,7 @@ fn text(info: &Info<'_>) -> Result<String, std::fmt::Error> {
             l.number, l.edges, l.perimeter, l.diameter
         )?;
         if l.outer_rim {
-            write!(out, "  outer rim? {}", l.reason)?;
+            write!(out, "  outer boundary: {}", l.reason)?;
         }
         out.push('\n');
     }

@@ -1,4 +1,4 @@
-//! The headless commands.
+//! The commands that run without a window.
 
 mod analyze;
 mod args;
@@ -37,7 +37,7 @@ pub use args::{Arguments, Command};
 
 use anyhow::Result;
 
-/// An argument that the grammar lets through but nothing can be done with; exit code 2.
+/// An invalid argument that the parser accepted; exit code 2.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct UsageError(pub String);

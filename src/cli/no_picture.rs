@@ -1,4 +1,4 @@
-//! What stands for `result_picture.rs` in a program built without the feature `render`.
+//! Replaces `result_picture.rs` if the feature `render` is off.
 
 use std::path::Path;
 

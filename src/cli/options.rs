@@ -1,11 +1,11 @@
-//! Structs of options as arguments of a command.
+//! Option structs as command-line arguments.
 
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
 use crate::options::{Kind, OptionEntry, Options};
 
-/// The options `T`, each a flag of its name.
+/// The options `T`, each as a flag of the same name.
 #[derive(Clone, Debug, Default)]
 pub struct OptionArguments<T>(pub T);
 
@@ -46,7 +46,7 @@ impl<T: Options> FromArgMatches for OptionArguments<T> {
     }
 }
 
-/// The parser of each argument has found its text valid.
+/// The text is valid, because the parser of the argument has accepted it.
 fn set<T: Options>(options: &mut T, name: &str, text: &str) -> Result<(), clap::Error> {
     let error = |e| clap::Error::raw(clap::error::ErrorKind::InvalidValue, format!("{e}\n"));
     options.set(name, text).map_err(error)

@@ -1,4 +1,4 @@
-//! Pictures of meshes for commands.
+//! Pictures of meshes for the commands.
 
 use std::sync::Arc;
 
@@ -14,20 +14,20 @@ use crate::render::{
 
 /// Default size of a picture.
 const SIZE: [u32; 2] = [1280, 960];
-/// Height for which the widths of lines are meant.
+/// Picture height at which line widths are in pixels.
 const LINE_HEIGHT: f32 = 960.0;
-/// Rings of faces around patches that are drawn as finely as these.
+/// Rings of faces around patches that are drawn as finely as the patches.
 const FINE_RINGS: usize = 4;
-/// Faces up to which a mesh is drawn finely everywhere.
+/// Meshes with at most this many faces are drawn finely everywhere.
 const SMALL: usize = 20_000;
-/// Light core of the lines along rims; seen on any ground by its dark casing.
+/// Colour of the lines along rims. Their dark casing makes them visible on any background.
 const RIM_COLOR: [f32; 4] = [1.0, 0.78, 0.10, 1.0];
 
-/// Everything a picture needs but the device.
+/// The scene and settings of a picture, without the graphics device.
 pub struct Shot {
     scene: Scene,
     style: ViewStyle,
-    /// From where.
+    /// The camera.
     pub camera: Camera,
     size: [u32; 2],
     transparent: bool,
@@ -112,7 +112,8 @@ fn camera(look: &PictureArguments, bounds: &Bounds, [w, h]: [u32; 2]) -> Result<
     Ok(camera)
 }
 
-/// Patches and the faces around them finely, the rest with a vertex for each of the mesh's.
+/// The geometry: patches and the faces around them finely, the rest with one vertex per mesh
+/// vertex.
 fn surfaces(
     mesh: &Mesh,
     first_patch_face: usize,
@@ -144,8 +145,8 @@ fn surfaces(
     vec![Arc::new(near), Arc::new(far)]
 }
 
-/// For each face whether it is of a patch or within some rings of one; all of them on a mesh that
-/// is small or has no patch.
+/// Flags the faces of patches and of the rings around them. All faces are flagged if the mesh is
+/// small or has no patch.
 fn around_patches(mesh: &Mesh, first_patch_face: usize) -> Vec<bool> {
     let faces = mesh.face_count();
     if faces <= SMALL || first_patch_face >= faces {

@@ -1,4 +1,4 @@
-//! How pictures look: the options that `render` and `fill` share.
+//! Options for the look of pictures, shared by `render` and `fill`.
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -12,32 +12,33 @@ use crate::render::{MAX_SIDE, ViewMode};
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Picture")]
 pub struct PictureArguments {
-    /// What colours show: shaded, isophotes (the default), zebra, H, K, k1 or k2.
+    /// The quantity shown by colours: shaded, isophotes (the default), zebra, H, K, k1 or k2.
     #[arg(long, value_name = "VIEW", value_parser = view)]
     pub view: Option<ViewMode>,
-    /// Pixels across and down, up to 8192 each [default: 1280x960].
+    /// Width and height in pixels, at most 8192 each [default: 1280x960].
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<[u32; 2]>,
-    /// Where to look from: front, back, left, right, top, bottom, iso, or the text of a camera as the
-    /// window copies it.
+    /// The camera: front, back, left, right, top, bottom, iso, or the text of a camera copied from
+    /// the window.
     #[arg(long, value_name = "CAMERA", allow_hyphen_values = true)]
     pub camera: Option<String>,
-    /// Which axis points up in these views [default: y].
+    /// The axis that points up in the named views [default: y].
     #[arg(long, value_name = "AXIS", value_parser = choice::<Up>())]
     pub up: Option<Up>,
-    /// Parallel projection.
+    /// Use parallel projection.
     #[arg(long)]
     pub orthographic: bool,
-    /// No background.
+    /// Make the background transparent.
     #[arg(long)]
     pub transparent: bool,
-    /// Number of light and dark pairs of isophotes or zebra bands [default: 12].
+    /// The number of pairs of light and dark bands (isophotes, zebra) [default: 12].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub stripes: Option<u32>,
-    /// Direction to the light of the isophotes [default: 0.3,1,0.5].
+    /// The direction to the light of the isophotes [default: 0.3,1,0.5].
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub light: Option<DVec3>,
-    /// Values at the ends of the colours of H, K, k1 and k2 [default: most of those that occur].
+    /// The values at the two ends of the colour map of H, K, k1 and k2 [default: the central range
+    /// of the values that occur].
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     pub range: Option<[f32; 2]>,
     /// Draw the edges of the control mesh.
@@ -46,30 +47,30 @@ pub struct PictureArguments {
     /// Draw the boundary loops.
     #[arg(long)]
     pub rims: bool,
-    /// Draw the flat triangles of the control mesh instead of its limit surface.
+    /// Draw the triangles of the control mesh instead of its limit surface.
     #[arg(long)]
     pub control_mesh: bool,
-    /// Patches in the colour of the rest.
+    /// Draw patches in the colour of the mesh.
     #[arg(long)]
     pub no_tint: bool,
-    /// Dark background.
+    /// Use a dark background.
     #[arg(long)]
     pub dark: bool,
 }
 
-/// `--up`.
+/// The values of `--up`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Up {
-    /// The second coordinate.
+    /// The y axis.
     Y,
-    /// The third coordinate.
+    /// The z axis.
     Z,
 }
 
 choices!(Up: Y "y", Z "z");
 
 impl PictureArguments {
-    /// Whether any of them was given.
+    /// Whether any option was given.
     pub fn given(&self) -> bool {
         self.view.is_some()
             || self.size.is_some()
@@ -92,11 +93,16 @@ fn view(text: &str) -> Result<ViewMode, String> {
     let shown = |mode: &ViewMode| !matches!(mode, ViewMode::Deviation | ViewMode::Distance);
     ViewMode::from_name(text)
         .filter(shown)
-        .ok_or_else(|| "give shaded, isophotes, zebra, H, K, k1 or k2".into())
+        .ok_or_else(|| "write shaded, isophotes, zebra, H, K, k1 or k2".into())
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {
-    let error = || format!("give pixels across and down from 1 to {MAX_SIDE}, as in 1920x1080");
+    let error = || {
+        format!(
+            "write a width and a height from 1 to {MAX_SIDE} pixels, as in \
+                            1920x1080"
+        )
+    };
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(error)?;
     let side = |text: &str| match text.trim().parse::<u32>() {
         Ok(n) if (1..=MAX_SIDE).contains(&n) => Ok(n),
@@ -106,7 +112,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 fn range(text: &str) -> Result<[f32; 2], String> {
-    let error = || "give two numbers, the lower first, as in -2,2".to_owned();
+    let error = || "write two numbers, the lower first, as in -2,2".to_owned();
     let (low, high) = text.split_once(',').ok_or_else(error)?;
     let number = |text: &str| text.trim().parse::<f32>().map_err(|_| error());
     let [low, high] = [number(low)?, number(high)?];
@@ -117,7 +123,7 @@ fn range(text: &str) -> Result<[f32; 2], String> {
     }
 }
 
-/// Parses a choice by its name.
+/// Parses the name of a choice.
 pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(T::names())
         .map(|name| T::named(&name).expect("one of the possible values"))

@@ -1,4 +1,4 @@
-//! Results on standard output and in mesh files.
+//! Output to standard output and to mesh files.
 
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -8,8 +8,8 @@ use anyhow::Result;
 use crate::io::{Opened, save_mesh};
 use crate::mesh::Mesh;
 
-/// Writes text to standard output. A reader that has gone away (`meniscus info … | head`) is no
-/// error; any other failure, such as a full disk, is.
+/// Writes text to standard output. A closed pipe (`meniscus info … | head`) is not an error; any
+/// other failure, such as a full disk, is one.
 pub fn print(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -20,8 +20,8 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Writes a mesh with the material libraries of the input, and prints on standard error what the
-/// format cannot keep, unless `quiet`.
+/// Writes a mesh with the material libraries of the input. Unless `quiet`, prints to standard error
+/// what the format cannot store.
 pub fn save(path: &Path, mesh: &Mesh, input: &Opened, quiet: bool) -> Result<()> {
     let losses = save_mesh(path, mesh, &input.material_libraries)?;
     for loss in losses.iter().filter(|_| !quiet) {

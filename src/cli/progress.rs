@@ -8,10 +8,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::solver::StepRecord;
 
-/// What is in progress.
+/// The kind of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Work {
-    /// Filling so many holes; steps belong to groups of them.
+    /// Filling this number of holes; steps belong to groups of holes.
     Holes(usize),
     /// Fairing a region.
     Fairing,
@@ -20,7 +20,7 @@ pub enum Work {
 }
 
 impl Work {
-    /// What is shown before the first step.
+    /// The text before the first step.
     fn start(self) -> String {
         match self {
             Self::Holes(1) => "1 hole: first patches".into(),
@@ -30,7 +30,7 @@ impl Work {
         }
     }
 
-    /// What is shown after a step of a group or level; `steps` are the accepted ones of each.
+    /// The text after a step of a group or level. `steps` are the accepted steps of each.
     fn after(self, steps: &BTreeMap<usize, usize>, group: usize, record: &StepRecord) -> String {
         let total: usize = steps.values().sum();
         let flows = steps.len();
@@ -48,7 +48,7 @@ impl Work {
     }
 }
 
-/// A spinner that shows the last step; nothing where stderr is no terminal.
+/// A spinner that shows the last step. It is hidden if stderr is not a terminal.
 pub struct Progress {
     bar: ProgressBar,
     work: Work,
@@ -75,7 +75,7 @@ impl Progress {
         }
     }
 
-    /// A group or level attempted a step.
+    /// Shows an attempted step of a group or level.
     pub fn step(&self, group: usize, record: &StepRecord) {
         if let Ok(mut steps) = self.steps.lock() {
             steps.insert(group, record.step);
@@ -84,7 +84,7 @@ impl Progress {
         }
     }
 
-    /// Takes the line away.
+    /// Removes the line.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }

@@ -21,18 +21,18 @@ pub struct RefillArguments {
     /// Input and output.
     #[command(flatten)]
     pub files: MeshFiles,
-    /// Which faces.
+    /// The faces to erase or fair.
     #[command(flatten)]
     pub selection: SelectionArguments,
-    /// Keep the triangles and let their vertices flow, instead of erasing and filling.
+    /// Keep the triangles and move only their vertices, instead of erasing and filling.
     #[arg(long)]
     pub fair: bool,
-    /// The flow and what is written.
+    /// The flow and the output.
     #[command(flatten)]
     pub flow: FlowArguments,
 }
 
-/// Runs the command.
+/// Runs `meniscus refill`.
 pub fn refill(args: &RefillArguments) -> Result<()> {
     let task = Task::new(&args.files, &args.flow)?;
     let mesh = &task.opened.mesh;
@@ -75,7 +75,7 @@ pub fn refill(args: &RefillArguments) -> Result<()> {
     }
 }
 
-/// What `--fair` did.
+/// The report of `--fair`.
 #[derive(Debug, Serialize)]
 struct FairReport<'a> {
     version: &'static str,
@@ -103,7 +103,7 @@ fn save_faired(args: &RefillArguments, task: &Task<'_>, faces: usize, new: &Fill
         let error = new.groups.iter().find_map(|g| g.as_ref().err());
         let why = error.map_or_else(String::new, ToString::to_string);
         bail!(
-            "the selected region cannot be faired: {why}. {} was written with the warm start there",
+            "the selected region cannot be faired: {why}. {} contains the warm start there",
             args.files.output.display()
         );
     };

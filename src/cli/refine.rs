@@ -30,12 +30,12 @@ use crate::runner::Schedule;
 use crate::solver::FlowOptions;
 use crate::warning::{Warning, Warnings};
 
-/// Intersecting pairs counted at most.
+/// Maximum number of intersecting pairs that are counted.
 const MOST_INTERSECTIONS: usize = 1000;
-/// An edge is folded where its faces' normals differ by more than this, in degrees.
+/// An edge is folded if the normals of its faces differ by more than this, in degrees.
 const FOLDED: f64 = 150.0;
 
-/// What a refinement did.
+/// The report of a refinement.
 #[derive(Debug, Serialize)]
 struct RefineReport<'a> {
     version: &'static str,
@@ -52,19 +52,19 @@ struct RefineReport<'a> {
     faces: usize,
     /// Whether every level converged.
     converged: bool,
-    /// Whether the input vertices are unchanged, bit by bit.
+    /// Whether the input vertices are bit-identical.
     input_kept: bool,
-    /// Pairs of intersecting triangles of the result (at most 1000), and of the input.
+    /// Pairs of intersecting triangles (at most 1000), of the result and of the input.
     self_intersections: usize,
     self_intersections_of_input: usize,
-    /// Edges of the result at which it turns by more than 150 degrees, and of the input.
+    /// Edges with a dihedral angle above 150 degrees, of the result and of the input.
     folded_edges: usize,
     folded_edges_of_input: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     distances: Option<Distances>,
     seconds: f64,
     peak_memory: u64,
-    /// Those of the levels and about the result.
+    /// Warnings about the levels and the result.
     #[serde(flatten)]
     warnings: Warnings,
 }
@@ -75,23 +75,23 @@ pub struct RefineArguments {
     /// Input and output.
     #[command(flatten)]
     pub files: MeshFiles,
-    /// Levels, method, energy and the like.
+    /// The options of the refinement.
     #[command(flatten)]
     pub controls: OptionArguments<RefineControls>,
-    /// Which edges stay sharp.
+    /// The edges that stay sharp.
     #[command(flatten)]
     pub creases: CreaseArguments,
-    /// Refine only these faces; those beside them are cut to fit.
+    /// Refine only these faces. Neighbouring faces are split to match.
     #[command(flatten)]
     pub selection: SelectionArguments,
-    /// Repeat the changes of an earlier refinement: CSV with the columns attempt,control,value, as
-    /// the window copies it.
+    /// Apply these changes during the flow: CSV with the columns attempt,control,value, as copied
+    /// by the window.
     #[arg(long, value_name = "FILE.csv")]
     pub schedule: Option<PathBuf>,
     /// Measure the result against this mesh.
     #[arg(long, value_name = "REF")]
     pub against: Option<PathBuf>,
-    /// Write the control mesh of the limit surface as well, open along sharp edges.
+    /// Also write the control mesh of the limit surface, cut open along sharp edges.
     #[arg(long, value_name = "FILE")]
     pub control: Option<PathBuf>,
     /// Write a report as JSON.
@@ -102,7 +102,7 @@ pub struct RefineArguments {
     pub trace: Option<PathBuf>,
 }
 
-/// Runs the command.
+/// Runs `meniscus refine`.
 pub fn refine(args: &RefineArguments) -> Result<()> {
     check_targets(
         &[
@@ -253,7 +253,7 @@ fn summary(report: &RefineReport<'_>) -> Result<()> {
     if let Some(d) = &report.distances {
         writeln!(
             text,
-            "distance to the reference: RMS {:.4e}, largest {:.4e}",
+            "distance to the reference: RMS {:.4e}, maximum {:.4e}",
             d.rms, d.max
         )?;
     }

@@ -14,25 +14,25 @@ use crate::render::{Gpu, SequenceFormat, save_png, turntable, write_sequence};
 /// `meniscus render`.
 #[derive(Debug, Args)]
 pub struct RenderArguments {
-    /// Mesh to read (.obj, .ply, .stl).
+    /// The mesh to read (.obj, .ply, .stl).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
-    /// Picture to write.
+    /// The picture to write.
     #[arg(short, long, value_name = "OUT.png")]
     pub output: PathBuf,
-    /// How the picture looks.
+    /// The look of the picture.
     #[command(flatten)]
     pub look: PictureArguments,
-    /// Pictures on a full turn around the vertical, instead of a single one.
+    /// Write N pictures of a full turn around the vertical axis instead of one picture.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=3600))]
     pub turntable: Option<u32>,
-    /// How the turn is stored: png (numbered files), gif or apng [default: by the extension].
+    /// The format of the turn: png (numbered files), gif or apng [default: by the extension].
     #[arg(long, requires = "turntable", value_parser = choice::<SequenceFormat>())]
     pub format: Option<SequenceFormat>,
-    /// Pictures a second.
+    /// The number of pictures per second.
     #[arg(long, value_name = "FPS", default_value_t = 25.0, requires = "turntable", value_parser = fps)]
     pub fps: f64,
-    /// Print errors only.
+    /// Print only errors.
     #[arg(short, long)]
     pub quiet: bool,
 }
@@ -40,11 +40,11 @@ pub struct RenderArguments {
 fn fps(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(f) if (0.1..=100.0).contains(&f) => Ok(f),
-        _ => Err("give a number from 0.1 to 100".into()),
+        _ => Err("write a number from 0.1 to 100".into()),
     }
 }
 
-/// Runs the command.
+/// Runs `meniscus render`.
 pub fn render(args: &RenderArguments) -> Result<()> {
     let format = format(args)?;
     check_targets(
@@ -52,7 +52,7 @@ pub fn render(args: &RenderArguments) -> Result<()> {
         &[],
         &[("OUT", Some(&args.output))],
     )?;
-    // before the mesh is read: without an adapter there is nothing to wait for
+    // fail without an adapter before the mesh is read
     let gpu = Gpu::new()?;
     let opened = open(&args.input)?;
     if !args.quiet {
@@ -76,7 +76,7 @@ pub fn render(args: &RenderArguments) -> Result<()> {
     Ok(())
 }
 
-/// The format asked for, or that of the extension.
+/// The requested format, or that of the extension.
 fn format(args: &RenderArguments) -> Result<SequenceFormat> {
     let extension = args.output.extension().unwrap_or_default();
     let is = |name: &str| extension.eq_ignore_ascii_case(name);

@@ -7,7 +7,7 @@ use crate::mesh::{BoundaryLoop, LoadReport, LoopId};
 use crate::solver::End;
 use crate::warning::{Warning, Warnings};
 
-/// Everything a fill did.
+/// The report of a fill.
 #[derive(Debug, Serialize)]
 pub struct FillReport<'a> {
     /// Program and version.
@@ -16,9 +16,9 @@ pub struct FillReport<'a> {
     pub input: String,
     /// File written.
     pub output: String,
-    /// Energy, as given.
+    /// Energy, as typed.
     pub energy: String,
-    /// Method.
+    /// Scheme.
     pub scheme: &'static str,
     /// Mode.
     pub mode: &'static str,
@@ -32,7 +32,7 @@ pub struct FillReport<'a> {
     pub skipped: Vec<SkippedLoop>,
     /// Sums over all holes.
     pub totals: Totals,
-    /// Largest resident set of the process, bytes.
+    /// Peak resident memory of the process in bytes.
     pub peak_memory: u64,
 }
 
@@ -42,17 +42,17 @@ pub struct HoleReport {
     /// The loop.
     #[serde(rename = "loop")]
     pub id: LoopId,
-    /// All loops its patch joins.
+    /// All loops that its patch joins.
     pub loops: Vec<LoopId>,
     /// Edges of the rims.
     pub edges: usize,
-    /// RMS distance of the rim's vertices from their mean, the largest of several rims.
+    /// Radius: RMS distance of the rim vertices from their mean, the maximum over several rims.
     pub radius: f64,
     /// New vertices.
     pub vertices_added: usize,
     /// New triangles.
     pub faces_added: usize,
-    /// Group of holes solved together, from 0; null if nothing had to be solved.
+    /// Group of holes solved together, counted from 0; null if there was nothing to solve.
     pub group: Option<usize>,
     /// Accepted steps.
     pub steps: usize,
@@ -60,7 +60,7 @@ pub struct HoleReport {
     pub rejected: usize,
     /// Whether the stopping rule was met.
     pub converged: bool,
-    /// Energy at the warm start, 12-point rule; null if nothing had to be solved.
+    /// Energy at the warm start, 12-point rule; null if there was nothing to solve.
     pub energy_start: Option<f64>,
     /// Energy at the end.
     pub energy_end: Option<f64>,
@@ -68,10 +68,10 @@ pub struct HoleReport {
     pub seconds: f64,
     /// Stages in milliseconds.
     pub timings: Timings,
-    /// Scheme A: iterations of GMRES summed over the steps.
+    /// Mixed schemes: iterations of GMRES summed over the steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gmres_iterations: Option<usize>,
-    /// Scheme A: largest relative residual of a linear solve.
+    /// Mixed schemes: maximum relative residual of a linear solve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linear_residual: Option<f64>,
     /// Warnings: their texts and codes.
@@ -118,21 +118,21 @@ pub struct Totals {
     pub converged: bool,
     /// Wall-clock seconds of the fill, without reading and writing files.
     pub seconds: f64,
-    /// Wall-clock milliseconds of the whole fill and of its stages summed over holes.
+    /// Wall-clock milliseconds of the fill, and of its stages summed over the holes.
     pub timings: TotalTimings,
 }
 
 /// Milliseconds.
 #[derive(Debug, Serialize)]
 pub struct TotalTimings {
-    /// Sum over holes of each stage.
+    /// Each stage, summed over the holes.
     #[serde(flatten)]
     pub stages: Timings,
-    /// Wall clock of the whole, stages of different holes overlapping.
+    /// The whole fill; stages of different holes overlap.
     pub total: f64,
 }
 
-/// The reports of all filled holes, in order.
+/// Reports of all filled holes, in order.
 pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
     filled
         .holes
@@ -186,7 +186,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
         .collect()
 }
 
-/// Sums for a report.
+/// Sums of a report.
 pub fn totals(filled: &Filled, holes: &[HoleReport]) -> Totals {
     let mut stages = Timings::default();
     for hole in &filled.holes {
@@ -212,7 +212,7 @@ pub fn totals(filled: &Filled, holes: &[HoleReport]) -> Totals {
     }
 }
 
-/// Loops that were not chosen, with the reason.
+/// The loops that were not chosen, with reasons.
 pub fn skipped(
     loops: &[BoundaryLoop],
     chosen: &[LoopId],

@@ -1,4 +1,4 @@
-//! The picture of a result: `--picture` and how it looks.
+//! The picture of a result: `--picture` and its options.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::render::{Gpu, save_png};
 /// The options of `fill`, `blend` and `refill` for a picture.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ResultPicture {
-    /// Write a picture of the result as PNG, patches tinted.
+    /// Write a picture of the result as PNG, with tinted patches.
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
     #[command(flatten)]
@@ -27,16 +27,16 @@ impl ResultPicture {
         self.picture.as_deref()
     }
 
-    /// Refuses options of a picture without a picture.
+    /// Refuses picture options without `--picture`.
     pub fn check(&self) -> Result<()> {
         if self.picture.is_none() && self.look.given() {
-            let message = "the options of pictures need --picture FILE.png";
+            let message = "picture options need --picture FILE.png";
             return Err(UsageError(message.into()).into());
         }
         Ok(())
     }
 
-    /// Writes the picture, if one is asked for; the arguments are those of [`Shot::new`].
+    /// Writes the picture, if requested. The arguments are those of [`Shot::new`].
     pub fn save(
         &self,
         mesh: &Mesh,

@@ -13,10 +13,10 @@ use crate::shapes::{SAMPLES, Sample};
 /// `meniscus sample`.
 #[derive(Debug, Args)]
 pub struct SampleArguments {
-    /// Which.
+    /// The name of the sample.
     #[arg(value_name = "NAME", value_parser = samples())]
     pub sample: &'static Sample,
-    /// Mesh to write (.obj, .ply, .stl).
+    /// The mesh to write (.obj, .ply, .stl).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 }
@@ -27,7 +27,7 @@ fn samples() -> impl TypedValueParser<Value = &'static Sample> {
     PossibleValuesParser::new(names).try_map(|name| Sample::named(&name).ok_or("no such sample"))
 }
 
-/// Runs the command.
+/// Runs `meniscus sample`.
 pub fn sample(args: &SampleArguments) -> Result<()> {
     let sample = args.sample;
     io::check_target(&args.output)?;

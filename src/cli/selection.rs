@@ -10,10 +10,10 @@ use crate::cli::parse::ball;
 use crate::mesh::{DVec3, Mesh, face_flags, face_list, faces_in_ball, grow, parse_ranges};
 use crate::ops::Faces;
 
-/// A selection of faces: all that one of the options names.
+/// A selection of faces: the union of those named by the options.
 #[derive(Debug, Args)]
 pub struct SelectionArguments {
-    /// Select the faces whose corners lie within this distance of this point (repeatable).
+    /// Select the faces with all corners within the distance R of a point (repeatable).
     #[arg(
         long,
         value_name = "X,Y,Z,R",
@@ -21,31 +21,31 @@ pub struct SelectionArguments {
         allow_hyphen_values = true
     )]
     pub ball: Vec<(DVec3, f64)>,
-    /// Select triangles by their numbers, counted from 1 in the order of the file after polygons were
-    /// cut: 1-12,40.
+    /// Select triangles by number, as in 1-12,40. Triangles are counted from 1 in the order of the
+    /// file, after polygons have been triangulated.
     #[arg(long, value_name = "LIST")]
     pub faces: Option<String>,
-    /// Read such a list from a file, as the window writes it.
+    /// Read a list of triangles from a file, as written by the window.
     #[arg(long, value_name = "FILE")]
     pub faces_from: Option<PathBuf>,
-    /// Widen the selection by this many rings of faces.
+    /// Grow the selection by N rings of faces.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub grow: usize,
 }
 
 impl SelectionArguments {
-    /// Whether none of the options is given.
+    /// Whether no option is given.
     pub fn is_empty(&self) -> bool {
         self.ball.is_empty() && self.faces.is_none() && self.faces_from.is_none()
     }
 
-    /// The selected faces of a command that needs some.
+    /// The selected faces, at least one.
     ///
     /// # Errors
-    /// None of the options is given, and as [`Self::faces`].
+    /// No option is given, or as for [`Self::faces`].
     pub fn required(&self, mesh: &Mesh) -> Result<Faces> {
         if self.is_empty() {
-            let what = "choose faces: --ball X,Y,Z,R, --faces LIST or --faces-from FILE";
+            let what = "choose faces with --ball X,Y,Z,R, --faces LIST or --faces-from FILE";
             return Err(UsageError(what.into()).into());
         }
         self.faces(mesh)
@@ -54,7 +54,7 @@ impl SelectionArguments {
     /// The selected faces.
     ///
     /// # Errors
-    /// A list that cannot be read or names faces that are not there.
+    /// A list cannot be read or contains faces that do not exist.
     pub fn faces(&self, mesh: &Mesh) -> Result<Faces> {
         let count = mesh.face_count();
         let mut flags = vec![false; count];

@@ -1,4 +1,4 @@
-//! Checks of the files to be written, before the work.
+//! Checks of the output files before the computation.
 
 use std::path::Path;
 
@@ -6,11 +6,11 @@ use anyhow::{Result, bail};
 
 use crate::io;
 
-/// A file with the name of its argument, if it is given.
+/// The name of an argument and its file, if given.
 pub type Named<'a> = (&'a str, Option<&'a Path>);
 
-/// Finds out whether all meshes and other files can be written, and over nothing that is read or
-/// written too.
+/// Checks that all output files can be written, and that none of them is an input or another
+/// output.
 pub fn check_targets(read: &[Named<'_>], meshes: &[Named<'_>], others: &[Named<'_>]) -> Result<()> {
     let mut taken: Vec<(&str, &Path)> = read.iter().filter_map(given).collect();
     let meshes = meshes.iter().filter_map(given).map(|m| (m, true));
@@ -18,7 +18,7 @@ pub fn check_targets(read: &[Named<'_>], meshes: &[Named<'_>], others: &[Named<'
     for ((name, path), is_mesh) in meshes.chain(others) {
         if let Some((other, _)) = taken.iter().find(|(_, at)| io::same_file(path, at)) {
             bail!(
-                "{name} is the same file as {other} ({}); give another name, nothing was \
+                "{name} is the same file as {other} ({}); choose another name, nothing was \
                  overwritten",
                 path.display()
             );

@@ -9,14 +9,14 @@ use crate::solver::StepRecord;
 pub struct Trace(String);
 
 impl Trace {
-    /// An empty table; `first` names the column of what a step belongs to.
+    /// An empty table. `first` is the name of the first column, which holds the owner of a step.
     pub fn new(first: &str) -> Self {
         Self(format!(
             "{first},step,tau,energy,residual,rejected,reason\n"
         ))
     }
 
-    /// The steps of all groups of a fill, each with the first loop of its group, 0 without loops.
+    /// The steps of all groups of a fill, with the first loop of the group, or 0 if it has none.
     pub fn of_fill(filled: &Filled) -> Self {
         let mut trace = Self::new("loop");
         for (g, group) in filled.groups.iter().enumerate() {
@@ -37,7 +37,7 @@ impl Trace {
         let residual = (!record.is_rejected()).then(|| format!("{:e}", record.residual));
         let (residual, rejected) = (residual.unwrap_or_default(), u8::from(record.is_rejected()));
         let reason = record.rejection.as_ref().map_or("", |reason| reason.code());
-        // a String takes everything
+        // writing to a String cannot fail
         let _ = writeln!(
             self.0,
             "{owner},{step},{tau:e},{energy:e},{residual},{rejected},{reason}"
