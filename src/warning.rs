@@ -1,7 +1,7 @@
 //! Warnings about a result, with the data behind them.
 //!
-//! A warning has a stable code for scripts, a message for users and, where there is one, a remedy.
-//! Neither names an option of the command line or a button: the front ends do that.
+//! A warning has a stable code for scripts, a message for users and, if there is one, a remedy.
+//! Neither contains an option of the command line or a button: the front ends add those.
 
 use std::fmt;
 use std::ops::Deref;
@@ -11,20 +11,20 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 use crate::energy::{Order, WellPosed};
 use crate::mesh::DVec3;
 
-/// Pairs of intersecting triangles are counted up to this number.
+/// Maximum number of pairs of intersecting triangles that are counted.
 pub const MAX_PAIRS: usize = 100;
 
-/// Something a user should know about a result.
+/// A problem of a result that the user should check.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
     /// The flow of the energy is not strictly parabolic at some points of the surface.
     NotParabolic {
-        /// The worst class met.
+        /// The worst class found.
         class: WellPosed,
-        /// Points of this class.
+        /// Number of points of this class.
         count: usize,
-        /// Points sampled.
+        /// Number of sample points.
         samples: usize,
         /// The worst point.
         at: DVec3,
@@ -32,23 +32,23 @@ pub enum Warning {
         h: f64,
         /// Gaussian curvature there.
         k: f64,
-        /// Smallest value of the symbol over all directions there.
+        /// Minimum of the symbol over all directions there.
         symbol: f64,
-        /// Normal curvature of the direction in which the symbol is smallest.
+        /// Normal curvature in the direction of that minimum.
         direction: f64,
     },
-    /// The energy is a multiple of `K`: every surface is stationary.
+    /// The energy is a multiple of `K`, for which every surface is stationary.
     StationaryEnergy,
-    /// The surface pinches off, or triangles lose their area.
+    /// The surface pinches off, or triangles shrink to zero area.
     Pinched {
         /// Where.
         at: DVec3,
-        /// Order of the energy's flow.
+        /// Order of the flow of the energy.
         order: Order,
     },
     /// No step lowers the energy any more.
     StepSizeCollapsed,
-    /// The flow ended at its limit of steps.
+    /// The flow ended at the maximum number of steps.
     StepLimit {
         /// Accepted steps.
         steps: usize,
@@ -60,22 +60,22 @@ pub enum Warning {
         /// Their number.
         vertices: usize,
     },
-    /// Given vertices that the surface passes only with a fold.
+    /// Input vertices that the surface can interpolate only with a fold.
     Unreached {
         /// Their number.
         vertices: usize,
     },
-    /// The surface passes through itself or the mesh.
+    /// The surface intersects itself or the mesh.
     SelfIntersection {
-        /// Pairs of intersecting triangles, [`MAX_PAIRS`] at most.
+        /// Pairs of intersecting triangles, at most [`MAX_PAIRS`].
         pairs: usize,
         /// One of the places.
         at: DVec3,
-        /// Accepted steps up to the last shape without an intersection, which is kept; `None` if
-        /// the surface intersects itself from the start.
+        /// Accepted steps up to the last shape without an intersection, which is kept. `None` if
+        /// the first shape already has one.
         kept_step: Option<usize>,
     },
-    /// The result has more pairs of intersecting triangles than the input.
+    /// The result has more pairs of intersecting triangles than the input has.
     IntersectingResult {
         /// Pairs of the result.
         pairs: usize,
@@ -95,7 +95,7 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// A stable name of the kind of warning, for scripts.
+    /// A stable name of this kind of warning, for scripts.
     pub fn code(&self) -> &'static str {
         match self {
             Self::NotParabolic { class, .. } => match class {
@@ -116,7 +116,7 @@ impl Warning {
         }
     }
 
-    /// What a user can do about it, in a few words.
+    /// The remedy, if there is one.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
             Self::Pinched {
@@ -124,18 +124,18 @@ impl Warning {
                 ..
             } => "use a fourth-order energy such as H^2, or move the rims closer together",
             Self::Pinched { .. } => {
-                "use another energy, add a tension, or move the rims closer together"
+                "use another energy, add tension, or move the rims closer together"
             }
             Self::StepSizeCollapsed => "try another energy or a fixed time step",
             Self::StepLimit { mixed: false, .. } => "allow more steps",
             Self::StepLimit { mixed: true, .. } => {
-                "allow more steps, or use the corrected mixed scheme, which does not creep along the \
-                 surface"
+                "allow more steps, or use the corrected mixed scheme, whose vertices do not drift \
+                 along the surface"
             }
             Self::Frozen { .. } => "increase the tension, or use a finer mesh there",
             Self::Unreached { .. } => "check whether the mesh is folded there",
             Self::SelfIntersection { .. } => {
-                "use another energy, add a tension, or join fewer rims at a time"
+                "use another energy, add tension, or join fewer rims at a time"
             }
             Self::IntersectingResult { .. } => "increase the tension",
             _ => return None,
@@ -158,8 +158,8 @@ impl fmt::Display for Warning {
             } => {
                 let what = match class {
                     WellPosed::Undefined => "has no finite second derivatives",
-                    WellPosed::IllPosed => "is ill-posed (short waves grow)",
-                    _ => "is degenerate (does not smooth in some direction)",
+                    WellPosed::IllPosed => "is ill-posed (short wavelengths grow)",
+                    _ => "is degenerate (no smoothing in some direction)",
                 };
                 write!(
                     f,
@@ -170,15 +170,15 @@ impl fmt::Display for Warning {
                 )
             }
             Self::StationaryEnergy => f.write_str(
-                "this energy is a multiple of K, whose integral depends on the rim alone: every \
-                 surface is stationary and the first patch is kept",
+                "this energy is a multiple of K, whose integral depends only on the rim, so every \
+                 surface is stationary; the first patch is kept",
             ),
             Self::Pinched { at, order } => {
                 let reason = if *order == Order::Second {
                     "because this energy has no minimum between rims so far apart; the last shape \
                      with an open neck is kept"
                 } else {
-                    "or triangles lose their area there; the last shape before that is kept"
+                    "or triangles shrink to zero area there; the last shape before that is kept"
                 };
                 let at = Place(*at);
                 write!(
@@ -187,19 +187,22 @@ impl fmt::Display for Warning {
                 )
             }
             Self::StepSizeCollapsed => f.write_str(
-                "not converged: the time step collapsed because no step lowers the energy any more; \
-                 the last valid shape is kept",
+                "not converged: the time step collapsed because no step lowers the energy; the \
+                 last valid shape is kept",
             ),
             Self::StepLimit { steps, .. } => {
-                write!(f, "not converged: the flow ended at its limit of {steps} steps")
+                write!(
+                    f,
+                    "not converged: the flow ended at the maximum number of steps, {steps}"
+                )
             }
             Self::Frozen { vertices } => write!(
                 f,
-                "vertices are frozen where any further step would fold the surface: {vertices}"
+                "frozen vertices, whose next step would fold the surface: {vertices}"
             ),
             Self::Unreached { vertices } => write!(
                 f,
-                "given vertices that the surface cannot reach without a fold: {vertices}"
+                "input vertices that the surface cannot interpolate without a fold: {vertices}"
             ),
             Self::SelfIntersection {
                 pairs,
@@ -207,7 +210,7 @@ impl fmt::Display for Warning {
                 kept_step: None,
             } => write!(
                 f,
-                "the surface passes through itself or the mesh from the start: {}",
+                "the first shape of the surface intersects itself or the mesh: {}",
                 pairs_near(*pairs, *at)
             ),
             Self::SelfIntersection {
@@ -216,8 +219,8 @@ impl fmt::Display for Warning {
                 kept_step: Some(step),
             } => write!(
                 f,
-                "not converged: the surface passes through itself or the mesh ({}); its last shape \
-                 without an intersection is kept, that after step {step}",
+                "not converged: the surface intersects itself or the mesh ({}); the last shape \
+                 without an intersection, after step {step}, is kept",
                 pairs_near(*pairs, *at)
             ),
             Self::IntersectingResult { pairs, of_input } => write!(
@@ -231,7 +234,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// How many pairs of triangles intersect, and one of the places.
+/// The number of pairs and one of the places, in words.
 pub fn pairs_near(pairs: usize, at: DVec3) -> String {
     let more = if pairs < MAX_PAIRS { "" } else { " or more" };
     let noun = if pairs == 1 { "pair" } else { "pairs" };
@@ -248,14 +251,14 @@ impl fmt::Display for Place {
     }
 }
 
-/// Warnings in the order in which they arose, each once.
+/// Warnings in order of occurrence, without duplicates.
 ///
 /// Serialized as the two fields `warnings` (messages) and `warning_codes`, in the same order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Warnings(Vec<Warning>);
 
 impl Warnings {
-    /// Adds a warning unless it is there already.
+    /// Adds a warning unless the list contains it.
     pub fn push(&mut self, warning: Warning) {
         if !self.0.contains(&warning) {
             self.0.push(warning);
@@ -366,7 +369,7 @@ mod tests {
         }
     }
 
-    /// Neither message nor hint knows the command line, and lines of source leave no run of blanks.
+    /// Messages and hints contain no option of the command line and no run of blanks.
     #[test]
     fn texts_name_no_flag_and_have_single_blanks() {
         for warning in one_of_each() {

@@ -4,7 +4,7 @@ use crate::fill::hermite::{RimFrame, hermite_between, length, pieces};
 use crate::fill::select::nearest_loop;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, TopologyError};
 
-/// Consecutive edges of a rim: `edges` of them from the vertex `start` on, in the loop's direction.
+/// Consecutive edges of a rim, in the direction of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RimSegment {
     /// The loop.
@@ -15,35 +15,37 @@ pub struct RimSegment {
     pub edges: usize,
 }
 
-/// Why a bridge cannot be made.
+/// Why a bridge cannot be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BridgeError {
     /// The segments have different numbers of edges, or none.
     #[error(
-        "a bridge needs as many rim edges at one end as at the other, at least one: {0} and {1}"
+        "the two ends of a bridge need the same number of rim edges, at least one; they have {0} \
+         and {1}"
     )]
     Widths(usize, usize),
-    /// The segments meet, or leave no rim beside the bridge.
+    /// The segments meet, or no rim remains beside the bridge.
     #[error(
-        "the two ends of the bridge meet; choose places farther apart on the rim, or a narrower bridge"
+        "the two ends of the bridge meet; choose points farther apart on the rim, or a narrower \
+         bridge"
     )]
     Meet,
-    /// There is no such loop.
-    #[error("there is no loop {hole}: this mesh has {loops} (see `meniscus info`)")]
+    /// The loop does not exist.
+    #[error("loop {hole} does not exist: the mesh has {loops} boundary loops")]
     NoSuchLoop {
-        /// The loop asked for.
+        /// The number given.
         hole: LoopId,
-        /// How many there are.
+        /// Number of loops of the mesh.
         loops: usize,
     },
     /// The mesh with the bridge is not a manifold.
-    #[error("the bridged mesh would not be manifold ({0}); choose other places on the rims")]
+    #[error("the bridged mesh would not be manifold ({0}); choose other points on the rims")]
     NotManifold(#[from] TopologyError),
 }
 
-/// The segment of `edges` edges in the middle of which the rim vertex nearest to `point` lies;
-/// `None` if the mesh has no loops.
+/// The segment of `edges` edges centred at the rim vertex nearest to `point`; `None` if the mesh
+/// has no loops.
 pub fn segment_at(
     mesh: &Mesh,
     loops: &[BoundaryLoop],
@@ -62,11 +64,11 @@ pub fn segment_at(
 }
 
 /// The mesh with a strip of triangles between two segments of its rims. A bridge across a hole
-/// makes two holes of it; a bridge between two holes makes one of them.
+/// splits it into two; a bridge between two holes merges them.
 ///
-/// The strip leaves both rims in the direction of the surface there (a cubic Hermite curve from
-/// each rim vertex); along it triangles are as long as the rim's edges. Old vertices and faces come
-/// first, untouched.
+/// The strip is tangent to the surface at both rims: a cubic Hermite curve starts at each rim
+/// vertex. The triangles along the strip are as long as the rim edges. Old vertices and faces come
+/// first, unchanged.
 ///
 /// # Errors
 /// [`BridgeError`].
@@ -79,7 +81,7 @@ pub fn bridge(
     check(loops, from, to)?;
     let (near, far) = (&loops[from.hole.index()], &loops[to.hole.index()]);
     let width = from.edges;
-    // the far rim runs in the opposite direction: its last vertex is across from the first
+    // the far rim has the opposite direction: its last vertex is opposite the first
     let at = |k: usize| (from.start + k) % near.edges();
     let across = |k: usize| (to.start + width - k) % far.edges();
     let rails: Vec<[RimFrame; 2]> = (0..=width)
@@ -95,7 +97,7 @@ pub fn bridge(
         hermite_between(a.point, a.ahead, b.point, -b.ahead)(t)
     };
     let size = near.perimeter / near.edges() as f64 + far.perimeter / far.edges() as f64;
-    // two rows at least, so that no edge of the mesh is there twice
+    // at least two rows, so that no edge occurs twice
     let rows = pieces(length(|t| curve(width / 2, t)), 0.5 * size, 2);
 
     let first = mesh.vertex_count();
@@ -200,11 +202,11 @@ mod tests {
             assert_eq!(across.topology.boundary_loops().len(), 3);
             let triangles: Vec<_> = across.topology.triangles().collect();
             assert!(self_intersections(&across.positions, &triangles, None, 1).is_empty());
-            // leaves along the sphere, and stays near it over the top of the hole
+            // the strip is tangent to the sphere and stays near it across the hole
             let new = &across.positions[mesh.vertex_count()..];
             let off = new.iter().map(|p| (p.length() - 1.0).abs());
             let off = off.fold(0.0, f64::max);
-            // measured: 0.029; the rim is one edge of 0.08 ragged
+            // measured: 0.029; the rim deviates from a circle by one edge, 0.08
             assert!(off < 0.03, "{off}");
             let joined = bridge(&mesh, &loops, at(1.0, 0.7, width), at(1.0, -0.8, width));
             assert_eq!(joined.expect("a bridge").topology.boundary_loops().len(), 1);

@@ -40,7 +40,7 @@ impl FillError {
 #[non_exhaustive]
 pub enum RefillError {
     /// No face is selected.
-    #[error("no face is selected; choose a place nearer to the surface or a larger radius")]
+    #[error("no face is selected; choose a point nearer to the surface or a larger radius")]
     Nothing,
     /// Every face at the selection is selected: nothing is left to continue.
     #[error("the selection is a whole component: nothing is left for the new surface to join")]

@@ -1,18 +1,18 @@
-//! Which loops to fill.
+//! The choice of loops to fill.
 
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh};
 
 /// A choice of loops.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum LoopChoice {
-    /// Every loop not guessed an outer rim.
+    /// Every loop that is not classified as an outer boundary.
     #[default]
     Auto,
     /// Every loop.
     All,
-    /// Every loop but the one of the greatest perimeter.
+    /// Every loop except the one with the largest perimeter.
     AllButLargest,
-    /// These.
+    /// These loops.
     Listed(Vec<LoopId>),
 }
 
@@ -29,7 +29,7 @@ impl std::str::FromStr for LoopChoice {
                 .map(|word| {
                     word.trim().parse().map_err(|_| {
                         format!(
-                            "`{word}` is not a loop number; give auto, all, all-but-largest, or \
+                            "`{word}` is not a loop number; write auto, all, all-but-largest, or \
                              numbers from `meniscus info` such as 1,3"
                         )
                     })
@@ -40,20 +40,20 @@ impl std::str::FromStr for LoopChoice {
     }
 }
 
-/// A loop that does not exist.
+/// The error of a loop that does not exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no loop {id}: this mesh has {loops} (see `meniscus info`)")]
+#[error("loop {id} does not exist: the mesh has {loops} boundary loops")]
 pub struct NoSuchLoop {
-    /// The loop asked for.
+    /// The number given.
     pub id: LoopId,
-    /// How many loops there are.
+    /// Number of loops of the mesh.
     pub loops: usize,
 }
 
-/// The chosen loops, ascending, each once.
+/// The chosen loops in ascending order, each once.
 ///
 /// # Errors
-/// A loop that does not exist.
+/// A chosen loop does not exist.
 pub fn choose(loops: &[BoundaryLoop], choice: &LoopChoice) -> Result<Vec<LoopId>, NoSuchLoop> {
     let all = loops.iter();
     Ok(match choice {

@@ -1,4 +1,4 @@
-//! What can go wrong with a file, with the place, what was found there and what to do about it.
+//! Errors of files: the place, what was found there, and the remedy.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -14,77 +14,81 @@ pub struct LoadError {
     pub kind: LoadErrorKind,
 }
 
-/// What keeps a file from being read.
+/// Why a file cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadErrorKind {
-    /// Nothing has that name.
-    #[error("no such file; check the path")]
+    /// The file does not exist.
+    #[error("the file does not exist; check the path")]
     NotFound,
     /// The operating system refused to open the file.
     #[error("no permission to read the file; check its owner and mode")]
     PermissionDenied,
     /// The path names a directory.
-    #[error("is a directory; give the path of a mesh file in it")]
+    #[error("this is a directory; give the path of a mesh file")]
     IsDirectory,
-    /// The path names a device, a pipe or a socket, whose end may never come.
-    #[error("is not a regular file; copy the data into one first")]
+    /// The path is a device, a pipe or a socket, which may have no end.
+    #[error("this is not a regular file; copy the data into a file first")]
     NotAFile,
-    /// The extension names no supported format.
+    /// The file extension is unsupported.
     #[error(transparent)]
     UnknownFormat(UnknownFormat),
-    /// Reading failed half-way.
+    /// Reading failed.
     #[error("reading failed: {0}")]
     Read(std::io::Error),
-    /// The file was read, but it is not a sound mesh file.
+    /// The contents of the file are invalid.
     #[error("{0}")]
     Content(ParseError),
 }
 
-/// Why a mesh could not be written. Whatever stood at the path before is untouched.
+/// Why a mesh could not be written. An existing file at the path is unchanged.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {kind}", .path.display())]
 #[non_exhaustive]
 pub struct SaveError {
     /// The path given.
     pub path: PathBuf,
-    /// What is in the way.
+    /// Why the file cannot be written.
     pub kind: SaveErrorKind,
 }
 
-/// What keeps a file from being written.
+/// Why a file cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SaveErrorKind {
-    /// The extension names no supported format.
+    /// The file extension is unsupported.
     #[error(transparent)]
     UnknownFormat(UnknownFormat),
     /// The directory to write to does not exist.
-    #[error("there is no directory {}; create it first", .0.display())]
+    #[error("the directory {} does not exist; create it first", .0.display())]
     DirectoryMissing(PathBuf),
     /// The path names a directory.
-    #[error("is a directory; give the name of a file in it")]
+    #[error("this is a directory; add a file name")]
     IsDirectory,
     /// The file exists and is write-protected.
-    #[error("is read-only and was left as it is; choose another name or make it writable")]
+    #[error("the file is read-only and was not changed; choose another name or make it writable")]
     ReadOnly,
     /// The operating system refused to write there.
-    #[error("no permission to write in that directory; nothing was changed")]
+    #[error("no permission to write to this directory; nothing was changed")]
     PermissionDenied,
-    /// No space, or the quota is used up.
-    #[error("the disk is full; nothing was changed, free some space or choose another disk")]
+    /// The disk is full, or the quota is used up.
+    #[error("the disk is full and nothing was changed; free some space or choose another disk")]
     DiskFull,
     /// Any other failure of the operating system.
     #[error("writing failed: {0}; nothing was changed")]
     Write(std::io::Error),
-    /// The mesh cannot be represented in that file.
+    /// The format cannot represent the mesh.
     #[error("not written: {0}")]
     Mesh(MeshFault),
 }
 
-/// An extension that names no supported format; `None` without extension.
+/// An unsupported file extension; `None` if there is no extension.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}; supported are {}", extension_words(.0.as_deref()), super::supported_extensions())]
+#[error(
+    "{}; supported extensions are {}",
+    extension_words(.0.as_deref()),
+    super::supported_extensions()
+)]
 pub struct UnknownFormat(pub Option<String>);
 
 impl LoadErrorKind {
@@ -107,7 +111,7 @@ impl SaveErrorKind {
     }
 }
 
-/// What keeps a mesh from being written.
+/// Why a mesh cannot be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshFault {
@@ -121,7 +125,8 @@ pub enum MeshFault {
     },
     /// STL stores `f32`, whose range is exceeded.
     #[error(
-        "vertex {vertex} (counted from 0) has the coordinate {value:e}, beyond the single-precision range of STL; write OBJ or PLY"
+        "vertex {vertex} (counted from 0) has the coordinate {value:e}, which exceeds the \
+         single-precision range of STL; write OBJ or PLY"
     )]
     BeyondSingle {
         /// The vertex, counted from 0.
@@ -129,9 +134,10 @@ pub enum MeshFault {
         /// The coordinate.
         value: f64,
     },
-    /// A corner names a vertex that is not there.
+    /// A corner uses a vertex that does not exist.
     #[error(
-        "triangle {triangle} (counted from 0) uses vertex {index}, but there are only {vertices}"
+        "triangle {triangle} (counted from 0) uses vertex {index}, but there are only {vertices} \
+         vertices"
     )]
     IndexRange {
         /// The triangle, counted from 0.
@@ -142,7 +148,7 @@ pub enum MeshFault {
         vertices: usize,
     },
     /// An attribute array has the wrong length or an index out of range.
-    #[error("{what}: {found} entries where {wanted} belong")]
+    #[error("{what}: {found} entries, expected {wanted}")]
     Attribute {
         /// Which attribute.
         what: &'static str,
@@ -152,11 +158,11 @@ pub enum MeshFault {
         wanted: usize,
     },
     /// More elements than the format can count.
-    #[error("{count} {what} are more than the format can count")]
+    #[error("{count} {what} exceed the limit of the format")]
     TooMany {
-        /// What there is too much of.
+        /// The kind of element.
         what: &'static str,
-        /// How many.
+        /// Their number.
         count: usize,
     },
 }
@@ -198,36 +204,37 @@ pub enum ParseErrorKind {
     /// Zero bytes.
     #[error("the file is empty (0 bytes); export the mesh again")]
     Empty,
-    /// Text without a single statement.
-    #[error("the file holds comments or blank lines only, no mesh; export the mesh again")]
+    /// Text without a statement.
+    #[error("the file contains only comments or blank lines, no mesh; export the mesh again")]
     NothingButComments,
-    /// Something else than the format.
+    /// The contents have a different format.
     #[error(
-        "this does not look like {format}: found {found}; check that the extension fits the contents"
+        "this is not valid {format}: found {found}; check that the extension matches the contents"
     )]
     NotThisFormat {
         /// The format that was expected.
         format: &'static str,
-        /// What is there instead.
+        /// The text found.
         found: String,
     },
-    /// Faces or nothing at all, but no vertices.
-    #[error("no vertices in the file; export the mesh again")]
+    /// There are no vertices.
+    #[error("the file contains no vertices; export the mesh again")]
     NoVertices,
     /// Vertices but no faces.
-    #[error("{vertices} vertices but no faces, so there is no surface{}; export the mesh with its faces", cut_words(*.cut))]
+    #[error("the file contains {vertices} vertices but no faces{}; export the mesh with its \
+             faces", cut_words(*.cut))]
     NoFaces {
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
         /// Whether the file ends in the middle of a line.
         cut: bool,
     },
-    /// Something that should be a number is none.
+    /// A text is not a number.
     #[error("{what} is not a number: '{found}'{}", comma_words(.found))]
     NotANumber {
-        /// What the number would have been.
+        /// The meaning of the number.
         what: String,
-        /// What is there instead.
+        /// The text found.
         found: String,
     },
     /// A coordinate is NaN or infinite (or too large for a double).
@@ -247,33 +254,35 @@ pub enum ParseErrorKind {
     VertexNumbers {
         /// The vertex, counted from 1.
         vertex: usize,
-        /// How many numbers there are.
+        /// Number of numbers found.
         found: usize,
-        /// How many there may be.
+        /// The accepted numbers of numbers.
         wanted: &'static str,
     },
     /// A face with fewer than three corners.
     #[error(
-        "face {face} has {found} corners, but a face needs 3{}; remove it or export the mesh again",
+        "face {face} has {found} corners, but a face needs at least 3{}; remove it or export the \
+         mesh again",
         cut_words(*.cut)
     )]
     FewCorners {
         /// The face, counted from 1.
         face: usize,
-        /// How many corners it has.
+        /// Number of its corners.
         found: usize,
-        /// Whether the file ends in the middle of this line.
+        /// Whether the file ends in the middle of the line.
         cut: bool,
     },
-    /// An index 0 where counting starts at 1.
-    #[error("face {face} uses vertex 0, but OBJ counts from 1; a face of this file is broken")]
+    /// The index 0 in a format that counts from 1.
+    #[error("face {face} uses vertex 0, but OBJ counts from 1; repair or remove this face")]
     IndexZero {
         /// The face, counted from 1.
         face: usize,
     },
     /// An index beyond the vertices.
     #[error(
-        "face {face} uses vertex {found}, but there are {vertices} vertices, counted from {first}; a face of this file is broken, or vertices are missing"
+        "face {face} uses vertex {found}, but there are {vertices} vertices, counted from {first}; \
+         the index is wrong, or vertices are missing"
     )]
     IndexRange {
         /// The face, counted from 1.
@@ -282,7 +291,7 @@ pub enum ParseErrorKind {
         found: i64,
         /// Number of vertices (for a negative index, of those above the face).
         vertices: usize,
-        /// What the format counts from.
+        /// The first index of the format.
         first: u8,
     },
     /// A corner that cannot be read.
@@ -292,37 +301,37 @@ pub enum ParseErrorKind {
     BadCorner {
         /// The face, counted from 1.
         face: usize,
-        /// What is there instead.
+        /// The text found.
         found: String,
     },
     /// The file ends too early.
     #[error("the file is cut off: {what}; copy or export it again")]
     Truncated {
-        /// What was expected and what is there.
+        /// What was expected and what was found.
         what: String,
     },
-    /// A statement that cannot be understood.
+    /// A statement that cannot be parsed.
     #[error("{what}: '{found}'")]
     Syntax {
         /// What is wrong.
         what: String,
-        /// What is there.
+        /// The text found.
         found: String,
     },
-    /// A legal feature that is not read.
-    #[error("{what} cannot be read; {remedy}")]
+    /// A valid but unsupported feature.
+    #[error("{what} is not supported; {remedy}")]
     Unsupported {
         /// The feature.
         what: String,
-        /// What to do instead.
+        /// The remedy.
         remedy: &'static str,
     },
     /// More elements than 32-bit indices can name.
     #[error("{what}: more than {limit}; split the mesh")]
     TooLarge {
-        /// What there is too much of.
+        /// The kind of element.
         what: &'static str,
-        /// The most there can be.
+        /// The maximum number.
         limit: u64,
     },
 }
@@ -357,7 +366,7 @@ fn extension_words(extension: Option<&str>) -> String {
 
 fn cut_words(cut: bool) -> &'static str {
     if cut {
-        " (the file ends in the middle of a line, it may be cut off)"
+        " (the file ends in the middle of a line and may be cut off)"
     } else {
         ""
     }
@@ -390,7 +399,7 @@ pub(super) fn in_file(kind: ParseErrorKind) -> ParseError {
     Place::File.error(kind)
 }
 
-/// A piece of the file for a message: short, and printable whatever the bytes are.
+/// A short excerpt of the file for a message, with unprintable bytes escaped.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
     const LONGEST: usize = 40;
     let cut = &bytes[..bytes.len().min(LONGEST)];

@@ -6,24 +6,27 @@
 pub enum LinearError {
     /// A Cholesky pivot was zero, negative or not a number.
     #[error(
-        "matrix is not positive definite: pivot {index} (in the order factorized) is not positive; \
-         take a smaller step or look for undefined values in that row"
+        "the matrix is not positive definite: pivot {index} (in elimination order) is not \
+         positive; take a smaller step or check that row for undefined values"
     )]
     NotPositiveDefinite {
         /// Row of the failing pivot, in the order the matrix was given.
         index: usize,
     },
-    /// LU met a column without a pivot, or the factors are singular to working precision.
-    #[error("matrix is singular{}", column.map_or_else(
-        || String::from(" to working precision; unknowns are not determined by the equations"),
-        |c| format!(": column {c} has no pivot left; that unknown is not determined by the equations")
+    /// LU found a column without a pivot, or the factors are singular to working precision.
+    #[error("the matrix is singular{}", column.map_or_else(
+        || String::from(" to working precision; the equations do not determine all unknowns"),
+        |c| format!(": column {c} has no pivot; the equations do not determine that unknown")
     ))]
     Singular {
-        /// Column (of the given matrix) without a pivot, where the structure alone shows it.
+        /// Column of the given matrix without a pivot, if the sparsity pattern alone determines it.
         column: Option<usize>,
     },
     /// An LU factorization of a matrix with different numbers of rows and columns.
-    #[error("matrix has {rows} rows and {columns} columns; a direct solve needs a square one")]
+    #[error(
+        "the matrix has {rows} rows and {columns} columns; a direct solve needs a square \
+             matrix"
+    )]
     NotSquare {
         /// Number of rows.
         rows: usize,
@@ -31,7 +34,10 @@ pub enum LinearError {
         columns: usize,
     },
     /// The factor has more entries than 32-bit indices can address.
-    #[error("factor of the {n} x {n} matrix is too large to index; split the region into parts")]
+    #[error(
+        "the factor of the {n} x {n} matrix is too large for 32-bit indices; split the region \
+             into parts"
+    )]
     TooLarge {
         /// Dimension of the matrix.
         n: usize,

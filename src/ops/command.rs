@@ -6,20 +6,20 @@ use super::Operation;
 use crate::mesh::{DVec3, ranges_text};
 use crate::options::Options;
 
-/// Lists of faces and sharp edges longer than this stand in files of their own.
+/// Lists of faces and sharp edges longer than this, in bytes, are written to files.
 const LONG: usize = 120;
 
-/// A command and the files it reads beside its mesh.
+/// A command and the files that it reads in addition to its mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CommandLine {
-    /// The command, for a POSIX shell.
+    /// The command line for a POSIX shell.
     pub line: String,
-    /// Files to be written first, with their text.
+    /// Names and contents of the files to write first.
     pub files: Vec<(PathBuf, String)>,
 }
 
 impl Operation {
-    /// The name of its command.
+    /// The name of the command.
     pub fn command_name(&self) -> &'static str {
         match self {
             Self::Fill(_) | Self::FillPart(_) => "fill",
@@ -32,8 +32,8 @@ impl Operation {
         }
     }
 
-    /// The command that does it to the mesh of `input` and writes `output`. Schedules and long
-    /// lists stand in files whose names are made from that of `output`.
+    /// The command that applies the operation to the mesh of `input` and writes `output`. Schedules
+    /// and long lists are in files whose names start with that of `output`.
     pub fn command(&self, input: &Path, output: &Path) -> CommandLine {
         let path = |p: &Path| p.to_string_lossy().into_owned();
         let mut words = vec!["meniscus".into(), self.command_name().into(), path(input)];
@@ -47,7 +47,7 @@ impl Operation {
         }
     }
 
-    /// The arguments of its command after IN and OUT; `files` takes the files they name.
+    /// The arguments of the command after IN and OUT. Appends the files they name to `files`.
     pub(super) fn arguments(
         &self,
         output: &Path,
@@ -119,7 +119,7 @@ fn flag(name: &str, value: String) -> [String; 2] {
     [format!("--{name}"), value]
 }
 
-/// A chain of edges by the numbers of its vertices, counted from 1: `4,7,9`.
+/// A chain of edges as vertex numbers counted from 1: `4,7,9`.
 pub fn chain_text(chain: &[u32]) -> String {
     let numbers: Vec<String> = chain
         .iter()
@@ -128,19 +128,19 @@ pub fn chain_text(chain: &[u32]) -> String {
     numbers.join(",")
 }
 
-/// Reads [`chain_text`] back.
+/// Parses the text of [`chain_text`].
 ///
 /// # Errors
-/// The text is no list of at least two vertex numbers.
+/// The text is not a list of at least two vertex numbers.
 pub fn parse_chain(text: &str) -> Result<Vec<u32>, String> {
     let index = |t: &str| t.trim().parse::<u32>().ok()?.checked_sub(1);
     let chain: Option<Vec<u32>> = text.split(',').map(index).collect();
     chain.filter(|c| c.len() > 1).ok_or_else(|| {
-        format!("`{text}` is no chain of edges; give at least two vertex numbers, as in 4,7,9")
+        format!("`{text}` is not a chain of edges; write at least two vertex numbers, as in 4,7,9")
     })
 }
 
-/// A word as a POSIX shell reads it back.
+/// A word quoted for a POSIX shell.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {

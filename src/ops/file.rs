@@ -1,4 +1,4 @@
-//! How operations are written to files.
+//! The file form of operations.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,7 @@ pub mod faces {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Faces, D::Error> {
         let text = String::deserialize(from)?;
-        // how many faces the mesh had is not known here
+        // the number of faces of the mesh is unknown here
         let list = parse_ranges(&text, u32::MAX as usize);
         list.map(Arc::new).map_err(serde::de::Error::custom)
     }
@@ -44,7 +44,7 @@ pub mod points {
     }
 }
 
-/// A refinement as it is written. Version 0.1 wrote the words of the command as `arguments`.
+/// The file form of a refinement. Version 0.1 wrote the arguments of the command as `arguments`.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct RefineEntry {
     #[serde(default, skip_serializing)]
@@ -76,7 +76,7 @@ impl TryFrom<RefineEntry> for RefineSpec {
 
     fn try_from(mut entry: RefineEntry) -> Result<Self, String> {
         if !entry.arguments.is_empty() {
-            // the controls beside them were those of a fill
+            // such files also contain controls, but those of a fill
             entry.controls = RefineControls::default();
         }
         for pair in entry.arguments.chunks(2) {

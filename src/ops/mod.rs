@@ -1,11 +1,11 @@
-//! What can be done to a mesh, as data.
+//! Operations on meshes, as data.
 //!
-//! An [`Operation`] holds everything that is needed to do it, and to do it again with a
-//! bit-identical result. The commands of the command line make operations and run them, the window's
-//! document is a list of them, the project file holds them (`serde`), and [`Operation::command`]
-//! is the command line that repeats one.
+//! An [`Operation`] contains everything that is needed to repeat it with a bit-identical result.
+//! The commands of the command line build operations and run them. The document of the window is a
+//! list of operations, and the project file stores them (`serde`). [`Operation::command`] returns
+//! the command line that repeats one.
 //!
-//! Loops and faces are those of the mesh to which the operation is applied.
+//! Loop numbers and face indices refer to the mesh to which the operation is applied.
 
 mod command;
 mod file;
@@ -26,37 +26,37 @@ use crate::runner::Schedule;
 pub use command::{CommandLine, chain_text, parse_chain};
 pub use run::{OperationError, Outcome};
 
-/// Faces of a mesh, ascending; shared, for they may be many.
+/// Face indices in ascending order, shared because the list may be long.
 pub type Faces = Arc<Vec<u32>>;
 
-/// A change of a mesh.
+/// An operation on a mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "task", rename_all = "kebab-case")]
 pub enum Operation {
-    /// Every loop gets a patch of its own.
+    /// Fills every loop with a patch of its own.
     Fill(FillSpec),
-    /// One patch joins all loops.
+    /// Joins all loops by one patch.
     Blend(BlendSpec),
-    /// The faces are erased and what this opens is filled.
+    /// Erases the faces and fills the hole.
     Refill(FacesSpec),
-    /// The inner vertices of the faces flow; the triangles stay.
+    /// Moves the inner vertices of the faces; keeps the triangles.
     Fair(FacesSpec),
-    /// Part of a hole is filled.
+    /// Fills part of a hole.
     FillPart(FillPartSpec),
-    /// The mesh is refined.
+    /// Refines the mesh.
     Refine(RefineSpec),
-    /// The faces are erased.
+    /// Erases the faces.
     Erase(EraseSpec),
-    /// The components of some loops are flipped: their other side becomes the outer one.
+    /// Flips the components of some loops: reverses the orientation of their faces.
     Flip(FlipSpec),
-    /// A strip of triangles joins two places of rims.
+    /// Joins two places on rims by a strip of triangles.
     Bridge(BridgeSpec),
 }
 
-/// A flow: its options at the start and their changes on the way.
+/// A flow: its options at the start and their changes during the flow.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FlowSpec {
-    /// Changes on the way.
+    /// Changes during the flow.
     #[serde(default)]
     pub schedule: Schedule,
     /// Options at the start.
@@ -78,7 +78,7 @@ impl From<Controls> for FlowSpec {
 pub struct FillSpec {
     /// The loops.
     pub loops: Vec<LoopId>,
-    /// Whether patches pass through the rims of loose pieces inside the holes.
+    /// Whether patches join the rims of islands, the loose components inside holes.
     #[serde(default = "yes")]
     pub islands: bool,
     /// The flow.
@@ -107,10 +107,10 @@ pub struct FacesSpec {
     pub flow: FlowSpec,
 }
 
-/// A fill of part of a hole: along the rim from one end to the other, the shorter way.
+/// A fill of part of a hole, along the shorter segment of the rim between two ends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FillPartSpec {
-    /// The rim vertices nearest to these points, of the loop nearest to the first, are the ends.
+    /// The ends are the rim vertices nearest to these points, on the loop nearest to the first.
     #[serde(with = "file::points")]
     pub ends: [DVec3; 2],
     /// Options of the flow.
@@ -123,11 +123,11 @@ pub struct FillPartSpec {
 pub struct RefineSpec {
     /// Options.
     pub controls: RefineControls,
-    /// Edges that stay sharp, beside those chosen by their angle: chains of vertex indices.
+    /// Sharp edges in addition to those chosen by their angle: chains of vertex indices.
     pub creases: Vec<Vec<u32>>,
     /// The faces to refine; empty for all.
     pub faces: Faces,
-    /// Changes on the way.
+    /// Changes during the flow.
     pub schedule: Schedule,
 }
 
@@ -142,17 +142,17 @@ pub struct EraseSpec {
 /// A flip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FlipSpec {
-    /// Loops; their components are flipped.
+    /// The loops whose components are flipped.
     pub loops: Vec<LoopId>,
 }
 
 /// A bridge.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BridgeSpec {
-    /// It ends at the rim vertices nearest to these points.
+    /// The bridge joins the rim vertices nearest to these points.
     #[serde(with = "file::points")]
     pub ends: [DVec3; 2],
-    /// Its width in rim edges.
+    /// The width in rim edges.
     pub width: usize,
 }
 
@@ -161,7 +161,7 @@ fn yes() -> bool {
 }
 
 impl Operation {
-    /// The loops it is about.
+    /// The loops of the operation.
     pub fn loops(&self) -> &[LoopId] {
         match self {
             Self::Fill(spec) => &spec.loops,
@@ -171,7 +171,7 @@ impl Operation {
         }
     }
 
-    /// The faces it is about.
+    /// The faces of the operation.
     pub fn faces(&self) -> Faces {
         match self {
             Self::Refill(spec) | Self::Fair(spec) => Arc::clone(&spec.faces),
@@ -181,7 +181,7 @@ impl Operation {
         }
     }
 
-    /// Its flow, if it is one with the options of a fill.
+    /// The flow, if it has the options of a fill.
     pub fn flow(&self) -> Option<&FlowSpec> {
         match self {
             Self::Fill(spec) => Some(&spec.flow),
@@ -201,7 +201,7 @@ impl Operation {
         }
     }
 
-    /// Its changes on the way.
+    /// The changes during the flow.
     pub fn schedule(&self) -> Option<&Schedule> {
         match self {
             Self::Refine(spec) => Some(&spec.schedule),
@@ -209,7 +209,7 @@ impl Operation {
         }
     }
 
-    /// Sets the changes on the way; operations without a flow have none.
+    /// Sets the changes during the flow. Does nothing for operations without a flow.
     pub fn set_schedule(&mut self, schedule: Schedule) {
         match self {
             Self::Refine(spec) => spec.schedule = schedule,
@@ -221,20 +221,20 @@ impl Operation {
         }
     }
 
-    /// The controls of its fill at the end, with all changes on the way; the defaults if it is none.
+    /// The controls of a fill at its end, with all changes; the defaults for other operations.
     pub fn last_controls(&self) -> Controls {
         let Some(flow) = self.flow() else {
             return Controls::default();
         };
         let mut controls = flow.controls.clone();
         for entry in &flow.schedule.entries {
-            // entries such as `stop` set no control
+            // entries such as `stop` do not set a control
             controls.set(&entry.control, &entry.value).ok();
         }
         controls
     }
 
-    /// For messages and the undo list.
+    /// A short description for messages and the undo list.
     pub fn label(&self) -> String {
         match self {
             Self::Fill(FillSpec { loops, .. }) if loops.len() == 1 => {

@@ -1,4 +1,4 @@
-//! Doing operations.
+//! Running operations.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::mesh::{BoundaryLoop, DVec3, Erased, LoopId, Mesh, boundary_loops, era
 use crate::refine::{RefineError, RefineEvent, RefineOptions, Refined, refine};
 use crate::runner::{RunControls, ScheduleError};
 
-/// What an operation made of a mesh.
+/// The result of an operation.
 #[derive(Debug)]
 pub enum Outcome {
     /// Patches were added, or vertices were moved.
@@ -25,7 +25,7 @@ pub enum Outcome {
     Refined(Box<Refined>),
     /// Faces were erased.
     Erased(Erased),
-    /// The mesh was changed without a flow; no face was erased.
+    /// The mesh was changed without a flow and without erasing faces.
     Changed(Mesh),
 }
 
@@ -41,7 +41,7 @@ impl Outcome {
         }
     }
 
-    /// The new mesh by itself.
+    /// The new mesh.
     pub fn into_mesh(self) -> Mesh {
         match self {
             Self::Filled(filled) => filled.mesh,
@@ -53,10 +53,10 @@ impl Outcome {
     }
 }
 
-/// Why an operation cannot be done.
+/// Why an operation failed.
 #[derive(Debug, thiserror::Error)]
 pub enum OperationError {
-    /// A loop that the mesh does not have.
+    /// A loop does not exist.
     #[error(transparent)]
     NoSuchLoop(#[from] NoSuchLoop),
     /// The mesh has no boundary loop at all.
@@ -65,21 +65,21 @@ pub enum OperationError {
     /// A blend of fewer than two loops.
     #[error("a blend joins at least two loops, not {0}")]
     TooFewLoops(usize),
-    /// A face that the mesh does not have.
+    /// A face does not exist.
     #[error("there is no face {}: the mesh has {faces}", face + 1)]
     NoSuchFace {
-        /// The greatest index given.
+        /// The largest index given.
         face: u32,
-        /// How many faces there are.
+        /// Number of faces of the mesh.
         faces: usize,
     },
-    /// No face is given.
-    #[error("no face is selected; choose a place nearer to the surface or a larger radius")]
+    /// No face is selected.
+    #[error("no face is selected; choose a point nearer to the surface or a larger radius")]
     NoFaces,
     /// Invalid options.
     #[error(transparent)]
     Controls(#[from] ControlsError),
-    /// A schedule that cannot be followed.
+    /// An invalid schedule.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
     /// A fill or blend.
@@ -100,11 +100,11 @@ pub enum OperationError {
 }
 
 impl Operation {
-    /// Does it to a mesh, which is left as it is.
+    /// Applies the operation to a mesh and returns the new mesh.
     ///
     /// # Errors
-    /// It does not fit the mesh, its options are invalid, or nothing could be made. What fails for
-    /// a single hole is in the outcome.
+    /// The operation does not fit the mesh, its options are invalid, or it produced nothing.
+    /// Failures of single holes are in the outcome.
     pub fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Outcome, OperationError> {
         let filled = |filled| Outcome::Filled(Box::new(filled));
         Ok(match self {
@@ -137,7 +137,7 @@ impl FlowSpec {
     /// The options of the fill with their changes.
     ///
     /// # Errors
-    /// Invalid controls, or a schedule that cannot be followed.
+    /// Invalid controls or an invalid schedule.
     pub fn options(&self) -> Result<ScheduledOptions, OperationError> {
         self.controls.validate()?;
         Ok(ScheduledOptions::new(&self.controls, &self.schedule)?)
@@ -160,10 +160,10 @@ impl FillSpec {
         )?)
     }
 
-    /// The rims that each patch joins: a loop, with the rims of the islands in it.
+    /// The rims that each patch joins: a loop and the rims of the islands in it.
     ///
     /// # Errors
-    /// A loop that is not there.
+    /// A loop does not exist.
     pub fn rim_sets<'a>(
         &self,
         mesh: &Mesh,
@@ -202,7 +202,7 @@ impl FillPartSpec {
         let hole = &loops[hole.index()];
         let [from, to] = [from, to].map(|point| nearest_index(mesh, hole, point));
         let n = hole.edges();
-        // the shorter way
+        // the shorter segment
         let [from, to] = if (to + n - from) % n <= n / 2 {
             [from, to]
         } else {
@@ -217,7 +217,7 @@ impl RefineSpec {
     /// The options of the refinement of a mesh.
     ///
     /// # Errors
-    /// Invalid options, or a face that is not there.
+    /// Invalid options, or a face that does not exist.
     pub fn options(&self, mesh: &Mesh) -> Result<RefineOptions, OperationError> {
         let mut options = self.controls.options(mesh)?;
         let edges = self.creases.iter().flat_map(|c| c.windows(2));
@@ -240,10 +240,10 @@ impl RefineSpec {
 }
 
 impl FlipSpec {
-    /// The mesh with the components flipped.
+    /// The mesh with flipped components.
     ///
     /// # Errors
-    /// A loop that is not there.
+    /// A loop does not exist.
     pub fn run(&self, mesh: &Mesh) -> Result<Mesh, NoSuchLoop> {
         let loops = boundary_loops(mesh);
         let chosen = chosen(&loops, &self.loops)?;
@@ -265,7 +265,7 @@ impl BridgeSpec {
     }
 }
 
-/// The listed loops, ascending, if the mesh has them.
+/// The listed loops in ascending order, if all exist.
 fn chosen(loops: &[BoundaryLoop], listed: &[LoopId]) -> Result<Vec<LoopId>, NoSuchLoop> {
     choose(loops, &LoopChoice::Listed(listed.to_vec()))
 }

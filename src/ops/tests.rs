@@ -216,7 +216,7 @@ fn operations_that_do_not_fit_the_mesh_are_refused() {
         islands: true,
         flow: FlowSpec::default(),
     }));
-    assert!(text.starts_with("there is no loop 5"), "{text}");
+    assert!(text.starts_with("loop 5 does not exist"), "{text}");
     let text = refused(Operation::Blend(BlendSpec {
         loops: vec![0.into()],
         flow: FlowSpec::default(),

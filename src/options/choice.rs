@@ -8,7 +8,7 @@ pub trait Choice: Copy + PartialEq + Send + Sync + 'static {
     /// The name of a value.
     fn name(self) -> &'static str;
 
-    /// The value of that name.
+    /// The value with this name.
     fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|c| c.name() == name)
     }
@@ -21,7 +21,7 @@ pub trait Choice: Copy + PartialEq + Send + Sync + 'static {
 
 /// Names the values of an enum: `choices!(Method: Pde "pde", Loop "loop")`.
 ///
-/// The enum becomes a [`Choice`], the value of an option, and is written to files by its name.
+/// The enum implements [`Choice`] and can be the value of an option. Files contain its name.
 macro_rules! choices {
     ($type:ident: $($variant:ident $name:literal),+) => {
         impl $crate::options::Choice for $type {
@@ -47,7 +47,7 @@ macro_rules! choices {
                 use $crate::options::{Choice, OptionError};
                 *self = Self::named(text).ok_or_else(|| {
                     OptionError::new(
-                        format!("`{text}` is none of the choices"),
+                        format!("`{text}` is not one of the choices"),
                         format!("choose {}", Self::names().join(" or ")),
                     )
                 })?;
@@ -64,11 +64,11 @@ macro_rules! choices {
         impl<'de> serde::Deserialize<'de> for $type {
             fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
                 use $crate::options::Choice;
-                // early project files have capitals
+                // early project files have names with capitals
                 let name = String::deserialize(from)?.to_lowercase();
                 Self::named(&name).ok_or_else(|| {
                     serde::de::Error::custom(format!(
-                        "`{name}` is none of {}",
+                        "`{name}` is not one of {}",
                         Self::names().join(", ")
                     ))
                 })

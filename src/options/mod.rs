@@ -1,8 +1,9 @@
-//! Options as data: one struct per kind of options, and everything else made from it.
+//! Options as data: one struct per set of options, from which everything else is derived.
 //!
-//! `options!` defines a struct of options: name, type, default and help text of each. From it
-//! come the fields (`serde`, kebab-case names), the defaults, the arguments of the command line
-//! (`cli::options`), the rows of a schedule and the project file. All of them use the same names.
+//! `options!` defines a struct of options: name, type, default and help text of each. The fields
+//! (`serde`, kebab-case names), the defaults, the arguments of the command line (`cli::options`),
+//! the entries of a schedule and the project file are derived from it. All of them use the same
+//! names.
 //!
 //! ```text
 //! options! {
@@ -14,10 +15,10 @@
 //! }
 //! ```
 //!
-//! What can be done with any such struct is in [`Options`]: [`difference`](Options::difference) of
-//! two sets as names and texts, [`set`](Options::set) one option from its name and text,
-//! [`to_arguments`](Options::to_arguments). The type of an option implements [`OptionValue`]; for
-//! an enum, `choices!` names its values and does so.
+//! Such a struct implements [`Options`]: [`difference`](Options::difference) returns the difference
+//! of two sets as names and texts, [`set`](Options::set) sets one option from its name and text,
+//! and [`to_arguments`](Options::to_arguments) returns command-line arguments. The type of an
+//! option implements [`OptionValue`]; `choices!` implements it for an enum.
 
 mod choice;
 mod value;
@@ -32,15 +33,15 @@ pub use value::{Kind, OptionError, OptionValue};
 
 /// One option of the struct `T`.
 pub struct OptionEntry<T> {
-    /// Name, as on the command line without the dashes.
+    /// Name, as on the command line but without the dashes.
     pub name: String,
     /// Help text.
     pub help: &'static str,
-    /// What stands for the value in help and errors.
+    /// The placeholder for the value in help texts and errors.
     pub value_name: Option<&'static str>,
-    /// How it is given.
+    /// The form of the value.
     pub kind: Kind,
-    /// The text of its default, if it has one.
+    /// The text of the default, if there is one.
     pub default: Option<String>,
     pub(crate) set: fn(&mut T, &str, &str) -> Result<(), OptionError>,
     pub(crate) changes: fn(&T, &T) -> Vec<String>,
@@ -51,8 +52,8 @@ pub trait Options: Clone + Default + PartialEq + Send + Sync + 'static {
     /// All options, in the order of the struct.
     fn entries() -> Vec<OptionEntry<Self>>;
 
-    /// What turns `self` into `to`: names and texts that [`Self::set`] takes. A removed entry of a
-    /// map has an empty value (`a=`), an unset optional value is `auto`.
+    /// The changes from `self` to `to`, as names and texts for [`Self::set`]. A removed entry of a
+    /// map has an empty value (`a=`); an unset optional value is `auto`.
     fn difference(&self, to: &Self) -> Vec<(String, String)> {
         let entries = Self::entries().into_iter();
         let named = |e: OptionEntry<Self>| {
@@ -65,21 +66,21 @@ pub trait Options: Clone + Default + PartialEq + Send + Sync + 'static {
     /// Sets one option from its text.
     ///
     /// # Errors
-    /// No option has this name, or the text is none of its values. Ranges are not checked.
+    /// No option has this name, or the text is not a value of the option. Ranges are not checked.
     fn set(&mut self, name: &str, text: &str) -> Result<(), OptionError> {
         let entries = Self::entries();
         let Some(entry) = entries.iter().find(|e| e.name == name) else {
             let names: Vec<&str> = entries.iter().map(|e| e.name.as_str()).collect();
             return Err(OptionError::new(
-                format!("there is no option `{name}`"),
+                format!("unknown option `{name}`"),
                 format!("options are {}", names.join(", ")),
             ));
         };
         (entry.set)(self, text, entry.value_name.unwrap_or("NAME=VALUE"))
     }
 
-    /// The arguments of the command line that set these options, where they differ from the
-    /// defaults. Each flag and each value is one argument, not quoted for a shell.
+    /// The command-line arguments for the options that differ from the defaults. Each flag and each
+    /// value is one argument, not quoted for a shell.
     fn to_arguments(&self) -> Vec<String> {
         let entries = Self::entries();
         let is_flag = |name: &str| {
@@ -98,7 +99,7 @@ pub trait Options: Clone + Default + PartialEq + Send + Sync + 'static {
 
 /// Defines a struct of options; see the [module](self).
 ///
-/// `serde` attributes may stand between the help text and the name.
+/// `serde` attributes go between the help text and the name.
 macro_rules! options {
     (
         $(#[$meta:meta])*

@@ -104,15 +104,15 @@ fn entries_hold_names_help_and_defaults() {
 fn errors_name_problem_and_remedy() {
     let mut paint = Paint::default();
     for (name, text, wanted) in [
-        ("hue", "1", "there is no option `hue`; options are colour,"),
+        ("hue", "1", "unknown option `hue`; options are colour,"),
         (
             "colour",
             "green",
-            "`green` is none of the choices; choose red or deep-blue",
+            "`green` is not one of the choices; choose red or deep-blue",
         ),
         ("coats", "-1", "`-1` is not a valid number; write a number"),
         ("limit", "high", "`high` is not a valid number"),
-        ("no-primer", "maybe", "`maybe` is no switch"),
+        ("no-primer", "maybe", "`maybe` is not true or false"),
         ("part", "ochre", "`ochre` has no `=`; write NAME=PARTS"),
         ("part", "ochre=much", "`much` is not a valid number"),
     ] {

@@ -6,18 +6,18 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer};
 
-/// Why a text is no value of an option.
+/// Why a text is not a value of an option.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{problem}; {remedy}")]
 pub struct OptionError {
     /// What is wrong.
     pub problem: String,
-    /// What to write instead.
+    /// The remedy.
     pub remedy: String,
 }
 
 impl OptionError {
-    /// An error of these words.
+    /// An error with this problem and remedy.
     pub fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self {
             problem: problem.into(),
@@ -26,38 +26,38 @@ impl OptionError {
     }
 }
 
-/// How an option is given.
+/// The form of an option.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Without a value.
+    /// A flag without a value.
     Flag,
-    /// By a number or a word.
+    /// A number or a word.
     Word,
-    /// By a text that may begin with a hyphen.
+    /// A text that may begin with a hyphen.
     Text,
-    /// By one of these names.
+    /// One of these names.
     Choice(Vec<&'static str>),
-    /// By any number of pairs `NAME=VALUE`.
+    /// Any number of pairs `NAME=VALUE`.
     Pairs,
 }
 
 /// The type of an option.
 pub trait OptionValue: PartialEq + Sized {
-    /// How the option is given.
+    /// The form of the option.
     fn kind() -> Kind {
         Kind::Word
     }
 
-    /// The text of the value; `None` for an unset optional value, a flag and a map.
+    /// The text of the value; `None` for an unset optional value, a flag or a map.
     fn text(&self) -> Option<String>;
 
-    /// Sets the value from a text; `form` is the form of a pair, for the error.
+    /// Sets the value from a text. `form` is the form of a pair for the error message.
     ///
     /// # Errors
-    /// The text is no value of this type.
+    /// The text is not a value of this type.
     fn set(&mut self, text: &str, form: &str) -> Result<(), OptionError>;
 
-    /// The texts that turn this value into another one, one after the other.
+    /// The texts that change this value into another one if set in this order.
     fn changes(&self, to: &Self) -> Vec<String> {
         if self == to {
             return Vec::new();
@@ -69,7 +69,7 @@ pub trait OptionValue: PartialEq + Sized {
 /// The text of an unset optional value.
 const AUTO: &str = "auto";
 
-/// The shortest decimal that reads back as the same number.
+/// The shortest decimal that parses to the same number.
 pub(super) fn number(value: f64) -> String {
     if value == 0.0 || (1e-4..1e9).contains(&value.abs()) {
         format!("{value}")
@@ -131,7 +131,13 @@ impl OptionValue for bool {
     }
 
     fn set(&mut self, text: &str, _: &str) -> Result<(), OptionError> {
-        let error = |_| OptionError::new(format!("`{text}` is no switch"), "write true or false");
+        let error = |_| {
+            OptionError::new(
+                format!("`{text}` is not true or false"),
+                "write true or \
+                                                  false",
+            )
+        };
         *self = text.parse().map_err(error)?;
         Ok(())
     }
@@ -160,7 +166,7 @@ impl<T: OptionValue + Default> OptionValue for Option<T> {
     }
 }
 
-/// Reads a map whose keys are texts in the file, whatever its format.
+/// Deserializes a map whose keys are texts in every file format.
 pub(crate) fn text_keys<'de, D, K, V>(from: D) -> Result<BTreeMap<K, V>, D::Error>
 where
     D: Deserializer<'de>,
@@ -175,7 +181,7 @@ where
         .map_err(serde::de::Error::custom)
 }
 
-/// Entries `NAME=VALUE`; an empty value removes one.
+/// Entries `NAME=VALUE`. An empty value removes the entry.
 impl<K, V> OptionValue for BTreeMap<K, V>
 where
     K: Ord + FromStr + Display,

@@ -32,13 +32,13 @@ pub enum SolverError {
         vertex: usize,
     },
     /// The limit surface cannot interpolate two points at one vertex.
-    #[error("vertex {vertex} is held twice; name each held vertex once")]
+    #[error("vertex {vertex} has two interpolation constraints; list each constrained vertex once")]
     ConstrainedTwice {
         /// The local vertex.
         vertex: usize,
     },
     /// The unit of length is unusable.
-    #[error("the hole radius is {radius}; it must be positive and finite")]
+    #[error("the hole radius {radius} is not positive and finite")]
     BadRadius {
         /// The radius given.
         radius: f64,
@@ -64,14 +64,14 @@ pub enum SolverError {
     /// An option is out of range.
     #[error("{option} is {value}; {expected}")]
     BadOption {
-        /// Its name.
+        /// The name of the option.
         option: &'static str,
-        /// Its value, as text.
+        /// The value as text.
         value: String,
         /// The accepted values.
         expected: &'static str,
     },
-    /// The solver thread died.
+    /// The solver thread panicked.
     #[error("the solver stopped unexpectedly: {0}")]
     Panic(String),
 }

@@ -103,7 +103,7 @@ fn errors_name_line_and_remedy() {
         ),
         (
             &[(1, "scheme", "fast")],
-            "line 2: `fast` is none of the choices; choose normal or",
+            "line 2: `fast` is not one of the choices; choose normal or",
         ),
         (
             &[(1, "tau", "soon")],
