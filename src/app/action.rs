@@ -1,4 +1,4 @@
-//! Everything that can be asked of the window, as values.
+//! All actions of the window, as values.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use crate::fill::{Controls, LoopLimits};
 use crate::mesh::{DVec3, LoopId};
 use crate::render::{Camera, StandardView, ViewMode, ViewStyle};
 
-/// A request.
+/// An action.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// Opening, saving, closing.
@@ -30,7 +30,7 @@ pub enum Action {
     Report(ReportAction),
     /// Pictures.
     Picture(PictureAction),
-    /// Close what is open, else stop what runs, else clear the selection.
+    /// Close the topmost dialog or tool, else stop the run, else clear the selection.
     Escape,
     /// Open, change or close the dialog.
     Modal(Modal),
@@ -70,7 +70,7 @@ pub enum FileAction {
     Open(PathBuf),
     /// Open a sample.
     Sample(String),
-    /// Save to where it was saved last, or ask.
+    /// Save to the last path, or ask for one.
     Save,
     /// Choose where to save.
     AskSaveAs,
@@ -78,26 +78,26 @@ pub enum FileAction {
     SaveAs(PathBuf),
     /// Choose where to write the patches.
     AskExportPatch,
-    /// Write the patches alone.
+    /// Write only the patches.
     ExportPatch(PathBuf),
     /// Close the window, after asking about unsaved changes.
     Close,
-    /// Continue with what unsaved changes interrupted, without saving.
+    /// Continue the action that unsaved changes interrupted, without saving.
     DiscardAndContinue,
-    /// Save, then continue.
+    /// Save, then continue the interrupted action.
     SaveAndContinue,
     /// Open a recovery file.
     Recover(PathBuf),
-    /// Delete the recovery files offered.
+    /// Delete the offered recovery files.
     DropRecovery,
-    /// The command that repeats the work, to the clipboard.
+    /// Copy the command that repeats the work.
     CopyCommand,
 }
 
 /// Undo, and changes of the mesh without a flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EditAction {
-    /// Undo; in the middle of a run its shown state is accepted first.
+    /// Undo; during a run, first accept the shown state.
     Undo,
     /// Redo.
     Redo,
@@ -112,11 +112,11 @@ pub enum EditAction {
 /// How a click changes the selection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SelectHow {
-    /// Only this loop.
+    /// Select only this loop.
     Replace,
-    /// This loop too.
+    /// Add this loop.
     Add,
-    /// This loop in or out.
+    /// Toggle this loop.
     Toggle,
 }
 
@@ -125,7 +125,7 @@ pub enum SelectHow {
 pub enum SelectAction {
     /// Click on a loop.
     Loop(LoopId, SelectHow),
-    /// All loops that are not guessed outer boundaries.
+    /// All loops that are not classified as outer boundaries.
     All,
     /// All loops but the largest.
     AllButLargest,
@@ -146,24 +146,24 @@ pub enum TaskAction {
     Refining(Box<Refining>),
     /// Limits of the holes that are selected together.
     Limits(LoopLimits),
-    /// Begin a bridge, change it, or cancel it.
+    /// Start, change or cancel a bridge.
     Bridging(Option<Bridging>),
 }
 
 /// Energy and controls.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ControlsAction {
-    /// Set the controls; acts on the run, if there is one.
+    /// Set the controls, also of the current run.
     Set(Box<Controls>),
-    /// A slider was released: the next change is an undo entry of its own.
+    /// A slider was released, so the next change is a new undo entry.
     EndDrag,
     /// Energy text as typed.
     EnergyText(String),
     /// Use the typed energy.
     ApplyEnergy,
-    /// Give a name in the typed energy a value.
+    /// Set a parameter of the typed energy.
     AddParameter(String),
-    /// Compare with another energy (or stop comparing).
+    /// Compare with another energy, or stop comparing.
     CompareEnergy(Option<String>),
 }
 
@@ -174,13 +174,13 @@ pub enum RunAction {
     Proceed,
     /// Start the task: fill the selected holes, blend the rims, refill the selected faces, refine.
     Start,
-    /// Fair the selected faces: their triangles stay, their inner vertices flow.
+    /// Fair the selected faces: keep their triangles, move their inner vertices.
     Fair,
     /// Play or pause.
     PlayPause,
-    /// One step.
+    /// Take one step.
     Step,
-    /// One stored state back.
+    /// Go back by one stored state.
     StepBack,
     /// Jump to the converged shape.
     Finish,
@@ -190,11 +190,11 @@ pub enum RunAction {
     Scrub(Option<usize>),
     /// Continue the flow from the state that is shown.
     ContinueFromShown,
-    /// States a second.
+    /// Set the number of states per second.
     Pace(f64),
     /// Accept the shown state of a variant.
     Accept(usize),
-    /// Drop the run.
+    /// Discard the run.
     Reject,
 }
 
@@ -238,11 +238,11 @@ pub enum ViewAction {
     Camera(Camera),
     /// A standard view.
     Standard(StandardView),
-    /// Fit everything.
+    /// Fit the whole model.
     FitAll,
-    /// Show a loop.
+    /// Move the camera to a loop.
     FlyToLoop(LoopId),
-    /// Show a place.
+    /// Move the camera to a point.
     FlyTo(DVec3),
     /// Another style.
     Style(ViewStyle),
@@ -271,7 +271,7 @@ pub enum ViewAction {
 pub enum PictureAction {
     /// Open the picture dialog.
     Ask,
-    /// Make a picture, or a sequence.
+    /// Write a picture or a sequence.
     Make(Box<PictureSettings>),
     /// Picture of the viewport to the clipboard.
     Copy,

@@ -1,7 +1,7 @@
 //! The recovery file: it exists while there is unsaved work and is removed at a regular exit.
 //!
-//! Each window locks a file beside its recovery file; the system releases the lock however the
-//! program ends. A recovery file whose lock is free belongs to a window that crashed.
+//! Each window locks a file beside its recovery file. The system releases the lock whenever the
+//! program ends. A recovery file with a free lock belongs to a window that crashed.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -19,7 +19,7 @@ use crate::mesh::LoopId;
 /// Time from a change to writing the file.
 const DELAY: Duration = Duration::from_secs(2);
 
-/// What of a document a recovery file holds; another one is written when it changes.
+/// The state of a document that a recovery file stores. The file is written again when it changes.
 #[derive(Clone, PartialEq)]
 struct Fingerprint {
     revision: u64,
@@ -39,7 +39,7 @@ pub struct Autosave {
 }
 
 impl Autosave {
-    /// Writes nothing.
+    /// An autosave that writes nothing.
     pub fn off() -> Self {
         Self {
             file: None,
@@ -62,7 +62,7 @@ impl Autosave {
                 autosave.lock = Some((path, lock));
             }
             Err(error) => autosave.errors.push(format!(
-                "no recovery file can be kept in {}: {error}",
+                "cannot write recovery files to {}: {error}",
                 folder.display()
             )),
         }
@@ -74,7 +74,7 @@ impl Autosave {
         std::mem::take(&mut self.errors)
     }
 
-    /// Writes the file some time after the last change. Returns after how long to call again.
+    /// Writes the file some time after the last change. Returns the time until the next call.
     pub fn tick(
         &mut self,
         now: Instant,
@@ -92,7 +92,7 @@ impl Autosave {
                 && !std::mem::replace(&mut self.told, true)
             {
                 self.errors
-                    .push(format!("no recovery file was kept: {text}"));
+                    .push(format!("the recovery file was not written: {text}"));
             }
         }
         if !dirty && document.selection.is_empty() {
@@ -130,7 +130,7 @@ impl Autosave {
 
     /// Removes the recovery file: there is no unsaved work.
     pub fn discard(&mut self) {
-        // a write under way must not come after the removal
+        // wait for a running write, so that it does not restore the file
         if let Some(job) = self.job.take() {
             while job.poll().is_none() {
                 std::thread::sleep(Duration::from_millis(1));

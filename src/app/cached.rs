@@ -1,4 +1,4 @@
-//! Values that are computed again only when what they depend on has changed.
+//! Values that are recomputed only when their key changes.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ impl<K, V> Cached<K, V> {
 }
 
 impl<K: PartialEq, V: Clone> Cached<K, V> {
-    /// The value for a key; calls `compute` if the key is another one than at the last call.
+    /// The value for a key. Calls `compute` if the key has changed since the last call.
     pub(crate) fn get(&mut self, key: K, compute: impl FnOnce() -> V) -> V {
         match &self.0 {
             Some((known, value)) if *known == key => value.clone(),
@@ -33,7 +33,8 @@ impl<K: PartialEq, V: Clone> Cached<K, V> {
     }
 }
 
-/// A shared value as a key: equal to another if both are one allocation, which it keeps alive.
+/// A shared value as a key. Two keys are equal if they share one allocation, which the key keeps
+/// alive.
 pub(crate) struct SharedKey<T>(Arc<T>);
 
 impl<T> SharedKey<T> {
@@ -56,7 +57,7 @@ struct TypedEnergy {
     params: BTreeMap<String, f64>,
 }
 
-/// A typed energy, parsed again only when its text or a parameter has changed.
+/// A parsed energy, parsed again only when its text or a parameter changes.
 #[derive(Clone, Default)]
 pub(crate) struct ParsedEnergy(Cached<TypedEnergy, Arc<Result<Energy, ExprError>>>);
 

@@ -1,4 +1,4 @@
-//! Edges chosen in the view, which survive changes of the mesh.
+//! Edges chosen in the view. They persist when the mesh changes.
 
 use std::collections::BTreeMap;
 
@@ -9,14 +9,14 @@ use crate::mesh::{HalfedgeId, Mesh, VertexId};
 /// Edges chosen together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Chain {
-    /// Whether both sides count as surfaces of their own.
+    /// Whether both sides are evaluated separately.
     pub is_crease: bool,
-    /// The edges by the positions of their ends.
+    /// The edges as positions of their end points.
     pub edges: Vec<[[f64; 3]; 2]>,
 }
 
-/// The vertices at the ends of chosen edges, by their positions: erasing faces renumbers vertices but
-/// does not move them.
+/// The vertices at the ends of chosen edges, found by position, because erasing faces renumbers
+/// vertices but does not move them.
 pub struct Places(BTreeMap<[u64; 3], Vec<VertexId>>);
 
 impl Places {

@@ -1,4 +1,4 @@
-//! What is edited, saved and undone.
+//! The document: the data that is edited, saved and undone.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -21,20 +21,20 @@ pub enum Source {
     File(PathBuf),
     /// A built-in sample, by its name on the command line.
     Sample(String),
-    /// The mesh held by a project or recovery file that names no other.
+    /// A mesh stored in a project or recovery file.
     Embedded,
 }
 
 /// The opened mesh's origin; all states of a document share it.
 #[derive(Clone, Debug)]
 pub struct Origin {
-    /// Where it came from.
+    /// The source of the mesh.
     pub source: Source,
     /// Counts and repairs.
     pub report: LoadReport,
-    /// Material libraries to be named again when it is saved.
+    /// Material libraries, written again when the mesh is saved.
     pub material_libraries: Vec<String>,
-    /// The box of the mesh as it was opened.
+    /// The bounding box of the opened mesh.
     pub bounds: Bounds,
 }
 
@@ -53,18 +53,18 @@ impl Origin {
     }
 }
 
-/// An operation that was done and accepted.
+/// An accepted operation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AppliedOperation {
-    /// What was done.
+    /// The operation.
     #[serde(flatten)]
     pub operation: Operation,
-    /// The faces it added that are still there.
+    /// The faces that it added, as far as they still exist.
     #[serde(with = "face_range")]
     pub faces: Range<usize>,
 }
 
-/// A range of faces as its two ends.
+/// A range of faces as its two bounds.
 mod face_range {
     use std::ops::Range;
 
@@ -83,13 +83,13 @@ mod face_range {
 /// The state that is saved and undone. Cloning is cheap: meshes are shared.
 #[derive(Clone, Debug)]
 pub struct Document {
-    /// What was opened.
+    /// The opened file or sample.
     pub origin: Arc<Origin>,
-    /// The mesh after all operations. What is left of the opened mesh comes first.
+    /// The mesh after all operations. Vertices and faces of the opened mesh come first.
     pub mesh: Arc<Mesh>,
-    /// The limit surface on which its vertices lie, if it is a refinement just accepted.
+    /// The limit surface through its vertices, if the last operation was a refinement.
     pub surface: Option<RunState>,
-    /// Faces from here on belong to patches.
+    /// The first face that belongs to a patch.
     pub first_patch_face: usize,
     /// Its boundary loops.
     pub loops: Arc<Vec<BoundaryLoop>>,
@@ -104,7 +104,7 @@ pub struct Document {
 }
 
 impl Document {
-    /// A document of an opened mesh. The window's runs are flows in true time.
+    /// A document of an opened mesh. The runs of the window are flows in true time.
     pub fn new(opened: Opened, source: Source) -> Self {
         let mesh = Arc::new(opened.mesh);
         let loops = boundary_loops(&mesh);
@@ -126,7 +126,7 @@ impl Document {
         }
     }
 
-    /// Nothing, until something is opened.
+    /// The empty document.
     pub fn blank() -> Self {
         let nothing = Opened {
             mesh: Mesh::new(Vec::new(), Topology::default()),
@@ -136,16 +136,16 @@ impl Document {
         Self::new(nothing, Source::Embedded)
     }
 
-    /// Whether nothing was opened yet.
+    /// Whether no mesh was opened yet.
     pub fn is_blank(&self) -> bool {
         self.mesh.vertex_count() == 0 && !self.is_changed()
     }
 
-    /// Takes the result of an operation. If it erased faces, `kept` are the others by their earlier
-    /// indices; they come first in `mesh`.
+    /// Stores the result of an operation. If it erased faces, `kept` lists the old indices of the
+    /// other faces, which come first in `mesh`.
     pub fn accept(&mut self, mesh: Mesh, kept: Option<&[u32]>, done: AppliedOperation) {
         if matches!(done.operation, Operation::Refine(_)) {
-            // all faces are new: none belongs to a patch
+            // all faces are new and none belongs to a patch
             self.first_patch_face = mesh.face_count();
             for one in &mut self.accepted {
                 Arc::make_mut(one).faces = 0..0;
@@ -167,7 +167,7 @@ impl Document {
         self.accepted.push(Arc::new(done));
     }
 
-    /// How many loops there are, in words.
+    /// The number of loops, in words.
     pub fn loop_count(&self) -> String {
         match self.loops.len() {
             1 => "1 loop".into(),
@@ -188,13 +188,13 @@ impl Document {
             .collect()
     }
 
-    /// The loops of a choice that names no loop.
+    /// The loops of a choice other than a list of numbers.
     pub fn chosen(&self, choice: &LoopChoice) -> BTreeSet<LoopId> {
         let chosen = choose(&self.loops, choice);
         chosen.into_iter().flatten().collect()
     }
 
-    /// All loops that are not guessed outer rims.
+    /// All loops that are not classified as outer boundaries.
     pub fn holes(&self) -> BTreeSet<LoopId> {
         self.chosen(&LoopChoice::Auto)
     }
@@ -204,8 +204,8 @@ impl Document {
         !self.accepted.is_empty()
     }
 
-    /// The patches alone, as a mesh of their own (used vertices in order, rims included);
-    /// `None` if there are none.
+    /// The patches as a separate mesh, with their rims and with vertices in order; `None` if there
+    /// are none.
     pub fn patches(&self) -> Option<Mesh> {
         let first = self.first_patch_face;
         let triangles: Vec<[u32; 3]> = self.mesh.topology.triangles().skip(first).collect();
@@ -239,18 +239,18 @@ impl Document {
     }
 }
 
-/// How many of the kept faces come before a face.
+/// The number of kept faces before a face.
 pub fn left_of(kept: &[u32], face: usize) -> usize {
     kept.partition_point(|&f| (f as usize) < face)
 }
 
-/// The box around a mesh; one of size 1 around nothing.
+/// The bounding box of a mesh; a box of size 1 for an empty mesh.
 pub fn bounds_of(mesh: &Mesh) -> Bounds {
     let unit = DVec3::splat(0.5);
     Bounds::of(mesh.positions.iter().copied()).unwrap_or(Bounds::new(-unit, unit))
 }
 
-/// The defaults of the window: flows in true time, for watching.
+/// The defaults of the window: flows in true time.
 pub fn window_controls() -> Controls {
     Controls {
         mode: crate::solver::Mode::Flow,

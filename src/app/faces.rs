@@ -11,14 +11,14 @@ use crate::mesh::{
 };
 use crate::render::{Camera, Picker, Projector};
 
-/// A stamp of the brush: the face hit, where, and the radius in units of the file.
+/// A stamp of the brush: face, point, and radius in units of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrushStamp {
-    /// The face under the brush's middle.
+    /// The face under the centre of the brush.
     pub face: FaceId,
     /// The point on it.
     pub point: DVec3,
-    /// Its radius.
+    /// The radius.
     pub radius: f64,
 }
 
@@ -29,7 +29,7 @@ pub struct Lasso {
     pub corners: Vec<[f64; 2]>,
     /// Size of the view in the same pixels.
     pub size: [f64; 2],
-    /// Where it was drawn.
+    /// The camera of the view.
     pub camera: Camera,
     /// Whether hidden faces are selected too.
     pub through: bool,
@@ -38,51 +38,51 @@ pub struct Lasso {
 /// A change of the selection. `take` removes faces instead of adding them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FaceEdit {
-    /// Part of a stroke of the brush; the parts are one change.
+    /// Part of a stroke of the brush. All parts of a stroke are one change.
     Paint {
         /// Stamps.
         stamps: Vec<BrushStamp>,
-        /// Take away.
+        /// Whether faces are removed.
         take: bool,
     },
     /// A lasso.
     Lasso {
         /// The line.
         lasso: Lasso,
-        /// Take away.
+        /// Whether faces are removed.
         take: bool,
     },
-    /// The faces found in a lasso, ascending, of this mesh.
+    /// The faces found in a lasso, in ascending order.
     LassoResult {
         /// The mesh.
         mesh: Arc<Mesh>,
         /// The faces.
         faces: Vec<u32>,
-        /// Take away.
+        /// Whether faces are removed.
         take: bool,
     },
-    /// A face with those around it; where it is selected already, the connected part of the
-    /// selection widens (or narrows) by a ring.
+    /// A face with its neighbours. If it is selected already, the connected part of the selection
+    /// grows (or shrinks) by one ring.
     Spread {
         /// The face.
         face: FaceId,
-        /// Narrow.
+        /// Whether the selection shrinks.
         take: bool,
     },
-    /// A ring more.
+    /// Grow by one ring.
     Grow,
-    /// A ring less.
+    /// Shrink by one ring.
     Shrink,
-    /// The other faces.
+    /// Select the other faces.
     Invert,
-    /// Without ears and notches.
+    /// Remove ears and fill notches.
     Smooth,
-    /// None.
+    /// Clear the selection.
     Clear,
 }
 
 impl FaceEdit {
-    /// For the undo list.
+    /// The label in the undo list.
     pub fn label(&self) -> &'static str {
         match self {
             Self::Paint { take: false, .. } => "paint faces",
@@ -98,7 +98,8 @@ impl FaceEdit {
     }
 }
 
-/// The selection after a change. A lasso changes nothing here: [`faces_in_lasso`] finds its faces first.
+/// The selection after a change. [`FaceEdit::Lasso`] changes nothing: [`faces_in_lasso`] finds its
+/// faces first.
 pub fn edited(document: &Document, edit: &FaceEdit) -> Vec<u32> {
     let mesh = &document.mesh;
     let now = &document.faces;
@@ -170,8 +171,8 @@ fn spread(mesh: &Mesh, flags: &mut [bool], face: FaceId, take: bool) {
     }
 }
 
-/// The faces whose middle is within a lasso: ascending. Without [`Lasso::through`] those that face the
-/// eye with nothing before them, which the mesh's picker knows.
+/// The faces whose centroid is inside a lasso, in ascending order. Without [`Lasso::through`] only
+/// those that face the camera and are not hidden; the picker of the mesh determines that.
 pub fn faces_in_lasso(mesh: &Mesh, picker: &Picker, lasso: &Lasso) -> Vec<u32> {
     let projector = Projector::new(&lasso.camera, lasso.size);
     let polygon = &lasso.corners;
@@ -253,7 +254,7 @@ mod tests {
         assert_eq!(faces_in_lasso(&mesh, &picker, &lasso).len(), all);
         lasso.through = false;
         let near = faces_in_lasso(&mesh, &picker, &lasso);
-        // from a finite distance less than half of a ball is seen
+        // from a finite distance less than half of a ball is visible
         assert!(
             (all / 4..all / 2).contains(&near.len()),
             "{} of {all}",
@@ -281,7 +282,7 @@ mod tests {
         spread(&mesh, &mut flags, FaceId(100), false);
         let first = count(&flags);
         assert!(first > 1);
-        // another part far away stays as it is
+        // a distant part does not change
         let far = (0..mesh.face_count() as u32)
             .map(FaceId)
             .max_by(|&a, &b| {

@@ -1,4 +1,4 @@
-//! Undo and redo by whole states. A state is cheap to clone because its meshes are shared.
+//! Undo and redo of whole states. Cloning a state is cheap because meshes are shared.
 
 /// States before and after the current one.
 #[derive(Clone, Debug)]
@@ -24,7 +24,8 @@ const LIMIT: usize = 256;
 impl<T: Clone> History<T> {
     /// Stores `before`, the state that the action named `label` is about to change.
     ///
-    /// Consecutive records with the same `merge` key are one entry (a slider that is dragged).
+    /// Consecutive records with the same `merge` key, such as those of one slider drag, are one
+    /// entry.
     pub fn record(&mut self, before: &T, label: impl Into<String>, merge: Option<&'static str>) {
         self.future.clear();
         if merge.is_some() && merge == self.merge && !self.past.is_empty() {

@@ -1,4 +1,4 @@
-//! Background jobs: each runs on its own thread, and dropping its handle cancels it.
+//! Background jobs. Each runs on its own thread. Dropping its handle cancels it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use crate::runner::panic_text;
 
-/// Wakes the window: called when a result is ready.
+/// Wakes the window. Called when a result is ready.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// Connects a job to its handle.
@@ -34,14 +34,14 @@ impl Reporter {
 
 /// The handle of a job; dropping it cancels the job.
 pub struct Job<T> {
-    /// What the job does, for the status bar.
+    /// A description for the status bar.
     pub what: String,
     reporter: Reporter,
     result: Receiver<Result<T, String>>,
 }
 
 impl<T: Send + 'static> Job<T> {
-    /// Starts `work` on a thread; `wake` is called when its result is there.
+    /// Starts `work` on a thread. Calls `wake` when the result is ready.
     pub fn spawn(
         what: impl Into<String>,
         wake: &Wake,
@@ -77,7 +77,7 @@ impl<T: Send + 'static> Job<T> {
         }
     }
 
-    /// The result, once it is there; an `Err` is a message for the user.
+    /// The result, if it is ready; an `Err` is a message for the user.
     pub fn poll(&self) -> Option<Result<T, String>> {
         match self.result.try_recv() {
             Ok(result) => Some(result),

@@ -1,15 +1,15 @@
-//! Messages to the user: toasts that disappear and a log that stays.
+//! Messages to the user: temporary toasts and a permanent log.
 
 use std::time::{Duration, Instant};
 
 /// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Something was done.
+    /// Success.
     Info,
-    /// It was done, but needs attention.
+    /// Success that needs attention.
     Warning,
-    /// It was not done.
+    /// Failure.
     Error,
 }
 
@@ -18,16 +18,16 @@ pub enum Level {
 pub struct Entry {
     /// Severity.
     pub level: Level,
-    /// What happened and what to do.
+    /// The problem and the remedy.
     pub text: String,
-    /// When.
+    /// The time of the message.
     pub at: Instant,
     /// Whether the user has closed its toast.
     pub dismissed: bool,
 }
 
 impl Entry {
-    /// How long its toast is shown.
+    /// The time for which the toast is shown.
     fn lifetime(&self) -> Duration {
         match self.level {
             Level::Info => Duration::from_secs(5),
@@ -52,7 +52,7 @@ impl Log {
         self.push(level, text.into());
     }
 
-    /// Adds an information.
+    /// Adds an informative message.
     pub fn info(&mut self, text: impl Into<String>) {
         self.push(Level::Info, text.into());
     }
@@ -68,7 +68,7 @@ impl Log {
     }
 
     fn push(&mut self, level: Level, text: String) {
-        // the same words again refresh the toast instead of stacking up
+        // a repeated message renews its toast
         if let Some(last) = self.entries.last_mut()
             && last.text == text
             && last.level == level
@@ -93,7 +93,7 @@ impl Log {
         &self.entries
     }
 
-    /// Indices of the messages whose toast is shown, at most the newest four.
+    /// Indices of the messages with a visible toast, at most the newest four.
     pub fn toasts(&self, now: Instant) -> Vec<usize> {
         let mut shown: Vec<usize> = self
             .entries

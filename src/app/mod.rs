@@ -1,8 +1,8 @@
 //! The window.
 //!
-//! A [`Model`] holds the document, the view and the run; panels are functions of it that collect
-//! [`Action`]s. [`act`] carries these out, and [`tick`] advances what runs in the background.
-//! Nothing but this file and `ui` needs a window.
+//! A [`Model`] contains the document, the view and the run. Panels are functions of the model that
+//! collect [`Action`]s. [`act`] executes actions, and [`tick`] advances background work. Only this
+//! file and `ui` need a window.
 
 mod action;
 mod autosave;
@@ -57,46 +57,46 @@ use crate::shapes::SAMPLES;
 use jobs::Wake;
 use ui::UiState;
 
-/// Why there is no window.
+/// Why the window cannot be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
-    /// Neither X11 nor Wayland answers.
+    /// Neither X11 nor Wayland is available.
     #[error(
-        "no display: {0}. Start it from a desktop, or give it a virtual one (`xvfb-run meniscus`); \
-         on Debian or Ubuntu a window needs libx11-6 libxcursor1 libxi6 libxrandr2 \
-         libxkbcommon-x11-0; `meniscus fill` and `meniscus render` need no window"
+        "no display: {0}. Start the program in a desktop session or on a virtual display \
+         (`xvfb-run meniscus`); on Debian or Ubuntu a window needs libx11-6 libxcursor1 libxi6 \
+         libxrandr2 libxkbcommon-x11-0; `meniscus fill` and `meniscus render` need no window"
     )]
     NoDisplay(String),
-    /// A library of the desktop is missing.
+    /// A system library is missing.
     #[error(
-        "a library of the desktop is missing: {0}. On Debian or Ubuntu: apt install libx11-6 \
-         libxcursor1 libxi6 libxrandr2 libxkbcommon-x11-0"
+        "a system library is missing: {0}. On Debian or Ubuntu: apt install libx11-6 libxcursor1 \
+         libxi6 libxrandr2 libxkbcommon-x11-0"
     )]
     NoLibrary(String),
     /// No graphics adapter.
     #[error(
-        "no graphics adapter can be used: {0}. Install a driver; without a graphics card a \
-         software one does. On Debian or Ubuntu: apt install libvulkan1 mesa-vulkan-drivers \
-         libegl1 libgl1-mesa-dri"
+        "no usable graphics adapter: {0}. Install a driver; without a graphics card, a software \
+         driver is enough. On Debian or Ubuntu: apt install libvulkan1 mesa-vulkan-drivers libegl1 \
+         libgl1-mesa-dri"
     )]
     NoAdapter(String),
     /// A panic.
-    #[error("internal error: {0}. Unsaved work is offered at the next start")]
+    #[error("internal error: {0}. The next start offers to recover unsaved work")]
     Defect(String),
 }
 
-/// What the window is opened with.
+/// The arguments of the window.
 #[derive(Clone, Debug, Default)]
 pub struct Startup {
-    /// A mesh or project to open; the first sample otherwise.
+    /// A mesh or project to open; the default is the first sample.
     pub file: Option<PathBuf>,
-    /// Where frame times and memory are written when the window closes, as JSON.
+    /// The JSON file for frame times and memory, written when the window closes.
     pub diagnostics: Option<PathBuf>,
 }
 
-/// The application as eframe runs it.
+/// The application that eframe runs.
 pub struct App {
-    /// Everything but the window.
+    /// The state of the application.
     pub model: Model,
     ui: UiState,
     format: Option<wgpu::TextureFormat>,
@@ -107,18 +107,18 @@ pub struct App {
     window_pictures: (Sender<WindowPicture>, Receiver<WindowPicture>),
 }
 
-/// What of the settings changes how the whole window looks.
+/// The settings that affect the look of the whole window.
 #[derive(Clone, Copy, PartialEq)]
 struct Appearance {
     scale: f32,
     dark: bool,
 }
 
-/// Where a picture of the window is to be saved, and the picture.
+/// The path for a picture of the window, and the picture.
 type WindowPicture = (PathBuf, Arc<egui::ColorImage>);
 
 impl App {
-    /// On a given model; `render_state` is the window's.
+    /// The application of a model. `render_state` is that of the window.
     pub fn new(
         model: Model,
         ctx: &egui::Context,
@@ -145,7 +145,7 @@ impl App {
         app
     }
 
-    /// Theme and scale.
+    /// Applies theme and scale.
     fn apply_theme(&mut self, ctx: &egui::Context) {
         let settings = &self.model.settings;
         let appearance = Appearance {
@@ -185,7 +185,7 @@ impl App {
         }
     }
 
-    /// Pictures of the window come some frames after they were asked for.
+    /// Saves a picture of the window, which arrives some frames after the request.
     fn take_window_picture(&mut self) {
         let Ok((path, shot)) = self.window_pictures.1.try_recv() else {
             return;
@@ -197,7 +197,7 @@ impl App {
             .flat_map(egui::Color32::to_array)
             .collect();
         let saved = image::RgbaImage::from_raw(width, height, bytes)
-            .ok_or_else(|| "the window gave no picture".to_owned())
+            .ok_or_else(|| "the window returned no picture".to_owned())
             .and_then(|p| crate::render::save_png(&path, &p).map_err(|e| e.to_string()));
         match saved {
             Ok(()) => self
@@ -271,7 +271,7 @@ impl eframe::App for App {
             self.title = title;
         }
         if acted {
-            // what was asked for shows in the next frame
+            // the next frame shows the effects
             ctx.request_repaint();
         } else if let Some(wait) = wait {
             ctx.request_repaint_after(wait);
@@ -286,7 +286,8 @@ impl eframe::App for App {
     }
 }
 
-/// Why there is no display, in words; what winit says names its own sources.
+/// Why there is no display, in words. The message of winit contains source locations, which are
+/// removed.
 fn no_display(error: &eframe::Error) -> String {
     let named = |name: &str| std::env::var(name).ok().filter(|v| !v.is_empty());
     match (named("WAYLAND_DISPLAY"), named("DISPLAY")) {
@@ -294,20 +295,20 @@ fn no_display(error: &eframe::Error) -> String {
         (Some(name), _) | (None, Some(name)) => match error {
             eframe::Error::WinitEventLoop(inner) => {
                 let text = inner.to_string();
-                // after the place in winit's sources
+                // the part after the source location
                 let reason = text.split(".rs:").last().unwrap_or(&text);
                 let reason = reason.split_once(": ").map_or(reason, |(_, rest)| rest);
-                format!("the display {name} cannot be used ({reason})")
+                format!("the display {name} is not available ({reason})")
             }
             other => other.to_string(),
         },
     }
 }
 
-/// Opens the window and stays until it is closed.
+/// Opens the window and returns when it is closed.
 ///
 /// # Errors
-/// There is no display, no graphics adapter, or a library is missing.
+/// There is no display or no graphics adapter, or a library is missing.
 pub fn run(startup: Startup) -> Result<(), WindowError> {
     let started = Instant::now();
     let (settings, message) = Settings::load();
@@ -346,7 +347,7 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
                 if !left.is_empty() {
                     model.view.modal = Modal::Recover(left);
                 }
-                // what there is to see is made while the window comes up
+                // the mesh is loaded while the window opens
                 let first = match startup.file {
                     Some(file) => FileAction::Open(file),
                     None => FileAction::Sample(SAMPLES[0].name.into()),
@@ -365,7 +366,7 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
         Ok(Err(error)) => Err(WindowError::NoDisplay(no_display(&error))),
         Err(panic) => {
             let text = panic_text(panic.as_ref());
-            // winit panics where a library of X11 cannot be loaded
+            // winit panics if a library of X11 cannot be loaded
             Err(if began.load(Ordering::Relaxed) {
                 WindowError::Defect(text)
             } else {

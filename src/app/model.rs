@@ -1,4 +1,4 @@
-//! The state of the window, without the window. [`update`](super::update) changes it.
+//! The state of the application without the window. [`update`](super::update) changes it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,18 +20,18 @@ use super::view_state::{AfterUnsaved, PathUse, ViewState};
 use crate::mesh::{DVec3, LoopId, Mesh, VertexId};
 use crate::render::{Background, Bounds, Gpu, Picker, ViewMode, ViewStyle};
 
-/// What only the window itself can do.
+/// An effect that only the window can carry out.
 #[derive(Clone, Debug)]
 pub enum Effect {
-    /// Text to the clipboard.
+    /// Copy a text to the clipboard.
     CopyText(String),
-    /// Picture to the clipboard.
+    /// Copy a picture to the clipboard.
     CopyImage(Arc<image::RgbaImage>),
-    /// Close, without asking.
+    /// Close without asking.
     Close,
-    /// Picture of the whole window, to this file.
+    /// Save a picture of the whole window to this file.
     WindowPicture(PathBuf),
-    /// Theme, scale.
+    /// Apply theme and scale.
     Appearance,
 }
 
@@ -49,45 +49,45 @@ pub enum Done {
     Loaded(PathBuf, Result<Loaded, String>),
     /// A file was written.
     Saved(PathBuf, SavedWhat, Result<Vec<String>, String>),
-    /// Picking is ready for a mesh.
+    /// The picker of a mesh is ready.
     Picker(Arc<Mesh>, Arc<Picker>),
     /// The faces in a lasso were found.
     Lasso(FaceEdit),
-    /// A file dialog has ended after some time; `None`: it was cancelled, or there is none.
+    /// A file dialog was closed after some time; `None` if it was cancelled or is not available.
     PathChosen(PathUse, Option<PathBuf>, Duration),
     /// A picture for the clipboard.
     Picture(Result<Arc<image::RgbaImage>, String>),
-    /// Picture files were written: a message.
+    /// Picture files were written; contains a message.
     Pictures(Result<String, String>),
 }
 
-/// What a written file holds.
+/// The content of a written file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SavedWhat {
     /// The whole mesh, at this revision.
     Mesh(u64),
     /// The project, at this revision.
     Project(u64),
-    /// The patches alone.
+    /// Only the patches.
     Patch,
     /// A report.
     Report,
 }
 
-/// Maximum number of views beside each other.
+/// Maximum number of views side by side.
 pub const MAX_SIDES: usize = 3;
 
-/// The whole state of the window.
+/// The state of the application.
 pub struct Model {
     /// The document.
     pub document: Document,
-    /// Its earlier and later states.
+    /// Undo and redo states of the document.
     pub history: History<Document>,
     /// The view.
     pub view: ViewState,
     /// Settings that persist from session to session.
     pub settings: Settings,
-    /// A run in progress, or finished and waiting to be accepted or rejected.
+    /// A run that is in progress, or finished but neither accepted nor rejected.
     pub run: Option<Run>,
     /// Messages.
     pub log: Log,
@@ -95,35 +95,35 @@ pub struct Model {
     pub wake: Wake,
     /// Background jobs.
     pub jobs: Vec<Job<Done>>,
-    /// Effects that the window has to carry out.
+    /// Pending effects for the window.
     pub effects: Vec<Effect>,
-    /// Displays: of the document or the first side of the run, and of the other sides.
+    /// Displays: the first of the document or of side A of the run, then those of the other sides.
     pub displays: [DisplayWorker; MAX_SIDES],
-    /// Finds what is under the cursor, once it is ready for the document's mesh.
+    /// Finds the object under the cursor, once it is ready for the mesh of the document.
     pub picker: Option<(Arc<Mesh>, Arc<Picker>)>,
-    /// Where the document was saved last.
+    /// The path of the last save.
     pub saved_to: Option<PathBuf>,
-    /// Counts changes of the mesh; compared with the saved one.
+    /// Number of changes of the mesh; compared with the saved revision.
     pub revision: u64,
     /// Revision of the last save.
     pub saved_revision: u64,
-    /// What continues after the save that is under way.
+    /// The action that continues after the running save.
     pub after_save: Option<AfterUnsaved>,
     /// Writes the recovery file.
     pub autosave: Autosave,
     /// Measures of the surface.
     pub report: Report,
-    /// Draws pictures; `None` before the window has a device, and in tests without one.
+    /// The picture renderer; `None` before the window has a device, and in tests without one.
     pub gpu: Option<Arc<Gpu>>,
-    /// The mesh that the picker was last asked for.
+    /// The mesh of the last request for a picker.
     pub(crate) picker_asked: Option<Arc<Mesh>>,
     /// Edges of the rims that the run joins with a crease.
     pub(crate) creases: Cached<CreaseKey, Arc<Vec<[VertexId; 2]>>>,
-    /// Energies of what is drawn.
+    /// Energies of the displayed surfaces.
     pub(crate) energies: [ParsedEnergy; MAX_SIDES],
 }
 
-/// What the creases of a run depend on.
+/// The key of the creases of a run.
 #[derive(PartialEq)]
 pub(crate) struct CreaseKey {
     /// The mesh of the run; `None` without creases.
@@ -133,7 +133,7 @@ pub(crate) struct CreaseKey {
 }
 
 impl Model {
-    /// Opens on a document.
+    /// The model of a document.
     pub fn new(document: Document, settings: Settings, autosave: Autosave, wake: Wake) -> Self {
         let style = ViewStyle {
             background: Background::of_theme(settings.dark),
@@ -168,48 +168,48 @@ impl Model {
         }
     }
 
-    /// Whether there are changes that no file holds.
+    /// Whether there are unsaved changes.
     pub fn is_dirty(&self) -> bool {
         self.revision != self.saved_revision
     }
 
-    /// Whether vertices of the document's mesh are drawn where its limit surface passes them, rather
-    /// than where they are.
+    /// Whether vertices of the document's mesh are drawn at their limit positions instead of their
+    /// own.
     pub fn draws_limit_of_mesh(&self) -> bool {
         self.view.limit_surface && self.document.surface.is_none()
     }
 
-    /// What drawn positions are relative to.
+    /// The origin of drawn positions.
     pub fn centre(&self) -> DVec3 {
         self.document.origin.bounds.centre()
     }
 
-    /// The view modes that have something to show.
+    /// The available view modes.
     pub fn view_modes(&self) -> impl Iterator<Item = ViewMode> + use<> {
         let compared = self.report.reference.is_some();
         let shown = move |mode: &ViewMode| *mode != ViewMode::Distance || compared;
         ViewMode::ALL.into_iter().filter(shown)
     }
 
-    /// The box of what is shown.
+    /// The bounding box of the displayed surfaces.
     pub fn bounds(&self) -> Bounds {
         self.displays[0]
             .latest()
             .map_or(self.document.origin.bounds, |d| d.bounds)
     }
 
-    /// Whether closing would lose something.
+    /// Whether closing would lose work.
     pub fn must_ask_before_closing(&self) -> bool {
         self.is_dirty() || self.run.is_some()
     }
 
-    /// Title of the window.
+    /// The title of the window.
     pub fn title(&self) -> String {
         let star = if self.is_dirty() { "*" } else { "" };
         format!("{}{star} - Meniscus", self.document.origin.name())
     }
 
-    /// The source's path, for the first guess of where to save.
+    /// The path of the source, as the default for saving.
     pub fn source_path(&self) -> Option<PathBuf> {
         match &self.document.origin.source {
             Source::File(path) => Some(path.clone()),

@@ -1,7 +1,8 @@
-//! The project file: what is worked on, how, and how it is looked at.
+//! The project file: mesh, operations, options and view.
 //!
-//! A TOML head, and after the line [`MESH`] the mesh as OBJ if it is no plain file or sample any
-//! more. The head holds the path of the mesh relative to the project file.
+//! It consists of a TOML head and, unless the mesh is an unchanged file or sample, the line
+//! [`MESH`] and the mesh as OBJ. The head contains the path of the mesh relative to the project
+//! file.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -34,10 +35,10 @@ pub struct Project {
     /// Built-in sample.
     #[serde(skip_serializing_if = "Option::is_none")]
     sample: Option<String>,
-    /// Counts of the mesh, `[vertices, faces]`: a check. Where `first_patch_face` is missing, patches
-    /// begin after them.
+    /// Counts of the mesh, `[vertices, faces]`, as a check. Patches begin after them if
+    /// `first_patch_face` is missing.
     opened: [usize; 2],
-    /// Where patches begin.
+    /// The first face of a patch.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     first_patch_face: Option<usize>,
     /// Indices of the selected loops.
@@ -52,7 +53,7 @@ pub struct Project {
     fills: Vec<AppliedOperation>,
 }
 
-/// What is kept of the view.
+/// The stored part of the view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ViewPart {
     camera: String,
@@ -63,7 +64,7 @@ pub struct ViewPart {
     light_follows_view: bool,
     #[serde(default)]
     zebra_turn: f64,
-    /// Ends of the colour map, where they were set.
+    /// Ends of the colour map, if they were set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     range: Option<[f32; 2]>,
     wireframe: bool,
@@ -74,9 +75,9 @@ pub struct ViewPart {
     report: ReportView,
 }
 
-/// The text of a project file that is to lie in `folder`. A mesh that is a file or sample unchanged is
-/// named, any other is held in the text. So is a file whose path is not Unicode, which TOML cannot
-/// hold.
+/// The text of a project file in `folder`. It refers to the mesh by name if that is an unchanged
+/// file or sample, and contains the mesh otherwise. It also contains the mesh if the path is not
+/// Unicode, because TOML cannot store such a path.
 pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
     let origin = &document.origin;
     let named = |path: &Path| Some(relative(path, folder)).filter(|p| p.to_str().is_some());
@@ -121,14 +122,14 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
             .collect(),
     };
     let mut text = String::from("# Meniscus project\n");
-    // every value is of a kind TOML has
+    // TOML can represent every value
     text += &toml::to_string(&head).expect("a project is plain data");
     if embed {
         text.push_str(MESH);
         text.push('\n');
         let mut bytes = Vec::new();
         io::with_output(&document.mesh, &origin.material_libraries, |output| {
-            // a vector takes everything
+            // writing to a vector cannot fail
             io::write(Format::Obj, output, &mut bytes).ok();
         });
         text += &String::from_utf8_lossy(&bytes);
@@ -139,30 +140,30 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
 /// Reads a project file.
 ///
 /// # Errors
-/// What is wrong with the file or with the mesh it names, for the user.
+/// A message for the user: the file, or the mesh that it refers to, is invalid.
 pub fn read(path: &Path) -> Result<(Document, Project), String> {
     let text = std::fs::read_to_string(path)
         .map_err(|e| format!("{}: {e}; check the path", path.display()))?;
     parse(&text, path)
 }
 
-/// Reads the text of a project file that lies at `path`.
+/// Reads the text of a project file at `path`.
 ///
 /// # Errors
 /// As [`read`].
 fn parse(text: &str, path: &Path) -> Result<(Document, Project), String> {
     let name = path.display();
     let separator = format!("\n{MESH}\n");
-    // the last one: a value of the head may hold that line, a mesh cannot
+    // use the last such line: a value of the head may contain it, a mesh cannot
     let (head, body) = match text.rsplit_once(&separator) {
         Some((head, body)) => (head, Some(body)),
         None => (text, None),
     };
     let mut project: Project =
-        toml::from_str(head).map_err(|e| format!("{name} is no project file, or damaged: {e}"))?;
+        toml::from_str(head).map_err(|e| format!("{name} is not a valid project file: {e}"))?;
     if project.version > VERSION {
         return Err(format!(
-            "{name} was written by a newer version ({}); this one reads up to {VERSION}",
+            "{name} has the newer format version {}; this program reads versions up to {VERSION}",
             project.version
         ));
     }
@@ -175,7 +176,7 @@ fn parse(text: &str, path: &Path) -> Result<(Document, Project), String> {
         let soup = io::read(Format::Obj, body.as_bytes(), path).map_err(|e| e.to_string())?;
         let opened = io::from_soup(soup, path).map_err(|e| e.to_string())?;
         let source = match (&mesh_path, &project.sample) {
-            // unchanged, and yet not what is named
+            // the mesh was stored although nothing has changed it
             _ if project.fills.is_empty() => Source::Embedded,
             (Some(path), _) => Source::File(path.clone()),
             (None, Some(sample)) => Source::Sample(sample.clone()),
@@ -183,12 +184,17 @@ fn parse(text: &str, path: &Path) -> Result<(Document, Project), String> {
         };
         (opened, source)
     } else if let Some(mesh_path) = mesh_path {
-        let opened = io::open(&mesh_path).map_err(|e| format!("{name} names a mesh: {e}"))?;
+        let opened = io::open(&mesh_path).map_err(|e| {
+            format!(
+                "{name}: the mesh cannot be opened: \
+                                                               {e}"
+            )
+        })?;
         (opened, Source::File(mesh_path))
     } else if let Some(sample) = &project.sample {
         (sample_of(sample)?, Source::Sample(sample.clone()))
     } else {
-        return Err(format!("{name} names no mesh and holds none"));
+        return Err(format!("{name} contains no mesh and no reference to one"));
     };
     let document = restore(opened, source, &project).map_err(|e| format!("{name}: {e}"))?;
     Ok((document, project))
@@ -207,7 +213,7 @@ pub fn rewrite_project(text: &str) -> Result<String, String> {
     Ok(write(&document, &view, folder))
 }
 
-/// Name of the mesh a project file is about, for lists; the file's own if it does not say.
+/// The name of the mesh of a project file, for lists; the name of the file if it has none.
 pub fn title(path: &Path) -> String {
     let own = || {
         path.file_name()
@@ -217,7 +223,7 @@ pub fn title(path: &Path) -> String {
     let Ok(file) = std::fs::File::open(path) else {
         return own();
     };
-    // enough for the lines before the mesh; what follows may be large
+    // enough for the head; the mesh may be large
     if file.take(1 << 16).read_to_string(&mut head).is_err() {
         return own();
     }
@@ -236,12 +242,12 @@ pub fn title(path: &Path) -> String {
         .unwrap_or_else(own)
 }
 
-/// A sample, opened.
+/// Opens a sample.
 ///
 /// # Errors
-/// There is none of that name.
+/// No sample has this name.
 pub fn sample_of(name: &str) -> Result<Opened, String> {
-    let sample = Sample::named(name).ok_or_else(|| format!("there is no sample `{name}`"))?;
+    let sample = Sample::named(name).ok_or_else(|| format!("unknown sample `{name}`"))?;
     io::from_soup(sample.soup(), Path::new(name)).map_err(|e| e.to_string())
 }
 
@@ -270,7 +276,7 @@ fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document
     Ok(document)
 }
 
-/// `path` as seen from `folder` where it lies in it or below, else absolute.
+/// `path` relative to `folder` if it is inside, else absolute.
 fn relative(path: &Path, folder: &Path) -> PathBuf {
     let absolute = |p: &Path| std::path::absolute(p).unwrap_or_else(|_| p.to_owned());
     let (path, folder) = (absolute(path), absolute(folder));
@@ -279,7 +285,7 @@ fn relative(path: &Path, folder: &Path) -> PathBuf {
 }
 
 impl ViewPart {
-    /// Looks as when the project was saved.
+    /// Restores the stored view.
     pub fn restore(&self, view: &mut ViewState, bounds: &Bounds) {
         if let Ok(camera) = Camera::parse(&self.camera, bounds) {
             view.camera = camera;

@@ -1,4 +1,4 @@
-//! The command line that repeats what was done in the window.
+//! The command line that repeats the operations of the window.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -8,8 +8,8 @@ use super::model::Model;
 use crate::io;
 use crate::ops::Operation;
 
-/// A shell script that repeats all accepted operations and the present run, one command a line. Writes
-/// schedules and long lists of faces and sharp edges into files beside the result.
+/// A shell script that repeats all accepted operations and the current run, one command per line.
+/// Schedules and long lists of faces and sharp edges are written to files beside the result.
 ///
 /// # Errors
 /// There is nothing to repeat, or a file cannot be written. The message is for the user.
@@ -38,7 +38,7 @@ pub fn command(model: &Model) -> Result<String, String> {
             )
         }
         Source::Embedded => {
-            return Err("the mesh has no file of its own; save it and open that first".into());
+            return Err("the mesh has no file; save it, then open the saved file".into());
         }
     };
     let stem = input

@@ -1,4 +1,4 @@
-//! A run in progress: its flows, which states are shown, and what it was started with.
+//! A run: its flows, the shown states, and its operations.
 
 mod fill_handle;
 mod handle;
@@ -26,19 +26,19 @@ pub const TIMELINE_BYTES: usize = 512 << 20;
 pub struct RunVariant {
     /// The flow.
     pub handle: Box<dyn RunHandle>,
-    /// Its name: A, B or the method.
+    /// The name: A, B or the method.
     pub name: &'static str,
-    /// What it does, as at its start.
+    /// The operation at the start.
     pub operation: Operation,
-    /// Controls in force.
+    /// The current controls.
     pub controls: Controls,
-    /// The place of the state that is shown; `None` for the newest.
+    /// Index of the shown state; `None` for the newest.
     pub shown: Option<usize>,
-    /// Energy of each accepted step and residual, one pair of curves a group.
+    /// Energy and residual of each accepted step, one pair of curves per group.
     pub curves: Vec<Curve>,
-    /// Where it began to intersect itself, if it did.
+    /// A point of the first self-intersection, if there is one.
     pub crossing: Option<DVec3>,
-    /// Its warnings, without repetition.
+    /// Warnings without duplicates.
     pub warnings: Vec<String>,
 }
 
@@ -47,31 +47,31 @@ pub struct RunVariant {
 pub struct Curve {
     /// Energy.
     pub energy: Vec<[f64; 2]>,
-    /// Residual, decadic logarithm.
+    /// Decadic logarithm of the residual.
     pub residual: Vec<[f64; 2]>,
-    /// Attempts so far.
+    /// Number of attempts so far.
     attempts: usize,
-    /// Why the last rejected step was rejected.
+    /// Reason of the last rejection.
     pub rejection: Option<RejectReason>,
 }
 
-/// One fill, or two that are compared.
+/// A run of one flow, or of several flows that are compared.
 pub struct Run {
-    /// What it does.
+    /// The operation.
     pub operation: Operation,
-    /// The mesh it works on: the document's, or what is left of that after erasing.
+    /// The mesh of the run: that of the document, after erasing if faces were erased.
     pub base: Arc<Mesh>,
-    /// Faces of `base` from here on were patches before.
+    /// The first face of `base` that belongs to an earlier patch.
     pub first_patch_face: usize,
-    /// The faces of the document that are left in `base`, if some were erased.
+    /// The faces of the document that remain in `base`, if some were erased.
     pub kept: Option<Vec<u32>>,
-    /// The loops of `base` it fills or joins.
+    /// The loops of `base` that are filled or joined.
     pub loops: Vec<BoundaryLoop>,
-    /// One flow, or several that are compared.
+    /// The flows.
     pub sides: Vec<RunVariant>,
-    /// Whether it plays.
+    /// Whether the flow, or the replay of stored states, is playing.
     pub playing: bool,
-    /// When the replay of kept states moves on.
+    /// The time at which the replay shows the next state.
     next_frame: Option<Instant>,
 }
 
@@ -150,14 +150,14 @@ impl Run {
         })
     }
 
-    /// What the sides are called, if there are several.
+    /// The names of the sides, if there are several.
     pub fn names(&self) -> Vec<&'static str> {
         let several = self.sides.len() > 1;
         let named = |s: &RunVariant| if several { s.name } else { "" };
         self.sides.iter().map(named).collect()
     }
 
-    /// Takes in what the flows report. Returns messages for the log.
+    /// Polls the flows. Returns messages for the log.
     pub fn poll(&mut self) -> Vec<(Level, String)> {
         let mut messages = Vec::new();
         let mut paused = false;
@@ -181,7 +181,7 @@ impl Run {
             }
         }
         if paused {
-            // compared flows pause together
+            // pause all compared flows together
             for side in &mut self.sides {
                 side.handle.pause();
             }
@@ -192,7 +192,7 @@ impl Run {
         messages
     }
 
-    /// The faces that flow as they are, ascending.
+    /// The faces that flow without remeshing, in ascending order.
     pub fn faired(&self) -> Arc<Vec<u32>> {
         match &self.operation {
             Operation::Fair(spec) => Arc::clone(&spec.faces),
@@ -205,12 +205,12 @@ impl Run {
         self.sides.iter().all(|s| s.handle.ended())
     }
 
-    /// Whether older states than the newest are shown.
+    /// Whether the newest state is not the shown one.
     pub fn scrubbed(&self) -> bool {
         self.sides.iter().any(|s| s.shown.is_some())
     }
 
-    /// Shows the state at a place of the timeline (of the longest side); `None` for the newest.
+    /// Shows the state at an index of the longest timeline; `None` for the newest.
     pub fn scrub(&mut self, at: Option<usize>) {
         for side in &mut self.sides {
             let last = side.state_count().saturating_sub(1);
@@ -218,7 +218,7 @@ impl Run {
         }
     }
 
-    /// Number of kept states, of the longest side.
+    /// Number of stored states of the longest side.
     pub fn state_count(&self) -> usize {
         self.sides
             .iter()
@@ -227,8 +227,8 @@ impl Run {
             .unwrap_or(0)
     }
 
-    /// Moves a replay of kept states on, `pace` states a second. Returns when it wants to be
-    /// called again, `None` while nothing is replayed.
+    /// Advances a replay of stored states at `pace` states per second. Returns the time of the next
+    /// call, or `None` if nothing is replayed.
     pub fn replay(&mut self, pace: f64, now: Instant) -> Option<Duration> {
         if !(self.playing && self.scrubbed()) {
             self.next_frame = None;
@@ -241,7 +241,7 @@ impl Run {
             self.scrub(at.map(|i| i + 1));
             self.next_frame = Some(now + interval);
             if !self.scrubbed() {
-                // the replay has caught up with the flow
+                // the replay has reached the newest state
                 self.playing = !self.ended();
                 for side in &self.sides {
                     side.handle.play();
@@ -272,7 +272,7 @@ impl RunVariant {
         }
     }
 
-    /// The energy is another one: its curve begins anew.
+    /// Restarts the energy curve after a change of the energy.
     pub fn new_energy(&mut self) {
         for curve in &mut self.curves {
             curve.energy.clear();
@@ -296,12 +296,12 @@ impl RunVariant {
         }
     }
 
-    /// Number of kept states.
+    /// Number of stored states.
     pub fn state_count(&self) -> usize {
         self.handle.state_count()
     }
 
-    /// The state that is shown; `None` before the first.
+    /// The shown state; `None` before the first.
     pub fn state(&self) -> Option<RunState> {
         self.handle.state(self.shown.unwrap_or(usize::MAX))
     }

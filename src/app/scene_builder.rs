@@ -1,4 +1,4 @@
-//! From the model to what is drawn.
+//! Builds the drawn scene from the model.
 
 mod report;
 
@@ -11,23 +11,23 @@ use crate::ops::Operation;
 use crate::render::{LineStyle, Marker, Overlay, Polyline, Scene, rim_points};
 pub(crate) use report::{ReportOverlays, natural_length};
 
-/// Rim of a hole; lighter than the others too, for users who cannot tell the hues apart.
+/// Rims of holes. They also differ in lightness, for users who cannot distinguish the hues.
 const HOLE: [f32; 4] = [0.16, 0.71, 0.95, 1.0];
-/// Rim that looks like the border of an open surface.
+/// Outer boundaries.
 const OUTER: [f32; 4] = [0.62, 0.64, 0.67, 1.0];
-/// Selected.
+/// Selected rims.
 const SELECTED: [f32; 4] = [1.0, 0.66, 0.10, 1.0];
-/// Under the cursor.
+/// The rim under the cursor.
 const HOVER: [f32; 4] = [1.0, 1.0, 0.62, 1.0];
 
-/// Where the surface intersects itself.
+/// Points of self-intersection.
 const CROSSING: [f32; 4] = [0.95, 0.15, 0.15, 1.0];
-/// A vertex that a refinement interpolates.
+/// Vertices that a refinement interpolates.
 const GIVEN: [f32; 4] = [1.0, 0.78, 0.25, 1.0];
-/// Such vertices are marked up to this many.
+/// Maximum number of marked vertices.
 const MAX_MARKERS: usize = 3000;
 
-/// Overlays of one view, made again only when what they show has changed.
+/// Overlays of one view, rebuilt only when their content changes.
 #[derive(Default)]
 pub(crate) struct OverlayCache {
     rims: Cached<RimKey<bool>, Arc<Overlay>>,
@@ -38,13 +38,13 @@ pub(crate) struct OverlayCache {
     report: ReportOverlays,
 }
 
-/// What drawn rims depend on.
+/// The key of the drawn rims.
 #[derive(PartialEq)]
 struct RimKey<T> {
     mesh: SharedKey<Mesh>,
-    /// Whether they lie on the limit surface.
+    /// Whether they are drawn on the limit surface.
     limit: bool,
-    /// Which rims.
+    /// The kind of rims.
     rims: T,
 }
 
@@ -53,7 +53,7 @@ pub(crate) fn scene(model: &Model, side: usize) -> Scene {
     scene_with(model, side, &mut OverlayCache::default())
 }
 
-/// [`scene`], keeping overlays that have not changed.
+/// [`scene`] that reuses unchanged overlays.
 pub(crate) fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -> Scene {
     let display = model.displays[side].latest();
     let mut surfaces = display.map_or_else(Vec::new, |d| d.surfaces.clone());
@@ -77,7 +77,7 @@ pub(crate) fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -
     }
 }
 
-/// All rims but those that the run fills: they would hide how the patch joins.
+/// All rims except those that the run fills, which would hide the join of the patch.
 fn rims(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
     let running = model.run.is_some();
     model.view.show_rims.then(|| {
@@ -125,7 +125,7 @@ fn rim_key<T>(model: &Model, rims: T) -> RimKey<T> {
     }
 }
 
-/// How a line is drawn.
+/// The look of a line.
 struct LineLook {
     color: [f32; 4],
     width_px: f32,
@@ -172,7 +172,7 @@ fn given_vertices(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay
     })
 }
 
-/// Where the surface of a side intersects itself.
+/// The point of self-intersection of a side.
 fn crossing(model: &Model, side: usize, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
     let place = model.run.as_ref()?.sides.get(side)?.crossing?;
     Some(cache.crossing.get(place, || {

@@ -1,20 +1,20 @@
-//! How a patch meets the mesh: figures of the limit surface along the rims.
+//! Continuity of a patch and the mesh: measures of the limit surface along the rims.
 
 use crate::analysis::worst_jumps;
 use crate::mesh::{DVec3, FaceId, HalfedgeId, Topology, VertexId, edge_flags};
 
-/// The worst places along all rims, by the definitions of the report's continuity.
+/// The maximum over all rims of two measures, defined as in the continuity report.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seam {
-    /// Largest angle between the normals of either side along the G0 rims, in degrees; `None`
-    /// without such rims. On a G1 rim it is 0: one smooth surface runs through.
+    /// Maximum angle between the normals of the two sides along the G0 rims, in degrees; `None`
+    /// without such rims. It is 0 on G1 rims, which lie inside one smooth surface.
     pub angle: Option<f64>,
-    /// Largest difference of the mean curvatures averaged over the faces on either side of an edge
-    /// of a G1 rim, in one over units of length; `None` without such rims.
+    /// Maximum difference of the mean curvatures, averaged over the two faces at an edge of a G1
+    /// rim, in 1 / length; `None` without such rims.
     pub jump: Option<f64>,
 }
 
-/// Measures the rims of the faces that flow: those from `first` on and `others`, which ascend.
+/// Measures the rims of the flowing faces: those from `first` on, and `others` in ascending order.
 /// `sharp` are the edges of G0 rims.
 pub fn seam(
     topology: &Topology,
@@ -48,8 +48,8 @@ mod tests {
     use crate::mesh::Mesh;
     use crate::shapes::icosphere;
 
-    /// A sphere of radius 1 cut at its equator, the upper half scaled by `height`: the halves are
-    /// faces below and from `first`.
+    /// A unit sphere whose upper half is scaled by `height`. The faces from `first` on are the
+    /// upper half.
     fn cut_sphere(height: f64) -> (Topology, Vec<DVec3>, usize, Vec<[VertexId; 2]>) {
         let (mut positions, mut triangles) = icosphere(24);
         let upper = |t: &[u32; 3]| t.iter().map(|&v| positions[v as usize].z).sum::<f64>() > 0.0;
@@ -78,14 +78,15 @@ mod tests {
         let (topology, round, first, rim) = cut_sphere(1.0);
         let smooth = seam(&topology, &round, first, &[], &[]);
         assert_eq!(smooth.angle, None);
-        // H = -1 on either side, up to the discretisation: (2 pi / 5 / 24)^2
+        // H = -1 on both sides up to the discretisation error (2 pi / 5 / 24)^2
         assert!(smooth.jump.expect("a rim") < 0.01, "{smooth:?}");
-        // ghosts at a jagged rim turn its normals by about an edge, 360 / (5 * 24) degrees
+        // ghost vertices at a jagged rim rotate its normals by about one edge, 360 / (5 * 24)
+        // degrees
         let creased = seam(&topology, &round, first, &[], &rim);
         assert_eq!(creased.jump, None);
         assert!(creased.angle.expect("a rim") < 6.0, "{creased:?}");
 
-        // the lid flattened to nothing is a disc at right angles to the half sphere
+        // a lid scaled to zero is a disc perpendicular to the half sphere
         let (topology, flat, first, rim) = cut_sphere(1e-9);
         let angle = seam(&topology, &flat, first, &[], &rim)
             .angle

@@ -16,15 +16,15 @@ const RECENT: usize = 12;
 pub struct Settings {
     /// Dark theme.
     pub dark: bool,
-    /// Scale of the interface; 1 is the system's.
+    /// Scale of the interface relative to that of the system.
     pub ui_scale: f32,
     /// Whether z points up instead of y.
     pub z_up: bool,
-    /// How the mouse moves the camera.
+    /// The mouse controls of the camera.
     pub navigation: Navigation,
     /// Recently opened files, newest first.
     pub recent: Vec<PathBuf>,
-    /// Folder of the settings file; `None` stores nothing (tests).
+    /// Folder of the settings file; `None` (tests) stores nothing.
     #[serde(skip)]
     pub folder: Option<PathBuf>,
 }
@@ -57,8 +57,8 @@ pub fn state_folder() -> Option<PathBuf> {
 }
 
 impl Settings {
-    /// Reads the settings of this account, or the defaults if there are none. A damaged file gives
-    /// the defaults and a message.
+    /// Reads the settings of the user, or returns the defaults if there are none. A damaged file
+    /// gives the defaults and a message.
     pub fn load() -> (Self, Option<String>) {
         let Some(folder) = base("XDG_CONFIG_HOME", ".config") else {
             return (Self::default(), None);
@@ -75,7 +75,7 @@ impl Settings {
                 Err(error) => (
                     Self::default(),
                     Some(format!(
-                        "{} is damaged and was not used: {}",
+                        "the settings file {} is damaged and was ignored: {}",
                         path.display(),
                         error.message()
                     )),
@@ -91,7 +91,7 @@ impl Settings {
         (settings, message)
     }
 
-    /// Writes them; a folder that cannot be written keeps nothing, which is no reason to disturb.
+    /// Writes the settings. Errors are ignored, because the settings are not essential.
     pub fn save(&self) {
         let Some(folder) = &self.folder else { return };
         if let Ok(text) = toml::to_string(self)
@@ -101,7 +101,7 @@ impl Settings {
         }
     }
 
-    /// Puts a file at the head of the recent ones.
+    /// Moves a file to the front of the list of recent files.
     pub fn remember(&mut self, path: &Path) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         self.recent.retain(|p| *p != path);

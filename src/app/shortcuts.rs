@@ -1,4 +1,4 @@
-//! Keys: one table for the handling, the tooltips and the sheet.
+//! Keys: one table for key handling, tooltips and the shortcut sheet.
 
 use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers};
 
@@ -9,13 +9,13 @@ use super::action::{
 use super::view_state::Task;
 use crate::render::StandardView;
 
-/// Keys of an action.
+/// The keys of an action.
 pub(crate) struct Shortcut {
-    /// What they do.
+    /// The action.
     pub(crate) action: Action,
-    /// The keys; the first one is shown.
+    /// The keys. The first one is displayed.
     pub(crate) keys: &'static [KeyboardShortcut],
-    /// What they do, for the sheet.
+    /// The description on the shortcut sheet.
     pub(crate) about: &'static str,
 }
 
