@@ -5,6 +5,7 @@ use eframe::egui::{self, Color32, Rect, Ui};
 use super::viewport::on_screen;
 use crate::app::action::{Action, TaskAction};
 use crate::app::model::Model;
+use crate::app::ui::widgets::Asks;
 use crate::app::view_state::Bridging;
 use crate::mesh::DVec3;
 
@@ -16,12 +17,10 @@ pub(crate) fn bridge_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let button = egui::Button::selectable(now.is_some(), "Bridge");
         let tip = "click two places of the rims: a strip of triangles joins them, so that a difficult \
                    hole becomes two easy ones";
-        if ui.add_enabled(some, button).on_hover_text(tip).clicked() {
-            actions.push(TaskAction::Bridging(match now {
+        ui.add_enabled(some, button).on_hover_text(tip).asks(TaskAction::Bridging(match now {
                 Some(_) => None,
                 None => Some(Bridging { from: None, width: 2 }),
-            }).into());
-        }
+            }), actions);
         if let Some(mut next) = now {
             let drag = egui::DragValue::new(&mut next.width).range(1..=64).suffix(" edges wide");
             if ui.add(drag).changed() {

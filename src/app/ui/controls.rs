@@ -3,6 +3,7 @@
 use eframe::egui::{self, RichText, Ui};
 
 use super::format::format_number;
+use super::widgets::{choice, named};
 use crate::app::action::{Action, ControlsAction};
 use crate::app::document::window_controls;
 use crate::app::model::Model;
@@ -47,44 +48,33 @@ pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>)
 
 /// The scheme of refinements is not chosen.
 fn scheme_ui(ui: &mut Ui, next: &mut Controls, refining: bool) {
-    ui.horizontal_wrapped(|ui| {
-        if refining {
-            return;
-        }
-        ui.label("Scheme");
-        for (scheme, title, tip) in [
+    if !refining {
+        let corrected = "mixed, with the exact gradient: does not creep along the surface";
+        let schemes = [
             (
                 Scheme::Normal,
                 "normal",
                 "linearly implicit normal flow: fast",
             ),
             (Scheme::Mixed, "mixed", "the paper's mixed finite elements"),
-            (
-                Scheme::MixedCorrected,
-                "corrected",
-                "mixed, with the exact gradient: does not creep along the surface",
-            ),
-        ] {
-            ui.selectable_value(&mut next.scheme, scheme, title)
-                .on_hover_text(tip);
-        }
-    });
-    if next.scheme != Scheme::Normal && !refining {
-        ui.horizontal_wrapped(|ui| {
-            ui.label("Linear solver");
-            ui.selectable_value(&mut next.linear, Linear::Gmres, "GMRES")
-                .on_hover_text("restarted, preconditioned by a Schur complement");
-            ui.selectable_value(&mut next.linear, Linear::Lu, "LU")
-                .on_hover_text("sparse direct");
-        });
+            (Scheme::MixedCorrected, "corrected", corrected),
+        ];
+        choice(ui, "Scheme", &mut next.scheme, schemes);
     }
-    ui.horizontal_wrapped(|ui| {
-        ui.label("Mode");
-        ui.selectable_value(&mut next.mode, Mode::Flow, "flow")
-            .on_hover_text("true time: watch it move");
-        ui.selectable_value(&mut next.mode, Mode::Fast, "fast")
-            .on_hover_text("the stationary shape in as few steps as possible");
-    });
+    if next.scheme != Scheme::Normal && !refining {
+        let gmres = "restarted, preconditioned by a Schur complement";
+        let solvers = [
+            (Linear::Gmres, "GMRES", gmres),
+            (Linear::Lu, "LU", "sparse direct"),
+        ];
+        choice(ui, "Linear solver", &mut next.linear, solvers);
+    }
+    let fast = "the stationary shape in as few steps as possible";
+    let modes = [
+        (Mode::Flow, "flow", "true time: watch it move"),
+        (Mode::Fast, "fast", fast),
+    ];
+    choice(ui, "Mode", &mut next.mode, modes);
 }
 
 /// A logarithmic slider with its name.
@@ -95,15 +85,10 @@ fn slider(
     value: &mut f64,
     range: std::ops::RangeInclusive<f64>,
 ) -> bool {
-    let label = ui.label(name);
-    ui.add(
-        egui::Slider::new(value, range)
-            .logarithmic(true)
-            .custom_formatter(|x, _| format_number(x)),
-    )
-    .labelled_by(label.id)
-    .on_hover_text(tip)
-    .changed()
+    let slider = egui::Slider::new(value, range)
+        .logarithmic(true)
+        .custom_formatter(|x, _| format_number(x));
+    named(ui, name, slider).on_hover_text(tip).changed()
 }
 
 fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
@@ -113,13 +98,10 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
         .and_then(|r| r.sides.first())
         .and_then(|s| s.handle.tau());
     let mut fixed = matches!(next.tau, Tau::Fixed(_));
-    ui.horizontal_wrapped(|ui| {
-        ui.label("Time step τ");
-        ui.selectable_value(&mut fixed, false, "auto")
-            .on_hover_text("grown after accepted, shrunk after rejected steps");
-        ui.selectable_value(&mut fixed, true, "fixed")
-            .on_hover_text("length² / unit of f; in multiples of the hole's natural time");
-    });
+    let auto = "grown after accepted, shrunk after rejected steps";
+    let unit = "length² / unit of f; in multiples of the hole's natural time";
+    let choices = [(false, "auto", auto), (true, "fixed", unit)];
+    choice(ui, "Time step τ", &mut fixed, choices);
     let unit = reference.map_or(1.0, |(_, tau_ref)| tau_ref);
     match (fixed, next.tau) {
         (false, Tau::Fixed(_)) => next.tau = Tau::Auto,
@@ -145,44 +127,31 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
     } else if next.mode == Mode::Flow {
         ui.horizontal_wrapped(|ui| {
             let mut growth = next.growth.unwrap_or(FLOW_GROWTH);
-            if slider(
-                ui,
-                "Growth",
-                "factor of τ after an accepted step; nearer to 1: more states to watch",
-                &mut growth,
-                1.0..=10.0,
-            ) {
+            let tip = "factor of τ after an accepted step; nearer to 1: more states to watch";
+            if slider(ui, "Growth", tip, &mut growth, 1.0..=10.0) {
                 next.growth = Some(growth);
             }
         });
     }
     ui.horizontal_wrapped(|ui| {
-        let label = ui.label("Most steps");
-        ui.add(egui::DragValue::new(&mut next.steps).range(1..=100_000))
-            .labelled_by(label.id)
-            .on_hover_text("the flow ends after so many, converged or not");
+        let steps = egui::DragValue::new(&mut next.steps).range(1..=100_000);
+        let tip = "the flow ends after so many, converged or not";
+        named(ui, "Most steps", steps).on_hover_text(tip);
     });
     ui.horizontal_wrapped(|ui| {
-        let label = ui.label("Relaxation");
-        ui.add(egui::Slider::new(&mut next.relaxation, 0.0..=1.0).max_decimals(2))
-            .labelled_by(label.id)
-            .on_hover_text("evens the triangles out along the surface after each step");
+        let weight = egui::Slider::new(&mut next.relaxation, 0.0..=1.0).max_decimals(2);
+        let tip = "evens the triangles out along the surface after each step";
+        named(ui, "Relaxation", weight).on_hover_text(tip);
     });
 }
 
 fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
-    ui.horizontal_wrapped(|ui| {
-        if refining {
-            return;
-        }
-        slider(
-            ui,
-            "Density",
-            "edges of the rim for each edge of the patch: 2 halves the triangles' edges",
-            &mut next.density,
-            0.25..=4.0,
-        );
-    });
+    if !refining {
+        ui.horizontal_wrapped(|ui| {
+            let tip = "edges of the rim for each edge of the patch: 2 halves the triangles' edges";
+            slider(ui, "Density", tip, &mut next.density, 0.25..=4.0);
+        });
+    }
     let own_energy = refining && model.view.refining.controls.energy.is_none();
     for (name, tip, value, range) in [
         (
@@ -218,13 +187,15 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
     if refining {
         return;
     }
-    ui.horizontal_wrapped(|ui| {
-        ui.label("At the rim");
-        ui.selectable_value(&mut next.continuity, Continuity::G1, "G1 smooth")
-            .on_hover_text("normals are continuous across the rim");
-        ui.selectable_value(&mut next.continuity, Continuity::G0, "G0 crease")
-            .on_hover_text("the rim is a crease");
-    });
+    let choices = [
+        (
+            Continuity::G1,
+            "G1 smooth",
+            "normals are continuous across the rim",
+        ),
+        (Continuity::G0, "G0 crease", "the rim is a crease"),
+    ];
+    choice(ui, "At the rim", &mut next.continuity, choices);
     let selected = model.document.selected();
     if selected.len() > 1 {
         ui.collapsing("Each rim", |ui| {

@@ -6,6 +6,7 @@ use crate::app::action::{Action, FileAction, PictureAction, RunAction};
 use crate::app::model::Model;
 use crate::app::project;
 use crate::app::report::ReportAction;
+use crate::app::ui::widgets::{Asks, named};
 use crate::app::view_state::{
     Modal, PathPrompt, PathUse, PictureFormat, PictureKind, PictureSettings,
 };
@@ -46,10 +47,8 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
     ui.heading(title);
     ui.weak("This system has no file dialog: type a path.");
     let mut text = prompt.text.clone();
-    let label = ui.label("Path");
-    let field = ui
-        .add(egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY))
-        .labelled_by(label.id);
+    let field = egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY);
+    let field = named(ui, "Path", field);
     let entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
     if ui.memory(|m| m.focused().is_none()) {
         field.request_focus();
@@ -73,9 +72,7 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
                 PathUse::Report(file) => ReportAction::Save(file, path).into(),
             });
         }
-        if ui.button("Cancel").clicked() {
-            actions.push(Action::Escape);
-        }
+        ui.button("Cancel").asks(Action::Escape, actions);
     });
 }
 
@@ -99,12 +96,10 @@ fn unsaved_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             }
             actions.push(FileAction::SaveAndContinue.into());
         }
-        if ui.button("Discard changes").clicked() {
-            actions.push(FileAction::DiscardAndContinue.into());
-        }
-        if ui.button("Cancel").clicked() {
-            actions.push(Action::Modal(Modal::None));
-        }
+        ui.button("Discard changes")
+            .asks(FileAction::DiscardAndContinue, actions);
+        ui.button("Cancel")
+            .asks(Action::Modal(Modal::None), actions);
     });
 }
 
@@ -118,17 +113,13 @@ fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Actio
             .and_then(|t| t.elapsed().ok())
             .map_or_else(String::new, |d| format!("{} minutes old", d.as_secs() / 60));
         let name = project::title(path);
-        if ui.button(format!("Recover {name}, {when}")).clicked() {
-            actions.push(FileAction::Recover(path.clone()).into());
-        }
+        ui.button(format!("Recover {name}, {when}"))
+            .asks(FileAction::Recover(path.clone()), actions);
     }
     ui.horizontal(|ui| {
-        if ui.button("Keep for later").clicked() {
-            actions.push(Action::Modal(Modal::None));
-        }
-        if ui.button("Delete").clicked() {
-            actions.push(FileAction::DropRecovery.into());
-        }
+        ui.button("Keep for later")
+            .asks(Action::Modal(Modal::None), actions);
+        ui.button("Delete").asks(FileAction::DropRecovery, actions);
     });
 }
 
@@ -160,13 +151,11 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
             ] {
                 ui.selectable_value(&mut next.format, format, title);
             }
-            let label = ui.label("pictures a second");
-            ui.add(egui::DragValue::new(&mut next.fps).range(1.0..=60.0))
-                .labelled_by(label.id);
+            let fps = egui::DragValue::new(&mut next.fps).range(1.0..=60.0);
+            named(ui, "pictures a second", fps);
             if next.kind == PictureKind::Turntable {
-                let label = ui.label("pictures");
-                ui.add(egui::DragValue::new(&mut next.frames).range(2..=2000))
-                    .labelled_by(label.id);
+                let frames = egui::DragValue::new(&mut next.frames).range(2..=2000);
+                named(ui, "pictures", frames);
             }
         });
     }
@@ -182,36 +171,28 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
         let path = std::path::Path::new(&next.path).with_extension(extension);
         next.path = path.display().to_string();
     }
-    let label = ui.label("File");
-    ui.add(egui::TextEdit::singleline(&mut next.path).desired_width(f32::INFINITY))
-        .labelled_by(label.id);
+    let path = egui::TextEdit::singleline(&mut next.path).desired_width(f32::INFINITY);
+    named(ui, "File", path);
     if next != *settings {
         actions.push(Action::Modal(Modal::Picture(next.clone())));
     }
     ui.horizontal(|ui| {
-        if ui.button(RichText::new("Write").strong()).clicked() {
-            actions.push(PictureAction::Make(Box::new(next)).into());
-        }
+        ui.button(RichText::new("Write").strong())
+            .asks(PictureAction::Make(Box::new(next)), actions);
         if ui.button("Copy to the clipboard").clicked() {
             actions.push(PictureAction::Copy.into());
             actions.push(Action::Modal(Modal::None));
         }
-        if ui.button("Cancel").clicked() {
-            actions.push(Action::Modal(Modal::None));
-        }
+        ui.button("Cancel")
+            .asks(Action::Modal(Modal::None), actions);
     });
 }
 
 fn size_ui(ui: &mut Ui, model: &Model, next: &mut PictureSettings) {
     ui.horizontal(|ui| {
         for (name, value) in [("Width", &mut next.width), ("Height", &mut next.height)] {
-            let label = ui.label(name);
-            ui.add(
-                egui::DragValue::new(value)
-                    .range(1..=MAX_SIDE)
-                    .suffix(" px"),
-            )
-            .labelled_by(label.id);
+            let pixels = egui::DragValue::new(value).range(1..=MAX_SIDE);
+            named(ui, name, pixels.suffix(" px"));
         }
         for factor in [1.0, 2.0, 4.0] {
             let [w, h] = model.view.viewport_px.map(|x| (x * factor) as u32);

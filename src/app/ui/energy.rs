@@ -8,6 +8,7 @@ use eframe::egui::{self, RichText, Ui};
 use crate::app::action::{Action, ControlsAction};
 use crate::app::cached::ParsedEnergy;
 use crate::app::model::Model;
+use crate::app::ui::widgets::named;
 use crate::app::update::params_for;
 use crate::app::view_state::Task;
 use crate::energy::{Energy, ExprError, Preset};
@@ -84,20 +85,15 @@ fn expression_ui(
     apply: Option<ControlsAction>,
     actions: &mut Vec<Action>,
 ) -> bool {
-    let label = ui.label(name);
     let mut text = current.to_owned();
-    let response = ui
-        .add(
-            egui::TextEdit::singleline(&mut text)
-                .font(egui::TextStyle::Monospace)
-                .desired_width(f32::INFINITY)
-                .hint_text("an expression in H, K, k1, k2"),
-        )
-        .labelled_by(label.id)
-        .on_hover_text(
-            "H, K, k1, k2, numbers and parameters with + - * / ^, abs, sqrt, exp, log, sin, cos, \
-             tanh, min, max; Enter takes it",
-        );
+    let field = egui::TextEdit::singleline(&mut text)
+        .font(egui::TextStyle::Monospace)
+        .desired_width(f32::INFINITY)
+        .hint_text("an expression in H, K, k1, k2");
+    let response = named(ui, name, field).on_hover_text(
+        "H, K, k1, k2, numbers and parameters with + - * / ^, abs, sqrt, exp, log, sin, cos, \
+         tanh, min, max; Enter takes it",
+    );
     if response.changed() {
         actions.push(typed(text.clone()).into());
     }
@@ -168,13 +164,12 @@ fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             let label = ui.monospace(name);
             // beyond the ends of the slider a value can be typed
             let reach = (4.0 * value.abs()).max(1.0).log2().ceil().exp2();
+            let slider = egui::Slider::new(&mut value, -reach..=reach)
+                .clamping(egui::SliderClamping::Never)
+                .logarithmic(true)
+                .smallest_positive(1e-3);
             let slider = ui
-                .add(
-                    egui::Slider::new(&mut value, -reach..=reach)
-                        .clamping(egui::SliderClamping::Never)
-                        .logarithmic(true)
-                        .smallest_positive(1e-3),
-                )
+                .add(slider)
                 .labelled_by(label.id)
                 .on_hover_text("drag or type; acts at the next step");
             if slider.changed() {

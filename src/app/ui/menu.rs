@@ -8,6 +8,7 @@ use crate::app::action::{
 use crate::app::model::Model;
 use crate::app::report::{Across, Pick, ReportAction};
 use crate::app::shortcuts::key_text;
+use crate::app::ui::widgets::Asks;
 use crate::app::view_state::Navigation;
 use crate::render::StandardView;
 use crate::shapes::SAMPLES;
@@ -164,9 +165,8 @@ fn view_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ("Wireframe", Switch::Wireframe, view.style.wireframe),
         ("Tint the patch", Switch::Tint, view.style.tint_patch),
     ] {
-        if ui.checkbox(&mut on, text).clicked() {
-            actions.push(ViewAction::Toggle(switch).into());
-        }
+        ui.checkbox(&mut on, text)
+            .asks(ViewAction::Toggle(switch), actions);
     }
     ui.separator();
     ui.menu_button("Mouse", |ui| navigation_ui(ui, model, actions));
@@ -176,13 +176,9 @@ fn view_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 pub(crate) fn navigation_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     for navigation in Navigation::ALL {
         let chosen = model.settings.navigation == navigation;
-        if ui
-            .radio(chosen, navigation.title())
+        ui.radio(chosen, navigation.title())
             .on_hover_text(navigation.about())
-            .clicked()
-        {
-            actions.push(ViewAction::Navigation(navigation).into());
-        }
+            .asks(ViewAction::Navigation(navigation), actions);
     }
 }
 

@@ -17,6 +17,7 @@ mod toasts;
 mod toolbar;
 mod transport;
 mod viewport;
+mod widgets;
 mod windows;
 
 use eframe::egui;
@@ -26,6 +27,7 @@ use super::model::{MAX_SIDES, Model};
 use super::scene_builder::OverlayCache;
 use super::shortcuts;
 use super::view_state::Modal;
+use widgets::Asks;
 
 /// State of the interface that persists from frame to frame.
 pub(crate) struct UiState {
@@ -136,7 +138,6 @@ pub(crate) fn window_ui(
 /// What the right panel shows.
 fn tabs(ui: &mut egui::Ui, model: &Model, actions: &mut Vec<Action>) {
     let switch = Switch::Analysis;
-    let key = shortcuts::hint(ui.ctx(), ViewAction::Toggle(switch));
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         for (report, title, tip) in [
@@ -145,13 +146,10 @@ fn tabs(ui: &mut egui::Ui, model: &Model, actions: &mut Vec<Action>) {
         ] {
             let open = model.view.windows.analysis == report;
             let title = egui::RichText::new(title).strong();
-            if ui
-                .selectable_label(open, title)
-                .on_hover_text(format!("{tip}{key}"))
-                .clicked()
-                && !open
-            {
-                actions.push(ViewAction::Toggle(switch).into());
+            let label = ui.selectable_label(open, title);
+            let label = label.key_tip(tip, ViewAction::Toggle(switch));
+            if !open {
+                label.asks(ViewAction::Toggle(switch), actions);
             }
         }
     });

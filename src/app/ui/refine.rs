@@ -4,14 +4,11 @@ use eframe::egui::{self, RichText, Ui};
 
 use crate::app::action::{Action, RunAction, TaskAction};
 use crate::app::model::Model;
-use crate::app::report::{Pick, ReportAction};
 use crate::app::run::method_name;
-use crate::app::shortcuts::hint;
+use crate::app::ui::widgets::{Asks, angle_limit, choice, named, pick_edges};
 use crate::app::view_state::Refining;
 use crate::refine::{BoundaryRule, Hold, Method};
 
-/// The angle above which edges stay sharp, until another one is chosen; degrees.
-const SHARP: f64 = 40.0;
 const METHODS: [(Method, &str); 3] = [
     (
         Method::Pde,
@@ -37,13 +34,8 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
     ui.add_enabled_ui(model.run.is_none(), |ui| {
         levels_ui(ui, model, &mut next);
-        ui.horizontal_wrapped(|ui| {
-            ui.label("Method");
-            for (method, tip) in METHODS {
-                ui.selectable_value(&mut next.controls.method, method, method_name(method))
-                    .on_hover_text(tip);
-            }
-        });
+        let methods = METHODS.map(|(method, tip)| (method, method_name(method), tip));
+        choice(ui, "Method", &mut next.controls.method, methods);
         ui.horizontal_wrapped(|ui| {
             ui.label("Beside it");
             for (method, tip) in METHODS.into_iter().filter(|(m, _)| *m != next.controls.method) {
@@ -131,10 +123,8 @@ fn levels_ui(ui: &mut Ui, model: &Model, next: &mut Refining) {
         model.document.mesh.face_count()
     };
     ui.horizontal(|ui| {
-        let label = ui.label("Levels");
-        ui.add(egui::Slider::new(&mut next.controls.levels, 1..=6))
-            .labelled_by(label.id)
-            .on_hover_text("times every triangle becomes four");
+        let levels = egui::Slider::new(&mut next.controls.levels, 1..=6);
+        named(ui, "Levels", levels).on_hover_text("times every triangle becomes four");
     });
     let after = (faces as u64) << (2 * next.controls.levels);
     ui.weak(format!("{after} faces afterwards"));
@@ -143,15 +133,9 @@ fn levels_ui(ui: &mut Ui, model: &Model, next: &mut Refining) {
 /// Which edges stay sharp.
 fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
-        let mut sharp = next.controls.crease_angle.is_some();
-        let mut angle = next.controls.crease_angle.unwrap_or(SHARP);
-        ui.checkbox(&mut sharp, "Sharp edges").on_hover_text(
-            "edges at which the triangles differ by more stay sharp: curves of their own, with a \
-             smooth surface on either side",
-        );
-        let value = egui::DragValue::new(&mut angle);
-        ui.add_enabled(sharp, value.range(1.0..=179.0).speed(0.5).suffix("°"));
-        next.controls.crease_angle = sharp.then_some(angle);
+        let tip = "edges at which the triangles differ by more stay sharp: curves of their own, with a \
+                   smooth surface on either side";
+        angle_limit(ui, "Sharp edges", tip, &mut next.controls.crease_angle);
     });
     ui.horizontal_wrapped(|ui| {
         let count: usize = (model.view.report.chains.iter())
@@ -165,17 +149,8 @@ fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<A
             ),
         )
         .on_hover_text("edges picked here or for the report");
-        let picking = model.view.report.pick == Pick::Edges;
-        let button = egui::Button::selectable(picking, "Pick edges");
-        if ui
-            .add(button)
-            .on_hover_text("a click takes an edge with those that go on from it, or lets it go")
-            .clicked()
-        {
-            next.chosen_edges = true;
-            let pick = if picking { Pick::Holes } else { Pick::Edges };
-            actions.push(ReportAction::Pick(pick).into());
-        }
+        let tip = "a click takes an edge with those that go on from it, or lets it go";
+        next.chosen_edges |= pick_edges(ui, model.view.report.pick, tip, actions);
     });
     let selected = model.document.faces.len();
     ui.add_enabled(
@@ -188,30 +163,15 @@ fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<A
     .on_hover_text("select faces in task Repair (F4)");
 }
 
-fn choice<T: PartialEq + Copy, const N: usize>(
-    ui: &mut Ui,
-    name: &str,
-    value: &mut T,
-    choices: [(T, &str, &str); N],
-) {
-    ui.horizontal_wrapped(|ui| {
-        ui.label(name);
-        for (one, title, tip) in choices {
-            ui.selectable_value(value, one, title).on_hover_text(tip);
-        }
-    });
-}
-
 /// The button that starts it.
 pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let wide = egui::vec2(ui.available_width(), 28.0);
     let button = egui::Button::new(RichText::new("Refine the mesh").strong()).min_size(wide);
-    let tip = format!(
-        "every triangle becomes four, again and again{}",
-        hint(ui.ctx(), RunAction::Proceed)
-    );
     let some = model.document.mesh.face_count() > 0;
-    if ui.add_enabled(some, button).on_hover_text(tip).clicked() {
-        actions.push(RunAction::Start.into());
-    }
+    ui.add_enabled(some, button)
+        .key_tip(
+            "every triangle becomes four, again and again",
+            RunAction::Proceed,
+        )
+        .asks(RunAction::Start, actions);
 }

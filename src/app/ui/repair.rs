@@ -5,11 +5,11 @@ use eframe::egui::{
 };
 
 use super::navigation::CLICK;
+use super::widgets::Asks;
 use crate::app::action::{Action, ControlsAction, EditAction, RunAction, SelectAction, TaskAction};
 use crate::app::faces::{BrushStamp, FaceEdit, Lasso};
 use crate::app::model::Model;
 use crate::app::report::Pick;
-use crate::app::shortcuts::hint;
 use crate::app::view_state::{Task, Tool};
 use crate::mesh::DVec3;
 use crate::render::{Picker, Projector};
@@ -96,9 +96,7 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 let label = format!("{name} the selection");
                 egui::WidgetInfo::labeled(egui::Role::Button, some, label)
             });
-            if named.clicked() {
-                actions.push(SelectAction::Faces(edit).into());
-            }
+            named.asks(SelectAction::Faces(edit), actions);
         }
     });
     ui.weak(
@@ -109,36 +107,21 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 
 /// The buttons that do something with the selection.
 pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    let ctx = ui.ctx().clone();
     let some = !model.document.faces.is_empty();
     let wide = egui::vec2(ui.available_width(), 28.0);
     let strong = |text: &str| egui::Button::new(RichText::new(text).strong()).min_size(wide);
-    for (button, tip, action) in [
-        (
-            strong("Erase and refill"),
-            format!(
-                "erase the selected faces and grow a smooth patch in their place{}",
-                hint(&ctx, RunAction::Proceed)
-            ),
-            RunAction::Start.into(),
-        ),
-        (
-            strong("Fair in place"),
-            "keep the triangles and let the vertices inside the selection flow; those on its border \
-             stay"
-                .to_owned(),
-            RunAction::Fair.into(),
-        ),
-        (
-            egui::Button::new("Erase only"),
-            format!("erase the selected faces and leave a hole{}", hint(&ctx, EditAction::Erase)),
-            EditAction::Erase.into(),
-        ),
-    ] {
-        if ui.add_enabled(some, button).on_hover_text(tip).clicked() {
-            actions.push(action);
-        }
-    }
+    let refill = "erase the selected faces and grow a smooth patch in their place";
+    ui.add_enabled(some, strong("Erase and refill"))
+        .key_tip(refill, RunAction::Proceed)
+        .asks(RunAction::Start, actions);
+    let fair = "keep the triangles and let the vertices inside the selection flow; those on its \
+                border stay";
+    ui.add_enabled(some, strong("Fair in place"))
+        .on_hover_text(fair)
+        .asks(RunAction::Fair, actions);
+    let erase = "erase the selected faces and leave a hole";
+    ui.add_enabled(some, egui::Button::new("Erase only"))
+        .asks_with_key(erase, EditAction::Erase, actions);
 }
 
 /// Whether the mouse selects faces now.

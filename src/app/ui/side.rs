@@ -4,11 +4,11 @@ use eframe::egui::{self, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
 use super::format::format_number;
+use super::widgets::Asks;
 use crate::app::action::{
     Action, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
 };
 use crate::app::model::Model;
-use crate::app::shortcuts::hint;
 use crate::app::view_state::Task;
 use crate::mesh::BoundaryLoop;
 
@@ -41,13 +41,11 @@ pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ] {
             let chosen = model.view.task == task;
             let button = egui::Button::selectable(chosen, RichText::new(title).strong());
-            if ui
-                .add_enabled(model.run.is_none(), button)
-                .on_hover_text(format!("{tip}{}", hint(ui.ctx(), TaskAction::Choose(task))))
-                .clicked()
-            {
-                actions.push(TaskAction::Choose(task).into());
-            }
+            ui.add_enabled(model.run.is_none(), button).asks_with_key(
+                tip,
+                TaskAction::Choose(task),
+                actions,
+            );
         }
     });
     if model.view.task == Task::Repair {
@@ -69,7 +67,6 @@ pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ));
     });
     ui.horizontal_wrapped(|ui| {
-        let ctx = ui.ctx().clone();
         for (text, tip, action) in [
             ("All", "all loops that are no outer rims", SelectAction::All),
             (
@@ -83,13 +80,9 @@ pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 SelectAction::None => Action::Escape,
                 _ => action.clone().into(),
             };
-            if ui
-                .add_enabled(model.run.is_none(), egui::Button::new(text).small())
-                .on_hover_text(format!("{tip}{}", hint(&ctx, key)))
-                .clicked()
-            {
-                actions.push(action.into());
-            }
+            ui.add_enabled(model.run.is_none(), egui::Button::new(text).small())
+                .key_tip(tip, key)
+                .asks(action, actions);
         }
     });
     if model.view.task == Task::Fill && !document.loops.is_empty() {
@@ -154,7 +147,6 @@ fn limit_ui<T: egui::emath::Numeric>(ui: &mut Ui, name: &str, limit: &mut Option
 }
 
 fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    let ctx = ui.ctx().clone();
     let Some(run) = &model.run else {
         if model.view.task == Task::Repair {
             super::repair::start_ui(ui, model, actions);
@@ -174,39 +166,24 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         };
         let button = egui::Button::new(RichText::new(text).strong())
             .min_size(egui::vec2(ui.available_width(), 28.0));
-        if ui
-            .add_enabled(!model.document.loops.is_empty(), button)
-            .on_hover_text(format!(
-                "grow a smooth patch into what is selected{}",
-                hint(&ctx, RunAction::Proceed)
-            ))
-            .clicked()
-        {
-            actions.push(RunAction::Start.into());
-        }
+        ui.add_enabled(!model.document.loops.is_empty(), button)
+            .key_tip(
+                "grow a smooth patch into what is selected",
+                RunAction::Proceed,
+            )
+            .asks(RunAction::Start, actions);
         return;
     };
     ui.horizontal_wrapped(|ui| {
         for (i, name) in run.names().into_iter().enumerate() {
             let name = format!("Accept {name}");
-            if ui
-                .button(RichText::new(name.trim_end()).strong())
-                .on_hover_text(format!(
-                    "take in the patch as it is shown{}",
-                    hint(&ctx, RunAction::Accept(0))
-                ))
-                .clicked()
-            {
-                actions.push(RunAction::Accept(i).into());
-            }
+            ui.button(RichText::new(name.trim_end()).strong())
+                .key_tip("take in the patch as it is shown", RunAction::Accept(0))
+                .asks(RunAction::Accept(i), actions);
         }
-        if ui
-            .button("Reject")
+        ui.button("Reject")
             .on_hover_text("drop the patch; the mesh is as before")
-            .clicked()
-        {
-            actions.push(RunAction::Reject.into());
-        }
+            .asks(RunAction::Reject, actions);
     });
 }
 

@@ -5,12 +5,11 @@ use eframe::egui::{self, Ui};
 use crate::app::action::{Action, FileAction, PictureAction, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
-use crate::app::shortcuts::hint;
+use crate::app::ui::widgets::Asks;
 use crate::app::update::WRITING;
 
 /// Document, background work, last message.
 pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    let ctx = ui.ctx().clone();
     ui.horizontal(|ui| {
         let document = &model.document;
         let star = if model.is_dirty() { " *" } else { "" };
@@ -21,16 +20,8 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             document.mesh.face_count(),
             document.loop_count()
         );
-        if ui
-            .add(egui::Label::new(words).sense(egui::Sense::click()))
-            .on_hover_text(format!(
-                "load report{}",
-                hint(&ctx, ViewAction::Toggle(Switch::Report))
-            ))
-            .clicked()
-        {
-            actions.push(ViewAction::Toggle(Switch::Report).into());
-        }
+        ui.add(egui::Label::new(words).sense(egui::Sense::click()))
+            .asks_with_key("load report", ViewAction::Toggle(Switch::Report), actions);
         for job in &model.jobs {
             // picking is ready in no time; a dialog shows itself
             if matches!(job.what.as_str(), "picking" | "file dialog") {
@@ -52,16 +43,11 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui
-                .small_button("Copy command")
-                .on_hover_text(format!(
-                    "the command line that repeats this, to the clipboard{}",
-                    hint(&ctx, FileAction::CopyCommand)
-                ))
-                .clicked()
-            {
-                actions.push(FileAction::CopyCommand.into());
-            }
+            ui.small_button("Copy command").asks_with_key(
+                "the command line that repeats this, to the clipboard",
+                FileAction::CopyCommand,
+                actions,
+            );
             if let Some(entry) = model.log.entries().last() {
                 let color = match entry.level {
                     Level::Info => ui.visuals().weak_text_color(),
@@ -72,9 +58,9 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 let label = egui::Label::new(egui::RichText::new(line).color(color))
                     .truncate()
                     .sense(egui::Sense::click());
-                if ui.add(label).on_hover_text("open the log").clicked() {
-                    actions.push(ViewAction::Toggle(Switch::Log).into());
-                }
+                ui.add(label)
+                    .on_hover_text("open the log")
+                    .asks(ViewAction::Toggle(Switch::Log), actions);
             }
         });
     });

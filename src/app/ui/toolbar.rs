@@ -3,9 +3,9 @@
 use eframe::egui::{self, Ui};
 
 use super::format::{format_number, mode_words};
+use super::widgets::{Asks, named};
 use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::model::Model;
-use crate::app::shortcuts::hint;
 use crate::mesh::DVec3;
 use crate::render::ViewMode;
 
@@ -17,18 +17,12 @@ pub(crate) fn toolbar_ui(
     actions: &mut Vec<Action>,
 ) {
     let view = &model.view;
-    let ctx = ui.ctx().clone();
     ui.horizontal_wrapped(|ui| {
         for mode in model.view_modes() {
             let (title, about) = mode_words(mode);
-            let hint = hint(&ctx, ViewAction::NextMode);
-            if ui
-                .selectable_label(view.style.mode == mode, title)
-                .on_hover_text(format!("{about}{hint}"))
-                .clicked()
-            {
-                actions.push(ViewAction::Mode(mode).into());
-            }
+            ui.selectable_label(view.style.mode == mode, title)
+                .key_tip(about, ViewAction::NextMode)
+                .asks(ViewAction::Mode(mode), actions);
         }
         if matches!(view.style.mode, ViewMode::Isophotes | ViewMode::Zebra) {
             ui.separator();
@@ -70,10 +64,8 @@ pub(crate) fn toolbar_ui(
                 view.show_rims,
             ),
         ] {
-            let tip = format!("{about}{}", hint(&ctx, ViewAction::Toggle(switch)));
-            if ui.selectable_label(on, title).on_hover_text(tip).clicked() {
-                actions.push(ViewAction::Toggle(switch).into());
-            }
+            let label = ui.selectable_label(on, title);
+            label.asks_with_key(about, ViewAction::Toggle(switch), actions);
         }
     });
 }
@@ -117,14 +109,9 @@ fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let mut style = model.view.style;
     // the row is as wide as a small screen
     ui.spacing_mut().slider_width = 56.0;
-    let label = ui.label("Stripes");
-    let slider = ui
-        .add(egui::Slider::new(&mut style.stripes, 2..=60).logarithmic(true))
-        .labelled_by(label.id)
-        .on_hover_text(format!(
-            "number of pairs of bands{}",
-            hint(ui.ctx(), ViewAction::MoreStripes)
-        ));
+    let slider = egui::Slider::new(&mut style.stripes, 2..=60).logarithmic(true);
+    let slider = named(ui, "Stripes", slider);
+    let slider = slider.key_tip("number of pairs of bands", ViewAction::MoreStripes);
     let mut changed = slider.changed();
     if style.mode == ViewMode::Isophotes {
         let d = style.light.normalize_or(DVec3::Y);
@@ -151,12 +138,9 @@ fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .changed();
     }
     if style.mode == ViewMode::Zebra {
-        let label = ui.label("Turned");
-        changed |= ui
-            .add(degrees(&mut style.zebra_turn).range(-180.0..=180.0))
-            .labelled_by(label.id)
-            .on_hover_text("direction of the reflected lines, around the line of sight")
-            .changed();
+        let tip = "direction of the reflected lines, around the line of sight";
+        let turn = degrees(&mut style.zebra_turn).range(-180.0..=180.0);
+        changed |= named(ui, "Turned", turn).on_hover_text(tip).changed();
     }
     if changed {
         actions.push(ViewAction::Style(style).into());

@@ -4,11 +4,11 @@ use eframe::egui::{self, RichText, Ui};
 use egui_plot::{Legend, Line, Plot, PlotPoints, VLine};
 
 use super::format::format_number;
+use super::widgets::{Asks, named};
 use crate::app::action::{Action, RunAction};
 use crate::app::model::Model;
 use crate::app::run::{Run, RunVariant};
 use crate::app::seam::Seam;
-use crate::app::shortcuts::hint;
 use crate::mesh::LoopId;
 use crate::ops::Operation;
 use crate::solver::End;
@@ -28,7 +28,6 @@ pub(crate) fn transport_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>
 }
 
 fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) {
-    let ctx = ui.ctx().clone();
     ui.horizontal_wrapped(|ui| {
         let ended = run.ended();
         let play = if run.playing { "Pause" } else { "Play" };
@@ -63,35 +62,22 @@ fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
                 RunAction::Stop => Action::Escape,
                 _ => action.into(),
             };
-            if ui
-                .add_enabled(enabled, egui::Button::new(text))
-                .on_hover_text(format!("{tip}{}", hint(&ctx, key)))
-                .clicked()
-            {
-                actions.push(action.into());
-            }
+            ui.add_enabled(enabled, egui::Button::new(text))
+                .key_tip(tip, key)
+                .asks(action, actions);
         }
-        if run.scrubbed()
-            && ui
-                .button("Continue from here")
+        if run.scrubbed() {
+            ui.button("Continue from here")
                 .on_hover_text(
                     "the flow continues from the state that is shown, with the present controls",
                 )
-                .clicked()
-        {
-            actions.push(RunAction::ContinueFromShown.into());
+                .asks(RunAction::ContinueFromShown, actions);
         }
         ui.separator();
-        let label = ui.label("Pace");
         let mut pace = model.view.pace;
-        if ui
-            .add(
-                egui::DragValue::new(&mut pace)
-                    .speed(0.5)
-                    .range(1.0..=240.0)
-                    .suffix(" states/s"),
-            )
-            .labelled_by(label.id)
+        let value = egui::DragValue::new(&mut pace).range(1.0..=240.0);
+        let value = named(ui, "Pace", value.speed(0.5).suffix(" states/s"));
+        if value
             .on_hover_text("maximum number of states per second")
             .changed()
         {
@@ -112,11 +98,9 @@ fn timeline_ui(ui: &mut Ui, run: &Run, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         let label = ui.label("Timeline");
         ui.spacing_mut().slider_width = (ui.available_width() - 170.0).max(80.0);
+        let slider = egui::Slider::new(&mut at, 0..=last.max(1)).show_value(false);
         let slider = ui
-            .add_enabled(
-                last > 0,
-                egui::Slider::new(&mut at, 0..=last.max(1)).show_value(false),
-            )
+            .add_enabled(last > 0, slider)
             .labelled_by(label.id)
             .on_hover_text("stored states of the flow");
         if slider.changed() {

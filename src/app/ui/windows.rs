@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Context, Grid, RichText, ScrollArea, Ui, Window};
 
 use super::UiState;
+use super::widgets::{Asks, named};
 use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
@@ -189,9 +190,7 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 p.y,
                 p.z
             );
-            if ui.link(words).clicked() {
-                actions.push(ViewAction::FlyTo(p).into());
-            }
+            ui.link(words).asks(ViewAction::FlyTo(p), actions);
         }
     });
 }
@@ -246,17 +245,14 @@ fn settings_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         ui.label("Theme");
         for (dark, name) in [(true, "dark"), (false, "light")] {
-            if ui.selectable_label(settings.dark == dark, name).clicked() {
-                actions.push(ViewAction::Dark(dark).into());
-            }
+            ui.selectable_label(settings.dark == dark, name)
+                .asks(ViewAction::Dark(dark), actions);
         }
     });
     ui.horizontal(|ui| {
-        let label = ui.label("Scale of the interface");
         let mut scale = settings.ui_scale;
-        let slider = ui
-            .add(egui::Slider::new(&mut scale, 0.5..=3.0).step_by(0.05))
-            .labelled_by(label.id);
+        let slider = egui::Slider::new(&mut scale, 0.5..=3.0).step_by(0.05);
+        let slider = named(ui, "Scale of the interface", slider);
         // while it is dragged the window would change under the cursor
         if slider.drag_stopped() || (slider.changed() && !slider.dragged()) {
             actions.push(ViewAction::UiScale(scale).into());

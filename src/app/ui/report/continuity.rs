@@ -1,17 +1,16 @@
 //! How the surface goes across rims, chosen edges and sharp edges.
 
 use eframe::egui::collapsing_header::CollapsingState;
-use eframe::egui::{self, Grid, RichText, Ui};
+use eframe::egui::{Grid, RichText, Ui};
 
 use super::place;
 use crate::analysis::ChainReport;
 use crate::app::action::Action;
 use crate::app::model::Model;
-use crate::app::report::{Measured, Pick, ReportAction};
+use crate::app::report::{Measured, ReportAction};
 use crate::app::ui::format::format_number;
+use crate::app::ui::widgets::{Asks, angle_limit, pick_edges};
 
-/// Angle sharp edges are taken from at first, degrees.
-const SHARP: f64 = 40.0;
 /// Chains that are shown with all their figures at first.
 const FEW: usize = 3;
 
@@ -24,36 +23,13 @@ pub(crate) fn chains_ui(
 ) {
     let view = &model.view.report;
     ui.horizontal_wrapped(|ui| {
-        let picking = view.pick == Pick::Edges;
-        let button = egui::Button::selectable(picking, "Pick edges");
-        if ui
-            .add(button)
-            .on_hover_text(
-                "a click on an edge of the mesh takes the sharp edge it is part of, or the edges \
-                 that go straight on from it; another click lets it go (Esc ends)",
-            )
-            .clicked()
-        {
-            let pick = if picking { Pick::Holes } else { Pick::Edges };
-            actions.push(ReportAction::Pick(pick).into());
-        }
-        let mut sharp = view.sharp.is_some();
-        let mut angle = view.sharp.unwrap_or(SHARP);
-        let mut changed = ui
-            .checkbox(&mut sharp, "sharp edges from")
-            .on_hover_text("measure along all edges at which the triangles differ by more")
-            .changed();
-        changed |= ui
-            .add_enabled(
-                sharp,
-                egui::DragValue::new(&mut angle)
-                    .range(1.0..=180.0)
-                    .speed(0.5)
-                    .suffix("°"),
-            )
-            .changed();
-        if changed {
-            let sharp = sharp.then_some(angle);
+        let tip = "a click on an edge of the mesh takes the sharp edge it is part of, or the edges \
+                   that go straight on from it; another click lets it go (Esc ends)";
+        pick_edges(ui, view.pick, tip, actions);
+        let mut sharp = view.sharp;
+        let tip = "measure along all edges at which the triangles differ by more";
+        angle_limit(ui, "sharp edges from", tip, &mut sharp);
+        if sharp != view.sharp {
             actions.push(ReportAction::Sharp(sharp).into());
         }
     });
@@ -88,10 +64,9 @@ fn head_ui(ui: &mut Ui, chain: &ChainReport, chosen: Option<usize>, actions: &mu
         format!("smooth, ΔH {}", format_number(chain.curvature_step.max))
     };
     ui.label(format!("{} edges, {worst}", chain.edges));
-    if let Some(n) = chosen
-        && ui.small_button("Remove").clicked()
-    {
-        actions.push(ReportAction::DropChain(n).into());
+    if let Some(n) = chosen {
+        ui.small_button("Remove")
+            .asks(ReportAction::DropChain(n), actions);
     }
 }
 

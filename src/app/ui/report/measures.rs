@@ -8,6 +8,7 @@ use crate::app::action::{Action, ViewAction};
 use crate::app::model::Model;
 use crate::app::report::{Measured, ReportAction};
 use crate::app::ui::format::format_number;
+use crate::app::ui::widgets::Asks;
 use crate::render::ViewMode;
 
 /// Places of intersections that are listed.
@@ -96,9 +97,8 @@ pub(crate) fn curvature_ui(
     ui.horizontal(|ui| {
         for (i, (name, _)) in all.iter().enumerate() {
             let name = format!("{name} ");
-            if ui.selectable_label(i == chosen, name).clicked() {
-                actions.push(ReportAction::Curvature(i).into());
-            }
+            ui.selectable_label(i == chosen, name)
+                .asks(ReportAction::Curvature(i), actions);
         }
     });
     let (name, range) = all[chosen];
@@ -226,22 +226,17 @@ pub(crate) fn distance_ui(
 ) {
     let report = &model.report;
     ui.horizontal_wrapped(|ui| {
-        if ui
-            .button("Choose a mesh…")
+        ui.button("Choose a mesh…")
             .on_hover_text("a file that what is shown is compared with (analyze --against)")
-            .clicked()
-        {
-            actions.push(ReportAction::AskReference.into());
-        }
+            .asks(ReportAction::AskReference, actions);
         if let Some((path, _)) = &report.loading {
             ui.add(egui::Spinner::new().size(12.0));
             ui.weak(file_name(path));
         } else if let Some(reference) = &report.reference {
             ui.label(file_name(&reference.path))
                 .on_hover_text(reference.path.display().to_string());
-            if ui.small_button("Remove").clicked() {
-                actions.push(ReportAction::DropReference.into());
-            }
+            ui.small_button("Remove")
+                .asks(ReportAction::DropReference, actions);
         }
     });
     if report.reference.is_none() {

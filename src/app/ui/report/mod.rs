@@ -11,6 +11,7 @@ use super::format::format_number;
 use crate::app::action::Action;
 use crate::app::model::Model;
 use crate::app::report::{Pick, ReportAction, ReportFile};
+use crate::app::ui::widgets::Asks;
 use crate::mesh::DVec3;
 
 pub(crate) use view::{click, hint_words};
@@ -67,13 +68,9 @@ fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         for file in [ReportFile::Json, ReportFile::Measures] {
             let name = file.extension().to_uppercase();
-            if ui
-                .button(format!("Copy {name}"))
+            ui.button(format!("Copy {name}"))
                 .on_hover_text(format!("{}, to the clipboard", file.title()))
-                .clicked()
-            {
-                actions.push(ReportAction::Copy(file).into());
-            }
+                .asks(ReportAction::Copy(file), actions);
         }
         ui.menu_button("Save", |ui| {
             for file in ReportFile::ALL {
@@ -111,13 +108,9 @@ fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             ),
         ] {
             let chosen = model.view.report.on_surface == on;
-            if ui
-                .selectable_label(chosen, title)
+            ui.selectable_label(chosen, title)
                 .on_hover_text(tip)
-                .clicked()
-            {
-                actions.push(ReportAction::OnSurface(on).into());
-            }
+                .asks(ReportAction::OnSurface(on), actions);
         }
     });
 }

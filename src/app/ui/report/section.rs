@@ -8,6 +8,7 @@ use crate::app::model::Model;
 use crate::app::report::{Across, Pick, ReportAction};
 use crate::app::scene_builder::natural_length;
 use crate::app::ui::format::format_number;
+use crate::app::ui::widgets::{Asks, named};
 
 /// Choice of the plane, figures, and how the comb is drawn.
 pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -25,23 +26,18 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
             ),
         ] {
             let chosen = view.pick == Pick::Section(across);
-            if ui
-                .add(Button::selectable(chosen, title))
-                .on_hover_text(format!(
-                    "then click the surface: the plane goes through that point, {tip}"
-                ))
-                .clicked()
-            {
-                let pick = if chosen {
-                    Pick::Holes
-                } else {
-                    Pick::Section(across)
-                };
-                actions.push(ReportAction::Pick(pick).into());
-            }
+            let tip = format!("then click the surface: the plane goes through that point, {tip}");
+            let pick = if chosen {
+                Pick::Holes
+            } else {
+                Pick::Section(across)
+            };
+            ui.add(Button::selectable(chosen, title))
+                .on_hover_text(tip)
+                .asks(ReportAction::Pick(pick), actions);
         }
-        if view.cut.is_some() && ui.button("Remove").clicked() {
-            actions.push(ReportAction::DropCut.into());
+        if view.cut.is_some() {
+            ui.button("Remove").asks(ReportAction::DropCut, actions);
         }
     });
     let Some(cut) = &model.report.cut else {
@@ -77,13 +73,10 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
     let mut length = comb.length.unwrap_or(natural);
     let mut longer = false;
     ui.horizontal(|ui| {
-        let label = ui.label("Length of the teeth");
         let slider = Slider::new(&mut length, natural * 0.02..=natural * 50.0)
             .logarithmic(true)
             .custom_formatter(|x, _| format_number(x));
-        longer = ui
-            .add(slider)
-            .labelled_by(label.id)
+        longer = named(ui, "Length of the teeth", slider)
             .on_hover_text(
                 "length at the curvature of a sphere of the model's radius, in these radii",
             )
@@ -93,11 +86,13 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
         comb.length = Some(length);
     }
     ui.horizontal(|ui| {
-        let label = ui.label("Density of the teeth");
         let slider = Slider::new(&mut comb.density, 5.0..=400.0);
-        ui.add(slider.logarithmic(true).integer())
-            .labelled_by(label.id)
-            .on_hover_text("teeth in the length of the model's radius, as far as there are points");
+        named(
+            ui,
+            "Density of the teeth",
+            slider.logarithmic(true).integer(),
+        )
+        .on_hover_text("teeth in the length of the model's radius, as far as there are points");
     });
     ui.checkbox(&mut comb.own, "not averaged").on_hover_text(
         "the limit surface's own curvature: with jumps at the edges of a G2 break and spikes at \
