@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use meniscus::fill::{FillOptions, fill_holes, flow_problem};
+use meniscus::fill::{FillOptions, fill_rim_sets, flow_problem};
 use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, boundary_loops};
 use meniscus::shapes::{self, Hole, HoleShape};
 use meniscus::solver::{Flow, FlowOptions, Mode};
@@ -29,11 +29,11 @@ fn fills(c: &mut Criterion) {
     for missing in [200, 1000, 5000, 20_000] {
         let mesh = sphere_with_hole(missing);
         let loops = boundary_loops(&mesh);
-        let targets: Vec<&BoundaryLoop> = loops.iter().collect();
+        let targets: Vec<Vec<&BoundaryLoop>> = loops.iter().map(|one| vec![one]).collect();
         group.throughput(Throughput::Elements(missing as u64));
         group.bench_function(BenchmarkId::from_parameter(missing), |b| {
             b.iter(|| {
-                fill_holes(
+                fill_rim_sets(
                     black_box(&mesh),
                     &targets,
                     &FillOptions::default(),

@@ -3,7 +3,7 @@
 //! A fill has four stages. First patches over the rims are made, and holes whose support regions
 //! meet are grouped (`prepare`, `plan`, `group`). One flow for each group moves the new vertices
 //! (`group_flow`, `region`, `remesh`). The patches are put into the mesh (`assemble`).
-//! [`fill_holes`] does all of it, with the groups in parallel.
+//! [`fill_rim_sets`] does all of it, with the groups in parallel.
 
 mod assemble;
 mod blend;
@@ -48,5 +48,5 @@ pub use process::{
 pub use refill::{ErasedRegion, Refilled, fair, open_selection, refill};
 pub use result::{FillError, Filled, FilledHole, GroupResult, RefillError, Timings};
 pub use rim::RimSet;
-pub use run::{Observer, ScheduledOptions, fill_holes, fill_rim_sets};
+pub use run::{Observer, ScheduledOptions, fill_rim_sets};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};

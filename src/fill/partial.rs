@@ -179,7 +179,8 @@ mod tests {
         let rest = boundary_loops(&part.mesh);
         assert_eq!(rest.len(), 1);
         assert!(rest[0].perimeter < loops[0].perimeter);
-        let whole = crate::fill::fill_holes(&part.mesh, &[&rest[0]], &options, &|_, _| true);
+        let whole =
+            crate::fill::fill_rim_sets(&part.mesh, &[vec![&rest[0]]], &options, &|_, _| true);
         let whole = whole.expect("filled").mesh;
         assert!(whole.topology.boundary_loops().is_empty());
         let triangles: Vec<_> = whole.topology.triangles().collect();

@@ -14,7 +14,7 @@ use crate::fill::prepare::prepare;
 use crate::fill::result::{FillError, Filled, milliseconds};
 use crate::fill::rim::RimSet;
 use crate::fill::scheduled::run_group;
-use crate::mesh::{BoundaryLoop, Mesh};
+use crate::mesh::Mesh;
 use crate::runner::{Recording, Schedule, ScheduleError};
 use crate::solver::StepRecord;
 
@@ -52,24 +52,10 @@ impl From<&FillOptions> for ScheduledOptions {
     }
 }
 
-/// Fills the given holes, each with a patch of its own.
-///
-/// # Errors
-/// Only if the result would not be a manifold. What fails for a single hole is in the result.
-pub fn fill_holes(
-    mesh: &Mesh,
-    loops: &[&BoundaryLoop],
-    options: impl Into<ScheduledOptions>,
-    observe: Observer<'_>,
-) -> Result<Filled, FillError> {
-    let rim_sets: Vec<RimSet<'_>> = loops.iter().map(|&hole| vec![hole]).collect();
-    fill_rim_sets(mesh, &rim_sets, options, observe)
-}
-
 /// Fills holes and blends: one patch for each set of rims.
 ///
 /// # Errors
-/// As [`fill_holes`].
+/// Only if the result would not be a manifold. What fails for a single hole is in the result.
 pub fn fill_rim_sets(
     mesh: &Mesh,
     rim_sets: &[RimSet<'_>],

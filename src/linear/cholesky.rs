@@ -157,11 +157,6 @@ impl Cholesky {
         }
     }
 
-    /// The structure of this factorization.
-    pub fn symbolic(&self) -> &Arc<CholeskySymbolic> {
-        &self.symbolic
-    }
-
     /// Factorizes the matrix with these values (lower triangle, in the order of the pattern).
     /// Does not allocate.
     ///

@@ -27,16 +27,6 @@ impl Lbfgs {
         Self::default()
     }
 
-    /// Number of stored pairs, at most 5.
-    pub fn len(&self) -> usize {
-        self.pairs.len()
-    }
-
-    /// Whether no pair is stored.
-    pub fn is_empty(&self) -> bool {
-        self.pairs.is_empty()
-    }
-
     /// Removes all pairs, for instance after a new factorization.
     pub fn clear(&mut self) {
         self.pairs.clear();

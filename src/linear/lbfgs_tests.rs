@@ -30,7 +30,7 @@ fn secant_equation_holds_for_the_newest_pair() {
         assert!(memory.push(&s, &y));
         newest = (s, y);
     }
-    assert_eq!(memory.len(), 5);
+    assert_eq!(memory.pairs.len(), 5);
     let mut direction = newest.1;
     memory.direction(&mut direction, |v| v.iter_mut().for_each(|x| *x *= 0.4));
     for (d, s) in direction.iter().zip(&newest.0) {
@@ -86,9 +86,9 @@ fn pairs_without_curvature_are_refused() {
     assert!(!memory.push(&[1.0, 0.0], &[-1.0, 0.0]));
     assert!(!memory.push(&[1.0, 0.0], &[f64::NAN, 0.0]));
     assert!(!memory.push(&[0.0, 0.0], &[0.0, 0.0]));
-    assert!(memory.is_empty());
+    assert!(memory.pairs.is_empty());
     assert!(memory.push(&[1.0, 0.0], &[2.0, 0.0]));
     memory.clear();
-    assert!(memory.is_empty());
+    assert!(memory.pairs.is_empty());
     assert!(memory.push(&[1.0], &[2.0]), "another length after clear");
 }

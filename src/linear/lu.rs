@@ -99,11 +99,6 @@ impl SparseLu {
         Ok(lu)
     }
 
-    /// Dimension of the matrix.
-    pub fn n(&self) -> usize {
-        self.n
-    }
-
     /// Replaces `rhs` by the solution of `A x = rhs`; `rhs` holds `columns` right-hand sides of
     /// length n, one after another.
     ///

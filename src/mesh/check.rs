@@ -1,89 +1,13 @@
-//! Validity of meshes: used by every test and, cheaply enough, on every result.
+//! Validity of meshes, for tests.
 
 use super::{DVec3, FaceId, HalfedgeId, Mesh, Topology, VertexId};
-
-/// What is wrong with a mesh, at the first place found.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MeshError {
-    /// The half-edge arrays contradict each other: a defect of the code that made them.
-    #[error("half-edge {halfedge} is broken: {what}")]
-    Connectivity {
-        /// The half-edge.
-        halfedge: u32,
-        /// Which invariant does not hold.
-        what: &'static str,
-    },
-    /// A vertex's own half-edge or its ring is wrong.
-    #[error("vertex {vertex} is broken: {what}")]
-    Vertex {
-        /// The vertex.
-        vertex: u32,
-        /// Which invariant does not hold.
-        what: &'static str,
-    },
-    /// Two edges join the same vertices.
-    #[error("vertices {0} and {1} are joined by two edges")]
-    DoubleEdge(u32, u32),
-    /// Two faces have the same vertices.
-    #[error("faces {0} and {1} have the same vertices")]
-    DoubleFace(usize, usize),
-    /// A position is NaN or infinite.
-    #[error("vertex {vertex} is at {position}, which is not finite")]
-    NotFinite {
-        /// The vertex.
-        vertex: usize,
-        /// Where it is.
-        position: DVec3,
-    },
-    /// A face has no area.
-    #[error("face {face} has no area")]
-    ZeroArea {
-        /// The face.
-        face: usize,
-    },
-    /// There are not as many positions as vertices.
-    #[error("{positions} positions for {vertices} vertices")]
-    Length {
-        /// Positions.
-        positions: usize,
-        /// Vertices of the topology.
-        vertices: usize,
-    },
-    /// A vertex of the input was moved or lost.
-    #[error("vertex {vertex} of the input is not where it was")]
-    Moved {
-        /// The vertex.
-        vertex: usize,
-    },
-    /// A face of the input is gone or different.
-    #[error("face {face} of the input was changed")]
-    FaceChanged {
-        /// The face.
-        face: usize,
-    },
-    /// A boundary loop that should have been filled.
-    #[error("the boundary loop through vertex {vertex}, {edges} edges, is still open")]
-    StillOpen {
-        /// Its lowest vertex.
-        vertex: u32,
-        /// Its length.
-        edges: usize,
-    },
-    /// A boundary loop that should have stayed open.
-    #[error("the boundary loop through vertex {vertex} was to be left open and is gone")]
-    Closed {
-        /// Its lowest vertex.
-        vertex: u32,
-    },
-}
 
 /// Checks every invariant that [`Topology`] documents, and that no two edges and no two faces have
 /// the same vertices.
 ///
 /// # Errors
-/// The first fault.
-pub fn check_topology(topology: &Topology) -> Result<(), MeshError> {
+/// The first fault, in words.
+pub fn check_topology(topology: &Topology) -> Result<(), String> {
     check_halfedges(topology)?;
     check_vertices(topology)?;
     let mut edges: Vec<(u32, u32)> = topology
@@ -93,7 +17,8 @@ pub fn check_topology(topology: &Topology) -> Result<(), MeshError> {
         .collect();
     edges.sort_unstable();
     if let Some(same) = edges.windows(2).find(|w| w[0] == w[1]) {
-        return Err(MeshError::DoubleEdge(same[0].0, same[0].1));
+        let (a, b) = same[0];
+        return Err(format!("vertices {a} and {b} are joined by two edges"));
     }
     let mut faces: Vec<([u32; 3], usize)> = topology
         .triangles()
@@ -105,21 +30,17 @@ pub fn check_topology(topology: &Topology) -> Result<(), MeshError> {
         .collect();
     faces.sort_unstable();
     if let Some(same) = faces.windows(2).find(|w| w[0].0 == w[1].0) {
-        return Err(MeshError::DoubleFace(same[0].1, same[1].1));
+        let (a, b) = (same[0].1, same[1].1);
+        return Err(format!("faces {a} and {b} have the same vertices"));
     }
     Ok(())
 }
 
-fn check_halfedges(topology: &Topology) -> Result<(), MeshError> {
+fn check_halfedges(topology: &Topology) -> Result<(), String> {
     let n = topology.halfedge_count();
     let mut arrivals = vec![false; n];
     for h in (0..n).map(HalfedgeId::from) {
-        let fault = |what| {
-            Err(MeshError::Connectivity {
-                halfedge: h.0,
-                what,
-            })
-        };
+        let fault = |what| Err(format!("half-edge {}: {what}", h.0));
         let next = topology.next(h);
         if next.index() >= n {
             return fault("it has no next one");
@@ -147,16 +68,13 @@ fn check_halfedges(topology: &Topology) -> Result<(), MeshError> {
     for f in topology.faces() {
         let h = topology.halfedge_of_face(f);
         if topology.face(h) != f {
-            return Err(MeshError::Connectivity {
-                halfedge: h.0,
-                what: "a face names it that is not its own",
-            });
+            return Err(format!("half-edge {}: it is not one of its face's", h.0));
         }
     }
     Ok(())
 }
 
-fn check_vertices(topology: &Topology) -> Result<(), MeshError> {
+fn check_vertices(topology: &Topology) -> Result<(), String> {
     let mut degree = vec![0usize; topology.vertex_count()];
     let mut on_boundary = vec![false; topology.vertex_count()];
     for h in topology.halfedges() {
@@ -164,7 +82,7 @@ fn check_vertices(topology: &Topology) -> Result<(), MeshError> {
         on_boundary[topology.origin(h).index()] |= topology.is_boundary(h);
     }
     for v in topology.vertices() {
-        let fault = |what| Err(MeshError::Vertex { vertex: v.0, what });
+        let fault = |what| Err(format!("vertex {}: {what}", v.0));
         let h = topology.halfedge_of_vertex(v);
         if !h.is_some() {
             if degree[v.index()] > 0 {
@@ -188,10 +106,10 @@ fn check_vertices(topology: &Topology) -> Result<(), MeshError> {
         for &h in one {
             let v = topology.origin(h);
             if std::mem::replace(&mut last_loop[v.index()], i) == i {
-                return Err(MeshError::Vertex {
-                    vertex: v.0,
-                    what: "a boundary loop touches itself there",
-                });
+                return Err(format!(
+                    "vertex {}: a boundary loop touches itself there",
+                    v.0
+                ));
             }
         }
     }
@@ -201,20 +119,17 @@ fn check_vertices(topology: &Topology) -> Result<(), MeshError> {
 /// [`check_topology`], and finite positions, one for each vertex.
 ///
 /// # Errors
-/// The first fault.
-pub fn check_mesh(mesh: &Mesh) -> Result<(), MeshError> {
+/// The first fault, in words.
+pub fn check_mesh(mesh: &Mesh) -> Result<(), String> {
     let (positions, vertices) = (mesh.positions.len(), mesh.topology.vertex_count());
     if positions != vertices {
-        return Err(MeshError::Length {
-            positions,
-            vertices,
-        });
+        return Err(format!("{positions} positions for {vertices} vertices"));
     }
     if let Some(vertex) = mesh.positions.iter().position(|p| !p.is_finite()) {
-        return Err(MeshError::NotFinite {
-            vertex,
-            position: mesh.positions[vertex],
-        });
+        let position = mesh.positions[vertex];
+        return Err(format!(
+            "vertex {vertex} is at {position}, which is not finite"
+        ));
     }
     check_topology(&mesh.topology)
 }
@@ -224,29 +139,25 @@ pub fn check_mesh(mesh: &Mesh) -> Result<(), MeshError> {
 /// not closed. Self-intersections are another matter.
 ///
 /// # Errors
-/// The first fault.
-pub fn check_filled(
-    before: &Mesh,
-    after: &Mesh,
-    left_open: &[&[VertexId]],
-) -> Result<(), MeshError> {
+/// The first fault, in words.
+pub fn check_filled(before: &Mesh, after: &Mesh, left_open: &[&[VertexId]]) -> Result<(), String> {
     check_mesh(after)?;
     let bits = |p: &DVec3| p.to_array().map(f64::to_bits);
     for (vertex, p) in before.positions.iter().enumerate() {
         if after.positions.get(vertex).map(bits) != Some(bits(p)) {
-            return Err(MeshError::Moved { vertex });
+            return Err(format!("vertex {vertex} of the input is not where it was"));
         }
     }
     let mut result = after.topology.triangles();
     for (face, t) in before.topology.triangles().enumerate() {
         if result.next() != Some(t) {
-            return Err(MeshError::FaceChanged { face });
+            return Err(format!("face {face} of the input was changed"));
         }
     }
     for face in before.face_count()..after.face_count() {
         let [a, b, c] = after.corners(FaceId::from(face));
         if (b - a).cross(c - a).length_squared() <= 0.0 {
-            return Err(MeshError::ZeroArea { face });
+            return Err(format!("face {face} has no area"));
         }
     }
     let sorted = |mut ring: Vec<u32>| {
@@ -260,15 +171,18 @@ pub fn check_filled(
     for one in after.topology.boundary_loops() {
         let ring = sorted(one.iter().map(|&h| after.topology.origin(h).0).collect());
         let Some(place) = wanted.iter().position(|w| *w == ring) else {
-            return Err(MeshError::StillOpen {
-                vertex: ring[0],
-                edges: ring.len(),
-            });
+            return Err(format!(
+                "the boundary loop through vertex {} is still open",
+                ring[0]
+            ));
         };
         wanted.swap_remove(place);
     }
     match wanted.first() {
-        Some(ring) => Err(MeshError::Closed { vertex: ring[0] }),
+        Some(ring) => Err(format!(
+            "the boundary loop through vertex {} is closed",
+            ring[0]
+        )),
         None => Ok(()),
     }
 }
@@ -292,17 +206,9 @@ mod tests {
         let rim = [VertexId(2), VertexId(0), VertexId(1)];
         assert_eq!(check_filled(&open, &closed, &[]), Ok(()));
         assert_eq!(check_filled(&open, &open, &[&rim]), Ok(()));
-        assert_eq!(
-            check_filled(&open, &open, &[]),
-            Err(MeshError::StillOpen {
-                vertex: 0,
-                edges: 3
-            })
-        );
-        assert_eq!(
-            check_filled(&open, &closed, &[&rim]),
-            Err(MeshError::Closed { vertex: 0 })
-        );
+        let fault = |after: &Mesh, left: &[&[VertexId]]| check_filled(&open, after, left);
+        assert!(fault(&open, &[]).is_err_and(|e| e.ends_with("vertex 0 is still open")));
+        assert!(fault(&closed, &[&rim]).is_err_and(|e| e.ends_with("vertex 0 is closed")));
     }
 
     #[test]
@@ -310,33 +216,25 @@ mod tests {
         let open = mesh(&CORNERS, &TETRA[..3]);
         let mut moved = mesh(&CORNERS, &TETRA);
         moved.positions[2].x = -0.0;
-        assert_eq!(
-            check_filled(&open, &moved, &[]),
-            Err(MeshError::Moved { vertex: 2 })
-        );
+        let fault = check_filled(&open, &moved, &[]);
+        assert!(fault.is_err_and(|e| e.starts_with("vertex 2 of the input")));
         let turned = mesh(&CORNERS, &TETRA.map(|[a, b, c]| [b, c, a]));
-        assert_eq!(
-            check_filled(&open, &turned, &[]),
-            Err(MeshError::FaceChanged { face: 0 })
-        );
+        let fault = check_filled(&open, &turned, &[]);
+        assert!(fault.is_err_and(|e| e.starts_with("face 0 of the input")));
         let mut wild = mesh(&CORNERS, &TETRA);
         wild.positions[3].y = f64::NAN;
-        assert!(matches!(
-            check_mesh(&wild),
-            Err(MeshError::NotFinite { vertex: 3, .. })
-        ));
+        assert!(check_mesh(&wild).is_err_and(|e| e.starts_with("vertex 3 is at")));
         let mut flat = CORNERS;
         flat[2] = [2., 0., 0.];
         let (open, closed) = (mesh(&flat, &TETRA[..3]), mesh(&flat, &TETRA));
-        assert_eq!(
-            check_filled(&open, &closed, &[]),
-            Err(MeshError::ZeroArea { face: 3 })
-        );
+        let fault = check_filled(&open, &closed, &[]);
+        assert!(fault.is_err_and(|e| e == "face 3 has no area"));
     }
 
     #[test]
     fn a_pillow_has_double_faces() {
         let pillow = Topology::from_triangles(3, &[[0, 1, 2], [2, 1, 0]]).expect("closed");
-        assert_eq!(check_topology(&pillow), Err(MeshError::DoubleFace(0, 1)));
+        let fault = check_topology(&pillow);
+        assert!(fault.is_err_and(|e| e == "faces 0 and 1 have the same vertices"));
     }
 }

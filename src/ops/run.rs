@@ -31,17 +31,6 @@ pub enum Outcome {
 
 impl Outcome {
     /// The new mesh.
-    pub fn mesh(&self) -> &Mesh {
-        match self {
-            Self::Filled(filled) => &filled.mesh,
-            Self::Refilled(refilled) => &refilled.filled.mesh,
-            Self::Refined(refined) => &refined.mesh,
-            Self::Erased(erased) => &erased.mesh,
-            Self::Changed(mesh) => mesh,
-        }
-    }
-
-    /// The new mesh.
     pub fn into_mesh(self) -> Mesh {
         match self {
             Self::Filled(filled) => filled.mesh,

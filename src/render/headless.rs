@@ -18,7 +18,6 @@ pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     renderer: Mutex<Renderer>,
-    name: String,
 }
 
 impl Gpu {
@@ -32,19 +31,12 @@ impl Gpu {
 
     /// Uses a device that is open already, such as the window's.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        let name = device.adapter_info().name;
         let renderer = Mutex::new(Renderer::new(&device, wgpu::TextureFormat::Rgba8Unorm));
         Self {
             device,
             queue,
             renderer,
-            name,
         }
-    }
-
-    /// Name of the adapter.
-    pub fn name(&self) -> &str {
-        &self.name
     }
 }
 

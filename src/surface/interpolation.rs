@@ -78,11 +78,6 @@ impl Interpolation {
         &self.held
     }
 
-    /// Whether a vertex is constrained.
-    pub fn constrains(&self, v: u32) -> bool {
-        self.place[v as usize] != NONE
-    }
-
     /// The target points, one for each constrained vertex.
     pub fn targets(&self) -> &[DVec3] {
         &self.target
@@ -266,7 +261,7 @@ mod tests {
             let mut random = SplitMix::new(5);
             let step: Vec<DVec3> = (0..n as u32)
                 .map(|v| {
-                    if map.constrains(v) {
+                    if held.contains(&v) {
                         DVec3::ZERO
                     } else {
                         random.direction()

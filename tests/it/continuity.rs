@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use meniscus::fill::{Continuity, Controls, Filled, GroupResult, fill_holes};
+use meniscus::fill::{Continuity, Controls, Filled, GroupResult, fill_rim_sets};
 use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, boundary_loops};
 use meniscus::shapes::{self, Hole, HoleShape, TriangleMesh};
 use meniscus::solver::{End, Mode, Scheme, sharpest_cosine};
@@ -24,12 +24,13 @@ fn creased(energy: &str, h0: f64) -> Controls {
 /// Fills the holes of a mesh that are no outer rims, or its last loop.
 fn fill(mesh: &Mesh, controls: &Controls) -> Filled {
     let loops = boundary_loops(mesh);
-    let mut holes: Vec<&BoundaryLoop> = loops.iter().filter(|l| !l.outer_rim).collect();
+    let inner = loops.iter().filter(|l| !l.outer_rim);
+    let mut holes: Vec<Vec<&BoundaryLoop>> = inner.map(|l| vec![l]).collect();
     if holes.is_empty() {
-        holes.extend(loops.last());
+        holes.extend(loops.last().map(|l| vec![l]));
     }
     let options = controls.options().expect("fine");
-    fill_holes(mesh, &holes, &options, &|_, _| true).expect("a mesh")
+    fill_rim_sets(mesh, &holes, &options, &|_, _| true).expect("a mesh")
 }
 
 fn group(filled: &Filled) -> &GroupResult {

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat};
 use meniscus::energy::Energy;
-use meniscus::fill::{FillOptions, fill_holes, flow_problem};
+use meniscus::fill::{FillOptions, fill_rim_sets, flow_problem};
 use meniscus::mesh::{DVec3, Mesh, boundary_loops};
 use meniscus::shapes::{self, Hole, HoleShape, TriangleMesh};
 use meniscus::solver::{End, Flow, FlowOptions, FlowProblem, Scheme};
@@ -125,7 +125,8 @@ fn two_densities_give_one_surface() {
     let error = |density: f64| {
         let mut options = FillOptions::default();
         options.patch.density = density;
-        let filled = fill_holes(&mesh, &[&loops[0]], &options, &|_, _| true).expect("fill");
+        let filled =
+            fill_rim_sets(&mesh, &[vec![&loops[0]]], &options, &|_, _| true).expect("fill");
         assert!(filled.complete());
         let new = &filled.mesh.positions[mesh.vertex_count()..];
         let sum: f64 = new.iter().map(|p| (p.length() - 1.0).powi(2)).sum();
@@ -151,7 +152,12 @@ fn same_bits_for_any_number_of_threads() {
             .build()
             .expect("threads");
         pool.install(|| {
-            let filled = fill_holes(&mesh, &[&loops[0]], &FillOptions::default(), &|_, _| true);
+            let filled = fill_rim_sets(
+                &mesh,
+                &[vec![&loops[0]]],
+                &FillOptions::default(),
+                &|_, _| true,
+            );
             filled.expect("fill").mesh.positions
         })
     };

@@ -178,7 +178,7 @@ fn changes_on_the_way_are_repeated_to_the_bit() {
     live.steps(2);
     assert!(live.fill.rewind_to(marked.serial));
     live.until(|_, events| events.iter().any(|e| matches!(e, Event::Rewound { .. })));
-    assert_eq!(live.latest().new_positions(), marked.new_positions());
+    assert_eq!(live.latest().positions(), marked.positions());
     assert!(Arc::ptr_eq(marked.topology(), live.latest().topology()));
     controls.scheme = Scheme::Normal;
     controls

@@ -1,6 +1,6 @@
 //! Random holes in random spheres and tori: every fill is sound.
 
-use meniscus::fill::{FillOptions, fill_holes};
+use meniscus::fill::{FillOptions, fill_rim_sets};
 use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, boundary_loops, check_filled, self_intersections};
 use meniscus::shapes::{self, Hole, HoleShape};
 use proptest::prelude::*;
@@ -19,12 +19,12 @@ fn fill_all(positions: Vec<DVec3>, triangles: &[[u32; 3]]) -> Result<(), TestCas
         .map_err(|e| TestCaseError::reject(e.to_string()))?;
     let loops = boundary_loops(&mesh);
     prop_assume!(!loops.is_empty());
-    let all: Vec<&BoundaryLoop> = loops.iter().collect();
-    let filled = fill_holes(&mesh, &all, &FillOptions::default(), &|_, _| true)
+    let all: Vec<Vec<&BoundaryLoop>> = loops.iter().map(|one| vec![one]).collect();
+    let filled = fill_rim_sets(&mesh, &all, &FillOptions::default(), &|_, _| true)
         .map_err(|e| TestCaseError::fail(e.to_string()))?;
     prop_assert!(filled.failed.is_empty(), "{:?}", filled.failed);
     prop_assert!(filled.complete(), "not converged");
-    check_filled(&mesh, &filled.mesh, &[]).map_err(|e| TestCaseError::fail(e.to_string()))?;
+    check_filled(&mesh, &filled.mesh, &[]).map_err(TestCaseError::fail)?;
     let faces: Vec<[u32; 3]> = filled.mesh.topology.triangles().collect();
     let cuts = self_intersections(&filled.mesh.positions, &faces, None, 1);
     prop_assert!(cuts.is_empty(), "faces {cuts:?} cut each other");

@@ -50,8 +50,6 @@ pub struct GroupStatus {
     pub holes: Vec<LoopId>,
     /// Hole radius: the largest of the group.
     pub radius: f64,
-    /// Vertices that move.
-    pub vertices: usize,
     /// Accepted steps.
     pub step: usize,
     /// Rejected steps.

@@ -39,7 +39,6 @@ impl GroupProgress {
             clock: 0,
             energy: run.flow().map_or(f64::NAN, |flow| flow.energy().value),
             residual: None,
-            tau: 0.0,
             worst_angle: run.worst_angle(context, &positions),
             positions: positions.into(),
             patches: Arc::clone(run.topology()),
@@ -157,7 +156,6 @@ impl GroupProgress {
                 clock: last.map_or(self.state.clock, |(_, clock)| *clock),
                 energy: self.run.flow().map_or(f64::NAN, |flow| flow.energy().value),
                 residual: last.map(|(r, _)| r.residual),
-                tau: last.map_or(0.0, |(r, _)| r.tau),
                 worst_angle: self.run.worst_angle(context, &positions),
                 positions: positions.into(),
                 patches: Arc::clone(patches),
@@ -202,7 +200,6 @@ impl GroupProgress {
         GroupStatus {
             holes,
             radius,
-            vertices: self.state.positions.len(),
             step: self.run.steps(),
             rejected: self.rejected,
             iterations: self.iterations,

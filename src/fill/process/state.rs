@@ -21,8 +21,6 @@ pub struct GroupState {
     pub energy: f64,
     /// Residual of the step; `None` before the first.
     pub residual: Option<f64>,
-    /// Time step of the step; 0 before the first.
-    pub tau: f64,
     /// Smallest angle of a triangle of the patches, in degrees.
     pub worst_angle: f64,
     pub(in crate::fill) patches: Arc<PatchTopology>,
@@ -39,16 +37,6 @@ pub struct FillState {
 }
 
 impl FillState {
-    /// Sum of the groups' energies.
-    pub fn energy(&self) -> f64 {
-        self.groups.iter().map(|g| g.energy).sum()
-    }
-
-    /// Smallest angle of a triangle of the groups' patches, in degrees; `None` without groups.
-    pub fn worst_angle(&self) -> Option<f64> {
-        self.groups.iter().map(|g| g.worst_angle).reduce(f64::min)
-    }
-
     /// Connectivity of the whole filled mesh, the given vertices and faces first. The same `Arc`
     /// while no triangulation changes.
     pub fn topology(&self) -> &Arc<Topology> {
@@ -58,12 +46,6 @@ impl FillState {
     /// Positions of all vertices of the filled mesh.
     pub fn positions(&self) -> Vec<DVec3> {
         self.assembly.positions(&self.given, self.group_positions())
-    }
-
-    /// Positions of the vertices that flow: all new ones in the order of the filled mesh, or those
-    /// of a fairing, ascending.
-    pub fn new_positions(&self) -> Vec<DVec3> {
-        self.assembly.flowing_positions(self.group_positions())
     }
 
     /// The patch faces, as a range of faces of the filled mesh.

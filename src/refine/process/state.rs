@@ -48,8 +48,6 @@ pub struct RefineState {
     pub energy: f64,
     /// Residual of the step; `None` at the start of a level.
     pub residual: Option<f64>,
-    /// Time step of the step; 0 at the start of a level.
-    pub tau: f64,
 }
 
 impl LevelFrame {
@@ -89,7 +87,6 @@ impl RefineState {
             control,
             energy: last.map_or(f64::NAN, |r| r.energy),
             residual: last.map(|r| r.residual),
-            tau: last.map_or(0.0, |r| r.tau),
         }
     }
 

@@ -162,11 +162,6 @@ impl MixedFlow {
         &self.evaluator.state.positions
     }
 
-    /// Number of scalar unknowns of the linear system.
-    pub fn dimension(&self) -> usize {
-        self.system.dimension()
-    }
-
     /// Attempts one step of time `tau`. A rejected step does not change the state. The reported
     /// displacement is the normal one, which changes the shape. A `tau` that is not a positive
     /// number is rejected.

@@ -228,7 +228,7 @@ fn product_and_whole_matrix_agree() {
     flow.assemble().expect("sphere");
     let mut position = Vec::new();
     flow.system.position_block(1e-3, &mut position);
-    let v = numbers(flow.dimension());
+    let v = numbers(flow.system.dimension());
     let mut y = vec![0.0; v.len()];
     flow.system.multiply(&position, &v, &mut y);
     for (i, j, a) in flow.system.to_csc(&position).triplet_iter() {
