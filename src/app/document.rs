@@ -14,6 +14,12 @@ use crate::mesh::{BoundaryLoop, DVec3, LoadReport, LoopId, Mesh, Topology, bound
 use crate::ops::Operation;
 use crate::render::Bounds;
 
+/// The name of a file without its folders.
+pub fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
 /// The origin of a document's mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
@@ -41,10 +47,6 @@ pub struct Origin {
 impl Origin {
     /// Name for titles and messages.
     pub fn name(&self) -> String {
-        let file_name = |p: &Path| {
-            p.file_name()
-                .map_or_else(|| p.display().to_string(), |n| n.to_string_lossy().into())
-        };
         match &self.source {
             Source::File(path) => file_name(path),
             Source::Sample(name) => format!("sample {name}"),

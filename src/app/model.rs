@@ -10,7 +10,7 @@ use super::display::DisplayWorker;
 use super::document::{Document, Source};
 use super::faces::FaceEdit;
 use super::history::History;
-use super::jobs::{Job, Wake};
+use super::jobs::{Job, Reporter, Wake};
 use super::log::Log;
 use super::project::Project;
 use super::report::Report;
@@ -166,6 +166,15 @@ impl Model {
             document,
             wake,
         }
+    }
+
+    /// Starts a background job.
+    pub fn spawn(
+        &mut self,
+        what: impl Into<String>,
+        work: impl FnOnce(&Reporter) -> Done + Send + 'static,
+    ) {
+        self.jobs.push(Job::spawn(what, &self.wake, work));
     }
 
     /// Whether there are unsaved changes.

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::document::{AppliedOperation, Document, Source};
+use super::document::{AppliedOperation, Document, Source, file_name};
 use super::report::ReportView;
 use super::view_state::ViewState;
 use crate::fill::Controls;
@@ -215,10 +215,7 @@ pub fn rewrite_project(text: &str) -> Result<String, String> {
 
 /// The name of the mesh of a project file, for lists; the name of the file if it has none.
 pub fn title(path: &Path) -> String {
-    let own = || {
-        path.file_name()
-            .map_or_else(String::new, |n| n.to_string_lossy().into_owned())
-    };
+    let own = || file_name(path);
     let mut head = String::new();
     let Ok(file) = std::fs::File::open(path) else {
         return own();
@@ -231,8 +228,7 @@ pub fn title(path: &Path) -> String {
     head.lines()
         .find_map(|line| {
             if line.starts_with("mesh = ") {
-                let path = PathBuf::from(value(line)?);
-                Some(path.file_name()?.to_string_lossy().into_owned())
+                Some(file_name(Path::new(&value(line)?)))
             } else if line.starts_with("sample = ") {
                 Some(format!("sample {}", value(line)?))
             } else {

@@ -5,6 +5,7 @@ use eframe::egui::{self, Button, Ui};
 use crate::app::action::{
     Action, EditAction, FileAction, PictureAction, SelectAction, Switch, ViewAction,
 };
+use crate::app::document::file_name;
 use crate::app::model::Model;
 use crate::app::report::{Across, Pick, ReportAction};
 use crate::app::shortcuts::key_text;
@@ -97,12 +98,8 @@ fn file_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             ui.weak("nothing opened yet");
         }
         for path in &model.settings.recent {
-            let name = path.file_name().map_or_else(
-                || path.display().to_string(),
-                |n| n.to_string_lossy().into_owned(),
-            );
             if ui
-                .button(name)
+                .button(file_name(path))
                 .on_hover_text(path.display().to_string())
                 .clicked()
             {

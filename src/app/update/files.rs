@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::{report, report_files};
@@ -11,7 +10,6 @@ use crate::app::autosave;
 use crate::app::display::DisplayWorker;
 use crate::app::document::{Document, Source};
 use crate::app::history::History;
-use crate::app::jobs::Job;
 use crate::app::model::{Done, Effect, Loaded, Model, SavedWhat};
 use crate::app::project;
 use crate::app::repeat;
@@ -102,39 +100,37 @@ fn resume(model: &mut Model, next: AfterUnsaved) {
 pub(super) fn ask(model: &mut Model, purpose: PathUse) {
     let start = model.source_path();
     let name = suggestion(model, purpose);
-    model
-        .jobs
-        .push(Job::spawn("file dialog", &model.wake, move |_| {
-            let asked = Instant::now();
-            let mut dialog = rfd::FileDialog::new();
-            if let Some(folder) = start.as_ref().and_then(|p| p.parent()) {
-                dialog = dialog.set_directory(folder);
-            }
-            let meshes = ["obj", "ply", "stl"];
-            let path = match purpose {
-                PathUse::Open => dialog
-                    .add_filter(
-                        "Meshes and projects",
-                        &["obj", "ply", "stl", project::EXTENSION],
-                    )
-                    .pick_file(),
-                PathUse::SaveAs => dialog
-                    .add_filter("Meshes", &meshes)
-                    .add_filter("Project", &[project::EXTENSION])
-                    .set_file_name(name)
-                    .save_file(),
-                PathUse::ExportPatch => dialog
-                    .add_filter("Meshes", &meshes)
-                    .set_file_name(name)
-                    .save_file(),
-                PathUse::Reference => dialog.add_filter("Meshes", &meshes).pick_file(),
-                PathUse::Report(file) => dialog
-                    .add_filter("Report", &[file.extension()])
-                    .set_file_name(name)
-                    .save_file(),
-            };
-            Done::PathChosen(purpose, path, asked.elapsed())
-        }));
+    model.spawn("file dialog", move |_| {
+        let asked = Instant::now();
+        let mut dialog = rfd::FileDialog::new();
+        if let Some(folder) = start.as_ref().and_then(|p| p.parent()) {
+            dialog = dialog.set_directory(folder);
+        }
+        let meshes = ["obj", "ply", "stl"];
+        let path = match purpose {
+            PathUse::Open => dialog
+                .add_filter(
+                    "Meshes and projects",
+                    &["obj", "ply", "stl", project::EXTENSION],
+                )
+                .pick_file(),
+            PathUse::SaveAs => dialog
+                .add_filter("Meshes", &meshes)
+                .add_filter("Project", &[project::EXTENSION])
+                .set_file_name(name)
+                .save_file(),
+            PathUse::ExportPatch => dialog
+                .add_filter("Meshes", &meshes)
+                .set_file_name(name)
+                .save_file(),
+            PathUse::Reference => dialog.add_filter("Meshes", &meshes).pick_file(),
+            PathUse::Report(file) => dialog
+                .add_filter("Report", &[file.extension()])
+                .set_file_name(name)
+                .save_file(),
+        };
+        Done::PathChosen(purpose, path, asked.elapsed())
+    });
 }
 
 fn suggestion(model: &Model, purpose: PathUse) -> String {
@@ -306,40 +302,34 @@ fn announce(model: &mut Model) {
 
 /// Makes a sample in the background; some take a third of a second.
 fn sample(model: &mut Model, name: String) {
-    model.jobs.push(Job::spawn(
-        format!("sample {name}"),
-        &model.wake,
-        move |_| {
-            let path = PathBuf::from(&name);
-            let made = project::sample_of(&name)
-                .map(|opened| Loaded::Mesh(Box::new(Document::new(opened, Source::Sample(name)))));
-            Done::Loaded(path, made)
-        },
-    ));
+    model.spawn(format!("sample {name}"), move |_| {
+        let path = PathBuf::from(&name);
+        let made = project::sample_of(&name)
+            .map(|opened| Loaded::Mesh(Box::new(Document::new(opened, Source::Sample(name)))));
+        Done::Loaded(path, made)
+    });
+}
+
+fn is_project(path: &Path) -> bool {
+    let extension = path.extension();
+    extension.is_some_and(|e| e.eq_ignore_ascii_case(project::EXTENSION))
 }
 
 fn load(model: &mut Model, path: PathBuf) {
-    model.jobs.push(Job::spawn(
-        format!("opening {}", path.display()),
-        &model.wake,
-        move |_| {
-            let is_project = path
-                .extension()
-                .is_some_and(|e| e.eq_ignore_ascii_case(project::EXTENSION));
-            let result = if is_project {
-                project::read(&path)
-                    .map(|(document, head)| Loaded::Project(Box::new(document), Box::new(head)))
-            } else {
-                io::open(&path)
-                    .map(|opened| {
-                        let source = Source::File(path.clone());
-                        Loaded::Mesh(Box::new(Document::new(opened, source)))
-                    })
-                    .map_err(|e| e.to_string())
-            };
-            Done::Loaded(path, result)
-        },
-    ));
+    model.spawn(format!("opening {}", path.display()), move |_| {
+        let result = if is_project(&path) {
+            project::read(&path)
+                .map(|(document, head)| Loaded::Project(Box::new(document), Box::new(head)))
+        } else {
+            io::open(&path)
+                .map(|opened| {
+                    let source = Source::File(path.clone());
+                    Loaded::Mesh(Box::new(Document::new(opened, source)))
+                })
+                .map_err(|e| e.to_string())
+        };
+        Done::Loaded(path, result)
+    });
 }
 
 /// Whether writing there would destroy the opened file.
@@ -349,14 +339,34 @@ pub(super) fn is_source(model: &Model, path: &Path) -> bool {
         .is_some_and(|source| io::same_file(&source, path))
 }
 
-fn save(model: &mut Model, path: &Path) {
-    let path = path.to_owned();
-    if is_source(model, &path) {
+/// The same; if so, it is reported and nothing follows the save.
+fn refuses_source(model: &mut Model, path: &Path) -> bool {
+    let refused = is_source(model, path);
+    if refused {
         model.after_save = None;
         model.log.error(format!(
             "{} is the file that was opened; it is never overwritten: choose another name",
             path.display()
         ));
+    }
+    refused
+}
+
+/// Writes a file in the background. `write` returns what the format cannot keep.
+pub(super) fn save_as(
+    model: &mut Model,
+    path: PathBuf,
+    what: SavedWhat,
+    write: impl FnOnce(&Path) -> Result<Vec<String>, String> + Send + 'static,
+) {
+    model.spawn(format!("saving {}", path.display()), move |_| {
+        let result = write(&path);
+        Done::Saved(path, what, result)
+    });
+}
+
+fn save(model: &mut Model, path: &Path) {
+    if refuses_source(model, path) {
         return;
     }
     if model.run.is_some() {
@@ -364,51 +374,33 @@ fn save(model: &mut Model, path: &Path) {
             .log
             .warning("the patch was not accepted yet and is not in the saved file");
     }
-    let revision = model.revision;
-    let document = model.document.clone();
-    let is_project = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case(project::EXTENSION));
+    let (document, view) = (model.document.clone(), model.view.clone());
+    let is_project = is_project(path);
     let what = if is_project {
-        SavedWhat::Project(revision)
+        SavedWhat::Project(model.revision)
     } else {
-        SavedWhat::Mesh(revision)
+        SavedWhat::Mesh(model.revision)
     };
-    let view = model.view.clone();
-    model.jobs.push(Job::spawn(
-        format!("saving {}", path.display()),
-        &model.wake,
-        move |_| {
-            let result = if is_project {
-                let folder = path.parent().unwrap_or(Path::new("."));
-                io::save_text(&path, &project::write(&document, &view, folder)).map(|()| Vec::new())
-            } else {
-                io::save_mesh(&path, &document.mesh, &document.origin.material_libraries)
-            };
-            Done::Saved(path, what, result.map_err(|e| e.to_string()))
-        },
-    ));
+    save_as(model, path.to_owned(), what, move |path| {
+        let result = if is_project {
+            let folder = path.parent().unwrap_or(Path::new("."));
+            io::save_text(path, &project::write(&document, &view, folder)).map(|()| Vec::new())
+        } else {
+            io::save_mesh(path, &document.mesh, &document.origin.material_libraries)
+        };
+        result.map_err(|e| e.to_string())
+    });
 }
 
 fn export_patch(model: &mut Model, path: PathBuf) {
-    if is_source(model, &path) {
-        model.log.error(format!(
-            "{} is the file that was opened; it is never overwritten: choose another name",
-            path.display()
-        ));
+    if refuses_source(model, &path) {
         return;
     }
     let Some(patches) = model.document.patches() else {
         model.log.info("there is no patch yet: fill a hole first");
         return;
     };
-    let patches = Arc::new(patches);
-    model.jobs.push(Job::spawn(
-        format!("saving {}", path.display()),
-        &model.wake,
-        move |_| {
-            let result = io::save_mesh(&path, &patches, &[]).map_err(|e| e.to_string());
-            Done::Saved(path, SavedWhat::Patch, result)
-        },
-    ));
+    save_as(model, path, SavedWhat::Patch, move |path| {
+        io::save_mesh(path, &patches, &[]).map_err(|e| e.to_string())
+    });
 }

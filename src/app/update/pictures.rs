@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::app::action::PictureAction;
 use crate::app::display::{DisplayWorker, Request};
-use crate::app::jobs::{Job, Reporter};
+use crate::app::jobs::Reporter;
 use crate::app::model::{Done, Effect, Model};
 use crate::app::run::RunState;
 use crate::app::scene_builder;
@@ -79,12 +79,10 @@ fn copy(model: &mut Model) {
     let [width, height] = model.view.viewport_px.map(|x| (x.max(1.0) as u32).max(1));
     let scene = scene_builder::scene(model, 0);
     let (camera, style) = (model.view.camera, model.view.style);
-    model
-        .jobs
-        .push(Job::spawn("picture", &model.wake, move |_| {
-            let result = picture(&gpu, &scene, &camera, &style, width, height, false);
-            Done::Picture(result.map(Arc::new).map_err(|e| e.to_string()))
-        }));
+    model.spawn("picture", move |_| {
+        let result = picture(&gpu, &scene, &camera, &style, width, height, false);
+        Done::Picture(result.map(Arc::new).map_err(|e| e.to_string()))
+    });
 }
 
 fn make(model: &mut Model, settings: &PictureSettings) {
@@ -117,16 +115,14 @@ fn make(model: &mut Model, settings: &PictureSettings) {
     let request = model.displays[0].asked().cloned();
     model.view.modal = Modal::None;
     let what = format!("{WRITING}: {}", settings.path);
-    model
-        .jobs
-        .push(Job::spawn(what, &model.wake, move |reporter| {
-            let result = match job.settings.kind {
-                PictureKind::Still => job.still(&scene),
-                PictureKind::Turntable => job.turntable(&scene, reporter),
-                PictureKind::Flow => job.flow(&scene, request, &states, reporter),
-            };
-            Done::Pictures(result.map_err(|e| e.to_string()))
-        }));
+    model.spawn(what, move |reporter| {
+        let result = match job.settings.kind {
+            PictureKind::Still => job.still(&scene),
+            PictureKind::Turntable => job.turntable(&scene, reporter),
+            PictureKind::Flow => job.flow(&scene, request, &states, reporter),
+        };
+        Done::Pictures(result.map_err(|e| e.to_string()))
+    });
 }
 
 /// Everything that drawing a picture in the background needs.

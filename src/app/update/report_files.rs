@@ -1,13 +1,13 @@
 //! The report as text: to the clipboard and to files.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::files::is_source;
+use super::files::{is_source, save_as};
 use super::report::vertices;
 use crate::analysis::{Section, measures_csv, report_json, sections_csv, vertices_csv};
 use crate::app::jobs::Job;
-use crate::app::model::{Done, Model, SavedWhat};
+use crate::app::model::{Model, SavedWhat};
 use crate::app::report::{Measured, ReportFile};
 use crate::io;
 use crate::mesh::LoadReport;
@@ -78,11 +78,9 @@ pub(super) fn copy(model: &mut Model, file: ReportFile) {
 
 /// Writes a report.
 pub(super) fn save(model: &mut Model, file: ReportFile, path: PathBuf) {
-    let is_reference = |p: &Path| {
-        let reference = model.view.report.reference.as_ref();
-        reference.is_some_and(|r| io::same_file(r, p))
-    };
-    if is_source(model, &path) || is_reference(&path) {
+    let reference = model.view.report.reference.as_ref();
+    let is_reference = reference.is_some_and(|r| io::same_file(r, &path));
+    if is_source(model, &path) || is_reference {
         model.log.error(format!(
             "{} is a mesh that is open; it is never overwritten: choose another name",
             path.display()
@@ -92,12 +90,9 @@ pub(super) fn save(model: &mut Model, file: ReportFile, path: PathBuf) {
     let Some(sheet) = Sheet::new(model, file) else {
         return;
     };
-    let what = format!("saving {}", path.display());
-    model.jobs.push(Job::spawn(what, &model.wake, move |_| {
-        let result = sheet
-            .text()
-            .and_then(|text| io::save_text(&path, &text).map_err(|e| e.to_string()))
-            .map(|()| Vec::new());
-        Done::Saved(path, SavedWhat::Report, result)
-    }));
+    save_as(model, path, SavedWhat::Report, move |path| {
+        let text = sheet.text()?;
+        io::save_text(path, &text).map_err(|e| e.to_string())?;
+        Ok(Vec::new())
+    });
 }

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use super::refuse_while_running;
 use crate::app::action::{SelectAction, SelectHow, TaskAction};
 use crate::app::faces::{FaceEdit, Lasso, edited, faces_in_lasso};
-use crate::app::jobs::Job;
 use crate::app::model::{Done, Model};
 use crate::app::view_state::Task;
 use crate::fill::LoopChoice;
@@ -133,9 +132,9 @@ fn faces(model: &mut Model, edit: FaceEdit) {
 /// Finds the faces in a lasso in the background.
 fn start_lasso(model: &mut Model, lasso: Lasso, take: bool) {
     if let Some((mesh, picker)) = model.picker.clone() {
-        model.jobs.push(Job::spawn("lasso", &model.wake, move |_| {
+        model.spawn("lasso", move |_| {
             let faces = faces_in_lasso(&mesh, &picker, &lasso);
             Done::Lasso(FaceEdit::LassoResult { mesh, faces, take })
-        }));
+        });
     }
 }

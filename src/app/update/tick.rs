@@ -7,7 +7,6 @@ use super::{files, report, select};
 use crate::app::action::SelectAction;
 use crate::app::cached::SharedKey;
 use crate::app::display::Request;
-use crate::app::jobs::Job;
 use crate::app::model::{CreaseKey, Done, Effect, Model};
 use crate::app::run::RunVariant;
 use crate::app::view_state::Task;
@@ -107,12 +106,10 @@ fn request_picker(model: &mut Model) {
     }
     model.picker_asked = Some(Arc::clone(&mesh));
     let loops = Arc::clone(&model.document.loops);
-    model
-        .jobs
-        .push(Job::spawn("picking", &model.wake, move |_| {
-            let picker = Picker::new(&mesh.positions, &mesh.topology, &loops);
-            Done::Picker(mesh, Arc::new(picker))
-        }));
+    model.spawn("picking", move |_| {
+        let picker = Picker::new(&mesh.positions, &mesh.topology, &loops);
+        Done::Picker(mesh, Arc::new(picker))
+    });
 }
 
 /// What has to be drawn of the document, or of a side of the run.

@@ -5,6 +5,7 @@ use egui_plot::{Bar, BarChart, Plot};
 
 use super::{grid, place, row};
 use crate::app::action::{Action, ViewAction};
+use crate::app::document::file_name;
 use crate::app::model::Model;
 use crate::app::report::{Measured, ReportAction};
 use crate::app::ui::format::format_number;
@@ -289,11 +290,4 @@ pub(crate) fn distance_ui(
             ui.label(format_number(d.max));
             ui.end_row();
         });
-}
-
-fn file_name(path: &std::path::Path) -> String {
-    path.file_name().map_or_else(
-        || path.display().to_string(),
-        |n| n.to_string_lossy().into_owned(),
-    )
 }
