@@ -16,7 +16,7 @@ use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
 use crate::ops::Operation;
 use crate::runner::RunSettings;
 use crate::solver::{RejectReason, StepRecord};
-pub use handle::{RunEvent, RunHandle, RunState, StateView, same_state};
+pub use handle::{RunEvent, RunHandle, RunState, StateView, state_key};
 pub use refinement::method_name;
 
 /// Maximum size of each timeline, bytes.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::{Display, Request, same_list};
+use crate::app::cached::Cached;
 use crate::app::report::Reference;
 use crate::app::run::RunState;
 use crate::app::seam::seam;
@@ -22,7 +23,7 @@ const SINGLE: f64 = 1e-5;
 #[derive(Default)]
 pub(super) struct DisplayBuilder {
     split: Option<Split>,
-    still: Option<(StillKey, Arc<Geometry>)>,
+    still: Cached<StillKey, Arc<Geometry>>,
     /// The mesh that the distances in `still` refer to.
     reference: Option<Arc<Reference>>,
     /// The last answer and what it was asked for.
@@ -108,12 +109,12 @@ impl DisplayBuilder {
         });
         if !fits {
             self.split = Some(Split::new(key, request));
-            self.still = None;
+            self.still = Cached::default();
         }
         let reference = request.reference.as_ref();
         if self.reference.as_ref().map(Arc::as_ptr) != reference.map(Arc::as_ptr) {
             self.reference = reference.cloned();
-            self.still = None;
+            self.still = Cached::default();
         }
         let distance = reference.map(|r| |p: DVec3| r.signed_distance(p));
         let distance = distance
@@ -141,27 +142,20 @@ impl DisplayBuilder {
                 limit,
                 centre: request.centre,
             };
-            let still = match &self.still {
-                Some((k, geometry)) if *k == key => Arc::clone(geometry),
-                _ => {
-                    let options = SurfaceOptions {
-                        samples_per_edge: Some(1),
-                        ..SurfaceOptions::default()
-                    };
-                    let still = DynamicSurface::new(topology, &split.still, &options);
-                    Arc::new(still.evaluate_with(
-                        &positions,
-                        &Evaluation {
-                            centre: request.centre,
-                            limit,
-                            distance,
-                            ..Evaluation::default()
-                        },
-                    ))
-                }
-            };
-            self.still = Some((key, Arc::clone(&still)));
-            surfaces.push(still);
+            surfaces.push(self.still.get(key, || {
+                let options = SurfaceOptions {
+                    samples_per_edge: Some(1),
+                    ..SurfaceOptions::default()
+                };
+                let still = DynamicSurface::new(topology, &split.still, &options);
+                let evaluation = Evaluation {
+                    centre: request.centre,
+                    limit,
+                    distance,
+                    ..Evaluation::default()
+                };
+                Arc::new(still.evaluate_with(&positions, &evaluation))
+            }));
         }
         let posed_at = request.energy.as_ref().map(|(energy, radius)| {
             let radius = *radius;

@@ -7,7 +7,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use super::jobs::Wake;
 use super::report::Reference;
-use super::run::{RunState, same_state};
+use super::run::{RunState, state_key};
 use super::seam::Seam;
 use crate::energy::{Energy, WellPosedScan};
 use crate::mesh::{DVec3, Mesh, VertexId};
@@ -53,34 +53,18 @@ impl Request {
 
     /// Whether both give the same display except for the selected faces.
     fn same_surfaces(&self, other: &Self) -> bool {
-        let same = |a: &Option<RunState>, b: &Option<RunState>| match (a, b) {
-            (Some(a), Some(b)) => same_state(a, b),
-            (None, None) => true,
-            _ => false,
-        };
-        let same_energy = match (&self.energy, &other.energy) {
-            (Some((a, r)), Some((b, s))) => {
-                r == s && a.text() == b.text() && a.params() == b.params()
-            }
-            (None, None) => true,
-            _ => false,
-        };
-        let same_reference = match (&self.reference, &other.reference) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
-        };
+        let states = |r: &Self| [&r.state, &r.start].map(|s| state_key(s.as_ref()));
+        let reference = |r: &Self| r.reference.as_ref().map(Arc::as_ptr);
         Arc::ptr_eq(&self.mesh, &other.mesh)
-            && same_reference
-            && same(&self.state, &other.state)
-            && same(&self.start, &other.start)
+            && reference(self) == reference(other)
+            && states(self) == states(other)
             && Arc::ptr_eq(&self.creases, &other.creases)
             && self.first_patch_face == other.first_patch_face
             && same_list(&self.faired, &other.faired)
             && self.limit == other.limit
             && self.original == other.original
             && self.centre == other.centre
-            && same_energy
+            && self.energy == other.energy
     }
 }
 

@@ -6,7 +6,6 @@ mod subject;
 mod tests;
 mod view;
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -79,13 +78,9 @@ pub struct MeasureRequest {
 impl MeasureRequest {
     /// Whether both measure the same of one mesh, at the same or another state of a run.
     pub fn same_but_state(&self, other: &Self) -> bool {
-        type Key<'a> = (bool, Option<(&'a str, &'a BTreeMap<String, f64>)>);
-        fn key(r: &MeasureRequest) -> Key<'_> {
-            let energy = r.energy.as_ref().map(|e| (e.text(), e.params()));
-            (r.on_surface, energy)
-        }
         self.subject.same_but_state(&other.subject)
-            && key(self) == key(other)
+            && self.on_surface == other.on_surface
+            && self.energy == other.energy
             && self.sharp == other.sharp
             && self.chains == other.chains
             && self.reference.as_ref().map(Arc::as_ptr) == other.reference.as_ref().map(Arc::as_ptr)

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::analysis::{EdgeChain, patch_rims, sharp_edges};
 use crate::app::chains::{Chain, Places};
 use crate::app::document::{Document, left_of};
-use crate::app::run::{Run, RunState, same_state};
+use crate::app::run::{Run, RunState, state_key};
 use crate::fill::{Continuity, Controls};
 use crate::mesh::{BoundaryLoop, LoopId, Mesh, VertexId, boundary_loops};
 use crate::ops::Operation;
@@ -46,12 +46,8 @@ impl Subject {
 
     /// Whether both are the same.
     pub fn same(&self, other: &Self) -> bool {
-        let states = match (&self.state, &other.state) {
-            (Some(a), Some(b)) => same_state(a, b),
-            (None, None) => true,
-            _ => false,
-        };
-        states && self.same_but_state(other)
+        let same_state = state_key(self.state.as_ref()) == state_key(other.state.as_ref());
+        same_state && self.same_but_state(other)
     }
 
     /// A description.

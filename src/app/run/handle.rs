@@ -108,9 +108,9 @@ pub trait StateView: Any + Debug + Send + Sync {
     fn attempt(&self) -> usize;
 }
 
-/// Whether both are the same state.
-pub fn same_state(a: &RunState, b: &RunState) -> bool {
-    std::ptr::addr_eq(Arc::as_ptr(a), Arc::as_ptr(b))
+/// Equal where both are the same state, or none.
+pub fn state_key(state: Option<&RunState>) -> Option<*const ()> {
+    state.map(|state| Arc::as_ptr(state).cast())
 }
 
 /// What a run reports, as far as the window needs it.
