@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use meniscus::mesh::Mesh;
-use meniscus::refine::{self, LevelReport, RefineEvent, RefineOptions, natural_flow};
+use meniscus::refine::{self, LevelReport, RefineControls, RefineEvent};
 use meniscus::runner::Recording;
 use meniscus::shapes::icosphere;
 
@@ -27,13 +27,17 @@ fn bumpy_sphere() -> Arc<Mesh> {
 /// Refines with the defaults of the command, for [`LEVELS`] levels, but omits those after `last`.
 /// The planned number of levels determines how many quadrature points the first level has.
 fn refine(mesh: &Arc<Mesh>, last: usize) -> Vec<LevelReport> {
-    let (energy, tension) = natural_flow(mesh);
-    let mut options = RefineOptions::new(energy);
-    options.levels = LEVELS;
-    options.flow.tension = tension;
-    options.flow.max_steps = 400;
+    let controls = RefineControls {
+        levels: LEVELS,
+        ..RefineControls::default()
+    };
     let mut go_on = |event| !matches!(event, RefineEvent::LevelDone(l) if l.level >= last);
-    let refined = refine::refine(Arc::clone(mesh), options, &Recording::default(), &mut go_on);
+    let refined = refine::refine(
+        Arc::clone(mesh),
+        controls.into(),
+        &Recording::default(),
+        &mut go_on,
+    );
     refined.expect("refined").0.levels
 }
 

@@ -4,17 +4,19 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use meniscus::energy::{Energy, Preset};
 use meniscus::mesh::Mesh;
-use meniscus::refine::{self, RefineEvent, RefineOptions};
+use meniscus::refine::{self, RefineControls, RefineEvent};
 use meniscus::runner::Recording;
 use meniscus::shapes::icosphere;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (positions, triangles) = icosphere(1);
     let coarse = Arc::new(Mesh::from_triangles(positions, &triangles)?);
-    let mut options = RefineOptions::new(Energy::preset(Preset::H2));
-    options.levels = 2;
+    let controls = RefineControls {
+        levels: 2,
+        energy: Some("H^2".into()),
+        ..RefineControls::default()
+    };
     let print = &mut |event| {
         if let RefineEvent::LevelDone(level) = event {
             println!(
@@ -24,7 +26,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         true
     };
-    let (refined, _) = refine::refine(Arc::clone(&coarse), options, &Recording::default(), print)?;
+    let (refined, _) = refine::refine(
+        Arc::clone(&coarse),
+        controls.into(),
+        &Recording::default(),
+        print,
+    )?;
     let given = coarse.vertex_count();
     assert_eq!(refined.mesh.positions[..given], coarse.positions);
     let radii = refined.mesh.positions.iter().map(|p| p.length());

@@ -140,7 +140,7 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     };
     let options = spec.options(&opened.mesh)?;
     let recording = spec.schedule.recording(&spec.controls)?;
-    let flow = options.flow.clone();
+    let flow = spec.controls.flow(&opened.mesh)?;
     let start = Instant::now();
     let progress = Progress::new(Work::Refinement, args.files.quiet);
     let mut trace = Trace::new("level");

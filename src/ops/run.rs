@@ -206,15 +206,15 @@ impl RefineSpec {
     /// The options of the refinement of a mesh.
     ///
     /// # Errors
-    /// Invalid options, or a face that does not exist.
+    /// A face that does not exist.
     pub fn options(&self, mesh: &Mesh) -> Result<RefineOptions, OperationError> {
-        let mut options = self.controls.options(mesh)?;
         let edges = self.creases.iter().flat_map(|c| c.windows(2));
-        options.creases = edges.map(|e| [e[0], e[1]]).collect();
-        if !self.faces.is_empty() {
-            options.region = Some(flags(mesh, &self.faces)?);
-        }
-        Ok(options)
+        let some = !self.faces.is_empty();
+        Ok(RefineOptions {
+            controls: self.controls.clone(),
+            creases: edges.map(|e| [e[0], e[1]]).collect(),
+            region: some.then(|| flags(mesh, &self.faces)).transpose()?,
+        })
     }
 
     fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Refined, OperationError> {

@@ -26,7 +26,7 @@ use crate::solver::SolverError;
 pub fn crease_edges(mesh: &Mesh, options: &RefineOptions) -> Result<Vec<bool>, RefineError> {
     let topology = &mesh.topology;
     let edges = topology.edges();
-    let mut flags: Vec<bool> = match options.crease_angle {
+    let mut flags: Vec<bool> = match options.controls.crease_angle.map(f64::to_radians) {
         Some(angle) => edges
             .map(|h| dihedral_angle(&mesh.positions, topology, h) > angle)
             .collect(),
@@ -168,8 +168,8 @@ impl Features {
             topology,
             &mesh.positions,
             &creases,
-            options.boundary,
-            options.corner_angle,
+            options.controls.boundary,
+            options.controls.corner_angle.to_radians(),
         );
         let (mut cut, mut weld, mut corners) = (topology.clone(), None, Vec::new());
         if creases.contains(&true) {

@@ -10,7 +10,7 @@ use crate::mesh::{DVec3, Mesh, Split, Topology, VertexId};
 use crate::refine::creases::{Features, Weld};
 use crate::refine::level_flow::LevelFlow;
 use crate::refine::measures::{radius, surface_energy};
-use crate::refine::options::{Hold, Method, RefineError, RefineOptions};
+use crate::refine::options::{Hold, Method, RefineControls, RefineError, RefineOptions};
 use crate::refine::progress::{LevelReport, RefineEvent};
 use crate::refine::refined::{Refined, refined_mesh};
 use crate::refine::region::{Region, nested_step};
@@ -27,7 +27,8 @@ pub(super) use restore::{SavedLevel, SavedState};
 /// The first `given` vertices are the input vertices and the copies of them that the cut made.
 /// Their positions stay bit-identical, except with Loop's scheme.
 pub struct Refinement {
-    options: RefineOptions,
+    controls: RefineControls,
+    flow: FlowOptions,
     given: usize,
     radius: f64,
     level: usize,
@@ -56,15 +57,13 @@ impl Refinement {
         if mesh.face_count() == 0 {
             return Err(RefineError::NoFaces);
         }
+        let flow = options.controls.flow(&mesh)?;
         let (topology, features) = Features::new(&mesh, &options)?;
         let points = features.opened(&mesh.positions);
         let mut control = points.clone();
         // a region of all faces is equivalent to no region
-        let region = options
-            .region
-            .clone()
-            .filter(|faces| faces.contains(&false));
-        if region.is_some() && options.method == Method::Pde {
+        let region = options.region.filter(|faces| faces.contains(&false));
+        if region.is_some() && options.controls.method == Method::Pde {
             // the surface outside the region does not change; like the one inside, it interpolates
             // its vertices
             let used = |&v: &VertexId| topology.has_faces(v);
@@ -86,7 +85,8 @@ impl Refinement {
             current: None,
             levels: Vec::new(),
             is_cancelled: false,
-            options,
+            controls: options.controls,
+            flow,
             input: mesh,
         })
     }
@@ -148,32 +148,36 @@ impl Refinement {
         &self.levels
     }
 
-    /// The current options.
-    pub fn options(&self) -> &RefineOptions {
-        &self.options
+    /// The method.
+    pub fn method(&self) -> Method {
+        self.controls.method
+    }
+
+    /// Planned number of levels.
+    pub fn planned_levels(&self) -> usize {
+        self.controls.levels
     }
 
     /// Whether nothing is left to do.
     pub fn is_finished(&self) -> bool {
-        self.current.is_none() && (self.is_cancelled || self.level >= self.options.levels)
+        self.current.is_none() && (self.is_cancelled || self.level >= self.controls.levels)
     }
 
-    /// Changes energy, mode, τ or steps. The current level continues from its current shape.
+    /// Changes energy, mode, τ, steps or the number of levels. The current level continues from its
+    /// current shape, and finished levels stay.
     ///
     /// # Errors
-    /// Invalid options; the old options stay in force.
-    pub fn set_flow(&mut self, flow: FlowOptions) -> Result<(), RefineError> {
-        flow.validate()?;
-        if let Some(running) = &mut self.current {
-            running.set_options(&flow)?;
+    /// Invalid controls; the old ones stay in force.
+    pub fn set_controls(&mut self, controls: &RefineControls) -> Result<(), RefineError> {
+        let flow = controls.flow(&self.input)?;
+        if flow != self.flow {
+            if let Some(running) = &mut self.current {
+                running.set_options(&flow)?;
+            }
+            self.flow = flow;
         }
-        self.options.flow = flow;
+        self.controls.levels = controls.levels;
         Ok(())
-    }
-
-    /// Changes the number of levels; finished levels stay.
-    pub fn set_levels(&mut self, levels: usize) {
-        self.options.levels = levels;
     }
 
     /// Performs one action: starts a level, attempts a step of its flow, or finishes it. Returns
@@ -225,7 +229,7 @@ impl Refinement {
         let count = split.vertex_count(&old);
         let new = Topology::from_triangles(count, &split.triangles).map_err(SolverError::from)?;
         self.inherit(&old, &split);
-        if self.options.method == Method::Pde {
+        if self.controls.method == Method::Pde {
             self.control = nested_step(&old, &self.control, &split, &[], self.region.as_ref());
         } else {
             self.by_scheme(&old, &split);
@@ -235,7 +239,7 @@ impl Refinement {
         if let Some(region) = &mut self.region {
             region.descend(self.features.whole(&self.topology), &split);
         }
-        if self.options.method != Method::Pde {
+        if self.controls.method != Method::Pde {
             self.levels.push(self.scheme_report(start));
             return Ok(());
         }
@@ -253,8 +257,8 @@ impl Refinement {
         } else {
             (problem.with_constraints(&held)?, 0)
         };
-        let splits = self.options.levels.saturating_sub(self.level);
-        let flow = LevelFlow::new(problem, &self.options.flow, splits, held, unreached, start)?;
+        let splits = self.controls.levels.saturating_sub(self.level);
+        let flow = LevelFlow::new(problem, &self.flow, splits, held, unreached, start)?;
         self.current = Some(flow);
         Ok(())
     }
@@ -263,7 +267,7 @@ impl Refinement {
     fn by_scheme(&mut self, old: &Topology, split: &Split) {
         // the new mesh has corners only where the old one has
         let corners = self.features.corners();
-        let mut points = if self.options.method == Method::Butterfly {
+        let mut points = if self.controls.method == Method::Butterfly {
             butterfly_step(old, &self.points, split, &corners)
         } else {
             nested_step(old, &self.points, split, &corners, self.region.as_ref())
@@ -289,7 +293,7 @@ impl Refinement {
                 continue;
             }
             let is_old = v.index() < old.vertex_count();
-            let stays = self.options.hold == Hold::Previous || v.index() < self.given;
+            let stays = self.controls.hold == Hold::Previous || v.index() < self.given;
             if is_old && (stays || topology.is_boundary_vertex(v) || self.region.is_some()) {
                 held.push((v.0, self.points[v.index()]));
             } else if let Some(p) = self.features.point(v) {
@@ -354,7 +358,7 @@ impl Refinement {
         let energy = surface_energy(
             &self.topology,
             &self.control,
-            &self.options.flow.energy_at(self.radius),
+            &self.flow.energy_at(self.radius),
         );
         LevelReport {
             level: self.level,

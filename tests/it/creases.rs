@@ -1,15 +1,16 @@
 //! Refinement with sharp edges: flat faces stay flat, rims become splines, both sides meet.
 
 use std::collections::BTreeSet;
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fs;
 use std::process::Command;
 use std::sync::Arc;
 
-use meniscus::energy::{Energy, Preset};
 use meniscus::io;
 use meniscus::mesh::{DVec3, HalfedgeId, Mesh, VertexId, check_mesh, dihedral_angle};
-use meniscus::refine::{Method, RefineError, RefineOptions, Refined, crease_edges, radius, refine};
+use meniscus::refine::{
+    Method, RefineControls, RefineError, RefineOptions, Refined, crease_edges, radius, refine,
+};
 use meniscus::runner::Recording;
 use meniscus::shapes::icosphere;
 use meniscus::subdivision::limit_normal;
@@ -64,14 +65,17 @@ fn capped_cylinder(n: u32) -> Mesh {
 }
 
 fn options(mesh: &Mesh, levels: usize, degrees: f64) -> RefineOptions {
-    let mut options = RefineOptions::new(Energy::preset(Preset::H2));
     // bending and area balance over an edge
     let edge = mesh.position(0.into()).distance(mesh.position(1.into()));
-    options.flow.tension = 4.0 * (radius(mesh) / edge).powi(2);
-    options.flow.max_steps = 60;
-    options.levels = levels;
-    options.crease_angle = Some(degrees.to_radians());
-    options
+    let controls = RefineControls {
+        levels,
+        energy: Some("H^2".into()),
+        tension: Some(4.0 * (radius(mesh) / edge).powi(2)),
+        crease_angle: Some(degrees),
+        steps: 60,
+        ..RefineControls::default()
+    };
+    controls.into()
 }
 
 fn refined(mesh: &Mesh, options: &RefineOptions) -> Refined {
@@ -122,7 +126,7 @@ fn a_cube_stays_a_cube() {
     let cube = cube();
     for method in [Method::Pde, Method::Butterfly, Method::Loop] {
         let mut options = options(&cube, 3, 40.0);
-        options.method = method;
+        options.controls.method = method;
         let refined = refined(&cube, &options);
         keeps(&refined, &cube);
         for p in &refined.mesh.positions {
@@ -250,7 +254,7 @@ fn a_crease_may_end_inside() {
     }
     for method in [Method::Pde, Method::Butterfly, Method::Loop] {
         let mut options = options(&ball, 2, 180.0);
-        (options.method, options.creases) = (method, creases.clone());
+        (options.controls.method, options.creases) = (method, creases.clone());
         let refined = refined(&ball, &options);
         let cut = refined.control.vertex_count() - refined.mesh.vertex_count();
         assert_eq!(cut, 3 * 4 - 1, "{method:?}");
@@ -268,7 +272,7 @@ fn creases_of_a_region() {
     let mut options = options(&given, 2, 60.0);
     options.region = Some((0..given.face_count()).map(inside).collect());
     for method in [Method::Pde, Method::Butterfly] {
-        options.method = method;
+        options.controls.method = method;
         let refined = refined(&given, &options);
         keeps(&refined, &given);
         let upper = |p: &&DVec3| (p.z - 0.6).abs() < 1e-12;
@@ -291,7 +295,7 @@ fn a_rotated_mesh_gives_the_rotated_result() {
     // a few steps: within a flat cap vertices may slide as they like without a change of energy
     let first_steps = |m: &Mesh| {
         let mut options = options(m, 1, 60.0);
-        options.flow.max_steps = 5;
+        options.controls.steps = 5;
         refined(m, &options)
     };
     let [plain, other] = [&given, &turned].map(first_steps);
@@ -317,7 +321,7 @@ fn the_number_of_threads_changes_nothing() {
 fn without_a_sharp_edge_nothing_changes() {
     let given = capped_cylinder(10);
     let mut smooth = options(&given, 1, 40.0);
-    smooth.crease_angle = None;
+    smooth.controls.crease_angle = None;
     let angle = options(&given, 1, 170.0);
     assert_eq!(refined(&given, &smooth).mesh, refined(&given, &angle).mesh);
     assert_eq!(
@@ -353,13 +357,13 @@ fn mistaken_creases_are_named() {
     assert!(matches!(error, RefineError::LoneCrease { .. }));
     options.creases.clear();
     for angle in [0.0, -1.0, f64::NAN] {
-        options.crease_angle = Some(angle);
+        options.controls.crease_angle = Some(angle);
         let error = options.validate(&ball).expect_err("no angle");
         assert!(error.to_string().starts_with("the crease angle"));
     }
-    options.crease_angle = Some(PI);
+    options.controls.crease_angle = Some(180.0);
     options.validate(&ball).expect("no crease");
-    options.crease_angle = Some(FRAC_PI_4);
+    options.controls.crease_angle = Some(45.0);
     assert!(
         crease_edges(&ball, &options)
             .expect("angle")

@@ -8,7 +8,7 @@ use meniscus::energy::{Energy, Preset};
 use meniscus::mesh::{DVec3, Mesh, check_mesh, folded_edges, self_intersections};
 use meniscus::random::SplitMix;
 use meniscus::refine::{
-    Hold, Method, RefineOptions, Refined, natural_flow, refine, surface_energy,
+    Hold, Method, RefineControls, RefineOptions, Refined, natural_flow, refine, surface_energy,
 };
 use meniscus::runner::Recording;
 use meniscus::shapes::{graph, icosphere};
@@ -46,12 +46,21 @@ fn icosahedron() -> Mesh {
     Mesh::from_triangles(positions, &triangles).expect("closed")
 }
 
+/// Options of so many levels by `H²`.
+fn bending(levels: usize) -> RefineOptions {
+    let controls = RefineControls {
+        levels,
+        energy: Some("H^2".into()),
+        steps: 200,
+        ..RefineControls::default()
+    };
+    controls.into()
+}
+
 /// Energy of the limit surface after three levels, whose given vertices lie on it.
 fn refined(mesh: Mesh) -> f64 {
     let given = mesh.positions.clone();
-    let mut options = RefineOptions::new(Energy::preset(Preset::H2));
-    options.levels = 3;
-    let refined = run(&mesh, &options);
+    let refined = run(&mesh, &bending(3));
     check_mesh(&refined.mesh).expect("sound");
     assert_eq!(refined.mesh.positions[..given.len()], given);
     let control = &refined.control.positions;
@@ -80,8 +89,7 @@ fn an_octahedron_and_an_icosahedron_become_spheres() {
 fn ball_and_region(chosen: impl Fn(usize) -> bool) -> (Mesh, RefineOptions) {
     let (positions, triangles) = icosphere(2);
     let ball = Mesh::from_triangles(positions, &triangles).expect("closed");
-    let mut options = RefineOptions::new(Energy::preset(Preset::H2));
-    options.levels = 2;
+    let mut options = bending(2);
     options.region = Some((0..ball.face_count()).map(chosen).collect());
     (ball, options)
 }
@@ -97,7 +105,7 @@ fn a_region_is_refined_and_nothing_else() {
     let cap = |f: usize| (10..30).contains(&f);
     for method in [Method::Pde, Method::Butterfly, Method::Loop] {
         let (ball, mut options) = ball_and_region(cap);
-        options.method = method;
+        options.controls.method = method;
         let mesh = run(&ball, &options).mesh;
         // conforming: closed as before, every edge with two faces
         check_mesh(&mesh).expect("sound");
@@ -142,7 +150,7 @@ fn a_region_is_refined_and_nothing_else() {
 fn a_region_of_everything_is_no_region() {
     for hold in [Hold::Previous, Hold::Given] {
         let (ball, mut everything) = ball_and_region(|_| true);
-        everything.hold = hold;
+        everything.controls.hold = hold;
         let mut none = everything.clone();
         none.region = None;
         let [with, without] = [&everything, &none].map(|o| run(&ball, o));
@@ -155,8 +163,7 @@ fn a_region_of_everything_is_no_region() {
 fn a_region_may_reach_the_boundary() {
     let (positions, triangles) = graph(2.0, 6, |x, y| 0.3 * (x * x - y * y), 2);
     let sheet = Mesh::from_triangles(positions, &triangles).expect("open");
-    let mut options = RefineOptions::new(Energy::preset(Preset::H2));
-    options.levels = 2;
+    let mut options = bending(2);
     for first in [0, sheet.face_count() / 2] {
         let chosen = (0..sheet.face_count()).map(|f| f >= first && f < first + 3);
         options.region = Some(chosen.collect());
@@ -185,11 +192,9 @@ fn crumpled(seed: u64) -> Mesh {
 fn energies_fall_over_all_levels_and_nothing_folds() {
     for seed in 1..3 {
         let given = crumpled(seed);
-        let (natural, tension) = natural_flow(&given);
-        for (energy, tension) in [(natural, tension), (Energy::preset(Preset::H2), 0.0)] {
-            let mut options = RefineOptions::new(energy);
-            options.flow.tension = tension;
-            options.levels = 2;
+        for energy in [None, Some("H^2".into())] {
+            let mut options = bending(2);
+            options.controls.energy = energy;
             let refined = run(&given, &options);
             let mut last = f64::INFINITY;
             for level in &refined.levels {
@@ -230,15 +235,12 @@ fn the_natural_energy_goes_with_the_scale() {
     assert_eq!(scaled.params()["c"], energy.params()["c"] / 8.0);
     // f is a curvature, and the tension counts in f over the squared radius
     assert!((scaled_tension / (8.0 * tension) - 1.0).abs() < 1e-12);
-    let refined = |mesh: &Mesh, energy: Energy, tension: f64| {
-        let mut options = RefineOptions::new(energy);
-        options.flow.tension = tension;
-        options.levels = 1;
-        options.flow.max_steps = 5;
+    let refined = |mesh: &Mesh| {
+        let mut options = bending(1);
+        (options.controls.energy, options.controls.steps) = (None, 5);
         run(mesh, &options).mesh.positions
     };
-    let small = refined(&given, energy, tension);
-    let big = refined(&large, scaled, scaled_tension);
+    let (small, big) = (refined(&given), refined(&large));
     for (p, q) in small.iter().zip(&big) {
         assert!((*p - *q / 8.0).length() < 1e-9, "{p} {q}");
     }

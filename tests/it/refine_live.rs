@@ -122,7 +122,7 @@ impl Watched {
 fn repeated(controls: &RefineControls, schedule: &Schedule, threads: usize) -> Refined {
     let mesh = mesh();
     let recording = schedule.recording(controls).expect("a schedule");
-    let options = controls.options(&mesh).expect("options");
+    let options = controls.clone().into();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
@@ -143,7 +143,7 @@ fn every_method_ends_where_it_does_in_the_foreground() {
         let mut live = Watched::start(controls(method), true);
         live.until(LiveRefine::ended);
         assert_eq!(live.course(), course);
-        let options = controls(method).options(&mesh()).expect("options");
+        let options = controls(method).into();
         let plain = refine(mesh(), options, &Recording::default(), &mut |_| true);
         let (plain, _) = plain.expect("refined");
         let timeline = live.live.timeline();

@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use super::Refinement;
 use crate::mesh::{DVec3, Topology};
-use crate::refine::RefineError;
 use crate::refine::creases::Features;
 use crate::refine::level_flow::LevelFlow;
 use crate::refine::progress::LevelReport;
 use crate::refine::region::Region;
-use crate::solver::{FlowOptions, FlowProblem};
+use crate::refine::{RefineControls, RefineError};
+use crate::solver::FlowProblem;
 
 /// What a refinement needs to return to a level, besides the positions.
 #[derive(Clone, Debug)]
@@ -74,16 +74,16 @@ impl Refinement {
         }
     }
 
-    /// Continues from an earlier state with new flow options and a new number of levels.
+    /// Continues from an earlier state with other controls.
     ///
     /// # Errors
     /// No flow can start there with these options; the refinement stays unchanged.
     pub(in crate::refine) fn restore(
         &mut self,
         to: &SavedState<'_>,
-        flow: FlowOptions,
-        levels: usize,
+        controls: &RefineControls,
     ) -> Result<(), RefineError> {
+        let (flow, levels) = (controls.flow(&self.input)?, controls.levels);
         let saved = to.level;
         self.current = match &saved.flow {
             None => None,
@@ -99,7 +99,7 @@ impl Refinement {
                 Some(level.counting_from(to.steps))
             }
         };
-        (self.options.flow, self.options.levels) = (flow, levels);
+        (self.flow, self.controls.levels) = (flow, levels);
         self.level = saved.level;
         self.topology = Arc::clone(&saved.topology);
         self.control = to.control.to_vec();

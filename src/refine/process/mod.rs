@@ -74,26 +74,15 @@ impl Runner<RefineProcess> {
         settings: RunSettings,
         wake: Wake,
     ) -> Result<Self, StartError<RefineError>> {
-        let options = all_options(&mesh, &controls, creases, region);
-        let options = options.map_err(StartError::Options)?;
+        let options = RefineOptions {
+            controls: controls.clone(),
+            creases,
+            region,
+        };
+        options.validate(&mesh).map_err(StartError::Options)?;
         let set_up = move |_: &Arc<_>| RefineProcess::new(mesh, options);
         Self::start("refine", controls, settings, wake, set_up).map_err(StartError::Thread)
     }
-}
-
-fn all_options(
-    mesh: &Mesh,
-    controls: &RefineControls,
-    creases: Vec<[u32; 2]>,
-    region: Option<Vec<bool>>,
-) -> Result<RefineOptions, RefineError> {
-    let options = RefineOptions {
-        creases,
-        region,
-        ..controls.options(mesh)?
-    };
-    options.validate(mesh)?;
-    Ok(options)
 }
 
 /// Refines a mesh with the changes of a recording. `observe` is called with every event and returns
@@ -199,30 +188,21 @@ impl Process for RefineProcess {
     }
 
     fn set_controls(&mut self, controls: &RefineControls) -> Vec<Refused> {
-        let flow = match controls.flow(&self.mesh) {
-            Ok(flow) => flow,
-            Err(error) => return refused(&error),
-        };
-        if flow != self.refinement.options().flow
-            && let Err(error) = self.refinement.set_flow(flow)
-        {
-            return refused(&error);
-        }
-        self.refinement.set_levels(controls.levels);
-        Vec::new()
+        let result = self.refinement.set_controls(controls);
+        result
+            .err()
+            .map(|error| refused(&error))
+            .unwrap_or_default()
     }
 
     fn rewind(&mut self, to: &Arc<RefineState>, controls: &RefineControls) -> Vec<Refused> {
-        let result = controls.flow(&self.mesh).and_then(|flow| {
-            let state = SavedState {
-                level: &to.frame.saved,
-                points: &to.points,
-                control: &to.control,
-                steps: to.step,
-            };
-            self.refinement.restore(&state, flow, controls.levels)
-        });
-        if let Err(error) = result {
+        let state = SavedState {
+            level: &to.frame.saved,
+            points: &to.points,
+            control: &to.control,
+            steps: to.step,
+        };
+        if let Err(error) = self.refinement.restore(&state, controls) {
             return refused(&error);
         }
         self.frame = Some(Arc::clone(&to.frame));
@@ -266,7 +246,7 @@ impl Process for RefineProcess {
         let refinement = &self.refinement;
         RefineStatus {
             level: refinement.level(),
-            levels: refinement.options().levels,
+            levels: refinement.planned_levels(),
             vertices: refinement.vertex_count(),
             attempts: self.attempts,
             rejected: self.rejected,

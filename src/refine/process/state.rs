@@ -58,7 +58,7 @@ impl LevelFrame {
             weld: refinement.weld().cloned(),
             colors: refinement.colors().to_vec(),
             face_tags: refinement.face_tags().to_vec(),
-            has_limit: refinement.options().method != Method::Butterfly,
+            has_limit: refinement.method() != Method::Butterfly,
             given: Arc::clone(given),
             saved: refinement.save_level(),
         }
@@ -74,7 +74,7 @@ impl RefineState {
         attempts: usize,
     ) -> Self {
         let control: Arc<[DVec3]> = refinement.control().into();
-        let points = if refinement.options().method == Method::Pde {
+        let points = if refinement.method() == Method::Pde {
             refinement.points().into()
         } else {
             Arc::clone(&control)
