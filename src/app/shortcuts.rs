@@ -34,20 +34,20 @@ macro_rules! shortcuts {
     };
 }
 
-/// All of them. Keys with more modifiers come before the same keys with fewer.
+/// All shortcuts. Keys with more modifiers come before the same keys with fewer.
 pub(crate) static SHORTCUTS: &[Shortcut] = shortcuts! {
     File(FileAction::AskOpen) [CTRL O] "Open a mesh or project";
     File(FileAction::AskSaveAs) [CTRL_SHIFT S] "Save as";
     File(FileAction::Save) [CTRL S] "Save";
     File(FileAction::Close) [CTRL Q] "Quit";
     Edit(EditAction::Redo) [CTRL_SHIFT Z, CTRL Y] "Redo";
-    Edit(EditAction::Undo) [CTRL Z] "Undo (also in the middle of a run)";
-    Select(SelectAction::AllButLargest) [CTRL_SHIFT A] "Select all loops but the largest";
+    Edit(EditAction::Undo) [CTRL Z] "Undo (also during a run)";
+    Select(SelectAction::AllButLargest) [CTRL_SHIFT A] "Select all loops except the largest";
     Select(SelectAction::All) [CTRL A] "Select all holes";
-    Escape [NONE Escape] "Close, stop, drop the patch, clear the selection";
+    Escape [NONE Escape] "Close, stop, reject the patch, clear the selection";
     Run(RunAction::Accept(0)) [CTRL Enter] "Accept the patch";
     Run(RunAction::Proceed) [NONE Enter]
-        "Fill, blend or refill what is selected; accept a finished patch";
+        "Fill, blend, refill or refine; accept a finished patch";
     Edit(EditAction::Erase) [NONE Delete] "Erase the selected faces (task Repair)";
     Task(TaskAction::Choose(Task::Fill)) [NONE F2] "Fill holes";
     Task(TaskAction::Choose(Task::Blend)) [NONE F3] "Blend rims";
@@ -55,10 +55,10 @@ pub(crate) static SHORTCUTS: &[Shortcut] = shortcuts! {
     Task(TaskAction::Choose(Task::Refine)) [NONE F5] "Refine the mesh";
     Run(RunAction::PlayPause) [NONE Space] "Play or pause";
     Run(RunAction::Finish) [CTRL Period] "Jump to the converged shape";
-    Run(RunAction::Step) [NONE Period] "One step on";
+    Run(RunAction::Step) [NONE Period] "One step forward";
     Run(RunAction::Scrub(Some(0))) [SHIFT Comma] "Back to the first state";
     Run(RunAction::StepBack) [NONE Comma] "One stored state back";
-    View(ViewAction::FitAll) [NONE F, NONE Home] "Fit everything";
+    View(ViewAction::FitAll) [NONE F, NONE Home] "Fit the whole model";
     View(ViewAction::Standard(StandardView::Back)) [CTRL Num1] "View from the back";
     View(ViewAction::Standard(StandardView::Front)) [NONE Num1] "View from the front";
     View(ViewAction::Standard(StandardView::Left)) [CTRL Num3] "View from the left";
@@ -79,21 +79,21 @@ pub(crate) static SHORTCUTS: &[Shortcut] = shortcuts! {
     View(ViewAction::Toggle(Switch::Report)) [CTRL R] "Load report";
     View(ViewAction::Toggle(Switch::Analysis)) [NONE I] "Report: measures of the surface";
     View(ViewAction::Toggle(Switch::Rims)) [NONE R] "Rims on or off";
-    Picture(PictureAction::Copy) [CTRL_SHIFT P] "Picture of the view to the clipboard";
-    Picture(PictureAction::Ask) [CTRL P] "Make a picture or a sequence";
-    File(FileAction::CopyCommand) [CTRL K] "Copy the command line that repeats this";
+    Picture(PictureAction::Copy) [CTRL_SHIFT P] "Copy a picture of the view";
+    Picture(PictureAction::Ask) [CTRL P] "Write a picture or a sequence";
+    File(FileAction::CopyCommand) [CTRL K] "Copy the command line that repeats the work";
     View(ViewAction::Toggle(Switch::Diagnostics)) [CTRL F1] "Frame times and memory";
     View(ViewAction::Toggle(Switch::Help)) [NONE F1] "This sheet";
 };
 
-/// The actions whose keys were pressed, none while something is typed.
+/// The actions whose keys were pressed; none while the user types text.
 pub(crate) fn pressed(ctx: &Context) -> Vec<Action> {
     let typing = ctx.egui_wants_keyboard_input();
     let help: Action = ViewAction::Toggle(Switch::Help).into();
     ctx.input_mut(|input| {
         SHORTCUTS
             .iter()
-            // Esc leaves a field and must not stop the run as well; sheets open from anywhere
+            // Esc leaves a text field and must not also stop the run; the help opens from anywhere
             .filter(|shortcut| !typing || shortcut.action == help)
             .filter(|shortcut| shortcut.keys.iter().any(|k| input.consume_shortcut(k)))
             .map(|shortcut| shortcut.action.clone())
@@ -107,7 +107,7 @@ pub(crate) fn key_text(ctx: &Context, action: &Action) -> Option<String> {
     Some(ctx.format_shortcut(&found.keys[0]))
 }
 
-/// ` (Ctrl+O)`, to be put after a tooltip.
+/// The key as a suffix of a tooltip, such as ` (Ctrl+O)`.
 pub(crate) fn hint(ctx: &Context, action: impl Into<Action>) -> String {
     key_text(ctx, &action.into()).map_or_else(String::new, |key| format!(" ({key})"))
 }
@@ -116,8 +116,8 @@ pub(crate) fn hint(ctx: &Context, action: impl Into<Action>) -> String {
 mod tests {
     use super::*;
 
-    /// Two rows with the same key would make the second unreachable, and a row before the same
-    /// key with more modifiers would take it (egui matches the fewer).
+    /// If two rows had the same key, the second could not be reached. A row before the same key
+    /// with more modifiers would match those keys too, because egui ignores extra modifiers.
     #[test]
     fn keys_are_unique_and_ordered() {
         let all: Vec<(usize, KeyboardShortcut)> = SHORTCUTS

@@ -403,7 +403,7 @@ fn files_are_saved_reopened_and_never_overwritten() {
         act(&mut m, FileAction::Open(path));
         until(&mut m, |m| m.log.entries().len() > before);
         assert!(
-            last_message(&m).contains("left alone"),
+            last_message(&m).contains("document is unchanged"),
             "{}",
             last_message(&m)
         );

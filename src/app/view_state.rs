@@ -6,18 +6,18 @@ use crate::mesh::{DVec3, LoopId};
 use crate::refine::{Method, RefineControls};
 use crate::render::{Camera, ViewStyle};
 
-/// How the mouse moves the camera.
+/// The mouse controls of the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Navigation {
-    /// Left drag turns, middle or Ctrl+left drag moves, wheel zooms.
+    /// Left drag rotates, middle or Ctrl+left drag pans, wheel zooms.
     #[default]
     MeshLab,
-    /// Middle drag turns, Shift+middle moves, Ctrl+middle and wheel zoom.
+    /// Middle drag rotates, Shift+middle pans, Ctrl+middle and wheel zoom.
     Blender,
-    /// Middle drag turns, right or Ctrl+middle drag moves, wheel zooms.
+    /// Middle drag rotates, right or Ctrl+middle drag pans, wheel zooms.
     Cad,
-    /// Two fingers turn, with Shift they move, with Ctrl or a pinch they zoom; left drag turns.
+    /// Two fingers rotate, with Shift they pan, with Ctrl or a pinch they zoom; left drag rotates.
     Trackpad,
 }
 
@@ -35,35 +35,35 @@ impl Navigation {
         }
     }
 
-    /// What the mouse does, in one sentence.
+    /// A description of the mouse controls.
     pub fn about(self) -> &'static str {
         match self {
-            Self::MeshLab => "left drag turns, middle (or Ctrl+left) drag moves, wheel zooms",
-            Self::Blender => "middle drag turns, with Shift moves, with Ctrl zooms; wheel zooms",
-            Self::Cad => "middle drag turns, right (or Ctrl+middle) drag moves, wheel zooms",
+            Self::MeshLab => "left drag rotates, middle (or Ctrl+left) drag pans, wheel zooms",
+            Self::Blender => "middle drag rotates, with Shift pans, with Ctrl zooms; wheel zooms",
+            Self::Cad => "middle drag rotates, right (or Ctrl+middle) drag pans, wheel zooms",
             Self::Trackpad => {
-                "two fingers turn, with Shift move, pinch or Ctrl zooms; left drag turns"
+                "two fingers rotate, with Shift pan, pinch or Ctrl zooms; left drag rotates"
             }
         }
     }
 }
 
-/// What Enter does with the selection.
+/// The task for the selection, started by Enter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Task {
-    /// A patch for each loop.
+    /// Fill each loop with a patch.
     #[default]
     Fill,
-    /// One surface that joins all loops.
+    /// Join all loops by one patch.
     Blend,
-    /// Selected faces are erased and refilled, or faired.
+    /// Erase and refill the selected faces, or fair them.
     Repair,
-    /// Every triangle is split into four, on a smooth surface through the given vertices.
+    /// Split every triangle into four on a smooth surface through the input vertices.
     Refine,
 }
 
-/// A bridge whose ends the user is clicking.
+/// A bridge under construction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bridging {
     /// The first end, once it was clicked.
@@ -72,30 +72,30 @@ pub struct Bridging {
     pub width: usize,
 }
 
-/// What the mouse does to the selection of faces.
+/// The tool that changes the selection of faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
-    /// Paints.
+    /// Paints a selection.
     #[default]
     Brush,
-    /// Selects the faces within a drawn line.
+    /// Selects the faces inside a drawn line.
     Lasso,
-    /// A click selects a face; further clicks widen the selection there.
+    /// Selects the clicked face. Further clicks grow the selection there.
     Grow,
 }
 
 /// How the mesh is refined.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Refining {
-    /// Options. Only levels, method, vertices to interpolate, boundaries and creases are those of
-    /// the refinement; the others follow the controls of the document, the energy if it is not
-    /// `None`.
+    /// Options. Levels, method, vertices to interpolate, boundaries and creases are those of the
+    /// refinement. The other options follow the controls of the document; so does the energy unless
+    /// it is `None`.
     pub controls: RefineControls,
     /// Whether the edges chosen for the report stay sharp.
     pub chosen_edges: bool,
     /// Whether the rim of the selected faces stays sharp.
     pub selection_rim: bool,
-    /// Only the selected faces.
+    /// Whether only the selected faces are refined.
     pub selected_only: bool,
     /// Methods to compare with.
     pub beside: [Option<Method>; 2],
@@ -106,7 +106,7 @@ pub struct Refining {
 pub struct Selecting {
     /// The tool.
     pub tool: Tool,
-    /// Radius of the brush, in points of the screen.
+    /// Radius of the brush in screen points.
     pub brush: f32,
     /// Whether the lasso selects hidden faces too.
     pub through: bool,
@@ -122,43 +122,43 @@ impl Default for Selecting {
     }
 }
 
-/// A dialog over the window; only one at a time.
+/// The open dialog. At most one is open.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Modal {
-    /// None.
+    /// No dialog.
     #[default]
     None,
     /// Asks for a path to open or to write.
     Path(PathPrompt),
-    /// Unsaved changes: save, discard or stay?
+    /// Asks about unsaved changes: save, discard or cancel.
     Unsaved(AfterUnsaved),
-    /// Recovery files of an earlier session were found.
+    /// Offers the recovery files of an earlier session.
     Recover(Vec<std::path::PathBuf>),
     /// Settings of a picture.
     Picture(PictureSettings),
 }
 
-/// What a path is used for.
+/// The purpose of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathUse {
     /// A mesh or project to open.
     Open,
-    /// Where to save the mesh or project.
+    /// The file to save the mesh or project to.
     SaveAs,
-    /// Where to write the patches alone.
+    /// The file to write only the patches to.
     ExportPatch,
-    /// A mesh to measure distances to.
+    /// The reference mesh of distances.
     Reference,
-    /// Where to write the report.
+    /// The file to write the report to.
     Report(ReportFile),
 }
 
 /// A typed path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathPrompt {
-    /// What it is used for.
+    /// The purpose.
     pub purpose: PathUse,
-    /// As typed so far.
+    /// The text typed so far.
     pub text: String,
 }
 
@@ -175,7 +175,7 @@ pub enum AfterUnsaved {
     AskOpen,
 }
 
-/// What a picture shows.
+/// The content of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureKind {
     /// One picture of the viewport.
@@ -186,7 +186,7 @@ pub enum PictureKind {
     Flow,
 }
 
-/// How a sequence is stored.
+/// The file format of a picture or sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
     /// PNG; sequences are numbered.
@@ -200,19 +200,19 @@ pub enum PictureFormat {
 /// Settings of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSettings {
-    /// What it shows.
+    /// The content.
     pub kind: PictureKind,
-    /// How it is stored.
+    /// The file format.
     pub format: PictureFormat,
-    /// Pixels across.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: u32,
-    /// Without a background.
+    /// Whether the background is transparent.
     pub transparent: bool,
-    /// With rims and selection.
+    /// Whether rims and selection are drawn.
     pub overlays: bool,
-    /// Pictures of a turntable.
+    /// Number of pictures of a turntable.
     pub frames: usize,
     /// Pictures per second.
     pub fps: f64,
@@ -256,13 +256,13 @@ pub struct Windows {
 /// The view.
 #[derive(Clone, Debug)]
 pub struct ViewState {
-    /// The camera; all sides of a comparison share it.
+    /// The camera, shared by all sides of a comparison.
     pub camera: Camera,
-    /// How it is drawn.
+    /// The drawing style.
     pub style: ViewStyle,
-    /// What Enter does.
+    /// The task that Enter starts.
     pub task: Task,
-    /// The bridge that is being made.
+    /// The bridge under construction.
     pub bridging: Option<Bridging>,
     /// How faces are selected.
     pub selecting: Selecting,
@@ -270,34 +270,34 @@ pub struct ViewState {
     pub refining: Refining,
     /// Limits of the holes that are selected together.
     pub limits: LoopLimits,
-    /// Limit surface instead of control mesh.
+    /// Whether the limit surface is drawn instead of the control mesh.
     pub limit_surface: bool,
-    /// Whether the opened mesh is shown, or the patches alone.
+    /// Whether the opened mesh is drawn in addition to the patches.
     pub show_original: bool,
     /// Whether rims are outlined.
     pub show_rims: bool,
     /// Loop under the cursor, in the view or in the list.
     pub hover: Option<LoopId>,
-    /// Text of the energy as typed; it may be invalid.
+    /// The typed energy, which may be invalid.
     pub energy_text: String,
     /// Energy of the second side of a comparison; `None` without comparison.
     pub compare_energy: Option<String>,
     /// States of the flow per second.
     pub pace: f64,
-    /// What the report measures and shows.
+    /// The settings of the report.
     pub report: ReportView,
     /// The dialog.
     pub modal: Modal,
     /// Side windows.
     pub windows: Windows,
-    /// Whether to fit everything into the next frame, whose size is not known yet.
+    /// Whether to fit the whole model into the view at the next frame, when its size is known.
     pub fit: bool,
-    /// Size of the viewport at the last frame, physical pixels.
+    /// Size of the viewport at the last frame in physical pixels.
     pub viewport_px: [f64; 2],
 }
 
 impl ViewState {
-    /// The default view of a box.
+    /// The default view of a bounding box.
     pub fn new(bounds: &crate::render::Bounds, style: ViewStyle) -> Self {
         Self {
             camera: Camera::fit(bounds),

@@ -1,4 +1,4 @@
-//! Builds the display of a mesh and a state, reusing what has not changed.
+//! Builds the display of a mesh and a state. Unchanged parts are reused.
 
 use std::sync::Arc;
 
@@ -11,26 +11,26 @@ use crate::energy::{WellPosed, scan_well_posedness};
 use crate::mesh::{DVec3, FaceId, Mesh, Neighbourhood, Topology, VertexId};
 use crate::render::{Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex};
 
-/// Rings of faces around a patch that are drawn as the limit surface, like the patch.
+/// Rings of faces around a patch that are drawn as limit surface, like the patch.
 const COLLAR: usize = 3;
-/// A closed mesh with at most so many faces is drawn as a limit surface all over.
+/// A closed mesh with at most this many faces is drawn entirely as limit surface.
 const SMALL: usize = 20_000;
-/// Symbols smaller than this, relative to their scale, count as zero: the curvatures that are drawn
-/// are of single precision.
+/// Symbols below this, relative to their scale, count as zero, because drawn curvatures have single
+/// precision.
 const SINGLE: f64 = 1e-5;
 
-/// What is reused from one request to the next.
+/// Data that is reused from one request to the next.
 #[derive(Default)]
 pub(super) struct DisplayBuilder {
     split: Option<Split>,
     still: Cached<StillKey, Arc<Geometry>>,
     /// The mesh that the distances in `still` refer to.
     reference: Option<Arc<Reference>>,
-    /// The last answer and what it was asked for.
+    /// The last display and its request.
     last: Option<(Request, Display)>,
 }
 
-/// The faces of a mesh: those drawn as limit surface, and the others.
+/// The faces of a mesh, split into those drawn as limit surface and the others.
 struct Split {
     topology: TopologyKey,
     creases: Arc<Vec<[VertexId; 2]>>,
@@ -42,7 +42,7 @@ struct Split {
     still: Vec<FaceId>,
 }
 
-/// Keeps the identified value alive, so that its address is not reused.
+/// Keeps the value alive, so that its address is not reused.
 enum TopologyKey {
     Mesh(Arc<Mesh>),
     State(Arc<Topology>),
@@ -72,7 +72,7 @@ impl TopologyKey {
     }
 }
 
-/// What the still part of a surface depends on, for one split.
+/// The key of the static part of a surface, for one split.
 #[derive(Clone, Copy, PartialEq)]
 struct StillKey {
     faces: usize,
@@ -82,7 +82,7 @@ struct StillKey {
 }
 
 impl DisplayBuilder {
-    /// Answers a request.
+    /// Builds the display of a request.
     pub(super) fn build(&mut self, request: &Request) -> Display {
         let mut display = match self.last.take() {
             Some((asked, display)) if asked.same_surfaces(request) => display,
@@ -206,7 +206,7 @@ impl DisplayBuilder {
     }
 }
 
-/// Mean and Gaussian curvatures of at most some thousand vertices of a geometry.
+/// Mean and Gaussian curvatures at a limited number of vertices of a geometry.
 fn curvatures(geometry: Option<&Arc<Geometry>>) -> Vec<[f64; 2]> {
     let Some(geometry) = geometry else {
         return Vec::new();
@@ -259,7 +259,7 @@ impl Split {
         }
     }
 
-    /// The listed faces as they are in the surfaces, flagged as selected.
+    /// The listed faces of the surfaces, flagged as selected.
     fn highlights(&self, surfaces: &[Arc<Geometry>], listed: &[u32]) -> Vec<Arc<Geometry>> {
         let parts = [&self.still, &self.moving_faces];
         let drawn = parts.into_iter().filter(|faces| !faces.is_empty());
@@ -278,7 +278,7 @@ impl Split {
     }
 }
 
-/// The faces that flow with `rings` rings around them, and the others.
+/// The flowing faces with `rings` rings around them, and the other faces.
 fn around(
     topology: &Topology,
     flows: &dyn Fn(FaceId) -> bool,

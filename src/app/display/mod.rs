@@ -1,5 +1,5 @@
-//! Evaluates the drawn surfaces on a thread, so that the window never waits. The newest request
-//! replaces older ones; results arrive when they are ready.
+//! Evaluates the drawn surfaces on a separate thread, so that the window does not wait. A new
+//! request replaces older ones.
 
 mod builder;
 
@@ -14,44 +14,44 @@ use crate::mesh::{DVec3, Mesh, VertexId};
 use crate::render::{Bounds, Geometry};
 use builder::DisplayBuilder;
 
-/// What has to be drawn.
+/// A request for a display.
 #[derive(Clone)]
 pub struct Request {
-    /// The mesh the run works on, or the document's.
+    /// The mesh of the run, or that of the document.
     pub mesh: Arc<Mesh>,
     /// The state of the run, if there is one.
     pub state: Option<RunState>,
-    /// The first state with the same vertices, to measure the deviation from.
+    /// The first state with the same vertices, which the deviation refers to.
     pub start: Option<RunState>,
-    /// Faces of the mesh from here on are patches.
+    /// The first face that belongs to a patch.
     pub first_patch_face: usize,
-    /// Other faces that the flow moves, ascending.
+    /// Other faces that the flow moves, in ascending order.
     pub faired: Arc<Vec<u32>>,
-    /// Selected faces, ascending.
+    /// Selected faces in ascending order.
     pub highlight: Arc<Vec<u32>>,
-    /// Rims joined with a crease: their vertices in order.
+    /// Rims joined with a crease, as vertices in order.
     pub creases: Arc<Vec<[VertexId; 2]>>,
     /// Limit surface or control mesh.
     pub limit: bool,
     /// Whether the opened mesh is drawn.
     pub original: bool,
-    /// What positions are relative to.
+    /// The origin of drawn positions.
     pub centre: DVec3,
-    /// The box of a mesh without vertices.
+    /// The bounding box to use if the mesh has no vertices.
     pub bounds: Bounds,
-    /// Energy whose well-posedness is shown, and the hole radius.
+    /// The energy whose well-posedness is shown, and the hole radius.
     pub energy: Option<(Energy, f64)>,
-    /// What the distance of all that is drawn is shown to.
+    /// The reference for distances.
     pub reference: Option<Arc<Reference>>,
 }
 
 impl Request {
-    /// Whether both give the same display.
+    /// Whether both have the same display.
     fn same(&self, other: &Self) -> bool {
         self.same_surfaces(other) && same_list(&self.highlight, &other.highlight)
     }
 
-    /// Whether both give the same display except for the selected faces.
+    /// Whether both have the same display except for the selected faces.
     fn same_surfaces(&self, other: &Self) -> bool {
         let states = |r: &Self| [&r.state, &r.start].map(|s| state_key(s.as_ref()));
         let reference = |r: &Self| r.reference.as_ref().map(Arc::as_ptr);
@@ -68,23 +68,23 @@ impl Request {
     }
 }
 
-/// Whether both are the same list, or both empty.
+/// Whether both are the same list or both are empty.
 fn same_list(a: &Arc<Vec<u32>>, b: &Arc<Vec<u32>>) -> bool {
     Arc::ptr_eq(a, b) || (a.is_empty() && b.is_empty())
 }
 
-/// The answer to a request.
+/// The display of a request.
 #[derive(Clone)]
 pub struct Display {
-    /// Surfaces, the still part first.
+    /// Surfaces. The static part comes first.
     pub surfaces: Vec<Arc<Geometry>>,
     /// The selected faces, drawn over the surfaces.
     pub highlights: Vec<Arc<Geometry>>,
-    /// Their box.
+    /// The bounding box of the surfaces.
     pub bounds: Bounds,
     /// Whether the flow is well posed on the patch and its support region.
     pub posed: Option<WellPosedScan>,
-    /// How the patch of the run meets the mesh.
+    /// Continuity of the patch of the run and the mesh.
     pub seam: Option<Seam>,
 }
 
@@ -92,14 +92,14 @@ pub struct Display {
 struct Slot {
     wanted: Option<Request>,
     ready: Option<Display>,
-    /// Results of requests before the last [`DisplayWorker::forget`] are dropped.
+    /// Number of calls of [`DisplayWorker::forget`]. Results of earlier requests are discarded.
     epoch: u64,
     quit: bool,
 }
 
 type Shared = (Mutex<Slot>, Condvar);
 
-/// The thread, and its newest result.
+/// The thread and its newest result.
 pub struct DisplayWorker {
     shared: Arc<Shared>,
     asked: Option<Request>,
@@ -118,7 +118,7 @@ fn lock(slot: &Mutex<Slot>) -> std::sync::MutexGuard<'_, Slot> {
 }
 
 impl DisplayWorker {
-    /// Starts the thread; `wake` is called after every result.
+    /// Starts the thread, which calls `wake` after every result.
     pub fn new(wake: &Wake) -> Self {
         let shared: Arc<Shared> = Arc::default();
         let (inner, wake) = (Arc::clone(&shared), Arc::clone(wake));
@@ -133,7 +133,7 @@ impl DisplayWorker {
         }
     }
 
-    /// Requests a display, unless it was requested last.
+    /// Requests a display, unless the last request was the same.
     pub fn ask(&mut self, request: Request) {
         if self
             .asked
@@ -147,7 +147,7 @@ impl DisplayWorker {
         self.shared.1.notify_all();
     }
 
-    /// Takes in a new result. Returns whether there was one.
+    /// Receives a new result. Returns whether there was one.
     pub fn poll(&mut self) -> bool {
         let ready = lock(&self.shared.0).ready.take();
         let new = ready.is_some();
@@ -157,7 +157,7 @@ impl DisplayWorker {
         new
     }
 
-    /// Drops all requests and results.
+    /// Discards all requests and results.
     pub fn forget(&mut self) {
         let mut slot = lock(&self.shared.0);
         slot.epoch += 1;
@@ -170,7 +170,7 @@ impl DisplayWorker {
         self.asked.as_ref()
     }
 
-    /// Answers requests at once on the calling thread, for pictures of many states.
+    /// Builds displays on the calling thread, for pictures of many states.
     pub fn builder() -> impl FnMut(&Request) -> Display {
         let mut builder = DisplayBuilder::default();
         move |request| builder.build(request)

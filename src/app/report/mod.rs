@@ -21,32 +21,32 @@ use crate::energy::Energy;
 use crate::mesh::{DVec3, HalfedgeId, Mesh};
 use crate::render::ViewMode;
 
-/// A request of the report.
+/// An action of the report.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ReportAction {
     /// Whether vertices are points of the limit surface.
     OnSurface(bool),
-    /// Angle from which edges are sharp, degrees; `None` for no sharp edges.
+    /// Minimum angle of sharp edges in degrees; `None` for no sharp edges.
     Sharp(Option<f64>),
     /// What a click in the view selects.
     Pick(Pick),
-    /// Curvature whose histogram is shown.
+    /// The curvature of the histogram.
     Curvature(usize),
     /// Add or remove the chain through this edge of the document's mesh.
     Edge(HalfedgeId),
     /// Remove a chosen chain.
     DropChain(usize),
-    /// A section through a point.
+    /// Add a section through a point.
     Cut(Cut),
     /// Remove the section.
     DropCut,
-    /// How the comb is drawn.
+    /// Change the look of the comb.
     Comb(Comb),
-    /// Choose a mesh to measure distances to.
+    /// Choose the reference mesh.
     AskReference,
     /// Remove the reference.
     DropReference,
-    /// Show a place: mark it and look at it from outside.
+    /// Mark a point and move the camera to it.
     Inspect(DVec3),
     /// Copy a report to the clipboard.
     Copy(ReportFile),
@@ -58,7 +58,7 @@ pub enum ReportAction {
     Save(ReportFile, PathBuf),
 }
 
-/// What to measure.
+/// A request for measures.
 #[derive(Clone)]
 pub struct MeasureRequest {
     /// The measured surface.
@@ -67,16 +67,16 @@ pub struct MeasureRequest {
     pub on_surface: bool,
     /// The typed energy.
     pub energy: Option<Energy>,
-    /// Angle from which edges are sharp, degrees.
+    /// Minimum angle of sharp edges in degrees.
     pub sharp: Option<f64>,
     /// Chosen edges.
     pub chains: Vec<Chain>,
-    /// Mesh to measure distances to.
+    /// Reference mesh.
     pub reference: Option<Arc<Reference>>,
 }
 
 impl MeasureRequest {
-    /// Whether both measure the same of one mesh, at the same or another state of a run.
+    /// Whether both request the same measures of one mesh, regardless of the state of a run.
     pub fn same_but_state(&self, other: &Self) -> bool {
         self.subject.same_but_state(&other.subject)
             && self.on_surface == other.on_surface
@@ -86,7 +86,7 @@ impl MeasureRequest {
             && self.reference.as_ref().map(Arc::as_ptr) == other.reference.as_ref().map(Arc::as_ptr)
     }
 
-    /// Whether both measure the same.
+    /// Whether both requests are equal.
     pub fn same(&self, other: &Self) -> bool {
         self.subject.same(&other.subject) && self.same_but_state(other)
     }
@@ -98,17 +98,17 @@ pub struct Measured {
     pub request: MeasureRequest,
     /// The measured mesh.
     pub mesh: Arc<Mesh>,
-    /// The measures; chains are the chosen ones, the rims, the sharp edges.
+    /// The measures. Chains are, in this order, the chosen ones, the rims and the sharp edges.
     pub analysis: Analysis,
-    /// How many of the chains were chosen.
+    /// Number of chosen chains.
     pub chosen: usize,
-    /// How many are rims.
+    /// Number of rims.
     pub rims: usize,
-    /// Chains of sharp edges that were left out.
+    /// Number of omitted chains of sharp edges.
     pub left_out: usize,
 }
 
-/// A section to compute.
+/// A request for a section.
 #[derive(Clone)]
 pub struct SectionRequest {
     /// The surface.
@@ -120,14 +120,14 @@ pub struct SectionRequest {
 }
 
 impl SectionRequest {
-    /// Whether both are the same section, at the same or another state of a run.
+    /// Whether both request the same section, regardless of the state of a run.
     pub fn same_but_state(&self, other: &Self) -> bool {
         self.subject.same_but_state(&other.subject)
             && self.on_surface == other.on_surface
             && self.plane == other.plane
     }
 
-    /// Whether both are the same section.
+    /// Whether both requests are equal.
     pub fn same(&self, other: &Self) -> bool {
         self.subject.same(&other.subject) && self.same_but_state(other)
     }
@@ -141,7 +141,7 @@ pub struct SectionResult {
     pub section: Arc<Section>,
 }
 
-/// The request of a job, and the job.
+/// A job with its request.
 pub type Under<T, R> = Option<(T, Job<R>)>;
 
 /// Results and running jobs of the report.
@@ -149,21 +149,21 @@ pub type Under<T, R> = Option<(T, Job<R>)>;
 pub struct Report {
     /// The newest measures.
     pub measured: Option<Arc<Measured>>,
-    /// Measures being computed.
+    /// The running measurement.
     pub measuring: Under<MeasureRequest, Option<Measured>>,
-    /// The request that failed; it is not tried again.
+    /// The failed request, which is not repeated.
     pub failed: Option<MeasureRequest>,
     /// The newest section.
     pub cut: Option<SectionResult>,
-    /// A section being computed.
+    /// The running computation of a section.
     pub cutting: Under<SectionRequest, SectionResult>,
-    /// The mesh distances are measured to.
+    /// The reference mesh.
     pub reference: Option<Arc<Reference>>,
-    /// A reference being read.
+    /// The reference that is being read.
     pub loading: Under<PathBuf, Result<Reference, String>>,
     /// The energy of the document's controls.
     pub(crate) energy: ParsedEnergy,
-    /// Text for the clipboard being written.
+    /// The job that writes a text for the clipboard.
     pub copying: Option<Job<Result<String, String>>>,
 }
 

@@ -1,18 +1,18 @@
-//! The reference mesh: distances are measured to it.
+//! The reference mesh of distances.
 
 use std::path::{Path, PathBuf};
 
 use crate::io;
 use crate::mesh::{DVec3, FaceId, Mesh, TriangleBvh, VertexId};
 
-/// A barycentric coordinate below this puts a closest point on an edge of its triangle.
+/// A closest point with a barycentric coordinate below this lies on an edge of its triangle.
 const ON_SIDE: f64 = 1e-9;
 
 /// A mesh prepared for distances to it.
 pub struct Reference {
     /// The file.
     pub path: PathBuf,
-    /// What was in it.
+    /// The mesh of the file.
     pub mesh: Mesh,
     bvh: TriangleBvh,
     /// Normals of the triangles, and of the vertices weighted by angles.
@@ -24,13 +24,13 @@ impl Reference {
     /// Reads a mesh file.
     ///
     /// # Errors
-    /// A message for the user: the file cannot be read, or the mesh has no triangle.
+    /// A message for the user: the file is invalid, or the mesh has no triangle.
     pub fn open(path: &Path) -> Result<Self, String> {
         let opened = io::open(path).map_err(|e| e.to_string())?;
         let reference = Self::new(path.to_owned(), opened.mesh);
         if reference.bvh.closest_point(DVec3::ZERO).is_none() {
             return Err(format!(
-                "{} has no triangle to measure distances to; choose another mesh",
+                "{} contains no triangles; choose another mesh",
                 path.display()
             ));
         }
@@ -68,9 +68,9 @@ impl Reference {
         }
     }
 
-    /// Distance of a point, positive on the side of the normals (by the angle-weighted pseudonormal of
-    /// the face, edge or vertex that is nearest; Baerentzen and Aanaes 2005) and where the mesh is
-    /// one-sided.
+    /// Signed distance of a point, positive on the side of the normals. The sign comes from the
+    /// angle-weighted pseudonormal of the nearest face, edge or vertex (Baerentzen and Aanaes
+    /// 2005). It is positive for non-orientable meshes.
     pub fn signed_distance(&self, p: DVec3) -> f64 {
         let Some(closest) = self.bvh.closest_point(p) else {
             return f64::NAN;
@@ -121,8 +121,8 @@ impl Reference {
 mod tests {
     use super::*;
 
-    /// Outside a thin wedge the nearest point is on its sharp edge, where one of the two face normals
-    /// looks away.
+    /// Outside a thin wedge the nearest point is on its sharp edge, where one of the two face
+    /// normals points away from the query point.
     #[test]
     fn signs_hold_beside_sharp_edges() {
         let corners = [

@@ -1,4 +1,5 @@
-//! What is measured: the document's mesh or a state of the run, with its rims and chosen chains.
+//! The measured surface: the mesh of the document or a state of the run, with rims and chosen
+//! chains.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -12,7 +13,7 @@ use crate::fill::{Continuity, Controls};
 use crate::mesh::{BoundaryLoop, LoopId, Mesh, VertexId, boundary_loops};
 use crate::ops::Operation;
 
-/// Maximum number of listed chains of sharp edges, the longest first.
+/// Maximum number of listed chains of sharp edges. The longest come first.
 const MAX_SHARP: usize = 24;
 
 /// A mesh, or a mesh with the patch of a run at one state.
@@ -27,7 +28,7 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// What the window shows; of a comparison, side A.
+    /// The shown surface; side A of a comparison.
     pub fn of(document: &Document, run: Option<&Run>) -> Self {
         let state = run.and_then(|r| r.sides.first()?.state());
         let base = run.filter(|_| state.is_some()).map(|r| &r.base);
@@ -39,12 +40,12 @@ impl Subject {
         }
     }
 
-    /// Whether both are of the same mesh, at the same or different states of a run.
+    /// Whether both have the same mesh, regardless of the state of a run.
     pub fn same_but_state(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.mesh, &other.mesh) && self.state.is_some() == other.state.is_some()
     }
 
-    /// Whether both are the same.
+    /// Whether both are equal.
     pub fn same(&self, other: &Self) -> bool {
         let same_state = state_key(self.state.as_ref()) == state_key(other.state.as_ref());
         same_state && self.same_but_state(other)
@@ -63,8 +64,8 @@ impl Subject {
         }
     }
 
-    /// The whole mesh; with `on_surface` its vertices are points of the limit surface, where a
-    /// refinement has both. Its control mesh is open along creases.
+    /// The whole mesh. A refinement has two: with `on_surface` the one whose vertices are on the
+    /// limit surface, otherwise the control mesh, which is open along creases.
     pub fn mesh(&self, on_surface: bool) -> Arc<Mesh> {
         let Some(state) = &self.state else {
             return Arc::clone(&self.mesh);
@@ -79,20 +80,20 @@ impl Subject {
     }
 }
 
-/// Faces that were added or moved, and how they join the others.
+/// Faces that were added or moved, and their continuity with the others.
 struct Patch {
     faces: Range<usize>,
-    /// Faces that were faired.
+    /// The faired faces.
     faired: Arc<Vec<u32>>,
     controls: Controls,
     loops: Loops,
 }
 
-/// The loops of the mesh that a patch was made for; each has its continuity.
+/// The filled loops of the mesh. Each has its continuity.
 enum Loops {
-    /// The boundary of the faces before the patch's.
+    /// All boundary loops of the faces before the patch.
     Before,
-    /// These.
+    /// These loops.
     Known(BTreeMap<VertexId, LoopId>),
 }
 
@@ -100,7 +101,7 @@ enum Loops {
 pub struct Patches(Vec<Patch>);
 
 impl Patches {
-    /// Those of the document and of the run.
+    /// The patches of the document and of the run.
     pub fn of(document: &Document, run: Option<&Run>) -> Self {
         let accepted = &document.accepted;
         let run = run.and_then(|run| {
@@ -137,7 +138,7 @@ impl Patches {
                     faces,
                     faired,
                     controls: one.operation.last_controls(),
-                    // loops had other numbers before something was erased
+                    // erasing faces has changed the loop numbers
                     loops: if later {
                         Loops::Known(BTreeMap::new())
                     } else {
@@ -161,7 +162,7 @@ impl Patches {
         Self(patches)
     }
 
-    /// The rims of all patches in the whole `mesh`, those of G0 as creases.
+    /// The rims of all patches in the whole `mesh`. G0 rims are creases.
     fn rims(&self, mesh: &Mesh) -> Vec<EdgeChain> {
         let mut rims = Vec::new();
         let made = |p: &&Patch| !p.faces.is_empty() || !p.faired.is_empty();
@@ -188,8 +189,8 @@ impl Patches {
         rims
     }
 
-    /// Chosen chains as far as their edges are there, rims, and the sharp edges above an angle in
-    /// degrees, with how many were left out.
+    /// Chosen chains as far as their edges exist, rims, the sharp edges above an angle in degrees,
+    /// and the number of omitted chains.
     pub fn chains(&self, mesh: &Mesh, chosen: &[Chain], sharp: Option<f64>) -> Chains {
         let places = Places::new(mesh, chosen);
         let mut all: Vec<EdgeChain> = chosen
@@ -224,20 +225,20 @@ impl Patches {
     }
 }
 
-/// All chains to be measured: chosen ones, rims, sharp edges.
+/// All chains to measure.
 pub struct Chains {
-    /// In this order.
+    /// Chosen chains, rims, sharp edges, in this order.
     pub all: Vec<EdgeChain>,
-    /// How many were chosen.
+    /// Number of chosen chains.
     pub chosen: usize,
-    /// How many are rims.
+    /// Number of rims.
     pub rims: usize,
-    /// Chains of sharp edges that are not among them.
+    /// Number of omitted chains of sharp edges.
     pub left_out: usize,
 }
 
 impl Patch {
-    /// Loops by their vertices; empty if all have the same continuity.
+    /// Loops as lists of vertices; empty if all have the same continuity.
     fn numbers(&self, mesh: &Mesh) -> BTreeMap<VertexId, LoopId> {
         if self.controls.loop_continuity.is_empty() {
             return BTreeMap::new();

@@ -1,4 +1,4 @@
-//! What the report measures and shows: plain values, stored in the project file.
+//! Settings of the report. They are stored in the project file.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use crate::analysis::Plane;
 use crate::app::chains::Chain;
 use crate::mesh::DVec3;
 
-/// What a click in the view chooses.
+/// The target of a click in the view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pick {
     /// Holes.
@@ -16,30 +16,30 @@ pub enum Pick {
     Holes,
     /// Chains of edges.
     Edges,
-    /// A point of a section; its direction.
+    /// A point of a section with this direction.
     Section(Across),
 }
 
 /// Direction of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Across {
-    /// Perpendicular to an axis of the file: 0 to 2.
+    /// Perpendicular to a coordinate axis, 0 to 2.
     Axis(usize),
-    /// Upright in the view and along the line of sight.
+    /// Vertical in the view, along the line of sight.
     View,
 }
 
-/// How a curvature comb is drawn.
+/// The look of a curvature comb.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Comb {
-    /// Length of a tooth at the curvature of the sphere around the model, in its radii; `None`
+    /// Length of a tooth at the curvature of the bounding sphere of the model, in its radii. `None`
     /// adapts it to the section.
     pub length: Option<f64>,
-    /// Teeth in the length of the model's radius.
+    /// Teeth per radius of the model.
     pub density: f64,
-    /// The limit surface's own curvature, with its spikes at irregular vertices, instead of the
-    /// averaged one.
+    /// Whether the comb shows the curvature of the limit surface itself, with its spikes at
+    /// irregular vertices, instead of the averaged curvature.
     pub own: bool,
 }
 
@@ -56,9 +56,9 @@ impl Default for Comb {
 /// A plane as stored in the project file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cut {
-    /// A point of it.
+    /// A point of the plane.
     pub point: [f64; 3],
-    /// Its normal.
+    /// The normal.
     pub normal: [f64; 3],
 }
 
@@ -76,12 +76,12 @@ impl Cut {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ReportView {
-    /// Vertices are points of the limit surface, not control points.
+    /// Whether vertices are points of the limit surface, not control points.
     pub on_surface: bool,
-    /// Sharp edges are measured from this angle on, degrees.
+    /// Minimum angle of sharp edges in degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sharp: Option<f64>,
-    /// A mesh to measure distances to.
+    /// The file of the reference mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<PathBuf>,
     /// How the comb is drawn.
@@ -95,16 +95,16 @@ pub struct ReportView {
     /// What a click selects.
     #[serde(skip)]
     pub pick: Pick,
-    /// Curvature whose histogram is shown: H, K, k1, k2.
+    /// The curvature of the histogram: H, K, k1 or k2.
     #[serde(skip)]
     pub curvature: usize,
-    /// The place that was inspected last.
+    /// The last inspected point.
     #[serde(skip)]
     pub mark: Option<DVec3>,
 }
 
 impl ReportView {
-    /// Drops what belongs to the mesh that was open before.
+    /// Clears the settings that belong to the previous mesh.
     pub fn forget(&mut self) {
         self.chains.clear();
         self.cut = None;
@@ -112,7 +112,7 @@ impl ReportView {
         self.pick = Pick::Holes;
     }
 
-    /// Replaces unusable values from a file by defaults.
+    /// Replaces invalid values from a file by defaults.
     #[must_use]
     pub fn checked(mut self) -> Self {
         let in_range = |x: f64, low: f64, high: f64| (low..=high).contains(&x);
@@ -129,21 +129,21 @@ impl ReportView {
     }
 }
 
-/// Kinds of files a report is written to.
+/// Kinds of report files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReportFile {
     /// Everything, as JSON.
     Json,
-    /// A line for each measure.
+    /// One line per measure, as CSV.
     Measures,
-    /// A line for each vertex.
+    /// One line per vertex, as CSV.
     Vertices,
-    /// A line for each point of the section.
+    /// One line per point of the section, as CSV.
     Section,
 }
 
 impl ReportFile {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 4] = [Self::Json, Self::Measures, Self::Vertices, Self::Section];
 
     /// Name in menus.
@@ -156,7 +156,7 @@ impl ReportFile {
         }
     }
 
-    /// Extension of its files.
+    /// File extension.
     pub fn extension(self) -> &'static str {
         if self == Self::Json { "json" } else { "csv" }
     }

@@ -64,11 +64,11 @@ impl WindowProcess for FillProcess {
                 let back = timeline.states.iter().rposition(is_last_good);
                 let back = back.map_or_else(String::new, |at| {
                     format!(
-                        "; state {} is the last that was checked and does not",
+                        "; state {} is the last checked state without an intersection",
                         at + 1
                     )
                 });
-                let text = format!("the surface passes through itself or the mesh: {text}{back}");
+                let text = format!("the surface intersects itself or the mesh: {text}{back}");
                 vec![RunEvent::SelfIntersection { text, place }]
             }
             FillEvent::Finished { outcome, .. } => outcome
@@ -99,7 +99,7 @@ impl WindowProcess for FillProcess {
             let iterations = group.iterations;
             let iterations = iterations.map_or_else(String::new, |n| format!("GMRES {n}  "));
             let eta = group.eta;
-            let eta = eta.map_or_else(String::new, |s| format!("about {} s to go", s.ceil()));
+            let eta = eta.map_or_else(String::new, |s| format!("about {} s left", s.ceil()));
             Figures {
                 holes: group.holes.clone(),
                 level: None,

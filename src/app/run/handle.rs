@@ -1,4 +1,4 @@
-//! Runs of all kinds behind one interface.
+//! A common interface to all kinds of runs.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -13,10 +13,10 @@ use crate::warning::Warning;
 
 /// A run in the background.
 pub trait RunHandle {
-    /// Continues until the end.
+    /// Continues to the end.
     fn play(&self);
 
-    /// Pauses after the present step.
+    /// Pauses after the current step.
     fn pause(&self);
 
     /// Takes one step, then pauses.
@@ -25,13 +25,13 @@ pub trait RunHandle {
     /// Continues to the end in fast mode.
     fn finish(&self);
 
-    /// Ends at the present state.
+    /// Ends at the current state.
     fn stop(&self);
 
-    /// Sets the maximum number of states a second.
+    /// Sets the maximum number of states per second.
     fn set_pace(&self, pace: f64);
 
-    /// Whether it plays (or would, had it not ended) or is paused.
+    /// Whether it is not paused; true after the end of a run that was not paused.
     fn playing(&self) -> bool;
 
     /// Whether it had ended at the last [`Self::poll`].
@@ -43,59 +43,59 @@ pub trait RunHandle {
     /// A message for the user; the run continues as before.
     fn set_controls(&mut self, controls: &Controls) -> Result<(), String>;
 
-    /// What has happened since the last call.
+    /// The events since the last call.
     fn poll(&mut self) -> Vec<RunEvent>;
 
     /// The number of stored states.
     fn state_count(&self) -> usize;
 
-    /// A stored state by its place; the newest if there is none.
+    /// A stored state by index; the newest for an index out of range.
     fn state(&self, at: usize) -> Option<RunState>;
 
     /// All stored states, oldest first.
     fn states(&self) -> Vec<RunState>;
 
-    /// The first stored state with the vertices of another one.
+    /// The first stored state with the same vertices as another one.
     fn start_of(&self, state: &RunState) -> Option<RunState>;
 
-    /// Bytes of the stored states.
+    /// Size of the stored states in bytes.
     fn bytes(&self) -> usize;
 
     /// Continues from a stored state.
     fn rewind_to(&self, state: &RunState);
 
-    /// The largest radius of its groups of holes; 0 without.
+    /// The maximum radius of the groups of holes; 0 without groups.
     fn radius(&self) -> f64;
 
     /// The next time step and the natural time of the first group of holes.
     fn tau(&self) -> Option<(f64, f64)>;
 
-    /// One row for each group, at the state that is shown.
+    /// One row for each group, at the shown state.
     fn figures(&self, shown: Option<&RunState>) -> Vec<Figures>;
 }
 
 /// A stored state of a run.
 pub type RunState = Arc<dyn StateView>;
 
-/// What the window needs to know of a stored state.
+/// The data of a stored state that the window needs.
 pub trait StateView: Any + Debug + Send + Sync {
     /// Its serial number.
     fn serial(&self) -> usize;
 
-    /// What repeats the run up to it.
+    /// The schedule that repeats the run up to this state.
     fn schedule(&self) -> Schedule;
 
-    /// Connectivity of the whole mesh; of a refinement cut open along creases.
+    /// Connectivity of the whole mesh; that of a refinement is cut open along creases.
     fn topology(&self) -> &Arc<Topology>;
 
-    /// Positions of all vertices: control points of the limit surface, or with `flat` those of the
-    /// mesh that is saved.
+    /// Positions of all vertices: control points of the limit surface, or those of the saved mesh
+    /// if `flat`.
     fn positions(&self, flat: bool) -> Vec<DVec3>;
 
     /// The whole mesh.
     fn mesh(&self) -> Mesh;
 
-    /// The faces that the run has added; `None` if it replaces all faces.
+    /// The faces added by the run; `None` if it replaces all faces.
     fn patch_faces(&self) -> Option<Range<usize>>;
 
     /// Whether it has a smooth limit surface.
@@ -104,7 +104,7 @@ pub trait StateView: Any + Debug + Send + Sync {
     /// Whether its mesh is cut open along creases.
     fn is_cut(&self) -> bool;
 
-    /// Attempted steps before it.
+    /// Attempted steps before this state.
     fn attempt(&self) -> usize;
 }
 
@@ -113,18 +113,18 @@ pub fn state_key(state: Option<&RunState>) -> Option<*const ()> {
     state.map(|state| Arc::as_ptr(state).cast())
 }
 
-/// What a run reports, as far as the window needs it.
+/// An event of a run for the window.
 pub enum RunEvent {
     /// A step was attempted by a group.
     Step(usize, StepRecord),
-    /// It began to intersect itself or the mesh.
+    /// The surface began to intersect itself or the mesh.
     SelfIntersection {
-        /// What happened, and which state is the last without.
+        /// A description, with the last state without an intersection.
         text: String,
-        /// Where.
+        /// A point of the intersection.
         place: DVec3,
     },
-    /// It has paused by itself.
+    /// The run has paused automatically.
     Paused,
     /// A message.
     Note(String),
@@ -134,37 +134,37 @@ pub enum RunEvent {
     Error(String),
 }
 
-/// A row of figures: of a group of holes, or of a refinement.
+/// A row of numbers of a group of holes or of a refinement.
 #[derive(Clone, Debug, Default)]
 pub struct Figures {
     /// Loops solved together; none for a refinement.
     pub holes: Vec<LoopId>,
     /// The level of a refinement.
     pub level: Option<usize>,
-    /// Accepted steps at the state that is shown.
+    /// Accepted steps at the shown state.
     pub step: Option<usize>,
-    /// Time step over the natural time.
+    /// Time step divided by the natural time.
     pub relative_tau: Option<f64>,
-    /// Energy at the state.
+    /// Energy of the shown state.
     pub energy: Option<f64>,
-    /// Residual at the state.
+    /// Residual of the shown state.
     pub residual: Option<f64>,
-    /// Rejected attempts.
+    /// Rejected steps.
     pub rejected: usize,
-    /// Smallest angle of a triangle, degrees.
+    /// Smallest triangle angle in degrees.
     pub angle: Option<f64>,
-    /// How it has ended.
+    /// How the flow ended.
     pub end: Option<Result<End, String>>,
-    /// What it is doing.
+    /// The current activity.
     pub doing: String,
 }
 
-/// What the window needs of a kind of process beside its [`Runner`].
+/// The functions of a process that the window needs in addition to its [`Runner`].
 pub trait WindowProcess: Process {
-    /// The process's controls after the user has set the window's.
+    /// The controls of the process after the user has changed those of the window.
     fn controls(previous: &Self::Controls, window: &Controls) -> Self::Controls;
 
-    /// What the window needs of an event.
+    /// The window's form of an event.
     fn events(event: Self::Event, timeline: &Timeline<Self::State>) -> Vec<RunEvent>;
 
     /// As [`RunHandle::radius`].
@@ -281,13 +281,13 @@ where
     }
 }
 
-/// A warning and what to do about it in the window.
+/// A warning with its remedy in the window.
 pub(super) fn with_hint(warning: &Warning) -> String {
     let hint = match warning {
         Warning::StepLimit { mixed: false, .. } => Some("raise “Most steps” to continue"),
         Warning::StepLimit { mixed: true, .. } => Some(
-            "raise “Most steps” to continue, or choose the scheme “corrected”, which does not creep \
-             along the surface",
+            "raise “Most steps” to continue, or choose the scheme “corrected”, whose vertices do \
+             not drift along the surface",
         ),
         _ => warning.hint(),
     };

@@ -12,8 +12,8 @@ use crate::refine::{
 use crate::runner::{Runner, Schedule};
 use crate::solver::End;
 
-/// The controls of a refinement with the window's. One without an energy of its own has the energy
-/// and the tension that suit its mesh.
+/// The controls of a refinement after those of the window have changed. Without an energy of its
+/// own, energy and tension are adapted to the mesh.
 pub fn with_controls(refinement: &RefineControls, window: &Controls) -> RefineControls {
     let mut out = RefineControls {
         mode: window.mode,
@@ -83,7 +83,7 @@ impl WindowProcess for RefineProcess {
         match event {
             RefineEvent::Step { record, .. } => events.push(RunEvent::Step(0, record)),
             RefineEvent::LevelDone(report) => {
-                // the schemes without a flow take no step
+                // subdivision schemes have no steps
                 if report.steps > 0 {
                     events.push(RunEvent::Note(format!(
                         "level {}: {} vertices, energy {:.6e}, {} steps, {}",

@@ -17,7 +17,7 @@ use crate::refine::{LiveRefine, Method, RefineControls};
 use crate::runner::Schedule;
 
 impl Run {
-    /// Starts a refinement, with the other methods asked for beside it; `chains` are the chosen edges.
+    /// Starts a refinement and those of the methods to compare with. `chains` are the chosen edges.
     ///
     /// # Errors
     /// A message for the user.
@@ -72,7 +72,7 @@ impl Run {
     }
 }
 
-/// For headings.
+/// The name of a method in headings.
 pub fn method_name(method: Method) -> &'static str {
     match method {
         Method::Pde => "PDE",
@@ -81,7 +81,7 @@ pub fn method_name(method: Method) -> &'static str {
     }
 }
 
-/// The edges that are to stay sharp beside those above the angle.
+/// The sharp edges in addition to those above the angle.
 fn crease_ends(refining: &Refining, chains: &[Chain], document: &Document) -> Vec<[u32; 2]> {
     let mesh = &document.mesh;
     let ends = |h| [mesh.topology.origin(h).0, mesh.topology.target(h).0];
@@ -99,7 +99,7 @@ fn crease_ends(refining: &Refining, chains: &[Chain], document: &Document) -> Ve
     edges
 }
 
-/// Directed edges joined to paths, each as its vertices.
+/// Joins directed edges to paths of vertices.
 fn paths(edges: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let mut onwards: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for &[a, b] in edges.iter().rev() {

@@ -1,4 +1,4 @@
-//! What the report draws into the view: chosen edges, the section with its comb, a marked place.
+//! Overlays of the report: chosen edges, the section with its comb, and a marked point.
 
 use std::sync::Arc;
 
@@ -17,27 +17,27 @@ use crate::subdivision::limit_position;
 const CHOSEN: [f32; 4] = [0.95, 0.35, 0.85, 1.0];
 /// The section.
 const SECTION: [f32; 4] = [1.0, 1.0, 1.0, 1.0];
-/// Teeth where it bends away from the normals, and where it bends towards them.
+/// Teeth at negative and at positive curvature.
 const CONVEX: [f32; 4] = [0.25, 0.75, 0.95, 1.0];
 const CONCAVE: [f32; 4] = [1.0, 0.55, 0.25, 1.0];
-/// Ends of the teeth.
+/// The curve through the ends of the teeth.
 const ENDS: [f32; 4] = [0.98, 0.85, 0.35, 1.0];
-/// The marked place.
+/// The marked point.
 const MARK: [f32; 4] = [1.0, 0.25, 0.2, 1.0];
 
-/// Part of the model's radius that a comb of natural length has at the curvature that only a twentieth
-/// of the section exceeds.
+/// Length of the adapted comb at the 95 % quantile of the section's curvature, as a fraction of the
+/// model's radius.
 const NATURAL: f64 = 0.25;
-/// Teeth at most; a denser comb is a plain area.
+/// Maximum number of teeth. A denser comb would look like a filled area.
 const MAX_TEETH: usize = 6000;
 
-/// Overlays of the report, made again only when what they show has changed.
+/// Overlays of the report, rebuilt only when their content changes.
 #[derive(Default)]
 pub(crate) struct ReportOverlays {
     chains: Cached<ChainKey, Arc<Overlay>>,
     comb: Cached<CombKey, DrawnComb>,
     mark: Cached<DVec3, Arc<Overlay>>,
-    /// Around the comb that was drawn last.
+    /// Bounding box of the last comb.
     reach: Option<Bounds>,
 }
 
@@ -62,7 +62,7 @@ struct DrawnComb {
 }
 
 impl ReportOverlays {
-    /// What has to be drawn now.
+    /// The current overlays.
     pub(crate) fn of(&mut self, model: &Model) -> Vec<Arc<Overlay>> {
         let mut all = Vec::new();
         self.reach = None;
@@ -110,7 +110,7 @@ impl ReportOverlays {
         all
     }
 
-    /// The box that holds `bounds` and what was drawn last.
+    /// The box around `bounds` and the last comb.
     pub(crate) fn around(&self, bounds: Bounds) -> Bounds {
         self.reach.map_or(bounds, |r| {
             Bounds::new(bounds.low.min(r.low), bounds.high.max(r.high))
@@ -118,7 +118,7 @@ impl ReportOverlays {
     }
 }
 
-/// The chosen edges, on the limit surface where the mesh is drawn as one.
+/// The chosen edges, on the limit surface if that is drawn.
 fn chosen_edges(model: &Model) -> Overlay {
     let mesh = &model.document.mesh;
     let (topology, limit) = (&mesh.topology, model.draws_limit_of_mesh());
@@ -155,8 +155,7 @@ fn curvature(comb: &Comb, p: &SectionPoint) -> f64 {
     if comb.own { p.curvature } else { p.averaged }
 }
 
-/// The length ([`Comb::length`]) at which the teeth of a section are seen and not in the way, for a
-/// model of a given radius.
+/// A suitable length ([`Comb::length`]) of the teeth of a section, for a model of a given radius.
 pub(crate) fn natural_length(section: &Section, comb: &Comb, radius: f64) -> f64 {
     let points = section.curves.iter().flat_map(|c| &c.points);
     let mut sizes: Vec<f64> = points
@@ -193,7 +192,7 @@ fn comb_overlay(section: &Section, comb: &Comb, radius: f64, centre: DVec3) -> O
                 continue;
             }
             let foot = DVec3::from_array(p.at) - centre;
-            // away from the centre of curvature; a spike must not leave the picture
+            // away from the centre of curvature; spikes are limited to stay in the picture
             let size = (-k * length * radius * radius).clamp(-radius, radius);
             let end = narrow(foot + size * DVec3::from_array(p.normal));
             let color = if k < 0.0 { CONVEX } else { CONCAVE };
@@ -223,7 +222,7 @@ fn comb_overlay(section: &Section, comb: &Comb, radius: f64, centre: DVec3) -> O
     Overlay::new(lines, Vec::new())
 }
 
-/// Points of a curve about `spacing` apart, the first among them.
+/// Points of a curve about `spacing` apart, including the first.
 fn teeth(curve: &SectionCurve, spacing: f64) -> impl Iterator<Item = &SectionPoint> {
     let mut due = 0.0;
     curve.points.iter().filter(move |p| {
@@ -274,11 +273,11 @@ mod tests {
         };
         let drawn = comb_overlay(&section, &comb, 2.0, DVec3::ZERO);
         let teeth: Vec<&Polyline> = drawn.lines.iter().filter(|l| l.color == CONVEX).collect();
-        // ten in the length of the radius
+        // ten per radius
         assert!((60..=64).contains(&teeth.len()), "{}", teeth.len());
         for tooth in teeth {
             let [x, y, _] = tooth.points[1];
-            // 0.5 radii of 2 beyond the circle of radius 2
+            // teeth of 0.5 * 2 outside the circle of radius 2
             assert!((x.hypot(y) - 3.0).abs() < 1e-5);
         }
         let natural = natural_length(&section, &comb, 2.0);

@@ -31,7 +31,7 @@ pub(crate) fn update(model: &mut Model, action: ControlsAction) {
     }
 }
 
-/// Sets the controls of the next run and of the present one.
+/// Sets the controls of the next run and of the current one.
 fn set(model: &mut Model, controls: Controls) {
     if controls == model.document.controls {
         return;
@@ -41,7 +41,7 @@ fn set(model: &mut Model, controls: Controls) {
         for side in &mut run.sides {
             let mut own = controls.clone();
             if compared {
-                // only the energies differ, each with its own parameters
+                // the sides differ only in their energies and parameters
                 own.energy.clone_from(&side.controls.energy);
                 for (name, value) in &side.controls.param {
                     own.param.entry(name.clone()).or_insert(*value);
@@ -74,7 +74,7 @@ fn set(model: &mut Model, controls: Controls) {
     model.document.controls = controls;
 }
 
-/// Uses the typed energy, if it is valid, with a value for each of its parameters.
+/// Uses the typed energy if it is valid, with a value for each parameter.
 fn apply_energy(model: &mut Model) {
     let mut controls = model.document.controls.clone();
     let text = model.view.energy_text.trim().to_owned();
@@ -91,7 +91,7 @@ fn apply_energy(model: &mut Model) {
     }
 }
 
-/// The known parameters, and the default of the parameter of a preset.
+/// The known parameters and the default of a preset's parameter.
 pub(crate) fn params_for(text: &str, known: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
     let mut params = known.clone();
     let plain = text.replace(' ', "");

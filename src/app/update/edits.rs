@@ -20,7 +20,7 @@ pub(crate) fn update(model: &mut Model, action: EditAction) {
     }
 }
 
-/// In the middle of a run its shown state is accepted first, so that a redo brings it back.
+/// During a run the shown state is accepted first, so that a redo restores it.
 fn undo(model: &mut Model) {
     if model.run.is_some() {
         accept(model, 0);
@@ -54,19 +54,19 @@ fn after_travel(model: &mut Model, message: &str) {
 
 /// The selected faces, if there are any.
 pub(crate) fn selected_faces(model: &mut Model) -> Option<Arc<Vec<u32>>> {
-    if refuse_while_running(model, "changing something else") {
+    if refuse_while_running(model, "other changes") {
         return None;
     }
     if model.document.faces.is_empty() {
         model
             .log
-            .warning("no face is selected: paint over the place with the brush, or use the lasso");
+            .warning("no face is selected: use the brush or the lasso");
         return None;
     }
     Some(Arc::clone(&model.document.faces))
 }
 
-/// Applies an operation that needs no flow. Returns whether that was possible.
+/// Applies an operation without a flow. Returns whether it succeeded.
 fn apply(model: &mut Model, operation: Operation) -> bool {
     let (mesh, kept) = match operation.run(&model.document.mesh, &|_, _| true) {
         Ok(Outcome::Erased(erased)) => (erased.mesh, Some(erased.old_face)),
@@ -79,7 +79,7 @@ fn apply(model: &mut Model, operation: Operation) -> bool {
     let label = operation.label();
     model.history.record(&model.document, label.clone(), None);
     let end = mesh.face_count();
-    // only what is there already may be erased
+    // only existing faces can be erased
     let start = match kept {
         Some(_) => end,
         None => model.document.mesh.face_count(),
@@ -103,13 +103,13 @@ fn erase(model: &mut Model) {
     if faces.len() == mesh.face_count() {
         model
             .log
-            .warning("all faces are selected: nothing would be left; Ctrl takes faces away");
+            .warning("all faces are selected and none would remain: deselect some with Ctrl");
         return;
     }
     apply(model, Operation::Erase(EraseSpec { faces }));
 }
 
-/// Builds a strip between two rim vertices.
+/// Builds a bridge between two rim vertices.
 fn bridge(model: &mut Model, ends: [DVec3; 2], width: usize) {
     if model.run.is_some() {
         return;
@@ -121,7 +121,7 @@ fn bridge(model: &mut Model, ends: [DVec3; 2], width: usize) {
 
 /// Flips the component of a loop.
 fn flip(model: &mut Model, id: LoopId) {
-    if refuse_while_running(model, "changing something else") {
+    if refuse_while_running(model, "other changes") {
         return;
     }
     let selected = model.document.selected();
@@ -129,7 +129,7 @@ fn flip(model: &mut Model, id: LoopId) {
     if !apply(model, Operation::Flip(FlipSpec { loops: vec![id] })) {
         return;
     }
-    // the same rims stay selected; their numbers may have changed
+    // keep the same rims selected; their numbers may have changed
     let loops = &model.document.loops;
     let nearest = |p: &DVec3| {
         let far = |l: &BoundaryLoop| l.centroid.distance_squared(*p);

@@ -17,7 +17,7 @@ use crate::app::view_state::{AfterUnsaved, Modal, PathPrompt, PathUse};
 use crate::io;
 use crate::shapes::SAMPLES;
 
-/// A dialog that is answered sooner was not shown.
+/// A dialog that returns within this time was not shown.
 const NO_DIALOG: Duration = Duration::from_millis(400);
 
 pub(crate) fn update(model: &mut Model, action: FileAction) {
@@ -36,7 +36,7 @@ pub(crate) fn update(model: &mut Model, action: FileAction) {
             if model.document.is_changed() {
                 ask(model, PathUse::ExportPatch);
             } else {
-                model.log.info("there is no patch yet: fill a hole first");
+                model.log.info("there is no patch: fill a hole first");
             }
         }
         FileAction::ExportPatch(path) => export_patch(model, path),
@@ -72,7 +72,7 @@ pub(crate) fn update(model: &mut Model, action: FileAction) {
     }
 }
 
-/// Continues with `next`, unless work would be lost.
+/// Continues with `next`, or asks first if work would be lost.
 fn guarded(model: &mut Model, next: AfterUnsaved) {
     if model.must_ask_before_closing() {
         model.view.modal = Modal::Unsaved(next);
@@ -84,7 +84,7 @@ fn guarded(model: &mut Model, next: AfterUnsaved) {
 fn resume(model: &mut Model, next: AfterUnsaved) {
     match next {
         AfterUnsaved::Close => {
-            // the user has decided; nothing is asked again
+            // the user has decided; do not ask again
             model.run = None;
             model.saved_revision = model.revision;
             model.autosave.discard();
@@ -96,7 +96,7 @@ fn resume(model: &mut Model, next: AfterUnsaved) {
     }
 }
 
-/// Opens the system's file dialog; if there is none, the user types a path instead.
+/// Opens the file dialog of the system, or asks for a typed path if there is none.
 pub(super) fn ask(model: &mut Model, purpose: PathUse) {
     let start = model.source_path();
     let name = suggestion(model, purpose);
@@ -147,7 +147,7 @@ fn suggestion(model: &Model, purpose: PathUse) -> String {
     }
 }
 
-/// Takes a dialog's answer; `None`: cancelled, or there is no dialog.
+/// Handles the result of a dialog; `None` if it was cancelled or is not available.
 pub(super) fn path_chosen(
     model: &mut Model,
     purpose: PathUse,
@@ -167,7 +167,7 @@ pub(super) fn path_chosen(
     }
 }
 
-/// Does what a path was asked for.
+/// Uses a path for its purpose.
 fn use_path(model: &mut Model, purpose: PathUse, path: PathBuf) {
     match purpose {
         PathUse::Open => load(model, path),
@@ -178,7 +178,7 @@ fn use_path(model: &mut Model, purpose: PathUse, path: PathBuf) {
     }
 }
 
-/// Takes in what was read.
+/// Opens the content that was read.
 pub(super) fn loaded(model: &mut Model, path: &Path, result: Result<Loaded, String>) {
     match result {
         Ok(Loaded::Mesh(document)) => {
@@ -194,10 +194,10 @@ pub(super) fn loaded(model: &mut Model, path: &Path, result: Result<Loaded, Stri
             let bounds = model.document.origin.bounds;
             project.view.restore(&mut model.view, &bounds);
             if recovered {
-                // its file goes once the work is saved
+                // the recovery file is removed once the work is saved
                 model.revision += 1;
                 autosave::remove(path);
-                model.log.info("recovered; save it to keep it");
+                model.log.info("recovered: save it to keep it");
             } else {
                 model.saved_to = Some(path.to_owned());
                 model.settings.remember(path);
@@ -212,11 +212,11 @@ pub(super) fn loaded(model: &mut Model, path: &Path, result: Result<Loaded, Stri
         }
         Err(text) => model
             .log
-            .error(format!("{text}\nThe open document was left alone.")),
+            .error(format!("{text}\nThe open document is unchanged.")),
     }
 }
 
-/// Takes in that something was written.
+/// Records that a file was written.
 pub(super) fn saved(
     model: &mut Model,
     path: PathBuf,
@@ -251,10 +251,10 @@ pub(super) fn saved(
     }
 }
 
-/// Puts another document in place of the open one.
+/// Replaces the open document.
 pub(in crate::app) fn replace(model: &mut Model, document: Document) {
     model.run = None;
-    // the camera must not be fitted to what was there before
+    // do not fit the camera to the old surfaces
     model.displays.iter_mut().for_each(DisplayWorker::forget);
     model.history = History::default();
     let view = &mut model.view;
@@ -273,7 +273,7 @@ pub(in crate::app) fn replace(model: &mut Model, document: Document) {
     announce(model);
 }
 
-/// Reports what was opened.
+/// Reports the opened mesh.
 fn announce(model: &mut Model) {
     let document = &model.document;
     let report = &document.origin.report;
@@ -291,7 +291,7 @@ fn announce(model: &mut Model) {
     model.log.info(text);
     if !report.defects.is_empty() {
         model.log.warning(format!(
-            "{} places were repaired or are unsound: see the load report (Ctrl+R)",
+            "{} defects were found or repaired: see the load report (Ctrl+R)",
             report.defects.len()
         ));
     }
@@ -300,7 +300,7 @@ fn announce(model: &mut Model) {
     }
 }
 
-/// Makes a sample in the background; some take a third of a second.
+/// Builds a sample in the background; some take a third of a second.
 fn sample(model: &mut Model, name: String) {
     model.spawn(format!("sample {name}"), move |_| {
         let path = PathBuf::from(&name);
@@ -332,7 +332,7 @@ fn load(model: &mut Model, path: PathBuf) {
     });
 }
 
-/// Whether writing there would destroy the opened file.
+/// Whether writing to this path would overwrite the opened file.
 pub(super) fn is_source(model: &Model, path: &Path) -> bool {
     model
         .source_path()
@@ -345,7 +345,7 @@ fn refuses_source(model: &mut Model, path: &Path) -> bool {
     if refused {
         model.after_save = None;
         model.log.error(format!(
-            "{} is the file that was opened; it is never overwritten: choose another name",
+            "{} is the opened file, which is never overwritten: choose another name",
             path.display()
         ));
     }
@@ -372,7 +372,7 @@ fn save(model: &mut Model, path: &Path) {
     if model.run.is_some() {
         model
             .log
-            .warning("the patch was not accepted yet and is not in the saved file");
+            .warning("the patch is not accepted and not in the saved file");
     }
     let (document, view) = (model.document.clone(), model.view.clone());
     let is_project = is_project(path);
@@ -397,7 +397,7 @@ fn export_patch(model: &mut Model, path: PathBuf) {
         return;
     }
     let Some(patches) = model.document.patches() else {
-        model.log.info("there is no patch yet: fill a hole first");
+        model.log.info("there is no patch: fill a hole first");
         return;
     };
     save_as(model, path, SavedWhat::Patch, move |path| {

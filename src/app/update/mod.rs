@@ -1,4 +1,4 @@
-//! What each action does, and what happens by itself.
+//! Actions and background updates of the model.
 
 mod controls;
 mod edits;
@@ -22,7 +22,7 @@ use super::model::Model;
 use super::report::Pick;
 use super::view_state::Modal;
 
-/// Carries out an action and all that follows from it.
+/// Executes an action and its consequences.
 pub fn act(model: &mut Model, action: impl Into<Action>) {
     match action.into() {
         Action::File(action) => files::update(model, action),
@@ -40,7 +40,7 @@ pub fn act(model: &mut Model, action: impl Into<Action>) {
     }
 }
 
-/// Closes what is open, else stops what runs, else clears the selection.
+/// Closes the topmost dialog or tool, else stops the run, else clears the selection.
 fn escape(model: &mut Model) {
     if model.view.modal != Modal::None {
         model.view.modal = Modal::None;
@@ -64,8 +64,8 @@ fn escape(model: &mut Model) {
     }
 }
 
-/// Refuses to do `what`, with a message, while a run waits to be accepted or rejected. Returns
-/// whether it was refused.
+/// Refuses to do `what`, with a message, until the run is accepted or rejected. Returns whether it
+/// was refused.
 fn refuse_while_running(model: &mut Model, what: &str) -> bool {
     let refused = model.run.is_some();
     if refused {

@@ -15,7 +15,7 @@ use crate::render::{
     save_png, turntable, write_sequence,
 };
 
-/// Name of the jobs that write pictures.
+/// The name of jobs that write pictures.
 pub(crate) const WRITING: &str = "pictures";
 
 pub(crate) fn update(model: &mut Model, action: PictureAction) {
@@ -31,12 +31,12 @@ pub(crate) fn update(model: &mut Model, action: PictureAction) {
             model.jobs.retain(|job| !job.what.starts_with(WRITING));
             model
                 .log
-                .info("the sequence was cancelled; no file of it is left");
+                .info("the sequence was cancelled; its files were removed");
         }
     }
 }
 
-/// Settings the picture dialog opens with.
+/// The initial settings of the picture dialog.
 fn first_settings(model: &Model) -> PictureSettings {
     let [width, height] = model.view.viewport_px;
     PictureSettings {
@@ -87,7 +87,7 @@ fn copy(model: &mut Model) {
 
 fn make(model: &mut Model, settings: &PictureSettings) {
     if settings.path.trim().is_empty() {
-        model.log.error("give the picture a file name");
+        model.log.error("enter a file name for the picture");
         return;
     }
     let Some(gpu) = gpu(model) else { return };
@@ -99,15 +99,16 @@ fn make(model: &mut Model, settings: &PictureSettings) {
     };
     let mut scene = scene_builder::scene(model, 0);
     if let (false, Some(display)) = (settings.overlays, model.displays[0].latest()) {
-        // drop the selected faces, which come last
+        // remove the selected faces, which come last
         scene.surfaces.truncate(display.surfaces.len());
     }
     let states = match (settings.kind, &model.run) {
         (PictureKind::Flow, Some(run)) => run.sides[0].handle.states(),
         (PictureKind::Flow, None) => {
-            model
-                .log
-                .warning("there is no flow to show: fill a hole first, accept it later");
+            model.log.warning(
+                "there is no flow: fill a hole and write the pictures before you accept \
+                          the patch",
+            );
             return;
         }
         _ => Vec::new(),
@@ -125,7 +126,7 @@ fn make(model: &mut Model, settings: &PictureSettings) {
     });
 }
 
-/// Everything that drawing a picture in the background needs.
+/// The data for drawing a picture in the background.
 struct PictureJob {
     gpu: Arc<Gpu>,
     camera: Camera,

@@ -20,10 +20,10 @@ use crate::app::view_state::PathUse;
 use crate::mesh::HalfedgeId;
 use crate::render::ViewMode;
 
-/// A clicked edge is sharp from this angle on, in degrees, where the report says nothing else.
+/// Default minimum angle of a sharp edge in degrees.
 const SHARP: f64 = 40.0;
 
-/// Carries out an action of the report.
+/// Executes an action of the report.
 pub(crate) fn update(model: &mut Model, action: ReportAction) {
     let view = &mut model.view.report;
     match action {
@@ -81,7 +81,7 @@ fn choose_chain(model: &mut Model, edge: HalfedgeId) {
     let Some(chain) = chain_through(mesh, edge, angle.to_radians()) else {
         model
             .log
-            .info("the mesh ends at that edge: there is no other side to compare");
+            .info("this is a boundary edge: there is no other side to compare");
         return;
     };
     let ends = |h: HalfedgeId| {
@@ -105,7 +105,7 @@ fn choose_chain(model: &mut Model, edge: HalfedgeId) {
     }
 }
 
-/// Advances what runs in the background.
+/// Advances the background jobs.
 pub(super) fn tick(model: &mut Model) {
     read_reference(model);
     if model.view.windows.analysis {
@@ -126,7 +126,7 @@ pub(super) fn tick(model: &mut Model) {
     }
 }
 
-/// Reads the chosen reference, unless it is there.
+/// Reads the chosen reference unless it is loaded.
 fn read_reference(model: &mut Model) {
     let Some(path) = model.view.report.reference.clone() else {
         model.report.loading = None;
@@ -145,7 +145,7 @@ fn read_reference(model: &mut Model) {
             match result.and_then(|r| r) {
                 Ok(reference) => report.reference = Some(Arc::new(reference)),
                 Err(text) => {
-                    // the reference before stays, if there was one
+                    // keep the previous reference, if there was one
                     model.view.report.reference = report.reference.as_ref().map(|r| r.path.clone());
                     model.log.error(text);
                 }
@@ -160,7 +160,7 @@ fn read_reference(model: &mut Model) {
     }
 }
 
-/// What the report has to show now.
+/// The current request.
 fn requested(model: &mut Model) -> MeasureRequest {
     let energy = model.report.energy.of(&model.document.controls);
     let view = &model.view.report;
@@ -174,7 +174,7 @@ fn requested(model: &mut Model) -> MeasureRequest {
     }
 }
 
-/// Takes in measures and requests new ones. If only the state of the run has changed, the running
+/// Receives measures and requests new ones. If only the state of the run has changed, the running
 /// measurement is allowed to finish; otherwise it would be restarted every frame.
 fn measure(model: &mut Model) {
     let request = requested(model);
@@ -209,7 +209,7 @@ fn measure(model: &mut Model) {
     model.report.measuring = Some((request, job));
 }
 
-/// What the vertices are.
+/// The meaning of the vertices.
 pub(super) fn vertices(on_surface: bool) -> Vertices {
     if on_surface {
         Vertices::OnSurface
@@ -241,7 +241,7 @@ fn find(request: MeasureRequest, patches: &Patches, reporter: &Reporter) -> Opti
     })
 }
 
-/// Takes in sections and requests new ones, as [`measure`] does.
+/// Receives sections and requests new ones, as [`measure`] does.
 fn cut(model: &mut Model) {
     let Some(plane) = model.view.report.cut.map(|c| c.plane()) else {
         model.report.cutting = None;

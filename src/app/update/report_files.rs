@@ -1,4 +1,4 @@
-//! The report as text: to the clipboard and to files.
+//! The report as text, for the clipboard and for files.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::app::report::{Measured, ReportFile};
 use crate::io;
 use crate::mesh::LoadReport;
 
-/// What a report is written from.
+/// The data of a written report.
 struct Sheet {
     file: ReportFile,
     name: String,
@@ -22,12 +22,12 @@ struct Sheet {
 }
 
 impl Sheet {
-    /// Of the newest measures; a message if there are none.
+    /// The newest measures, or a message if there are none.
     fn new(model: &mut Model, file: ReportFile) -> Option<Self> {
         let Some(measured) = model.report.measured.clone() else {
-            model.log.info(
-                "nothing was measured yet: open the report (Analyze > Report) and wait for it",
-            );
+            model
+                .log
+                .info("nothing was measured: open the report (Analyze > Report) and wait for it");
             model.view.windows.analysis = true;
             return None;
         };
@@ -82,7 +82,7 @@ pub(super) fn save(model: &mut Model, file: ReportFile, path: PathBuf) {
     let is_reference = reference.is_some_and(|r| io::same_file(r, &path));
     if is_source(model, &path) || is_reference {
         model.log.error(format!(
-            "{} is a mesh that is open; it is never overwritten: choose another name",
+            "{} is an open mesh, which is never overwritten: choose another name",
             path.display()
         ));
         return;

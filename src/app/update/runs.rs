@@ -75,7 +75,7 @@ fn reject(model: &mut Model) {
     if model.run.take().is_some() {
         model
             .log
-            .info("the patch was dropped; the mesh is as before");
+            .info("the patch was rejected; the mesh is unchanged");
     }
 }
 
@@ -104,9 +104,9 @@ fn start(model: &mut Model) {
             model.log.warning(if model.document.loops.is_empty() {
                 "the mesh is closed: there is nothing to fill"
             } else if !model.document.holes().is_empty() {
-                "all holes exceed the limits: click one to fill it all the same"
+                "all holes exceed the limits: click one to fill it nevertheless"
             } else {
-                "all open loops look like outer rims: click one to fill it all the same"
+                "all loops are classified as outer boundaries: click one to fill it nevertheless"
             });
             return;
         }
@@ -116,7 +116,7 @@ fn start(model: &mut Model) {
     if task == Task::Blend && model.document.selection.len() < 2 {
         model
             .log
-            .warning("a blend joins two rims or more: click them, or take all with Ctrl+A");
+            .warning("a blend joins at least two rims: click them, or select all with Ctrl+A");
         return;
     }
     let loops: Vec<LoopId> = model.document.selection.iter().copied().collect();
@@ -146,7 +146,7 @@ fn refine(model: &mut Model) {
     let chains = &model.view.report.chains;
     match Run::start_refinement(refining, chains, document, controls, pace, wake) {
         Ok(run) => {
-            // several views are narrower than one
+            // side-by-side views are narrower than a single one
             model.view.fit |= run.sides.len() > 1;
             model.run = Some(run);
         }
@@ -154,7 +154,7 @@ fn refine(model: &mut Model) {
     }
 }
 
-/// Starts an operation with the controls, and beside it with another energy if one is compared.
+/// Starts an operation, and a second one if another energy is compared.
 fn spawn(model: &mut Model, operation: impl Fn(FlowSpec) -> Operation) {
     let a = model.document.controls.clone();
     let mut sides = vec![operation(a.clone().into())];
@@ -188,7 +188,7 @@ fn play_pause(model: &mut Model) {
     }
 }
 
-/// One state forward: of the stored ones, or of the flow.
+/// Shows the next stored state, or takes a step of the flow.
 fn step(model: &mut Model) {
     let Some(run) = &mut model.run else {
         return;
@@ -232,7 +232,7 @@ pub(super) fn accept(model: &mut Model, index: usize) {
     let Some(state) = side.state() else {
         model
             .log
-            .info("there is no patch yet: wait for the first one, or press Esc");
+            .info("there is no patch yet: wait for the first patch or press Esc");
         return;
     };
     let filled = state.mesh();
@@ -242,12 +242,12 @@ pub(super) fn accept(model: &mut Model, index: usize) {
     let mut faces = run.base.face_count()..filled.face_count();
     if matches!(operation, Operation::Refine(_)) {
         faces = 0..0;
-        // its vertices are points of the limit surface, if it has one
+        // the vertices are on the limit surface, if there is one
         model.view.report.on_surface |= state.has_limit();
     } else if faces.is_empty() && !matches!(operation, Operation::Fair(_)) {
         model
             .log
-            .error("no hole could be filled; the mesh is as before");
+            .error("no hole could be filled; the mesh is unchanged");
         model.run = None;
         return;
     }
@@ -259,7 +259,7 @@ pub(super) fn accept(model: &mut Model, index: usize) {
     model.document.accept(filled, kept.as_deref(), done);
     model.document.surface = surface;
     model.document.controls = Controls {
-        // the mesh has other loops now
+        // the loops of the mesh have changed
         loop_continuity: window_controls().loop_continuity,
         ..controls
     };

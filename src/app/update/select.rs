@@ -1,4 +1,4 @@
-//! The selection of loops and of faces, and the task they are selected for.
+//! The task, and the selection of loops and faces.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -14,14 +14,14 @@ use crate::mesh::{BoundaryLoop, LoopId};
 pub(crate) fn update_task(model: &mut Model, action: TaskAction) {
     match action {
         TaskAction::Choose(task) => {
-            if !refuse_while_running(model, "selecting something else") {
+            if !refuse_while_running(model, "changing the selection") {
                 model.view.task = task;
                 model.view.bridging = None;
                 model.view.hover = None;
             }
         }
         TaskAction::Bridging(bridging) => {
-            if !refuse_while_running(model, "selecting something else") {
+            if !refuse_while_running(model, "changing the selection") {
                 model.view.bridging = bridging;
             }
         }
@@ -32,7 +32,7 @@ pub(crate) fn update_task(model: &mut Model, action: TaskAction) {
 }
 
 pub(crate) fn update(model: &mut Model, action: SelectAction) {
-    if refuse_while_running(model, "selecting something else") {
+    if refuse_while_running(model, "changing the selection") {
         return;
     }
     let document = &model.document;
@@ -48,10 +48,10 @@ pub(crate) fn update(model: &mut Model, action: SelectAction) {
             return;
         }
         SelectAction::Loop(id, _) if document.loop_of(id).is_none() => return,
-        // the rims of a blend are selected one by one
+        // rims of a blend are added one by one
         SelectAction::Loop(id, SelectHow::Replace) if task == Task::Blend => {
             toggle(&mut selection, id);
-            "gather a rim"
+            "add a rim"
         }
         SelectAction::Loop(id, SelectHow::Replace) => {
             selection = [id].into();
@@ -85,7 +85,7 @@ pub(crate) fn update(model: &mut Model, action: SelectAction) {
     set_loops(model, selection, label);
 }
 
-/// Those of some loops that a fill of many takes.
+/// The loops that do not exceed the limits.
 pub(super) fn within_limits(model: &Model, mut loops: BTreeSet<LoopId>) -> BTreeSet<LoopId> {
     if model.view.task == Task::Fill {
         let exceeded = |l: &BoundaryLoop| model.view.limits.exceeded(l).is_some();
@@ -100,7 +100,7 @@ fn toggle(selection: &mut BTreeSet<LoopId>, id: LoopId) {
     }
 }
 
-/// Changes the selection of loops, as an undo entry.
+/// Changes the selection of loops and adds an undo entry.
 pub(super) fn set_loops(model: &mut Model, selection: BTreeSet<LoopId>, label: &str) {
     if selection != model.document.selection {
         model.history.record(&model.document, label, None);

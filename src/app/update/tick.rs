@@ -1,4 +1,4 @@
-//! What happens by itself: background work, runs, requests for what is drawn.
+//! Background updates: jobs, runs, and display requests.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -14,8 +14,7 @@ use crate::fill::Continuity;
 use crate::mesh::{BoundaryLoop, VertexId};
 use crate::render::Picker;
 
-/// Advances everything that goes on by itself. Returns after how long it must be called again
-/// although nothing wakes the window.
+/// Advances all background work. Returns the maximum time until the next call.
 pub fn tick(model: &mut Model, now: Instant) -> Option<Duration> {
     let until_toast = model.log.next_change(now);
     finish_jobs(model);
@@ -83,7 +82,7 @@ fn finish(model: &mut Model, done: Done) {
     }
 }
 
-/// Requests what has to be drawn from now on.
+/// Requests the current displays.
 fn request_displays(model: &mut Model) {
     for display in &mut model.displays {
         display.poll();
@@ -112,7 +111,7 @@ fn request_picker(model: &mut Model) {
     });
 }
 
-/// What has to be drawn of the document, or of a side of the run.
+/// The display request of the document or of a side of the run.
 fn request(model: &mut Model, side: usize) -> Request {
     let creases = creases(model);
     let document = &model.document;
@@ -129,7 +128,7 @@ fn request(model: &mut Model, side: usize) -> Request {
         (mesh, first_patch_face) = (&run.base, run.first_patch_face);
         faired = run.faired();
     }
-    // what was accepted as a surface is drawn as that until there is another
+    // an accepted refinement is drawn as its limit surface until the next run
     let is_there = Arc::ptr_eq(mesh, &document.mesh);
     let accepted = document.surface.clone().filter(|_| is_there);
     let state = shown.and_then(RunVariant::state).or(accepted);

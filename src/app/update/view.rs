@@ -39,7 +39,7 @@ pub(crate) fn update(model: &mut Model, action: ViewAction) {
     }
 }
 
-/// The view mode some places after the present one.
+/// The view mode some places after the current one.
 fn other_mode(model: &Model, places: isize) -> ViewMode {
     let all: Vec<ViewMode> = model.view_modes().collect();
     let at = all.iter().position(|m| *m == model.view.style.mode);
@@ -47,7 +47,7 @@ fn other_mode(model: &Model, places: isize) -> ViewMode {
     all[next % all.len()]
 }
 
-/// Another view mode; its values have a range of their own.
+/// Changes the view mode, which also resets the range.
 fn set_mode(model: &mut Model, mode: ViewMode) {
     let style = &mut model.view.style;
     style.range = style.range.filter(|_| style.mode == mode);
@@ -62,14 +62,14 @@ pub(super) fn fit(model: &mut Model, bounds: &Bounds) {
         .fit_aspect(bounds, width / height.max(1.0));
 }
 
-/// Fits the surroundings of a place into the view.
+/// Fits the surroundings of a point into the view.
 pub(super) fn fly_to(model: &mut Model, place: DVec3) {
     let reach = 0.08 * model.document.origin.bounds.radius();
     let reach = DVec3::splat(reach.max(f64::MIN_POSITIVE));
     fit(model, &Bounds::new(place - reach, place + reach));
 }
 
-/// Looks onto a loop from outside and fits its surroundings into the view.
+/// Moves the camera in front of a loop and fits its surroundings into the view.
 fn fly_to_loop(model: &mut Model, id: LoopId) {
     let Some(l) = model.document.loop_of(id) else {
         return;
@@ -77,7 +77,7 @@ fn fly_to_loop(model: &mut Model, id: LoopId) {
     let reach = DVec3::splat(1.6 * l.radius);
     let around = Bounds::new(l.centroid - reach, l.centroid + reach);
     let mesh = &model.document.mesh;
-    // the loop runs as a patch would: its vector area points outwards
+    // the loop is oriented like its patch, so its vector area points outwards
     let points: Vec<_> = l.vertices.iter().map(|&v| mesh.position(v)).collect();
     if let Some(out) = crate::mesh::vector_area(&points).try_normalize() {
         look_against(model, out);
@@ -85,14 +85,14 @@ fn fly_to_loop(model: &mut Model, id: LoopId) {
     fit(model, &around);
 }
 
-/// Turns the camera so that it looks against a unit vector.
+/// Rotates the camera to look against a unit vector.
 pub(super) fn look_against(model: &mut Model, out: DVec3) {
     let camera = &mut model.view.camera;
     let turn = glam::DQuat::from_rotation_arc(-camera.forward(), out);
     camera.orientation = (turn * camera.orientation).normalize();
 }
 
-/// The other axis points up from now on.
+/// Changes the vertical axis.
 fn turn_up(model: &mut Model) {
     model.settings.z_up = !model.settings.z_up;
     model.settings.save();
