@@ -1,4 +1,4 @@
-//! Making a bridge: its button, and its ends in the view.
+//! Bridges: the button, and the ends in the view.
 
 use eframe::egui::{self, Color32, Rect, Ui};
 
@@ -15,14 +15,22 @@ pub(crate) fn bridge_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let now = model.view.bridging;
         let some = model.run.is_none() && !model.document.loops.is_empty();
         let button = egui::Button::selectable(now.is_some(), "Bridge");
-        let tip = "click two places of the rims: a strip of triangles joins them, so that a difficult \
+        let tip = "click two points on rims: a strip of triangles joins them, so that a difficult \
                    hole becomes two easy ones";
-        ui.add_enabled(some, button).on_hover_text(tip).asks(TaskAction::Bridging(match now {
+        ui.add_enabled(some, button).on_hover_text(tip).asks(
+            TaskAction::Bridging(match now {
                 Some(_) => None,
-                None => Some(Bridging { from: None, width: 2 }),
-            }), actions);
+                None => Some(Bridging {
+                    from: None,
+                    width: 2,
+                }),
+            }),
+            actions,
+        );
         if let Some(mut next) = now {
-            let drag = egui::DragValue::new(&mut next.width).range(1..=64).suffix(" edges wide");
+            let drag = egui::DragValue::new(&mut next.width)
+                .range(1..=64)
+                .suffix(" edges wide");
             if ui.add(drag).changed() {
                 actions.push(TaskAction::Bridging(Some(next)).into());
             }
@@ -30,7 +38,7 @@ pub(crate) fn bridge_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
 }
 
-/// The ends of a bridge under way.
+/// The ends of the bridge under construction.
 pub(crate) fn bridge_ends(ui: &Ui, model: &Model, over: Option<DVec3>, rect: Rect) {
     let Some(bridging) = model.view.bridging else {
         return;

@@ -11,13 +11,13 @@ use crate::app::view_state::Task;
 use crate::fill::{Continuity, Controls, Linear};
 use crate::solver::{FLOW_GROWTH, Mode, Scheme, Tau};
 
-/// All controls of a run; each acts at the next step.
+/// All controls of a run. Changes apply to the next step.
 pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     egui::ScrollArea::vertical().show(ui, |ui| {
         ui.add_space(4.0);
         ui.heading("Energy");
         if model.view.task == Task::Refine && model.view.refining.controls.energy.is_none() {
-            ui.weak("by the mesh's edge length, see the task at the left");
+            ui.weak("adapted to the edge length of the mesh, see the task on the left");
         } else {
             super::energy::energy_ui(ui, model, actions);
         }
@@ -46,32 +46,32 @@ pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>)
     });
 }
 
-/// The scheme of refinements is not chosen.
+/// The choice of scheme and mode. Refinements choose their scheme themselves.
 fn scheme_ui(ui: &mut Ui, next: &mut Controls, refining: bool) {
     if !refining {
-        let corrected = "mixed, with the exact gradient: does not creep along the surface";
+        let corrected = "mixed with the exact gradient; vertices do not drift along the surface";
         let schemes = [
             (
                 Scheme::Normal,
                 "normal",
-                "linearly implicit normal flow: fast",
+                "linearly implicit normal flow, the fastest",
             ),
-            (Scheme::Mixed, "mixed", "the paper's mixed finite elements"),
+            (Scheme::Mixed, "mixed", "mixed finite elements of the paper"),
             (Scheme::MixedCorrected, "corrected", corrected),
         ];
         choice(ui, "Scheme", &mut next.scheme, schemes);
     }
     if next.scheme != Scheme::Normal && !refining {
-        let gmres = "restarted, preconditioned by a Schur complement";
+        let gmres = "restarted, with a Schur complement preconditioner";
         let solvers = [
             (Linear::Gmres, "GMRES", gmres),
-            (Linear::Lu, "LU", "sparse direct"),
+            (Linear::Lu, "LU", "sparse direct solver"),
         ];
         choice(ui, "Linear solver", &mut next.linear, solvers);
     }
-    let fast = "the stationary shape in as few steps as possible";
+    let fast = "compute the stationary shape in few steps";
     let modes = [
-        (Mode::Flow, "flow", "true time: watch it move"),
+        (Mode::Flow, "flow", "follow the flow in true time"),
         (Mode::Fast, "fast", fast),
     ];
     choice(ui, "Mode", &mut next.mode, modes);
@@ -98,8 +98,8 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
         .and_then(|r| r.sides.first())
         .and_then(|s| s.handle.tau());
     let mut fixed = matches!(next.tau, Tau::Fixed(_));
-    let auto = "grown after accepted, shrunk after rejected steps";
-    let unit = "length² / unit of f; in multiples of the hole's natural time";
+    let auto = "grows after accepted steps, shrinks after rejected steps";
+    let unit = "in multiples of the natural time of the hole (length² / unit of f)";
     let choices = [(false, "auto", auto), (true, "fixed", unit)];
     choice(ui, "Time step τ", &mut fixed, choices);
     let unit = reference.map_or(1.0, |(_, tau_ref)| tau_ref);
@@ -127,7 +127,7 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
     } else if next.mode == Mode::Flow {
         ui.horizontal_wrapped(|ui| {
             let mut growth = next.growth.unwrap_or(FLOW_GROWTH);
-            let tip = "factor of τ after an accepted step; nearer to 1: more states to watch";
+            let tip = "factor of τ after an accepted step; closer to 1 gives more states";
             if slider(ui, "Growth", tip, &mut growth, 1.0..=10.0) {
                 next.growth = Some(growth);
             }
@@ -135,12 +135,12 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
     }
     ui.horizontal_wrapped(|ui| {
         let steps = egui::DragValue::new(&mut next.steps).range(1..=100_000);
-        let tip = "the flow ends after so many, converged or not";
+        let tip = "maximum number of steps; the flow then ends, converged or not";
         named(ui, "Most steps", steps).on_hover_text(tip);
     });
     ui.horizontal_wrapped(|ui| {
         let weight = egui::Slider::new(&mut next.relaxation, 0.0..=1.0).max_decimals(2);
-        let tip = "evens the triangles out along the surface after each step";
+        let tip = "tangential relaxation: evens out the triangles after each step";
         named(ui, "Relaxation", weight).on_hover_text(tip);
     });
 }
@@ -148,7 +148,7 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
 fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
     if !refining {
         ui.horizontal_wrapped(|ui| {
-            let tip = "edges of the rim for each edge of the patch: 2 halves the triangles' edges";
+            let tip = "density relative to the rim: 2 halves the edge length";
             slider(ui, "Density", tip, &mut next.density, 0.25..=4.0);
         });
     }
@@ -156,19 +156,20 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
     for (name, tip, value, range) in [
         (
             "Tension",
-            "weight of the area beside the energy, in units of 1/r²: more draws the surface together",
+            "weight of the area beside the energy, in units of 1/r²; a larger weight pulls the \
+             surface together",
             &mut next.tension,
             0.0..=20.0,
         ),
         (
             "Bulge",
-            "spontaneous curvature in units of 1/r, outwards where positive",
+            "spontaneous curvature in units of 1/r; positive values bulge along the normals",
             &mut next.bulge,
             -2.0..=2.0,
         ),
         (
             "Noise",
-            "noise on the surface the next run starts from, in mean edge lengths",
+            "noise on the start surface of the next run, in mean edge lengths",
             &mut next.noise,
             0.0..=1.0,
         ),

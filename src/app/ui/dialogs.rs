@@ -12,7 +12,7 @@ use crate::app::view_state::{
 };
 use crate::render::MAX_SIDE;
 
-/// The one that is open.
+/// The open dialog.
 pub(crate) fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>) {
     let closed = match &model.view.modal {
         Modal::None => return,
@@ -21,7 +21,7 @@ pub(crate) fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>
         Modal::Recover(paths) => over(ctx, |ui| recover_ui(ui, paths, actions)),
         Modal::Picture(settings) => over(ctx, |ui| picture_ui(ui, model, settings, actions)),
     };
-    // a click beside the dialog must not discard a recovery file
+    // a click outside the dialog must not discard a recovery file
     if closed && !matches!(model.view.modal, Modal::Recover(_)) {
         actions.push(Action::Escape);
     }
@@ -40,12 +40,12 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
     let title = match prompt.purpose {
         PathUse::Open => "Open a mesh or project",
         PathUse::SaveAs => "Save the mesh (.obj, .ply, .stl) or the project (.meniscus)",
-        PathUse::ExportPatch => "Export the patches alone (.obj, .ply, .stl)",
-        PathUse::Reference => "Mesh to measure distances to (.obj, .ply, .stl)",
+        PathUse::ExportPatch => "Export only the patches (.obj, .ply, .stl)",
+        PathUse::Reference => "Open the reference mesh of distances (.obj, .ply, .stl)",
         PathUse::Report(file) => file.title(),
     };
     ui.heading(title);
-    ui.weak("This system has no file dialog: type a path.");
+    ui.weak("The system has no file dialog: type a path.");
     let mut text = prompt.text.clone();
     let field = egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY);
     let field = named(ui, "Path", field);
@@ -76,7 +76,7 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
     });
 }
 
-/// `~/` as in a shell.
+/// Expands `~/` like a shell.
 fn expand(text: &str) -> std::path::PathBuf {
     match (text.strip_prefix("~/"), std::env::var_os("HOME")) {
         (Some(rest), Some(home)) => std::path::Path::new(&home).join(rest),
@@ -85,9 +85,9 @@ fn expand(text: &str) -> std::path::PathBuf {
 }
 
 fn unsaved_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    ui.heading("There are changes that are not saved");
+    ui.heading("There are unsaved changes");
     if model.run.is_some() {
-        ui.label("A patch is not accepted yet.");
+        ui.label("A patch is not accepted.");
     }
     ui.horizontal(|ui| {
         if ui.button(RichText::new("Save").strong()).clicked() {
@@ -104,8 +104,8 @@ fn unsaved_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 }
 
 fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Action>) {
-    ui.heading("Work of an earlier session was left behind");
-    ui.label("The program did not end regularly. The work can be recovered:");
+    ui.heading("Unsaved work of an earlier session");
+    ui.label("The program did not exit normally. Its work can be recovered:");
     for path in paths {
         let when = std::fs::metadata(path)
             .and_then(|m| m.modified())
@@ -152,7 +152,7 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
                 ui.selectable_value(&mut next.format, format, title);
             }
             let fps = egui::DragValue::new(&mut next.fps).range(1.0..=60.0);
-            named(ui, "pictures a second", fps);
+            named(ui, "pictures per second", fps);
             if next.kind == PictureKind::Turntable {
                 let frames = egui::DragValue::new(&mut next.frames).range(2..=2000);
                 named(ui, "pictures", frames);

@@ -1,4 +1,4 @@
-//! The energy: presets, a typed expression with its error, its parameters, how its flow is posed.
+//! The energy: presets, a typed expression with its error, parameters, and well-posedness.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,20 +14,20 @@ use crate::app::view_state::Task;
 use crate::energy::{Energy, ExprError, Preset};
 use crate::fill::Controls;
 
-/// What a preset is called by people.
+/// A description of a preset.
 fn about(preset: Preset) -> &'static str {
     match preset {
-        Preset::One => "area: soap films, second order",
-        Preset::H2 => "Willmore energy: round, the usual choice",
-        Preset::K2 => "squared Gaussian curvature: hardly smooths flat directions",
-        Preset::H2PlusK2 => "mixes units: the size of the model matters",
-        Preset::H2K2 => "ill-posed on parts of saddles: fine wiggles are real",
-        Preset::K1P4PlusK2P4 => "punishes strong curvature most",
+        Preset::One => "area: soap films; a second-order flow",
+        Preset::H2 => "Willmore energy: round surfaces, the default",
+        Preset::K2 => "squared Gaussian curvature: smooths flat directions weakly",
+        Preset::H2PlusK2 => "mixes units: the result depends on the size of the model",
+        Preset::H2K2 => "ill-posed on parts of saddles: fine oscillations occur",
+        Preset::K1P4PlusK2P4 => "penalises strong curvature",
         Preset::K => "Gauss-Bonnet: every surface is stationary",
-        Preset::HMinusH0Squared => "Helfrich energy: wants mean curvature H0",
+        Preset::HMinusH0Squared => "Helfrich energy: favours the mean curvature H0",
         Preset::K1SqPlusK2Sq => "bending energy of a thin plate",
-        Preset::K1MinusK2Squared => "wants umbilics: spheres",
-        Preset::CurvatureNorm => "curvature norm: edges may stay sharp, sides stay flat",
+        Preset::K1MinusK2Squared => "favours umbilics: spheres",
+        Preset::CurvatureNorm => "curvature norm: keeps sharp edges and flat sides",
     }
 }
 
@@ -75,7 +75,8 @@ pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     }
 }
 
-/// A field for an expression with the error under its character. Returns whether it is one.
+/// A text field for an expression, with errors marked under their characters. Returns whether the
+/// text is valid.
 fn expression_ui(
     ui: &mut Ui,
     name: &str,
@@ -113,15 +114,15 @@ fn expression_ui(
         Ok(_) => {
             let unused = apply.is_some() && text.trim() != model.document.controls.energy;
             if unused && !response.changed() {
-                ui.weak("Enter takes this energy");
+                ui.weak("press Enter to use this energy");
             }
         }
     }
     parsed.is_ok()
 }
 
-/// The energy of a text, parsed again only when the text or a parameter changes; `name` tells fields
-/// apart.
+/// The energy of a text, parsed again only when the text or a parameter changes. `name`
+/// distinguishes fields.
 fn parsed(
     ui: &Ui,
     name: &str,
@@ -135,7 +136,7 @@ fn parsed(
     })
 }
 
-/// The caret under the character, the message below.
+/// The carets under the characters, and the message.
 fn error_ui(ui: &mut Ui, error: &ExprError) {
     let color = super::error_color(ui);
     let Some(syntax) = error.syntax() else {
@@ -148,7 +149,7 @@ fn error_ui(ui: &mut Ui, error: &ExprError) {
         "^".repeat(syntax.length.min(24))
     );
     ui.horizontal(|ui| {
-        // as far as the text in the field is from its edge
+        // the distance of the text from the edge of the field
         ui.add_space(ui.spacing().button_padding.x);
         let carets = RichText::new(carets).monospace().strong().color(color);
         ui.add(egui::Label::new(carets).truncate());
@@ -162,7 +163,7 @@ fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.horizontal(|ui| {
             let mut value = value;
             let label = ui.monospace(name);
-            // beyond the ends of the slider a value can be typed
+            // typed values may exceed the range of the slider
             let reach = (4.0 * value.abs()).max(1.0).log2().ceil().exp2();
             let slider = egui::Slider::new(&mut value, -reach..=reach)
                 .clamping(egui::SliderClamping::Never)
@@ -171,7 +172,7 @@ fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             let slider = ui
                 .add(slider)
                 .labelled_by(label.id)
-                .on_hover_text("drag or type; acts at the next step");
+                .on_hover_text("drag or type; applies to the next step");
             if slider.changed() {
                 let mut next = controls.clone();
                 next.param.insert(name.clone(), value);
@@ -181,7 +182,7 @@ fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     }
 }
 
-/// How the flow is posed on what is shown.
+/// The well-posedness of the flow on the shown surface.
 fn badge_ui(ui: &mut Ui, model: &Model) {
     let Some(scan) = model.displays[0].latest().and_then(|d| d.posed) else {
         return;
@@ -193,31 +194,31 @@ fn badge_ui(ui: &mut Ui, model: &Model) {
         (
             "undefined in places",
             super::error_color(ui),
-            "the energy has no finite second derivatives at curvatures that occur",
+            "the energy has no finite second derivatives at some curvatures of the surface",
         )
     } else if scan.ill_posed > 0 {
         (
             "ill-posed in places",
             super::error_color(ui),
-            "where the patch is hatched short waves grow instead of fading",
+            "short wavelengths grow instead of decaying where the patch is hatched",
         )
     } else if 1000 * scan.degenerate > scan.samples {
         (
             "degenerate in places",
             ui.visuals().warn_fg_color,
-            "in some directions nothing is smoothed",
+            "the flow does not smooth in some directions",
         )
     } else if scan.stationary == scan.samples {
         (
             "nothing moves",
             ui.visuals().warn_fg_color,
-            "a multiple of K: its integral depends on the rim alone",
+            "a multiple of K, whose integral depends only on the rim",
         )
     } else {
         (
             "well-posed",
             super::success_color(ui),
-            "the flow is strictly parabolic on all that is shown",
+            "the flow is strictly parabolic on the whole surface",
         )
     };
     ui.horizontal(|ui| {

@@ -8,26 +8,25 @@ pub(crate) fn mode_words(mode: ViewMode) -> (&'static str, &'static str) {
         ViewMode::Shaded => ("Shaded", "plain material"),
         ViewMode::Isophotes => (
             "Isophotes",
-            "bands of equal angle to the light: they join without a kink where normals are \
-             continuous",
+            "bands of equal angle to the light; they have no kinks where normals are continuous",
         ),
-        ViewMode::Zebra => ("Zebra", "reflected stripes, moving with the view"),
+        ViewMode::Zebra => ("Zebra", "reflected stripes that move with the view"),
         ViewMode::Mean => (
             "H",
             "mean curvature, negative on a sphere seen from outside",
         ),
         ViewMode::Gauss => ("K", "Gaussian curvature"),
-        ViewMode::K1 => ("k1", "greater principal curvature"),
+        ViewMode::K1 => ("k1", "larger principal curvature"),
         ViewMode::K2 => ("k2", "smaller principal curvature"),
-        ViewMode::Deviation => ("Deviation", "distance from the start of the flow"),
+        ViewMode::Deviation => ("Deviation", "distance from the start surface of the flow"),
         ViewMode::Distance => (
             "Distance",
-            "distance of what is drawn to the reference mesh, positive on its outer side",
+            "distance of the drawn surface to the reference mesh, positive on its outer side",
         ),
     }
 }
 
-/// A number in four digits.
+/// A number with four digits.
 pub(crate) fn format_number(x: f64) -> String {
     let size = x.abs();
     if x == 0.0 {

@@ -10,14 +10,14 @@ use crate::render::{Scene, ViewMode, colormap, legend_ticks, robust_range};
 /// The range of a colour map.
 pub(crate) type MapRange = Cached<RangeKey, [f32; 2]>;
 
-/// What the range of a colour map depends on: the mode and the serial numbers of the surfaces.
+/// The key of the range of a colour map: the mode and the serial numbers of the surfaces.
 #[derive(Clone, PartialEq)]
 pub(crate) struct RangeKey {
     mode: ViewMode,
     surfaces: Vec<u64>,
 }
 
-/// One range for all sides of a comparison.
+/// The common range of all sides of a comparison.
 pub(crate) fn shared_range(
     model: &Model,
     scene: &Scene,
@@ -103,7 +103,7 @@ pub(crate) fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
     }
 }
 
-/// A round number without the zeros at its end.
+/// A round number without trailing zeros.
 fn trimmed(x: f64) -> String {
     let text = format_number(x);
     if text.contains('.') && !text.contains('e') {

@@ -14,7 +14,7 @@ use crate::app::view_state::Navigation;
 use crate::render::StandardView;
 use crate::shapes::SAMPLES;
 
-/// An entry with its key.
+/// A menu entry with its key.
 fn entry(ui: &mut Ui, text: &str, action: impl Into<Action>, actions: &mut Vec<Action>) {
     let action = action.into();
     if entry_with_key_of(ui, text, &action) {
@@ -22,7 +22,7 @@ fn entry(ui: &mut Ui, text: &str, action: impl Into<Action>, actions: &mut Vec<A
     }
 }
 
-/// An entry that shows the key of an action. Returns whether it was clicked.
+/// A menu entry that shows the key of an action. Returns whether it was clicked.
 fn entry_with_key_of(ui: &mut Ui, text: &str, action: &Action) -> bool {
     let mut button = Button::new(text);
     if let Some(key) = key_text(ui.ctx(), action) {
@@ -35,7 +35,7 @@ fn entry_with_key_of(ui: &mut Ui, text: &str, action: &Action) -> bool {
     clicked
 }
 
-/// Menus of the whole window.
+/// The menu bar.
 pub(crate) fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     egui::MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file_ui(ui, model, actions));
@@ -95,7 +95,7 @@ fn file_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     entry(ui, "Open…", FileAction::AskOpen, actions);
     ui.menu_button("Open recent", |ui| {
         if model.settings.recent.is_empty() {
-            ui.weak("nothing opened yet");
+            ui.weak("no recent files");
         }
         for path in &model.settings.recent {
             if ui
@@ -112,7 +112,7 @@ fn file_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     for (text, action) in [
         ("Save", FileAction::Save),
         ("Save as…", FileAction::AskSaveAs),
-        ("Export the patches alone…", FileAction::AskExportPatch),
+        ("Export only the patches…", FileAction::AskExportPatch),
         ("Copy as command line", FileAction::CopyCommand),
     ] {
         entry(ui, text, action, actions);

@@ -33,19 +33,19 @@ use widgets::Asks;
 pub(crate) struct UiState {
     /// Overlays of all viewports.
     pub(crate) overlays: [OverlayCache; MAX_SIDES],
-    /// The drag that is under way.
+    /// The current drag.
     pub(crate) drag: navigation::Drag,
-    /// The rim vertex under the cursor, while a bridge is made.
+    /// The rim vertex under the cursor, while a bridge is under construction.
     pub(crate) rim_vertex: Option<crate::mesh::DVec3>,
-    /// The stroke or lasso that is under way.
+    /// The current stroke or lasso.
     pub(crate) draft: Option<repair::Draft>,
-    /// Range of the colour map that is shown.
+    /// Range of the shown colour map.
     pub(crate) range: legend::MapRange,
     /// Measured frames.
     pub(crate) frames: windows::FrameStats,
-    /// Where all views are, in points.
+    /// The area of all views in points.
     pub(crate) views: egui::Rect,
-    /// Where the first view is, in points.
+    /// The area of the first view in points.
     pub(crate) viewport: egui::Rect,
     /// Whether a slider is being dragged.
     pub(crate) dragging: bool,
@@ -126,7 +126,7 @@ pub(crate) fn window_ui(
     dialogs::dialogs_ui(ui.ctx(), model, &mut actions);
     toasts::toasts_ui(ui.ctx(), model, state.views, &mut actions);
 
-    // a slider let go ends its undo entry
+    // releasing a slider ends its undo entry
     let dragging = ui.ctx().dragged_id().is_some();
     if state.dragging && !dragging {
         actions.push(ControlsAction::EndDrag.into());
@@ -135,14 +135,14 @@ pub(crate) fn window_ui(
     actions
 }
 
-/// What the right panel shows.
+/// The choice of the right panel.
 fn tabs(ui: &mut egui::Ui, model: &Model, actions: &mut Vec<Action>) {
     let switch = Switch::Analysis;
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         for (report, title, tip) in [
             (false, "Controls", "energy, flow and patch"),
-            (true, "Report", "measures of the surface that is shown"),
+            (true, "Report", "measures of the shown surface"),
         ] {
             let open = model.view.windows.analysis == report;
             let title = egui::RichText::new(title).strong();

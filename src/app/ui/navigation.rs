@@ -1,34 +1,34 @@
-//! From mouse and trackpad to the camera.
+//! Mouse and trackpad control of the camera.
 
 use eframe::egui::{Modifiers, PointerButton, Pos2, Rect, Response};
 
 use crate::app::view_state::Navigation;
 use crate::render::Camera;
 
-/// A click that moved farther than this, in points, is a drag.
+/// A press that moves farther than this, in points, is a drag.
 pub(crate) const CLICK: f32 = 5.0;
-/// Radians a point of movement turns.
+/// Rotation in radians per point of movement.
 const TURN: f64 = 0.008;
 
-/// What a drag does.
+/// The effect of a drag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Motion {
-    /// Around the pivot.
+    /// Rotates around the pivot.
     Orbit,
-    /// Along the picture.
+    /// Moves parallel to the picture.
     Pan,
-    /// Nearer and farther.
+    /// Zooms.
     Zoom,
 }
 
-/// A button held down.
+/// A pressed button.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Drag {
-    /// Where the primary button went down and how far it has come since.
+    /// The point where the primary button was pressed, and the movement since then.
     pub(crate) press: Option<(Pos2, f32)>,
 }
 
-/// What a button does in a preset.
+/// The effect of a button in a preset.
 pub(crate) fn motion(
     navigation: Navigation,
     button: PointerButton,
@@ -59,8 +59,8 @@ pub(crate) fn motion(
     }
 }
 
-/// Moves the camera by what happened over the viewport. `tool`: whether the primary button belongs to
-/// a tool now, if there is one; the secondary button turns then. Returns whether it moved.
+/// Moves the camera according to the input over the viewport. `tool` is whether an active tool uses
+/// the primary button; with a tool the secondary button rotates. Returns whether the camera moved.
 pub(crate) fn navigate(
     camera: &mut Camera,
     navigation: Navigation,
@@ -149,7 +149,7 @@ mod tests {
             ),
             Some(Motion::Orbit)
         );
-        // Blender's left button is for picking alone
+        // Blender uses the left button only for picking
         assert_eq!(
             motion(Navigation::Blender, PointerButton::Primary, Modifiers::NONE),
             None

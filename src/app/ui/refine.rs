@@ -12,19 +12,20 @@ use crate::refine::{BoundaryRule, Hold, Method};
 const METHODS: [(Method, &str); 3] = [
     (
         Method::Pde,
-        "a flow places the new vertices: the limit surface passes all given ones and makes the energy least",
+        "a flow places the new vertices: the limit surface interpolates the input vertices and \
+         minimises the energy",
     ),
     (
         Method::Butterfly,
-        "the modified Butterfly scheme: given vertices stay, the surface is C1",
+        "the modified Butterfly scheme: input vertices do not move; the surface is C1",
     ),
     (
         Method::Loop,
-        "Loop's scheme: smooth, but given vertices move",
+        "Loop's scheme: smooth, but input vertices move",
     ),
 ];
 
-/// Levels, method and what is compared.
+/// Levels, method, and methods to compare with.
 pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let document = &model.document;
     let mut next = model.view.refining.clone();
@@ -38,7 +39,10 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         choice(ui, "Method", &mut next.controls.method, methods);
         ui.horizontal_wrapped(|ui| {
             ui.label("Beside it");
-            for (method, tip) in METHODS.into_iter().filter(|(m, _)| *m != next.controls.method) {
+            for (method, tip) in METHODS
+                .into_iter()
+                .filter(|(m, _)| *m != next.controls.method)
+            {
                 let mut shown = next.beside.contains(&Some(method));
                 if ui
                     .checkbox(&mut shown, method_name(method))
@@ -57,7 +61,7 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 }
             }
         });
-        // a method is not shown beside itself
+        // a method is not compared with itself
         let own = Some(next.controls.method);
         next.beside
             .iter_mut()
@@ -65,8 +69,9 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .for_each(|m| *m = None);
         let mut own_energy = next.controls.energy.is_none();
         ui.checkbox(&mut own_energy, "energy by edge length").on_hover_text(
-            "curvature norm and area in the proportion that suits the mesh's edges: keeps edges, does not \
-             bulge between sparse vertices; off: the energy and the tension of the controls at the right",
+            "curvature norm and area with weights adapted to the edge length of the mesh: keeps \
+             edges, does not bulge between sparse vertices; off: the energy and the tension of the \
+             controls at the right",
         );
         next.controls.energy = (!own_energy).then(|| document.controls.energy.clone());
         choice(
@@ -77,12 +82,13 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 (
                     Hold::Previous,
                     "all vertices",
-                    "the surface passes all vertices of the level before, as in the paper",
+                    "the surface interpolates all vertices of the previous level, as in the paper",
                 ),
                 (
                     Hold::Given,
                     "given ones",
-                    "only the vertices of the opened mesh: smoother",
+                    "the surface interpolates only the vertices of the opened mesh, which is \
+                     smoother",
                 ),
             ],
         );
@@ -108,7 +114,7 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 format!("only the {selected} selected faces"),
             ),
         )
-        .on_hover_text("faces beside them are cut to fit; select faces in task Repair (F4)");
+        .on_hover_text("neighbouring faces are split to match; select faces in task Repair (F4)");
     });
     if next != model.view.refining {
         actions.push(TaskAction::Refining(Box::new(next)).into());
@@ -124,17 +130,20 @@ fn levels_ui(ui: &mut Ui, model: &Model, next: &mut Refining) {
     };
     ui.horizontal(|ui| {
         let levels = egui::Slider::new(&mut next.controls.levels, 1..=6);
-        named(ui, "Levels", levels).on_hover_text("times every triangle becomes four");
+        named(ui, "Levels", levels).on_hover_text(
+            "number of levels; each splits every triangle \
+                   into four",
+        );
     });
     let after = (faces as u64) << (2 * next.controls.levels);
     ui.weak(format!("{after} faces afterwards"));
 }
 
-/// Which edges stay sharp.
+/// The choice of sharp edges.
 fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
-        let tip = "edges at which the triangles differ by more stay sharp: curves of their own, with a \
-                   smooth surface on either side";
+        let tip = "edges with a larger dihedral angle stay sharp: they become curves with a smooth \
+                   surface on each side";
         angle_limit(ui, "Sharp edges", tip, &mut next.controls.crease_angle);
     });
     ui.horizontal_wrapped(|ui| {
@@ -148,8 +157,8 @@ fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<A
                 format!("the {count} chosen edges sharp"),
             ),
         )
-        .on_hover_text("edges picked here or for the report");
-        let tip = "a click takes an edge with those that go on from it, or lets it go";
+        .on_hover_text("the edges picked here or for the report");
+        let tip = "a click adds an edge and its continuations, or removes them";
         next.chosen_edges |= pick_edges(ui, model.view.report.pick, tip, actions);
     });
     let selected = model.document.faces.len();
@@ -163,14 +172,14 @@ fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<A
     .on_hover_text("select faces in task Repair (F4)");
 }
 
-/// The button that starts it.
+/// The button that starts the refinement.
 pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let wide = egui::vec2(ui.available_width(), 28.0);
     let button = egui::Button::new(RichText::new("Refine the mesh").strong()).min_size(wide);
     let some = model.document.mesh.face_count() > 0;
     ui.add_enabled(some, button)
         .key_tip(
-            "every triangle becomes four, again and again",
+            "split every triangle into four, level by level",
             RunAction::Proceed,
         )
         .asks(RunAction::Start, actions);

@@ -1,4 +1,4 @@
-//! Selecting faces: the panel, and what the mouse does in the view.
+//! Selection of faces: the panel, and the tools in the view.
 
 use eframe::egui::{
     self, Color32, Modifiers, PointerButton, Pos2, Rect, Response, RichText, Slider, Stroke, Ui,
@@ -14,16 +14,16 @@ use crate::app::view_state::{Task, Tool};
 use crate::mesh::DVec3;
 use crate::render::{Picker, Projector};
 
-/// What is being drawn.
+/// The current stroke or lasso.
 #[derive(Clone, Debug)]
 pub(crate) enum Draft {
-    /// Of the brush; where it was last.
+    /// A brush stroke, with its last point.
     Brush(Pos2),
-    /// Of the lasso, in points of the window.
+    /// A lasso, in window points.
     Lasso(Vec<Pos2>),
 }
 
-/// Tools and what changes the selection as a whole.
+/// Tools, and commands that change the whole selection.
 pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let idle = model.run.is_none();
     ui.horizontal(|ui| {
@@ -36,18 +36,18 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             (
                 Tool::Brush,
                 "Brush",
-                "drag over the surface to select, with Ctrl to take away",
+                "drag over the surface to select faces, with Ctrl to deselect",
             ),
             (
                 Tool::Lasso,
                 "Lasso",
-                "draw around faces to select them, with Ctrl to take them away",
+                "draw around faces to select them, with Ctrl to deselect",
             ),
             (
                 Tool::Grow,
                 "Grow",
-                "click a face, and again to widen the selection there ring by ring, with Ctrl to \
-                 narrow it",
+                "click a face to select it, and again to grow the selection there by one ring; \
+                 Ctrl shrinks it",
             ),
         ] {
             let button = egui::Button::selectable(selecting.tool == tool, name);
@@ -64,14 +64,14 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     .fixed_decimals(0)
                     .text("brush radius"),
             )
-            .on_hover_text("in points of the screen: zoom in for finer strokes");
+            .on_hover_text("in screen points: zoom in for finer strokes");
         }
         Tool::Lasso => {
             ui.checkbox(&mut selecting.through, "hidden faces too")
-                .on_hover_text("take everything within the line, also what lies behind");
+                .on_hover_text("select all faces inside the line, including hidden ones");
         }
         Tool::Grow => {
-            ui.weak("each click widens by one ring");
+            ui.weak("each click adds one ring");
         }
     }
     if selecting != model.view.selecting {
@@ -79,14 +79,14 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     }
     ui.horizontal_wrapped(|ui| {
         for (name, tip, edit) in [
-            ("Grow", "one ring of faces more", FaceEdit::Grow),
-            ("Shrink", "one ring of faces less", FaceEdit::Shrink),
+            ("Grow", "add one ring of faces", FaceEdit::Grow),
+            ("Shrink", "remove one ring of faces", FaceEdit::Shrink),
             (
                 "Smooth",
-                "take off ears and fill notches of its border",
+                "remove ears and fill notches at the border",
                 FaceEdit::Smooth,
             ),
-            ("Invert", "the other faces", FaceEdit::Invert),
+            ("Invert", "select the other faces", FaceEdit::Invert),
             ("None", "clear the selection", FaceEdit::Clear),
         ] {
             let button = egui::Button::new(name).small();
@@ -100,22 +100,22 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
     });
     ui.weak(
-        "Right drag turns the view; so does a drag of the brush that begins beside the surface.",
+        "Drag with the right button to rotate the view, or start a brush drag beside the surface.",
     );
     ui.separator();
 }
 
-/// The buttons that do something with the selection.
+/// The buttons that start an operation on the selection.
 pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let some = !model.document.faces.is_empty();
     let wide = egui::vec2(ui.available_width(), 28.0);
     let strong = |text: &str| egui::Button::new(RichText::new(text).strong()).min_size(wide);
-    let refill = "erase the selected faces and grow a smooth patch in their place";
+    let refill = "erase the selected faces and fill the hole with a smooth patch";
     ui.add_enabled(some, strong("Erase and refill"))
         .key_tip(refill, RunAction::Proceed)
         .asks(RunAction::Start, actions);
-    let fair = "keep the triangles and let the vertices inside the selection flow; those on its \
-                border stay";
+    let fair = "keep the triangles and move the vertices inside the selection; those on its border \
+                do not move";
     ui.add_enabled(some, strong("Fair in place"))
         .on_hover_text(fair)
         .asks(RunAction::Fair, actions);
@@ -124,13 +124,13 @@ pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         .asks_with_key(erase, EditAction::Erase, actions);
 }
 
-/// Whether the mouse selects faces now.
+/// Whether the mouse selects faces.
 pub(crate) fn is_active(model: &Model) -> bool {
     let picks = model.view.report.pick != Pick::Holes;
     model.view.task == Task::Repair && model.run.is_none() && !picks
 }
 
-/// Lets the tool act. Returns whether the primary button belongs to it.
+/// Applies the tool. Returns whether it uses the primary button.
 pub(crate) fn select(
     model: &Model,
     draft: &mut Option<Draft>,
@@ -206,7 +206,7 @@ pub(crate) fn select(
     draft.is_some()
 }
 
-/// The brush's circle or the lasso's line.
+/// Draws the circle of the brush or the line of the lasso.
 pub(crate) fn draw(ui: &Ui, model: &Model, draft: Option<&Draft>, response: &Response) {
     if !is_active(model) {
         return;
@@ -238,7 +238,7 @@ pub(crate) fn draw(ui: &Ui, model: &Model, draft: Option<&Draft>, response: &Res
     }
 }
 
-/// A view that is drawn on.
+/// A view with an active tool.
 struct Canvas<'a> {
     model: &'a Model,
     picker: &'a Picker,
@@ -257,14 +257,14 @@ impl Canvas<'_> {
         ]
     }
 
-    /// What the brush touches at a place of the window.
+    /// The stamp of the brush at a point of the window.
     fn stamp(&self, at: Pos2) -> Option<BrushStamp> {
         let camera = &self.model.view.camera;
         let hit = self.picker.surface(camera, self.size(), self.place(at))?;
         let [x, y] = self.place(at);
         let beside = [x + f64::from(self.model.view.selecting.brush), y];
         let (origin, direction) = Projector::new(camera, self.size()).line_through(beside);
-        // where the neighbouring line of sight is as deep
+        // at the same depth on the neighbouring line of sight
         let forward = camera.forward();
         let depth = |p: DVec3| (p - origin).dot(forward);
         let other = origin + direction * (depth(hit.point) / direction.dot(forward));
@@ -275,7 +275,7 @@ impl Canvas<'_> {
         })
     }
 
-    /// Stamps from one place to another, close enough to leave no gaps.
+    /// Stamps between two points, close enough to leave no gaps.
     fn paint(&self, from: Pos2, to: Pos2, keys: Modifiers, actions: &mut Vec<Action>) {
         let spacing = (0.5 * self.model.view.selecting.brush).max(2.0);
         let count = (from.distance(to) / spacing).ceil().clamp(1.0, 64.0) as usize;

@@ -1,4 +1,4 @@
-//! The left panel: the loops, and what to do with the selected ones.
+//! The left panel: the task, the loops, and the operations on the selected ones.
 
 use eframe::egui::{self, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
@@ -12,7 +12,7 @@ use crate::app::model::Model;
 use crate::app::view_state::Task;
 use crate::mesh::BoundaryLoop;
 
-/// Loops and the button that fills them.
+/// The task, the loops and the start button.
 pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let document = &model.document;
     ui.add_space(4.0);
@@ -26,17 +26,17 @@ pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             (
                 Task::Blend,
                 "Blend",
-                "one surface joins all selected rims, of one component or several",
+                "one patch joins all selected rims, of one or more components",
             ),
             (
                 Task::Repair,
                 "Repair",
-                "selected faces are erased and filled anew, or faired in place",
+                "selected faces are erased and refilled, or faired in place",
             ),
             (
                 Task::Refine,
                 "Refine",
-                "every triangle becomes four, on a smooth surface through all vertices",
+                "every triangle is split into four, on a smooth surface through all vertices",
             ),
         ] {
             let chosen = model.view.task == task;
@@ -68,10 +68,14 @@ pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
     ui.horizontal_wrapped(|ui| {
         for (text, tip, action) in [
-            ("All", "all loops that are no outer rims", SelectAction::All),
+            (
+                "All",
+                "all loops that are not classified as outer boundaries",
+                SelectAction::All,
+            ),
             (
                 "All but largest",
-                "all loops but the one with the largest perimeter",
+                "all loops except the one with the largest perimeter",
                 SelectAction::AllButLargest,
             ),
             ("None", "clear the selection", SelectAction::None),
@@ -127,11 +131,11 @@ fn limits_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     }
 }
 
-/// A limit that can be switched on, at first with the value of the largest loop.
+/// A limit that can be switched on. Its initial value is that of the largest loop.
 fn limit_ui<T: egui::emath::Numeric>(ui: &mut Ui, name: &str, limit: &mut Option<T>, largest: T) {
     ui.horizontal(|ui| {
         let mut is_on = limit.is_some();
-        let tip = "holes beyond this are not among All, All but largest and Fill all holes";
+        let tip = "All, All but largest and Fill all holes ignore larger holes";
         if ui.checkbox(&mut is_on, name).on_hover_text(tip).changed() {
             *limit = is_on.then_some(largest);
         }
@@ -160,7 +164,7 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let text = match (model.view.task, n) {
             (Task::Fill, 0) => "Fill all holes".into(),
             (Task::Fill, 1) => "Fill the hole".into(),
-            (Task::Blend, 0 | 1) => "Blend (click two rims or more)".into(),
+            (Task::Blend, 0 | 1) => "Blend (click at least two rims)".into(),
             (Task::Blend, n) => format!("Blend {n} rims"),
             (_, n) => format!("Fill {n} holes"),
         };
@@ -168,7 +172,7 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .min_size(egui::vec2(ui.available_width(), 28.0));
         ui.add_enabled(!model.document.loops.is_empty(), button)
             .key_tip(
-                "grow a smooth patch into what is selected",
+                "fill the selected loops with smooth patches",
                 RunAction::Proceed,
             )
             .asks(RunAction::Start, actions);
@@ -178,11 +182,11 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         for (i, name) in run.names().into_iter().enumerate() {
             let name = format!("Accept {name}");
             ui.button(RichText::new(name.trim_end()).strong())
-                .key_tip("take in the patch as it is shown", RunAction::Accept(0))
+                .key_tip("accept the patch as shown", RunAction::Accept(0))
                 .asks(RunAction::Accept(i), actions);
         }
         ui.button("Reject")
-            .on_hover_text("drop the patch; the mesh is as before")
+            .on_hover_text("discard the patch; the mesh is unchanged")
             .asks(RunAction::Reject, actions);
     });
 }
@@ -202,7 +206,7 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 ("#", "number on the command line"),
                 ("edges", "edges of the rim"),
                 ("length", "perimeter, in units of the file"),
-                ("width", "largest distance across, in units of the file"),
+                ("width", "diameter, in units of the file"),
             ] {
                 header.col(|ui| {
                     ui.strong(title).on_hover_text(tip);
@@ -229,13 +233,13 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     ui.label(format_number(l.perimeter));
                 });
                 row.col(|ui| {
-                    let rim = if l.outer_rim { "  outer rim" } else { "" };
+                    let rim = if l.outer_rim { "  outer boundary" } else { "" };
                     ui.label(format!("{}{rim}", format_number(l.diameter)));
                 });
                 let mut response = row.response();
                 if l.outer_rim {
-                    response =
-                        response.on_hover_text(format!("guessed an outer rim: {}", l.reason));
+                    response = response
+                        .on_hover_text(format!("classified as an outer boundary: {}", l.reason));
                 }
                 response.widget_info(|| {
                     let name = format!("loop {}, {} edges", l.id, l.edges());
@@ -247,8 +251,8 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 response.context_menu(|ui| {
                     let idle = model.run.is_none();
                     let button = egui::Button::new("Flip its component");
-                    let tip =
-                        "the other side becomes the outer one; for rims whose sides do not fit";
+                    let tip = "reverse the orientation of its faces; use it if two components have \
+                         opposite orientation";
                     if ui.add_enabled(idle, button).on_hover_text(tip).clicked() {
                         actions.push(EditAction::Flip(l.id).into());
                         ui.close();
@@ -271,7 +275,7 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     }
 }
 
-/// What a click does while these keys are pressed.
+/// The effect of a click with these modifier keys.
 pub(crate) fn how(modifiers: egui::Modifiers) -> SelectHow {
     if modifiers.command {
         SelectHow::Toggle

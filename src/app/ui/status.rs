@@ -1,4 +1,4 @@
-//! The line at the bottom: what is open, what goes on.
+//! The status line: document, background work, last message.
 
 use eframe::egui::{self, Ui};
 
@@ -23,7 +23,7 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.add(egui::Label::new(words).sense(egui::Sense::click()))
             .asks_with_key("load report", ViewAction::Toggle(Switch::Report), actions);
         for job in &model.jobs {
-            // picking is ready in no time; a dialog shows itself
+            // the picker is ready quickly, and a dialog is visible
             if matches!(job.what.as_str(), "picking" | "file dialog") {
                 continue;
             }
@@ -44,7 +44,7 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.small_button("Copy command").asks_with_key(
-                "the command line that repeats this, to the clipboard",
+                "copy the command line that repeats the work",
                 FileAction::CopyCommand,
                 actions,
             );

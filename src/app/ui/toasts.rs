@@ -1,4 +1,4 @@
-//! Messages that pass, in the corner.
+//! Temporary messages in the corner of the views.
 
 use std::time::Instant;
 
@@ -8,7 +8,7 @@ use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
 
-/// Those that are up, in the upper right of the views.
+/// The visible toasts, in the upper right corner of the views.
 pub(crate) fn toasts_ui(
     ctx: &Context,
     model: &Model,
@@ -25,7 +25,7 @@ pub(crate) fn toasts_ui(
     );
     Area::new(Id::unique("toasts"))
         .order(Order::Foreground)
-        // beside the controls, where neither legend nor transport is
+        // in the corner without legend and transport
         .anchor(Align2::RIGHT_TOP, corner)
         .interactable(true)
         .show(ctx, |ui| {

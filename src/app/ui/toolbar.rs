@@ -9,7 +9,7 @@ use crate::app::model::Model;
 use crate::mesh::DVec3;
 use crate::render::ViewMode;
 
-/// View modes and switches; `range` is that of the map shown last.
+/// View modes and switches. `range` is that of the last colour map.
 pub(crate) fn toolbar_ui(
     ui: &mut Ui,
     model: &Model,
@@ -35,31 +35,31 @@ pub(crate) fn toolbar_ui(
         for (title, about, switch, on) in [
             (
                 "Wireframe",
-                "edges of the control mesh",
+                "show the edges of the control mesh",
                 Switch::Wireframe,
                 view.style.wireframe,
             ),
             (
                 "Tint",
-                "patches in a colour of their own",
+                "draw patches in a different colour",
                 Switch::Tint,
                 view.style.tint_patch,
             ),
             (
                 "Limit surface",
-                "off: the flat triangles of the control mesh",
+                "on: limit surface; off: triangles of the control mesh",
                 Switch::LimitSurface,
                 view.limit_surface,
             ),
             (
                 "Original",
-                "off: the patches alone",
+                "on: whole mesh; off: only the patches",
                 Switch::Original,
                 view.show_original,
             ),
             (
                 "Rims",
-                "outlines of all open loops",
+                "draw all boundary loops",
                 Switch::Rims,
                 view.show_rims,
             ),
@@ -70,7 +70,7 @@ pub(crate) fn toolbar_ui(
     });
 }
 
-/// Ends of the colour map.
+/// The ends of the colour map.
 fn range_ui(ui: &mut Ui, model: &Model, shown: [f32; 2], actions: &mut Vec<Action>) {
     let mut style = model.view.style;
     let mut fixed = style.range.is_some();
@@ -78,7 +78,7 @@ fn range_ui(ui: &mut Ui, model: &Model, shown: [f32; 2], actions: &mut Vec<Actio
     let mut changed = ui
         .checkbox(&mut fixed, "fixed")
         .labelled_by(label.id)
-        .on_hover_text("off: from -m to m, with m above 98 per cent of the magnitudes")
+        .on_hover_text("off: from -m to m, where m is the 98 % quantile of the magnitudes")
         .changed();
     let [mut low, mut high] = style.range.unwrap_or(shown);
     let speed = 0.01 * f64::from(high - low).max(1e-9);
@@ -89,7 +89,7 @@ fn range_ui(ui: &mut Ui, model: &Model, shown: [f32; 2], actions: &mut Vec<Actio
         let drag = ui
             .add_enabled(fixed, drag)
             .labelled_by(label.id)
-            .on_hover_text("values at the ends of the colours");
+            .on_hover_text("values at the ends of the colour map");
         changed |= drag.changed();
     }
     if changed && (!fixed || low < high) {
@@ -107,7 +107,7 @@ fn degrees(value: &mut f64) -> egui::DragValue<'_> {
 
 fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let mut style = model.view.style;
-    // the row is as wide as a small screen
+    // the row must fit on a small screen
     ui.spacing_mut().slider_width = 56.0;
     let slider = egui::Slider::new(&mut style.stripes, 2..=60).logarithmic(true);
     let slider = named(ui, "Stripes", slider);
@@ -121,11 +121,11 @@ fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let a = ui
             .add(degrees(&mut around))
             .labelled_by(label.id)
-            .on_hover_text("direction to the light, around the vertical");
+            .on_hover_text("azimuth of the light around the vertical axis");
         let b = ui
             .add(degrees(&mut above).range(-90.0..=90.0))
             .labelled_by(label.id)
-            .on_hover_text("direction to the light, above the horizon");
+            .on_hover_text("elevation of the light above the horizon");
         if a.changed() || b.changed() {
             let (s, c) = around.to_radians().sin_cos();
             let (up, flat) = above.to_radians().sin_cos();
@@ -138,7 +138,7 @@ fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .changed();
     }
     if style.mode == ViewMode::Zebra {
-        let tip = "direction of the reflected lines, around the line of sight";
+        let tip = "rotation of the reflected lines around the line of sight";
         let turn = degrees(&mut style.zebra_turn).range(-180.0..=180.0);
         changed |= named(ui, "Turned", turn).on_hover_text(tip).changed();
     }

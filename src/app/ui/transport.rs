@@ -1,4 +1,4 @@
-//! The bottom panel of a run: transport, timeline, numbers, plots.
+//! The bottom panel of a run: playback buttons, timeline, numbers, plots.
 
 use eframe::egui::{self, RichText, Ui};
 use egui_plot::{Legend, Line, Plot, PlotPoints, VLine};
@@ -13,10 +13,10 @@ use crate::mesh::LoopId;
 use crate::ops::Operation;
 use crate::solver::End;
 
-/// Everything about the run.
+/// The panel of a run.
 pub(crate) fn transport_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let Some(run) = &model.run else { return };
-    // the panel keeps its height, whatever is in it
+    // the height of the panel does not depend on its content
     ui.take_available_height();
     ui.add_space(2.0);
     buttons_ui(ui, model, run, actions);
@@ -46,13 +46,13 @@ fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
             (play, tip, RunAction::PlayPause, true),
             (
                 "Step",
-                "one step, then pause",
+                "take one step, then pause",
                 RunAction::Step,
                 !ended || run.scrubbed(),
             ),
             (
                 "Finish",
-                "jump to the converged shape in fast mode",
+                "continue to the converged shape in fast mode",
                 RunAction::Finish,
                 !ended,
             ),
@@ -68,9 +68,7 @@ fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
         }
         if run.scrubbed() {
             ui.button("Continue from here")
-                .on_hover_text(
-                    "the flow continues from the state that is shown, with the present controls",
-                )
+                .on_hover_text("continue the flow from the shown state with the current controls")
                 .asks(RunAction::ContinueFromShown, actions);
         }
         ui.separator();
@@ -110,14 +108,14 @@ fn timeline_ui(ui: &mut Ui, run: &Run, actions: &mut Vec<Action>) {
     });
 }
 
-/// Words for how a flow ended.
+/// How a flow ended, in words.
 fn end_words(end: End) -> &'static str {
     match end {
         End::Converged => "converged",
-        End::MaxSteps => "most steps taken",
-        End::StepSizeCollapsed => "stuck: no step lowers the energy",
+        End::MaxSteps => "maximum number of steps",
+        End::StepSizeCollapsed => "stopped: no step lowers the energy",
         End::Pinched => "pinched off: the last open shape is kept",
-        End::SelfIntersected => "passes through itself: the last shape that does not is kept",
+        End::SelfIntersected => "self-intersection: the last shape without one is kept",
         End::Cancelled => "stopped",
     }
 }
@@ -129,15 +127,25 @@ fn numbers_ui(ui: &mut Ui, model: &Model, run: &Run) {
             .num_columns(8)
             .show(ui, |ui| {
                 for (title, tip) in [
-                    ("holes", "solved together where their surroundings overlap"),
+                    (
+                        "holes",
+                        "holes are solved together if their surroundings overlap",
+                    ),
                     ("step", "accepted steps"),
-                    ("τ/τ_ref", "time step over the hole's natural time"),
-                    ("energy", "integral of f over patch and collar"),
+                    (
+                        "τ/τ_ref",
+                        "time step divided by the natural time of the hole",
+                    ),
+                    (
+                        "energy",
+                        "integral of f over the patch and its support region",
+                    ),
                     (
                         "residual",
-                        "movement to come, over the hole radius; done below 1e-6",
+                        "predicted remaining motion divided by the hole radius; converged below \
+                         1e-6",
                     ),
-                    ("rejected", "steps taken back"),
+                    ("rejected", "rejected steps"),
                     ("angle", "smallest angle of the patch's triangles"),
                     ("", ""),
                 ] {
@@ -165,7 +173,7 @@ fn numbers_ui(ui: &mut Ui, model: &Model, run: &Run) {
     });
 }
 
-/// How the patch meets the mesh, at the worst places.
+/// Continuity of the patch and the mesh: the maxima along the rims.
 fn seam_ui(ui: &mut Ui, run: &Run, s: usize, seam: Seam) {
     let mut words = Vec::new();
     if let Some(angle) = seam.angle {
@@ -177,14 +185,14 @@ fn seam_ui(ui: &mut Ui, run: &Run, s: usize, seam: Seam) {
     if !words.is_empty() {
         ui.label(format!("{}{}", side_name(run, s), words.join(", ")))
             .on_hover_text(
-                "at the worst place of the rims: angle between the normals of either side \
-                 (G0; it is 0 by construction where G1), difference of mean curvature between \
-                 the faces of either side (G1)",
+                "maxima along the rims: angle between the normals of the two sides (G0; 0 by \
+                 construction for G1), difference of mean curvature between the faces of the two \
+                 sides (G1)",
             );
     }
 }
 
-/// The name before what belongs to one side of a comparison.
+/// The prefix of texts about one side of a comparison.
 fn side_name(run: &Run, s: usize) -> String {
     let names = run.names();
     let name = names.get(s).copied().unwrap_or("");
@@ -200,7 +208,7 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &RunVariant) {
     let rows = side.handle.figures(state.as_ref());
     if rows.is_empty() {
         ui.label(if side.handle.ended() {
-            "no flow: the holes needed no new vertex"
+            "no flow: the patches have no new vertices"
         } else {
             "first patches…"
         });
@@ -225,7 +233,7 @@ fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &RunVariant) {
         ui.label(text(row.residual.map(|r| format!("{r:.1e}"))));
         let rejected = ui.label(row.rejected.to_string());
         if let Some(reason) = side.curves.get(g).and_then(|c| c.rejection.as_ref()) {
-            rejected.on_hover_text(format!("the last one because {reason}"));
+            rejected.on_hover_text(format!("reason of the last one: {reason}"));
         }
         ui.label(text(row.angle.map(|a| format!("{a:.0}°"))));
         match row.end {
@@ -286,7 +294,7 @@ fn plots_ui(ui: &mut Ui, run: &Run) {
             if (2..5).contains(&curves.len()) {
                 plot = plot.legend(Legend::default());
             }
-            // a curve that is constant but for rounding has no height to be drawn in
+            // a curve that is constant up to rounding needs a minimum height
             if let Some([low, high]) = extent(&curves)
                 && high - low <= 1e-6 * high.abs().max(low.abs())
             {
@@ -307,7 +315,7 @@ fn plots_ui(ui: &mut Ui, run: &Run) {
     });
 }
 
-/// Least and greatest value.
+/// Minimum and maximum.
 fn extent(curves: &[(String, Vec<[f64; 2]>)]) -> Option<[f64; 2]> {
     let values = curves.iter().flat_map(|(_, points)| points);
     values.map(|p| p[1]).fold(None, |range, y| match range {
@@ -316,7 +324,7 @@ fn extent(curves: &[(String, Vec<[f64; 2]>)]) -> Option<[f64; 2]> {
     })
 }
 
-/// One curve for each group of each side, with its name.
+/// One curve with its name for each group of each side.
 fn curves(run: &Run, energy: bool) -> Vec<(String, Vec<[f64; 2]>)> {
     let mut all = Vec::new();
     for side in &run.sides {
@@ -332,7 +340,7 @@ fn curves(run: &Run, energy: bool) -> Vec<(String, Vec<[f64; 2]>)> {
                 (_, 1) => side.name.into(),
                 _ => format!("{}{}", side.name, g + 1),
             };
-            // energies of different holes in one plot: each relative to its start
+            // energies of different holes share a plot, so each is relative to its start
             let scale = match (energy, side.curves.len(), points.first()) {
                 (true, 2.., Some(first)) if first[1] != 0.0 => first[1].recip(),
                 _ => 1.0,

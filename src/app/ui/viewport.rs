@@ -19,10 +19,10 @@ use crate::mesh::DVec3;
 use crate::ops::Operation;
 use crate::render::{MAX_SIDE, ViewportCallback};
 
-/// How near to a rim the cursor has to be, in points.
+/// Maximum distance of the cursor from a picked rim, in points.
 const REACH: f32 = 9.0;
 
-/// One view, or two beside each other.
+/// The views, side by side in a comparison.
 pub(crate) fn viewports_ui(
     ui: &mut Ui,
     model: &Model,
@@ -58,7 +58,7 @@ pub(crate) fn viewports_ui(
     ui.advance_cursor_after_rect(whole);
 }
 
-/// Text that can be read on any ground.
+/// Text that is legible on any background.
 fn text(ui: &Ui, at: Pos2, align: Align2, text: &str, size: f32) -> Rect {
     let painter = ui.painter();
     let font = FontId::proportional(size);
@@ -116,7 +116,7 @@ fn viewport_ui(
     ));
     let mut style = model.view.style;
     style.line_scale = points;
-    // edges that are to be clicked are to be seen
+    // edges are visible while the user picks edges
     style.wireframe |= model.view.report.pick == Pick::Edges;
     let range = style.mode.is_map().then(|| {
         style
@@ -125,7 +125,7 @@ fn viewport_ui(
     });
     style.range = range;
     let size = rect.size() * points;
-    // before the window's size is known egui lays out for an endless screen
+    // egui assumes an infinite screen before the window size is known
     let drawable = size.max_elem() <= MAX_SIDE as f32 && size.min_elem() >= 1.0;
     if let Some(target_format) = format.filter(|_| drawable) {
         let callback = ViewportCallback {
@@ -153,7 +153,7 @@ fn viewport_ui(
     }
 }
 
-/// Whether clicks are about loops.
+/// Whether clicks select loops.
 fn picks_loops(model: &Model) -> bool {
     model.run.is_none() && matches!(model.view.task, Task::Fill | Task::Blend)
 }
@@ -255,7 +255,7 @@ fn pick(
     }
 }
 
-/// The list of loops sets the hover itself while the pointer is over it.
+/// The loop under the cursor. The list of loops sets it while the pointer is over the list.
 fn pointer_in_no_list(ctx: &egui::Context) -> bool {
     ctx.pointer_latest_pos().is_none_or(|p| {
         ctx.layer_id_at(p)
@@ -263,7 +263,7 @@ fn pointer_in_no_list(ctx: &egui::Context) -> bool {
     })
 }
 
-/// The rims gathered for a blend, numbered.
+/// The selected rims of a blend, numbered.
 fn rim_numbers(ui: &Ui, model: &Model, rect: Rect) {
     if model.view.task != Task::Blend || model.run.is_some() {
         return;
@@ -275,7 +275,7 @@ fn rim_numbers(ui: &Ui, model: &Model, rect: Rect) {
     }
 }
 
-/// Where a point is in the window.
+/// The position of a point in the window.
 pub(crate) fn on_screen(model: &Model, rect: Rect, point: DVec3) -> Option<Pos2> {
     let aspect = f64::from(rect.width() / rect.height().max(1.0));
     let [x, y] = model.view.camera.project(point, aspect)?;
@@ -286,7 +286,7 @@ pub(crate) fn on_screen(model: &Model, rect: Rect, point: DVec3) -> Option<Pos2>
     rect.contains(at).then_some(at)
 }
 
-/// The figures of the loop under the cursor, beside its middle.
+/// The measures of the loop under the cursor, beside its centre.
 fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
     let Some(l) = model.view.hover.and_then(|id| model.document.loop_of(id)) else {
         return;
@@ -294,7 +294,7 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
     let Some(at) = on_screen(model, rect, l.centroid) else {
         return;
     };
-    let rim = if l.outer_rim { ", outer rim?" } else { "" };
+    let rim = if l.outer_rim { ", outer boundary" } else { "" };
     let words = format!(
         "loop {}: {} edges, length {}, width {}{rim}",
         l.id,
@@ -311,7 +311,7 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
     text(ui, at, Align2::CENTER_CENTER, &words, 14.0);
 }
 
-/// A hint what to do next.
+/// A hint for the next action.
 fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
     let document = &model.document;
     let words = if let Some(words) = super::report::hint_words(model.view.report.pick) {
@@ -320,15 +320,15 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
         return;
     } else if let Some(bridging) = model.view.bridging {
         match bridging.from {
-            None => "Click a rim where the bridge is to begin.",
-            Some(_) => "Click the rim where it is to end; Esc leaves it.",
+            None => "Click the rim where the bridge starts.",
+            Some(_) => "Click the rim where the bridge ends. Esc cancels.",
         }
     } else if model.view.task == Task::Repair {
         if document.faces.is_empty() {
             match model.view.selecting.tool {
-                Tool::Brush => "Paint over what is to be made anew; Ctrl takes away.",
-                Tool::Lasso => "Draw around what is to be made anew; Ctrl takes away.",
-                Tool::Grow => "Click what is to be made anew, again and again to widen it.",
+                Tool::Brush => "Paint over the faces to replace. Ctrl deselects.",
+                Tool::Lasso => "Draw around the faces to replace. Ctrl deselects.",
+                Tool::Grow => "Click a face to replace. Click again to grow the selection.",
             }
         } else {
             "Press Enter to erase and refill, Delete to erase."
@@ -339,14 +339,14 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
         return;
     } else if model.view.task == Task::Blend {
         if document.selection.len() < 2 {
-            "Click the rims to be joined, one after the other."
+            "Click the rims to join, one after the other."
         } else {
             "Press Enter to join them."
         }
     } else if document.selection.is_empty() {
         "Click a hole (Shift adds), or press Enter to fill all of them. F1 shows the keys."
     } else {
-        "Press Enter to fill what is selected."
+        "Press Enter to fill the selected loops."
     };
     text(
         ui,

@@ -1,4 +1,4 @@
-//! What several panels do with widgets.
+//! Widgets shared by several panels.
 
 use eframe::egui::{Button, DragValue, Response, Ui, Widget};
 
@@ -6,18 +6,18 @@ use crate::app::action::Action;
 use crate::app::report::{Pick, ReportAction};
 use crate::app::shortcuts::hint;
 
-/// Angle sharp edges are taken from at first, degrees.
+/// Default minimum angle of sharp edges in degrees.
 const SHARP: f64 = 40.0;
 
-/// Clicks that ask for actions.
+/// Actions of clicked widgets.
 pub(crate) trait Asks {
-    /// A tooltip with the key of an action.
+    /// Adds a tooltip with the key of an action.
     fn key_tip(self, tip: &str, action: impl Into<Action>) -> Self;
 
-    /// Asks for an action when the widget is clicked.
+    /// Requests an action when the widget is clicked.
     fn asks(&self, action: impl Into<Action>, actions: &mut Vec<Action>);
 
-    /// The same, with a tooltip that shows the key of the action.
+    /// As [`Self::asks`], with a tooltip that contains the key of the action.
     fn asks_with_key(self, tip: &str, action: impl Into<Action>, actions: &mut Vec<Action>);
 }
 
@@ -39,13 +39,13 @@ impl Asks for Response {
     }
 }
 
-/// A widget after its name.
+/// A widget with its name before it.
 pub(crate) fn named(ui: &mut Ui, name: &str, widget: impl Widget) -> Response {
     let label = ui.label(name);
     ui.add(widget).labelled_by(label.id)
 }
 
-/// Values of which one is chosen, after their name: each with its title and tooltip.
+/// A choice between values, with its name before them. Each value has a title and a tooltip.
 pub(crate) fn choice<T: PartialEq, const N: usize>(
     ui: &mut Ui,
     name: &str,
@@ -60,7 +60,7 @@ pub(crate) fn choice<T: PartialEq, const N: usize>(
     });
 }
 
-/// An angle in degrees above which edges are sharp, where it is switched on.
+/// An optional angle in degrees above which edges are sharp.
 pub(crate) fn angle_limit(ui: &mut Ui, name: &str, tip: &str, limit: &mut Option<f64>) {
     let (mut is_on, mut angle) = (limit.is_some(), limit.unwrap_or(SHARP));
     ui.checkbox(&mut is_on, name).on_hover_text(tip);
@@ -69,7 +69,7 @@ pub(crate) fn angle_limit(ui: &mut Ui, name: &str, tip: &str, limit: &mut Option
     *limit = is_on.then_some(angle);
 }
 
-/// The button that lets clicks choose edges, or ends that. Returns whether it was clicked.
+/// The button that switches the picking of edges on or off. Returns whether it was clicked.
 pub(crate) fn pick_edges(ui: &mut Ui, pick: Pick, tip: &str, actions: &mut Vec<Action>) -> bool {
     let picking = pick == Pick::Edges;
     let other = if picking { Pick::Holes } else { Pick::Edges };

@@ -12,20 +12,20 @@ use crate::app::model::Model;
 use crate::app::shortcuts::{SHORTCUTS, Shortcut};
 use crate::memory::peak_memory;
 
-/// Times of the frames, without drawing on the graphics card.
+/// Frame times without the time of the graphics card.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameStats {
-    /// When the program started.
+    /// Start of the program.
     pub(crate) started: Instant,
-    /// From there to the end of the first frame.
+    /// Time from the start to the end of the first frame.
     pub(crate) first: Option<Duration>,
-    /// Frames so far.
+    /// Number of frames.
     pub(crate) count: u64,
-    /// The last one.
+    /// Time of the last frame.
     pub(crate) last: Duration,
-    /// The longest since the run began or the counter was reset.
+    /// The longest frame time since the start of the run or the last reset.
     pub(crate) longest: Duration,
-    /// Sum, for the mean.
+    /// Sum of all frame times, for the mean.
     pub(crate) total: Duration,
 }
 
@@ -43,7 +43,8 @@ impl Default for FrameStats {
 }
 
 impl FrameStats {
-    /// Books a frame; the first ones, which lay everything out, do not count as longest.
+    /// Records a frame. The first frames, which include the initial layout, do not count as
+    /// longest.
     pub(crate) fn book(&mut self, took: Duration) {
         if self.first.is_none() {
             self.first = Some(self.started.elapsed());
@@ -57,7 +58,7 @@ impl FrameStats {
     }
 }
 
-/// All that are open.
+/// All open side windows.
 pub(crate) fn windows_ui(
     ctx: &Context,
     model: &Model,
@@ -134,33 +135,29 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     ("components", r.components.len(), true),
                     ("boundary loops", document.loops.len(), true),
                     ("vertices merged", r.welded_vertices, false),
-                    (
-                        "polygons cut into triangles",
-                        r.polygons_triangulated,
-                        false,
-                    ),
-                    ("duplicate faces dropped", r.duplicate_faces, false),
-                    ("degenerate faces dropped", r.degenerate_faces, false),
+                    ("polygons triangulated", r.polygons_triangulated, false),
+                    ("duplicate faces removed", r.duplicate_faces, false),
+                    ("degenerate faces removed", r.degenerate_faces, false),
                     ("triangles of zero area", r.zero_area_faces, false),
                     ("isolated vertices", r.isolated_vertices, false),
-                    ("faces turned over", r.flipped_faces, false),
+                    ("faces flipped", r.flipped_faces, false),
                     (
-                        "edges of more than two faces, cut",
+                        "edges with more than two faces, cut",
                         r.non_manifold_edges,
                         false,
                     ),
                     (
-                        "vertices joining several sheets, split",
+                        "vertices with several sheets, split",
                         r.split_vertices,
                         false,
                     ),
                     (
-                        "vertices where a hole touches itself",
+                        "vertices where a boundary touches itself",
                         r.pinched_vertices,
                         false,
                     ),
                     (
-                        "faces of one-sided components",
+                        "faces of non-orientable components",
                         r.non_orientable_faces,
                         false,
                     ),
@@ -180,7 +177,7 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             return;
         }
         ui.separator();
-        ui.strong("Defects (click to look at one)");
+        ui.strong("Defects (click one to show it)");
         for defect in &r.defects {
             let p = defect.position;
             let words = format!(
@@ -253,7 +250,7 @@ fn settings_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let mut scale = settings.ui_scale;
         let slider = egui::Slider::new(&mut scale, 0.5..=3.0).step_by(0.05);
         let slider = named(ui, "Scale of the interface", slider);
-        // while it is dragged the window would change under the cursor
+        // apply only after the drag, because the scale moves the slider under the cursor
         if slider.drag_stopped() || (slider.changed() && !slider.dragged()) {
             actions.push(ViewAction::UiScale(scale).into());
         }

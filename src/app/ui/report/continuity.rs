@@ -1,4 +1,4 @@
-//! How the surface goes across rims, chosen edges and sharp edges.
+//! Continuity of the surface across rims, chosen edges and sharp edges.
 
 use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{Grid, RichText, Ui};
@@ -11,10 +11,10 @@ use crate::app::report::{Measured, ReportAction};
 use crate::app::ui::format::format_number;
 use crate::app::ui::widgets::{Asks, angle_limit, pick_edges};
 
-/// Chains that are shown with all their figures at first.
+/// Number of chains whose details are open by default.
 const FEW: usize = 3;
 
-/// All chains, and the choice of more.
+/// All chains, and the choice of further ones.
 pub(crate) fn chains_ui(
     ui: &mut Ui,
     model: &Model,
@@ -23,11 +23,11 @@ pub(crate) fn chains_ui(
 ) {
     let view = &model.view.report;
     ui.horizontal_wrapped(|ui| {
-        let tip = "a click on an edge of the mesh takes the sharp edge it is part of, or the edges \
-                   that go straight on from it; another click lets it go (Esc ends)";
+        let tip = "a click on an edge of the mesh adds its sharp edge, or the edges that go \
+                   straight on from it; another click lets it go (Esc ends)";
         pick_edges(ui, view.pick, tip, actions);
         let mut sharp = view.sharp;
-        let tip = "measure along all edges at which the triangles differ by more";
+        let tip = "measure along all edges with a larger dihedral angle";
         angle_limit(ui, "sharp edges from", tip, &mut sharp);
         if sharp != view.sharp {
             actions.push(ReportAction::Sharp(sharp).into());
@@ -35,7 +35,7 @@ pub(crate) fn chains_ui(
     });
     let chains = &measured.analysis.chains;
     if chains.is_empty() {
-        ui.weak("no patch, no chosen edges: nothing to look across");
+        ui.weak("there is no patch and no chosen edge to measure across");
     }
     for (i, chain) in chains.iter().enumerate() {
         let chosen = i < measured.chosen;
@@ -55,7 +55,7 @@ pub(crate) fn chains_ui(
     }
 }
 
-/// What and where a chain is, and its worst figure.
+/// The name of a chain and its maximum jump.
 fn head_ui(ui: &mut Ui, chain: &ChainReport, chosen: Option<usize>, actions: &mut Vec<Action>) {
     ui.strong(&chain.name);
     let worst = if chain.is_crease {
@@ -72,7 +72,7 @@ fn head_ui(ui: &mut Ui, chain: &ChainReport, chosen: Option<usize>, actions: &mu
 
 fn chain_ui(ui: &mut Ui, i: usize, chain: &ChainReport, actions: &mut Vec<Action>) {
     if chain.edges == 0 {
-        ui.weak("its edges are not there any more");
+        ui.weak("its edges do not exist any more");
         return;
     }
     if chain.smooth_by_construction {
@@ -80,30 +80,30 @@ fn chain_ui(ui: &mut Ui, i: usize, chain: &ChainReport, actions: &mut Vec<Action
             "length {}; G0 gap 0, G1 angle 0 by construction",
             format_number(chain.length)
         ))
-        .on_hover_text("one limit surface runs through, whatever the mesh");
+        .on_hover_text("the chain lies inside one limit surface");
     } else {
         ui.label(format!("length {}", format_number(chain.length)));
     }
-    let one_sided = "the limits from either side, each a surface of its own";
+    let one_sided = "one-sided limits: both sides are separate surfaces";
     let rows = [
         ("G0 gap", one_sided, &chain.gap),
         ("G1 angle °", one_sided, &chain.normal_angle),
         (
             "dihedral °",
-            "angle between the triangles of the control mesh: edge length times curvature on a \
-             smooth surface, not a kink",
+            "angle between the triangles of the control mesh; on a smooth surface it is edge \
+             length times curvature, not a kink",
             &chain.dihedral,
         ),
         (
             "G2 jump of H",
-            "difference of the limit surface's mean curvatures at the edge, 1 / length; a Loop \
-             surface has none away from irregular vertices",
+            "difference of the limit surface's mean curvatures at the edge, 1 / length; it is zero \
+             for a Loop surface except at irregular vertices",
             &chain.curvature_jump,
         ),
         (
             "ΔH, faces",
-            "difference of the mean curvatures averaged over the faces of either side: what the eye \
-             sees within a row of triangles",
+            "difference of the mean curvatures averaged over the faces of the two sides: the \
+             visible jump within one row of triangles",
             &chain.curvature_step,
         ),
     ];

@@ -12,13 +12,13 @@ use crate::app::ui::format::format_number;
 use crate::app::ui::widgets::Asks;
 use crate::render::ViewMode;
 
-/// Places of intersections that are listed.
+/// Maximum number of listed intersections.
 const LISTED: usize = 12;
 
-/// Energies that have a row of their own.
+/// Energies with a row of their own.
 const LISTED_ENERGIES: [&str; 5] = ["1", "H^2", "K", "K^2", "k1^2+k2^2"];
 
-/// Counts, integrals.
+/// Counts and integrals.
 pub(crate) fn shape_ui(ui: &mut Ui, measured: &Measured) {
     let s = &measured.analysis.shape;
     let e = &s.energies;
@@ -33,16 +33,16 @@ pub(crate) fn shape_ui(ui: &mut Ui, measured: &Measured) {
         row(
             ui,
             "Components, loops",
-            "connected parts; boundary loops",
+            "connected components; boundary loops",
             format!("{}, {}", s.components, s.boundary_loops),
         );
         row(
             ui,
             "Euler number, genus",
-            "vertices - edges + faces; handles, holes thought filled",
+            "vertices - edges + faces; number of handles, as if all holes were filled",
             format!("{}, {}", s.euler, s.genus),
         );
-        let tip = "of the limit surface, and of the triangles";
+        let tip = "of the limit surface and of the triangles";
         row(
             ui,
             "Area",
@@ -63,7 +63,7 @@ pub(crate) fn shape_ui(ui: &mut Ui, measured: &Measured) {
                 or_open(s.mesh_volume)
             ),
         );
-        let tip = "integral over the limit surface, creases taken as smooth";
+        let tip = "integral over the limit surface, without the contribution of creases";
         row(ui, "Energy 1", tip, digits(s.area));
         row(ui, "Energy H^2", tip, digits(e.willmore));
         row(ui, "Energy K", tip, digits(e.total_curvature));
@@ -77,7 +77,7 @@ pub(crate) fn shape_ui(ui: &mut Ui, measured: &Measured) {
     });
 }
 
-/// Energies are compared in more digits than other numbers.
+/// Energies have more digits than other numbers, so that they can be compared.
 fn digits(x: f64) -> String {
     if x != 0.0 && (1e-3..1e6).contains(&x.abs()) {
         format!("{x:.6}")
@@ -123,8 +123,7 @@ pub(crate) fn curvature_ui(
             })
             .response
             .on_hover_text(
-                "per cent of the area by value; what lies outside the range counts for the bars \
-                 at its ends",
+                "percentage of the area by value; the end bars include values outside the range",
             );
     }
     Grid::new("range")
@@ -144,7 +143,7 @@ pub(crate) fn curvature_ui(
         });
 }
 
-/// Shape of the triangles, where they cross.
+/// Shape of the triangles, and their intersections.
 pub(crate) fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
     let q = &measured.analysis.quality;
     grid(ui, "quality", |ui| {
@@ -163,15 +162,15 @@ pub(crate) fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Act
         );
         row(
             ui,
-            "Below 10°, without area",
+            "Below 10°, zero area",
             "triangles",
             format!("{}, {}", q.slivers, q.degenerate),
         );
         row(
             ui,
             "Radius ratio",
-            "twice the inscribed over the circumscribed radius, 1 for an equilateral triangle: \
-             least, mean",
+            "twice the inscribed radius over the circumscribed radius, 1 for an equilateral \
+             triangle: minimum, mean",
             format!(
                 "{}, {}",
                 format_number(q.radius_ratio[0]),
@@ -187,7 +186,7 @@ pub(crate) fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Act
         );
         row(
             ui,
-            "Greatest dihedral angle",
+            "Maximum dihedral angle",
             "degrees between the normals of neighbouring triangles",
             format_number(q.max_dihedral),
         );
@@ -200,7 +199,7 @@ pub(crate) fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Act
         row(
             ui,
             "Self-intersections",
-            "pairs of triangles that meet elsewhere than at their own edges and corners",
+            "pairs of triangles that intersect outside their common edges and vertices",
             q.self_intersections.to_string(),
         );
     });
@@ -218,7 +217,7 @@ pub(crate) fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Act
     });
 }
 
-/// The reference, and how far both are apart.
+/// The reference and the distances.
 pub(crate) fn distance_ui(
     ui: &mut Ui,
     model: &Model,
@@ -228,7 +227,7 @@ pub(crate) fn distance_ui(
     let report = &model.report;
     ui.horizontal_wrapped(|ui| {
         ui.button("Choose a mesh…")
-            .on_hover_text("a file that what is shown is compared with (analyze --against)")
+            .on_hover_text("the reference that the surface is compared with (analyze --against)")
             .asks(ReportAction::AskReference, actions);
         if let Some((path, _)) = &report.loading {
             ui.add(egui::Spinner::new().size(12.0));
@@ -248,8 +247,8 @@ pub(crate) fn distance_ui(
     if ui
         .checkbox(&mut coloured, "Colour the view by distance")
         .on_hover_text(
-            "of the surface that is drawn (limit surface or triangles), positive on the outer \
-             side of the reference; the range is set above the view",
+            "distance of the drawn surface (limit surface or triangles), positive on the outer \
+             side of the reference; set the range above the view",
         )
         .changed()
     {

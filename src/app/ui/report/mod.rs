@@ -1,4 +1,4 @@
-//! The report, in place of the controls while it is open.
+//! The report. It replaces the controls while it is open.
 
 mod continuity;
 mod measures;
@@ -16,7 +16,7 @@ use crate::mesh::DVec3;
 
 pub(crate) use view::{click, hint_words};
 
-/// All measures of what is shown.
+/// All measures of the shown surface.
 pub(crate) fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     header_ui(ui, model, actions);
     ui.separator();
@@ -56,7 +56,7 @@ pub(crate) fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         });
 }
 
-/// A part of the report that folds; unfolded at first if `open`, and in any case while it is `wanted`.
+/// A collapsible part of the report. It is expanded initially if `open`, and always while `wanted`.
 fn part(ui: &mut Ui, title: &str, open: bool, wanted: bool, body: impl FnOnce(&mut Ui)) {
     CollapsingHeader::new(RichText::new(title).strong())
         .default_open(open)
@@ -98,13 +98,13 @@ fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             (
                 false,
                 "control points",
-                "of the limit surface, as in what a fill makes (analyze)",
+                "of the limit surface, as in the result of a fill (analyze)",
             ),
             (
                 true,
                 "on the surface",
-                "points that the limit surface passes, as of a scan or a refined mesh \
-                 (analyze --on-surface)",
+                "points on the limit surface, as in a scan or a refined mesh (analyze \
+                 --on-surface)",
             ),
         ] {
             let chosen = model.view.report.on_surface == on;
@@ -115,7 +115,7 @@ fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
 }
 
-/// Two columns of words and values.
+/// A table of names and values.
 fn grid(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui)) {
     Grid::new(name)
         .striped(true)
@@ -133,13 +133,13 @@ fn row(ui: &mut Ui, name: &str, tip: &str, value: impl Into<String>) {
     ui.end_row();
 }
 
-/// A number that leads to where it was found.
+/// A number with a link to its location.
 fn place(ui: &mut Ui, value: f64, at: [f64; 3], actions: &mut Vec<Action>) {
     let [x, y, z] = at;
     if ui
         .link(format_number(value))
         .on_hover_text(format!(
-            "show where: {}, {}, {}",
+            "show the point {}, {}, {}",
             format_number(x),
             format_number(y),
             format_number(z)

@@ -10,7 +10,7 @@ use crate::app::scene_builder::natural_length;
 use crate::app::ui::format::format_number;
 use crate::app::ui::widgets::{Asks, named};
 
-/// Choice of the plane, figures, and how the comb is drawn.
+/// The choice of the plane, the measures, and the look of the comb.
 pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let view = &model.view.report;
     ui.horizontal_wrapped(|ui| {
@@ -22,11 +22,11 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
             (
                 Across::View,
                 "the view",
-                "upright in the view, along the line of sight",
+                "vertical in the view, along the line of sight",
             ),
         ] {
             let chosen = view.pick == Pick::Section(across);
-            let tip = format!("then click the surface: the plane goes through that point, {tip}");
+            let tip = format!("then click the surface: the plane contains that point, {tip}");
             let pick = if chosen {
                 Pick::Holes
             } else {
@@ -53,7 +53,7 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
         row(
             ui,
             "Curves, length",
-            "connected curves; sum of their lengths",
+            "number of connected curves; sum of their lengths",
             format!("{}, {}", section.curves.len(), format_number(length)),
         );
         if let (Some(low), Some(high)) = (
@@ -63,7 +63,7 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
             row(
                 ui,
                 "Curvature",
-                "of the plane curve; negative where it bends away from the normals, as on a sphere",
+                "of the plane curve; negative as on a sphere with outward normals",
                 format!("{} to {}", format_number(low), format_number(high)),
             );
         }
@@ -78,7 +78,7 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
             .custom_formatter(|x, _| format_number(x));
         longer = named(ui, "Length of the teeth", slider)
             .on_hover_text(
-                "length at the curvature of a sphere of the model's radius, in these radii",
+                "length at the curvature of the model's bounding sphere, in radii of that sphere",
             )
             .changed();
     });
@@ -92,11 +92,11 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
             "Density of the teeth",
             slider.logarithmic(true).integer(),
         )
-        .on_hover_text("teeth in the length of the model's radius, as far as there are points");
+        .on_hover_text("teeth per radius of the model, limited by the number of points");
     });
     ui.checkbox(&mut comb.own, "not averaged").on_hover_text(
-        "the limit surface's own curvature: with jumps at the edges of a G2 break and spikes at \
-         irregular vertices, where it has none",
+        "the curvature of the limit surface itself, which jumps at discontinuities of G2 and has \
+         spikes at irregular vertices, where it is not defined",
     );
     if comb != view.comb {
         actions.push(ReportAction::Comb(comb).into());

@@ -6,11 +6,11 @@ use crate::app::report::{Across, Cut, Pick, ReportAction};
 use crate::mesh::{DVec3, HalfedgeId, TriangleBvh, closest_point_on_segment};
 use crate::render::Picker;
 
-/// How near to an edge the cursor has to be, in points.
+/// Maximum distance of the cursor from a picked edge, in points.
 const REACH: f64 = 14.0;
 
-/// What a click at `at` (from the upper left of a view of `size`) does for the report. Returns whether
-/// it was meant for it.
+/// Handles a click of the report at `at` (from the upper left of a view of `size`). Returns whether
+/// the click was used.
 pub(crate) fn click(
     model: &Model,
     picker: &Picker,
@@ -97,11 +97,11 @@ fn point_at(model: &Model, picker: &Picker, size: [f64; 2], at: [f64; 2]) -> Opt
     on_patch().or_else(|| hit.map(|h| h.point))
 }
 
-/// What a click will do, for the foot of the view.
+/// The effect of a click, shown at the bottom of the view.
 pub(crate) fn hint_words(pick: Pick) -> Option<&'static str> {
     match pick {
         Pick::Holes => None,
-        Pick::Edges => Some("Click edges of the mesh to measure across them. Esc ends."),
-        Pick::Section(_) => Some("Click where the section is to go through. Esc ends."),
+        Pick::Edges => Some("Click edges of the mesh to measure across them. Esc ends the mode."),
+        Pick::Section(_) => Some("Click a point of the section. Esc ends the mode."),
     }
 }
