@@ -1,20 +1,20 @@
-//! Axis-parallel boxes around what is drawn.
+//! Axis-parallel bounding boxes of drawn surfaces.
 
 use crate::mesh::DVec3;
 
-/// A box around points, with the radius of a sphere around its centre that holds them too.
+/// A bounding box of points, with the radius of a bounding sphere around its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Least coordinates, in units of the file.
+    /// Minimum coordinates in units of the file.
     pub low: DVec3,
-    /// Greatest coordinates.
+    /// Maximum coordinates.
     pub high: DVec3,
-    /// Largest distance of a point from the centre, at most half the diagonal.
+    /// Maximum distance of a point from the centre, at most half the diagonal.
     radius: f64,
 }
 
 impl Bounds {
-    /// A box by two corners.
+    /// The box between two corners.
     pub fn new(low: DVec3, high: DVec3) -> Self {
         Self {
             low,
@@ -23,7 +23,7 @@ impl Bounds {
         }
     }
 
-    /// The box of points; points that are not finite are left out. `None` if none is left.
+    /// The bounding box of the finite points; `None` if there are none.
     pub fn of(points: impl IntoIterator<Item = DVec3> + Clone) -> Option<Self> {
         let finite = |p: &DVec3| p.is_finite();
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -46,13 +46,13 @@ impl Bounds {
         })
     }
 
-    /// The middle of the box.
+    /// The centre of the box.
     pub fn centre(&self) -> DVec3 {
         self.low.midpoint(self.high)
     }
 
-    /// Radius of a sphere around [`Self::centre`] that holds everything; never 0, so that a single
-    /// point can be viewed.
+    /// Radius of a bounding sphere around [`Self::centre`]. It is never 0, so that a single point
+    /// can be viewed.
     pub fn radius(&self) -> f64 {
         if self.radius > 0.0 {
             self.radius
@@ -64,7 +64,7 @@ impl Bounds {
 }
 
 impl Default for Bounds {
-    /// The unit cube around the origin: what an empty view shows.
+    /// The unit cube around the origin, used for an empty view.
     fn default() -> Self {
         Self::new(DVec3::splat(-0.5), DVec3::splat(0.5))
     }

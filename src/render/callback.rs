@@ -1,4 +1,4 @@
-//! The viewport inside an egui window; the only place of the renderer that knows egui.
+//! The viewport inside an egui window. Only this file of the renderer uses egui.
 
 use std::sync::Arc;
 
@@ -10,17 +10,17 @@ use super::{Camera, Scene, ViewStyle};
 
 /// Draws a scene into a rectangle of the window.
 ///
-/// The renderer is made when the first one is painted, so nothing of the graphics card is needed
+/// The renderer is created when the first callback is painted, so the graphics card is not used
 /// before.
 #[derive(Clone)]
 pub struct ViewportCallback {
-    /// What to draw.
+    /// The scene.
     pub scene: Arc<Scene>,
-    /// From where.
+    /// The camera.
     pub camera: Camera,
-    /// How.
+    /// The style.
     pub style: ViewStyle,
-    /// Which of several viewports side by side; each keeps its own target.
+    /// Index of the viewport. Each viewport has its own target.
     pub slot: u32,
     /// Size of the rectangle in physical pixels.
     pub size_px: [u32; 2],
@@ -28,7 +28,7 @@ pub struct ViewportCallback {
     pub target_format: wgpu::TextureFormat,
 }
 
-/// What is kept between frames.
+/// Data kept between frames.
 struct Kept {
     renderer: Renderer,
     format: wgpu::TextureFormat,
@@ -36,13 +36,13 @@ struct Kept {
 }
 
 impl ViewportCallback {
-    /// As a shape for a painter; the rectangle is in points.
+    /// The shape for a painter. The rectangle is in points.
     pub fn shape(self, rect: egui::Rect) -> egui::Shape {
         egui_wgpu::Callback::new_paint_callback(rect, self).into()
     }
 
-    /// Why the last frame could not be drawn as asked (a surface too large for the graphics card),
-    /// from the resources of egui's renderer.
+    /// Why the last frame could not be drawn, such as a surface too large for the graphics card.
+    /// Taken from the resources of egui's renderer.
     pub fn trouble(resources: &CallbackResources) -> Option<&str> {
         resources.get::<Kept>()?.trouble.as_deref()
     }
@@ -89,7 +89,7 @@ impl CallbackTrait for ViewportCallback {
         let Some(kept) = resources.get::<Kept>() else {
             return;
         };
-        // egui shrinks the viewport to the window; the picture must keep its place
+        // egui clips the viewport to the window; the picture must not move
         let scale = info.pixels_per_point;
         let (corner, size) = (info.viewport.min, info.viewport.size());
         pass.set_viewport(

@@ -1,20 +1,20 @@
-//! Colours for numbers: the map, the range it spans, and the ticks of its legend.
+//! The colour map, its range, and the ticks of its legend.
 
 use std::sync::Arc;
 
 use super::scene::{Geometry, Scene, ViewMode};
 
-/// Per cent of the values that a robust range holds.
+/// Percentage of the values inside a robust range.
 const HELD: usize = 98;
-/// Largest number of values that are sampled; more are sampled evenly.
+/// Maximum number of sampled values. Larger sets are sampled evenly.
 const SAMPLES: usize = 20_000;
 
 /// Number of colours of the map, evenly spaced in value.
 pub const STOPS: usize = 9;
 
-/// The map, linear in sRGB between the stops: blue to white to red, with the lightness of CIELAB
-/// falling evenly by 17 a stop from 95 in the middle to 27 at either end, so that equal steps look
-/// equal, also to people who do not tell red from green.
+/// The map, linear in sRGB between the stops: blue, white, red. The CIELAB lightness decreases by
+/// 17 per stop, from 95 in the middle to 27 at both ends, so that equal steps look equal, also to
+/// users who cannot distinguish red and green.
 pub const MAP: [[f32; 3]; STOPS] = [
     [0.030, 0.246, 0.497],
     [0.135, 0.415, 0.699],
@@ -36,8 +36,8 @@ pub fn colormap(t: f32) -> [f32; 3] {
     [0, 1, 2].map(|k| MAP[i][k] + s * (MAP[i + 1][k] - MAP[i][k]))
 }
 
-/// A range for the colours that a few wild values do not spoil: from −m to m, with m the 98th
-/// percentile of the magnitude. The surfaces with a patch decide, if there is one.
+/// A range that is robust against outliers: from −m to m, where m is the 98th percentile of the
+/// magnitude. Only surfaces with a patch count, if there are any.
 pub fn robust_range(scene: &Scene, mode: ViewMode) -> [f32; 2] {
     let any_patch = scene.surfaces.iter().any(|s| s.has_patch());
     let chosen = || {
@@ -60,7 +60,7 @@ pub fn robust_range(scene: &Scene, mode: ViewMode) -> [f32; 2] {
     if m > 0.0 { [-m, m] } else { [-1.0, 1.0] }
 }
 
-/// Three to nine round numbers within a range, ascending, for a legend.
+/// Three to nine round numbers inside a range in ascending order, for a legend.
 pub fn legend_ticks(range: [f32; 2]) -> Vec<f32> {
     let [low, high] = range.map(f64::from);
     let width = high - low;

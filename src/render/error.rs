@@ -1,25 +1,25 @@
-//! What can go wrong when drawing.
+//! Errors of drawing.
 
 use std::path::PathBuf;
 
-/// Why there is no picture.
+/// Why a picture cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// No graphics adapter, not even one in software.
+    /// No graphics adapter, not even a software one.
     #[error(
-        "no graphics adapter found ({reason}). Install a driver; without a graphics card a \
-         software one does: on Debian or Ubuntu `apt install libvulkan1 mesa-vulkan-drivers` \
-         (Vulkan) or `apt install libegl1 libgl1-mesa-dri` (OpenGL)"
+        "no graphics adapter found ({reason}). Install a driver; without a graphics card, a \
+         software driver is enough: on Debian or Ubuntu `apt install libvulkan1 \
+         mesa-vulkan-drivers` (Vulkan) or `apt install libegl1 libgl1-mesa-dri` (OpenGL)"
     )]
     NoAdapter {
         /// The error of the graphics library.
         reason: String,
     },
-    /// The adapter does not give a device.
+    /// The adapter provides no device.
     #[error("the graphics adapter {adapter} cannot be used: {reason}. Update its driver")]
     NoDevice {
-        /// Its name.
+        /// The name of the adapter.
         adapter: String,
         /// The error of the graphics library.
         reason: String,
@@ -31,30 +31,28 @@ pub enum RenderError {
         reason: String,
     },
     /// A picture without pixels, or with too many.
-    #[error(
-        "a picture of {width} × {height} pixels is not possible: each side can have 1 to {most}"
-    )]
+    #[error("a picture cannot have {width} × {height} pixels: each side must be from 1 to {most}")]
     Size {
-        /// Pixels across.
+        /// Width in pixels.
         width: u32,
-        /// Pixels down.
+        /// Height in pixels.
         height: u32,
-        /// Largest side.
+        /// Maximum side.
         most: u32,
     },
     /// A surface with more vertices or triangles than the device can hold in one buffer.
     #[error(
-        "a surface needs {needed} bytes of graphics memory in one piece, the adapter allows \
+        "a surface needs a buffer of {needed} bytes of graphics memory, but the adapter allows \
          {allowed}. Reduce the mesh"
     )]
     TooLarge {
-        /// Bytes of the buffer.
+        /// Size of the buffer in bytes.
         needed: u64,
         /// The limit.
         allowed: u64,
     },
     /// A picture file could not be encoded.
-    #[error("{path} could not be made: {reason}", path = path.display())]
+    #[error("{path} could not be encoded: {reason}", path = path.display())]
     Encode {
         /// The file.
         path: PathBuf,

@@ -13,12 +13,12 @@ use crate::options::choices;
 /// Quality of the colours of a GIF, 1 (best, slow) to 30.
 const GIF_SPEED: i32 = 10;
 
-/// How a sequence of pictures is stored.
+/// The file format of a sequence of pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SequenceFormat {
     /// One PNG file for each picture: `name-0000.png` and so on for the target `name.png`.
     Png,
-    /// One animated GIF, 256 colours a picture, at most 50 pictures a second.
+    /// One animated GIF: 256 colours per picture, at most 50 pictures per second.
     Gif,
     /// One animated PNG.
     Apng,
@@ -26,16 +26,16 @@ pub enum SequenceFormat {
 
 choices!(SequenceFormat: Png "png", Gif "gif", Apng "apng");
 
-/// What became of a sequence.
+/// The outcome of a sequence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SequenceEnd {
-    /// All pictures are written, to these files.
+    /// All pictures were written to these files.
     Written(Vec<PathBuf>),
-    /// Cancelled: nothing new is left.
+    /// The sequence was cancelled and its files were removed.
     Cancelled,
 }
 
-/// Writes a picture as PNG; the file is replaced whole or not at all.
+/// Writes a picture as PNG, atomically.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -47,12 +47,13 @@ pub fn save_png(path: &Path, picture: &RgbaImage) -> Result<(), RenderError> {
     })?)
 }
 
-/// Writes `count` pictures of one size, made one after the other by `frames`, to be shown at `fps`
-/// pictures a second. `progress` receives how many of how many are done and may return `false` to
-/// cancel.
+/// Writes `count` pictures of one size, drawn in sequence by `frames`, to play at `fps` pictures
+/// per second. `progress` receives the number of finished pictures and the total, and may return
+/// `false` to cancel.
 ///
 /// # Errors
-/// A picture cannot be made or a file not be written; nothing new is left then.
+/// A picture cannot be drawn or a file cannot be written. The files of the sequence are then
+/// removed.
 pub fn write_sequence(
     target: &Path,
     format: SequenceFormat,
@@ -89,7 +90,7 @@ pub fn write_sequence(
     }
 }
 
-/// The camera of picture `i` of `count` on a full turn around the vertical through the pivot.
+/// The camera of picture `i` of `count` on a full turn around the vertical axis through the pivot.
 #[must_use]
 pub fn turntable(camera: &Camera, i: usize, count: usize) -> Camera {
     let mut turned = *camera;
@@ -98,7 +99,7 @@ pub fn turntable(camera: &Camera, i: usize, count: usize) -> Camera {
     turned
 }
 
-/// Why a sequence ends early.
+/// Why a sequence ended early.
 enum Stop {
     Cancelled,
     Failed(RenderError),
@@ -126,7 +127,7 @@ fn numbered(target: &Path, count: usize, next: Frames<'_>) -> Result<Vec<PathBuf
         let saved = next(i).and_then(|p| save_png(&path, &p).map_err(Stop::Failed));
         if let Err(stop) = saved {
             for file in &files {
-                // a file that is gone already is as good
+                // the file may be gone already
                 std::fs::remove_file(file).ok();
             }
             return Err(stop);
@@ -142,7 +143,7 @@ fn numbered_path(target: &Path, i: usize) -> PathBuf {
     target.with_file_name(format!("{stem}-{i:04}.png"))
 }
 
-/// A file made of all pictures.
+/// A file that contains all pictures.
 fn animation(
     target: &Path,
     fill: impl FnOnce(&mut dyn Write) -> Result<(), Stop>,
@@ -170,7 +171,7 @@ fn gif(out: &mut dyn Write, count: usize, fps: f64, next: Frames<'_>) -> Result<
     encoder
         .set_repeat(Repeat::Infinite)
         .map_err(io::Error::other)?;
-    // the format counts in hundredths of a second, and viewers slow down below two
+    // the format counts in hundredths of a second, and viewers play delays below two more slowly
     let hundredths = (100.0 / fps).round().clamp(2.0, 6000.0) as u32;
     let delay = image::Delay::from_numer_denom_ms(10 * hundredths, 1);
     for i in 0..count {
@@ -193,8 +194,8 @@ fn apng(out: &mut dyn Write, count: usize, fps: f64, next: Frames<'_>) -> Result
     Ok(writer.finish()?)
 }
 
-/// An encoder for a picture, or for an animation that starts with it: number of pictures and
-/// milliseconds each is shown.
+/// An encoder for a picture, or for an animation that starts with it, given the number of pictures
+/// and the milliseconds per picture.
 fn encoder<'a>(
     out: &'a mut dyn Write,
     first: &RgbaImage,

@@ -5,12 +5,12 @@ use std::sync::{Mutex, PoisonError};
 use super::gpu::{Renderer, Tile};
 use super::{Background, Camera, RenderError, Scene, ViewStyle};
 
-/// Largest side of a picture, in pixels.
+/// Maximum side of a picture in pixels.
 pub const MAX_SIDE: u32 = 8192;
-/// Largest side of the parts a picture is drawn in: four samples of colour and depth for all of
-/// 8192 × 8192 pixels would take 2 GiB.
+/// Maximum side of the tiles of a picture in pixels. Four samples of colour and depth for 8192 ×
+/// 8192 pixels would need 2 GiB.
 const TILE: u32 = 2048;
-/// Rows of a buffer that a texture is copied to start at multiples of this.
+/// Alignment of rows in a buffer to which a texture is copied, in bytes.
 const ALIGNMENT: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
 
 /// A graphics device for pictures, with its pipelines.
@@ -21,15 +21,15 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Finds an adapter, one in software if there is no other, and opens it.
+    /// Finds an adapter and opens it. A software adapter is the last choice.
     ///
     /// # Errors
-    /// There is none, or it cannot be used.
+    /// There is no adapter, or it cannot be used.
     pub fn new() -> Result<Self, RenderError> {
         pollster::block_on(open())
     }
 
-    /// Uses a device that is open already, such as the window's.
+    /// Uses an open device, such as that of the window.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let renderer = Mutex::new(Renderer::new(&device, wgpu::TextureFormat::Rgba8Unorm));
         Self {
@@ -69,11 +69,11 @@ async fn open() -> Result<Gpu, RenderError> {
     Ok(Gpu::from_device(device, queue))
 }
 
-/// Draws a scene into a picture of `width` times `height` pixels, with `transparent` instead of the
-/// style's background. Colours of see-through pixels are not premultiplied.
+/// Draws a scene into a picture of `width` times `height` pixels. `transparent` replaces the
+/// background of the style. Colours are not premultiplied.
 ///
 /// # Errors
-/// The size is out of range, the scene too large, or the device fails.
+/// The size is out of range, the scene is too large, or the device fails.
 pub fn picture(
     gpu: &Gpu,
     scene: &Scene,
@@ -95,7 +95,7 @@ pub fn picture(
     if transparent {
         style.background = Background::Transparent;
     }
-    // a panic while drawing leaves at worst an outdated picture behind, which is drawn anew
+    // after a panic the picture may be outdated; it is drawn again
     let mut renderer = gpu.renderer.lock().unwrap_or_else(PoisonError::into_inner);
     let step = TILE.min(gpu.device.limits().max_texture_dimension_2d);
     let mut image = image::RgbaImage::new(width, height);
@@ -133,7 +133,7 @@ pub fn picture(
     Ok(image)
 }
 
-/// Reads a texture back into its part of a picture.
+/// Copies a texture into its tile of a picture.
 fn copy_tile(
     gpu: &Gpu,
     texture: &wgpu::Texture,
@@ -171,7 +171,7 @@ fn copy_tile(
     gpu.queue.submit([encoder.finish()]);
     let (sender, receiver) = std::sync::mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // nobody waits any more if the poll below failed
+        // sending fails if the poll below failed, which is reported there
         sender.send(result).ok();
     });
     gpu.device
@@ -194,7 +194,7 @@ fn copy_tile(
     Ok(())
 }
 
-/// Takes the opacity out of the colours.
+/// Divides the colours by the opacity.
 fn straight([r, g, b, a]: [u8; 4]) -> [u8; 4] {
     if a == 0 {
         return [0; 4];

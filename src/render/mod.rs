@@ -1,8 +1,10 @@
-//! Drawing surfaces, picking on them, and pictures. It takes plain data and knows no document.
+//! Drawing of surfaces, picking, and pictures. This module uses plain data and does not depend on a
+//! document.
 //!
-//! A [`Scene`] is made of [`Geometry`] (from [`DynamicSurface`] for what moves and
-//! [`static_surface`] for the rest) and overlays of lines, seen by a [`Camera`] in a [`ViewStyle`].
-//! `ViewportCallback` draws it in a window (feature `window`), [`picture`] without one.
+//! A [`Scene`] contains [`Geometry`] and overlays of lines. [`DynamicSurface`] builds the geometry
+//! of moving surfaces, and [`static_surface`] that of static ones. A scene is drawn with a
+//! [`Camera`] and a [`ViewStyle`]: `ViewportCallback` draws it in a window (feature `window`),
+//! [`picture`] without one.
 
 mod bounds;
 #[cfg(feature = "window")]

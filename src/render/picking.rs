@@ -1,12 +1,12 @@
-//! What is under the cursor.
+//! Picking: the surface points, loops and rim vertices under the cursor.
 
 use glam::DVec2;
 
 use super::Camera;
 use crate::mesh::{BoundaryLoop, DVec3, FaceId, LoopId, Topology, TriangleBvh};
 
-/// Projector lines to a rim end this much before it, in lengths of the edge and of the line: the faces
-/// at the rim do not hide it.
+/// Lines of sight to a rim end this far before it, relative to the lengths of the edge and of the
+/// line, so that faces at the rim do not hide it.
 const SHORTER: [f64; 2] = [0.01, 1e-9];
 
 /// A point of the surface under the cursor.
@@ -16,12 +16,12 @@ pub struct Hit {
     pub face: FaceId,
     /// The point.
     pub point: DVec3,
-    /// Its distance from the eye (from the plane of the eye in a parallel projection, where it may
-    /// be negative), in units of the file.
+    /// The distance from the eye in units of the file. In a parallel projection it is the distance
+    /// from the plane of the eye and may be negative.
     pub distance: f64,
 }
 
-/// Answers what is under the cursor for a mesh that stays as it is.
+/// Picks on a mesh that does not change.
 #[derive(Clone, Debug)]
 pub struct Picker {
     surface: TriangleBvh,
@@ -33,11 +33,11 @@ pub struct Picker {
 struct Rim {
     points: Vec<DVec3>,
     centroid: DVec3,
-    /// An outer rim has no opening to click into.
+    /// Whether a click into the opening picks the loop; false for an outer boundary.
     open: bool,
 }
 
-/// Lines of sight of a camera in a view of certain size.
+/// Lines of sight of a camera in a view of a given size.
 #[derive(Clone, Copy, Debug)]
 pub struct Projector<'a> {
     camera: &'a Camera,
@@ -46,7 +46,7 @@ pub struct Projector<'a> {
 }
 
 impl<'a> Projector<'a> {
-    /// A view of that many pixels.
+    /// The lines of sight in a view of this size in pixels.
     pub fn new(camera: &'a Camera, size_px: [f64; 2]) -> Self {
         let size = DVec2::from(size_px).max(DVec2::ONE);
         Self {
@@ -56,7 +56,7 @@ impl<'a> Projector<'a> {
         }
     }
 
-    /// Where lines of sight begin.
+    /// Origin of the lines of sight.
     pub fn start(&self) -> f64 {
         if self.camera.orthographic {
             f64::NEG_INFINITY
@@ -65,7 +65,7 @@ impl<'a> Projector<'a> {
         }
     }
 
-    /// Pixels from the upper left; `None` behind the eye.
+    /// Position in pixels from the upper left corner; `None` behind the eye.
     pub fn pixel(&self, p: DVec3) -> Option<[f64; 2]> {
         let [x, y] = self.camera.project(p, self.aspect)?;
         Some((DVec2::new(x + 1.0, 1.0 - y) * 0.5 * self.size).to_array())
@@ -97,7 +97,7 @@ struct View<'a> {
     cursor: DVec2,
     origin: DVec3,
     direction: DVec3,
-    /// Where lines of sight begin.
+    /// Origin of the lines of sight.
     start: f64,
 }
 
@@ -114,7 +114,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Pixels from the upper left; `None` behind the eye.
+    /// Position in pixels from the upper left corner; `None` behind the eye.
     fn pixel(&self, p: DVec3) -> Option<DVec2> {
         self.projector.pixel(p).map(DVec2::from)
     }
@@ -125,13 +125,13 @@ struct Near {
     distance_px: f64,
     rim: usize,
     edge: [DVec3; 2],
-    /// Place on the edge.
+    /// Position on the edge, 0 to 1.
     at: f64,
 }
 
 impl Picker {
-    /// Prepares a mesh with its boundary loops: `n log n` for `n` faces, so for a large mesh not on
-    /// the thread of the window.
+    /// Prepares a mesh with its boundary loops in O(n log n) for n faces. Use a background thread
+    /// for a large mesh.
     pub fn new(positions: &[DVec3], topology: &Topology, loops: &[BoundaryLoop]) -> Self {
         let triangles: Vec<[u32; 3]> = topology.triangles().collect();
         let rims = loops.iter().map(|one| Rim {
@@ -145,7 +145,7 @@ impl Picker {
         }
     }
 
-    /// The nearest point of the surface under the cursor (pixels from the upper left).
+    /// The nearest point of the surface under the cursor (in pixels from the upper left corner).
     pub fn surface(&self, camera: &Camera, size_px: [f64; 2], cursor_px: [f64; 2]) -> Option<Hit> {
         let view = View::new(camera, size_px, cursor_px);
         let within = [view.start, f64::INFINITY];
@@ -179,9 +179,9 @@ impl Picker {
         Some(FaceId(hit.face))
     }
 
-    /// The loop under the cursor: the one whose rim is nearest to the cursor, at most
-    /// `tolerance_px` away and not hidden by the surface; or else the hole into whose opening the
-    /// cursor points, from either side, with no surface before it. Outer rims have no opening.
+    /// The loop under the cursor. This is the visible loop whose rim is nearest to the cursor, at
+    /// most `tolerance_px` away. If there is none, it is the hole whose opening contains the
+    /// cursor, from either side, with no surface in front. Outer boundaries have no opening.
     pub fn pick_loop(
         &self,
         camera: &Camera,
@@ -195,7 +195,7 @@ impl Picker {
             .or_else(|| self.opening_at(&view))
     }
 
-    /// The visible rim vertex nearest to the cursor, among the ends of edges at most `tolerance_px`
+    /// The visible rim vertex nearest to the cursor, of the edges that are at most `tolerance_px`
     /// away.
     pub fn pick_rim_vertex(
         &self,
@@ -236,10 +236,10 @@ impl Picker {
         near.into_iter().find(|n| self.is_visible(view, n))
     }
 
-    /// Whether no surface is before the point of the rim that is nearest to the cursor.
+    /// Whether no surface hides the point of the rim that is nearest to the cursor.
     fn is_visible(&self, view: &View<'_>, near: &Near) -> bool {
         let [a, b] = near.edge;
-        // on a line that is seen at an angle, equal parts of pixels are not equal parts of length
+        // perspective: equal lengths on an oblique line have different lengths in pixels
         let camera = view.projector.camera;
         let point = if camera.orthographic {
             a + (b - a) * near.at
@@ -254,7 +254,7 @@ impl Picker {
         hit.is_none()
     }
 
-    /// The nearest opening before any surface.
+    /// The nearest opening in front of any surface.
     fn opening_at(&self, view: &View<'_>) -> Option<LoopId> {
         let within = [view.start, f64::INFINITY];
         let surface = self
@@ -273,9 +273,9 @@ impl Picker {
 }
 
 impl Rim {
-    /// Where the line of sight goes through the opening: through the cone from the centroid over
-    /// the rim, if it winds around the line. However the rim lies, the signed number of times that
-    /// the line goes through the cone is the number of turns of the rim around the line.
+    /// The intersection of the line of sight with the opening: the cone from the centroid over the
+    /// rim, if the rim winds around the line. The signed number of intersections with the cone
+    /// equals the winding number of the rim around the line for any shape of the rim.
     fn opening(&self, view: &View<'_>) -> Option<f64> {
         let d = view.direction;
         let centre = self.centroid - view.origin;
@@ -311,7 +311,7 @@ impl Rim {
     }
 }
 
-/// Place on the segment and distance of the point nearest to `p`.
+/// Position on the segment, and distance, of the point nearest to `p`.
 fn nearest_on_segment(p: DVec2, a: DVec2, b: DVec2) -> (f64, f64) {
     let d = b - a;
     let length = d.length_squared();

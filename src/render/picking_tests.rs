@@ -73,7 +73,7 @@ fn a_hole_is_picked_by_rim_and_opening_but_not_through_the_surface() {
             assert_eq!(pick(&cup, &camera, pixel(&camera, p)), None);
         }
     }
-    // from the side the rim is a line at the upper end
+    // seen from the side, the rim is a line at the upper end
     for camera in cameras(&cup, StandardView::Top) {
         let nearest = rim.iter().copied().max_by(|a, b| a.y.total_cmp(&b.y));
         let at = pixel(&camera, nearest.expect("a rim"));
@@ -101,7 +101,7 @@ fn from_within_holes_are_picked_from_their_other_side() {
 
 #[test]
 fn the_nearer_of_two_openings_is_picked() {
-    // a sphere with holes at both poles: through the near one the far one is seen
+    // a sphere with holes at both poles: the far one is visible through the near one
     let pipe = model(shapes::cut_where(&shapes::sphere(1500, 1), |p| {
         p.z.abs() > 0.9
     }));
@@ -115,7 +115,7 @@ fn the_nearer_of_two_openings_is_picked() {
     ] {
         for camera in cameras(&pipe, view) {
             let picker = |i: usize| {
-                // guessed to be outer rims or not, they are holes here
+                // these loops are holes, whatever their classification
                 let mut loops = pipe.loops.clone();
                 for l in &mut loops {
                     l.outer_rim = false;
@@ -168,13 +168,13 @@ fn openings_of_any_outline_are_told_from_their_surroundings() {
                         };
                         let p = o - d * (o.z / d.z);
                         let within = p.x.abs() < 0.95 && p.y.abs() < 0.95;
-                        // on the plate: either surface or hole, never both
+                        // a point of the plate is on the surface or in the hole, never both
                         if within {
                             assert_eq!(open.is_some(), surface.is_none(), "{p}");
                             inside += usize::from(open == Some(hole));
                             outside += usize::from(surface.is_some());
                         } else if p.x.abs() > 1.05 || p.y.abs() > 1.05 {
-                            // the outer rim has no opening
+                            // the outer boundary has no opening
                             assert_eq!((open, surface.is_some()), (None, false));
                         }
                     }

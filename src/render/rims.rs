@@ -3,8 +3,8 @@
 use crate::mesh::{BoundaryLoop, DVec3, Topology};
 use crate::subdivision::limit_position;
 
-/// The points of a boundary loop for a closed line, relative to `centre`: on the limit surface of
-/// the open mesh where that is drawn, else the vertices.
+/// The points of a boundary loop for a closed line, relative to `centre`: points of the limit
+/// surface if that is drawn, else the vertices.
 pub fn rim_points(
     topology: &Topology,
     positions: &[DVec3],

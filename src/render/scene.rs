@@ -1,4 +1,4 @@
-//! What is to be drawn, as plain data.
+//! The drawn scene as plain data.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,18 +6,18 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::Bounds;
 use crate::mesh::DVec3;
 
-/// Numbers for content that the graphics card keeps a copy of; never given twice.
+/// A new unique number for content that is copied to the graphics card.
 static NEXT_ID: AtomicU64 = AtomicU64::new(1);
 
 fn next_id() -> u64 {
     NEXT_ID.fetch_add(1, Ordering::Relaxed)
 }
 
-/// A vertex as the graphics card gets it; the shaders know the same layout.
+/// A vertex in the layout of the graphics card and the shaders.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Vertex {
-    /// Relative to [`Scene::centre`], in units of the file.
+    /// Position relative to [`Scene::centre`] in units of the file.
     pub position: [f32; 3],
     /// Unit normal of the limit surface, on the side from which faces run counter-clockwise.
     pub normal: [f32; 3],
@@ -26,7 +26,7 @@ pub struct Vertex {
     /// Gaussian curvature.
     pub gauss: f32,
     /// Signed distance along the normal from the start of the flow, or signed distance to a
-    /// reference surface (the flags tell which), in units of the file.
+    /// reference surface, depending on the flags, in units of the file.
     pub deviation: f32,
     /// Sum of the constants of [`Vertex`].
     pub flags: u32,
@@ -50,20 +50,20 @@ impl Vertex {
 /// Triangles to draw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
-    /// Unique for the content: a renderer keeps its copy by this number.
+    /// Unique number of the content, by which a renderer finds its copy.
     pub id: u64,
     /// Vertices.
     pub vertices: Vec<Vertex>,
     /// Corners of the triangles, counter-clockwise from the side of the normal.
     pub triangles: Vec<[u32; 3]>,
-    /// Segments of the wireframe: edges of the control mesh, along the surface that is drawn.
+    /// Segments of the wireframe: edges of the control mesh on the drawn surface.
     pub edges: Vec<[u32; 2]>,
-    /// Whether a vertex is of a patch.
+    /// Whether a vertex belongs to a patch.
     has_patch: bool,
 }
 
 impl Geometry {
-    /// Geometry with a number of its own.
+    /// Geometry with a new unique number.
     pub fn new(vertices: Vec<Vertex>, triangles: Vec<[u32; 3]>, edges: Vec<[u32; 2]>) -> Self {
         Self {
             id: next_id(),
@@ -74,8 +74,8 @@ impl Geometry {
         }
     }
 
-    /// Some of its faces, of `faces` that have equally many triangles, one after the other; `flags`
-    /// are added. Drawn after the whole it covers that, since the corners are bit-identical.
+    /// Some of `faces` equal runs of triangles, with `flags` added. If drawn after the whole
+    /// geometry it covers those triangles, because the corners are bit-identical.
     #[must_use]
     pub fn part(&self, places: &[usize], faces: usize, flags: u32) -> Self {
         let each = self.triangles.len() / faces.max(1);
@@ -98,64 +98,64 @@ impl Geometry {
         Self::new(vertices, triangles, Vec::new())
     }
 
-    /// Whether a vertex was of a patch when this was made.
+    /// Whether a vertex belonged to a patch when this was built.
     pub fn has_patch(&self) -> bool {
         self.has_patch
     }
 }
 
-/// When a line is seen.
+/// The visibility of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineStyle {
-    /// Where no surface is in front of it.
+    /// Visible where no surface is in front.
     Depth,
-    /// Always.
+    /// Always visible.
     OnTop,
-    /// Clearly where no surface is in front of it, faintly elsewhere.
+    /// Fully visible where no surface is in front, faint elsewhere.
     OnTopFaintWhenHidden,
 }
 
-/// A line through points, with a dark casing that keeps it visible on any ground.
+/// A line through points, with a dark casing that makes it visible on any background.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyline {
-    /// Relative to [`Scene::centre`].
+    /// Position relative to [`Scene::centre`].
     pub points: Vec<[f32; 3]>,
     /// Whether the last point is joined to the first.
     pub closed: bool,
     /// Red, green, blue (sRGB) and opacity, 0 to 1.
     pub color: [f32; 4],
-    /// Width of the core; the casing comes on either side of it.
+    /// Width of the core in pixels, without the casing on both sides.
     pub width_px: f32,
-    /// When it is seen.
+    /// The visibility.
     pub style: LineStyle,
 }
 
-/// A round spot on top of everything, with the casing of a line.
+/// A round marker with the casing of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Marker {
-    /// Relative to [`Scene::centre`].
+    /// Position relative to [`Scene::centre`].
     pub position: [f32; 3],
-    /// As for [`Polyline::color`].
+    /// Colour as in [`Polyline::color`].
     pub color: [f32; 4],
     /// Radius in pixels.
     pub radius_px: f32,
-    /// When it is seen.
+    /// The visibility.
     pub style: LineStyle,
 }
 
-/// Lines and markers, with a number for the copy on the graphics card.
+/// Lines and markers, with the number of their copy on the graphics card.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overlay {
-    /// Unique for the content.
+    /// Unique number of the content.
     pub id: u64,
-    /// Lines; later ones over earlier ones.
+    /// Lines. Later lines cover earlier ones.
     pub lines: Vec<Polyline>,
-    /// Markers, over the lines.
+    /// Markers. They cover the lines.
     pub markers: Vec<Marker>,
 }
 
 impl Overlay {
-    /// An overlay with a number of its own.
+    /// An overlay with a new unique number.
     pub fn new(lines: Vec<Polyline>, markers: Vec<Marker>) -> Self {
         Self {
             id: next_id(),
@@ -165,34 +165,34 @@ impl Overlay {
     }
 }
 
-/// All that is drawn in one view.
+/// The content of one view.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What positions are relative to; near the surface, so that `f32` loses no digits.
+    /// The origin of positions. It is near the surface, so that `f32` loses no digits.
     pub centre: DVec3,
-    /// Around all surfaces and lines; near and far planes come from it.
+    /// Bounding box of all surfaces and lines. It determines the near and far planes.
     pub bounds: Bounds,
     /// Surfaces.
     pub surfaces: Vec<Arc<Geometry>>,
-    /// Groups of lines and markers, drawn in this order (rims, then selection, then hover, so that
-    /// hovering uploads little).
+    /// Groups of lines and markers in drawing order: rims, selection, hover. Separate groups make
+    /// hovering cheap.
     pub overlays: Vec<Arc<Overlay>>,
 }
 
-/// What the colour of a surface shows.
+/// The quantity shown by the colour of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewMode {
     /// A plain material.
     Shaded,
-    /// Bands of equal `n·l`, fixed to the surface unless the light moves with the view.
+    /// Bands of equal `n·l`, fixed on the surface unless the light moves with the view.
     Isophotes,
-    /// Reflected bands of a striped environment, moving with the view.
+    /// Reflected stripes of the environment, which move with the view.
     Zebra,
     /// Mean curvature `H`.
     Mean,
     /// Gaussian curvature `K`.
     Gauss,
-    /// Greater principal curvature `H + √(H² − K)`.
+    /// Larger principal curvature `H + √(H² − K)`.
     K1,
     /// Smaller principal curvature.
     K2,
@@ -203,7 +203,7 @@ pub enum ViewMode {
 }
 
 impl ViewMode {
-    /// All of them.
+    /// All modes.
     pub const ALL: [Self; 9] = [
         Self::Shaded,
         Self::Isophotes,
@@ -216,7 +216,7 @@ impl ViewMode {
         Self::Distance,
     ];
 
-    /// The mode of a [`Self::name`], upper or lower case (`H` and `K` are no others' names).
+    /// The mode with a [`Self::name`], in upper or lower case.
     pub fn from_name(name: &str) -> Option<Self> {
         let named = |mode: &Self| mode.name().eq_ignore_ascii_case(name);
         Self::ALL.into_iter().find(named)
@@ -237,12 +237,12 @@ impl ViewMode {
         }
     }
 
-    /// Whether the colour stands for a number, so that a legend and a range make sense.
+    /// Whether the colour represents a number, which needs a legend and a range.
     pub fn is_map(self) -> bool {
         !matches!(self, Self::Shaded | Self::Isophotes | Self::Zebra)
     }
 
-    /// The number shown at a vertex; `None` in modes without, and where it is not known.
+    /// The number shown at a vertex; `None` in modes without numbers, and if it is unknown.
     pub fn value(self, v: &Vertex) -> Option<f32> {
         let needed = match self {
             Self::Shaded | Self::Isophotes | Self::Zebra => return None,
@@ -262,22 +262,22 @@ impl ViewMode {
     }
 }
 
-/// What is behind the surface.
+/// The background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
-    /// From top to bottom, sRGB, 0 to 1.
+    /// A gradient from top to bottom, sRGB, 0 to 1.
     Gradient {
         /// Colour of the upper edge.
         top: [f32; 3],
         /// Colour of the lower edge.
         bottom: [f32; 3],
     },
-    /// Nothing: the picture has an alpha channel.
+    /// Transparent: the picture has an alpha channel.
     Transparent,
 }
 
 impl Background {
-    /// The ground of the dark or light theme.
+    /// The background of the dark or light theme.
     pub fn of_theme(dark: bool) -> Self {
         if dark {
             Self::Gradient {
@@ -293,31 +293,30 @@ impl Background {
     }
 }
 
-/// How a scene is drawn.
+/// The style of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewStyle {
-    /// What colours show.
+    /// The quantity shown by colours.
     pub mode: ViewMode,
-    /// Number of dark and light pairs of bands between `n·l = −1` and 1, or all around in the zebra
+    /// Number of pairs of dark and light bands between `n·l = −1` and 1, or around the whole zebra
     /// environment; at least 1.
     pub stripes: u32,
-    /// Angle by which the lines of the zebra environment are turned around the line of sight,
-    /// degrees; 0: they lie across.
+    /// Rotation of the zebra lines around the line of sight in degrees; at 0 they are horizontal.
     pub zebra_turn: f64,
     /// Direction to the light of isophotes, in world coordinates or, with `light_follows_view`,
     /// in those of the camera (right, up, towards the eye).
     pub light: DVec3,
-    /// See `light`.
+    /// Whether the light is fixed in camera coordinates.
     pub light_follows_view: bool,
-    /// Edges of the control mesh over the surface.
+    /// Whether the edges of the control mesh are drawn.
     pub wireframe: bool,
-    /// Patches in a colour of their own.
+    /// Whether patches have a different colour.
     pub tint_patch: bool,
-    /// Hatching where the flow is ill-posed.
+    /// Whether the surface is hatched where the flow is ill-posed.
     pub show_ill_posed: bool,
     /// Whether the lines and markers of the scene are drawn.
     pub show_overlays: bool,
-    /// What is behind.
+    /// The background.
     pub background: Background,
     /// Values at the ends of the colour map; `None` for [`super::robust_range`].
     pub range: Option<[f32; 2]>,

@@ -1,7 +1,7 @@
-//! The camera: where one looks from, and how the mouse moves that.
+//! The camera and its movement by the mouse.
 //!
-//! World coordinates are those of the file; `y` or `z` points up in the standard views. All of it
-//! is in `f64`; what the graphics card gets is relative to a centre near the surface.
+//! World coordinates are those of the file; `y` or `z` points up in the standard views. All values
+//! are `f64`. The graphics card gets coordinates relative to a centre near the surface.
 
 mod standard;
 #[cfg(test)]
@@ -15,38 +15,37 @@ use crate::mesh::DVec3;
 pub use standard::StandardView;
 pub use text::CameraError;
 
-/// Room left around what is fitted into the picture.
+/// Relative margin around a fitted object.
 const MARGIN: f64 = 1.08;
-/// Least distance of the near plane, as a part of the far one's.
+/// Minimum distance of the near plane, as a fraction of that of the far plane.
 const NEAR_OVER_FAR: f64 = 1e-5;
 
 /// A view of the world.
 ///
-/// The camera looks along `forward` at the plane through `pivot`. The pivot, around which it turns,
-/// need not be in the middle of the picture.
+/// The camera looks along `forward` at the plane through `pivot`. It rotates around the pivot,
+/// which may be anywhere in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// The point the camera turns around.
+    /// The centre of rotation.
     pub pivot: DVec3,
-    /// Rotates the camera's axes (right `x`, up `y`, backward `z`) into the world.
+    /// The rotation from camera axes (right `x`, up `y`, backward `z`) to world axes.
     pub orientation: DQuat,
-    /// Depth of the pivot in front of the eye, in units of the file.
+    /// Depth of the pivot in front of the eye in units of the file.
     pub distance: f64,
-    /// Where the pivot is from the middle of the picture, to the right and up, in units of the
+    /// Offset of the pivot from the centre of the picture, to the right and up, in units of the
     /// file.
     pub offset: DVec2,
-    /// Vertical field of view in radians; with a parallel projection it gives the height that is
-    /// seen at the depth of the pivot.
+    /// Vertical field of view in radians. A parallel projection shows the same height at the depth
+    /// of the pivot.
     pub fov_y: f64,
-    /// Parallel instead of perspective projection.
+    /// Whether the projection is parallel instead of perspective.
     pub orthographic: bool,
-    /// Whether `z` is the vertical of the world, for standard views and the turntable, instead of
-    /// `y`.
+    /// Whether `z` instead of `y` is the vertical axis of standard views and the turntable.
     pub z_up: bool,
 }
 
 impl Camera {
-    /// Looks at all of `bounds` from the front, a little from the right and above.
+    /// A view of all of `bounds` from the front, slightly from the right and above.
     pub fn fit(bounds: &Bounds) -> Self {
         let mut camera = Self {
             pivot: DVec3::ZERO,
@@ -62,13 +61,13 @@ impl Camera {
         camera
     }
 
-    /// Turns to look from the front, a little from the right and above.
+    /// Rotates to a view from the front, slightly from the right and above.
     pub fn home(&mut self) {
         let turn = DQuat::from_rotation_y(0.5) * DQuat::from_rotation_x(-0.35);
         self.orientation = self.upright() * turn;
     }
 
-    /// From a world with `y` up into this one.
+    /// The rotation from a world with `y` up into this one.
     fn upright(&self) -> DQuat {
         if self.z_up {
             DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2)
@@ -77,26 +76,25 @@ impl Camera {
         }
     }
 
-    /// Moves so that all of `bounds` is seen in a square picture, with the pivot at its centre; the
-    /// orientation stays.
+    /// Moves the camera so that a square picture shows all of `bounds`, with the pivot at its
+    /// centre. The orientation does not change.
     pub fn fit_to(&mut self, bounds: &Bounds) {
         self.fit_aspect(bounds, 1.0);
     }
 
-    /// [`Self::fit_to`] for a picture `aspect` times as wide as high: nothing is cut off on any
-    /// side.
+    /// [`Self::fit_to`] for a picture `aspect` times as wide as high.
     pub fn fit_aspect(&mut self, bounds: &Bounds, aspect: f64) {
         self.pivot = bounds.centre();
         self.offset = DVec2::ZERO;
         let t = self.tan_half();
-        // the sphere is seen under the angle of the smaller side
+        // the smaller side limits the visible angle of the sphere
         let smaller = t * aspect.min(1.0);
         let sphere = if self.orthographic {
             bounds.radius() / smaller
         } else {
             bounds.radius() / smaller.atan().sin()
         };
-        // each corner must be within both pairs of sides
+        // each corner must be inside both pairs of sides
         let box_distance = (0..8)
             .map(|i| {
                 let end = |k: usize| {
@@ -124,12 +122,13 @@ impl Camera {
         self.distance = MARGIN * distance;
     }
 
-    /// Turns around the pivot: `dx` to the right and `dy` downwards, in radians, as the mouse drags
-    /// the surface. On a turntable the vertical of the world stays vertical in the picture.
+    /// Rotates around the pivot as if the mouse dragged the surface: `dx` to the right and `dy`
+    /// downwards, in radians. On a turntable the vertical axis of the world stays vertical in the
+    /// picture.
     pub fn orbit(&mut self, dx: f64, dy: f64, turntable: bool) {
         let about_right = DQuat::from_rotation_x(-dy);
         let turned = if turntable {
-            // upside down the table turns the other way, so that the surface follows the mouse
+            // upside down the rotation is reversed, so that the surface follows the mouse
             let vertical = self.vertical();
             let side = if self.up().dot(vertical) < 0.0 {
                 -1.0
@@ -143,23 +142,23 @@ impl Camera {
         self.orientation = turned.normalize();
     }
 
-    /// Moves the surface with the mouse, by pixels to the right and down, in a viewport of height
-    /// `height_px`: what is at the depth of the pivot follows exactly.
+    /// Pans by pixels to the right and down in a viewport of height `height_px`. Points at the
+    /// depth of the pivot follow the mouse exactly.
     pub fn pan(&mut self, dx_px: f64, dy_px: f64, height_px: f64) {
         let unit = 2.0 * self.half_height() / height_px.max(1.0);
         let to = self.right() * (dx_px * unit) - self.up() * (dy_px * unit);
         self.pivot -= to;
     }
 
-    /// Magnifies by `factor` (above 1: nearer). The point of the pivot's plane under the cursor
-    /// stays under it.
+    /// Zooms by `factor` (above 1: closer). The point of the pivot's plane under the cursor does
+    /// not move in the picture.
     pub fn zoom_to(&mut self, factor: f64, cursor_ndc: [f64; 2], aspect: f64) {
         if !(factor.is_finite() && factor > 0.0) {
             return;
         }
         let cursor = DVec2::new(cursor_ndc[0] * aspect, cursor_ndc[1]) * self.half_height();
-        // From the cursor's point everything comes nearer by the factor, as the eye moves along
-        // the ray; the pivot is carried along so that it keeps its place in the picture.
+        // The eye moves along the ray of the cursor. The pivot moves with it, so that its position
+        // in the picture does not change.
         let middle = self.middle();
         let fixed = middle + self.right() * cursor.x + self.up() * cursor.y;
         self.offset /= factor;
@@ -168,7 +167,7 @@ impl Camera {
         self.pivot = middle + self.right() * self.offset.x + self.up() * self.offset.y;
     }
 
-    /// Makes `point` the pivot without a change of the picture. A point behind the eye is ignored.
+    /// Sets the pivot without changing the picture. Ignores a point behind the eye.
     pub fn set_pivot(&mut self, point: DVec3) {
         let seen = point - self.eye();
         let depth = seen.dot(self.forward());
@@ -182,37 +181,37 @@ impl Camera {
         }
     }
 
-    /// Turns to a standard view around the pivot.
+    /// Rotates around the pivot to a standard view.
     pub fn standard_view(&mut self, view: StandardView) {
         self.orientation = (self.upright() * view.orientation()).normalize();
     }
 
-    /// The direction that is up in the world.
+    /// The vertical axis of the world.
     pub fn vertical(&self) -> DVec3 {
         if self.z_up { DVec3::Z } else { DVec3::Y }
     }
 
-    /// Where the eye is.
+    /// The position of the eye.
     pub fn eye(&self) -> DVec3 {
         self.middle() - self.forward() * self.distance
     }
 
-    /// The point in the middle of the picture at the depth of the pivot.
+    /// The point at the centre of the picture and the depth of the pivot.
     fn middle(&self) -> DVec3 {
         self.pivot - self.right() * self.offset.x - self.up() * self.offset.y
     }
 
-    /// To the right in the picture, of length 1.
+    /// Unit vector to the right in the picture.
     pub fn right(&self) -> DVec3 {
         self.orientation * DVec3::X
     }
 
-    /// Upwards in the picture, of length 1.
+    /// Unit vector upwards in the picture.
     pub fn up(&self) -> DVec3 {
         self.orientation * DVec3::Y
     }
 
-    /// Into the picture, of length 1.
+    /// Unit vector into the picture.
     pub fn forward(&self) -> DVec3 {
         self.orientation * DVec3::NEG_Z
     }
@@ -221,13 +220,13 @@ impl Camera {
         (0.5 * self.fov_y).tan()
     }
 
-    /// Half the height seen at the depth of the pivot, in units of the file.
+    /// Half the visible height at the depth of the pivot in units of the file.
     pub fn half_height(&self) -> f64 {
         self.distance * self.tan_half()
     }
 
-    /// Depths along `forward` that hold a sphere around `bounds`; the near one is positive in
-    /// perspective.
+    /// Depths of the near and far plane, which enclose a sphere around `bounds`. The near depth is
+    /// positive in perspective.
     pub fn near_far(&self, bounds: &Bounds) -> [f64; 2] {
         let depth = (bounds.centre() - self.eye()).dot(self.forward());
         let reach = 1.01 * bounds.radius();
@@ -235,13 +234,13 @@ impl Camera {
         if self.orthographic {
             return [near, far];
         }
-        // nothing in front of the eye: any slab will do
+        // nothing is in front of the eye, so any depths are valid
         let far = if far > 0.0 { far } else { self.distance };
         [near.max(NEAR_OVER_FAR * far), far]
     }
 
-    /// From positions relative to `centre` to the clip space of wgpu, with reversed depth: 1 at the
-    /// near plane, 0 at the far one, both from `bounds`.
+    /// The matrix from positions relative to `centre` to the clip space of wgpu. Depth is reversed:
+    /// 1 at the near plane, 0 at the far plane, both determined by `bounds`.
     pub fn view_projection(&self, aspect: f64, bounds: &Bounds, centre: DVec3) -> DMat4 {
         let [near, far] = self.near_far(bounds);
         let view = DMat4::from_quat(self.orientation.inverse())
@@ -266,8 +265,8 @@ impl Camera {
     }
 
     /// The line of sight through a point of the picture (`ndc` from −1 at the left and bottom to
-    /// 1): origin in the plane of the eye, direction of length 1. In a parallel projection the line
-    /// goes on behind its origin.
+    /// 1): origin in the plane of the eye, and unit direction. In a parallel projection the line
+    /// continues behind its origin.
     pub fn ray(&self, ndc: [f64; 2], aspect: f64) -> (DVec3, DVec3) {
         let at = DVec2::new(ndc[0] * aspect, ndc[1]) * self.tan_half();
         let sideways = self.right() * at.x + self.up() * at.y;
@@ -278,7 +277,7 @@ impl Camera {
         }
     }
 
-    /// Where a point is in the picture, from −1 to 1 within it; `None` behind the eye.
+    /// The position of a point in the picture, −1 to 1 inside it; `None` behind the eye.
     pub fn project(&self, point: DVec3, aspect: f64) -> Option<[f64; 2]> {
         let seen = point - self.eye();
         let depth = seen.dot(self.forward());

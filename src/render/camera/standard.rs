@@ -2,8 +2,7 @@
 
 use glam::DQuat;
 
-/// Views along the axes, named for `y` up; with `z` up the world is turned so that Front is from
-/// −y.
+/// Views along the axes, named for `y` up. With `z` up the front view is from −y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StandardView {
     /// From +z.
@@ -23,7 +22,7 @@ pub enum StandardView {
 }
 
 impl StandardView {
-    /// All of them.
+    /// All views.
     pub const ALL: [Self; 7] = [
         Self::Front,
         Self::Back,
@@ -34,7 +33,7 @@ impl StandardView {
         Self::Isometric,
     ];
 
-    /// Its name, as [`Camera::parse`](super::Camera::parse) takes it.
+    /// The name, as in [`Camera::parse`](super::Camera::parse).
     pub fn name(self) -> &'static str {
         match self {
             Self::Front => "front",
@@ -47,7 +46,7 @@ impl StandardView {
         }
     }
 
-    /// The view of a [`Self::name`].
+    /// The view with a [`Self::name`].
     pub fn from_name(name: &str) -> Option<Self> {
         let named = |view: &Self| view.name().eq_ignore_ascii_case(name.trim());
         Self::ALL.into_iter().find(named)

@@ -238,7 +238,7 @@ fn text_gives_the_same_picture_back() {
         ("", "no such view"),
         ("sideways", "no such view"),
         ("1,2,3", "nine numbers"),
-        ("0,0,0,0,0,0,1,5,x,persp", "no number"),
+        ("0,0,0,0,0,0,1,5,x,persp", "not a number"),
         ("0,0,0,0,0,0,0,5,30,persp", "rotation"),
         ("0,0,0,0,0,0,1,-5,30,persp", "distance"),
         ("0,0,0,0,0,0,1,5,300,persp", "field of view"),

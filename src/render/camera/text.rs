@@ -6,12 +6,12 @@ use super::{Camera, StandardView};
 use crate::mesh::DVec3;
 use crate::render::Bounds;
 
-/// Why a text is no camera.
+/// The error of a text that is not a camera.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "invalid camera `{text}`: {what}. Use front, back, left, right, top, bottom or iso, or \
-     px,py,pz,qx,qy,qz,qw,distance,fov,persp (or ortho): the point looked at, a rotation, the \
-     distance in units of the file and the vertical field of view in degrees"
+     px,py,pz,qx,qy,qz,qw,distance,fov,persp (or ortho): the centre of the view, a rotation, the \
+     distance in units of the file, and the vertical field of view in degrees"
 )]
 pub struct CameraError {
     /// The text.
@@ -21,7 +21,7 @@ pub struct CameraError {
 }
 
 impl Camera {
-    /// As text that [`Self::parse`] reads back to the same picture; the point looked at becomes the
+    /// A text that [`Self::parse`] parses to the same picture. The centre of the view becomes the
     /// pivot.
     pub fn to_text(&self) -> String {
         let p = self.middle();
@@ -37,15 +37,16 @@ impl Camera {
             q.z,
             q.w,
             self.distance,
-            // without the rounding of the conversion, which would change it with every reading
+            // avoid the rounding of the conversion, which would change the value at every round
+            // trip
             (self.fov_y.to_degrees() * 1e9).round() / 1e9
         )
     }
 
-    /// Reads [`Self::to_text`], or the name of a standard view, which is fitted to `bounds`.
+    /// Parses [`Self::to_text`], or the name of a standard view, which is fitted to `bounds`.
     ///
     /// # Errors
-    /// What is wrong with the text, and what is allowed.
+    /// The text is not a camera. The message contains the allowed forms.
     pub fn parse(text: &str, bounds: &Bounds) -> Result<Self, CameraError> {
         let error = |what: &str| CameraError {
             text: text.to_owned(),
@@ -70,7 +71,7 @@ impl Camera {
         for (value, number) in values.iter_mut().zip(numbers) {
             match number.parse::<f64>() {
                 Ok(x) if x.is_finite() => *value = x,
-                _ => return Err(error(&format!("`{number}` is no number"))),
+                _ => return Err(error(&format!("`{number}` is not a number"))),
             }
         }
         let orthographic = match *kind {
@@ -87,11 +88,11 @@ impl Camera {
             return Err(error("the distance is not positive"));
         }
         if !(1.0..=170.0).contains(&fov) {
-            return Err(error("the field of view is not within 1 to 170 degrees"));
+            return Err(error("the field of view is not from 1 to 170 degrees"));
         }
         Ok(Self {
             pivot: DVec3::new(px, py, pz),
-            // what is normalized already is not rounded again
+            // do not round a normalized rotation again
             orientation: if (rotation.length() - 1.0).abs() < 1e-12 {
                 rotation
             } else {

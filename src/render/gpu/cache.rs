@@ -1,4 +1,4 @@
-//! Copies of geometry and lines on the graphics card, kept as long as a view shows them.
+//! Copies of geometry and lines on the graphics card, kept while a view shows them.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -7,7 +7,7 @@ use wgpu::util::DeviceExt as _;
 
 use crate::render::{Geometry, LineStyle, Overlay, RenderError};
 
-/// A segment of a line as the graphics card gets it.
+/// A segment of a line in the layout of the graphics card.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Segment {
@@ -17,7 +17,7 @@ pub struct Segment {
     pub width: f32,
 }
 
-/// A segment of a wireframe: its two ends.
+/// The two ends of a segment of a wireframe.
 pub type WireSegment = [[f32; 3]; 2];
 
 /// Buffers of a [`Geometry`].
@@ -31,11 +31,11 @@ pub struct Surface {
 /// Segments of an [`Overlay`], by style.
 pub struct Lines {
     pub segments: wgpu::Buffer,
-    /// Ends of the parts drawn by depth, faintly when hidden, and always.
+    /// Ends of the ranges drawn with depth test, faintly when hidden, and always.
     pub ends: [u32; 3],
 }
 
-/// What is on the graphics card, by the number of its content.
+/// The buffers on the graphics card, by content number.
 #[derive(Default)]
 pub struct Cache {
     surfaces: BTreeMap<u64, Option<Surface>>,
@@ -53,7 +53,7 @@ impl Cache {
         self.lines.get(&id)?.as_ref()
     }
 
-    /// Loads a surface, with its wireframe if that is wanted.
+    /// Loads a surface, with its wireframe if requested.
     pub fn load_surface(
         &mut self,
         device: &wgpu::Device,
@@ -110,7 +110,7 @@ impl Cache {
         Ok(())
     }
 
-    /// Forgets everything whose number is not among those given.
+    /// Removes all content whose number is not listed.
     pub fn retain(&mut self, used: &[u64]) {
         self.surfaces.retain(|id, _| used.contains(id));
         self.lines.retain(|id, _| used.contains(id));
@@ -124,7 +124,7 @@ impl Surface {
     }
 }
 
-/// All segments of an overlay by style, and where each style ends.
+/// All segments of an overlay, sorted by style, and the end of each style.
 fn segments(overlay: &Overlay) -> (Vec<Segment>, [u32; 3]) {
     let mut out = Vec::new();
     let styles = [

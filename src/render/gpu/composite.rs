@@ -1,8 +1,8 @@
-//! Puts finished pictures into the window.
+//! Copies finished pictures into the window.
 
 use super::shaders;
 
-/// The pipeline for a format of window, and what it samples with.
+/// The pipeline for a window format, with its sampler.
 pub struct Composite {
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
@@ -10,7 +10,8 @@ pub struct Composite {
 }
 
 impl Composite {
-    /// For a window of the given format, as egui draws it: one sample a pixel, no depth.
+    /// The pipeline for a window of the given format, as drawn by egui: one sample per pixel, no
+    /// depth.
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
             binding,
@@ -86,7 +87,7 @@ impl Composite {
         }
     }
 
-    /// What the pipeline needs to show a picture.
+    /// The bind group of a picture.
     pub fn bind(&self, device: &wgpu::Device, picture: &wgpu::TextureView) -> wgpu::BindGroup {
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("meniscus composite"),

@@ -1,8 +1,8 @@
-//! Drawing with wgpu: what is on the graphics card, and the passes of a frame.
+//! Drawing with wgpu: buffers on the graphics card, and the passes of a frame.
 //!
-//! Each view is drawn into textures of its own, with reversed depth (1 near, 0 far) and four
-//! samples a pixel where the device can; the result is kept, so that a window repainted for other
-//! reasons costs one copy.
+//! Each view is drawn into its own textures, with reversed depth (1 near, 0 far) and four samples
+//! per pixel if the device supports it. The result is kept, so that repainting an unchanged view
+//! costs one copy.
 
 mod cache;
 mod composite;
@@ -25,10 +25,10 @@ use target::Target;
 use uniforms::Frame;
 pub use uniforms::Tile;
 
-/// Views not drawn for this many draws of others are forgotten.
+/// Views that were not drawn during this many draws of other views are removed.
 const IDLE: u64 = 32;
 
-/// Draws scenes into textures and those into a window.
+/// Draws scenes into textures and copies those into a window.
 pub struct Renderer {
     pipelines: Pipelines,
     composite: Composite,
@@ -44,12 +44,12 @@ struct View {
     uniforms: wgpu::Buffer,
     bind: wgpu::BindGroup,
     shown: wgpu::BindGroup,
-    /// What the picture shows.
+    /// The key of the picture.
     drawn: Option<Drawn>,
     last_draw: u64,
 }
 
-/// All that a picture depends on.
+/// The key of a picture: all data that it depends on.
 #[derive(PartialEq)]
 struct Drawn {
     frame: Frame,
@@ -59,7 +59,7 @@ struct Drawn {
 }
 
 impl Renderer {
-    /// For a window of format `target_format`, which must have one sample a pixel and no depth.
+    /// The renderer of a window of format `target_format`, with one sample per pixel and no depth.
     pub fn new(device: &wgpu::Device, target_format: wgpu::TextureFormat) -> Self {
         let samples = target::supported_samples(device);
         Self {
@@ -72,11 +72,11 @@ impl Renderer {
         }
     }
 
-    /// Draws view `slot` of `size_px` pixels unless its picture is up to date; whether it was
+    /// Draws view `slot` of `size_px` pixels unless its picture is current. Returns whether it was
     /// drawn.
     ///
     /// # Errors
-    /// The scene does not fit on the graphics card; the view then shows what it showed before.
+    /// The scene does not fit on the graphics card. The view then keeps its last picture.
     pub fn prepare(
         &mut self,
         device: &wgpu::Device,
@@ -146,7 +146,7 @@ impl Renderer {
         Ok(true)
     }
 
-    /// Puts the picture of a view into the viewport of a pass.
+    /// Copies the picture of a view into the viewport of a pass.
     pub fn paint(&self, pass: &mut wgpu::RenderPass<'_>, slot: u32) {
         if let Some(view) = self.views.get(&slot)
             && view.drawn.is_some()
@@ -157,12 +157,12 @@ impl Renderer {
         }
     }
 
-    /// The picture of a view, as drawn last: encoded sRGB, premultiplied alpha.
+    /// The last picture of a view: encoded sRGB, premultiplied alpha.
     pub fn picture(&self, slot: u32) -> Option<&wgpu::Texture> {
         self.views.get(&slot).map(|view| &view.target.picture)
     }
 
-    /// Makes the textures of a view where they are missing or of another size.
+    /// Creates the textures of a view if they are missing or have another size.
     fn view(&mut self, device: &wgpu::Device, slot: u32, size: [u32; 2]) {
         if self.views.get(&slot).is_some_and(|v| v.target.size == size) {
             return;
@@ -209,7 +209,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Drops views that are no longer drawn and what no view shows.
+    /// Removes views that are no longer drawn, and content that no view shows.
     fn forget(&mut self) {
         let now = self.draws;
         self.views.retain(|_, v| now - v.last_draw < IDLE);
@@ -219,7 +219,7 @@ impl Renderer {
     }
 }
 
-/// Ground, surfaces, wireframe, lines.
+/// Draws background, surfaces, wireframe and lines.
 fn passes(
     pipelines: &Pipelines,
     cache: &Cache,

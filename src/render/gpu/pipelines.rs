@@ -1,4 +1,4 @@
-//! The pipelines: which shader draws what, with which depth test.
+//! The pipelines: shaders with their depth tests.
 
 use super::cache::{Segment, WireSegment};
 use super::shaders;
@@ -13,10 +13,10 @@ pub const SEGMENT: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32];
 const WIRE: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
 
-/// Colours are written premultiplied.
+/// Blending of premultiplied colours.
 const OVER: wgpu::BlendState = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
 
-/// Everything that draws a scene.
+/// All pipelines of a scene.
 pub struct Pipelines {
     pub frame_layout: wgpu::BindGroupLayout,
     pub ground: wgpu::RenderPipeline,
@@ -29,7 +29,7 @@ pub struct Pipelines {
     pub hidden: wgpu::RenderPipeline,
 }
 
-/// Depth test and whether depth is written; nearer is greater.
+/// Depth test and depth writes. Nearer points have larger depth.
 #[derive(Clone, Copy)]
 enum Depth {
     Ignored,
@@ -101,7 +101,7 @@ impl Maker<'_> {
 }
 
 impl Pipelines {
-    /// For targets with `samples` samples a pixel.
+    /// The pipelines for targets with `samples` samples per pixel.
     pub fn new(device: &wgpu::Device, samples: u32) -> Self {
         let frame_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("meniscus frame"),

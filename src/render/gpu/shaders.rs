@@ -1,4 +1,4 @@
-//! The shader texts, put together from their files.
+//! The shader texts, assembled from files.
 
 use std::fmt::Write as _;
 
@@ -10,18 +10,18 @@ const SURFACE: &str = include_str!("../../../shaders/surface.wgsl");
 const LINE: &str = include_str!("../../../shaders/line.wgsl");
 const COMPOSITE: &str = include_str!("../../../shaders/composite.wgsl");
 
-/// The passes that draw a scene: one module, sharing the frame's uniforms.
+/// The module of all passes of a scene, which share the uniforms of the frame.
 pub fn scene() -> String {
     let surface = SURFACE.replace("//MAP", &map());
     [FRAME, GROUND, &surface, LINE].join("\n")
 }
 
-/// The pass that puts a picture into the window.
+/// The module of the pass that copies a picture into the window.
 pub fn composite() -> &'static str {
     COMPOSITE
 }
 
-/// The colour map as constants, so that the legend and the surface cannot disagree.
+/// The colour map as constants, so that legend and surface have the same colours.
 fn map() -> String {
     let mut text = format!("const MAP_STOPS = {STOPS}u;\nconst MAP = array<vec3<f32>, {STOPS}>(\n");
     for [r, g, b] in MAP {

@@ -1,11 +1,11 @@
-//! The textures a view is drawn into.
+//! The textures of a view.
 
 /// Format of pictures: encoded sRGB with premultiplied alpha.
 pub const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Format of depth; 1 is near.
 pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Colour, depth and, with multisampling, the texture the samples are resolved from.
+/// Colour, depth and, with multisampling, the texture of the samples.
 pub struct Target {
     pub size: [u32; 2],
     pub picture: wgpu::Texture,
@@ -30,7 +30,7 @@ impl Target {
         }
     }
 
-    /// Starts the pass that draws the scene; everything is cleared.
+    /// Starts the pass that draws the scene, with cleared textures.
     pub fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
         let (view, resolve_target, store) = match &self.samples {
             Some(samples) => (samples, Some(&self.picture_view), wgpu::StoreOp::Discard),
@@ -85,7 +85,7 @@ fn texture(
     })
 }
 
-/// 4 where the device can draw with four samples a pixel, else 1.
+/// 4 if the device supports four samples per pixel, else 1.
 pub fn supported_samples(device: &wgpu::Device) -> u32 {
     let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
     drop(Target::new(device, [4, 4], 4));

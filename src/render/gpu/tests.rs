@@ -41,7 +41,7 @@ fn layout(module: &naga::Module, name: &str) -> (Vec<(String, u32)>, u32) {
         .find(|(_, t)| t.name.as_deref() == Some(name))
         .expect("the struct");
     let naga::TypeInner::Struct { members, span } = &found.inner else {
-        panic!("{name} is no struct");
+        panic!("{name} is not a struct");
     };
     let members = members
         .iter()
@@ -87,7 +87,7 @@ fn locations(module: &naga::Module, name: &str) -> Vec<(String, u32)> {
         .find(|(_, t)| t.name.as_deref() == Some(name))
         .expect("the struct");
     let naga::TypeInner::Struct { members, .. } = &found.inner else {
-        panic!("{name} is no struct");
+        panic!("{name} is not a struct");
     };
     let location = |m: &naga::StructMember| match m.binding {
         Some(naga::Binding::Location { location, .. }) => location,

@@ -5,8 +5,8 @@ use glam::DMat4;
 use crate::mesh::DVec3;
 use crate::render::{Background, Camera, Scene, ViewMode, ViewStyle, robust_range};
 
-/// Lines come nearer to the eye by this many pixels, so that they stay on top of the surface they
-/// lie on where it is not too steep.
+/// Lines are moved towards the eye by this many pixels, so that they are in front of their surface
+/// unless it is too steep.
 const PULL: f64 = 3.0;
 /// Opacity of lines behind a surface.
 const FAINT: f32 = 0.32;
@@ -33,9 +33,9 @@ pub struct Frame {
 /// A part of a picture: corner and size in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tile {
-    /// Pixels from the left and upper edge of the picture.
+    /// Offset from the upper left corner of the picture in pixels.
     pub corner: [u32; 2],
-    /// Pixels across and down.
+    /// Width and height in pixels.
     pub size: [u32; 2],
 }
 
@@ -103,7 +103,7 @@ impl Frame {
     }
 }
 
-/// The ends of the colour map, not equal.
+/// The ends of the colour map, which differ.
 fn range(scene: &Scene, style: &ViewStyle) -> [f32; 2] {
     if !style.mode.is_map() {
         return [0.0, 1.0];
@@ -121,7 +121,7 @@ fn range(scene: &Scene, style: &ViewStyle) -> [f32; 2] {
 }
 
 fn wire(mode: ViewMode) -> [f32; 4] {
-    // dark on the light grounds of maps and materials; stronger over stripes
+    // dark on the light colours of maps and materials; stronger on stripes
     let alpha = if matches!(mode, ViewMode::Isophotes | ViewMode::Zebra) {
         0.55
     } else {

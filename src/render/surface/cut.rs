@@ -1,21 +1,22 @@
-//! The neighbourhood of some faces as a mesh of its own, cut along creases.
+//! The neighbourhood of some faces as a separate mesh, cut along creases.
 
 use crate::mesh::{
     DVec3, FaceId, Neighbourhood, Submesh, Topology, VertexId, edge_flags, faces_around,
 };
 
-/// Rings of faces around the given ones: curvatures at their corners need the next faces, whose
-/// stencils need the ones after.
+/// Rings of faces around the given ones. Curvatures at corners depend on the next ring of faces,
+/// whose stencils depend on one more ring.
 const RINGS: usize = 2;
 
-/// A mesh that holds the given faces and all that their limit surface depends on. Along creases it
-/// is open, so that ghosts continue either side on its own.
+/// A mesh of the given faces and all faces that their limit surface depends on. It is open along
+/// creases, so that ghost vertices continue each side separately.
 #[derive(Clone, Debug)]
 pub(super) struct Cut {
     pub(super) topology: Topology,
     /// The given faces, in their order.
     pub(super) faces: Vec<FaceId>,
-    /// The vertex of the whole mesh behind each vertex; `None` if the mesh is the whole one.
+    /// The vertex of the whole mesh that each vertex corresponds to; `None` if this is the whole
+    /// mesh.
     to_whole: Option<Vec<u32>>,
 }
 
@@ -40,7 +41,7 @@ impl Cut {
         }
     }
 
-    /// The given faces and all that share a vertex with them, ascending.
+    /// The given faces and all faces that share a vertex with them, in ascending order.
     pub(super) fn faces_around(&self) -> Vec<FaceId> {
         faces_around(&self.topology, &self.faces)
     }

@@ -21,8 +21,8 @@ struct Sample {
 }
 
 impl DynamicSurface {
-    /// The surface at `positions` (one per vertex of the mesh), with all that an evaluation can
-    /// show.
+    /// The surface at `positions` (one per vertex of the mesh), with all quantities of an
+    /// evaluation.
     pub fn evaluate_with(&self, positions: &[DVec3], what: &Evaluation<'_>) -> Geometry {
         let local = self.cut.positions(positions, what.centre);
         let curvature = self.vertex_curvatures(&local);
@@ -57,8 +57,8 @@ impl DynamicSurface {
         Geometry::new(vertices, of.triangles.clone(), of.edges.clone())
     }
 
-    /// Lumped L2 projection of the curvatures at quadrature points, by vertex of the cut mesh; NaN
-    /// where there is no face.
+    /// Lumped L2 projection of the curvatures at quadrature points, per vertex of the cut mesh; NaN
+    /// at vertices without faces.
     fn vertex_curvatures(&self, positions: &[DVec3]) -> Vec<Curvature> {
         let at_points: Vec<[[f64; 3]; 3]> = (0..self.elements.len())
             .into_par_iter()
@@ -69,7 +69,7 @@ impl DynamicSurface {
             })
             .collect();
         let mut sums = vec![[0.0; 3]; positions.len()];
-        // the samples have their areas in them
+        // the samples are weighted by area
         let sample = |e: usize, q: usize| Some((1.0, at_points[e][q]));
         project_to_vertices(&self.elements, Rule::Three, sample, |v, weight, point| {
             for (sum, x) in sums[v as usize].iter_mut().zip(point) {
@@ -86,7 +86,7 @@ impl DynamicSurface {
         let v = VertexId(v);
         let mut normal = limit_normal(topology, at, v);
         if normal == DVec3::ZERO {
-            // the tangents vanish (a fold, two triangles back to back): the normal of the faces
+            // the tangents vanish (a fold, two triangles back to back): use the normal of the faces
             normal = topology
                 .outgoing(v)
                 .map(|h| topology.face(h))
@@ -150,7 +150,7 @@ impl DynamicSurface {
         a + v * (b - a) + w * (c - a)
     }
 
-    /// Positions only.
+    /// Only positions.
     fn positions_at_samples(&self, at: &[DVec3], limit: bool) -> Vec<DVec3> {
         let corner = |v: u32| {
             if limit {

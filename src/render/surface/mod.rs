@@ -1,8 +1,8 @@
-//! Geometry to draw, made of meshes: the Loop limit surface and its curvatures.
+//! Drawn geometry of meshes: the Loop limit surface and its curvatures.
 //!
 //! Positions and normals are those of the limit surface at every sample. Curvatures are the lumped
-//! L2 projection to piecewise linears (formulation, section 3): those of the limit surface are not
-//! bounded at irregular vertices, and shown as they are would only map the valences.
+//! L2 projection to piecewise linear functions (formulation, section 3). The curvatures of the
+//! limit surface itself are unbounded at irregular vertices and would only show the valences.
 
 mod cut;
 mod evaluate;
@@ -17,56 +17,55 @@ use super::Geometry;
 use cut::Cut;
 use samples::{Lattice, Samples};
 
-/// How a [`DynamicSurface`] is made.
+/// The settings of a [`DynamicSurface`].
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceOptions {
-    /// Pieces each edge is drawn with, 1 to 8; `None` chooses by the number of faces.
+    /// Number of pieces of each drawn edge, 1 to 8; `None` derives it from the number of faces.
     pub samples_per_edge: Option<u32>,
-    /// Edges along which the surface has a crease (rims joined G0): either side is drawn as if the
-    /// other were not there. Pairs that are no edge are ignored.
+    /// Edges along which the surface has a crease (rims joined G0). Both sides are drawn
+    /// separately. Pairs that are not an edge are ignored.
     pub creases: Vec<[VertexId; 2]>,
-    /// The mesh was cut open along creases: its boundary edges are drawn straight between the
-    /// points that the sides have in common, so that no gap opens between the curves either would
-    /// take.
+    /// Whether the mesh was cut open along creases. Boundary edges are then drawn straight between
+    /// the common points of the two sides, so that there is no gap between their curves.
     pub is_cut: bool,
     /// Flags of the faces ([`super::Vertex`]), one for each; empty for none.
     pub flags: Vec<u32>,
 }
 
-/// What an evaluation shows.
+/// The settings of an evaluation.
 #[derive(Clone, Copy, Default)]
 pub struct Evaluation<'a> {
-    /// What the result's positions are relative to.
+    /// The origin of the resulting positions.
     pub centre: DVec3,
-    /// The limit surface; otherwise flat triangles of the control mesh. Normals and curvatures are
-    /// those of the limit surface in both.
+    /// Whether the limit surface is drawn instead of the triangles of the control mesh. Normals and
+    /// curvatures are those of the limit surface in both cases.
     pub limit: bool,
-    /// Positions the deviation is measured from, one per vertex of the mesh: the signed distance
-    /// along the normal from the same point of that surface.
+    /// Positions of the start surface, one per vertex of the mesh. The deviation is the signed
+    /// distance along the normal from the same point of that surface.
     pub start: Option<&'a [DVec3]>,
-    /// Signed distance of a point (in units of the file) to a reference surface, to be shown in
-    /// place of the deviation.
+    /// Signed distance of a point (in units of the file) to a reference surface, shown instead of
+    /// the deviation.
     pub distance: Option<&'a (dyn Fn(DVec3) -> f64 + Sync)>,
     /// Whether the flow is ill-posed at mean curvature `H` and Gaussian curvature `K`.
     pub ill_posed: Option<&'a (dyn Fn(f64, f64) -> bool + Sync)>,
 }
 
-/// The part of a surface that moves: what depends on the topology is computed once.
+/// The moving part of a surface. Data that depends only on the topology is computed once.
 #[derive(Clone, Debug)]
 pub struct DynamicSurface {
     /// The mesh around the faces, cut along creases.
     cut: Cut,
-    /// Stencils of the faces and of those around them, which the curvatures need.
+    /// Stencils of the faces and of the neighbouring faces, which the curvatures depend on.
     elements: Elements,
     lattice: Lattice,
     samples: Samples,
 }
 
 impl DynamicSurface {
-    /// Prepares `faces` (the patch and its collar, or any others) of a mesh.
+    /// Prepares `faces` of a mesh, such as the patch and its support region.
     ///
     /// # Panics
-    /// If there are flags, but not one for each face.
+    /// If there are flags, but not exactly one for each face.
     pub fn new(topology: &Topology, faces: &[FaceId], options: &SurfaceOptions) -> Self {
         let pieces = options
             .samples_per_edge
@@ -88,7 +87,7 @@ impl DynamicSurface {
     /// Replaces the flags of the faces, in the order in which they were given.
     ///
     /// # Panics
-    /// If there are flags, but not one for each face.
+    /// If there are flags, but not exactly one for each face.
     pub fn set_flags(&mut self, flags: &[u32]) {
         self.samples.set_flags(flags);
     }
@@ -113,7 +112,7 @@ impl DynamicSurface {
     }
 }
 
-/// Finer where there are few faces: a picture has some 10⁶ pixels.
+/// Pieces per edge. Fewer faces get more pieces; a picture has about 10⁶ pixels.
 fn default_pieces(faces: usize) -> u32 {
     match faces {
         0..=4_000 => 4,
@@ -122,8 +121,8 @@ fn default_pieces(faces: usize) -> u32 {
     }
 }
 
-/// The part of a surface that does not move, one vertex per mesh vertex. `flags` are those of all
-/// its faces.
+/// The static part of a surface, with one vertex per mesh vertex. `flags` are those of all its
+/// faces.
 pub fn static_surface(
     topology: &Topology,
     positions: &[DVec3],

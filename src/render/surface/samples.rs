@@ -1,20 +1,20 @@
-//! Where the surface is sampled, and the triangles between the samples.
+//! Sample points of the surface, and the triangles between them.
 
 use super::SurfaceOptions;
 use super::cut::Cut;
 use crate::mesh::{FaceId, Topology, VertexId};
 use crate::subdivision::{Elements, Rule};
 
-/// "Not numbered yet".
+/// Mark of a sample without a number.
 const NONE: u32 = u32::MAX;
 
-/// The points of a face's basis table: a lattice of `pieces` a side without its corners, then the
-/// quadrature points of the curvatures.
+/// The points of the basis table of a face: a lattice with `pieces` per side and without corners,
+/// then the quadrature points of the curvatures.
 #[derive(Clone, Debug)]
 pub(super) struct Lattice {
     pub(super) pieces: u32,
     pub(super) points: Vec<[f64; 2]>,
-    /// How many of `points` are of the lattice.
+    /// Number of lattice points in `points`.
     pub(super) inner: usize,
 }
 
@@ -40,7 +40,7 @@ fn places(pieces: u32) -> impl Iterator<Item = [u32; 2]> {
     (0..=pieces).flat_map(move |i| (0..=pieces - i).map(move |j| [i, j]))
 }
 
-/// Which corner a lattice point is.
+/// The corner at a lattice point, if there is one.
 fn corner(pieces: u32, [i, j]: [u32; 2]) -> Option<usize> {
     match (i, j) {
         (0, 0) => Some(0),
@@ -54,18 +54,18 @@ fn corner(pieces: u32, [i, j]: [u32; 2]) -> Option<usize> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inner {
     pub(super) element: u32,
-    /// Point of the element's table.
+    /// Index of the point in the table of the element.
     pub(super) point: u32,
-    /// It is on the straight line between the ends of its edge: beyond the edge the surface goes on
-    /// with faces that are not sampled here and may be drawn with one piece an edge, or with the
-    /// other side of a crease, and there must be no gap between.
+    /// Whether it lies on the straight line between the ends of its edge. The faces beyond such an
+    /// edge may be drawn with one piece per edge, or are the other side of a crease, and there must
+    /// be no gap.
     pub(super) straight: bool,
 }
 
 /// Samples of the faces, shared between neighbours, and the triangles between them.
 ///
-/// Samples at corners come first. A sample has several vertices where faces of different flags
-/// meet, since the flags of a triangle are those of its vertices.
+/// Samples at corners come first. A sample has several vertices if faces with different flags meet
+/// there, because the flags of a triangle are those of its vertices.
 #[derive(Clone, Debug)]
 pub(super) struct Samples {
     /// The corner samples: vertices of the cut mesh.
@@ -77,9 +77,9 @@ pub(super) struct Samples {
     /// Segments of the wireframe, between samples.
     sample_edges: Vec<[u32; 2]>,
     triangles_per_face: usize,
-    /// For each vertex its sample.
+    /// The sample of each vertex.
     pub(super) sample_of: Vec<u32>,
-    /// For each vertex its flags.
+    /// The flags of each vertex.
     pub(super) flags_of: Vec<u32>,
     /// Triangles and wireframe between vertices.
     pub(super) triangles: Vec<[u32; 3]>,
@@ -121,7 +121,7 @@ impl Samples {
         self.corners.len() + self.inner.len()
     }
 
-    /// Gives each sample a vertex for each of the flags of its faces.
+    /// Creates a vertex for each sample and each value of the flags of its faces.
     pub(super) fn set_flags(&mut self, flags: &[u32]) {
         let faces = self.sample_triangles.len() / self.triangles_per_face;
         assert!(
@@ -173,7 +173,8 @@ struct Numbering<'a> {
     inner: Vec<Inner>,
     listed: Vec<bool>,
     corner_sample: Vec<u32>,
-    /// For each edge its first sample; the others follow from the origin of the even half-edge.
+    /// The first sample of each edge. The others follow in order from the origin of the even
+    /// half-edge.
     edge_sample: Vec<u32>,
     /// Samples of the last face, by rows of the lattice.
     face: Vec<u32>,

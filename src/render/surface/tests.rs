@@ -24,7 +24,7 @@ fn wide(v: [f32; 3]) -> DVec3 {
     DVec3::from_array(v.map(f64::from))
 }
 
-/// Largest errors of normals, `H r + 1` and `K r² − 1` on a sphere of frequency `n`.
+/// Maximum errors of normals, `H r + 1` and `K r² − 1` on a sphere of frequency `n`.
 fn sphere_errors(n: u32, pieces: u32) -> [f64; 3] {
     let shape = shapes::icosphere(n);
     let (topology, positions) = mesh(&shape);
@@ -70,7 +70,7 @@ fn turning_and_moving_far_away_changes_nothing_else() {
     let after = surface.evaluate(&moved, shift, true, None);
     assert_eq!(before.triangles, after.triangles);
     for (a, b) in before.vertices.iter().zip(&after.vertices) {
-        // f32 and the 1e-10 that a coordinate of 1e6 can resolve
+        // rounding to f32, and the resolution 1e-10 of a coordinate of 1e6
         assert!((turn * wide(a.position) - wide(b.position)).length() < 1e-6);
         assert!((turn * wide(a.normal) - wide(b.normal)).length() < 1e-6);
         assert!((a.mean - b.mean).abs() < 1e-5 * (1.0 + a.mean.abs()));
@@ -145,7 +145,7 @@ fn folded() -> (Topology, Vec<DVec3>, Vec<[VertexId; 2]>) {
 #[test]
 fn sides_of_a_crease_do_not_see_each_other() {
     let (topology, positions, creases) = folded();
-    // some faces only, so that what is around them counts
+    // only some faces, so that the result depends on the faces around them
     let faces: Vec<FaceId> = all_faces(&topology)
         .into_iter()
         .filter(|&f| {
