@@ -1,4 +1,4 @@
-//! Boundary loops, their measures, and the guess which of them are outer boundaries.
+//! Boundary loops, their measures, and their classification as outer boundaries or holes.
 
 use super::outer_rim::guess_outer_rims;
 use super::{
@@ -8,15 +8,15 @@ use super::{
 /// A closed chain of boundary edges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundaryLoop {
-    /// Which loop of the mesh this is.
+    /// The identity of the loop.
     pub id: LoopId,
-    /// The boundary half-edges, in the direction in which a patch runs through the rim.
+    /// The boundary half-edges, in the direction in which a patch traverses the rim.
     pub halfedges: Vec<HalfedgeId>,
-    /// Where each half-edge starts; the lowest vertex first.
+    /// The start vertex of each half-edge. The lowest vertex comes first.
     pub vertices: Vec<VertexId>,
     /// Sum of the edge lengths.
     pub perimeter: f64,
-    /// Largest distance between two vertices of the loop.
+    /// Diameter: maximum distance between two vertices of the loop.
     pub diameter: f64,
     /// Mean of the vertices.
     pub centroid: DVec3,
@@ -24,9 +24,9 @@ pub struct BoundaryLoop {
     pub radius: f64,
     /// The component (see [`components`]) the loop belongs to.
     pub component: u32,
-    /// Whether this looks like the border of an open surface and not like a hole in it.
+    /// Whether the loop is classified as an outer boundary of an open surface, not as a hole.
     pub outer_rim: bool,
-    /// Why `outer_rim` was guessed so, in plain words.
+    /// The reason of the classification, in words.
     pub reason: String,
 }
 
@@ -82,10 +82,10 @@ fn measure(
     }
 }
 
-/// Largest distance between two of the points.
+/// Maximum distance between two of the points.
 ///
-/// Points are taken from the outside inwards, so that most pairs are ruled out by their distances
-/// from the centre; beyond 20 000 points the search stops at the best pair of two sweeps.
+/// Points are sorted by decreasing distance from the centre, so that these distances exclude most
+/// pairs. For more than 20 000 points the search stops at the best pair of two sweeps.
 fn diameter(points: &[DVec3], centre: DVec3) -> f64 {
     let farthest = |from: DVec3| {
         points.iter().fold((0.0, from), |best, &p| {

@@ -134,9 +134,9 @@ pub fn check_mesh(mesh: &Mesh) -> Result<(), String> {
     check_topology(&mesh.topology)
 }
 
-/// Checks a filled mesh against the one it was made of: sound, all vertices and faces of the input
-/// unchanged and first, no new face without area, and just the loops `left_open` (as in `before`)
-/// not closed. Self-intersections are another matter.
+/// Checks a filled mesh against its input: it is valid, all vertices and faces of the input are
+/// unchanged and come first, no new face has zero area, and exactly the loops `left_open` (as in
+/// `before`) are open. Does not check self-intersections.
 ///
 /// # Errors
 /// The first fault, in words.
@@ -145,7 +145,7 @@ pub fn check_filled(before: &Mesh, after: &Mesh, left_open: &[&[VertexId]]) -> R
     let bits = |p: &DVec3| p.to_array().map(f64::to_bits);
     for (vertex, p) in before.positions.iter().enumerate() {
         if after.positions.get(vertex).map(bits) != Some(bits(p)) {
-            return Err(format!("vertex {vertex} of the input is not where it was"));
+            return Err(format!("vertex {vertex} of the input was moved"));
         }
     }
     let mut result = after.topology.triangles();

@@ -6,20 +6,19 @@ use super::{FaceId, HalfedgeId, Topology, TopologyError, VertexId};
 /// A mesh cut open along edges.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CutOpen {
-    /// Its connectivity: faces, and their corners, in the order of the whole mesh; the vertices of
-    /// that first, then the copies.
+    /// The connectivity. Faces and corners are in the order of the whole mesh. Its vertices come
+    /// first, then the copies.
     pub topology: Topology,
-    /// The vertex of the whole mesh behind each vertex.
+    /// The vertex of the whole mesh that each vertex corresponds to.
     pub to_whole: Vec<u32>,
 }
 
-/// Cuts a mesh open along edges (one flag each). Where they separate the faces around a vertex, the
-/// fan of the lowest face keeps the vertex and the others get copies of it; where a cut ends
-/// inside, there is one fan and one vertex. An edge alone, both ends of which lie inside, opens
-/// nothing.
+/// Cuts a mesh open along edges (one flag each). If the edges separate the faces around a vertex,
+/// the fan of the lowest face keeps the vertex and the others get copies. At an interior end of a
+/// cut there is one fan and one vertex, so a single edge with two interior ends opens nothing.
 ///
 /// # Errors
-/// The result is no manifold; that of a manifold is one.
+/// The result is not a manifold. This cannot happen if the mesh is a manifold.
 pub fn cut_open(topology: &Topology, cut: &[bool]) -> Result<CutOpen, TopologyError> {
     let faces: Vec<FaceId> = topology.faces().collect();
     let fans = corner_fans(topology, &faces, |h| cut[h.edge()]);
@@ -37,7 +36,7 @@ pub fn cut_open(topology: &Topology, cut: &[bool]) -> Result<CutOpen, TopologyEr
     for (c, (fan, v)) in fans.iter().zip(corners).enumerate() {
         let root = *fan as usize;
         if root == c {
-            // where nothing is cut, the fans of a pinched vertex stay together
+            // without a cut the fans of a pinched vertex stay together
             let is_copy = std::mem::replace(&mut taken[v as usize], true) && is_cut_at[v as usize];
             number[c] = if is_copy { to_whole.len() as u32 } else { v };
             if is_copy {
@@ -73,8 +72,7 @@ mod tests {
     use crate::mesh::check_topology;
     use crate::shapes::icosphere;
 
-    /// Chains of edges on an icosahedron: what they do to Euler number, boundary loops and
-    /// vertices.
+    /// Chains of edges on an icosahedron change the Euler number, boundary loops and vertices.
     #[test]
     fn cuts_open_what_they_separate() {
         let (positions, triangles) = icosphere(1);

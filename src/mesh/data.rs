@@ -1,13 +1,12 @@
-//! The mesh everything works on: an oriented manifold with positions and the attributes of its
-//! file.
+//! The mesh type: an oriented manifold with positions and the attributes of its file.
 
 use super::{DVec3, FaceId, FaceTag, HalfedgeId, Topology, TopologyError, VertexId};
 
-/// An oriented manifold triangle mesh, possibly with boundary, as [`build`](super::build()) makes
-/// it of a [`Soup`](super::Soup).
+/// An oriented manifold triangle mesh, possibly with boundary, as [`build`](super::build()) builds
+/// it from a [`Soup`](super::Soup).
 ///
-/// Vertices are those of the file in its order (less welded copies), then copies that were needed
-/// to cut non-manifold places apart. Clone it through an `Arc` where many clones are kept.
+/// Vertices are those of the file in its order (without welded copies), then the copies from cuts
+/// at non-manifold edges and vertices. Use an `Arc` to keep many clones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// Vertex positions in the units of the file; one per vertex of `topology`.
@@ -31,7 +30,7 @@ impl Mesh {
     /// A mesh without attributes.
     ///
     /// # Panics
-    /// If there is not one position per vertex.
+    /// If the number of positions is not the number of vertices.
     pub fn new(positions: Vec<DVec3>, topology: Topology) -> Self {
         assert_eq!(positions.len(), topology.vertex_count());
         Self {
@@ -62,7 +61,7 @@ impl Mesh {
     /// opposite direction.
     ///
     /// # Panics
-    /// Never: flipping whole components leaves an oriented manifold one.
+    /// Never: a mesh with flipped components is an oriented manifold.
     #[must_use]
     pub fn with_flipped(&self, flipped: &[u32]) -> Self {
         let parts = components(&self.topology);
@@ -114,7 +113,7 @@ impl Mesh {
         self.position(a).distance(self.position(b))
     }
 
-    /// Every triangle a file has to hold: those of the topology, then the non-orientable ones.
+    /// All triangles of a written file: those of the topology, then the non-orientable ones.
     pub fn all_triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.topology
             .triangles()
@@ -127,7 +126,7 @@ impl Mesh {
 pub struct Components {
     /// The component of each face; components are numbered from 0 by their lowest face.
     pub of_face: Vec<u32>,
-    /// How many there are.
+    /// Number of components.
     pub count: usize,
 }
 

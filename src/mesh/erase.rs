@@ -6,17 +6,16 @@ use super::{FaceId, Mesh, Topology, VertexId};
 /// A mesh without some of its faces.
 #[derive(Clone, Debug)]
 pub struct Erased {
-    /// What is left: vertices and faces in their order, without the vertices that only erased faces
-    /// had.
+    /// The remaining vertices and faces in their order. Vertices that only erased faces used are
+    /// removed.
     pub mesh: Mesh,
-    /// For each vertex of `mesh` its index before.
+    /// The old index of each vertex of `mesh`.
     pub old_vertex: Vec<u32>,
-    /// For each face of `mesh` its index before.
+    /// The old index of each face of `mesh`.
     pub old_face: Vec<u32>,
 }
 
-/// Erases the selected faces, and those that would touch the remaining faces at a single vertex
-/// only.
+/// Erases the selected faces, and those that would touch the remaining faces only at a vertex.
 ///
 /// # Panics
 /// If there is not one flag per face.

@@ -1,4 +1,4 @@
-//! `u32` indices with a type of their own, so that faces and vertices cannot be confused.
+//! `u32` indices with separate types, so that faces and vertices cannot be confused.
 
 use std::num::{NonZeroU32, ParseIntError};
 use std::str::FromStr;
@@ -13,7 +13,7 @@ macro_rules! id {
         pub struct $name(pub u32);
 
         impl $name {
-            /// The mark for "none": never a valid index.
+            /// The value for "none", which is never a valid index.
             pub const NONE: Self = Self(u32::MAX);
 
             /// The index as `usize`.
@@ -22,7 +22,7 @@ macro_rules! id {
                 self.0 as usize
             }
 
-            /// Whether this is a real index.
+            /// Whether this is a valid index.
             #[inline]
             pub const fn is_some(self) -> bool {
                 self.0 != u32::MAX
@@ -69,7 +69,7 @@ impl HalfedgeId {
 
 /// A boundary loop of a mesh.
 ///
-/// Users see numbers from 1, in text and in files; [`Self::index`] is the place in the list of
+/// Texts and files contain numbers from 1. [`Self::index`] is the index in the list of
 /// [`boundary_loops`](super::boundary_loops).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(transparent)]
@@ -79,7 +79,7 @@ impl LoopId {
     /// The first loop.
     pub const FIRST: Self = Self(NonZeroU32::MIN);
 
-    /// Place in the list of loops, from 0.
+    /// Index in the list of loops, from 0.
     #[inline]
     pub const fn index(self) -> usize {
         self.0.get() as usize - 1
@@ -87,7 +87,7 @@ impl LoopId {
 }
 
 impl From<usize> for LoopId {
-    /// The loop at a place in the list, from 0.
+    /// The loop at an index in the list, from 0.
     #[inline]
     fn from(index: usize) -> Self {
         Self(NonZeroU32::MIN.saturating_add(index as u32))

@@ -8,8 +8,8 @@ use super::{DVec3, Topology, TriangleBvh};
 /// Triangle queries between two checks of the limit.
 const BLOCK: usize = 1 << 14;
 
-/// Pairs of triangles that meet anywhere but in the vertices and edges they share, touching
-/// included; each pair once, as `[smaller, larger]` indices into `triangles`, at most `limit`.
+/// Pairs of triangles that intersect or touch outside their common vertices and edges, each once,
+/// as `[smaller, larger]` indices into `triangles`, at most `limit`.
 ///
 /// With `subset` given, only pairs with at least one triangle of it are looked for (a patch
 /// against the whole mesh, itself included). Vertices at bit-equal positions count as the same
@@ -65,8 +65,8 @@ pub fn self_intersections(
     found
 }
 
-/// Angle between the normals of the triangles at an edge, radians; 0 on a boundary and where one
-/// has no area.
+/// Angle between the normals of the triangles at an edge in radians; 0 on a boundary or if one has
+/// zero area.
 pub fn dihedral_angle(positions: &[DVec3], topology: &Topology, h: super::HalfedgeId) -> f64 {
     if topology.is_boundary_edge(h) {
         return 0.0;
@@ -99,7 +99,7 @@ pub fn folded_edges(positions: &[DVec3], topology: &Topology, min_angle: f64) ->
         .collect()
 }
 
-/// For each vertex the first vertex at the same position.
+/// The first vertex at the position of each vertex.
 fn canonical_vertices(positions: &[DVec3]) -> Vec<u32> {
     // adding 0.0 turns -0.0 into 0.0
     let key = |v: u32| {
@@ -120,7 +120,7 @@ fn canonical_vertices(positions: &[DVec3]) -> Vec<u32> {
     same
 }
 
-/// Whether two triangles of the mesh meet outside of what they share.
+/// Whether two triangles of the mesh meet outside their common vertices and edges.
 fn pair_meets(positions: &[DVec3], same: &[u32], s: [u32; 3], t: [u32; 3]) -> bool {
     let key = |v: u32| same[v as usize];
     let at = |v: u32| positions[v as usize];

@@ -16,10 +16,11 @@ pub fn perimeter(points: &[DVec3]) -> f64 {
         .sum()
 }
 
-/// Vector area of a closed polygon, half the integral of `x × dx`: that of every surface over it.
+/// Vector area of a closed polygon, half the integral of `x × dx`. Every surface bounded by the
+/// polygon has this vector area.
 ///
 /// # Panics
-/// If there is no point.
+/// If there are no points.
 pub fn vector_area(points: &[DVec3]) -> DVec3 {
     let origin = points[0];
     let mut area = DVec3::ZERO;

@@ -1,4 +1,5 @@
-//! The guess which boundary loops are outer boundaries, intended borders of an open surface.
+//! The classification of boundary loops: outer boundaries are intended borders of an open surface;
+//! the other loops are holes.
 //!
 //! The *opening* of a loop is an angle. It measures how the surface meets the loop. Let ν be the
 //! outward conormal (in the surface, across the loop, away from the faces), l the edge lengths, m

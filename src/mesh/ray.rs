@@ -2,7 +2,7 @@
 
 use super::{DVec3, DepthStack, Node, TriangleBvh};
 
-/// Where a ray meets a triangle.
+/// The intersection of a ray with a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
     /// The triangle (of several at the same place, the lowest).

@@ -11,8 +11,7 @@ pub fn faces_in_ball(mesh: &Mesh, centre: DVec3, radius: f64) -> Vec<bool> {
         .collect()
 }
 
-/// The faces that are reached from `seed` across edges within `limit` (all of its component if
-/// every face is within).
+/// The connected faces of `limit` that contain `seed`, connected across edges.
 pub fn connected_faces(topology: &Topology, seed: FaceId, limit: &[bool]) -> Vec<bool> {
     let mut reached = vec![false; topology.face_count()];
     let mut stack = vec![seed];
@@ -46,7 +45,7 @@ pub fn shrink(topology: &Topology, selected: &mut [bool]) {
     invert(selected);
 }
 
-/// Exchanges selected and unselected faces.
+/// Inverts the selection.
 pub fn invert(selected: &mut [bool]) {
     for flag in selected {
         *flag = !*flag;
@@ -83,8 +82,8 @@ pub fn smooth_border(topology: &Topology, selected: &mut [bool], passes: usize) 
     }
 }
 
-/// Vertices all of whose faces are selected and that lie on no boundary: the
-/// vertices that may move while all others stay. Ascending.
+/// Interior vertices whose faces are all selected, in ascending order. These vertices may move
+/// while all others are fixed.
 pub fn inner_vertices(topology: &Topology, selected: &[bool]) -> Vec<VertexId> {
     topology
         .vertices()
@@ -117,11 +116,11 @@ pub fn ranges_text(indices: &[u32]) -> String {
     words.join(",")
 }
 
-/// Reads [`ranges_text`] back (line breaks and spaces separate too) for a list of `count` things;
-/// the indices come ascending, each once.
+/// Parses the text of [`ranges_text`] for a list of `count` items. Line breaks and spaces separate
+/// words too. Returns ascending indices, each once.
 ///
 /// # Errors
-/// What is wrong with which word.
+/// The invalid word and the reason.
 pub fn parse_ranges(text: &str, count: usize) -> Result<Vec<u32>, String> {
     let mut indices = Vec::new();
     for word in text.split([',', ' ', '\t', '\n', '\r']) {
@@ -133,12 +132,14 @@ pub fn parse_ranges(text: &str, count: usize) -> Result<Vec<u32>, String> {
             Ok(n) if n >= 1 && n as usize <= count => Ok(n - 1),
             Ok(n) => Err(format!("`{word}`: {n} is not in 1 to {count}")),
             Err(_) => Err(format!(
-                "`{word}` is neither a number nor a range; write them as in 1-12,40"
+                "`{word}` is neither a number nor a range; write a list as in 1-12,40"
             )),
         };
         let (first, last) = (number(first)?, number(last)?);
         if first > last {
-            return Err(format!("`{word}`: the range ends before it begins"));
+            return Err(format!(
+                "`{word}`: the end of the range is before its start"
+            ));
         }
         indices.extend(first..=last);
     }
@@ -147,7 +148,7 @@ pub fn parse_ranges(text: &str, count: usize) -> Result<Vec<u32>, String> {
     Ok(indices)
 }
 
-/// One flag for each of `count` faces, set for those listed.
+/// One flag for each of `count` faces, set for the listed ones.
 pub fn face_flags(faces: &[u32], count: usize) -> Vec<bool> {
     let mut flags = vec![false; count];
     for &f in faces {
@@ -165,9 +166,9 @@ pub fn face_list(flags: &[bool]) -> Vec<u32> {
         .collect()
 }
 
-/// The faces with a corner within `radius` of `centre` that are reached from `seed` across edges of
-/// such faces, and always `seed`. Ascending. The cost depends on the result, not on the size of the
-/// mesh.
+/// The faces with a corner within `radius` of `centre` that are connected to `seed` across edges of
+/// such faces, and always `seed`, in ascending order. The cost depends on the result, not on the
+/// size of the mesh.
 pub fn faces_near(mesh: &Mesh, seed: FaceId, centre: DVec3, radius: f64) -> Vec<u32> {
     let topology = &mesh.topology;
     let near = |f: FaceId| {

@@ -12,19 +12,19 @@ pub struct Soup {
     pub positions: Vec<DVec3>,
     /// Corner vertex indices of all polygons, one polygon after the other.
     pub corners: Vec<u32>,
-    /// Where each polygon starts in `corners`; one more entry than polygons (empty means none).
+    /// The start of each polygon in `corners`, and the end; empty without polygons.
     pub offsets: Vec<u32>,
     /// Red, green, blue (and alpha, 1 where the file has none) per vertex, in the file's own scale
     /// brought to 0..=1; empty if the file has no colours.
     pub colors: Vec<[f32; 4]>,
-    /// For each polygon the index of its tag in `tags`; empty if the file has no groups.
+    /// The index in `tags` of the tag of each polygon; empty if the file has no groups.
     pub face_tags: Vec<u32>,
     /// Groups, objects and materials that occur, in order of first use.
     pub tags: Vec<FaceTag>,
     /// `mtllib` names of an OBJ file, as written there (relative to the file), in order.
     pub material_libraries: Vec<String>,
-    /// Whether positions are known to be repeated once per face (STL), so that equal
-    /// positions mean the same vertex.
+    /// Whether positions are repeated for every face (STL), so that equal positions mean the same
+    /// vertex.
     pub exploded: bool,
     /// Notes of the reader for the load report ("material library x.mtl not read").
     pub notes: Vec<String>,

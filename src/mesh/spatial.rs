@@ -6,7 +6,7 @@ mod ray;
 use super::DVec3;
 pub use ray::RayHit;
 
-/// Largest number of triangles in a leaf. Smaller leaves cost memory, larger ones tests.
+/// Maximum number of triangles in a leaf. Smaller leaves need more memory, larger ones more tests.
 const LEAF: usize = 4;
 
 /// A box of the hierarchy. Nodes lie depth-first: the left child of node `i` is `i + 1`.
@@ -22,8 +22,8 @@ struct Node {
 
 /// A bounding-volume hierarchy over the triangles of a mesh, for exact queries in `f64`.
 ///
-/// Built by median splits in O(n log n), depth O(log n); it copies the corner positions, so the
-/// mesh may change afterwards (the hierarchy then still answers for the old one).
+/// It is built by median splits in O(n log n) and has depth O(log n). It copies the corner
+/// positions, so later changes of the mesh do not affect it.
 #[derive(Clone, Debug)]
 pub struct TriangleBvh {
     nodes: Vec<Node>,
@@ -36,11 +36,12 @@ pub struct TriangleBvh {
 /// Answer of [`TriangleBvh::closest_point`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPoint {
-    /// The triangle the point lies on (of several equally near ones, always the same).
+    /// The triangle that contains the point. The choice among equally near triangles is
+    /// deterministic.
     pub face: u32,
     /// The point of the surface.
     pub point: DVec3,
-    /// Its distance from the query, in units of length.
+    /// Distance from the query point in units of length.
     pub distance: f64,
 }
 

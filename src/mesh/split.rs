@@ -7,9 +7,9 @@ use super::{FaceId, HalfedgeId, Topology, VertexId};
 pub struct Split {
     /// The triangles: those of face 0, then those of face 1, …
     pub triangles: Vec<[u32; 3]>,
-    /// For each triangle the face it is a part of.
+    /// The face that each triangle is a part of.
     pub parent: Vec<u32>,
-    /// For each new vertex the half-edge (of lowest bit 0) it halves. New vertices follow the old
+    /// The even half-edge of the edge that each new vertex splits. New vertices follow the old
     /// ones, in the order of the edges.
     pub edges: Vec<HalfedgeId>,
 }

@@ -3,14 +3,14 @@
 use super::union_find::{find, unite};
 use super::{FaceId, HalfedgeId, Topology, TopologyError};
 
-/// Some faces of a whole mesh as a mesh of their own, cut open along edges.
+/// Some faces of a whole mesh as a separate mesh, cut open along edges.
 #[derive(Clone, Debug)]
 pub struct Submesh {
     /// Connectivity. Faces are in the order of `faces`, corners as in the whole mesh.
     pub topology: Topology,
-    /// For each face the corresponding face of the whole mesh, ascending.
+    /// The face of the whole mesh that corresponds to each face, in ascending order.
     pub faces: Vec<FaceId>,
-    /// For each vertex the vertex of the whole mesh that it corresponds to or is a copy of.
+    /// The vertex of the whole mesh that each vertex corresponds to or is a copy of.
     pub to_whole: Vec<u32>,
 }
 
@@ -20,7 +20,7 @@ impl Submesh {
     /// both half-edges of an edge. A cut that ends inside opens nothing at its end.
     ///
     /// # Errors
-    /// The part is no manifold; that of a manifold is one.
+    /// The part is not a manifold. This cannot happen if the mesh is a manifold.
     pub fn new(
         whole: &Topology,
         faces: Vec<FaceId>,

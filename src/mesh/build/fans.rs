@@ -26,7 +26,7 @@ use crate::mesh::{Topology, TopologyError};
 pub(super) struct Fans {
     /// The fan of each corner (3 f + k), numbered by their lowest corner.
     pub of_corner: Vec<u32>,
-    /// How many fans there are.
+    /// Number of fans.
     pub count: usize,
 }
 
@@ -158,7 +158,7 @@ pub(super) fn corners_as_triangles(of_corner: &[u32]) -> Vec<[u32; 3]> {
 /// number of such positions.
 ///
 /// # Errors
-/// If the faces are no manifold even with all fans apart.
+/// The faces are not a manifold even if all fans are separate.
 pub(super) fn join_pinches(
     fans: &mut Fans,
     oriented: &[[u32; 3]],
@@ -209,24 +209,24 @@ pub(super) fn join_pinches(
     Ok(pinches)
 }
 
-/// Names for the vertices of the repaired mesh.
+/// The numbering of the vertices of the repaired mesh.
 pub(super) struct Naming {
     /// The mesh vertex of each fan.
     pub of_fan: Vec<u32>,
-    /// The file vertex each mesh vertex is, or is a copy of.
+    /// The file vertex of each mesh vertex, which may be a copy.
     pub source: Vec<u32>,
     /// For each file vertex its mesh vertex.
     pub file_to_mesh: Vec<u32>,
-    /// File vertices that had to be copied, with the number of copies.
+    /// Copied file vertices, with the number of copies.
     pub copied: Vec<(u32, u32)>,
     /// File vertices merged with an earlier one.
     pub welded: usize,
 }
 
-/// Gives each fan the first file vertex at its corners that is still free, the largest fan first;
-/// fans for which none is left get copies at the end.
+/// Assigns to each fan, in order of decreasing size, the first unused file vertex at its corners.
+/// Fans without an unused vertex get copies at the end.
 pub(super) fn name_vertices(fans: &Fans, own: &[u32], vertices: usize, used: &[bool]) -> Naming {
-    // most fans have one file vertex, and that no other fan: only the others have to be sorted
+    // most fans have one file vertex that no other fan has; only the others are sorted
     let mut size = vec![0u32; fans.count];
     let mut file_vertex = vec![NONE; fans.count];
     let mut owner = vec![NONE; vertices];

@@ -1,8 +1,8 @@
 //! Faces joined across edges, and their orientation.
 //!
-//! Faces sharing an edge with just one other are joined. Where more meet, those that belong to one
-//! sheet anyway come first, then the flattest pair; a pair that could not be oriented is never
-//! made. Sheets and their orientation are kept in one union-find structure with parities.
+//! Two faces that are the only ones at an edge are joined. If more faces meet at an edge, pairs of
+//! the same sheet come first, then the flattest pair. A pair is not joined if the result could not
+//! be oriented. One union-find structure with parities stores sheets and their orientation.
 
 use super::edges::{EdgeTable, ends, opposite};
 use crate::mesh::DVec3;
@@ -10,24 +10,25 @@ use crate::mesh::DVec3;
 /// No corner-edge.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Beyond this many faces at an edge only neighbours in file order are considered as pairs.
+/// With more than this many faces at an edge only neighbours in file order are considered as pairs.
 const PAIRS_LIMIT: usize = 64;
 
-/// Cosine beyond which a doubled face hanging on one edge only is a flap and not part of the
-/// surface: bent by more than 45 degrees.
+/// Cosine above which a doubled face that is attached at a single edge is a flap and not part of
+/// the surface: it is bent by more than 45 degrees.
 const FLAP_COS: f64 = -std::f64::consts::FRAC_1_SQRT_2;
 
 /// Faces joined to sheets.
 pub(super) struct Sheets {
     /// The corner-edge on the other side of each corner-edge, or [`NONE`].
     pub mate: Vec<u32>,
-    /// Faces that are left out because an earlier one has the same corners.
+    /// Faces that are removed because an earlier one has the same corners.
     pub dropped: Vec<bool>,
-    /// Edges that more than two faces share, by one of their corner-edges.
+    /// Edges with more than two faces, each as one of its corner-edges.
     pub non_manifold: Vec<u32>,
-    /// The corner-edges at these edges, all that can come to lie between the same two vertices.
+    /// The corner-edges at these edges. Only they can have the same two vertices as another edge.
     pub crowded: Vec<u32>,
-    /// Union-find: parent × 2 + whether turned relative to it. The root is the lowest face.
+    /// Union-find: parent × 2 + whether flipped relative to the parent. The root is the lowest
+    /// face.
     link: Vec<u32>,
     /// Whether the sheet of each root cannot be oriented.
     non_orientable: Vec<bool>,
@@ -45,7 +46,7 @@ impl Sheets {
         }
     }
 
-    /// The lowest face of the sheet, and whether `face` is turned the other way.
+    /// The lowest face of the sheet, and whether `face` has the opposite orientation.
     pub fn find(&mut self, face: u32) -> (u32, bool) {
         let (mut f, mut turned) = (face, 0);
         loop {
@@ -61,7 +62,7 @@ impl Sheets {
         }
     }
 
-    /// Joins two sheets; false if they are one already and turned differently.
+    /// Joins two sheets; false if they are already one sheet with contradicting orientation.
     fn unite(&mut self, f: u32, g: u32, turned: bool) -> bool {
         let ((f, s), (g, t)) = (self.find(f), self.find(g));
         let odd = s ^ t ^ turned;
@@ -80,8 +81,8 @@ impl Sheets {
         self.non_orientable[root as usize]
     }
 
-    /// Drops faces whose corners an earlier face has, and returns for each face whether a copy
-    /// turned the other way was left out.
+    /// Removes faces with the same corners as an earlier face. Returns for each face whether a copy
+    /// with opposite orientation was removed.
     fn drop_duplicates(&mut self, triangles: &[[u32; 3]], table: &EdgeTable) -> Vec<u32> {
         let mut doubled = Vec::new();
         let mut apexes: Vec<(u32, u32)> = Vec::new();
@@ -171,7 +172,7 @@ impl Sheets {
         }
     }
 
-    /// Joins two faces unless their sheet could not be oriented then.
+    /// Joins two faces unless the joined sheet could not be oriented.
     pub fn try_join(&mut self, triangles: &[[u32; 3]], c: u32, d: u32) {
         if self.is_non_orientable(c / 3) == self.is_non_orientable(d / 3)
             && self.unite(c / 3, d / 3, ends(triangles, c) == ends(triangles, d))
@@ -207,7 +208,7 @@ impl Sheets {
             }
         }
         for group in &mut crowded {
-            // edges of the same two vertices were cut apart on purpose
+            // edges with the same two vertices were cut deliberately
             let first = group[0];
             group.retain(|&c| c == first || may_close(triangles, own, first, c));
         }
@@ -255,8 +256,8 @@ fn may_close(triangles: &[[u32; 3]], own: &[[u32; 3]], c: u32, d: u32) -> bool {
     opposite(triangles, c) != opposite(triangles, d) && (a, b) != (p, q) && (a, b) != (q, p)
 }
 
-/// Cosine of the angle between two faces at their common edge: −1 where they go on flat, 1 where
-/// one lies on the other.
+/// Cosine of the angle between two faces at their common edge: −1 if they are coplanar, 1 if one is
+/// folded onto the other.
 fn fold(triangles: &[[u32; 3]], at: &impl Fn(u32) -> DVec3, c: u32, d: u32) -> f64 {
     let (a, b) = ends(triangles, c);
     let edge = (at(b) - at(a)).normalize_or_zero();

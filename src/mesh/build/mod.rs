@@ -1,4 +1,4 @@
-//! From the polygons of a file to an oriented manifold triangle mesh, and what had to be repaired.
+//! Builds an oriented manifold triangle mesh from the polygons of a file, and reports the repairs.
 
 mod edges;
 mod fans;
@@ -18,12 +18,12 @@ use repair::{Faces, Repaired, repair};
 use summary::summarize;
 use triangulate::{Triangles, triangulate};
 
-/// Why no mesh can be made of what the file holds.
+/// Why no mesh can be built from a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// No polygon at all.
-    #[error("the file has {vertices} vertices but no faces: there is nothing to fill")]
+    /// There are no polygons.
+    #[error("the file has {vertices} vertices but no faces; export the mesh with its faces")]
     NoFaces {
         /// Vertices in the file.
         vertices: usize,
@@ -36,23 +36,24 @@ pub enum BuildError {
     NotFinite {
         /// The vertex, counted from 1 as in the file.
         vertex: usize,
-        /// What it has.
+        /// The coordinates.
         position: super::DVec3,
     },
-    /// A face names a vertex that does not exist.
+    /// A face uses a vertex that does not exist.
     #[error(
-        "face {face} (counted from 1) names vertex {vertex}, but the file has only {vertices} vertices"
+        "face {face} (counted from 1) uses vertex {vertex}, but the file has only {vertices} \
+         vertices"
     )]
     IndexOutOfRange {
         /// The face, counted from 1 as in the file.
         face: usize,
         /// The vertex, counted from 1.
         vertex: usize,
-        /// How many there are.
+        /// Number of vertices of the file.
         vertices: usize,
     },
     /// Too many elements for 32-bit indices.
-    #[error("the mesh has {corners} face corners, more than the {limit} this program can index")]
+    #[error("the mesh has {corners} face corners, which exceeds the limit of {limit}")]
     TooLarge {
         /// Corners of all polygons, or vertices.
         corners: usize,
@@ -60,7 +61,10 @@ pub enum BuildError {
         limit: usize,
     },
     /// Every face is degenerate.
-    #[error("all {faces} faces of the file are degenerate (they name fewer than three vertices)")]
+    #[error(
+        "all {faces} faces of the file are degenerate (they have fewer than three different \
+             vertices)"
+    )]
     OnlyDegenerate {
         /// Faces in the file.
         faces: usize,
@@ -74,24 +78,24 @@ pub enum BuildError {
         /// Triangles.
         faces: usize,
     },
-    /// Repair left something that is not a manifold: a defect of this program.
+    /// The repaired mesh is not a manifold, which is an internal error.
     #[error("the mesh could not be repaired: {0}; please report this file")]
     Unrepaired(#[from] TopologyError),
 }
 
-/// Makes an oriented manifold mesh of a file's polygons and reports the repairs.
+/// Builds an oriented manifold mesh from the polygons of a file and reports the repairs.
 ///
-/// In this order: polygons are cut into triangles; faces that name a vertex twice or repeat an
-/// earlier face are dropped; where more than two faces share an edge, two of them stay joined and
-/// the others are cut off; boundary edges with exactly the same end positions are welded (all
-/// vertices in a file that repeats them for every face); sheets are turned to agree with the
-/// majority of their faces; vertices joining several sheets are split. Positions are never moved. A
-/// file that is an oriented manifold already comes through unchanged.
+/// The steps are, in this order: polygons are triangulated; faces that use a vertex twice or repeat
+/// an earlier face are removed; at an edge with more than two faces, two stay joined and the others
+/// are cut off; boundary edges with exactly the same end positions are welded (all vertices in a
+/// file that repeats them for every face); sheets are flipped to agree with the majority of their
+/// faces; vertices with several sheets are split. Positions never change. A file that is an
+/// oriented manifold is not changed.
 ///
-/// Components that cannot be oriented are left alone (see [`Mesh::non_orientable`]).
+/// Components that cannot be oriented are not changed (see [`Mesh::non_orientable`]).
 ///
 /// # Errors
-/// [`BuildError`] where no sound mesh can be made, [`BuildError::OneSided`] if no component can be
+/// [`BuildError`] if no valid mesh can be built, [`BuildError::OneSided`] if no component can be
 /// oriented.
 pub fn build(soup: &Soup) -> Result<(Mesh, LoadReport), BuildError> {
     validate(soup)?;
@@ -140,7 +144,7 @@ fn validate(soup: &Soup) -> Result<(), BuildError> {
     Ok(())
 }
 
-/// Carries positions and attributes over to the repaired connectivity.
+/// Transfers positions and attributes to the repaired connectivity.
 fn assemble(soup: &Soup, triangles: &Triangles, topology: Topology, repaired: &Repaired) -> Mesh {
     let pick = |faces: &Faces| -> Vec<u32> {
         if soup.face_tags.is_empty() {

@@ -8,12 +8,12 @@ use super::join::{NONE, Sheets};
 use super::weld::position_classes;
 use crate::mesh::{DVec3, Topology, TopologyError};
 
-/// Triangles of the mesh and which of the file's triangles they are.
+/// Triangles of the mesh with the corresponding triangles of the file.
 #[derive(Default)]
 pub(super) struct Faces {
-    /// Corners, in vertices of the mesh.
+    /// Corners, as vertices of the mesh.
     pub corners: Vec<[u32; 3]>,
-    /// The file's triangle of each; none if they are the same throughout.
+    /// The triangle of the file for each triangle; empty if the numbers are equal.
     origin: Option<Vec<u32>>,
 }
 
@@ -26,26 +26,25 @@ impl Faces {
         self.corners.is_empty()
     }
 
-    /// The file's triangle that face `i` is.
+    /// The triangle of the file for face `i`.
     pub fn origin(&self, i: usize) -> usize {
         self.origin.as_ref().map_or(i, |of| of[i] as usize)
     }
 }
 
-/// What came out, and the places where something was done; faces are the file's triangles, vertices
-/// the file's vertices.
+/// The repaired connectivity and the repaired places, in faces and vertices of the file.
 pub(super) struct Repaired {
     pub triangles: Faces,
     pub non_orientable: Faces,
-    /// The lowest face of its sheet for each one-sided face.
+    /// The lowest face of the sheet of each non-orientable face.
     pub non_orientable_sheet: Vec<u32>,
-    /// The file vertex of each mesh vertex; none if they are the same throughout.
+    /// The file vertex of each mesh vertex; empty if the numbers are equal.
     pub source: Option<Vec<u32>>,
     pub file_to_mesh: Option<Vec<u32>>,
     pub welded: usize,
-    /// Faces dropped as copies of earlier ones.
+    /// Faces removed as copies of earlier ones.
     pub duplicates: Vec<u32>,
-    /// Faces dropped because welding left them fewer than three vertices.
+    /// Faces removed because welding left them fewer than three vertices.
     pub collapsed: Vec<u32>,
     pub flipped: Vec<u32>,
     /// Face and vertices of each edge that was cut.
@@ -75,10 +74,10 @@ impl Repaired {
     }
 }
 
-/// Makes an oriented manifold of the triangles, the short way where nothing has to be done.
+/// Builds an oriented manifold of the triangles. Returns early if nothing needs repair.
 ///
 /// # Errors
-/// Only if a repair did not do what it should.
+/// A repair failed, which is an internal error.
 pub(super) fn repair(
     positions: &[DVec3],
     exploded: bool,
@@ -111,7 +110,7 @@ pub(super) fn has_pillow(topology: &Topology) -> bool {
     })
 }
 
-/// Whether every vertex is used by one face only, as if there were no index list.
+/// Whether every vertex is used by a single face, as in a file without an index list.
 fn is_exploded(vertices: usize, triangles: &[[u32; 3]]) -> bool {
     if triangles.len() < 2 || vertices < 3 * triangles.len() {
         return false;
@@ -123,7 +122,7 @@ fn is_exploded(vertices: usize, triangles: &[[u32; 3]]) -> bool {
         .all(|&v| !std::mem::replace(&mut seen[v as usize], true))
 }
 
-/// Welds all equal positions; if that gives a manifold, it is the one meant.
+/// Welds all equal positions. If the result is a manifold, it is the intended mesh.
 fn repair_exploded(
     positions: &[DVec3],
     triangles: &[[u32; 3]],
@@ -171,7 +170,7 @@ fn repair_exploded(
     Ok((topology, repaired))
 }
 
-/// All repairs. `own` are the file's corners; `welded`, given for exploded files, the same with one
+/// All repairs. `own` are the corners of the file. `welded`, given for exploded files, has one
 /// vertex for each position.
 fn repair_slowly(
     positions: &[DVec3],
@@ -280,8 +279,8 @@ fn repair_slowly(
     Ok((topology, repaired))
 }
 
-/// Joins boundary edges at the same positions; `by_position` then names one vertex per position on
-/// the boundary. False if there are none.
+/// Joins boundary edges at the same positions. Afterwards `by_position` contains one vertex per
+/// boundary position. Returns false if there are none.
 fn join_seams(
     sheets: &mut Sheets,
     positions: &[DVec3],
@@ -296,7 +295,7 @@ fn join_seams(
     rim.dedup();
     let (mut class, copies) = position_classes(positions, rim.into_iter());
     if copies > 0 {
-        // an edge of no length must not be welded into a point, or its faces would be lost
+        // an edge of zero length must not be welded into a point, or its faces would be lost
         for t in own {
             for (v, w) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
                 if class[v as usize] == class[w as usize] {
@@ -312,7 +311,7 @@ fn join_seams(
     copies > 0
 }
 
-/// Faces that have to be turned so that each sheet agrees with the majority of its faces, sorted.
+/// Faces to flip so that each sheet agrees with the majority of its faces, sorted.
 fn minority_faces(sheets: &mut Sheets, non_orientable: &[bool]) -> Vec<u32> {
     let faces = non_orientable.len() as u32;
     let mut balance = vec![0i32; faces as usize];

@@ -1,9 +1,9 @@
-//! What was found in a file and done to it.
+//! The load report: defects of a file and their repairs.
 
 use crate::mesh::DVec3;
 use serde::{Serialize, Serializer};
 
-/// Counts and places of everything that was repaired, or found and left, when a file was loaded.
+/// Counts and places of all defects found in a file, repaired or not.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct LoadReport {
@@ -13,15 +13,15 @@ pub struct LoadReport {
     pub file_faces: usize,
     /// Vertices of the mesh.
     pub vertices: usize,
-    /// Triangles of the mesh, one-sided components included.
+    /// Triangles of the mesh, including non-orientable components.
     pub faces: usize,
-    /// Polygons of more than three corners that were cut into triangles.
+    /// Polygons with more than three corners, which were triangulated.
     pub polygons_triangulated: usize,
-    /// Faces dropped because an earlier one has the same vertices.
+    /// Faces removed because an earlier one has the same vertices.
     pub duplicate_faces: usize,
-    /// Faces dropped because they have fewer than three different vertices.
+    /// Faces removed because they have fewer than three different vertices.
     pub degenerate_faces: usize,
-    /// Triangles of zero area, which are kept: without them their neighbours would come apart.
+    /// Triangles of zero area. They are kept because they connect their neighbours.
     pub zero_area_faces: usize,
     /// Vertices merged with an earlier one at the same position.
     pub welded_vertices: usize,
@@ -29,11 +29,11 @@ pub struct LoadReport {
     pub isolated_vertices: usize,
     /// Faces flipped to agree with the majority of their component.
     pub flipped_faces: usize,
-    /// Edges shared by more than two faces, which were cut apart.
+    /// Edges with more than two faces, which were cut.
     pub non_manifold_edges: usize,
-    /// Vertices that joined several sheets at a point, which were split.
+    /// Vertices with several sheets, which were split.
     pub split_vertices: usize,
-    /// Vertices at which a hole touches itself, so that it counts as two or more.
+    /// Vertices at which a boundary touches itself, so that it counts as two or more loops.
     pub pinched_vertices: usize,
     /// Copies of vertices appended at the end of the list by these cuts.
     pub appended_vertices: usize,
@@ -42,11 +42,11 @@ pub struct LoadReport {
     pub non_orientable_faces: usize,
     /// The connected components, in the order of their lowest face.
     pub components: Vec<ComponentReport>,
-    /// Where the defects are; at most [`Defect::LIMIT`] of each kind.
+    /// The defects, at most [`Defect::LIMIT`] of each kind.
     pub defects: Vec<Defect>,
-    /// Notes in plain words, the reader's first.
+    /// Notes for the user. Those of the reader come first.
     pub notes: Vec<String>,
-    /// For each vertex of the file its index in the mesh; none if that is the same throughout.
+    /// The mesh index of each file vertex; empty if the indices are equal.
     pub file_to_mesh: Option<Vec<u32>>,
 }
 
@@ -57,30 +57,30 @@ pub struct ComponentReport {
     pub faces: usize,
     /// Vertices.
     pub vertices: usize,
-    /// Boundary loops; none if the component is closed.
+    /// Number of boundary loops; 0 if the component is closed.
     pub loops: usize,
-    /// Whether the component can be oriented. One-sided ones are left alone.
+    /// Whether the component can be oriented. Other components are not changed.
     pub orientable: bool,
     /// Euler characteristic: vertices − edges + faces.
     pub euler: i64,
 }
 
-/// Something wrong at a place, whether repaired or not.
+/// A defect, repaired or not.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Defect {
-    /// What it is.
+    /// The kind of defect.
     pub kind: DefectKind,
-    /// Where it is, for the view to fly to.
+    /// The position, to which the view can move.
     #[serde(serialize_with = "as_array")]
     pub position: DVec3,
-    /// A face concerned, 0-based in file order.
+    /// A face of the defect, 0-based in file order.
     pub file_face: Option<u32>,
-    /// A vertex concerned, 0-based in file order.
+    /// A vertex of the defect, 0-based in file order.
     pub file_vertex: Option<u32>,
 }
 
 impl Defect {
-    /// How many places of each kind are listed; the counts go on.
+    /// Maximum number of listed defects of each kind. The counts include all defects.
     pub const LIMIT: usize = 100;
 }
 
@@ -88,36 +88,36 @@ impl Defect {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DefectKind {
-    /// A face dropped because an earlier one has the same vertices.
+    /// A face removed because an earlier one has the same vertices.
     DuplicateFace,
-    /// A face dropped for having fewer than three different vertices.
+    /// A face removed because it has fewer than three different vertices.
     DegenerateFace,
     /// A triangle of zero area, kept.
     ZeroAreaFace,
     /// A flipped face.
     FlippedFace,
-    /// An edge of more than two faces, cut apart.
+    /// An edge with more than two faces, cut.
     NonManifoldEdge,
-    /// A vertex joining several sheets, split.
+    /// A vertex with several sheets, split.
     NonManifoldVertex,
-    /// A vertex at which a hole touches itself.
+    /// A vertex at which a boundary touches itself.
     PinchedHole,
-    /// A component without orientation, left alone.
+    /// A non-orientable component, not changed.
     OneSidedComponent,
 }
 
 impl DefectKind {
-    /// What it is, for a list.
+    /// A description for lists.
     pub fn words(self) -> &'static str {
         match self {
-            Self::DuplicateFace => "duplicate face, dropped",
-            Self::DegenerateFace => "face with a repeated corner, dropped",
+            Self::DuplicateFace => "duplicate face, removed",
+            Self::DegenerateFace => "face with a repeated corner, removed",
             Self::ZeroAreaFace => "triangle of zero area, kept",
-            Self::FlippedFace => "face turned over",
-            Self::NonManifoldEdge => "edge of more than two faces, cut apart",
-            Self::NonManifoldVertex => "vertex joining several sheets, split",
-            Self::PinchedHole => "hole touching itself",
-            Self::OneSidedComponent => "component without orientation, left alone",
+            Self::FlippedFace => "flipped face",
+            Self::NonManifoldEdge => "edge with more than two faces, cut",
+            Self::NonManifoldVertex => "vertex with several sheets, split",
+            Self::PinchedHole => "boundary that touches itself",
+            Self::OneSidedComponent => "non-orientable component, not changed",
         }
     }
 }

@@ -4,8 +4,8 @@ use super::{ComponentReport, Defect, DefectKind, LoadReport, Repaired, Triangles
 use crate::mesh::union_find::unite;
 use crate::mesh::{DVec3, FaceId, Mesh, Soup, VertexId, components};
 
-/// A triangle lower than this times its longest edge has no area beyond the rounding of its
-/// coordinates (eight decimals are usual in files).
+/// A triangle whose height is below this times its longest edge has zero area up to the rounding of
+/// its coordinates (files usually have eight decimals).
 const FLAT: f64 = 1e-8;
 
 /// Collects defects, at most [`Defect::LIMIT`] of each kind.
@@ -46,7 +46,7 @@ impl Defects<'_> {
     }
 }
 
-/// Makes the load report of a mesh.
+/// Builds the load report of a mesh.
 pub(super) fn summarize(
     soup: &Soup,
     triangles: &Triangles,
@@ -131,7 +131,7 @@ pub(super) fn summarize(
     }
 }
 
-/// Whether the height over the longest edge is nothing but rounding.
+/// Whether the height over the longest edge is within rounding.
 fn is_flat([a, b, c]: [DVec3; 3]) -> bool {
     let longest = a
         .distance_squared(b)
@@ -140,7 +140,7 @@ fn is_flat([a, b, c]: [DVec3; 3]) -> bool {
     (b - a).cross(c - a).length_squared() <= (FLAT * longest).powi(2)
 }
 
-/// Vertices at which a hole touches itself, and the number of vertices without a face.
+/// Vertices at which a boundary touches itself, and the number of vertices without a face.
 fn special_vertices(mesh: &Mesh) -> (Vec<VertexId>, usize) {
     let topology = &mesh.topology;
     let mut in_non_orientable = vec![

@@ -3,20 +3,20 @@
 use crate::mesh::{DVec3, Soup};
 use robust::{Coord, orient2d};
 
-/// Triangles over the vertices of a file, each remembering its polygon.
+/// Triangles over the vertices of a file, with their polygons.
 pub(super) struct Triangles {
-    /// Corner vertices, three different ones each.
+    /// Corners: three different vertices each.
     pub corners: Vec<[u32; 3]>,
-    /// The polygon of each triangle; none if they are the same throughout.
+    /// The polygon of each triangle; empty if the numbers are equal.
     pub file_face: Option<Vec<u32>>,
-    /// How many polygons had more than three corners.
+    /// Number of polygons with more than three corners.
     pub polygons: usize,
     /// Polygons with fewer than three different corners, which have no triangles.
     pub degenerate: Vec<u32>,
 }
 
 impl Triangles {
-    /// The polygon a triangle came from.
+    /// The polygon of a triangle.
     pub fn file_face(&self, triangle: usize) -> u32 {
         self.file_face
             .as_ref()
@@ -24,10 +24,10 @@ impl Triangles {
     }
 }
 
-/// Beyond this many corners ears are clipped as they come, not best first.
+/// Above this many corners ears are clipped in order, not best first.
 const BEST_EAR_LIMIT: usize = 2048;
 
-/// Cuts every polygon into triangles along diagonals; positions are only read.
+/// Triangulates every polygon along diagonals.
 pub(super) fn triangulate(soup: &Soup) -> Triangles {
     let plain = soup.corners.len() == 3 * soup.face_count()
         && soup
@@ -101,7 +101,8 @@ fn different(a: u32, b: u32, c: u32) -> bool {
 fn cut_polygon(points: &[DVec3], out: &mut Vec<[u32; 3]>) {
     let normal = newell(points);
     if points.len() == 4 {
-        // The better of the two diagonals: also right for a concave or bent quadrilateral.
+        // Choose the better diagonal, which is also correct for a concave or non-planar
+        // quadrilateral.
         let worst =
             |s: [[usize; 3]; 2]| quality(points, s[0], normal).min(quality(points, s[1], normal));
         let (one, other) = ([[0, 1, 2], [0, 2, 3]], [[1, 2, 3], [1, 3, 0]]);
@@ -116,7 +117,7 @@ fn cut_polygon(points: &[DVec3], out: &mut Vec<[u32; 3]>) {
     EarClipper::new(points, normal).run(out);
 }
 
-/// Twice the area vector of a polygon, also where it is not planar.
+/// Twice the area vector of a polygon, planar or not.
 fn newell(points: &[DVec3]) -> DVec3 {
     let origin = points[0];
     let mut sum = DVec3::ZERO;
@@ -126,7 +127,8 @@ fn newell(points: &[DVec3]) -> DVec3 {
     sum
 }
 
-/// Area along the polygon's normal over the sum of squared edges: scale-free, negative if turned.
+/// Area along the polygon's normal over the sum of squared edges. It is scale-free, and negative
+/// for the opposite orientation.
 fn quality(points: &[DVec3], t: [usize; 3], normal: DVec3) -> f64 {
     let [a, b, c] = t.map(|i| points[i]);
     let area = (b - a).cross(c - a).dot(normal.normalize_or_zero());
@@ -139,9 +141,9 @@ struct EarClipper {
     flat: Vec<Coord<f64>>,
     next: Vec<usize>,
     prev: Vec<usize>,
-    /// Scale-free size of the ear at each corner; corners that are cut off are never asked.
+    /// Scale-free size of the ear at each remaining corner.
     size: Vec<f64>,
-    /// Corners that are not convex: only these can lie in an ear.
+    /// Non-convex corners. Only these can lie inside an ear.
     reflex: Vec<usize>,
 }
 
@@ -234,7 +236,7 @@ impl EarClipper {
         out.push([self.prev[at] as u32, at as u32, self.next[at] as u32]);
     }
 
-    /// The largest valid ear; the largest corner at all if the polygon crosses itself.
+    /// The largest valid ear, or the largest corner if the polygon intersects itself.
     fn best_ear(&self, at: usize) -> usize {
         let mut corners = Vec::new();
         let mut i = at;
@@ -296,7 +298,7 @@ mod tests {
         (triangulate(&soup).corners, soup.positions)
     }
 
-    /// Every triangle is turned like the polygon and the areas add up to its area.
+    /// Every triangle has the orientation of the polygon, and the areas add up to its area.
     fn assert_exact_cover(points: &[[f64; 3]]) {
         let (triangles, p) = one_polygon(points);
         assert_eq!(triangles.len(), points.len() - 2);
@@ -305,7 +307,7 @@ mod tests {
         for t in triangles {
             let [a, b, c] = t.map(|v| p[v as usize]);
             let area = (b - a).cross(c - a).dot(whole.normalize());
-            assert!(area > 0.0, "{t:?} is turned over");
+            assert!(area > 0.0, "{t:?} is flipped");
             sum += area;
         }
         assert!((sum - whole.length()).abs() < 1e-12 * whole.length());

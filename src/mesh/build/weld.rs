@@ -1,9 +1,10 @@
-//! Which vertices have exactly the same position.
+//! Vertices with exactly the same position.
 
 use crate::mesh::DVec3;
 
-/// For each vertex the first of `members` with the same position (itself if it is no member), and
-/// how many members are later copies. Positions are compared exactly; 0 and −0 are the same.
+/// For each vertex the first of `members` with the same position (itself if it is not a member),
+/// and the number of members that are later copies. Positions are compared exactly; 0 and −0 are
+/// equal.
 pub(super) fn position_classes(
     positions: &[DVec3],
     members: impl ExactSizeIterator<Item = u32>,
@@ -35,7 +36,7 @@ pub(super) fn position_classes(
     (class, copies)
 }
 
-/// Mixes the three coordinates so that regular grids spread well.
+/// A hash of the three coordinates that spreads regular grids well.
 fn hash(p: DVec3) -> u64 {
     const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
     let mut h = 0u64;
