@@ -1,7 +1,7 @@
-//! The filled mesh: patches put into the given mesh.
+//! The filled mesh: patches inserted into the input mesh.
 //!
-//! A patch has vertex numbers of its own (see [`Patch`](crate::patch::Patch)). Only here do new
-//! vertices get numbers that continue those of the mesh.
+//! A patch has its own vertex numbers (see [`Patch`](crate::patch::Patch)). This module assigns
+//! numbers to new vertices that continue those of the mesh.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,12 +12,12 @@ use crate::fill::plan::Plan;
 use crate::fill::result::FilledHole;
 use crate::mesh::{DVec3, Mesh, Topology, TopologyError, VertexId};
 
-/// The triangulation of one patch: its rim vertices in the mesh, its triangles in numbers of its
-/// own and its number of new vertices.
+/// The triangulation of one patch: its rim vertices in the mesh, its triangles in patch numbers,
+/// and its number of new vertices.
 pub(super) type Part<'a> = (&'a [VertexId], &'a [[u32; 3]], usize);
 
-/// Triangles of patches over the vertices of the mesh and, numbered on after the first `given`, the
-/// new vertices of all patches, one patch after the other.
+/// Triangles of patches over the vertices of the mesh, the first `given`, and the new vertices of
+/// all patches, which follow patch by patch.
 pub(super) fn appended_triangles<'a>(
     given: usize,
     patches: impl IntoIterator<Item = Part<'a>>,
@@ -35,8 +35,8 @@ pub(super) fn appended_triangles<'a>(
     all
 }
 
-/// Connectivity and layout of a filled mesh: the given vertices and faces first, then those of the
-/// patches, hole after hole. It does not depend on positions.
+/// Connectivity and layout of a filled mesh: the input vertices and faces, then those of the
+/// patches, hole by hole. It does not depend on positions.
 ///
 /// Its methods take the positions of each group's vertices: those of a fairing, or new ones in the
 /// order of the group's [`PatchTopology`].
@@ -44,7 +44,7 @@ pub(super) fn appended_triangles<'a>(
 pub(crate) struct Assembly {
     pub topology: Arc<Topology>,
     pub holes: Vec<FilledHole>,
-    /// Fairing: the given vertices that flow, ascending.
+    /// Fairing: the input vertices that flow, in ascending order.
     pub moved: Vec<VertexId>,
     given_faces: usize,
     /// The triangulation of each group.
@@ -104,7 +104,7 @@ impl Assembly {
         })
     }
 
-    /// Whether it is made of these triangulations.
+    /// Whether the groups have these triangulations.
     pub fn fits<'a>(&self, groups: impl IntoIterator<Item = &'a Arc<PatchTopology>>) -> bool {
         let mut pairs = self.groups.iter().zip(groups);
         pairs.all(|(own, other)| Arc::ptr_eq(own, other))

@@ -1,4 +1,4 @@
-//! The surfaces from which the flows of patches over several rims start.
+//! Start surfaces of the flows of patches over several rims.
 
 use std::time::Instant;
 
@@ -16,19 +16,19 @@ use crate::fill::warm_start::warm_start;
 use crate::mesh::{FaceId, Mesh};
 use crate::patch::{self, Patch};
 
-/// Another surface is preferred to the membrane if its bending is below this part of the membrane's
-/// and neither intersects itself.
+/// Another surface is preferred to the membrane if its bending is below this fraction of the
+/// membrane's and neither intersects itself.
 const PREFERRED: f64 = 0.95;
-/// A membrane whose bending for each of its rims is below this is taken at once. A tube as long as
-/// wide between two rims has 3π for each.
+/// A membrane whose bending per rim is below this is used without alternatives. A tube as long as
+/// wide between two rims has 3π per rim.
 const GENTLE: f64 = 16.0;
 
-/// Gives every blend the shape its flow starts from.
+/// Computes the start surface of every blend.
 ///
-/// A membrane stretched between rims takes the shape of its warm start, and is remeshed on it: it
-/// is far smaller than the surface that leaves the rims smoothly, and its triangles would end up
-/// long. Between distant rims a warm start closes to a thread, and around bends it intersects
-/// itself. The patch is then [lofted](patch::lofted_candidates) from rim to rim.
+/// A membrane stretched between rims is deformed to its warm start and remeshed there, because it
+/// is much smaller than the warm start and its triangles would become long. Between distant rims a
+/// warm start closes to a thread, and around bends it intersects itself. The patch is then
+/// [lofted](patch::lofted_candidates) from rim to rim.
 pub(super) fn shape(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions) {
     move_to_warm_start(mesh, drafts, options);
     each_blend(drafts, |rims, draft| {
@@ -62,8 +62,8 @@ pub(super) fn shape(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions
     }
 }
 
-/// Moves the new vertices of blends to the warm start of their group. Where that fails they stay;
-/// the flow will report the reason.
+/// Moves the new vertices of blends to the warm start of their group. If that fails they do not
+/// move, and the flow reports the reason.
 fn move_to_warm_start(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions) {
     let plan = Plan::of_holes(mesh, drafts.to_vec());
     let context = FillContext { mesh, plan: &plan };
@@ -104,7 +104,7 @@ fn each_blend(
     });
 }
 
-/// What starting surfaces are compared by.
+/// The measures that start surfaces are compared by.
 struct StartQuality {
     /// Whether the surface intersects itself or the mesh.
     intersects: bool,
@@ -142,7 +142,7 @@ impl StartQuality {
         }
     }
 
-    /// Whether to start from this surface instead of the membrane, if there is one.
+    /// Whether this surface is a better start than the membrane, if there is one.
     fn is_better_than(&self, membrane: Option<&Self>) -> bool {
         let is_gentler = |membrane: &Self| {
             membrane.intersects

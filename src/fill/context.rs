@@ -1,11 +1,11 @@
-//! What the groups of a fill share, and why a change to a group can be refused.
+//! Data shared by the groups of a fill, and errors of changes to a group.
 
 use crate::fill::plan::Plan;
 use crate::mesh::{LoopId, Mesh};
 use crate::patch::{PatchError, TransferError};
 use crate::solver::SolverError;
 
-/// What the groups of a fill share.
+/// Data shared by the groups of a fill.
 #[derive(Clone, Copy)]
 pub(super) struct FillContext<'a> {
     pub mesh: &'a Mesh,

@@ -1,4 +1,4 @@
-//! The plan of a fairing: vertices of the mesh flow, its triangles stay.
+//! The plan of a fairing: vertices of the mesh flow, and its triangles do not change.
 
 use std::sync::Arc;
 

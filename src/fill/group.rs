@@ -16,9 +16,9 @@ pub(crate) struct Group {
     pub holes: Vec<usize>,
     /// The triangulations of their first patches.
     pub topology: Arc<PatchTopology>,
-    /// Hole radius: the largest of the group.
+    /// Hole radius: the maximum of the group.
     pub radius: f64,
-    /// For each hole the faces of the mesh in its support region, sorted. A fairing has one region.
+    /// The faces of the mesh in the support region of each hole, sorted. A fairing has one region.
     pub support: Vec<Vec<FaceId>>,
 }
 

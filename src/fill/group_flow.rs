@@ -28,11 +28,11 @@ pub(super) struct GroupFlow {
     group: usize,
     options: FillOptions,
     topology: Arc<PatchTopology>,
-    /// The flow; without one the vertices stay at `fallback_positions`.
+    /// The flow. Without one the vertices are at `fallback_positions`.
     flow: Option<Flow>,
     fallback_positions: Vec<DVec3>,
     failed: Option<SolverError>,
-    /// Accepted and rejected steps where there is no flow.
+    /// Accepted and rejected steps if there is no flow.
     counts_before: (usize, usize),
     remeshing: RemeshPolicy,
     intersection: SelfIntersectionMonitor,
@@ -42,8 +42,8 @@ pub(super) struct GroupFlow {
 }
 
 impl GroupFlow {
-    /// Sets the flow up at the warm start. If that fails the vertices stay where the last
-    /// successful stage put them.
+    /// Sets up the flow at the warm start. If that fails, the vertices keep their positions of the
+    /// last successful stage.
     pub fn start(context: FillContext<'_>, group: usize, options: &FillOptions) -> Self {
         let mut run = Self::without_flow(context, group, options);
         if let Err(error) = run.set_up(context) {
@@ -121,7 +121,7 @@ impl GroupFlow {
         warm_start_of(problem, &moved)
     }
 
-    /// `None` where nothing can move.
+    /// `None` if no vertex can move.
     fn flow_of(problem: FlowProblem, options: &FillOptions) -> Result<Option<Flow>, SolverError> {
         if problem.interior().is_empty() {
             return Ok(None);
@@ -156,7 +156,7 @@ impl GroupFlow {
         let is_fourth = self.options.flow.energy.order() == Order::Fourth;
         match end {
             None | Some(End::Converged) => {}
-            // not a neck that closes: a large deformation leaves triangles without area
+            // the cause is not a closing neck but zero-area triangles of a large deformation
             Some(End::Pinched) if is_fourth => {}
             _ => return,
         }
@@ -246,14 +246,14 @@ impl GroupFlow {
         self.failed = Some(error);
     }
 
-    /// Ends the flow at the present surface.
+    /// Ends the flow at the current surface.
     pub fn stop(&mut self) {
         if let Some(flow) = &mut self.flow {
             flow.cancel();
         }
     }
 
-    /// Continues with other options from the present surface.
+    /// Continues with other options from the current surface.
     ///
     /// # Errors
     /// The options are refused; the group continues as before.
@@ -291,7 +291,7 @@ impl GroupFlow {
     /// Continues from another surface of the group, `steps` accepted steps from its start.
     ///
     /// # Errors
-    /// No flow can start there with these options; the group continues as before.
+    /// No flow can start from that surface with these options. The group continues as before.
     pub fn rewind(
         &mut self,
         context: FillContext<'_>,
@@ -330,7 +330,7 @@ impl GroupFlow {
         self.flow = flow;
     }
 
-    /// Stores what outlives a flow that is about to be replaced.
+    /// Stores the steps, warnings and times of a flow before it is replaced.
     fn keep_history(&mut self) {
         if let Some(flow) = &self.flow {
             self.energy_start.get_or_insert(flow.energy_start());
@@ -343,7 +343,7 @@ impl GroupFlow {
         self.flow.as_ref().map_or(self.counts_before, Flow::counts)
     }
 
-    /// Accepted steps from the start to the present surface.
+    /// Accepted steps from the start to the current surface.
     pub fn steps(&self) -> usize {
         self.step_counts().0
     }
@@ -361,8 +361,8 @@ impl GroupFlow {
         &self.topology
     }
 
-    /// Smallest angle of a triangle of the patches, or of those that are faired, in degrees.
-    /// `positions` are [`Self::positions`].
+    /// Smallest triangle angle of the patches, or of the faired triangles, in degrees. `positions`
+    /// are [`Self::positions`].
     pub fn worst_angle(&self, context: FillContext<'_>, positions: &[DVec3]) -> f64 {
         let mesh = context.mesh;
         let mut sharpest = -1.0f64;

@@ -2,7 +2,7 @@
 
 use crate::mesh::{BoundaryLoop, DVec3, Mesh};
 
-/// Edges to either side of a vertex over which its directions are averaged.
+/// Number of edges on each side of a vertex over which its directions are averaged.
 const SMOOTHED: usize = 4;
 
 /// A rim vertex with the directions of the surface there.
@@ -16,9 +16,9 @@ pub(super) struct RimFrame {
 }
 
 impl RimFrame {
-    /// At the vertex of that index along the loop. The directions are means over the faces at
-    /// several rim edges: those of the nearest two alone would follow every tooth of a ragged rim,
-    /// and neighbouring curves would cross.
+    /// The frame at the vertex with that index along the loop. The directions are means over the
+    /// faces at several rim edges. Directions from only the nearest two would follow every tooth of
+    /// a ragged rim, and neighbouring curves would cross.
     pub fn of(mesh: &Mesh, hole: &BoundaryLoop, index: usize) -> Self {
         let topology = &mesh.topology;
         let n = hole.edges();
@@ -42,9 +42,8 @@ impl RimFrame {
 }
 
 /// The cubic Hermite curve from `a` to `b`, at t in 0..=1, with the unit direction `leave` at `a`
-/// and `arrive` at `b`. Its end derivatives are as long as those of the circular arc that turns
-/// from the one direction to the other. The curve is close to that arc: the error of a quarter
-/// circle is 3e-4 of its radius.
+/// and `arrive` at `b`. Its end derivatives have the length of those of the circular arc with these
+/// directions. The curve is close to that arc: the error of a quarter circle is 3e-4 of its radius.
 pub(super) fn hermite_between(
     a: DVec3,
     leave: DVec3,

@@ -11,7 +11,7 @@ use crate::patch::{Patch, PatchError, RimGeometry};
 /// The rims that one patch joins.
 #[derive(Clone, Debug)]
 pub(crate) struct HoleRims {
-    /// At least one; the first represents the hole.
+    /// At least one loop. The first represents the hole.
     pub loops: Vec<BoundaryLoop>,
     /// Vertices of the mesh along all rims: the first vertices of the patch, in its order.
     pub vertices: Vec<VertexId>,
@@ -60,7 +60,7 @@ impl HoleRims {
     }
 }
 
-/// A hole and the attempt to make its first patch.
+/// A hole and its first patch, or the error.
 #[derive(Clone, Debug)]
 pub(super) struct DraftHole {
     pub rims: Arc<HoleRims>,
@@ -76,7 +76,7 @@ pub(super) struct DraftHole {
 pub(crate) struct PlannedHole {
     pub rims: Arc<HoleRims>,
     pub patch: Patch,
-    /// Whether the patch has the shape its flow starts from, and needs no warm start.
+    /// Whether the patch is already the start surface of its flow and needs no warm start.
     pub has_initial_shape: bool,
     /// Milliseconds the first patch took.
     pub patch_ms: f64,

@@ -6,10 +6,10 @@ use crate::mesh::{
 };
 use crate::patch::{self, PatchOptions};
 
-/// An island lies no farther from the first patch of its hole than this, in hole radii.
+/// Maximum distance of an island from the first patch of its hole, in hole radii.
 const NEAR: f64 = 0.5;
-/// If the nearest point of the patch is nearer to the rim than this, in hole radii, it is on the
-/// rim: the component lies beside the hole.
+/// If the nearest point of the patch is closer to the rim than this, in hole radii, it counts as a
+/// rim point, and the component is beside the hole.
 const BESIDE: f64 = 1e-6;
 /// Approximate number of vertices of a rim that are checked.
 const SAMPLES: usize = 64;
@@ -34,7 +34,7 @@ pub fn with_islands<'a>(
         return chosen.iter().map(|id| vec![&loops[id.index()]]).collect();
     }
     let mut kind: Vec<Option<LoopRole>> = vec![None; loops.len()];
-    // holes of islands are opened in turn, each once
+    // holes of islands are processed in turn, each once
     let mut next = 0;
     while next < holes.len() {
         for (i, one) in loops.iter().enumerate() {
@@ -120,7 +120,7 @@ impl CandidateHole {
         }
     }
 
-    /// Whether the loop lies over the inside of the hole.
+    /// Whether the loop lies over the interior of the hole.
     fn holds(&self, mesh: &Mesh, one: &BoundaryLoop) -> bool {
         let Some(patch) = &self.patch else {
             return false;
@@ -156,8 +156,8 @@ mod tests {
     use crate::mesh::{boundary_loops, check_filled, components, erase};
     use crate::shapes;
 
-    /// A sphere of radius 1 with a wide hole at its top, in which the faces that `stays` says
-    /// float.
+    /// A unit sphere with a wide hole at its top. The faces selected by `stays` form islands in the
+    /// hole.
     fn islands(stays: impl Fn(DVec3) -> bool) -> Mesh {
         let (positions, triangles) = shapes::sphere(3000, 7);
         let ball = Mesh::from_triangles(positions, &triangles).expect("closed");

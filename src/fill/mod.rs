@@ -1,8 +1,8 @@
-//! Filling holes from end to end.
+//! Hole filling, from the rims to the filled mesh.
 //!
 //! A fill has four stages. First patches over the rims are made, and holes whose support regions
 //! meet are grouped (`prepare`, `plan`, `group`). One flow for each group moves the new vertices
-//! (`group_flow`, `region`, `remesh`). The patches are put into the mesh (`assemble`).
+//! (`group_flow`, `region`, `remesh`). The patches are inserted into the mesh (`assemble`).
 //! [`fill_rim_sets`] does all of it, with the groups in parallel.
 
 mod assemble;

@@ -1,4 +1,4 @@
-//! Noise on a starting surface, to show that a flow smooths it out (Fig. 2(b) of the paper).
+//! Noise on a start surface, which shows that a flow smooths it (Fig. 2(b) of the paper).
 
 use crate::mesh::{DVec3, VertexId};
 use crate::random::SplitMix;

@@ -1,4 +1,4 @@
-//! What can be chosen about a fill.
+//! The options of a fill.
 
 use std::collections::BTreeMap;
 
@@ -8,36 +8,36 @@ use crate::options::choices;
 use crate::patch::PatchOptions;
 use crate::solver::FlowOptions;
 
-/// How a patch meets the mesh along a rim.
+/// The continuity of a patch and the mesh along a rim.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Continuity {
-    /// In position only: the rim is a crease, and the mesh around it has no influence.
+    /// Continuous positions: the rim is a crease, and the mesh around it has no influence.
     G0,
-    /// In position and normal: one smooth surface runs through the rim.
+    /// Continuous positions and normals: the surface is smooth across the rim.
     #[default]
     G1,
 }
 
 choices!(Continuity: G1 "g1", G0 "g0");
 
-/// What can be chosen about a fill.
+/// The options of a fill.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct FillOptions {
     /// The first patch.
     pub patch: PatchOptions,
-    /// Noise on the surface the flow starts from, in mean edge lengths along the normals.
+    /// Noise on the start surface, in mean edge lengths along the normals.
     pub noise: f64,
     /// The flow.
     pub flow: FlowOptions,
-    /// How patches meet the mesh.
+    /// Continuity of the patches and the mesh.
     pub continuity: Continuity,
-    /// The same for single loops.
+    /// Continuity at single loops.
     pub loop_continuity: BTreeMap<LoopId, Continuity>,
 }
 
 impl Default for FillOptions {
-    /// Rim density, `f = H²`, scheme B, fast mode, G1.
+    /// Density of the rim, `f = H²`, normal scheme, fast mode, G1.
     fn default() -> Self {
         Self {
             patch: PatchOptions::default(),
@@ -50,7 +50,7 @@ impl Default for FillOptions {
 }
 
 impl FillOptions {
-    /// How the patch meets the mesh at a loop.
+    /// The continuity at a loop.
     pub fn continuity_at(&self, id: LoopId) -> Continuity {
         let own = self.loop_continuity.get(&id);
         own.copied().unwrap_or(self.continuity)

@@ -17,15 +17,15 @@ use crate::patch::{self, Rim, RimGeometry};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PartialError {
-    /// Fewer than two edges lie between the ends.
+    /// There are fewer than two edges between the ends.
     #[error(
-        "between the two ends lie {edges} edges of the rim; a part of a hole needs at least two"
+        "there are {edges} rim edges between the two ends; a part of a hole needs at least two"
     )]
     TooShort {
-        /// How many.
+        /// Their number.
         edges: usize,
     },
-    /// The patch or the mesh with it cannot be made.
+    /// The patch, or the mesh with it, cannot be built.
     #[error(transparent)]
     Fill(#[from] FillError),
 }
@@ -38,7 +38,7 @@ pub enum PartialError {
 /// [`PartialError`].
 ///
 /// # Panics
-/// If an index is not one of the loop's.
+/// If an index is out of range.
 pub fn fill_part(
     mesh: &Mesh,
     hole: &BoundaryLoop,
@@ -75,15 +75,15 @@ pub fn fill_part(
     Ok(run_plan(&longer, plan, &options.into(), observe)?)
 }
 
-/// New vertices from `to` back to `from`, both left out.
+/// New vertices from `to` back to `from`, without the ends.
 fn chord(mesh: &Mesh, hole: &BoundaryLoop, from: usize, to: usize, density: f64) -> Vec<DVec3> {
     let (a, b) = (RimFrame::of(mesh, hole, to), RimFrame::of(mesh, hole, from));
     let straight = b.point - a.point;
-    // in the tangent plane, as straight on as it can be
+    // in the tangent plane, as close as possible to the straight direction
     let along = |place: &RimFrame| straight.reject_from(place.normal).normalize_or_zero();
     let curve = hermite_between(a.point, along(&a), b.point, along(&b));
     let size = hole.perimeter / hole.edges() as f64 / density;
-    // at least one vertex, so that no edge of the mesh is there twice
+    // at least one vertex, so that no edge occurs twice
     let count = pieces(length(&curve), size, 2);
     (1..count).map(|i| curve(i as f64 / count as f64)).collect()
 }
@@ -101,7 +101,7 @@ fn part_of_rim(
     let mut opposite: Vec<DVec3> = along.iter().map(|&i| whole.opposite[i]).collect();
     points.push(whole.points[to]);
     points.extend_from_slice(chord);
-    // on the edge: a degenerate face, which has no influence
+    // on the edge: a degenerate face has no influence
     opposite.extend_from_slice(&points[along.len()..]);
     let mut place = vec![u32::MAX; whole.points.len()];
     for (k, &i) in along.iter().chain([&to]).enumerate() {
@@ -145,7 +145,7 @@ fn part_of_loop(
     }
 }
 
-/// The mesh with more vertices, without faces so far, of the colour of `like`.
+/// The mesh with additional vertices, which have no faces yet and the colour of `like`.
 fn with_vertices(mesh: &Mesh, new: &[DVec3], like: VertexId) -> Result<Mesh, FillError> {
     let mut longer = mesh.clone();
     longer.positions.extend_from_slice(new);

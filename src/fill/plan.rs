@@ -5,7 +5,7 @@ use crate::fill::hole::{DraftHole, PlannedHole};
 use crate::fill::result::FillError;
 use crate::mesh::{DVec3, LoopId, Mesh, VertexId};
 
-/// What flows.
+/// The vertices that flow.
 #[derive(Clone, Debug)]
 pub(crate) enum Domain {
     /// New vertices, in the patches of these holes.
@@ -18,7 +18,7 @@ pub(crate) enum Domain {
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub domain: Domain,
-    /// Holes that could not be given a patch.
+    /// Holes for which no patch could be built.
     pub failed: Vec<FillError>,
     pub groups: Vec<Group>,
 }

@@ -1,4 +1,4 @@
-//! Part of a surface made anew: erased and filled, or faired in place.
+//! Refilling and fairing: part of a surface is erased and filled, or faired in place.
 
 use crate::fill::fairing::plan_fairing;
 use crate::fill::islands::with_islands;
@@ -9,25 +9,25 @@ use crate::mesh::{BoundaryLoop, Erased, LoopId, Mesh, VertexId, boundary_loops, 
 /// A mesh whose selected faces are erased.
 #[derive(Clone, Debug)]
 pub struct ErasedRegion {
-    /// What was left after erasing, and where it was before.
+    /// The mesh after erasing, with the old indices.
     pub erased: Erased,
-    /// All its boundary loops.
+    /// All boundary loops of that mesh.
     pub loops: Vec<BoundaryLoop>,
-    /// Those that the erased faces opened or widened.
+    /// The loops that the erased faces opened or enlarged.
     pub opened: Vec<LoopId>,
 }
 
 /// Erases the selected faces, one flag each.
 ///
 /// # Errors
-/// An empty selection, or one that leaves nothing to fill from.
+/// The selection is empty, or no face remains at its border.
 pub fn open_selection(mesh: &Mesh, selected: &[bool]) -> Result<ErasedRegion, RefillError> {
     if !selected.contains(&true) {
         return Err(RefillError::Nothing);
     }
     let erased = erase(mesh, selected);
     let left = &erased.mesh;
-    // a rim half-edge is new if there was a face beside it
+    // a rim half-edge is new if it had a face before
     let had_face = |one: &BoundaryLoop| {
         one.halfedges.iter().any(|&h| {
             let old = |v: VertexId| VertexId(erased.old_vertex[v.index()]);
@@ -58,10 +58,10 @@ pub struct Refilled {
     pub filled: Filled,
 }
 
-/// Erases the selected faces and fills the holes this opens or widens, islands included.
+/// Erases the selected faces and fills the opened or enlarged holes, islands included.
 ///
 /// # Errors
-/// An empty selection, or one after which nothing is left to fill from.
+/// The selection is empty, or no face remains at its border.
 pub fn refill(
     mesh: &Mesh,
     selected: &[bool],
@@ -75,13 +75,13 @@ pub fn refill(
     Ok(Refilled { region, filled })
 }
 
-/// Lets the inner vertices of the selected faces flow, with G1 continuity to the rest. The
-/// triangles stay as they are. As in a new patch the vertices start from the warm start, so that
-/// their given positions do not matter. [`Filled::moved`] lists them.
+/// Moves the inner vertices of the selected faces by a flow, with G1 continuity to the other faces.
+/// The triangles do not change. As in a new patch the flow starts at the warm start, so the result
+/// does not depend on the old positions of these vertices. [`Filled::moved`] lists them.
 ///
 /// # Errors
-/// An empty selection, one without inner vertices, or one that leaves nothing to continue from. An
-/// error of the flow is in the result.
+/// The selection is empty, has no inner vertices, or has no faces around it. An error of the flow
+/// is in the result.
 pub fn fair(
     mesh: &Mesh,
     selected: &[bool],
@@ -105,7 +105,7 @@ mod tests {
         Mesh::from_triangles(positions, &triangles).expect("closed")
     }
 
-    /// A ball with a dent and noise where it is to be mended.
+    /// A ball with a dent and noise at the selected faces.
     fn dented(selected: &[bool]) -> Mesh {
         let mut mesh = ball();
         let mut random = SplitMix::new(2);

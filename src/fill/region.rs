@@ -1,4 +1,4 @@
-//! The region of a group: its patches and the faces around them, as a mesh of its own.
+//! The region of a group: its patches and the faces around them as a separate mesh.
 //!
 //! ```text
 //!        support region            the given faces within SUPPORT_RINGS rings of the rim, fixed
@@ -121,7 +121,7 @@ impl<'a> Region<'a> {
         self.into_problem(moved.len() as u32, group.radius)
     }
 
-    /// The region's number of a given vertex, which is added if it is new to the region.
+    /// The region number of an input vertex, which is added if it is missing.
     fn number(&mut self, v: VertexId) -> u32 {
         let slot = &mut self.local[v.index()];
         if *slot == u32::MAX {

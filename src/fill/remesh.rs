@@ -1,10 +1,9 @@
-//! New triangulations of patches during a flow: for other densities, and instead of those that a
-//! large deformation has degraded.
+//! New triangulations of patches during a flow, for a changed density or after a large deformation
+//! has degraded the triangles.
 //!
-//! A triangulation is replaced in three steps: the present [`Patch`] is put together from its
-//! connectivity and positions; the patch module makes another one over the same rims whose new
-//! vertices lie on the present surface; that one is taken apart again into connectivity and
-//! positions.
+//! A triangulation is replaced in three steps: the current [`Patch`] is assembled from connectivity
+//! and positions; the patch module builds another patch over the same rims with its new vertices on
+//! the current surface; this patch is split into connectivity and positions.
 
 use crate::fill::context::{ChangeError, FillContext};
 use crate::fill::hole::PlannedHole;
@@ -13,8 +12,8 @@ use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::mesh::DVec3;
 use crate::patch::{self, Patch};
 
-/// Blends with a triangle sharper than this (in degrees) are remeshed. Every remeshing costs the
-/// steps in which the new triangles find their places.
+/// Blends with a triangle angle below this (in degrees) are remeshed. Every remeshing costs some
+/// steps in which the new triangles adjust.
 const SHARP: f64 = 18.0;
 /// Minimum number of accepted steps between two remeshings.
 const STEPS_BETWEEN: usize = 3;
@@ -41,8 +40,8 @@ impl RemeshPolicy {
     }
 }
 
-/// The patches of a group with its blends remeshed where they have sharp triangles and remeshing
-/// improves them. `None` if no patch is to be remeshed.
+/// The patches of a group, in which blends with sharp triangles are remeshed if that improves them.
+/// `None` if no patch is remeshed.
 pub(super) fn remesh_degraded(
     context: FillContext<'_>,
     group: usize,
@@ -73,10 +72,10 @@ pub(super) fn remesh_degraded(
     any.then_some((next.topology, next.positions))
 }
 
-/// New triangulations of all holes of a group, whose vertices lie on the present surface.
+/// New triangulations of all holes of a group, with vertices on the current surface.
 ///
 /// # Errors
-/// A rim that has no patch of that density, or a surface that cannot be mapped to a disc.
+/// No patch of that density exists for a rim, or a surface cannot be mapped to a disc.
 pub(super) fn remesh(
     context: FillContext<'_>,
     group: usize,

@@ -1,4 +1,4 @@
-//! A filled mesh, how it came about, and why a fill can fail.
+//! The result of a fill, and errors of fills.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -12,7 +12,7 @@ use crate::solver::{End, Outcome, SolverError, StepRecord};
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FillError {
-    /// No first patch could be made.
+    /// No first patch could be built.
     #[error("hole {hole}: no first patch: {source}")]
     Patch {
         /// The loop.
@@ -26,7 +26,7 @@ pub enum FillError {
 }
 
 impl FillError {
-    /// The loop concerned, if there is one.
+    /// The loop of the hole, if the error is about one.
     pub fn hole(&self) -> Option<LoopId> {
         match self {
             Self::Patch { hole, .. } => Some(*hole),
@@ -42,14 +42,11 @@ pub enum RefillError {
     /// No face is selected.
     #[error("no face is selected; choose a point nearer to the surface or a larger radius")]
     Nothing,
-    /// Every face at the selection is selected: nothing is left to continue.
-    #[error("the selection is a whole component: nothing is left for the new surface to join")]
+    /// The selection is a whole component, so no face remains to continue.
+    #[error("the selection is a whole component: there is no surface to join; select fewer faces")]
     Everything,
     /// The selection is too narrow to have inner vertices.
-    #[error(
-        "the {faces} selected faces have no vertex that could move: all lie on the selection's \
-         border; select a wider region"
-    )]
+    #[error("the {faces} selected faces have no inner vertices; select a wider region")]
     NoInside {
         /// Faces selected.
         faces: usize,
@@ -57,7 +54,7 @@ pub enum RefillError {
     /// A boundary loop that does not exist.
     #[error(transparent)]
     NoSuchLoop(#[from] NoSuchLoop),
-    /// Filling failed as a whole.
+    /// The fill failed.
     #[error(transparent)]
     Fill(#[from] FillError),
 }
@@ -108,7 +105,8 @@ pub struct FilledHole {
     pub loops: Vec<LoopId>,
     /// Edges of the rims.
     pub edges: usize,
-    /// Hole radius: RMS distance of the rim from its mean, the largest of several rims.
+    /// Hole radius: RMS distance of the rim vertices from their mean, the maximum over several
+    /// rims.
     pub radius: f64,
     /// The group it is solved with; `None` if the patch has no interior vertex.
     pub group: Option<usize>,
@@ -116,7 +114,7 @@ pub struct FilledHole {
     pub vertices: Range<usize>,
     /// Its faces in the filled mesh.
     pub faces: Range<usize>,
-    /// Milliseconds its first patch took.
+    /// Milliseconds of the first patch.
     pub patch_ms: f64,
     /// Tag of its faces.
     pub(super) tag: u32,
@@ -125,32 +123,32 @@ pub struct FilledHole {
 }
 
 impl FilledHole {
-    /// The loop that stands for the hole: the first of [`Self::loops`].
+    /// The loop that represents the hole: the first of [`Self::loops`].
     pub fn id(&self) -> LoopId {
         self.loops[0]
     }
 }
 
-/// A filled mesh and how it came about.
+/// A filled mesh with reports of its holes and groups.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Filled {
-    /// Given vertices and faces first, bit-identical; then those of the patches.
+    /// The mesh: input vertices and faces, bit-identical, then those of the patches.
     pub mesh: Mesh,
-    /// Holes with a patch, in the order asked for.
+    /// Holes with a patch, in the requested order.
     pub holes: Vec<FilledHole>,
     /// Holes without one.
     pub failed: Vec<FillError>,
-    /// Fairing: the given vertices that flowed, ascending. There are no holes then.
+    /// Fairing: the input vertices that flowed, in ascending order. There are no holes then.
     pub moved: Vec<VertexId>,
-    /// One result a group; after an error the group's holes are at their warm start.
+    /// One result per group. After an error the holes of the group are at their warm start.
     pub groups: Vec<Result<GroupResult, SolverError>>,
-    /// Wall-clock milliseconds of the whole, without reading and writing files.
+    /// Wall-clock milliseconds of the fill, without reading and writing files.
     pub milliseconds: f64,
 }
 
 impl Filled {
-    /// Whether every hole has a patch whose flow converged or needed none.
+    /// Whether every hole has a patch whose flow converged or was not needed.
     pub fn complete(&self) -> bool {
         let converged = |g: &GroupResult| g.outcome.end == End::Converged;
         self.failed.is_empty() && self.groups.iter().all(|g| g.as_ref().is_ok_and(converged))

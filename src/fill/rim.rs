@@ -1,4 +1,4 @@
-//! Rims of holes as the construction of patches takes them.
+//! Rims of holes, as input of the construction of patches.
 
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, VertexId};
 use crate::patch::{Rim, RimGeometry};

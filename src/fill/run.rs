@@ -18,7 +18,8 @@ use crate::mesh::Mesh;
 use crate::runner::{Recording, Schedule, ScheduleError};
 use crate::solver::StepRecord;
 
-/// Sees every attempted step as (group, record) and returns whether the group's flow goes on.
+/// A callback for every attempted step, with (group, record). Returns whether the flow of the group
+/// continues.
 pub type Observer<'a> = &'a (dyn Fn(usize, &StepRecord) -> bool + Sync);
 
 /// The options a fill starts with, and the changes to them during the flow.
@@ -33,7 +34,7 @@ impl ScheduledOptions {
     /// that started with `controls` and recorded `schedule`.
     ///
     /// # Errors
-    /// Invalid controls, or a schedule that cannot be followed.
+    /// Invalid controls or an invalid schedule.
     pub fn new(controls: &Controls, schedule: &Schedule) -> Result<Self, ScheduleError> {
         let recording = schedule.recording(controls)?;
         let options = controls.options();
@@ -55,7 +56,7 @@ impl From<&FillOptions> for ScheduledOptions {
 /// Fills holes and blends: one patch for each set of rims.
 ///
 /// # Errors
-/// Only if the result would not be a manifold. What fails for a single hole is in the result.
+/// The result would not be a manifold. Failures of single holes are in the result.
 pub fn fill_rim_sets(
     mesh: &Mesh,
     rim_sets: &[RimSet<'_>],
@@ -70,7 +71,7 @@ pub fn fill_rim_sets(
     Ok(filled)
 }
 
-/// Runs the flows of a plan and puts the patches into the mesh.
+/// Runs the flows of a plan and inserts the patches into the mesh.
 pub(super) fn run_plan(
     mesh: &Mesh,
     plan: Plan,

@@ -1,4 +1,4 @@
-//! Running the groups of a fill to their ends, with changes on the way.
+//! Runs the groups of a fill to their ends, with scheduled changes.
 
 use std::sync::Arc;
 

@@ -257,8 +257,8 @@ const COTANGENT_RANGE: [f64; 2] = [0.03, 5.0];
 /// Areas around vertices are clamped so that 1 / m stays in this range, for the same reason.
 const AREA_RANGE: [f64; 2] = [1.0 / 64.0, 64.0];
 
-/// The edge's weight and twice the area beside it, bit-identical from both
-/// half-edges. (The areas of all edges at a vertex sum up to four times that of its triangles.)
+/// The weight of an edge and twice the area of its triangles, bit-identical for both half-edges.
+/// (The areas of all edges at a vertex sum to four times the area of its triangles.)
 fn edge_weight(topology: &Topology, positions: &[DVec3], h: HalfedgeId) -> (f64, f64) {
     let h = HalfedgeId(h.0 & !1);
     let (left, left_area) = opposite_cotangent(topology, positions, h);

@@ -3,7 +3,7 @@
 use super::*;
 
 impl Surface {
-    /// Twins are mutual and opposite, `out` and `valence` are what the triangles say.
+    /// Twins are mutual and opposite; `out` and `valence` agree with the triangles.
     fn check(&self) {
         let mut valence = vec![0; self.points.len()];
         for h in (0..self.corner.len() as u32).filter(|&h| !self.is_dead(h)) {

@@ -1,8 +1,9 @@
 //! Another triangulation of the same surface over the same rim.
 //!
-//! Both triangulations are mapped to one disc, the rim to its circle, by solving for weighted means
-//! of neighbours with positive weights (Tutte's theorem: no triangle turns over). A new vertex goes
-//! to the point of the present surface with the same place in the disc.
+//! Both triangulations are mapped to one disc, with the rim on its circle. The map places every
+//! vertex at a mean of its neighbours with positive weights, so no triangle is flipped (Tutte's
+//! theorem). A new vertex moves to the point of the current surface with the same position in the
+//! disc.
 
 use std::f64::consts::TAU;
 
@@ -195,7 +196,7 @@ mod tests {
             for p in &fresh.points {
                 assert!(p.distance(plane(p)) < 1e-12);
             }
-            // nothing turned over
+            // no triangle is flipped
             for t in &fresh.triangles {
                 let [a, b, c] = t.map(|v| fresh.points[v as usize]);
                 assert!((b - a).cross(c - a).z > 0.0);

@@ -1,9 +1,10 @@
 //! Runs the program over the shared test models and judges every result.
 //!
 //! The models are not part of the repository. `MENISCUS_MODELS` names their folder (the one with
-//! `manifest.json`); unset, the suite says so and passes. `MENISCUS_MODELS_ONLY` restricts it to
-//! cases whose name contains one of its comma-separated words, and `MENISCUS_MODELS_PROGRAM` names
-//! another program with the same `fill` command, to judge its results by the same measure.
+//! `manifest.json`); if it is unset, the suite prints a note and passes. `MENISCUS_MODELS_ONLY`
+//! restricts it to cases whose name contains one of its comma-separated words, and
+//! `MENISCUS_MODELS_PROGRAM` names another program with the same `fill` command, to judge its
+//! results by the same measure.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -333,11 +334,11 @@ fn bad_case_filled(case: &Case, folder: &Path, run: &Run, outcome: &mut Outcome)
         return;
     }
     let left = outcome.verdict.loops_left;
-    // where the manifest knows no number, whatever must be filled must be closed
+    // without a number in the manifest, a mesh that must be filled must be closed
     let leave = case
         .loops_to_leave
         .or_else(|| case.expect.starts_with("fill").then_some(0));
-    // rims the manifest counts around fins: cut off, a fin is a sheet with a rim of its own
+    // the manifest counts rims around fins: a fin that was cut off is a sheet with its own rim
     let fins = case.loops.iter().filter(|l| l.edges < 3).count();
     if let Some(leave) = leave.filter(|&n| left < n || left > n + fins) {
         outcome.fail(format!("{left} loops left, not {leave}"));

@@ -186,8 +186,9 @@ fn crumpled(seed: u64) -> Mesh {
     Mesh::from_triangles(positions, &triangles).expect("closed")
 }
 
-/// Coarse meshes with bad triangles: the surface does not fold or intersect itself. The energy
-/// falls and is continuous between levels, which are all integrated at the same surface points.
+/// Coarse meshes with bad triangles: the surface has no folds and no more self-intersections than
+/// the input. The energy decreases and is continuous between levels, which are all integrated at
+/// the same surface points.
 #[test]
 fn energies_fall_over_all_levels_and_nothing_folds() {
     for seed in 1..3 {

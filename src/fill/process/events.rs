@@ -1,9 +1,9 @@
-//! What a fill reports on the way, and the status of its groups.
+//! Events of a fill, and the status of its groups.
 
 use crate::mesh::{DVec3, LoopId};
 use crate::solver::{End, Outcome, StepRecord};
 
-/// Something that happened in a fill.
+/// An event of a fill.
 #[derive(Clone, Debug)]
 pub enum FillEvent {
     /// A step of a group was attempted.
@@ -20,9 +20,9 @@ pub enum FillEvent {
         /// One of the places.
         place: DVec3,
         /// Accepted steps of the group at the last state that was checked and is free of
-        /// intersections. States between that and the present one were not checked.
+        /// intersections. States between that and the current one were not checked.
         last_good: Option<usize>,
-        /// How many and where, in plain words.
+        /// The number of intersections and one of the places, in words.
         text: String,
     },
     /// A group's flow has ended.
@@ -36,9 +36,9 @@ pub enum FillEvent {
     Failed {
         /// The group; `None` for a hole without a patch.
         group: Option<usize>,
-        /// The loops concerned.
+        /// The loops of the group or hole.
         holes: Vec<LoopId>,
-        /// The reason, in plain words.
+        /// The reason, in words.
         text: String,
     },
 }
@@ -48,7 +48,7 @@ pub enum FillEvent {
 pub struct GroupStatus {
     /// Its loops.
     pub holes: Vec<LoopId>,
-    /// Hole radius: the largest of the group.
+    /// Hole radius: the maximum of the group.
     pub radius: f64,
     /// Accepted steps.
     pub step: usize,

@@ -13,7 +13,7 @@ use crate::runner::{Process, Refused, panic_text};
 use crate::solver::{Flow, STOP, SolverError, StepRecord};
 use crate::warning::Warning;
 
-/// A group, its latest state and what was reported of it. If it fails, only this group ends.
+/// A group, its latest state and its reported events. If it fails, only this group ends.
 pub(in crate::fill) struct GroupProgress {
     pub run: GroupFlow,
     state: Arc<GroupState>,
@@ -105,7 +105,7 @@ impl GroupProgress {
         Ok(())
     }
 
-    /// Ends the flow at the present state.
+    /// Ends the flow at the current state.
     pub fn stop(&mut self) {
         self.run.stop();
         self.forecast.residuals.clear();
@@ -118,7 +118,7 @@ impl GroupProgress {
         let result = match catching(|| change(&mut self.run)) {
             Ok(result) => result.map_err(|error| {
                 let text =
-                    format!("a change was refused and the flow continued as before: {error}");
+                    format!("a change was refused and the flow continues as before: {error}");
                 Warning::ChangeRefused { text }
             }),
             Err(error) => {
@@ -145,7 +145,7 @@ impl GroupProgress {
         self.is_new = false;
     }
 
-    /// The present state.
+    /// The current state.
     pub fn state(&mut self, context: FillContext<'_>) -> Arc<GroupState> {
         if std::mem::take(&mut self.is_new) {
             let positions = self.run.positions();
@@ -164,7 +164,7 @@ impl GroupProgress {
         Arc::clone(&self.state)
     }
 
-    /// That the surface has begun to intersect itself, once.
+    /// The event that the surface has begun to intersect itself, once.
     pub fn crossing_event(&mut self, group: usize) -> Option<FillEvent> {
         let crossing = self.run.self_intersection();
         let before = std::mem::replace(&mut self.crossing_reported, crossing.is_some());
@@ -177,7 +177,7 @@ impl GroupProgress {
         })
     }
 
-    /// How the flow has ended, once.
+    /// The event that the flow has ended, once.
     pub fn end_event(&mut self, group: usize, holes: &[LoopId]) -> Option<FillEvent> {
         if self.end_reported || !self.run.ended() {
             return None;
@@ -213,7 +213,7 @@ impl GroupProgress {
     }
 }
 
-/// A group on its own: without an interactive caller, groups run independently of each other.
+/// A single group: without an interactive caller, groups run independently of each other.
 pub(in crate::fill) struct GroupProcess<'a> {
     pub context: FillContext<'a>,
     pub group: GroupProgress,
@@ -283,7 +283,8 @@ impl Process for GroupProcess<'_> {
     fn status(&mut self, _: f64, _: &mut dyn FnMut(StepRecord)) {}
 }
 
-/// Runs what may panic. After a panic the group's state is only replaced, never used.
+/// Runs a function that may panic. After a panic the state of the group is only replaced, never
+/// used.
 fn catching<T>(work: impl FnOnce() -> T) -> Result<T, SolverError> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|panic| SolverError::Panic(panic_text(&*panic)))
 }
@@ -294,7 +295,7 @@ struct Forecast {
     residuals: Vec<f64>,
 }
 
-/// Steps over which the rate is taken.
+/// Number of steps over which the rate is estimated.
 const WINDOW: usize = 4;
 
 impl Forecast {

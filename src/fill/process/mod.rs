@@ -40,7 +40,7 @@ pub type FillSnapshot = Snapshot<FillState>;
 /// The stored states of a fill.
 pub type FillTimeline = Timeline<FillState>;
 
-/// What is made of a mesh.
+/// The task of a fill.
 #[derive(Clone, Debug)]
 pub enum FillTask {
     /// Each of these loops gets a patch of its own, islands included.
@@ -145,7 +145,7 @@ impl FillProcess {
         })
     }
 
-    /// Changes all groups; those that cannot take part say why.
+    /// Changes all groups. Groups that cannot make the change report the reason.
     fn change(
         &mut self,
         controls: &Controls,

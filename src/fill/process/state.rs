@@ -17,7 +17,7 @@ pub struct GroupState {
     pub clock: usize,
     /// Positions of the group's new vertices.
     pub positions: Arc<[DVec3]>,
-    /// Energy, by the rule of the steps; NaN where there is no flow.
+    /// Energy by the quadrature rule of the steps; NaN if there is no flow.
     pub energy: f64,
     /// Residual of the step; `None` before the first.
     pub residual: Option<f64>,

@@ -211,7 +211,7 @@ fn any_rims_whatever_get_a_manifold_patch() {
             .collect();
         let mut gap = gap(rims);
         check("bridged", &gap, &bridged(&gap));
-        // one piece: it cannot be turned over
+        // one component: it cannot be flipped relative to itself
         gap.pieces.fill(0);
         match blend(&gap, PatchOptions::default()) {
             Ok(patch) => {
@@ -232,7 +232,7 @@ fn a_piece_inside_out_is_named() {
     assert_eq!(error(&gap), Some(PatchError::InsideOut { rim: 1 }));
     gap.pieces.fill(5);
     assert_eq!(error(&gap), Some(PatchError::OneSided { rim: 1 }));
-    // all turned over is no mistake
+    // it is valid if all components are flipped
     gap.rims[0].points.reverse();
     assert_eq!(error(&gap), None);
 }

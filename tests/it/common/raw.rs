@@ -28,7 +28,7 @@ impl RawMesh {
     }
 }
 
-/// Reads an OBJ, STL or PLY file; `Err` says what was wrong with it.
+/// Reads an OBJ, STL or PLY file; `Err` contains the reason if it is invalid.
 pub fn read(path: &Path) -> Result<RawMesh, String> {
     let bytes = std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
     match path.extension().and_then(|e| e.to_str()) {
