@@ -11,7 +11,7 @@ pub struct SplitMix {
 }
 
 impl SplitMix {
-    /// A stream of its own for every seed.
+    /// A separate stream for every seed.
     pub const fn new(seed: u64) -> Self {
         Self { state: seed }
     }

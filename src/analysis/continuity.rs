@@ -15,13 +15,13 @@ const PLACES: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 /// Minimum, mean and maximum of a quantity along a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Statistic {
-    /// Least.
+    /// Minimum.
     pub min: f64,
     /// Average over the measured places, weighted by edge length.
     pub mean: f64,
-    /// Greatest.
+    /// Maximum.
     pub max: f64,
-    /// Where the greatest is.
+    /// The point of the maximum.
     pub max_at: [f64; 3],
 }
 
@@ -88,9 +88,9 @@ pub fn measure_chain(mesh: &Mesh, control: &[DVec3], chain: &EdgeChain) -> Chain
 /// The worst of a rim, by the definitions of [`ChainReport`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorstJumps {
-    /// Greatest [`ChainReport::normal_angle`], degrees.
+    /// Maximum [`ChainReport::normal_angle`] in degrees.
     pub normal_angle: f64,
-    /// Greatest [`ChainReport::curvature_step`].
+    /// Maximum [`ChainReport::curvature_step`].
     pub curvature_step: f64,
 }
 

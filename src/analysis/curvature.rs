@@ -41,11 +41,11 @@ impl CurvatureReport {
 /// Distribution of a quantity over a surface, at the points of the 12-point rule.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Range {
-    /// Least value.
+    /// Minimum.
     pub min: f64,
     /// Where.
     pub min_at: [f64; 3],
-    /// Greatest value.
+    /// Maximum.
     pub max: f64,
     /// Where.
     pub max_at: [f64; 3],

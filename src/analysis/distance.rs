@@ -14,7 +14,7 @@ pub struct Deviation {
     pub mean: f64,
     /// Largest distance over vertices and sample points.
     pub max: f64,
-    /// Where it is, on the mesh whose distances these are.
+    /// The point of the maximum, on the mesh whose distances these are.
     pub max_at: [f64; 3],
     /// Distance of each vertex, for colouring.
     #[serde(skip)]

@@ -1,4 +1,4 @@
-//! Reports as text: JSON, and tables as CSV. The command line and the window write the same.
+//! Reports as text: JSON, and tables as CSV. The command line and the window write the same texts.
 
 use std::fmt::Write as _;
 
@@ -20,8 +20,8 @@ struct Output<'a> {
     analysis: &'a Analysis,
 }
 
-/// The whole report as JSON. `input` names the mesh, `load` is what happened when it was read (left
-/// out for a mesh that is no file).
+/// The whole report as JSON. `input` is the name of the mesh and `load` its load report (omitted
+/// for a mesh without a file).
 ///
 /// # Errors
 /// Those of the serializer; there are none for these plain data.

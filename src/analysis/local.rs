@@ -1,4 +1,5 @@
-//! A few faces of a mesh with all that their limit surface depends on, as a mesh of its own.
+//! A few faces of a mesh, with all vertices that their limit surface depends on, as a separate
+//! mesh.
 
 use crate::mesh::{DVec3, FaceId, HalfedgeId, Submesh, Topology, faces_around};
 use crate::subdivision::elements_at;

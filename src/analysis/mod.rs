@@ -54,9 +54,9 @@ pub struct Analysis {
 /// Options of a measurement.
 #[derive(Clone, Debug, Default)]
 pub struct AnalysisOptions<'a> {
-    /// What the vertices are.
+    /// The meaning of the vertices.
     pub vertices: Vertices,
-    /// An energy beside the usual ones.
+    /// An energy in addition to the standard ones.
     pub energy: Option<Energy>,
     /// Chains of edges to measure continuity along.
     pub chains: Vec<EdgeChain>,

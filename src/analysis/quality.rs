@@ -6,7 +6,7 @@ use crate::mesh::{DVec3, HalfedgeId, Mesh, dihedral_angle, folded_edges, self_in
 
 /// Maximum number of intersecting pairs that are counted.
 const MAX_INTERSECTIONS: usize = 10_000;
-/// An edge is folded where the normals differ by more than this, in degrees.
+/// An edge is folded if the normals of its faces differ by more than this, in degrees.
 const FOLDED: f64 = 150.0;
 /// Maximum number of reported places.
 const PLACES: usize = 100;
@@ -26,14 +26,14 @@ pub struct QualityReport {
     pub slivers: usize,
     /// Triangles without area.
     pub degenerate: usize,
-    /// Least, mean and greatest over the triangles of twice the inscribed over the circumscribed
+    /// Minimum, mean and maximum over the triangles of twice the inscribed over the circumscribed
     /// radius, 1 for an equilateral one.
     pub radius_ratio: [f64; 3],
-    /// Least, mean and greatest edge length.
+    /// Minimum, mean and maximum edge length.
     pub edge_length: [f64; 3],
-    /// Greatest angle between the normals of neighbouring triangles, degrees.
+    /// Maximum angle between the normals of neighbouring triangles in degrees.
     pub max_dihedral: f64,
-    /// Edges where that is above 150°.
+    /// Number of edges with an angle above 150°.
     pub folded_edges: usize,
     /// Pairs of triangles that meet outside a shared edge or vertex, at most 10,000.
     pub self_intersections: usize,

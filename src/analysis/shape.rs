@@ -7,7 +7,7 @@ use crate::mesh::{DVec3, FaceId, Mesh, Topology, components};
 use crate::subdivision::{Elements, Rule, elements};
 use crate::surface::{Interpolation, each_point};
 
-/// What the vertices of a mesh are.
+/// The meaning of the vertices of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Vertices {
     /// Control points of the limit surface.

@@ -246,9 +246,9 @@ impl fmt::Display for Energy {
 
 fn check_parameter(name: &str, value: f64) -> Result<(), ExprError> {
     let reason = if expr::is_reserved(name) {
-        "the name is taken by the grammar; rename the parameter"
+        "the name is reserved by the grammar; rename the parameter"
     } else if !expr::is_name(name) {
-        "a name starts with a letter and goes on with letters, digits and _"
+        "a name starts with a letter and continues with letters, digits and _"
     } else if !value.is_finite() {
         "the value must be a finite number"
     } else {

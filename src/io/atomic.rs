@@ -1,4 +1,4 @@
-//! Files that are replaced whole or not at all.
+//! Atomic replacement of files.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -8,15 +8,15 @@ use tempfile::NamedTempFile;
 
 use super::error::{SaveError, SaveErrorKind};
 
-/// Lets `fill` write a temporary file beside `path`, then puts it in place of `path`.
+/// Calls `fill` to write a temporary file beside `path`, then renames it to `path`.
 ///
-/// The data is on the disk before the name changes, so whatever goes wrong the old file or the new
-/// one is there, and no temporary file stays behind. An existing file keeps its permissions; hard
-/// links to it keep the old contents. A symbolic link is followed. Devices and pipes are written
+/// The data is on the disk before the renaming, so after any failure either the old or the new file
+/// exists, and no temporary file remains. The permissions of an existing file are kept; hard links
+/// to it keep the old contents. Symbolic links are followed. Devices and pipes are written
 /// directly.
 ///
 /// # Errors
-/// [`SaveError`], the old file untouched.
+/// [`SaveError`]; the old file is unchanged.
 pub(super) fn replace(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -41,7 +41,7 @@ pub(super) fn replace(
     file.sync_all().map_err(failed)?;
     drop(file);
     name.persist(&target.path).map_err(|e| failed(e.error))?;
-    // The new name is on the disk too; a file system that cannot do this has nothing to sync.
+    // Sync the new name as well. A file system without this operation has nothing to sync.
     if cfg!(unix)
         && let Ok(directory) = File::open(&target.directory)
     {
@@ -50,7 +50,7 @@ pub(super) fn replace(
     Ok(())
 }
 
-/// Finds out whether [`replace`] could start: the directory must take a new file.
+/// Checks that [`replace`] can start: a new file can be created in the directory.
 pub(super) fn probe(path: &Path) -> Result<(), SaveError> {
     let target = target(path)?;
     if target.existing.as_ref().is_none_or(fs::Metadata::is_file) {
@@ -59,13 +59,13 @@ pub(super) fn probe(path: &Path) -> Result<(), SaveError> {
     Ok(())
 }
 
-/// A temporary file that disappears unless it is persisted.
+/// A temporary file that is removed unless it is persisted.
 fn temporary_in(directory: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".meniscus-").suffix(".tmp");
     #[cfg(unix)]
     {
-        // What any new file gets, less the umask, instead of a temporary file's 0600.
+        // The mode of a new file, which the umask reduces, instead of 0600 for a temporary file.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
@@ -78,14 +78,14 @@ fn fill_file(file: File, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
     buffer.into_inner().map_err(io::IntoInnerError::into_error)
 }
 
-/// Where the data really goes.
+/// The resolved target of the data.
 struct Target {
     path: PathBuf,
     directory: PathBuf,
     existing: Option<fs::Metadata>,
 }
 
-/// Follows links and checks what can be checked before anything is computed or written.
+/// Follows links and makes all checks that are possible before the computation.
 fn target(path: &Path) -> Result<Target, SaveError> {
     let existing = match fs::metadata(path) {
         Ok(metadata) if metadata.is_dir() => return Err(SaveErrorKind::IsDirectory.of(path)),

@@ -1,4 +1,4 @@
-//! What can be written in which format, and what a format leaves out.
+//! Checks of a mesh for a format, and losses of a format.
 
 use super::{Format, MeshFault, OutputMesh};
 use crate::mesh::DVec3;
@@ -61,25 +61,24 @@ pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
     Ok(())
 }
 
-/// What a file in `format` does not keep of `mesh`, one sentence for the user each; empty if nothing
-/// is lost.
+/// The attributes of `mesh` that a file in `format` cannot store, as messages for the user.
 pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
     let mut lost = Vec::new();
     let colored = !mesh.colors.is_empty();
     match format {
         Format::Obj if mesh.colors.iter().any(|c| c[3] != 1.0) => {
-            lost.push("transparency is not kept in OBJ".to_owned());
+            lost.push("OBJ cannot store transparency".to_owned());
         }
-        Format::Stl if colored => lost.push("colours are not kept in STL".to_owned()),
+        Format::Stl if colored => lost.push("STL cannot store colours".to_owned()),
         _ => {}
     }
     if format != Format::Obj && !mesh.face_tags.is_empty() {
-        lost.push("groups and materials are kept in OBJ only".to_owned());
+        lost.push("only OBJ can store groups and materials".to_owned());
     }
     if format == Format::Stl {
         let rounded = |p: &DVec3| p.as_vec3().as_dvec3() != *p;
         if mesh.positions.iter().any(rounded) {
-            lost.push("coordinates are rounded to single precision in STL".to_owned());
+            lost.push("STL coordinates are rounded to single precision".to_owned());
         }
         let single = |v: u32| mesh.positions[v as usize].as_vec3();
         let same = |a: u32, b: u32| {
@@ -89,8 +88,8 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         let count = mesh.triangles.iter().filter(collapsed).count();
         if count > 0 {
             lost.push(format!(
-                "triangles that collapse in single precision: {count}; move the mesh to the origin, \
-                 or write OBJ or PLY"
+                "triangles that collapse in single precision: {count}; move the mesh to the origin, or \
+                 write OBJ or PLY"
             ));
         }
     }

@@ -1,4 +1,4 @@
-//! A mesh from a file and back, repair included.
+//! Reading meshes from files, with repair, and writing them.
 
 use std::path::{Path, PathBuf};
 
@@ -10,20 +10,20 @@ use crate::mesh::{self, BuildError, LoadReport, Mesh, Soup};
 pub struct Opened {
     /// The repaired mesh.
     pub mesh: Mesh,
-    /// What the file held and what was repaired.
+    /// The load report.
     pub report: LoadReport,
-    /// Material libraries the file names, to be named again in the output.
+    /// Names of material libraries in the file, which are written to the output.
     pub material_libraries: Vec<String>,
 }
 
-/// Why a file gave no mesh.
+/// Why a mesh file cannot be opened.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenError {
-    /// It could not be read.
+    /// The file cannot be read.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// It was read, but no mesh can be made of it.
+    /// No mesh can be built from the contents.
     #[error("{} cannot be used: {source}", .path.display())]
     Build {
         /// The file.
@@ -41,7 +41,7 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
     from_soup(load(path)?, path)
 }
 
-/// Repairs a polygon soup; `path` stands in the messages.
+/// Repairs a polygon soup. Messages contain `path`.
 ///
 /// # Errors
 /// [`OpenError::Build`].
@@ -57,8 +57,7 @@ pub fn from_soup(soup: Soup, path: &Path) -> Result<Opened, OpenError> {
     })
 }
 
-/// Writes a mesh atomically, in the format of the extension. Returns the [`losses`], one sentence
-/// each.
+/// Writes a mesh atomically in the format of the extension. Returns the [`losses`].
 ///
 /// # Errors
 /// As [`save`].
@@ -73,7 +72,7 @@ pub fn save_mesh(
     })
 }
 
-/// Calls `write` with all that a file holds of a mesh.
+/// Calls `write` with the stored attributes of a mesh.
 pub fn with_output<T>(
     mesh: &Mesh,
     material_libraries: &[String],

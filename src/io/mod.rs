@@ -1,9 +1,10 @@
-//! Mesh files: OBJ, PLY and STL in and out, the format chosen by the extension.
+//! Mesh files: OBJ, PLY and STL, read and written. The extension determines the format.
 //!
-//! Reading takes one pass over the bytes and gives the file's own vertices in the file's order,
-//! each coordinate the `f64` nearest to what is written. Writing is exact (OBJ: the shortest
-//! decimals that read back to the same bits; PLY: binary doubles) except for STL, whose coordinates
-//! are `f32`, and atomic. Errors name the place in the file, what was found there and the remedy.
+//! Reading takes one pass over the bytes. It returns the vertices of the file in the order of the
+//! file, with coordinates rounded to the nearest `f64`. Writing is atomic and exact (OBJ: the
+//! shortest decimals that parse to the same bits; PLY: binary doubles), except for STL, whose
+//! coordinates are `f32`. Errors contain the place in the file, what was found there, and the
+//! remedy.
 //!
 //! ```no_run
 //! use meniscus::io::{self, OutputMesh};
@@ -72,7 +73,7 @@ impl Format {
         }
     }
 
-    /// The format the extension of `path` names, in upper or lower case; `None` for any other.
+    /// The format of the extension of `path`, in upper or lower case; `None` if it is unknown.
     pub fn from_path(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?;
         Self::ALL
@@ -95,7 +96,7 @@ fn unknown_format(path: &Path) -> UnknownFormat {
     UnknownFormat(path.extension().map(|e| e.to_string_lossy().into_owned()))
 }
 
-/// A triangle mesh to write; borrowed, in the order of the file.
+/// A triangle mesh to write, borrowed, in file order.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct OutputMesh<'a> {
     /// Vertex positions.
@@ -104,19 +105,19 @@ pub struct OutputMesh<'a> {
     pub triangles: &'a [[u32; 3]],
     /// Red, green, blue, alpha in 0..=1 per vertex, or empty. OBJ has no alpha, STL no colours.
     pub colors: &'a [[f32; 4]],
-    /// For each triangle its index in `tags`, or empty. Only OBJ keeps them.
+    /// The index in `tags` of each triangle, or empty. Only OBJ stores them.
     pub face_tags: &'a [u32],
     /// Groups, objects and materials.
     pub tags: &'a [FaceTag],
-    /// `mtllib` names, written as they are. Only OBJ keeps them.
+    /// `mtllib` names, written unchanged. Only OBJ stores them.
     pub material_libraries: &'a [String],
 }
 
 /// Reads the mesh file at `path`.
 ///
 /// # Errors
-/// [`LoadError`]: the file cannot be opened, its extension names no format, or its contents are
-/// not a sound mesh.
+/// [`LoadError`]: the file cannot be opened, its extension is unknown, or its contents are not a
+/// valid mesh.
 pub fn load(path: &Path) -> Result<Soup, LoadError> {
     let failed = |source: std::io::Error| {
         let kind = match source.kind() {
@@ -126,7 +127,7 @@ pub fn load(path: &Path) -> Result<Soup, LoadError> {
         };
         kind.of(path)
     };
-    // Before opening: opening a pipe would wait for its writer.
+    // Check before opening, because opening a pipe would wait for its writer.
     let metadata = fs::metadata(path).map_err(failed)?;
     if metadata.is_dir() {
         return Err(LoadErrorKind::IsDirectory.of(path));
@@ -143,10 +144,10 @@ pub fn load(path: &Path) -> Result<Soup, LoadError> {
     Ok(soup)
 }
 
-/// Reads a mesh from the bytes of a file; `name` stands in the messages.
+/// Reads a mesh from the bytes of a file. Messages contain `name`.
 ///
 /// # Errors
-/// [`LoadErrorKind::Content`] with the place and what is wrong there.
+/// [`LoadErrorKind::Content`] with the place and the problem.
 pub fn read(format: Format, bytes: &[u8], name: &Path) -> Result<Soup, LoadError> {
     let soup = match format {
         Format::Obj => obj::read(bytes),
@@ -156,30 +157,30 @@ pub fn read(format: Format, bytes: &[u8], name: &Path) -> Result<Soup, LoadError
     soup.map_err(|error| LoadErrorKind::Content(error).of(name))
 }
 
-/// Writes `mesh` to `path` in the format of its extension: whole, or not at all.
+/// Writes `mesh` to `path` atomically, in the format of its extension.
 ///
-/// A temporary file in the same directory is written, brought to the disk and renamed.
+/// It writes a temporary file in the same directory, syncs it to the disk and renames it.
 ///
 /// # Errors
-/// [`SaveError`]; a file that was there before is untouched.
+/// [`SaveError`]; an existing file is unchanged.
 pub fn save(path: &Path, mesh: &OutputMesh<'_>) -> Result<(), SaveError> {
     let format = Format::from_path(path).ok_or_else(|| unknown_target(path))?;
     check(format, mesh).map_err(|reason| SaveErrorKind::Mesh(reason).of(path))?;
     atomic::replace(path, |out| write(format, mesh, out))
 }
 
-/// Writes a text file: whole, or not at all.
+/// Writes a text file atomically.
 ///
 /// # Errors
-/// [`SaveError`]; a file that was there before is untouched.
+/// [`SaveError`]; an existing file is unchanged.
 pub fn save_text(path: &Path, text: &str) -> Result<(), SaveError> {
     atomic::replace(path, |out| out.write_all(text.as_bytes()))
 }
 
-/// Lets `fill` write a file, which replaces `path` whole when it is done, or not at all.
+/// Calls `fill` to write a file that then atomically replaces `path`.
 ///
 /// # Errors
-/// [`SaveError`], also for what `fill` returns; a file that was there before is untouched.
+/// [`SaveError`], also for an error returned by `fill`; an existing file is unchanged.
 pub fn save_with(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
@@ -187,27 +188,26 @@ pub fn save_with(
     atomic::replace(path, fill)
 }
 
-/// Checks, before a long computation, that [`save`] could write to `path`: a known extension, an
-/// existing directory, no write-protected file in the way.
-/// The directory must also take a new file.
+/// Checks before a long computation that [`save`] can write to `path`: the extension is known, the
+/// directory exists and is writable, and an existing file is not write-protected.
 ///
 /// # Errors
-/// The [`SaveError`] that [`save`] would give.
+/// The [`SaveError`] that [`save`] would return.
 pub fn check_target(path: &Path) -> Result<Format, SaveError> {
     let format = Format::from_path(path).ok_or_else(|| unknown_target(path))?;
     atomic::probe(path)?;
     Ok(format)
 }
 
-/// Checks, before a long computation, that [`save_text`] or [`save_with`] could write to `path`.
+/// Checks before a long computation that [`save_text`] or [`save_with`] can write to `path`.
 ///
 /// # Errors
-/// The [`SaveError`] that they would give.
+/// The [`SaveError`] that they would return.
 pub fn check_text_target(path: &Path) -> Result<(), SaveError> {
     atomic::probe(path)
 }
 
-/// Writes `mesh`, which [`check()`] has found sound, to any writer.
+/// Writes `mesh`, which [`check()`] has accepted, to any writer.
 ///
 /// # Errors
 /// The error of the writer.
@@ -222,8 +222,8 @@ pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std:
     }
 }
 
-/// Whether both paths name the same file, through links and different spellings too. Two paths of
-/// which one does not exist are the same if they lie in the same directory under the same name.
+/// Whether both paths refer to the same file, also by links or different spellings. If one does not
+/// exist, they are the same if directory and name are equal.
 pub fn same_file(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     if let (Ok(a), Ok(b)) = (fs::metadata(a), fs::metadata(b)) {

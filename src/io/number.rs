@@ -1,9 +1,9 @@
-//! Numbers as text: the shortest decimals that read back to the same bits.
+//! Numbers as text: the shortest decimals that parse to the same bits.
 
 use std::io::Write;
 
-/// Appends `x` with the fewest digits that read back to the same `f64`; very large and very small
-/// magnitudes take an exponent instead of a row of zeros.
+/// Appends `x` with the fewest digits that parse to the same `f64`. Very large and very small
+/// magnitudes have an exponent instead of many zeros.
 pub(super) fn push_f64(text: &mut Vec<u8>, x: f64) {
     let size = x.abs();
     let written = if size == 0.0 || (1e-5..1e16).contains(&size) {

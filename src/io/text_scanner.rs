@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-/// Where the text starts: after a UTF-8 byte order mark, if there is one.
+/// The start of the text, after a UTF-8 byte order mark if there is one.
 pub(super) fn without_mark(bytes: &[u8]) -> usize {
     if bytes.starts_with(b"\xef\xbb\xbf") {
         3
@@ -11,7 +11,7 @@ pub(super) fn without_mark(bytes: &[u8]) -> usize {
     }
 }
 
-/// The same text with line ends of the old Macintosh (a carriage return alone) replaced.
+/// The text with line ends of the old Macintosh (a single carriage return) replaced.
 pub(super) fn unix_lines(bytes: &[u8]) -> Cow<'_, [u8]> {
     if bytes.contains(&b'\n') || !bytes.contains(&b'\r') {
         return Cow::Borrowed(bytes);
@@ -22,7 +22,7 @@ pub(super) fn unix_lines(bytes: &[u8]) -> Cow<'_, [u8]> {
         .collect()
 }
 
-/// A position in a text file. Nothing is copied and nothing is allocated.
+/// A position in a text file. It neither copies nor allocates.
 #[derive(Clone)]
 pub(super) struct Scanner<'a> {
     bytes: &'a [u8],
@@ -31,7 +31,7 @@ pub(super) struct Scanner<'a> {
 }
 
 impl<'a> Scanner<'a> {
-    /// Starts at byte `at`, which lies on line `line` (counted from 1).
+    /// Starts at byte `at` on line `line` (counted from 1).
     pub fn new(bytes: &'a [u8], at: usize, line: usize) -> Self {
         Self { bytes, at, line }
     }
@@ -69,19 +69,19 @@ impl<'a> Scanner<'a> {
         self.line += 1;
     }
 
-    /// Whether the statement is over: line end, file end or a comment.
+    /// Whether the statement has ended: line end, file end or a comment.
     #[inline]
     pub fn statement_over(&self) -> bool {
         matches!(self.bytes.get(self.at), None | Some(b'\n' | b'#'))
     }
 
-    /// Whether the line is over.
+    /// Whether the line has ended.
     #[inline]
     pub fn line_over(&self) -> bool {
         matches!(self.bytes.get(self.at), None | Some(b'\n'))
     }
 
-    /// Goes to the start of the next line.
+    /// Moves to the start of the next line.
     #[inline]
     pub fn next_line(&mut self) {
         match self.bytes[self.at..].iter().position(|&b| b == b'\n') {
@@ -98,7 +98,7 @@ impl<'a> Scanner<'a> {
         &self.bytes[start..self.at]
     }
 
-    /// The token that starts at byte `at`; for messages.
+    /// The token at byte `at`, for messages.
     pub fn token_at(&self, at: usize) -> &'a [u8] {
         &self.bytes[at..token_end(self.bytes, at)]
     }
@@ -109,7 +109,7 @@ impl<'a> Scanner<'a> {
         String::from_utf8_lossy(self.rest_of_line()).into_owned()
     }
 
-    /// The rest of the line without blanks at its ends; goes to the line end.
+    /// The rest of the line without leading and trailing blanks. Moves to the line end.
     pub fn rest_of_line(&mut self) -> &'a [u8] {
         let rest = &self.bytes[self.at..];
         let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
@@ -117,7 +117,7 @@ impl<'a> Scanner<'a> {
         rest[..length].trim_ascii()
     }
 
-    /// Reads a number; `None` (position unchanged) if the token is none.
+    /// Reads a number; `None` (position unchanged) if the token is not one.
     #[inline]
     pub fn float(&mut self) -> Option<f64> {
         let (value, end) = float_at(self.bytes, self.at)?;
@@ -184,16 +184,16 @@ fn digit_at(bytes: &[u8], at: usize) -> Option<u8> {
     (digit < 10).then_some(digit)
 }
 
-/// Powers of ten that a double holds exactly.
+/// Powers of ten that a double represents exactly.
 const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
-/// Reads the number that starts at `start`, correctly rounded, and returns where it ends.
+/// Reads the number at `start`, correctly rounded, and returns its end.
 ///
-/// An integer up to 2^53 times or over a power of ten up to 10^22 is one operation on exact
-/// doubles, hence rounded once (Clinger 1990); everything else goes through the standard library.
+/// An integer up to 2^53 times or over a power of ten up to 10^22 needs one operation on exact
+/// doubles, which is rounded once (Clinger 1990). The standard library parses all other numbers.
 #[inline]
 fn float_at(bytes: &[u8], start: usize) -> Option<(f64, usize)> {
     let sign = bytes.get(start);
@@ -215,7 +215,7 @@ fn float_at(bytes: &[u8], start: usize) -> Option<(f64, usize)> {
             at += 1;
         }
         digits += at - fraction;
-        // Longer ones have too many digits for the fast path anyway.
+        // Longer numbers have too many digits for the fast path.
         exponent = -i32::from(u8::try_from(at - fraction).unwrap_or(u8::MAX));
     }
     if matches!(bytes.get(at), Some(b'e' | b'E')) {
@@ -246,7 +246,7 @@ fn exponent_at(bytes: &[u8], start: usize) -> Option<(i32, usize)> {
     let digits = at;
     let mut value = 0_i32;
     while let Some(digit) = digit_at(bytes, at) {
-        // Far beyond what the fast path takes; the slow path reads the text again.
+        // The exponent exceeds the fast path; the slow path reads the text again.
         value = (value * 10 + i32::from(digit)).min(100_000);
         at += 1;
     }

@@ -8,7 +8,7 @@ use crate::mesh::DVec3;
 #[non_exhaustive]
 pub enum PatchError {
     /// Fewer than three rim vertices.
-    #[error("a rim of {edges} edges encloses nothing; remove the double face there instead")]
+    #[error("a rim of {edges} edges encloses no area; remove the double face there instead")]
     TooFewEdges {
         /// How many there are.
         edges: usize,
@@ -80,9 +80,9 @@ pub enum PatchError {
     },
     /// The rims of a group run around each other so that no orientable surface fits.
     #[error(
-        "no orientable surface joins these rims without passing through itself: rim {} of the group \
-         runs the wrong way around it, as the edge of a Moebius strip would, and its faces cannot be \
-         flipped alone; leave it out, or fill it by itself",
+        "no orientable surface joins these rims without passing through itself: rim {} of the \
+         group runs the wrong way around it, as the edge of a Moebius strip would, and its faces \
+         cannot be flipped alone; leave it out, or fill it separately",
         rim + 1
     )]
     OneSided {
@@ -92,7 +92,7 @@ pub enum PatchError {
     /// The density is not a positive number.
     #[error("density must be a positive number, not {density}")]
     BadDensity {
-        /// What was asked for.
+        /// The density given.
         density: f64,
     },
 }

@@ -30,7 +30,7 @@ pub enum TransferError {
 /// same rim.
 ///
 /// # Errors
-/// If one of the two is no disc over that rim.
+/// One of the two is not a disc over that rim.
 pub fn transfer(present: &Patch, fresh: &mut Patch) -> Result<(), TransferError> {
     let rim = present.rim;
     if fresh.points.len() == rim {
@@ -128,7 +128,7 @@ fn locate(topology: &Topology, places: &[DVec2], p: DVec2, mut face: FaceId) -> 
         );
         (weights[i] / weights.iter().sum::<f64>(), i)
     };
-    // a walk may cycle if the triangles are no Delaunay triangulation
+    // a walk may cycle if the triangles are not a Delaunay triangulation
     for _ in 0..places.len() {
         let (weight, i) = least(face);
         if weight >= 0.0 {
@@ -181,7 +181,8 @@ mod tests {
         }
     }
 
-    /// New vertices lie on the present triangles: a surface z = f(x, y) linear in x and y stays so.
+    /// New vertices lie on the current triangles: a surface z = f(x, y) that is linear in x and y
+    /// remains linear.
     #[test]
     fn new_vertices_lie_on_the_present_surface() {
         let plane = |p: &DVec3| DVec3::new(p.x, p.y, 0.3 * p.x - 0.7 * p.y);

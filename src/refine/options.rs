@@ -37,7 +37,7 @@ pub enum Hold {
 choices!(Hold: Previous "previous", Given "given");
 
 options! {
-    /// What a user may choose about a refinement.
+    /// The options of a refinement.
     pub struct RefineControls {
         /// Number of levels: on each, every triangle is cut into four.
         levels("N"): usize = 3,

@@ -265,7 +265,7 @@ fn invalid_controls_are_refused_at_once_and_in_a_schedule() {
         ),
         (
             "3,sub,1",
-            "line 2: there is no control `sub`; controls are add, count, finish",
+            "line 2: unknown control `sub`; controls are add, count, finish",
         ),
         ("3,rewind,4", "line 2: after 3 attempts there is no state 4"),
     ] {

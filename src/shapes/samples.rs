@@ -13,7 +13,7 @@ pub struct Sample {
     pub name: &'static str,
     /// Title in a menu.
     pub title: &'static str,
-    /// What it shows.
+    /// A description.
     pub about: &'static str,
     make: fn() -> TriangleMesh,
 }

@@ -390,7 +390,7 @@ fn the_command_line_repeats_a_run_to_the_byte() {
         .clone();
     let text = String::from_utf8_lossy(&output).into_owned();
     assert!(
-        text.contains("s.csv") && text.contains("line 2: there is no control `enrgy`"),
+        text.contains("s.csv") && text.contains("line 2: unknown control `enrgy`"),
         "{text}"
     );
     assert!(!at("no.obj").exists());

@@ -308,7 +308,7 @@ fn what_cannot_be_changed_on_the_way_is_refused_with_its_line() {
         ("1,method,loop", "line 2: `method` cannot be changed"),
         (
             "1,density,2",
-            "line 2: there is no control `density`; controls are levels",
+            "line 2: unknown control `density`; controls are levels",
         ),
         ("1,tau,soon", "line 2: `soon` is not a valid number"),
         ("1,energy,H^", "line 2: energy: at character"),

@@ -44,7 +44,7 @@ pub struct SectionCurve {
 /// A point of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SectionPoint {
-    /// Where it is.
+    /// The position.
     pub at: [f64; 3],
     /// Unit normal of the curve within the plane, on the side of the surface's normal.
     pub normal: [f64; 3],

@@ -1,5 +1,4 @@
-//! What a user may choose about a fill: one struct for command line, window, schedules and project
-//! file.
+//! The options of a fill: one struct for command line, window, schedules and project files.
 
 mod limits;
 #[cfg(test)]
@@ -31,7 +30,7 @@ pub enum Linear {
 choices!(Linear: Gmres "gmres", Lu "lu");
 
 options! {
-    /// What a user may choose about a fill.
+    /// The options of a fill.
     ///
     /// The default is that of the command line: `H^2`, scheme B, fast mode, G1.
     pub struct Controls {
@@ -62,15 +61,15 @@ options! {
         /// weight pulls the surface together.
         tension("W"): f64 = 0.0,
         /// Spontaneous curvature in units of 1/r: 1 favours spheres of the hole's radius that bulge
-        /// along the normals, -1 such that sink in.
+        /// along the normals, -1 spheres that bulge against them.
         bulge("C"): f64 = 0.0,
         /// Noise on the surface from which the flow starts, in mean edge lengths along the normals.
         noise("A"): f64 = 0.0,
         /// Density of the patch relative to the rim: 2 halves the edge length.
         density("F"): f64 = 1.0,
-        /// How patches meet the mesh: `g1` smoothly, `g0` in a crease.
+        /// Continuity at the rims: `g1` for continuous normals, `g0` for a crease.
         continuity: Continuity = Continuity::default(),
-        /// The same for one loop, by its number (repeatable).
+        /// Continuity at one loop, by its number (repeatable).
         #[serde(alias = "loop_continuity", deserialize_with = "text_keys")]
         loop_continuity("LOOP=g0|g1"): BTreeMap<LoopId, Continuity> = BTreeMap::new(),
     }
@@ -87,10 +86,10 @@ pub enum ControlsError {
     #[error(transparent)]
     Flow(#[from] SolverError),
     /// The density is not a positive number.
-    #[error("density must be a positive number, not {0}")]
+    #[error("the density must be a positive number, not {0}")]
     Density(f64),
     /// The noise is not a non-negative number.
-    #[error("noise must be a number of edge lengths, 0 for none, not {0}")]
+    #[error("the noise must be a non-negative number of edge lengths, not {0}")]
     Noise(f64),
 }
 

@@ -86,7 +86,7 @@ fn errors_name_line_and_remedy() {
         ),
         (
             "attempt,control,value\nx,stop,",
-            "line 2: `x` is no count of attempts",
+            "line 2: `x` is not a number of attempts",
         ),
         (
             "attempt,control,value\n5,finish,\n4,stop,",
@@ -99,7 +99,7 @@ fn errors_name_line_and_remedy() {
     for (rows, wanted) in [
         (
             &[(1, "enrgy", "1")][..],
-            "line 2: there is no control `enrgy`; controls are energy",
+            "line 2: unknown control `enrgy`; controls are energy",
         ),
         (
             &[(1, "scheme", "fast")],

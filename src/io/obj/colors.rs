@@ -3,20 +3,20 @@
 
 use crate::mesh::Soup;
 
-/// How many numbers follow the coordinates of coloured vertices.
+/// The number of values after the coordinates of coloured vertices.
 #[derive(Clone, Copy, Default, PartialEq)]
 enum Layout {
     #[default]
     None,
     Three,
-    /// `w r g b` or `r g b a`: decided when all are read.
+    /// `w r g b` or `r g b a`, decided after all vertices are read.
     Four,
 }
 
-/// Stands for a vertex without a colour until all are read.
+/// The mark of a vertex without a colour while the file is read.
 const UNCOLORED: [f32; 4] = [-1.0; 4];
 
-/// The colours of a file while it is read.
+/// The colours of a file that is being read.
 #[derive(Default)]
 pub(super) struct Colors {
     layout: Layout,
@@ -24,8 +24,8 @@ pub(super) struct Colors {
 }
 
 impl Colors {
-    /// Takes the numbers after the coordinates of the vertex about to be added to `soup`; `false`
-    /// if earlier vertices had another number of them.
+    /// Stores the numbers after the coordinates of the vertex that is added to `soup` next. Returns
+    /// `false` if earlier vertices had a different number of them.
     pub fn vertex(&mut self, soup: &mut Soup, extra: &[f64]) -> bool {
         let layout = match extra.len() {
             3 => Layout::Three,
@@ -51,7 +51,7 @@ impl Colors {
         self.layout == layout
     }
 
-    /// What a vertex line may hold, given the ones before.
+    /// The accepted numbers of values on a vertex line, given the lines before.
     pub fn wanted(&self) -> &'static str {
         match self.layout {
             Layout::None => "3 (x y z), 4 with a weight, 6 or 7 with a colour",
@@ -60,20 +60,21 @@ impl Colors {
         }
     }
 
-    /// Decides what four numbers mean, brings 0..255 to 0..1, and makes the rest white.
+    /// Decides the meaning of four numbers, scales 0..255 to 0..1, and makes uncoloured vertices
+    /// white.
     pub fn settle(&self, soup: &mut Soup) {
         if soup.colors.is_empty() {
             return;
         }
         let given = || soup.colors.iter().filter(|&&c| c != UNCOLORED);
-        // With every first number 1 it is the weight w; a red channel would vary.
+        // If every first number is 1, it is the weight w, because a red channel would vary.
         let weighted = self.layout == Layout::Four && given().all(|c| c[0] == 1.0);
         let numbers = if weighted { 1..4 } else { 0..3 };
         let bytes = given().any(|c| c[numbers.clone()].iter().any(|&x| x > 1.0));
         if given().flatten().any(|c| !c.is_finite() || *c < 0.0) {
             soup.colors.clear();
             soup.notes
-                .push("vertex colours that are negative or not finite: all dropped".into());
+                .push("vertex colours are ignored because some are negative or not finite".into());
             return;
         }
         let scale = if bytes { 255.0 } else { 1.0 };
@@ -91,11 +92,11 @@ impl Colors {
         }
         if bytes {
             soup.notes
-                .push("vertex colours above 1: taken as 0 to 255".into());
+                .push("vertex colours exceed 1 and are read as 0 to 255".into());
         }
         if self.uncolored > 0 {
             soup.notes.push(format!(
-                "{} vertices without a colour: white",
+                "{} vertices without a colour are white",
                 self.uncolored
             ));
         }

@@ -1,8 +1,8 @@
-//! What of an OBJ file is not kept: notes for the load report.
+//! Ignored statements of an OBJ file: notes for the load report.
 
 use super::super::error::excerpt;
 
-/// Collected while a file is read.
+/// Counts collected while a file is read.
 #[derive(Default)]
 pub(super) struct IgnoredStatements {
     pub texture: bool,
@@ -14,7 +14,7 @@ pub(super) struct IgnoredStatements {
     /// Line and first word of the first unknown statement.
     pub first_unknown: Option<(usize, String)>,
     unknown: usize,
-    /// Whether the file does not end with a line end.
+    /// Whether the last line has no line end.
     pub cut: bool,
 }
 
@@ -50,7 +50,7 @@ impl IgnoredStatements {
         }
         if self.weighted > 0 {
             notes.push(format!(
-                "{} vertices have a weight w other than 1: ignored",
+                "{} vertices have a weight w other than 1, which is ignored",
                 self.weighted
             ));
         }
@@ -62,7 +62,8 @@ impl IgnoredStatements {
         }
         if self.cut {
             notes.push(format!(
-                "the file ends without a line end: if it was cut off, line {last_line} may be incomplete"
+                "the last line has no line end: line {last_line} may be incomplete if the file was \
+                 cut off"
             ));
         }
     }

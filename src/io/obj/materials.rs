@@ -1,4 +1,4 @@
-//! Notes about material libraries for the load report; their names are kept, their contents are not
+//! Notes about material libraries for the load report. Their names are kept; their contents are not
 //! read.
 
 use std::collections::BTreeSet;
@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 
 use crate::mesh::Soup;
 
-/// A library is a few kilobytes; anything far beyond is something else.
+/// Maximum size of a material library in bytes. A library usually has a few kilobytes.
 const LONGEST: u64 = 1 << 24;
 
-/// Adds notes on libraries that are missing and materials that no library defines.
+/// Adds notes about missing libraries and undefined materials.
 pub(in super::super) fn look_up(path: &Path, soup: &mut Soup) {
     let directory = path.parent().unwrap_or(Path::new(""));
     let mut defined = BTreeSet::new();
@@ -18,9 +18,10 @@ pub(in super::super) fn look_up(path: &Path, soup: &mut Soup) {
         for name in library_names(directory, entry) {
             match read_library(&directory.join(&name)) {
                 Some(bytes) => defined.extend(material_names(&bytes)),
-                None => soup
-                    .notes
-                    .push(format!("material library '{name}' is not beside the file")),
+                None => soup.notes.push(format!(
+                    "the material library '{name}' is not in the directory of the \
+                                   file"
+                )),
             }
         }
     }
@@ -38,7 +39,7 @@ pub(in super::super) fn look_up(path: &Path, soup: &mut Soup) {
     }
 }
 
-/// An entry is one name with blanks or several names.
+/// An entry is one name that contains blanks, or several names.
 fn library_names(directory: &Path, entry: &str) -> Vec<String> {
     if directory.join(entry).is_file() {
         return vec![entry.to_owned()];

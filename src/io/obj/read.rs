@@ -1,4 +1,4 @@
-//! OBJ in: the file's own vertex list, polygons, vertex colours, groups and materials.
+//! The OBJ reader: the vertex list of the file, polygons, vertex colours, groups and materials.
 
 use std::borrow::Cow;
 
@@ -43,14 +43,14 @@ struct Reader<'a> {
     colors: Colors,
     tags: TagRuns,
     ignored: IgnoredStatements,
-    /// Growing maxima of corners that name a vertex further down: line, face, vertex.
+    /// Increasing maxima of corners that refer to a later vertex: line, face, vertex.
     ahead: Vec<(usize, usize, u32)>,
     statements: usize,
 }
 
 impl<'a> Reader<'a> {
     fn new(bytes: &'a [u8]) -> Self {
-        // Typical shares of a triangle mesh; reserve that is never touched costs nothing.
+        // Typical sizes of a triangle mesh; unused capacity costs nothing.
         let mut soup = Soup {
             positions: Vec::with_capacity(bytes.len() / 80),
             corners: Vec::with_capacity(bytes.len() / 14),
@@ -103,7 +103,8 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// A word of letters is an extension of some program; anything else is a broken line.
+    /// A statement with an unknown word. A word of letters is an extension of some program;
+    /// anything else is an error.
     fn other(&mut self, word: &[u8], line: usize) -> Result<(), ParseError> {
         if OTHER_STATEMENTS
             .split(' ')
@@ -117,7 +118,7 @@ impl<'a> Reader<'a> {
             let found = if text {
                 format!("a line that starts with '{}'", excerpt(word))
             } else {
-                "bytes that are no text".to_owned()
+                "bytes that are not text".to_owned()
             };
             return Err(not_obj(line, found));
         }
@@ -307,8 +308,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The vertex, counted from 0, that a corner names: from 1 upwards, or backwards from the last one
-/// read. It may still have to come.
+/// The vertex of a corner, counted from 0. The index in the file counts from 1, or backwards from
+/// the last vertex read. The vertex may come later in the file.
 #[inline]
 fn vertex_of(index: i64, vertices: usize) -> Option<u32> {
     let vertex = match usize::try_from(index) {

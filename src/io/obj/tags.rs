@@ -1,11 +1,11 @@
-//! Objects, groups and materials: which tag each face gets.
+//! Objects, groups and materials: the tags of faces.
 
 use std::collections::HashMap;
 
 use crate::mesh::{FaceTag, Soup};
 
-/// The tag in force while a file is read. Faces before the first tag get an empty one, and a file
-/// without tags none at all.
+/// The current tag while a file is read. Faces before the first tag get an empty tag. A file
+/// without tags has no face tags.
 #[derive(Default)]
 pub(super) struct TagRuns {
     current: FaceTag,
@@ -16,13 +16,13 @@ pub(super) struct TagRuns {
 }
 
 impl TagRuns {
-    /// Changes the tag of the faces to come.
+    /// Changes the tag of the following faces.
     pub fn change(&mut self, edit: impl FnOnce(&mut FaceTag)) {
         edit(&mut self.current);
         self.changed = true;
     }
 
-    /// Tags the face that `soup` got last.
+    /// Tags the last face of `soup`.
     #[inline]
     pub fn face(&mut self, soup: &mut Soup) {
         if self.changed {

@@ -1,4 +1,5 @@
-//! OBJ out: vertices with the shortest decimals that read back exactly, faces in runs of one tag.
+//! The OBJ writer: vertices with the shortest decimals that parse exactly, faces in runs of one
+//! tag.
 
 use std::io::{self, Write};
 
@@ -6,7 +7,7 @@ use super::super::OutputMesh;
 use super::super::number::{push_f32, push_f64, push_index};
 use crate::mesh::FaceTag;
 
-/// Bytes collected before they go to the writer.
+/// Buffer size in bytes.
 const CHUNK: usize = 1 << 16;
 
 /// Writes OBJ text. The mesh has been checked.
@@ -61,10 +62,10 @@ fn flush(text: &mut Vec<u8>, out: &mut dyn Write, limit: usize) -> io::Result<()
     Ok(())
 }
 
-/// Writes what changes from one tag to the next.
+/// Writes the difference between two tags.
 ///
-/// OBJ cannot end an object, group or material, so an empty name after another one is written as
-/// the name programs use for "none".
+/// OBJ cannot end an object, group or material. An empty name after another one is therefore
+/// written as the conventional name for "none".
 fn push_tag(text: &mut Vec<u8>, from: &FaceTag, to: &FaceTag) {
     let changes = [
         ("o ", &from.object, &to.object, "default"),
@@ -78,7 +79,8 @@ fn push_tag(text: &mut Vec<u8>, from: &FaceTag, to: &FaceTag) {
     }
 }
 
-/// A name from another format may hold a line end, which would start a statement of its own.
+/// A name without line ends, which would start a new statement. Names from other formats may
+/// contain them.
 fn push_line(text: &mut Vec<u8>, keyword: &str, name: &str) {
     text.extend_from_slice(keyword.as_bytes());
     text.extend(
@@ -86,7 +88,7 @@ fn push_line(text: &mut Vec<u8>, keyword: &str, name: &str) {
             .map(|b| if b == b'\n' || b == b'\r' { b' ' } else { b }),
     );
     if name.ends_with('\\') {
-        // a backslash at its end would join the next line
+        // a backslash at the end would join the next line
         text.push(b' ');
     }
     text.push(b'\n');

@@ -1,8 +1,8 @@
-//! The header of a PLY file: what elements follow, and how they are encoded.
+//! The header of a PLY file: the elements and their encoding.
 
 use super::super::error::{ParseError, ParseErrorKind, at_line, excerpt, in_file};
 
-/// How the elements after the header are written.
+/// The encoding of the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -73,13 +73,13 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// The fewest bytes one row can take.
+    /// Minimum number of bytes of a row.
     pub fn least_bytes(&self, encoding: Encoding) -> u64 {
         let binary = |p: &Property| match p.kind {
             Kind::Number(scalar) | Kind::List { count: scalar, .. } => scalar.size() as u64,
         };
         match encoding {
-            // A digit and a blank; the blank may lack at the end of the file.
+            // A digit and a blank; the blank may be missing at the end of the file.
             Encoding::Ascii => 2 * self.properties.len() as u64,
             _ => self.properties.iter().map(binary).sum(),
         }
@@ -151,7 +151,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, ParseError> {
             }
             Some(b"property") => {
                 let property = property(&mut words)
-                    .ok_or_else(|| error("a property needs a type this format has, and a name"))?;
+                    .ok_or_else(|| error("a property needs a PLY type and a name"))?;
                 let element = elements
                     .last_mut()
                     .ok_or_else(|| error("a property before any element"))?;

@@ -1,4 +1,4 @@
-//! PLY in: positions, colours and polygons; everything else is skipped.
+//! The PLY reader: positions, colours and polygons. Other elements are skipped.
 
 use super::super::error::{ParseError, ParseErrorKind, in_file};
 use super::header::{self, Element, Encoding, Header, Kind, Property, Scalar};
@@ -72,21 +72,20 @@ fn body(header: &Header, mut source: impl Source) -> Result<Soup, ParseError> {
     }
     if source.has_rest() {
         let rest = source.remaining();
-        soup.notes.push(format!(
-            "{rest} bytes after the last element of the header: ignored"
-        ));
+        soup.notes
+            .push(format!("{rest} bytes after the last element are ignored"));
     }
     Ok(soup)
 }
 
-/// Refuses counts that the rest of the file cannot hold, before anything is allocated for them.
+/// Refuses counts that exceed the remaining file, before memory is allocated for them.
 fn check_size(
     element: &Element,
     encoding: Encoding,
     source: &impl Source,
 ) -> Result<(), ParseError> {
     let least = u128::from(element.count) * u128::from(element.least_bytes(encoding));
-    // The last line of a text may lack its line end.
+    // The last line of a text file may have no line end.
     let have = source.remaining() as u128 + u128::from(encoding == Encoding::Ascii);
     if least <= have {
         return Ok(());
@@ -109,7 +108,7 @@ fn read_faces(
         list && (p.name == "vertex_indices" || p.name == "vertex_index")
     };
     let Some(corners) = element.properties.iter().position(is_corners) else {
-        let what = "a PLY file whose faces have no integer list 'vertex_indices'".to_owned();
+        let what = "a PLY file with faces that have no integer list 'vertex_indices'".to_owned();
         let remedy = "export it with vertex indices";
         return Err(in_file(ParseErrorKind::Unsupported { what, remedy }));
     };
@@ -117,7 +116,7 @@ fn read_faces(
     let count = element.count as usize;
     soup.offsets.reserve_exact(count + 1);
     soup.offsets.push(0);
-    // Triangles most of the time, and never more corners than bytes.
+    // Most faces are triangles, and there are never more corners than bytes.
     soup.corners.reserve((3 * count).min(source.remaining()));
     for face in 0..count {
         let what = || format!("face {} of {count}", face + 1);
@@ -134,7 +133,7 @@ fn read_faces(
     }
     if element.properties.len() > 1 {
         soup.notes
-            .push("face properties other than the corners: not kept".into());
+            .push("face properties other than the corners are not kept".into());
     }
     Ok(())
 }
@@ -187,7 +186,10 @@ fn list_length(
         .ok()
         .filter(|&n| n <= source.remaining())
         .ok_or_else(|| {
-            let what = format!("{} has a list of {length} items, which cannot be", what());
+            let what = format!(
+                "{} has a list of {length} items, which is not valid",
+                what()
+            );
             source.place().error(ParseErrorKind::truncated(what))
         })
 }
@@ -207,7 +209,7 @@ pub(super) fn skip_property(
     Ok(())
 }
 
-/// Passes over an element that means nothing here.
+/// Skips an unused element.
 fn skip(element: &Element, source: &mut impl Source) -> Result<(), ParseError> {
     for row in 0..element.count {
         let what = || format!("'{}' element {}", element.name, row + 1);

@@ -1,31 +1,31 @@
-//! Rows of numbers, from text or from bytes of either order.
+//! Rows of numbers, from text or from bytes in either byte order.
 
 use super::super::error::{ParseError, ParseErrorKind, Place, excerpt};
 use super::super::text_scanner::Scanner;
 use super::header::Scalar;
 
-/// What a row or a number belongs to, put into words only for a message.
+/// A function that describes a row or number for a message.
 pub(super) type What<'a> = &'a dyn Fn() -> String;
 
-/// Where the next number comes from.
+/// A source of rows of numbers.
 pub(super) trait Source {
-    /// Goes to the start of a row.
+    /// Moves to the start of a row.
     fn begin_row(&mut self, what: What<'_>) -> Result<(), ParseError>;
     /// The next number of the row.
     fn number(&mut self, scalar: Scalar, what: What<'_>) -> Result<f64, ParseError>;
     /// The next number of the row, of an integer type.
     fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, ParseError>;
-    /// Leaves the row.
+    /// Ends the row.
     fn end_row(&mut self, what: What<'_>) -> Result<(), ParseError>;
-    /// Bytes not read yet.
+    /// Number of remaining bytes.
     fn remaining(&self) -> usize;
-    /// Where the number read last stands, for messages.
+    /// The place of the last number, for messages.
     fn place(&self) -> Place;
-    /// Whether something but blanks is left.
+    /// Whether anything except blanks remains.
     fn has_rest(&mut self) -> bool;
 }
 
-/// Numbers in text, one row a line.
+/// Numbers in text, one row per line.
 pub(super) struct Text<'a> {
     scanner: Scanner<'a>,
     total: usize,

@@ -6,17 +6,17 @@ use super::read::skip_property;
 use super::source::Source;
 use crate::mesh::{DVec3, Soup};
 
-/// What a vertex property is.
+/// The role of a vertex property.
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
     Coordinate(usize),
-    /// A channel and the value that means 1.
+    /// A colour channel and the value that corresponds to 1.
     Color(usize, f32),
     Other,
 }
 
 fn role(property: &Property) -> Role {
-    // Integer channels fill the range of their type; floating ones are 0..=1.
+    // Integer channels use the range of their type; floating-point ones are 0..=1.
     let full = match property.kind {
         Kind::Number(Scalar::U8) => 255.0,
         Kind::Number(Scalar::U16) => 65535.0,
@@ -36,7 +36,7 @@ fn role(property: &Property) -> Role {
     }
 }
 
-/// Roles of all properties; colours only if there are red, green and blue.
+/// Roles of all properties. Colours need red, green and blue.
 fn roles(element: &Element) -> Result<Vec<Role>, ParseError> {
     let mut roles: Vec<Role> = element.properties.iter().map(role).collect();
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {

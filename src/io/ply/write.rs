@@ -1,4 +1,4 @@
-//! PLY out: binary little endian, coordinates as doubles.
+//! The PLY writer: binary little endian, coordinates as doubles.
 
 use std::io::{self, Write};
 
@@ -6,7 +6,8 @@ use super::super::OutputMesh;
 
 /// Writes binary PLY. The mesh has been checked.
 ///
-/// Colours that are exact in 8 bits are written so, as most programs expect; others as `float`.
+/// Colours that are exact in 8 bits are written as bytes, which most programs expect, and others as
+/// `float`.
 pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io::Result<()> {
     let bytes = mesh.colors.iter().flatten().all(|&c| to_byte(c).is_some());
     let channels = if mesh.colors.iter().all(|c| c[3] == 1.0) {
@@ -59,7 +60,7 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
     Ok(())
 }
 
-/// The byte that reads back as exactly this channel, if there is one.
+/// The byte that represents exactly this channel, if there is one.
 fn to_byte(channel: f32) -> Option<u8> {
     let byte = (0.0..=1.0)
         .contains(&channel)

@@ -1,11 +1,11 @@
-//! ASCII STL: one statement a line, in upper or lower case; several solids may follow each other.
+//! ASCII STL: one statement per line, in upper or lower case. A file may contain several solids.
 
 use super::super::error::{ParseError, ParseErrorKind, at_line, excerpt, in_file};
 use super::super::text_scanner::{Scanner, unix_lines, without_mark};
 use super::{close_face, with_room};
 use crate::mesh::{DVec3, FaceTag, Soup};
 
-/// Whether the file starts with "solid" and goes on as text.
+/// Whether the file starts with "solid" and continues as text.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
     let text = bytes[without_mark(bytes)..].trim_ascii_start();
     let head = &text[..text.len().min(1024)];
@@ -17,7 +17,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     let bytes = unix_lines(bytes);
     let mut reader = Reader {
         text: Scanner::new(&bytes, without_mark(&bytes), 1),
-        // Faces as programs write them take 200 bytes and more.
+        // A face usually has at least 200 bytes.
         soup: with_room(bytes.len() / 200),
         in_solid: false,
     };
@@ -70,14 +70,14 @@ impl Reader<'_> {
             _ => {
                 let found = excerpt(word);
                 Err(self.here(ParseErrorKind::syntax(
-                    "this is no ASCII STL statement",
+                    "this is not an ASCII STL statement",
                     found,
                 )))
             }
         }
     }
 
-    /// Corners read of the face that is not closed yet.
+    /// Number of corners of the current face.
     fn open_corners(&self) -> usize {
         self.soup.positions.len() - self.soup.corners.len()
     }
@@ -88,7 +88,7 @@ impl Reader<'_> {
             return Ok(());
         }
         let face = self.soup.face_count() + 1;
-        let what = format!("face {face} has {found} corners where there should be {wanted}");
+        let what = format!("face {face} has {found} corners instead of {wanted}");
         Err(self.here(ParseErrorKind::syntax(what, excerpt(word))))
     }
 
@@ -176,7 +176,7 @@ impl Reader<'_> {
         if self.in_solid {
             self.soup
                 .notes
-                .push("the file has no 'endsolid': it may be cut off".into());
+                .push("the file has no 'endsolid' and may be cut off".into());
         }
         Ok(self.soup)
     }

@@ -1,5 +1,5 @@
-//! Binary STL: 80 bytes of header, the number of faces, then 50 bytes a face: normal, three points,
-//! two bytes without meaning.
+//! Binary STL: 80 bytes of header, the number of faces, then 50 bytes per face: normal, three
+//! points, two unused bytes.
 
 use std::io::{self, Write};
 
@@ -13,7 +13,7 @@ const FACE: usize = 50;
 const NORMAL: usize = 12;
 const POINT: usize = 12;
 
-/// The number of faces the header declares, if the file is long enough to have one.
+/// The declared number of faces, if the file is long enough to contain it.
 pub(super) fn declared_faces(bytes: &[u8]) -> Option<u32> {
     bytes
         .get(80..HEADER)?
@@ -21,12 +21,12 @@ pub(super) fn declared_faces(bytes: &[u8]) -> Option<u32> {
         .map(|raw| u32::from_le_bytes(*raw))
 }
 
-/// Bytes of a file with so many faces.
+/// Size in bytes of a file with this many faces.
 pub(super) fn size(faces: u32) -> u64 {
     HEADER as u64 + FACE as u64 * u64::from(faces)
 }
 
-/// Reads the declared faces, if the file is long enough for them.
+/// Reads the declared faces, if the file contains them all.
 pub(super) fn read(bytes: &[u8], declared: u32) -> Result<Soup, ParseError> {
     let needed = size(declared);
     if needed > bytes.len() as u64 {
@@ -74,7 +74,7 @@ pub(super) fn read(bytes: &[u8], declared: u32) -> Result<Soup, ParseError> {
     let rest = bytes.len() as u64 - needed;
     if rest > 0 {
         soup.notes.push(format!(
-            "{rest} bytes after the {declared} declared faces: ignored"
+            "{rest} bytes after the {declared} declared faces are ignored"
         ));
     }
     Ok(soup)
@@ -82,7 +82,7 @@ pub(super) fn read(bytes: &[u8], declared: u32) -> Result<Soup, ParseError> {
 
 /// Writes binary STL. The mesh has been checked; coordinates are rounded to `f32`.
 pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io::Result<()> {
-    // Some readers take any file that starts with "solid" for ASCII.
+    // Some readers treat every file that starts with "solid" as ASCII.
     let title = b"binary STL written by meniscus";
     let mut header = [b' '; HEADER];
     header[..title.len()].copy_from_slice(title);

@@ -1,8 +1,8 @@
-//! STL, ASCII and binary, in; binary out.
+//! STL: ASCII and binary are read, binary is written.
 //!
-//! STL has no vertex list: each face brings its own three points. They are given as they are,
-//! marked `exploded`, for welding is the business of `mesh::build`. Coordinates of ASCII files are
-//! read as `f64`, those of binary files are `f32` by definition.
+//! STL has no vertex list: each face has its own three points. They are returned unchanged and
+//! marked `exploded`; `mesh::build` welds them. Coordinates of ASCII files are read as `f64`; those
+//! of binary files are `f32` by definition.
 
 mod ascii;
 mod binary;
@@ -12,8 +12,8 @@ pub(super) use binary::write;
 use super::error::{ParseError, ParseErrorKind, in_file};
 use crate::mesh::Soup;
 
-/// Reads STL, telling ASCII from binary by the size a binary file must have, not by its first word:
-/// binary files may start with "solid" too.
+/// Reads STL. The size of a binary file, not the first word, distinguishes ASCII from binary,
+/// because binary files may start with "solid" too.
 pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     if bytes.is_empty() {
         return Err(in_file(ParseErrorKind::Empty));
@@ -25,7 +25,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     }
     let Some(declared) = declared else {
         let found = format!(
-            "{} bytes, too few for a binary STL and no ASCII STL",
+            "{} bytes, too few for a binary STL, and not an ASCII STL",
             bytes.len()
         );
         return Err(in_file(ParseErrorKind::NotThisFormat {
@@ -36,7 +36,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     binary::read(bytes, declared)
 }
 
-/// An empty soup with room for so many faces.
+/// An empty soup with capacity for this many faces.
 fn with_room(faces: usize) -> Soup {
     let mut soup = Soup {
         positions: Vec::with_capacity(3 * faces),
@@ -49,7 +49,7 @@ fn with_room(faces: usize) -> Soup {
     soup
 }
 
-/// Makes a face of the last three positions.
+/// Adds a face of the last three positions.
 fn close_face(soup: &mut Soup) -> Result<(), ParseError> {
     let Ok(end) = u32::try_from(soup.positions.len()) else {
         return Err(in_file(ParseErrorKind::too_large("face corners")));

@@ -231,7 +231,7 @@ fn material_libraries_are_looked_up() {
     let soup = load(&path).expect("loaded");
     let notes = soup.notes.join("; ");
     assert!(
-        notes.contains("material library 'two.mtl' is not beside the file"),
+        notes.contains("the material library 'two.mtl' is not in the directory of the file"),
         "{notes}"
     );
     assert!(

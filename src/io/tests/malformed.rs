@@ -104,9 +104,9 @@ fn obj_without_a_surface() {
     says(
         Obj,
         "hello world\n",
-        &["not look like OBJ", "line 1", "'hello'"],
+        &["not valid OBJ", "line 1", "'hello'"],
     );
-    says(Obj, b"\x89PNG\r\n\x1a\n\0\0", &["line 1", "no text"]);
+    says(Obj, b"\x89PNG\r\n\x1a\n\0\0", &["line 1", "not text"]);
     says(Obj, b"\xff\xfev\0 \0", &["UTF-16"]);
     says(Obj, format!("{POINTS}f 1 2 3\n4 5 6\n"), &["line 5", "'4'"]);
 }
@@ -114,8 +114,8 @@ fn obj_without_a_surface() {
 #[test]
 fn ply_headers() {
     says(Ply, "", &["empty"]);
-    says(Ply, "plyx\n", &["line 1", "not look like PLY", "'plyx'"]);
-    says(Ply, "\0\0", &["not look like PLY"]);
+    says(Ply, "plyx\n", &["line 1", "not valid PLY", "'plyx'"]);
+    says(Ply, "\0\0", &["not valid PLY"]);
     says(
         Ply,
         "ply\nformat ascii 1.0\nelement vertex 1\n",

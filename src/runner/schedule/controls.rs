@@ -134,7 +134,7 @@ fn set<C: RunControls>(controls: &mut C, control: &str, value: &str) -> Result<(
     if !names.iter().any(|name| name == control) {
         names.retain(|name| !C::FIXED.contains(&name.as_str()));
         names.extend(COMMANDS.map(str::to_owned));
-        let problem = format!("there is no control `{control}`");
+        let problem = format!("unknown control `{control}`");
         return Err(OptionError::new(
             problem,
             format!("controls are {}", names.join(", ")),

@@ -14,7 +14,7 @@
 //!
 //! Controls have the names of the command-line flags. There are also
 //!
-//! - `rewind N`: continue from the state after attempt N, with the present controls;
+//! - `rewind N`: continue from the state after attempt N, with the current controls;
 //! - `finish`: continue in fast mode with an adaptive time step, until `mode`, `tau` or `growth` is
 //!   changed or the run is rewound;
 //! - `stop`: end here.

@@ -68,7 +68,7 @@ fn entry(text: &str) -> Result<ScheduleEntry, OptionError> {
     };
     let attempt = attempt.trim();
     let Ok(number) = attempt.parse::<usize>() else {
-        let problem = format!("`{attempt}` is no count of attempts");
+        let problem = format!("`{attempt}` is not a number of attempts");
         return Err(OptionError::new(problem, "write a whole number"));
     };
     Ok(ScheduleEntry {
