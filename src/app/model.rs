@@ -18,6 +18,7 @@ use super::run::Run;
 use super::settings::Settings;
 use super::view_state::{AfterUnsaved, PathUse, ViewState};
 use crate::mesh::{DVec3, LoopId, Mesh, VertexId};
+use crate::options::Choice;
 use crate::render::{Background, Bounds, Gpu, Picker, ViewMode, ViewStyle};
 
 /// An effect that only the window can carry out.
@@ -197,7 +198,7 @@ impl Model {
     pub fn view_modes(&self) -> impl Iterator<Item = ViewMode> + use<> {
         let compared = self.report.reference.is_some();
         let shown = move |mode: &ViewMode| *mode != ViewMode::Distance || compared;
-        ViewMode::ALL.into_iter().filter(shown)
+        ViewMode::ALL.iter().copied().filter(shown)
     }
 
     /// The bounding box of the displayed surfaces.

@@ -16,6 +16,7 @@ use super::view_state::ViewState;
 use crate::fill::Controls;
 use crate::io::{self, Format, Opened};
 use crate::mesh::{DVec3, parse_ranges, ranges_text};
+use crate::options::Choice;
 use crate::render::{Bounds, Camera, ViewMode, ViewStyle};
 use crate::shapes::Sample;
 
@@ -287,7 +288,7 @@ impl ViewPart {
             view.camera = camera;
             view.fit = false;
         }
-        if let Some(mode) = ViewMode::ALL.into_iter().find(|m| m.name() == self.mode) {
+        if let Some(mode) = ViewMode::named(&self.mode) {
             view.style.mode = mode;
         }
         view.style.stripes = self.stripes.clamp(1, 100);

@@ -4,7 +4,7 @@ use super::report::{ReportFile, ReportView};
 use crate::fill::LoopLimits;
 use crate::mesh::{DVec3, LoopId};
 use crate::refine::{Method, RefineControls};
-use crate::render::{Camera, ViewStyle};
+use crate::render::{Camera, SequenceFormat, ViewStyle};
 
 /// The mouse controls of the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -186,24 +186,13 @@ pub enum PictureKind {
     Flow,
 }
 
-/// The file format of a picture or sequence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureFormat {
-    /// PNG; sequences are numbered.
-    Png,
-    /// Animated GIF.
-    Gif,
-    /// Animated PNG.
-    Apng,
-}
-
 /// Settings of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSettings {
     /// The content.
     pub kind: PictureKind,
     /// The file format.
-    pub format: PictureFormat,
+    pub format: SequenceFormat,
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
@@ -224,7 +213,7 @@ impl Default for PictureSettings {
     fn default() -> Self {
         Self {
             kind: PictureKind::Still,
-            format: PictureFormat::Png,
+            format: SequenceFormat::Png,
             width: 1920,
             height: 1200,
             transparent: false,

@@ -7,6 +7,7 @@ use anyhow::Result;
 use crate::cli::UsageError;
 use crate::cli::picture_args::{PictureArguments, Up};
 use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops, grow};
+use crate::options::Choice;
 use crate::render::{
     self, Background, Bounds, Camera, DynamicSurface, Geometry, Gpu, LineStyle, Overlay, Polyline,
     Scene, StandardView, SurfaceOptions, Vertex, ViewMode, ViewStyle, rim_points, static_surface,
@@ -98,7 +99,7 @@ fn camera(look: &PictureArguments, bounds: &Bounds, [w, h]: [u32; 2]) -> Result<
     camera.z_up = look.up == Some(Up::Z);
     camera.home();
     if let Some(text) = &look.camera {
-        if let Some(view) = StandardView::from_name(text) {
+        if let Some(view) = StandardView::named(text.trim()) {
             camera.standard_view(view);
         } else {
             let exact = Camera::parse(text, bounds);

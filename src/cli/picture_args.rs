@@ -9,7 +9,7 @@ use crate::options::{Choice, choices};
 use crate::render::{MAX_SIDE, ViewMode};
 
 /// Options of pictures.
-#[derive(Clone, Debug, Default, Args)]
+#[derive(Clone, Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Picture")]
 pub struct PictureArguments {
     /// The quantity shown by colours: shaded, isophotes (the default), zebra, H, K, k1 or k2.
@@ -72,26 +72,13 @@ choices!(Up: Y "y", Z "z");
 impl PictureArguments {
     /// Whether any option was given.
     pub fn given(&self) -> bool {
-        self.view.is_some()
-            || self.size.is_some()
-            || self.camera.is_some()
-            || self.up.is_some()
-            || self.stripes.is_some()
-            || self.light.is_some()
-            || self.range.is_some()
-            || self.orthographic
-            || self.transparent
-            || self.wireframe
-            || self.rims
-            || self.control_mesh
-            || self.no_tint
-            || self.dark
+        *self != Self::default()
     }
 }
 
 fn view(text: &str) -> Result<ViewMode, String> {
     let shown = |mode: &ViewMode| !matches!(mode, ViewMode::Deviation | ViewMode::Distance);
-    ViewMode::from_name(text)
+    ViewMode::named(text)
         .filter(shown)
         .ok_or_else(|| "write shaded, isophotes, zebra, H, K, k1 or k2".into())
 }

@@ -8,9 +8,10 @@ pub trait Choice: Copy + PartialEq + Send + Sync + 'static {
     /// The name of a value.
     fn name(self) -> &'static str;
 
-    /// The value with this name.
+    /// The value with this name, in capitals or not.
     fn named(name: &str) -> Option<Self> {
-        Self::ALL.iter().copied().find(|c| c.name() == name)
+        let is_named = |c: &Self| c.name().eq_ignore_ascii_case(name);
+        Self::ALL.iter().copied().find(is_named)
     }
 
     /// The names of all values.
@@ -64,8 +65,7 @@ macro_rules! choices {
         impl<'de> serde::Deserialize<'de> for $type {
             fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
                 use $crate::options::Choice;
-                // early project files have names with capitals
-                let name = String::deserialize(from)?.to_lowercase();
+                let name = String::deserialize(from)?;
                 Self::named(&name).ok_or_else(|| {
                     serde::de::Error::custom(format!(
                         "`{name}` is not one of {}",

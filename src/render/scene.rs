@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::Bounds;
 use crate::mesh::DVec3;
+use crate::options::choices;
 
 /// A new unique number for content that is copied to the graphics card.
 static NEXT_ID: AtomicU64 = AtomicU64::new(1);
@@ -202,41 +203,12 @@ pub enum ViewMode {
     Distance,
 }
 
+choices!(
+    ViewMode: Shaded "shaded", Isophotes "isophotes", Zebra "zebra", Mean "H", Gauss "K", K1 "k1",
+    K2 "k2", Deviation "deviation", Distance "distance"
+);
+
 impl ViewMode {
-    /// All modes.
-    pub const ALL: [Self; 9] = [
-        Self::Shaded,
-        Self::Isophotes,
-        Self::Zebra,
-        Self::Mean,
-        Self::Gauss,
-        Self::K1,
-        Self::K2,
-        Self::Deviation,
-        Self::Distance,
-    ];
-
-    /// The mode with a [`Self::name`], in upper or lower case.
-    pub fn from_name(name: &str) -> Option<Self> {
-        let named = |mode: &Self| mode.name().eq_ignore_ascii_case(name);
-        Self::ALL.into_iter().find(named)
-    }
-
-    /// Short name, as on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Shaded => "shaded",
-            Self::Isophotes => "isophotes",
-            Self::Zebra => "zebra",
-            Self::Mean => "H",
-            Self::Gauss => "K",
-            Self::K1 => "k1",
-            Self::K2 => "k2",
-            Self::Deviation => "deviation",
-            Self::Distance => "distance",
-        }
-    }
-
     /// Whether the colour represents a number, which needs a legend and a range.
     pub fn is_map(self) -> bool {
         !matches!(self, Self::Shaded | Self::Isophotes | Self::Zebra)

@@ -7,10 +7,8 @@ use crate::app::model::Model;
 use crate::app::project;
 use crate::app::report::ReportAction;
 use crate::app::ui::widgets::{Asks, named};
-use crate::app::view_state::{
-    Modal, PathPrompt, PathUse, PictureFormat, PictureKind, PictureSettings,
-};
-use crate::render::MAX_SIDE;
+use crate::app::view_state::{Modal, PathPrompt, PathUse, PictureKind, PictureSettings};
+use crate::render::{MAX_SIDE, SequenceFormat};
 
 /// The open dialog.
 pub(crate) fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>) {
@@ -141,13 +139,13 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
         }
     });
     if next.kind == PictureKind::Still {
-        next.format = PictureFormat::Png;
+        next.format = SequenceFormat::Png;
     } else {
         ui.horizontal(|ui| {
             for (format, title) in [
-                (PictureFormat::Png, "numbered PNG"),
-                (PictureFormat::Gif, "GIF"),
-                (PictureFormat::Apng, "APNG"),
+                (SequenceFormat::Png, "numbered PNG"),
+                (SequenceFormat::Gif, "GIF"),
+                (SequenceFormat::Apng, "APNG"),
             ] {
                 ui.selectable_value(&mut next.format, format, title);
             }
@@ -163,7 +161,7 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
     ui.checkbox(&mut next.transparent, "transparent background");
     ui.checkbox(&mut next.overlays, "with rims and selection");
     if next.format != settings.format || next.kind != settings.kind {
-        let extension = if next.format == PictureFormat::Gif {
+        let extension = if next.format == SequenceFormat::Gif {
             "gif"
         } else {
             "png"

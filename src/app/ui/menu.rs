@@ -11,6 +11,7 @@ use crate::app::report::{Across, Pick, ReportAction};
 use crate::app::shortcuts::key_text;
 use crate::app::ui::widgets::Asks;
 use crate::app::view_state::Navigation;
+use crate::options::Choice;
 use crate::render::StandardView;
 use crate::shapes::SAMPLES;
 
@@ -142,7 +143,7 @@ fn edit_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 
 fn view_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     entry(ui, "Fit everything", ViewAction::FitAll, actions);
-    for view in StandardView::ALL {
+    for &view in StandardView::ALL {
         let name = view.name();
         let title = format!("{}{}", name[..1].to_uppercase(), &name[1..]);
         entry(ui, &title, ViewAction::Standard(view), actions);

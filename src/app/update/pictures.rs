@@ -9,10 +9,10 @@ use crate::app::jobs::Reporter;
 use crate::app::model::{Done, Effect, Model};
 use crate::app::run::RunState;
 use crate::app::scene_builder;
-use crate::app::view_state::{Modal, PictureFormat, PictureKind, PictureSettings};
+use crate::app::view_state::{Modal, PictureKind, PictureSettings};
 use crate::render::{
-    Camera, Gpu, MAX_SIDE, RenderError, Scene, SequenceEnd, SequenceFormat, ViewStyle, picture,
-    save_png, turntable, write_sequence,
+    Camera, Gpu, MAX_SIDE, RenderError, Scene, SequenceEnd, ViewStyle, picture, save_png,
+    turntable, write_sequence,
 };
 
 /// The name of jobs that write pictures.
@@ -192,15 +192,10 @@ impl PictureJob {
         frames: impl FnMut(usize) -> Result<image::RgbaImage, RenderError>,
     ) -> Result<String, RenderError> {
         let s = &self.settings;
-        let format = match s.format {
-            PictureFormat::Png => SequenceFormat::Png,
-            PictureFormat::Gif => SequenceFormat::Gif,
-            PictureFormat::Apng => SequenceFormat::Apng,
-        };
         let path = PathBuf::from(&s.path);
         let progress = |done, total| reporter.progress(done, total);
         Ok(
-            match write_sequence(&path, format, frames, count, s.fps, &progress)? {
+            match write_sequence(&path, s.format, frames, count, s.fps, &progress)? {
                 SequenceEnd::Written(files) if files.len() == 1 => {
                     format!("{count} pictures saved: {}", files[0].display())
                 }

@@ -2,6 +2,8 @@
 
 use glam::DQuat;
 
+use crate::options::choices;
+
 /// Views along the axes, named for `y` up. With `z` up the front view is from −y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StandardView {
@@ -21,37 +23,12 @@ pub enum StandardView {
     Isometric,
 }
 
+choices!(
+    StandardView: Front "front", Back "back", Left "left", Right "right", Top "top",
+    Bottom "bottom", Isometric "iso"
+);
+
 impl StandardView {
-    /// All views.
-    pub const ALL: [Self; 7] = [
-        Self::Front,
-        Self::Back,
-        Self::Left,
-        Self::Right,
-        Self::Top,
-        Self::Bottom,
-        Self::Isometric,
-    ];
-
-    /// The name, as in [`Camera::parse`](super::Camera::parse).
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Back => "back",
-            Self::Left => "left",
-            Self::Right => "right",
-            Self::Top => "top",
-            Self::Bottom => "bottom",
-            Self::Isometric => "iso",
-        }
-    }
-
-    /// The view with a [`Self::name`].
-    pub fn from_name(name: &str) -> Option<Self> {
-        let named = |view: &Self| view.name().eq_ignore_ascii_case(name.trim());
-        Self::ALL.into_iter().find(named)
-    }
-
     pub(super) fn orientation(self) -> DQuat {
         use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
         match self {

@@ -172,7 +172,7 @@ fn near_and_far_hold_the_bounds() {
 fn fitting_shows_everything_in_any_format() {
     let bounds = Bounds::new(DVec3::new(-1.0, 2.0, 0.0), DVec3::new(3.0, 4.0, 1.0));
     for aspect in [0.3, 1.0, 3.0] {
-        for view in StandardView::ALL {
+        for &view in StandardView::ALL {
             for orthographic in [false, true] {
                 let mut c = Camera::fit(&bounds);
                 c.orthographic = orthographic;

@@ -4,6 +4,7 @@ use glam::{DQuat, DVec2};
 
 use super::{Camera, StandardView};
 use crate::mesh::DVec3;
+use crate::options::Choice;
 use crate::render::Bounds;
 
 /// The error of a text that is not a camera.
@@ -52,7 +53,7 @@ impl Camera {
             text: text.to_owned(),
             what: what.to_owned(),
         };
-        if let Some(view) = StandardView::from_name(text) {
+        if let Some(view) = StandardView::named(text.trim()) {
             let mut camera = Self::fit(bounds);
             camera.standard_view(view);
             return Ok(camera);

@@ -84,14 +84,6 @@ impl DynamicSurface {
         }
     }
 
-    /// Replaces the flags of the faces, in the order in which they were given.
-    ///
-    /// # Panics
-    /// If there are flags, but not exactly one for each face.
-    pub fn set_flags(&mut self, flags: &[u32]) {
-        self.samples.set_flags(flags);
-    }
-
     /// The surface at `positions` (one per vertex of the mesh); see [`Evaluation`].
     pub fn evaluate(
         &self,
