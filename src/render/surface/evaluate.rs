@@ -82,32 +82,39 @@ impl DynamicSurface {
     }
 
     fn corner_sample(&self, v: u32, at: &[DVec3], curvature: Curvature, limit: bool) -> Sample {
-        let topology = &self.cut.topology;
-        let v = VertexId(v);
-        let mut normal = limit_normal(topology, at, v);
-        if normal == DVec3::ZERO {
-            // the tangents vanish (a fold, two triangles back to back): use the normal of the faces
-            normal = topology
-                .outgoing(v)
-                .map(|h| topology.face(h))
-                .filter(|f| f.is_some())
-                .map(|f| {
-                    let [a, b, c] = topology.face_vertices(f).map(|v| at[v.index()]);
-                    (b - a).cross(c - a)
-                })
-                .sum::<DVec3>()
-                .normalize_or_zero();
-        }
-        let position = if limit {
-            limit_position(topology, at, v)
-        } else {
-            at[v.index()]
-        };
         Sample {
-            position,
-            normal,
+            position: self.corner_position(v, at, limit),
+            normal: self.corner_normal(v, at),
             curvature,
         }
+    }
+
+    fn corner_position(&self, v: u32, at: &[DVec3], limit: bool) -> DVec3 {
+        if limit {
+            limit_position(&self.cut.topology, at, VertexId(v))
+        } else {
+            at[v as usize]
+        }
+    }
+
+    fn corner_normal(&self, v: u32, at: &[DVec3]) -> DVec3 {
+        let topology = &self.cut.topology;
+        let v = VertexId(v);
+        let normal = limit_normal(topology, at, v);
+        if normal != DVec3::ZERO {
+            return normal;
+        }
+        // the tangents vanish (a fold, two triangles back to back): use the normal of the faces
+        topology
+            .outgoing(v)
+            .map(|h| topology.face(h))
+            .filter(|f| f.is_some())
+            .map(|f| {
+                let [a, b, c] = topology.face_vertices(f).map(|v| at[v.index()]);
+                (b - a).cross(c - a)
+            })
+            .sum::<DVec3>()
+            .normalize_or_zero()
     }
 
     fn inner_sample(
@@ -118,62 +125,53 @@ impl DynamicSurface {
         limit: bool,
     ) -> Sample {
         let (e, q) = (inner.element as usize, inner.point as usize);
-        let [v, w] = self.lattice.points[q];
-        let weights = [1.0 - v - w, v, w];
-        let corners = [0, 1, 2].map(|k| self.elements.vertices_of(e)[k]);
-        let between = |f: &dyn Fn(u32) -> f64| (0..3).map(|k| weights[k] * f(corners[k])).sum();
-        let curvature = [0, 1].map(|k| between(&|c| curvature[c as usize][k]));
-        if inner.straight {
-            let ends = corners.map(|c| self.corner_sample(c, at, [0.0; 2], limit));
-            let mix = |f: fn(&Sample) -> DVec3| (0..3).map(|k| weights[k] * f(&ends[k])).sum();
-            let (position, normal): (DVec3, DVec3) = (mix(|s| s.position), mix(|s| s.normal));
-            return Sample {
-                position,
-                normal: normal.normalize_or_zero(),
-                curvature,
-            };
-        }
-        let (table, vertices) = (self.elements.table(e), self.elements.vertices_of(e));
-        let x = |d| combine(table.row(q, d), vertices, at);
-        Sample {
-            position: if limit { x(0) } else { self.flat(e, q, at) },
-            normal: x(1).cross(x(2)).normalize_or_zero(),
-            curvature,
-        }
-    }
-
-    /// The point of the control triangle.
-    fn flat(&self, element: usize, point: usize, at: &[DVec3]) -> DVec3 {
-        let corners = &self.elements.vertices_of(element)[..3];
-        let [a, b, c] = [0, 1, 2].map(|k| at[corners[k] as usize]);
-        let [v, w] = self.lattice.points[point];
-        a + v * (b - a) + w * (c - a)
-    }
-
-    /// Only positions.
-    fn positions_at_samples(&self, at: &[DVec3], limit: bool) -> Vec<DVec3> {
-        let corner = |v: u32| {
-            if limit {
-                limit_position(&self.cut.topology, at, VertexId(v))
-            } else {
-                at[v as usize]
-            }
+        let weights = self.weights(q);
+        let vertices = self.elements.vertices_of(e);
+        let between = |f: &dyn Fn(u32) -> f64| (0..3).map(|k| weights[k] * f(vertices[k])).sum();
+        let normal: DVec3 = if inner.straight {
+            (0..3)
+                .map(|k| weights[k] * self.corner_normal(vertices[k], at))
+                .sum()
+        } else {
+            let along = |d| combine(self.elements.table(e).row(q, d), vertices, at);
+            along(1).cross(along(2))
         };
-        let corners = self.samples.corners.par_iter().map(|&v| corner(v));
-        let mut out: Vec<DVec3> = corners.collect();
-        out.par_extend(self.samples.inner.par_iter().map(|inner| {
-            let (e, q) = (inner.element as usize, inner.point as usize);
-            let vertices = self.elements.vertices_of(e);
-            if inner.straight {
-                let [v, w] = self.lattice.points[q];
-                let weights = [1.0 - v - w, v, w];
-                (0..3).map(|k| weights[k] * corner(vertices[k])).sum()
-            } else if limit {
-                combine(self.elements.table(e).row(q, 0), vertices, at)
-            } else {
-                self.flat(e, q, at)
-            }
-        }));
+        Sample {
+            position: self.inner_position(inner, at, limit),
+            normal: normal.normalize_or_zero(),
+            curvature: [0, 1].map(|k| between(&|c| curvature[c as usize][k])),
+        }
+    }
+
+    fn inner_position(&self, inner: Inner, at: &[DVec3], limit: bool) -> DVec3 {
+        let (e, q) = (inner.element as usize, inner.point as usize);
+        let vertices = self.elements.vertices_of(e);
+        if inner.straight {
+            let weights = self.weights(q);
+            let corner = |k: usize| weights[k] * self.corner_position(vertices[k], at, limit);
+            (0..3).map(corner).sum()
+        } else if limit {
+            combine(self.elements.table(e).row(q, 0), vertices, at)
+        } else {
+            let [a, b, c] = [0, 1, 2].map(|k| at[vertices[k] as usize]);
+            let [v, w] = self.lattice.points[q];
+            a + v * (b - a) + w * (c - a)
+        }
+    }
+
+    /// Barycentric coordinates of a point of the lattice.
+    fn weights(&self, point: usize) -> [f64; 3] {
+        let [v, w] = self.lattice.points[point];
+        [1.0 - v - w, v, w]
+    }
+
+    fn positions_at_samples(&self, at: &[DVec3], limit: bool) -> Vec<DVec3> {
+        let corners = self.samples.corners.par_iter();
+        let mut out: Vec<DVec3> = corners
+            .map(|&v| self.corner_position(v, at, limit))
+            .collect();
+        let inner = self.samples.inner.par_iter();
+        out.par_extend(inner.map(|&inner| self.inner_position(inner, at, limit)));
         out
     }
 }
