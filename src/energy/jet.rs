@@ -34,7 +34,7 @@ pub(super) struct Outer1 {
 }
 
 /// A function `Φ(a, u)` of two variables at a point, with its derivatives.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outer2 {
     pub f: f64,
     pub a: f64,
@@ -44,17 +44,49 @@ pub(super) struct Outer2 {
     pub uu: f64,
 }
 
+impl Outer1 {
+    pub const fn new(f: f64, d: f64, dd: f64) -> Self {
+        Self { f, d, dd }
+    }
+}
+
 impl Jet2 {
+    const ZERO: Self = Self {
+        f: 0.0,
+        h: 0.0,
+        k: 0.0,
+        hh: 0.0,
+        hk: 0.0,
+        kk: 0.0,
+    };
+
+    /// Each number of one with that of the other.
+    #[inline]
+    fn zip(self, o: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        Self {
+            f: f(self.f, o.f),
+            h: f(self.h, o.h),
+            k: f(self.k, o.k),
+            hh: f(self.hh, o.hh),
+            hk: f(self.hk, o.hk),
+            kk: f(self.kk, o.kk),
+        }
+    }
+
+    /// `H² − K`, the square of half the difference of the principal curvatures.
+    pub(super) const fn half_difference_squared(h: f64, k: f64) -> Self {
+        Self {
+            f: h * h - k,
+            h: 2.0 * h,
+            k: -1.0,
+            hh: 2.0,
+            ..Self::ZERO
+        }
+    }
+
     /// The constant `c`.
     pub const fn constant(c: f64) -> Self {
-        Self {
-            f: c,
-            h: 0.0,
-            k: 0.0,
-            hh: 0.0,
-            hk: 0.0,
-            kk: 0.0,
-        }
+        Self { f: c, ..Self::ZERO }
     }
 
     /// The variable `H`.
@@ -62,10 +94,7 @@ impl Jet2 {
         Self {
             f: h,
             h: 1.0,
-            k: 0.0,
-            hh: 0.0,
-            hk: 0.0,
-            kk: 0.0,
+            ..Self::ZERO
         }
     }
 
@@ -73,11 +102,8 @@ impl Jet2 {
     pub const fn gauss(k: f64) -> Self {
         Self {
             f: k,
-            h: 0.0,
             k: 1.0,
-            hh: 0.0,
-            hk: 0.0,
-            kk: 0.0,
+            ..Self::ZERO
         }
     }
 
@@ -95,14 +121,7 @@ impl Jet2 {
     }
 
     pub(super) fn scaled(self, c: f64) -> Self {
-        Self {
-            f: c * self.f,
-            h: c * self.h,
-            k: c * self.k,
-            hh: c * self.hh,
-            hk: c * self.hk,
-            kk: c * self.kk,
-        }
+        self.zip(self, |x, _| c * x)
     }
 
     pub(super) fn shifted(self, c: f64) -> Self {
@@ -146,11 +165,7 @@ impl Jet2 {
     /// `1 / self`.
     pub(super) fn recip(self) -> Self {
         let r = 1.0 / self.f;
-        self.chain(Outer1 {
-            f: r,
-            d: -r * r,
-            dd: 2.0 * r * r * r,
-        })
+        self.chain(Outer1::new(r, -r * r, 2.0 * r * r * r))
     }
 
     /// `self^n` with exact derivatives also at zero (`0^0 = 1`).
@@ -161,11 +176,11 @@ impl Jet2 {
             0 => Self::constant(1.0),
             1 => self,
             2 => self * self,
-            _ => self.chain(Outer1 {
-                f: self.f.powi(n),
-                d: power(m, n - 1),
-                dd: power(m * (m - 1.0), n - 2),
-            }),
+            _ => self.chain(Outer1::new(
+                self.f.powi(n),
+                power(m, n - 1),
+                power(m * (m - 1.0), n - 2),
+            )),
         }
     }
 }
@@ -178,28 +193,14 @@ fn times(c: f64, x: f64) -> f64 {
 impl Add for Jet2 {
     type Output = Self;
     fn add(self, o: Self) -> Self {
-        Self {
-            f: self.f + o.f,
-            h: self.h + o.h,
-            k: self.k + o.k,
-            hh: self.hh + o.hh,
-            hk: self.hk + o.hk,
-            kk: self.kk + o.kk,
-        }
+        self.zip(o, |x, y| x + y)
     }
 }
 
 impl Sub for Jet2 {
     type Output = Self;
     fn sub(self, o: Self) -> Self {
-        Self {
-            f: self.f - o.f,
-            h: self.h - o.h,
-            k: self.k - o.k,
-            hh: self.hh - o.hh,
-            hk: self.hk - o.hk,
-            kk: self.kk - o.kk,
-        }
+        self.zip(o, |x, y| x - y)
     }
 }
 

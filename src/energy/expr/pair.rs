@@ -28,6 +28,7 @@
 //! is as large as the lengths over which the expression varies, so no accuracy is lost.
 
 use std::cell::Cell;
+use std::ops::Neg;
 
 use super::program::{Algebra, Function, Op, Program, Variable};
 use super::scalar::{JetAlgebra, unary as jet_unary};
@@ -67,14 +68,7 @@ const CANCELLED: f64 = 1.0 / 64.0;
 
 impl PairAlgebra {
     fn new(h: f64, k: f64) -> Self {
-        let t = Jet2 {
-            f: h * h - k,
-            h: 2.0 * h,
-            k: -1.0,
-            hh: 2.0,
-            hk: 0.0,
-            kk: 0.0,
-        };
+        let t = Jet2::half_difference_squared(h, k);
         Self {
             h,
             k,
@@ -113,14 +107,8 @@ impl PairAlgebra {
     fn mul(&self, x: Pair, y: Pair) -> Pair {
         match (x.b.is_zero(), y.b.is_zero()) {
             (true, true) => even(x.a * y.a),
-            (true, false) => Pair {
-                a: x.a * y.a,
-                b: x.a * y.b,
-            },
-            (false, true) => Pair {
-                a: x.a * y.a,
-                b: x.b * y.a,
-            },
+            (true, false) => y.map(|jet| x.a * jet),
+            (false, true) => x.map(|jet| jet * y.a),
             (false, false) => Pair {
                 a: x.a * y.a + self.t * (x.b * y.b),
                 b: x.a * y.b + x.b * y.a,
@@ -198,6 +186,15 @@ impl PairAlgebra {
     }
 }
 
+impl Pair {
+    fn map(self, f: impl Fn(Jet2) -> Jet2) -> Self {
+        Self {
+            a: f(self.a),
+            b: f(self.b),
+        }
+    }
+}
+
 fn even(a: Jet2) -> Pair {
     Pair {
         a,
@@ -227,18 +224,15 @@ impl Algebra for PairAlgebra {
 
     fn unary(&self, op: Op, x: Pair) -> Pair {
         match op {
-            Op::Neg => Pair { a: -x.a, b: -x.b },
+            Op::Neg => x.map(Neg::neg),
             Op::Shift(c) => Pair {
                 a: x.a.shifted(c),
                 b: x.b,
             },
-            Op::Scale(c) => Pair {
-                a: x.a.scaled(c),
-                b: x.b.scaled(c),
-            },
+            Op::Scale(c) => x.map(|jet| jet.scaled(c)),
             Op::Integer(n) => self.powi(x, n),
             Op::Call(function) => self.call(function, x),
-            Op::Abs if self.less(x, self.constant(0.0)) => Pair { a: -x.a, b: -x.b },
+            Op::Abs if self.less(x, self.constant(0.0)) => x.map(Neg::neg),
             Op::Abs => x,
             _ => self.constant(f64::NAN),
         }
@@ -257,20 +251,9 @@ impl Algebra for PairAlgebra {
             Op::Mul => self.mul(x, y),
             Op::Div => self.div(x, y),
             Op::Min | Op::Max if self.is_nan(x) || self.is_nan(y) => self.constant(f64::NAN),
-            Op::Min => {
-                if self.less(y, x) {
-                    y
-                } else {
-                    x
-                }
-            }
-            Op::Max => {
-                if self.less(x, y) {
-                    y
-                } else {
-                    x
-                }
-            }
+            Op::Min if self.less(y, x) => y,
+            Op::Max if self.less(x, y) => y,
+            Op::Min | Op::Max => x,
             Op::Power => self.call(Function::Exp, self.mul(y, self.call(Function::Log, x))),
             _ => self.constant(f64::NAN),
         }
@@ -296,17 +279,15 @@ fn differences(function: Function, a: f64, u: f64) -> (Outer2, Outer2) {
         uu: 0.5 * o_au,
     };
     let o_uu = (0.5 * o2 - 3.0 * o_u) / (2.0 * u);
-    (
-        e,
-        Outer2 {
-            f: o0,
-            a: o1,
-            u: o_u,
-            aa: o2,
-            au: o_au,
-            uu: o_uu,
-        },
-    )
+    let o = Outer2 {
+        f: o0,
+        a: o1,
+        u: o_u,
+        aa: o2,
+        au: o_au,
+        uu: o_uu,
+    };
+    (e, o)
 }
 
 /// The same from Taylor coefficients `c_m = ℓ^m φ^(m)(a)/m!`, `ℓ = length`:
@@ -315,14 +296,7 @@ fn series(c: &[f64; ORDER], length: f64, u: f64) -> (Outer2, Outer2) {
     let r = length.recip();
     let u = u * r * r;
     let part = |first: usize, unit: f64| {
-        let mut p = Outer2 {
-            f: 0.0,
-            a: 0.0,
-            u: 0.0,
-            aa: 0.0,
-            au: 0.0,
-            uu: 0.0,
-        };
+        let mut p = Outer2::default();
         for n in (0..TERMS).rev() {
             let m = 2 * n + first;
             let (x, y) = (m as f64, n as f64);

@@ -110,51 +110,32 @@ impl Function {
         match self {
             Self::Exp => {
                 let e = x.exp();
-                Outer1 { f: e, d: e, dd: e }
+                Outer1::new(e, e, e)
             }
             Self::Log => {
                 let r = 1.0 / x;
-                Outer1 {
-                    f: x.ln(),
-                    d: r,
-                    dd: -r * r,
-                }
+                Outer1::new(x.ln(), r, -r * r)
             }
             Self::Sin => {
                 let (s, c) = x.sin_cos();
-                Outer1 { f: s, d: c, dd: -s }
+                Outer1::new(s, c, -s)
             }
             Self::Cos => {
                 let (s, c) = x.sin_cos();
-                Outer1 {
-                    f: c,
-                    d: -s,
-                    dd: -c,
-                }
+                Outer1::new(c, -s, -c)
             }
             Self::Tanh => {
                 // 1 − tanh² cancels for large x.
                 let (t, c) = (x.tanh(), x.cosh().recip());
-                Outer1 {
-                    f: t,
-                    d: c * c,
-                    dd: -2.0 * t * c * c,
-                }
+                Outer1::new(t, c * c, -2.0 * t * c * c)
             }
             Self::Power(c) => {
                 let f = if c == 0.5 { x.sqrt() } else { x.powf(c) };
                 if x > 0.0 {
-                    Outer1 {
-                        f,
-                        d: c * f / x,
-                        dd: c * (c - 1.0) * f / (x * x),
-                    }
+                    Outer1::new(f, c * f / x, c * (c - 1.0) * f / (x * x))
                 } else {
-                    Outer1 {
-                        f,
-                        d: c * x.powf(c - 1.0),
-                        dd: c * (c - 1.0) * x.powf(c - 2.0),
-                    }
+                    let second = c * (c - 1.0) * x.powf(c - 2.0);
+                    Outer1::new(f, c * x.powf(c - 1.0), second)
                 }
             }
         }
@@ -182,14 +163,7 @@ impl JetAlgebra {
     /// With `κ1,2 = H ± √(H² − K)`. Accurate where `κ1 − κ2` is not small compared with the lengths
     /// over which the expression varies.
     pub fn principal(h: f64, k: f64) -> Self {
-        let t = Jet2 {
-            f: h * h - k,
-            h: 2.0 * h,
-            k: -1.0,
-            hh: 2.0,
-            hk: 0.0,
-            kk: 0.0,
-        };
+        let t = Jet2::half_difference_squared(h, k);
         let s = t.chain(Function::Power(0.5).at(t.f));
         let (mut k1, mut k2) = (Jet2::mean(h) + s, Jet2::mean(h) - s);
         // The smaller one cancels.
@@ -233,20 +207,9 @@ impl Algebra for JetAlgebra {
             Op::Mul => x * y,
             Op::Div => x * y.recip(),
             Op::Min | Op::Max if x.f.is_nan() || y.f.is_nan() => Jet2::constant(f64::NAN),
-            Op::Min => {
-                if x.f <= y.f {
-                    x
-                } else {
-                    y
-                }
-            }
-            Op::Max => {
-                if x.f >= y.f {
-                    x
-                } else {
-                    y
-                }
-            }
+            Op::Min if x.f <= y.f => x,
+            Op::Max if x.f >= y.f => x,
+            Op::Min | Op::Max => y,
             Op::Power => unary(
                 Op::Call(Function::Exp),
                 y * unary(Op::Call(Function::Log), x),
@@ -265,13 +228,8 @@ pub(super) fn unary(op: Op, x: Jet2) -> Jet2 {
         Op::Integer(-1) => x.recip(),
         Op::Integer(n) => x.powi(n),
         Op::Call(function) => x.chain(function.at(x.f)),
-        Op::Abs => {
-            if x.f < 0.0 {
-                -x
-            } else {
-                x
-            }
-        }
+        Op::Abs if x.f < 0.0 => -x,
+        Op::Abs => x,
         _ => Jet2::constant(f64::NAN),
     }
 }
