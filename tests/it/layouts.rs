@@ -33,7 +33,7 @@ fn blended(layout: &Layout) -> (Vec<String>, String) {
         faults.push("given vertices moved".into());
     }
     if let Err(error) = check_mesh(out) {
-        faults.push(error.to_string());
+        faults.push(error);
     }
     let left = loops.len() - layout.rims.len();
     if Layout::loops(out).len() != left {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::options::Choice;
 
 const ASPECT: f64 = 1.6;
 
