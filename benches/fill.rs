@@ -1,4 +1,4 @@
-//! The whole of a fill, without files, on holes of growing size in a sphere.
+//! Whole fills without files, for holes of increasing size in a sphere.
 
 use std::hint::black_box;
 
@@ -8,7 +8,7 @@ use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, boundary_loops};
 use meniscus::shapes::{self, Hole, HoleShape};
 use meniscus::solver::{Flow, FlowOptions, Mode};
 
-/// A unit sphere with a disc of half-angle 50° missing, of about `missing` vertices.
+/// A unit sphere without a cap of half-angle 50°, which had about `missing` vertices.
 fn sphere_with_hole(missing: usize) -> Mesh {
     // the cap is 18 % of the sphere
     let hole = Hole {

@@ -1,4 +1,4 @@
-//! Reading and writing a mesh of a million triangles, with tobj as the base line for OBJ.
+//! Reading and writing a mesh of a million triangles, with tobj as the baseline for OBJ.
 
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -41,7 +41,7 @@ fn files(c: &mut Criterion) {
         ..OutputMesh::default()
     };
     let path = |name: &str| -> PathBuf { directory.path().join(name) };
-    // Nine digits, as in most files.
+    // nine digits, as in most files
     let mut short = String::new();
     for p in &positions {
         writeln!(short, "v {:.9} {:.9} {:.9}", p.x, p.y, p.z).expect("text");

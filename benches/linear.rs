@@ -1,9 +1,9 @@
-//! Cholesky of a fourth-order finite element matrix on a triangulated disc: own nested dissection
-//! against the approximate minimum degree order of the factorization crate.
+//! Cholesky factorization of a fourth-order finite element matrix on a triangulated disc: the
+//! nested dissection of this package compared with the approximate minimum degree ordering of faer.
 //!
-//! The disc has a hexagonal lattice with jitter. Loop basis functions of vertices at graph distance
-//! up to 3 overlap, so the matrix has 37 entries a row; it is the cube of the graph Laplacian, plus
-//! a part of the identity that keeps it positive definite.
+//! The disc has a jittered hexagonal lattice. Loop basis functions of vertices at graph distance up
+//! to 3 overlap, so the matrix has 37 entries per row. It is the cube of the graph Laplacian plus a
+//! multiple of the identity, which makes it positive definite.
 
 use std::collections::HashMap;
 use std::hint::black_box;
@@ -16,7 +16,7 @@ use faer::sparse::linalg::amd;
 use glam::DVec3;
 use meniscus::linear::{Cholesky, CholeskySymbolic, SymmetricPattern, nested_dissection};
 
-/// Interior vertices of the discs, near those of the holes the project is measured on.
+/// Interior vertices of the discs, similar to those of the measured holes.
 const SIZES: [usize; 5] = [200, 1_100, 5_000, 20_000, 50_000];
 
 struct Disc {
@@ -68,7 +68,7 @@ fn disc(n: usize) -> Disc {
     }
 }
 
-/// Values of (-Δ)³ + 1 on an infinite lattice, cut off at the rim, which keeps it definite.
+/// Values of (-Δ)³ + 1 on an infinite lattice, truncated at the rim, which keeps it definite.
 fn values(disc: &Disc, pattern: &SymmetricPattern, perm: &[u32]) -> Vec<f64> {
     let mut values = Vec::with_capacity(pattern.nnz());
     for j in 0..pattern.n {
@@ -80,11 +80,11 @@ fn values(disc: &Disc, pattern: &SymmetricPattern, perm: &[u32]) -> Vec<f64> {
     values
 }
 
-/// Approximate minimum degree order, `perm[new] = old`.
+/// Approximate minimum degree ordering, `perm[new] = old`.
 fn minimum_degree(disc: &Disc) -> Vec<u32> {
     let n = disc.points.len();
     let nnz = disc.adjacency.len();
-    // The crate reads the upper triangle of a matrix with sorted columns.
+    // faer reads the upper triangle of a matrix with sorted columns.
     let pattern = SymmetricPattern::of_permuted_graph(
         &disc.offsets,
         &disc.adjacency,

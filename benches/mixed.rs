@@ -1,5 +1,5 @@
-//! One step of each scheme on the same cap of a sphere, and the iterations of GMRES that scheme A
-//! takes at small and large time steps.
+//! One step of each scheme on the same cap of a sphere, and the GMRES iterations of the mixed
+//! scheme at small and large time steps.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
@@ -11,12 +11,12 @@ use meniscus::solver::{
     Flow, FlowOptions, FlowProblem, LinearSolver, MixedFlow, Mode, Scheme, Tau,
 };
 
-/// Splittings of the octahedron, and the polar angle of the rim in degrees: 1,100 and 4,600
+/// Number of splits of the octahedron, and polar angle of the rim in degrees: 1,100 and 4,600
 /// interior vertices.
 const CAPS: [(usize, f64); 2] = [(5, 62.0), (6, 64.0)];
 const TAUS: [f64; 4] = [1e-6, 1e-5, 1e-3, 0.1];
 
-/// The octahedron, split and pushed to the unit sphere.
+/// The split octahedron, projected to the unit sphere.
 fn sphere(levels: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut points: Vec<DVec3> = [DVec3::X, DVec3::Y, DVec3::Z]
         .iter()

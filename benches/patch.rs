@@ -8,7 +8,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use meniscus::mesh::{DVec3, Topology, VertexId};
 use meniscus::patch::{Patch, PatchOptions, Rim, fill, warm_start};
 
-/// The rim of a cap of half-angle 50° of the unit sphere, jittered, its faces on the sphere.
+/// The jittered rim of a cap of half-angle 50° of the unit sphere, with its faces on the sphere.
 fn cap(edges: usize) -> Rim {
     let alpha = 50f64.to_radians();
     let on_sphere = |t: f64, a: f64| DVec3::new(a.sin() * t.cos(), a.sin() * t.sin(), a.cos());
@@ -25,7 +25,7 @@ fn cap(edges: usize) -> Rim {
     }
 }
 
-/// Two turns around a torus: it overlaps itself in every projection.
+/// A rim with two turns around a torus, which overlaps itself in every projection.
 fn coil(edges: usize) -> Rim {
     let at = |i: usize, out: f64| {
         let t = TAU * i as f64 / edges as f64;

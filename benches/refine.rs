@@ -1,5 +1,5 @@
-//! What each level of a refinement costs: time, its ratio to the level before, time per attempted
-//! step and vertex, peak memory.
+//! The cost of each level of a refinement: time, its ratio to the previous level, time per
+//! attempted step and vertex, peak memory.
 
 use std::sync::Arc;
 use std::time::Duration;

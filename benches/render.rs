@@ -1,5 +1,5 @@
-//! Picking on a mesh of 100 000 triangles (goal: 2 ms a pick), and what drawing costs besides the
-//! graphics card: limit surfaces of a million triangles and of a moving patch.
+//! Picking on a mesh of 100 000 triangles (goal: 2 ms per pick), and the cost of drawing without
+//! the graphics card: limit surfaces of a million triangles and of a moving patch.
 
 use std::hint::black_box;
 
@@ -12,7 +12,7 @@ fn mesh((positions, triangles): shapes::TriangleMesh) -> Mesh {
     Mesh::from_triangles(positions, &triangles).expect("a manifold")
 }
 
-/// A sphere of 100 000 triangles with holes all over.
+/// A sphere of 100 000 triangles with many holes.
 fn holed() -> Mesh {
     let hole = |p: DVec3| {
         let at = |x: f64| (9.0 * x).sin();
@@ -33,7 +33,7 @@ fn picking(c: &mut Criterion) {
     let size = [1280.0, 800.0];
     let mut i = 0u32;
     let mut cursor = move || {
-        // all over the picture, in a fixed order
+        // points spread over the picture, in a fixed order
         i = (i + 4093) % (128 * 80);
         [
             f64::from(i % 128) * 10.0 + 5.0,

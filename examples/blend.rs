@@ -1,4 +1,4 @@
-//! Joins the mouths of three tubes by one smooth surface.
+//! Joins the rims of three tubes by one smooth patch.
 
 use std::error::Error;
 
@@ -9,7 +9,7 @@ use meniscus::shapes::Sample;
 fn main() -> Result<(), Box<dyn Error>> {
     let sample = Sample::named("three-y").ok_or("no such sample")?;
     let (tubes, _) = mesh::build(&sample.soup())?;
-    // the three mouths; the outer ends of the tubes are classified as outer rims
+    // the three rims; the outer ends of the tubes are classified as outer boundaries
     let blended = Fill::new(&tubes).joined().energy("H^2+K^2")?.run()?;
     println!(
         "{} pieces with {} boundary loops became {} with {}",

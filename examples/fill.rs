@@ -1,4 +1,4 @@
-//! Fills all holes of a mesh: `cargo run --example fill -- scan.obj filled.obj`, or of a sample.
+//! Fills all holes of a mesh, or of a sample: `cargo run --example fill -- scan.obj filled.obj`.
 
 use std::error::Error;
 use std::path::Path;

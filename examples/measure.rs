@@ -1,4 +1,4 @@
-//! Measures a filled surface: energies, curvatures, triangles, and the distance to another one.
+//! Measures a filled surface: energies, curvatures, triangles, and the distance to another surface.
 
 use std::error::Error;
 

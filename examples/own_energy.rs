@@ -1,4 +1,4 @@
-//! One hole with custom energies: `(H - H0)²` draws the patch towards spheres of curvature H0.
+//! One hole with custom energies: `(H - H0)²` favours spheres of mean curvature H0.
 
 use std::error::Error;
 

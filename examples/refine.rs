@@ -1,5 +1,5 @@
-//! Refines a coarse ball: each level makes four triangles of one, on a smooth surface through the
-//! given vertices.
+//! Refines a coarse ball: each level splits every triangle into four, on a smooth surface through
+//! the input vertices.
 
 use std::error::Error;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Watches the steps of a flow and ends it early.
+//! Observes the steps of a flow and ends it early.
 
 use std::error::Error;
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Reproduces Fig. 2 of the paper: four cylinders blended under six energies. Makes docs/pictures/fig2-*.png
-# and docs/fig2.md. MENISCUS names a program to use; without it one is built.
+# Reproduces Fig. 2 of the paper: four cylinders blended under six energies. Writes
+# docs/pictures/fig2-*.png and docs/fig2.md. MENISCUS is the program to use; without it the script
+# builds one.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . scripts/prepare.sh
@@ -26,7 +27,7 @@ blend() {
 }
 blend b 'start, with noise' '-' --view shaded --noise 0.3 --steps 0
 blend c '`1`' '135 of τ = 0.01' --energy 1 --noise 0.3 --continuity g0 --mode flow --tau 0.01 --steps 135
-# the stationary shapes the paper's flows tend to
+# the stationary surfaces, which are the limits of the paper's flows
 blend d '`H^2`' '1000 of τ = 1e-5' --energy 'H^2' --noise 0.3
 blend e '`K^2`' '1000 of τ = 1e-5' --energy 'K^2' --noise 0.3
 blend f '`H^2+K^2`' '1000 of τ = 1e-5' --energy 'H^2+K^2' --noise 0.3
@@ -36,8 +37,8 @@ blend h '`k1^4+k2^4`' '1000 of τ = 1e-5' --energy 'k1^4+k2^4' --noise 0.3
 cat > docs/fig2.md <<END
 # Fig. 2 of the paper
 
-Four cylinders, blended from a start with noise under six energies; isophotes of the limit surfaces. Made by
-\`./scripts/fig2.sh\`.
+Blends of four cylinders under six energies, from a start surface with noise. The pictures show isophotes of the
+limit surfaces. \`./scripts/fig2.sh\` creates them.
 
 | (a) the cylinders | (b) the start | (c) f = 1, a crease at the rims | (d) f = H² |
 |---|---|---|---|
@@ -50,10 +51,10 @@ Four cylinders, blended from a start with noise under six energies; isophotes of
 | energy | steps in the paper | steps | rejected | ended | seconds |
 |---|---|---|---|---|---|
 $rows
-(c) is mean curvature flow in true time, at the paper's stopping time or, if that comes first, at the last state
-before a neck pinches off: the area of these tubes has no minimum with an open middle. (d) to (h) are stationary
-shapes, to which the paper's flows tend; a flow in true time is one option away (\`--mode flow --tau 1e-5
---steps 1000\`). Isophotes run through the rims without a kink under every energy of fourth order, and K² is
-poor, as the paper says: it asks only that one of the two curvatures vanish, and gathers the bending in narrow
-bands. H²K², ill-posed on parts of the surface, keeps wiggles.
+(c) is mean curvature flow in true time. It ends at the paper's stopping time, or before that at the last state
+before a neck pinches off, because the area of these tubes has no minimum with an open middle. (d) to (h) are
+stationary surfaces, the limits of the paper's flows. Use \`--mode flow --tau 1e-5 --steps 1000\` for a flow in
+true time. Isophotes have no kink at the rims under every energy of fourth order. K² gives a poor surface, as in
+the paper: it is small where only one of the two curvatures vanishes, and concentrates the bending in narrow
+bands. H²K² is ill-posed on parts of the surface and keeps oscillations.
 END

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Reproduces Fig. 4 of the paper: a coarse mesh refined by a geometric flow, by modified Butterfly and by Loop's
-# scheme. Makes docs/pictures/fig4-*.png and docs/fig4.md. MENISCUS names a program to use; without it one is
-# built. A mesh named as the argument takes the place of the built-in torus.
+# Reproduces Fig. 4 of the paper: a coarse mesh refined by a geometric flow, by modified Butterfly
+# and by Loop's scheme. Writes docs/pictures/fig4-*.png and docs/fig4.md. MENISCUS is the program to
+# use; without it the script builds one. A mesh as argument replaces the built-in torus.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . scripts/prepare.sh
@@ -51,8 +51,8 @@ refine d 'Loop' --method loop
 cat > docs/fig4.md <<END
 # Fig. 4 of the paper
 
-A coarse mesh, and what three levels of refinement make of it; isophotes of the meshes themselves. Made by
-\`./scripts/fig4.sh\`, or \`./scripts/fig4.sh MESH\` for another mesh.
+A coarse mesh and three levels of its refinement. The pictures show isophotes of the meshes. \`./scripts/fig4.sh\`
+creates them; \`./scripts/fig4.sh MESH\` uses another mesh.
 
 | (a) given | (b) flow of H² | (c) modified Butterfly | (d) Loop |
 |---|---|---|---|
@@ -61,7 +61,7 @@ A coarse mesh, and what three levels of refinement make of it; isophotes of the 
 | method | steps of the levels | ended | ∫ H² dA | seconds |
 |---|---|---|---|---|
 $rows
-The least value a torus can have is 2π² = 19.73921. The flow and Butterfly keep the given vertices; Loop's scheme
-does not, and its surface shrinks. The integral for Butterfly is that of the Loop surface over its mesh, as it has
-no curvatures of its own.
+The minimum over all tori is 2π² = 19.73921. The flow and Butterfly keep the input vertices. Loop's scheme does
+not, and its surface shrinks. A Butterfly surface has no curvatures; its integral is that of the Loop surface with
+its mesh as control mesh.
 END

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README but the one of the window, with the program itself.
+# Creates the pictures of the README, except that of the window, with the program itself.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . scripts/prepare.sh

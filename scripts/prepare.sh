@@ -1,10 +1,11 @@
-# Sourced by run.sh, test.sh and .ci/run: makes sure that Meniscus can be built and run here.
-# Needs a Rust toolchain (cargo); everything else comes from apt where it is missing.
+# Sourced by run.sh, test.sh and .ci/run: installs what Meniscus needs to build and run. Needs a
+# Rust toolchain (cargo); missing system packages are installed with apt.
 
 say() { printf '%s\n' "meniscus: $*" >&2; }
 die() { say "$*"; exit 1; }
 
-# Can a program be linked? A compiler without the C library's start files cannot.
+# Tests whether a program can be linked. A compiler without the start files of the C library cannot
+# link.
 can_link() {
     local scratch status=0
     command -v cc >/dev/null 2>&1 || return 1
@@ -15,19 +16,19 @@ can_link() {
     return "$status"
 }
 
-# Is a shared library there? ldconfig may be outside the path of an ordinary user.
+# Tests whether a shared library is installed. ldconfig may be outside the PATH of an ordinary user.
 has_library() {
     PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep -q "[[:space:]]$1 "
 }
 
-# Is there a Vulkan driver, in software at least?
+# Tests whether there is a Vulkan driver, possibly a software one.
 has_vulkan() {
     has_library libvulkan.so.1 || return 1
     compgen -G '/usr/share/vulkan/icd.d/*.json' >/dev/null ||
         compgen -G '/etc/vulkan/icd.d/*.json' >/dev/null
 }
 
-# Is there a Vulkan or OpenGL driver?
+# Tests whether there is a Vulkan or OpenGL driver.
 has_graphics() {
     has_vulkan && return 0
     has_library libEGL.so.1 && compgen -G '/usr/share/glvnd/egl_vendor.d/*.json' >/dev/null
@@ -43,7 +44,7 @@ as_root() {
     fi
 }
 
-# install PACKAGE...: from apt, with a word about each run.
+# install PACKAGE...: installs packages with apt and prints their names.
 install() {
     command -v apt-get >/dev/null 2>&1 ||
         die "missing here: $*. Install them (these are the names on Debian and Ubuntu), then start again"
@@ -53,7 +54,7 @@ install() {
         die "apt-get could not install: $*"
 }
 
-# What the build needs.
+# Requirements of the build.
 prepare() {
     if ! command -v cargo >/dev/null 2>&1 && [ -f "${CARGO_HOME:-$HOME/.cargo}/env" ]; then
         # shellcheck disable=SC1091
@@ -65,7 +66,7 @@ prepare() {
     can_link || die "gcc and libc6-dev are installed, but \`cc\` still cannot link a program"
 }
 
-# What the window needs: libraries of the desktop, and a graphics driver where there is none.
+# Requirements of the window: desktop libraries, and a graphics driver if there is none.
 prepare_window() {
     local missing=()
     has_library libX11.so.6 || missing+=(libx11-6)
@@ -78,8 +79,8 @@ prepare_window() {
     [ ${#missing[@]} -eq 0 ] || install "${missing[@]}"
 }
 
-# What the tests need besides: Vulkan, whose pictures they compare, a virtual display and a hand for
-# its mouse and keys.
+# Further requirements of the tests: Vulkan for pictures to compare, a virtual display, and xdotool
+# for mouse and keys.
 prepare_tests() {
     local missing=()
     has_vulkan || missing+=(libvulkan1 mesa-vulkan-drivers)
@@ -91,8 +92,8 @@ prepare_tests() {
     [ ${#missing[@]} -eq 0 ] || install "${missing[@]}"
 }
 
-# What the pictures of docs/ need: the program to make them with as `meniscus` (MENISCUS names one; without it
-# one is built), a folder that is gone afterwards as `scratch`, and a place for them.
+# Requirements of the pictures of docs/: the program as `meniscus` (MENISCUS, or a new build), a
+# temporary folder as `scratch`, and the folder for the pictures.
 prepare_pictures() {
     meniscus=${MENISCUS:-}
     if [ -z "$meniscus" ]; then

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Records what the program computes, so that a change of its structure can be shown to change no result.
+# Records the results of the program, to check that a change of its structure changes no result.
 #   scripts/record.sh LIST            runs all jobs and writes one line a job: hash of the output file, exit status, name
 #   scripts/record.sh LIST --quick    a part of them that takes a minute
-#   diff BEFORE AFTER                 no difference: every output is the same to the bit
+#   diff BEFORE AFTER                 no difference: every output is bit-identical
 # MENISCUS names the program (default: target/debug/meniscus), MENISCUS_MODELS the folder of test models.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -16,7 +16,7 @@ trap 'rm -rf "$scratch"' EXIT
 jobs=$scratch/jobs
 : >"$jobs"
 
-# job NAME EXTENSION ARGUMENT...: one run; `@` stands for its output file, which is hashed
+# job NAME EXTENSION ARGUMENT...: one run. `@` is replaced by the output file, which is hashed.
 job() {
     local name=$1 extension=$2
     shift 2
@@ -105,7 +105,7 @@ run_job() {
     local words=("${fields[@]:2}")
     rm -f "$output"
     timeout 300 "$MENISCUS" "${words[@]/#@/$output}" >"$output.stdout" 2>/dev/null </dev/null || status=$?
-    # a measured file is named by its path, which differs from run to run
+    # the report contains the path of the measured file, which differs from run to run
     [ "${fields[1]}" != json ] || sed -e "s#$scratch/##g" -e "s#$models/##g" "$output.stdout" >"$output"
     local hash=-
     [ ! -f "$output" ] || hash=$(sha256sum "$output" | cut -c1-24)

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Builds Meniscus and runs it. `./scripts/run.sh` opens the window on a sample (where there is no
-# display it fills the sample without one), `./scripts/run.sh scan.obj` opens a mesh, other arguments
-# are passed on (`./scripts/run.sh fill scan.obj -o filled.obj`). Installs what is needed, if missing.
+# Builds and runs Meniscus. `./scripts/run.sh` opens the window with a sample (without a display it
+# fills the sample), `./scripts/run.sh scan.obj` opens a mesh. Other arguments are passed to the
+# program (`./scripts/run.sh fill scan.obj -o filled.obj`). Installs missing system packages.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 . "$root/scripts/prepare.sh"
 prepare
 prepare_window
-# in the project's folder, where its toolchain file and cargo's settings hold
+# in the project's folder, so that its toolchain file and cargo settings apply
 target=$(
     cd "$root" &&
         cargo build --release --locked --bin meniscus >&2 &&

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs all tests, documentation examples included; arguments go to `cargo test`. Installs what they
-# need, if missing: a C linker, libraries of the desktop, a graphics driver in software, a virtual
+# Runs all tests, including documentation examples. Arguments are passed to `cargo test`. Installs
+# missing system packages: a C linker, desktop libraries, a software graphics driver, a virtual
 # display. MENISCUS_MODELS=FOLDER adds the suite over a folder of models.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,4 +1,4 @@
-// Puts the finished picture of a viewport into the window.
+// Copies the finished picture of a viewport into the window.
 
 @group(0) @binding(0) var picture: texture_2d<f32>;
 @group(0) @binding(1) var picture_sampler: sampler;
@@ -17,13 +17,13 @@ fn vs_composite(@builtin(vertex_index) index: u32) -> CompositePoint {
     return out;
 }
 
-// Into a target that takes encoded colours, as egui's does.
+// For a target with encoded colours, as that of egui.
 @fragment
 fn fs_encoded(p: CompositePoint) -> @location(0) vec4<f32> {
     return textureSample(picture, picture_sampler, p.at);
 }
 
-// Into a target that encodes by itself.
+// For a target that encodes colours itself.
 @fragment
 fn fs_linear(p: CompositePoint) -> @location(0) vec4<f32> {
     let c = textureSample(picture, picture_sampler, p.at);

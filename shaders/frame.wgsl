@@ -1,4 +1,4 @@
-// What all passes share: the frame's uniforms, colour spaces, one place on the ground.
+// Shared by all passes: the uniforms of the frame, colour spaces, the transformation to a tile.
 
 struct Frame {
     // from positions times `scale` to clip space, depth 1 near and 0 far
@@ -8,21 +8,22 @@ struct Frame {
     up: vec4<f32>,
     // towards the eye; w is 1 in perspective and 0 in a parallel projection
     back: vec4<f32>,
-    // times `scale`; w is `scale`, which brings the scene to size 1
+    // times `scale`; w is `scale`, which scales the scene to size 1
     eye: vec4<f32>,
     // direction to the light of isophotes, or across the lines of the zebra environment, in the
     // world; w is the number of bands
     light: vec4<f32>,
-    // of the colour map: low end, one over the width; then opacity of hidden lines
+    // of the colour map: low end, one over the width; then the opacity of hidden lines
     range: vec4<f32>,
-    // of the whole picture in pixels; then factor on line widths, pull of lines towards the eye
+    // of the whole picture in pixels; then the factor on line widths and the shift of lines towards
+    // the eye
     size: vec4<f32>,
-    // the part of the picture drawn here: its corner in pixels and its size
+    // the drawn tile of the picture: corner and size in pixels
     tile: vec4<f32>,
     ground_top: vec4<f32>,
     ground_bottom: vec4<f32>,
     wire: vec4<f32>,
-    // view mode, tint patches, show where ill-posed, smallest depth in front of the eye (bits)
+    // view mode, tint patches, hatch ill-posed points, minimum depth in front of the eye (bits)
     choice: vec4<u32>,
 }
 

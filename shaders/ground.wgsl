@@ -1,4 +1,4 @@
-// The background: a gradient from top to bottom of the whole picture, behind everything.
+// The background: a gradient from the top to the bottom of the whole picture.
 
 @vertex
 fn vs_ground(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
@@ -11,7 +11,7 @@ fn vs_ground(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> 
 fn fs_ground(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     let t = (frame.tile.y + at.y) / frame.size.y;
     let colour = mix(frame.ground_top, frame.ground_bottom, t);
-    // a step of noise below one level, so that the gradient shows no bands
+    // noise below one colour level, which avoids visible bands in the gradient
     let place = frame.tile.xy + at.xy;
     let noise = fract(52.9829189 * fract(dot(place, vec2(0.06711056, 0.00583715)))) - 0.5;
     return vec4(colour.rgb + noise / 255.0 * colour.a, colour.a);

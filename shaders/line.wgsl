@@ -1,7 +1,7 @@
-// Lines and markers: a quad for each segment, expanded in pixels and cut to a capsule. A marker is a
-// segment of length 0. Colours are written premultiplied.
+// Lines and markers: a quad for each segment, expanded in pixels and clipped to a capsule. A marker
+// is a segment of length 0. Colours are premultiplied.
 
-// Width of the dark casing on either side of a line, in pixels.
+// Width of the dark casing on each side of a line in pixels.
 const CASING = 1.5;
 
 struct Segment {
@@ -20,8 +20,8 @@ struct LinePoint {
     @location(3) @interpolate(flat) half_width: f32,
 }
 
-// A point of a line in clip space, pulled a little towards the eye so that it is not lost in the
-// surface it lies on.
+// A point of a line in clip space, shifted slightly towards the eye so that its surface does not
+// hide it.
 fn pulled(position: vec3<f32>) -> vec4<f32> {
     var at = position * frame.eye.w;
     if frame.back.w > 0.5 {
@@ -47,7 +47,7 @@ fn expand(
     out.at = vec2(0.0);
     var a = pulled(start);
     var b = pulled(end);
-    // cut off what is behind the eye
+    // clip the part behind the eye
     let least = bitcast<f32>(frame.choice.w);
     if a.w < least && b.w < least {
         out.clip = vec4(0.0, 0.0, -1.0, 1.0);
@@ -92,7 +92,7 @@ fn vs_wire(
     return expand(start, end, frame.wire, 0.5 * frame.size.z, 0.0, corner);
 }
 
-// Part of a pixel within `reach` of the segment.
+// Fraction of a pixel within `reach` of the segment.
 fn coverage(p: LinePoint, reach: f32) -> f32 {
     let nearest = clamp(p.at.x, 0.0, p.length);
     let distance = length(vec2(p.at.x - nearest, p.at.y));

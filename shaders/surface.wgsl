@@ -30,7 +30,7 @@ struct SurfacePoint {
     @builtin(position) clip: vec4<f32>,
     @location(0) position: vec3<f32>,
     @location(1) normal: vec3<f32>,
-    // number to map, 1 where it is known, 1 where the flow is ill-posed
+    // mapped number, 1 if it is known, 1 if the flow is ill-posed
     @location(2) value: vec3<f32>,
     @location(3) @interpolate(flat) flags: u32,
 }
@@ -42,7 +42,8 @@ fn vs_surface(v: SurfaceVertex) -> SurfacePoint {
     out.clip = to_tile(frame.clip_from_scaled * vec4(out.position, 1.0));
     out.normal = v.normal;
     let mode = frame.choice.x;
-    // principal curvatures at the vertices: interpolating H and K first would give a root of noise
+    // principal curvatures are computed at the vertices, because the root of interpolated H and K
+    // would be noisy
     let spread = sqrt(max(v.mean * v.mean - v.gauss, 0.0));
     var value = v.mean;
     if mode == GAUSS {
@@ -62,7 +63,7 @@ fn vs_surface(v: SurfaceVertex) -> SurfacePoint {
     }
     let known = select(0.0, 1.0, (v.flags & needed) != 0u);
     let ill = select(0.0, 1.0, (v.flags & ILL_POSED) != 0u);
-    // in parts of the range, so that no exponent is lost on the way
+    // relative to the range, so that the exponent does not overflow
     out.value = vec3((value - frame.range.x) * frame.range.y, known, ill);
     out.flags = v.flags;
     return out;
@@ -82,7 +83,7 @@ fn change(x: f32) -> f32 {
     return length(vec2(dpdx(x), dpdy(x)));
 }
 
-// The colour map by its stops, which are inserted here.
+// The stops of the colour map, which are inserted here.
 //MAP
 
 fn colormap(t: f32) -> vec3<f32> {
@@ -92,8 +93,8 @@ fn colormap(t: f32) -> vec3<f32> {
     return mix(map[i], map[i + 1u], at - f32(i));
 }
 
-// Light on a surface of unit colour, linear: a key and a fill light that move with the camera, and
-// light from all around, more from above.
+// Linear light on a surface of unit colour: a key and a fill light that move with the camera, and
+// ambient light, stronger from above.
 fn light(n: vec3<f32>, towards_eye: vec3<f32>) -> vec2<f32> {
     let key = normalize(-0.45 * frame.right.xyz + 0.65 * frame.up.xyz + 0.75 * frame.back.xyz);
     let fill = normalize(0.8 * frame.right.xyz - 0.1 * frame.up.xyz + 0.5 * frame.back.xyz);
@@ -109,7 +110,7 @@ fn fs_surface(
     p: SurfacePoint,
     @builtin(front_facing) front: bool,
 ) -> @location(0) vec4<f32> {
-    // both sides are lit; the back has colours of its own
+    // both sides are lit; the back has different colours
     let outward = normalize(p.normal + vec3(0.0, 0.0, 1e-20));
     let n = select(-outward, outward, front);
     let sight = select(frame.back.xyz, normalize(frame.eye.xyz - p.position), frame.back.w > 0.5);
@@ -120,7 +121,7 @@ fn fs_surface(
     let mirrored = reflect(-sight, n);
     let to_light = dot(n, frame.light.xyz);
     let to_sky = dot(mirrored, frame.light.xyz);
-    // a quarter more: both ends of the range are in the middle of a light band
+    // a quarter more, so that both ends of the range are in the middle of a light band
     let phase = 0.5 * (select(to_light, to_sky, mode == ZEBRA) + 1.0) * stripes + 0.25;
     let band = bands(phase, change(phase));
 
@@ -137,7 +138,7 @@ fn fs_surface(
     if mode == SHADED {
         colour = linear_from_srgb(base) * lit.x + lit.y;
     } else if mode == ISOPHOTES || mode == ZEBRA {
-        // light bands in the colour of the surface, brightened; dark ones of the same hue
+        // light bands have the brightened colour of the surface, dark ones the same hue
         let bright = mix(vec3(1.0), base, select(0.75, 0.35, front && !in_patch && !selected));
         let dark = base * select(0.15, 0.24, in_patch);
         let stripe = mix(linear_from_srgb(dark), linear_from_srgb(bright), band);
@@ -145,11 +146,11 @@ fn fs_surface(
     } else {
         let unknown = vec3(0.55);
         let mapped = mix(unknown, colormap(p.value.x), step(0.999, p.value.y));
-        // the number must stay legible: little light, and the back darker
+        // the colour must stay legible: weak light, and a darker back
         colour = linear_from_srgb(mapped) * mix(1.0, min(lit.x, 1.05), 0.35) * select(0.55, 1.0, front);
     }
     if selected {
-        // dark bands and maps too
+        // also on dark bands and maps
         colour = mix(colour, linear_from_srgb(vec3(0.25, 0.50, 1.0)), 0.35);
     }
     if frame.choice.z != 0u && p.value.z > 0.5 {

@@ -6,8 +6,8 @@
 #       cargo test --test it models -- --nocapture
 #
 # CGAL_FILL names the compiled cgal_fill (run.sh builds it), CONTINUITY is 2 (default) or 1. The
-# loops to leave open are looked up in the manifest. The report holds no steps, so the suite's
-# complaints about those mean nothing; its errors, cuts and folds do.
+# loops to leave open are taken from the manifest. The report contains no steps, so ignore the
+# suite's failures about steps; its errors, cuts and folds are valid.
 set -eu
 shift # fill
 input=$1

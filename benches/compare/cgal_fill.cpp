@@ -1,11 +1,11 @@
-// Fills holes with CGAL's triangulate_refine_and_fair_hole and times that call alone.
+// Fills holes with CGAL's triangulate_refine_and_fair_hole and measures the time of that call.
 //
 //   cgal_fill FILE.obj CONTINUITY RUNS [--leave VERTEX]... [-o OUT.obj]
 //
-// CONTINUITY is CGAL's fairing_continuity: 1 or 2. Every boundary loop is filled but those through
-// a vertex named by --leave (0-based). Each run starts from a fresh copy of the mesh; copying,
-// reading and writing are not timed. Prints one JSON object; cpu_ms_min is processor time, which
-// says more than ms_min while the machine does other things.
+// CONTINUITY is CGAL's fairing_continuity: 1 or 2. All boundary loops are filled except those
+// through a vertex given by --leave (0-based). Each run starts from a fresh copy of the mesh;
+// copying, reading and writing are not timed. Prints one JSON object. cpu_ms_min is processor time,
+// which is more reliable than ms_min on a busy machine.
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>

@@ -3,12 +3,12 @@
 #
 #   MENISCUS_MODELS=/path/to/models benches/compare/run.sh [CASE...]
 #
-# CASE is a name of the manifest (default: the six of the table below). The two programs take
-# turns, RUNS times each (default 7; large holes 3), and the least time of each is kept. CGAL: the call
-# alone, fairing continuity 2 and 1. Meniscus: totals.timings.total of its report, which is
-# everything but reading and writing files, patch construction included. Set MENISCUS to a binary,
-# otherwise a release build is made. Both are wall times on an otherwise idle machine; CGAL's
-# processor time is printed too, to tell when it was not idle.
+# CASE is a name in the manifest (default: the six of the table below). The two programs run
+# alternately, RUNS times each (default 7; large holes 3), and the minimum time of each is kept.
+# CGAL: only the call, fairing continuity 2 and 1. Meniscus: totals.timings.total of its report,
+# which excludes only reading and writing files. Set MENISCUS to a binary; otherwise the script
+# makes a release build. Both are wall times on an idle machine. CGAL's processor time is printed
+# too, which shows whether the machine was idle.
 #
 # Installs CGAL (Debian's libcgal-dev) if its headers are missing; the build needs g++ and
 # python3. Continuous integration does not run this.

@@ -116,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_come_back_and_damage_is_told() {
+    fn settings_are_restored_and_damage_is_reported() {
         let folder = tempfile::tempdir().expect("a folder");
         let (mut settings, message) = Settings::load_from(folder.path());
         assert_eq!((settings.recent.len(), message), (0, None));

@@ -258,7 +258,7 @@ fn pause_step_scrub_and_replay() {
 }
 
 #[test]
-fn controls_act_while_it_runs_and_mistakes_are_told() {
+fn controls_act_during_a_run_and_errors_are_reported() {
     let mut m = model();
     act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
     act(&mut m, RunAction::Start);

@@ -88,8 +88,8 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         let count = mesh.triangles.iter().filter(collapsed).count();
         if count > 0 {
             lost.push(format!(
-                "triangles that collapse in single precision: {count}; move the mesh to the origin, or \
-                 write OBJ or PLY"
+                "triangles that collapse in single precision: {count}; move the mesh to the \
+                 origin, or write OBJ or PLY"
             ));
         }
     }

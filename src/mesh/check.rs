@@ -200,7 +200,7 @@ mod tests {
     const TETRA: [[u32; 3]; 4] = [[0, 3, 1], [1, 3, 2], [0, 2, 3], [0, 1, 2]];
 
     #[test]
-    fn a_filled_hole_is_told_from_an_open_one() {
+    fn a_filled_hole_is_distinguished_from_an_open_one() {
         let open = mesh(&CORNERS, &TETRA[..3]);
         let closed = mesh(&CORNERS, &TETRA);
         let rim = [VertexId(2), VertexId(0), VertexId(1)];

@@ -162,7 +162,7 @@ fn cup() -> Mesh {
 }
 
 #[test]
-fn operations_do_what_they_say() {
+fn operations_give_the_expected_meshes() {
     let cup = cup();
     let done = |operation: Operation| operation.run(&cup, &|_, _| true);
     let fill = done(Operation::Fill(FillSpec {

@@ -130,7 +130,7 @@ fn the_nearer_of_two_openings_is_picked() {
 }
 
 #[test]
-fn openings_of_any_outline_are_told_from_their_surroundings() {
+fn openings_of_any_outline_are_picked_exactly() {
     let shape = shapes::plane(2.0, 60, 1);
     let angle = HoleShape::Angle {
         arm: 1.0,

@@ -6,7 +6,7 @@ use meniscus::io::save_mesh;
 use meniscus::mesh::{DVec3, FaceId, Mesh, boundary_loops, erase};
 use meniscus::shapes::sphere;
 
-/// `out.obj` judged as a change of `in.obj`.
+/// The verdict on `out.obj` as a change of `in.obj`.
 #[track_caller]
 fn verdict(desk: &Desk, keep: Keep) -> Verdict {
     let v = judge(&desk.mesh("in.obj"), &desk.mesh("out.obj"), keep, &[], None);
@@ -75,7 +75,7 @@ fn noise_is_smoothed_out_again() {
 }
 
 #[test]
-fn the_area_pinches_and_says_so() {
+fn the_area_pinches_off_with_a_warning() {
     let desk = Desk::with_sample("four-cylinders");
     let words = [
         "blend", "in.obj", "-o", "out.obj", "--energy", "1", "--report", "r.json",

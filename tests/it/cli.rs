@@ -92,7 +92,7 @@ fn words(line: &str) -> Vec<String> {
 fn examples(text: &str) -> Vec<&str> {
     text.lines()
         .map(str::trim)
-        // the grammar of a usage line is no example
+        // a usage line is not an example
         .filter(|line| line.starts_with("meniscus ") && !line.contains(['<', '[']))
         .map(|line| line.split(" #").next().unwrap_or(line).trim())
         .collect()
@@ -331,7 +331,7 @@ fn nobody_listening_is_no_failure() {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 
-/// Loops are found by what is left of them: the fields `loop` of the report's holes and skipped.
+/// The fields `loop` of the filled and the skipped loops of the report.
 fn filled_and_skipped(desk: &Desk, input: &str, choice: &[&str]) -> (Vec<u64>, Vec<u64>, usize) {
     let words = ["fill", input, "-o", "out.obj", "--report", "report.json"];
     desk.run(&[&words, choice].concat()).ends(0);
@@ -427,7 +427,7 @@ fn large_loops_are_left_open_and_named() {
     assert_eq!((filled.len(), skipped, left), (2, vec![number], 1));
     let reason = desk.json("report.json")["skipped"][0]["reason"].to_string();
     assert!(reason.contains("more than"), "{reason}");
-    // a loop that is named is filled whatever its size
+    // a loop chosen by number is filled at any size
     let named = ["--loops", &number.to_string(), "--max-edges", "3"];
     assert_eq!(filled_and_skipped(&desk, "in.obj", &named).0, [number]);
     let run = desk.run(&["fill", "in.obj", "-o", "out.obj", "--max-diameter", "1e-9"]);
@@ -808,7 +808,7 @@ fn the_demo_fills_its_sample() {
 }
 
 #[test]
-fn a_message_says_everything_once() {
+fn a_message_contains_each_fact_once() {
     let desk = Desk::new();
     let faces = (0..5).map(|i| format!("f {} {} {}\n", i + 1, (i + 1) % 5 + 1, (i + 2) % 5 + 1));
     let strip = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 1\nv 0 0 1\n".to_owned();

@@ -21,7 +21,7 @@ fn creased(energy: &str, h0: f64) -> Controls {
     }
 }
 
-/// Fills the holes of a mesh that are no outer rims, or its last loop.
+/// Fills the loops of a mesh that are not outer boundaries, or its last loop.
 fn fill(mesh: &Mesh, controls: &Controls) -> Filled {
     let loops = boundary_loops(mesh);
     let inner = loops.iter().filter(|l| !l.outer_rim);

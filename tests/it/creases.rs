@@ -90,8 +90,9 @@ fn bits(p: DVec3) -> [u64; 3] {
     p.to_array().map(f64::to_bits)
 }
 
-/// Watertight where the input was, of its Euler number, no two vertices at one place, given vertices as
-/// they were (but for Loop's scheme), the control mesh the same faces.
+/// Checks a refined mesh: same boundary and Euler number as the input, no two vertices at one
+/// position, unchanged input vertices (except for Loop's scheme), and a control mesh with the same
+/// faces.
 fn is_sound(refined: &Refined, given: &Mesh) {
     let mesh = &refined.mesh;
     check_mesh(mesh).expect("sound");
@@ -197,7 +198,7 @@ fn caps_stay_flat_and_rims_become_round() {
     }
 }
 
-/// The normals of either side of a rim differ by about its dihedral angle.
+/// The normals of the two sides of a rim differ by about its dihedral angle.
 #[test]
 fn one_sided_normals_keep_the_angle() {
     let given = capped_cylinder(24);

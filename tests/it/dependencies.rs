@@ -144,7 +144,7 @@ fn used() -> BTreeMap<String, BTreeSet<String>> {
     used
 }
 
-/// The modules in floors: each uses modules of lower floors only, and one of the next at least.
+/// The modules in floors: each uses only modules of lower floors, and at least one of the next.
 ///
 /// # Panics
 /// If the modules have a circular dependency.

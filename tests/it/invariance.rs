@@ -138,7 +138,7 @@ fn two_densities_give_one_surface() {
         many as f64 > 2.2 * few as f64 && (many as f64) < 3.8 * few as f64,
         "{few} {many}"
     );
-    // both lie within the discretisation error of the given mesh, about (edge/radius of curvature)²
+    // both are within the discretisation error of the input mesh, about (edge/radius of curvature)²
     assert!(coarse < 4e-3 && fine < 4e-3, "{coarse:e} {fine:e}");
 }
 

@@ -1,4 +1,4 @@
-//! The judge itself: correct results pass, and every kind of defect is found.
+//! Tests of the judge: correct results pass, and every kind of defect is found.
 
 use crate::common::judge::{Keep, Verdict, judge, loops_of};
 use crate::common::raw::RawMesh;
@@ -6,7 +6,7 @@ use crate::common::truth::Truth;
 use meniscus::mesh::DVec3;
 use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
-/// A sphere with two holes, and the same filled by what was cut out.
+/// A sphere with two holes, and the sphere filled with the removed parts.
 fn cut_and_whole() -> (RawMesh, RawMesh) {
     let whole = sphere(2000, 3);
     let hole = |centre: DVec3, radius: f64| Hole {

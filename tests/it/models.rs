@@ -16,7 +16,7 @@ use crate::common::raw::{self, RawMesh};
 use crate::common::truth::Truth;
 use serde_json::Value;
 
-/// Time limit of a fill, longer than any that works; a fill that takes longer hangs.
+/// Time limit of a fill, longer than every successful one. A fill beyond the limit hangs.
 const TIMEOUT: Duration = Duration::from_mins(5);
 const MAX_STEPS: u64 = 25;
 const MAX_REJECTED: u64 = 2;
@@ -27,7 +27,7 @@ const BAD_LIMIT: f64 = 0.05;
 
 /// Most steps of a blend, and those of the paper's four cylinders.
 const MAX_BLEND_STEPS: [u64; 2] = [60, 40];
-/// What is added to the command for some cases: the cylinder is stationary for this energy only.
+/// Extra arguments for some cases: the cylinder is stationary only for this energy.
 const ARGUMENTS: [(&str, &[&str]); 1] = [(
     "coaxial_equal",
     &["--energy", "(H-H0)^2", "--param", "H0=-1"],
@@ -59,7 +59,7 @@ const LIMITS: [(&str, f64, f64); 22] = [
     ("rocker_arm_riddled", 4.6e-2, 4.6e-2),
 ];
 
-/// What happened in one case.
+/// The outcome of one case.
 struct Outcome {
     name: String,
     verdict: Verdict,
@@ -229,7 +229,7 @@ impl Outcome {
         Some(output)
     }
 
-    /// Takes steps, rejections, convergence and memory from the report.
+    /// Reads steps, rejections, convergence and memory from the report.
     fn read_report(&mut self, report: Option<&Value>) -> Vec<Value> {
         let Some(report) = report else {
             self.fail("no readable report");

@@ -52,7 +52,7 @@ fn auto_fills_what_the_manifest_marks() {
                 one.reason
             );
         }
-        // the manifest's loops of this file are about a fin that repair takes off
+        // the loops in the manifest of this file belong to a fin that the repair removes
         let Some(wanted) = case["loops"]
             .as_array()
             .filter(|_| !name.contains("nonmanifold"))

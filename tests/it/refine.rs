@@ -57,7 +57,7 @@ fn bending(levels: usize) -> RefineOptions {
     controls.into()
 }
 
-/// Energy of the limit surface after three levels, whose given vertices lie on it.
+/// Energy of the limit surface through the input vertices after three levels.
 fn refined(mesh: &Mesh) -> f64 {
     let given = mesh.positions.clone();
     let refined = run(mesh, &bending(3));
@@ -77,7 +77,7 @@ fn refined(mesh: &Mesh) -> f64 {
 
 #[test]
 fn an_octahedron_and_an_icosahedron_become_spheres() {
-    // 4 pi is the least energy of a sphere; the quadrature may miss it by 1e-5 (measured)
+    // 4 pi is the minimum energy of a sphere; the quadrature error is 1e-5 (measured)
     let least = 4.0 * PI - 1e-5;
     let octahedron = refined(&octahedron());
     assert!((least..=12.570).contains(&octahedron), "{octahedron}");
@@ -114,7 +114,7 @@ fn a_region_is_refined_and_nothing_else() {
         if method != Method::Loop {
             assert_eq!(mesh.positions[..ball.vertex_count()], ball.positions);
         }
-        // vertices without a face of the region stay, and so do the faces among them
+        // vertices without a face of the region, and the faces among them, do not change
         let touched: BTreeSet<u32> = (0..ball.face_count())
             .filter(|&f| cap(f))
             .flat_map(|f| ball.topology.face_vertices(f.into()).map(|v| v.0))
@@ -127,7 +127,7 @@ fn a_region_is_refined_and_nothing_else() {
                 assert_eq!(mesh.positions[v as usize], ball.positions[v as usize]);
             }
         }
-        // those beside the region are no worse than a halved one
+        // those beside the region are not worse than a halved one
         for t in mesh.topology.triangles() {
             let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
             for (p, q, r) in [(a, b, c), (b, c, a), (c, a, b)] {
@@ -135,7 +135,7 @@ fn a_region_is_refined_and_nothing_else() {
                 assert!((20.0..130.0).contains(&angle), "{method:?}: {angle}");
             }
         }
-        // new vertices are as near to the sphere as the methods come; H² alone bulges
+        // the distance of new vertices from the sphere depends on the method; H² alone bulges
         let off = |p: &DVec3| (p.length() - 1.0).abs();
         let most = match method {
             Method::Pde => 0.02,

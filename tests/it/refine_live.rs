@@ -152,7 +152,7 @@ fn every_method_ends_where_it_does_in_the_foreground() {
         assert_eq!(latest.control[..], plain.control.positions[..]);
         assert_eq!(timeline.states[0].mesh(), *mesh());
         let is_accepted = |e: &&Event<RefineEvent>| matches!(e, Event::Process(RefineEvent::Step { record, .. }) if !record.is_rejected());
-        // the given mesh, the start of each level, every accepted step
+        // the input mesh, the start of each level, every accepted step
         let accepted = live.events.iter().filter(is_accepted).count();
         assert_eq!(timeline.states.len(), 3 + accepted);
         let energies = |r: &[meniscus::refine::LevelReport]| -> Vec<f64> {

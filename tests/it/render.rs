@@ -90,7 +90,7 @@ fn isophotes_of_a_sphere_are_where_they_should_be() {
         // n·l is the height on a unit sphere lit from above
         let phase = 0.5 * (py + 1.0) * f64::from(stripes) + 0.25;
         let in_period = phase.rem_euclid(1.0);
-        // two pixels of the wave at least away from an edge: a pixel is 0.03 of a period
+        // at least two pixels away from an edge of the wave; a pixel is 0.03 of a period
         let to_edge = (in_period - 0.5).abs().min(in_period).min(1.0 - in_period);
         if to_edge < 0.08 {
             continue;
@@ -212,7 +212,7 @@ fn maps_show_the_colours_of_the_legend() {
         let image = shoot(&gpu, &ball(1.0, DVec3::ZERO), &camera, &style);
         let expected = colormap((value + 2.0) / 3.5);
         let pixel = image.get_pixel(SIDE / 2 + 3, SIDE / 2 + 5).0;
-        // light takes the same part off all three linear channels
+        // light reduces all three linear channels by the same factor
         let linear = |c: f64| ((c + 0.055) / 1.055).powf(2.4);
         let ratio = |k: usize| linear(f64::from(pixel[k]) / 255.0) / linear(f64::from(expected[k]));
         let [r, g, b] = [ratio(0), ratio(1), ratio(2)];

@@ -12,7 +12,7 @@ use meniscus::mesh::{DVec3, Mesh, boundary_loops, check_mesh};
 use meniscus::render::{Bounds, Camera};
 use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
-/// A process that is ended with the test, whatever its outcome.
+/// A process that ends with the test, whether it passes or fails.
 struct Process(Child);
 
 impl Drop for Process {
@@ -22,7 +22,7 @@ impl Drop for Process {
     }
 }
 
-/// A virtual display of its own, with a free number.
+/// A separate virtual display with a free number.
 struct Display {
     _server: Process,
     name: String,
@@ -58,7 +58,7 @@ impl Display {
         }
     }
 
-    /// Runs xdotool; what it prints.
+    /// Runs xdotool and returns its output.
     fn hand(&self, args: &[&str]) -> String {
         let out = Command::new("xdotool")
             .args(args)
@@ -165,7 +165,7 @@ fn a_hole_is_clicked_filled_and_saved() {
             (line != "selection = []").then_some(())
         })
     });
-    // the first Enter starts the flow; one that comes after the flow's end accepts the patch
+    // the first Enter starts the flow; an Enter after the end of the flow accepts the patch
     wait_for("the patch, accepted", || {
         display.hand(&["key", "Return"]);
         wait_at_most(Duration::from_secs(5), || {

@@ -208,7 +208,7 @@ pub(super) fn binary_stl(header: &[u8], declared: u32, faces: &[[f32; 9]]) -> Ve
 }
 
 #[test]
-fn stl_binary_whatever_its_header_says() {
+fn stl_is_binary_for_any_header_text() {
     let face = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.0];
     for header in [&b"exported"[..], b"solid exported"] {
         let soup = good(Stl, binary_stl(header, 2, &[face; 2]));

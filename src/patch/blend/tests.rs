@@ -314,7 +314,7 @@ fn cubics_follow_arcs_and_their_frames_do_not_twist() {
 }
 
 #[test]
-fn a_rim_knows_where_it_leads() {
+fn the_direction_of_a_rim_is_found() {
     let tube = RimCurve::new(&mouth(X, X, 0.5, 32));
     assert!(tube.axis(1.0).distance(-X) < 1e-9);
     assert_eq!(tube.side(), RimCurve::new(&mouth(-Z, -Z, 0.3, 20)).side());

@@ -197,7 +197,7 @@ fn fitting_shows_everything_in_any_format() {
 }
 
 #[test]
-fn standard_views_look_from_where_they_say() {
+fn standard_views_have_their_directions() {
     let from = |view| {
         let mut c = Camera::fit(&Bounds::default());
         c.standard_view(view);

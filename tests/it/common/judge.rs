@@ -1,4 +1,4 @@
-//! Measures a filled mesh: what was kept, what was added, and how far it is from the truth.
+//! Measures a filled mesh: the kept part, the added part, and the distance from the true surface.
 //!
 //! The error of a new vertex is its distance from the true surface divided by the radius of its
 //! own hole (RMS distance of the hole's rim vertices from their mean). A case's error is the RMS
@@ -134,7 +134,7 @@ fn kept_vertices(
             verdict.failures.push(format!("{lost} vertices lost"));
         }
     }
-    // copies made by cutting lie where an original lies
+    // copies from cuts have the position of their original
     output
         .positions
         .iter()

@@ -131,7 +131,8 @@ pub fn with_obstacle() -> (Mesh, Vec<BoundaryLoop>) {
     (mesh, gap)
 }
 
-/// Tubes at random places and directions, clear of one another and of what they point to.
+/// Tubes at random places and directions that do not intersect each other or the objects in front
+/// of them.
 pub fn random(seed: u64) -> Layout {
     let mut random = SplitMix::new(seed);
     let count = 2 + random.below(4);

@@ -21,7 +21,7 @@ const MAX_BYTES: usize = 1 << 14;
 /// Runs a target on changed seeds until its time is over.
 ///
 /// # Panics
-/// If the target does; the input lies in the folder for temporary files of the tests.
+/// If the target panics. The input is saved in the folder for temporary files of the tests.
 fn fuzz(name: &str, target: Target, seeds: &[Vec<u8>], words: &[&str]) {
     let seconds = std::env::var("MENISCUS_FUZZ_SECONDS")
         .ok()

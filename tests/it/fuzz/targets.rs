@@ -1,4 +1,5 @@
-//! What the fuzz targets do with bytes. `fuzz/` includes this file too: it uses the library alone.
+//! The fuzz targets as functions of bytes. `fuzz/` includes this file too, so it uses only the
+//! library.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,7 +10,7 @@ use meniscus::io::{self, Format};
 use meniscus::mesh::{self, check_mesh};
 use meniscus::runner::Schedule;
 
-/// A function that takes any bytes and panics where the program is at fault.
+/// A function of arbitrary bytes that panics on an error of the program.
 pub type Target = fn(&[u8]);
 
 pub fn obj(bytes: &[u8]) {
@@ -79,7 +80,7 @@ pub fn expression(bytes: &[u8]) {
                 (1e200, 1e-200),
             ] {
                 let jet = energy.jet(h, k);
-                // the same every time, whatever it is
+                // the result is the same every time
                 let again = energy.jet(h, k);
                 assert_eq!(format!("{jet:?}"), format!("{again:?}"));
             }
