@@ -85,7 +85,7 @@ fn rims(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
             let document = &model.document;
             let shown = |l: &&BoundaryLoop| !(running && document.selection.contains(&l.id));
             rim_lines(model, document.loops.iter().filter(shown), |l| LineLook {
-                color: if l.outer_rim { OUTER } else { HOLE },
+                color: if l.is_outer_boundary { OUTER } else { HOLE },
                 width_px: 2.0,
                 style: LineStyle::OnTopFaintWhenHidden,
             })

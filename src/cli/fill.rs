@@ -80,9 +80,9 @@ pub fn fill(args: &FillArguments) -> Result<()> {
     };
     let rim_sets = spec.rim_sets(mesh, &loops)?;
     let joined: Vec<LoopId> = rim_sets.iter().flatten().map(|l| l.id).collect();
-    let is_guess = |l: &BoundaryLoop| args.loops.are_auto() && l.outer_rim;
+    let is_outer = |l: &BoundaryLoop| args.loops.are_auto() && l.is_outer_boundary;
     let reason = |l: &BoundaryLoop| match limits.exceeded(l) {
-        Some(reason) if !is_guess(l) => reason,
+        Some(reason) if !is_outer(l) => reason,
         _ => args.loops.reason_to_skip(l),
     };
     task.fill(&rim_sets, skipped(&loops, &joined, reason))

@@ -83,7 +83,7 @@ impl LoopArguments {
 
     /// Why a loop is not chosen.
     pub fn reason_to_skip(&self, one: &BoundaryLoop) -> String {
-        if self.are_auto() && one.outer_rim {
+        if self.are_auto() && one.is_outer_boundary {
             format!("classified as an outer boundary: {}", one.reason)
         } else {
             "not chosen".into()

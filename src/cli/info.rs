@@ -54,7 +54,7 @@ impl<'a> From<&'a BoundaryLoop> for LoopInfo<'a> {
             radius: l.radius,
             centroid: l.centroid.to_array(),
             component: l.component,
-            outer_rim: l.outer_rim,
+            outer_rim: l.is_outer_boundary,
             reason: &l.reason,
         }
     }

@@ -57,7 +57,7 @@ pub struct NoSuchLoop {
 pub fn choose(loops: &[BoundaryLoop], choice: &LoopChoice) -> Result<Vec<LoopId>, NoSuchLoop> {
     let all = loops.iter();
     Ok(match choice {
-        LoopChoice::Auto => all.filter(|l| !l.outer_rim).map(|l| l.id).collect(),
+        LoopChoice::Auto => all.filter(|l| !l.is_outer_boundary).map(|l| l.id).collect(),
         LoopChoice::All => all.map(|l| l.id).collect(),
         LoopChoice::AllButLargest => {
             let largest = all

@@ -1,6 +1,6 @@
 //! Boundary loops, their measures, and their classification as outer boundaries or holes.
 
-use super::outer_rim::guess_outer_rims;
+use super::outer_boundary::classify_loops;
 use super::{
     Components, DVec3, HalfedgeId, LoopId, Mesh, VertexId, components, perimeter, rms_distance,
 };
@@ -25,7 +25,7 @@ pub struct BoundaryLoop {
     /// The component (see [`components`]) the loop belongs to.
     pub component: u32,
     /// Whether the loop is classified as an outer boundary of an open surface, not as a hole.
-    pub outer_rim: bool,
+    pub is_outer_boundary: bool,
     /// The reason of the classification, in words.
     pub reason: String,
 }
@@ -53,7 +53,7 @@ pub fn boundary_loops(mesh: &Mesh) -> Vec<BoundaryLoop> {
         .enumerate()
         .map(|(i, halfedges)| measure(mesh, &parts, i.into(), halfedges))
         .collect();
-    guess_outer_rims(mesh, &parts, &mut loops);
+    classify_loops(mesh, &parts, &mut loops);
     loops
 }
 
@@ -75,7 +75,7 @@ fn measure(
         centroid,
         radius: rms_distance(points.iter().copied(), centroid),
         component: parts.of_face[topology.face(halfedges[0].twin()).index()],
-        outer_rim: false,
+        is_outer_boundary: false,
         reason: String::new(),
         halfedges,
         vertices,
@@ -151,7 +151,10 @@ mod tests {
         assert_eq!(hole.centroid, DVec3::new(0.5, 0.5, 7.0));
         assert!((hole.diameter - 2f64.sqrt()).abs() < 1e-15);
         assert!((hole.radius - 0.5f64.sqrt()).abs() < 1e-15);
-        assert_eq!((loops[0].outer_rim, hole.outer_rim), (true, false));
+        assert_eq!(
+            (loops[0].is_outer_boundary, hole.is_outer_boundary),
+            (true, false)
+        );
     }
 
     #[test]

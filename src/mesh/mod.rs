@@ -10,7 +10,7 @@ mod ids;
 mod intersect;
 mod measures;
 mod neighbourhood;
-mod outer_rim;
+mod outer_boundary;
 mod selection;
 mod soup;
 mod spatial;

@@ -137,7 +137,7 @@ impl Picker {
         let rims = loops.iter().map(|one| Rim {
             points: one.vertices.iter().map(|v| positions[v.index()]).collect(),
             centroid: one.centroid,
-            open: !one.outer_rim,
+            open: !one.is_outer_boundary,
         });
         Self {
             surface: TriangleBvh::new(positions, &triangles),

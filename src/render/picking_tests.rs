@@ -118,7 +118,7 @@ fn the_nearer_of_two_openings_is_picked() {
                 // these loops are holes, whatever their classification
                 let mut loops = pipe.loops.clone();
                 for l in &mut loops {
-                    l.outer_rim = false;
+                    l.is_outer_boundary = false;
                 }
                 let picker = Picker::new(&pipe.mesh.positions, &pipe.mesh.topology, &loops);
                 let at = pixel(&camera, DVec3::ZERO);
@@ -152,7 +152,11 @@ fn openings_of_any_outline_are_picked_exactly() {
             }],
         );
         let plate = model(cut);
-        let hole = plate.loops.iter().find(|l| !l.outer_rim).map(|l| l.id);
+        let hole = plate
+            .loops
+            .iter()
+            .find(|l| !l.is_outer_boundary)
+            .map(|l| l.id);
         let hole = hole.expect("a hole and the border of the plane");
         for view in [StandardView::Front, StandardView::Back] {
             for camera in cameras(&plate, view) {
@@ -186,9 +190,9 @@ fn openings_of_any_outline_are_picked_exactly() {
 }
 
 #[test]
-fn outer_rims_are_picked_by_their_line() {
+fn outer_boundaries_are_picked_by_their_line() {
     let plate = model(shapes::plane(2.0, 20, 1));
-    assert!(plate.loops[0].outer_rim);
+    assert!(plate.loops[0].is_outer_boundary);
     for camera in cameras(&plate, StandardView::Front) {
         let edge = pixel(&camera, DVec3::new(1.0, 0.2, 0.0));
         assert_eq!(pick(&plate, &camera, edge), Some(LoopId::FIRST));

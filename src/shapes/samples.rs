@@ -177,7 +177,7 @@ mod tests {
             assert_eq!(report.defects, [], "{}", sample.name);
             assert_eq!(report.components.len(), parts, "{}", sample.name);
             let loops = boundary_loops(&mesh);
-            let found = loops.iter().filter(|l| !l.outer_rim).count();
+            let found = loops.iter().filter(|l| !l.is_outer_boundary).count();
             assert_eq!(found, holes, "{}", sample.name);
             let triangles: Vec<_> = mesh.topology.triangles().collect();
             assert!(

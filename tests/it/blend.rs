@@ -173,7 +173,7 @@ fn where_each_piece_has_one_rim_nothing_else_can_be_meant() {
         faces.extend(bowl.topology.triangles().map(|t| t.map(|v| v + first)));
     }
     let mesh = Mesh::from_triangles(points, &faces).expect("two bowls");
-    assert!(boundary_loops(&mesh).iter().all(|l| l.outer_rim));
+    assert!(boundary_loops(&mesh).iter().all(|l| l.is_outer_boundary));
     save_mesh(&desk.path("in.obj"), &mesh, &[]).expect("written");
     desk.runs(&["blend", "in.obj", "-o", "out.obj"]);
     let verdict = verdict(&desk, Keep::Everything);

@@ -390,7 +390,7 @@ fn loops_are_chosen() {
 }
 
 #[test]
-fn outer_rims_are_left_and_named() {
+fn outer_boundaries_are_left_open_and_reported() {
     let desk = Desk::new();
     desk.write("in.obj", &obj(&plate()));
     let run = desk

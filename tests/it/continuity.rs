@@ -24,7 +24,7 @@ fn creased(energy: &str, h0: f64) -> Controls {
 /// Fills the loops of a mesh that are not outer boundaries, or its last loop.
 fn fill(mesh: &Mesh, controls: &Controls) -> Filled {
     let loops = boundary_loops(mesh);
-    let inner = loops.iter().filter(|l| !l.outer_rim);
+    let inner = loops.iter().filter(|l| !l.is_outer_boundary);
     let mut holes: Vec<Vec<&BoundaryLoop>> = inner.map(|l| vec![l]).collect();
     if holes.is_empty() {
         holes.extend(loops.last().map(|l| vec![l]));

@@ -1,4 +1,4 @@
-//! Loading and the outer-rim guess on the shared models, if `MENISCUS_MODELS` names their folder.
+//! Loading and the classification of boundary loops on the test models, if `MENISCUS_MODELS` names their folder.
 
 use meniscus::mesh::{BoundaryLoop, boundary_loops, build};
 use serde_json::Value;
@@ -48,7 +48,7 @@ fn auto_fills_what_the_manifest_marks() {
                 "  #{} {} edges, outer {}: {}",
                 one.id,
                 one.edges(),
-                one.outer_rim,
+                one.is_outer_boundary,
                 one.reason
             );
         }
@@ -63,14 +63,14 @@ fn auto_fills_what_the_manifest_marks() {
         for want in wanted.iter().filter(|_| report.file_to_mesh.is_none()) {
             let found = loops.iter().find(|one| same_vertices(one, want));
             let fill = want["fill"].as_bool().expect("fill");
-            if found.is_none_or(|one| one.outer_rim == fill) {
+            if found.is_none_or(|one| one.is_outer_boundary == fill) {
                 wrong.push(format!(
                     "{name}: {:?} where fill is {fill}",
                     found.map(|l| l.id)
                 ));
             }
         }
-        let filled = loops.iter().filter(|one| !one.outer_rim).count();
+        let filled = loops.iter().filter(|one| !one.is_outer_boundary).count();
         let fill = wanted.iter().filter(|want| want["fill"] == true).count();
         if loops.len() != wanted.len() || filled != fill {
             wrong.push(format!(

@@ -221,7 +221,7 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 row.set_hovered(model.view.hover == Some(l.id));
                 row.col(|ui| {
                     let mut text = RichText::new(l.id.to_string());
-                    if l.outer_rim {
+                    if l.is_outer_boundary {
                         text = text.weak();
                     }
                     ui.label(text);
@@ -233,11 +233,15 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     ui.label(format_number(l.perimeter));
                 });
                 row.col(|ui| {
-                    let rim = if l.outer_rim { "  outer boundary" } else { "" };
+                    let rim = if l.is_outer_boundary {
+                        "  outer boundary"
+                    } else {
+                        ""
+                    };
                     ui.label(format!("{}{rim}", format_number(l.diameter)));
                 });
                 let mut response = row.response();
-                if l.outer_rim {
+                if l.is_outer_boundary {
                     response = response
                         .on_hover_text(format!("classified as an outer boundary: {}", l.reason));
                 }

@@ -294,7 +294,11 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
     let Some(at) = on_screen(model, rect, l.centroid) else {
         return;
     };
-    let rim = if l.outer_rim { ", outer boundary" } else { "" };
+    let rim = if l.is_outer_boundary {
+        ", outer boundary"
+    } else {
+        ""
+    };
     let words = format!(
         "loop {}: {} edges, length {}, width {}{rim}",
         l.id,

@@ -111,7 +111,7 @@ fn sound(soup: &Soup) -> (Mesh, LoadReport) {
 fn loop_sizes(mesh: &Mesh) -> Vec<(usize, bool)> {
     boundary_loops(mesh)
         .iter()
-        .map(|l| (l.edges(), l.outer_rim))
+        .map(|l| (l.edges(), l.is_outer_boundary))
         .collect()
 }
 

@@ -10,43 +10,48 @@
 //! ```
 //!
 //! A hole in a plane has 0° (by the divergence theorem, whatever its shape), a hole of half-angle α
-//! in a sphere α, the end of a tube 90°, the border of a plane 180°. On the shared models holes
+//! in a sphere α, the end of a tube 90°, the border of a plane 180°. On the test models holes
 //! reach 64° (a torn one across the tail of a cow). The exception is a sphere cut open nearly to the
 //! equator (81°), the only loop of its component. Ends of tubes start at 88°.
 //!
-//! 1. Below [`HOLE_BELOW`] the surface closes in on the loop: a hole. So are loops that are small
-//!    beside their component ([`SMALL`]), and cracks ([`CRACK`]).
-//! 2. A loop that faces another one in front of it is meant to be joined to it: no outer boundary.
-//! 3. The only loop of its component that is no hole by rule 1 is the mouth of a cup if its opening
-//!    is below [`CUP_BELOW`] (or [`FLARED_CUP_BELOW`] with much surface behind it). It is filled.
+//! 1. Below [`HOLE_BELOW`] the surface narrows towards the loop, which is a hole. Loops that are
+//!    small relative to their component ([`SMALL`]) and cracks ([`CRACK`]) are holes too.
+//! 2. A loop that faces another loop in front of it is to be joined to it and is not an outer
+//!    boundary.
+//! 3. The only loop of its component that is not a hole by rule 1 is the mouth of a cup if its
+//!    opening is below [`CUP_BELOW`] (or [`FLARED_CUP_BELOW`] with much surface behind it). It is
+//!    filled.
 //! 4. All others are outer boundaries.
 
 use super::{BoundaryLoop, Components, DVec3, FaceId, Mesh};
 
-/// Part of the area of its component below which a loop is a hole though the surface goes straight
-/// on there (up to [`CUP_BELOW`]): the tip of an ear, not the end of a pipe of 50 radii.
+/// A loop whose area is below this fraction of the area of its component is a hole, although the
+/// surface continues straight there (up to [`CUP_BELOW`]). The tip of an ear is such a loop; the
+/// end of a pipe of 50 radii is not.
 const SMALL: f64 = 0.01;
-/// Opening in degrees below which the surface closes in on a loop.
+/// Opening in degrees below which the surface narrows towards a loop.
 const HOLE_BELOW: f64 = 75.0;
 /// Opening in degrees up to which the only mouth of a surface is filled.
 const CUP_BELOW: f64 = 105.0;
-/// The same where the surface is [`FLARED_CUP_AREA`] times as large as its mouth.
+/// The same if the surface is [`FLARED_CUP_AREA`] times as large as its mouth.
 const FLARED_CUP_BELOW: f64 = 135.0;
-/// Surface of a cup over the area of its mouth, at least; a hemisphere has 2, a cube 5.
+/// Minimum surface area of a cup over the area of its mouth. A hemisphere has 2, a cube 5.
 const CUP_AREA: f64 = 1.5;
-/// The same for cups that open outwards: a bust on its shoulders, not a hill in a landscape.
+/// The same for cups that open outwards, such as a bust with shoulders, but not a hill in a
+/// landscape.
 const FLARED_CUP_AREA: f64 = 4.0;
-/// A loop around less than this part of the circle of its length is a crack, where openings are
-/// mostly noise: a hole unless the opening is above [`FLARED_CUP_BELOW`].
+/// A loop with less than this fraction of the area of a circle of the same length is a crack.
+/// Openings of cracks are mostly noise, so a crack is a hole unless its opening is above
+/// [`FLARED_CUP_BELOW`].
 const CRACK: f64 = 0.05;
 /// Loops have a direction if their mean conormal is at least this long (a tube's end has 1).
 const STRAIGHT: f64 = 0.3;
-/// Cosine of the greatest angle at which a loop faces another: 70° between components, 60° within
-/// one. Ends of a torus of which 120° are missing just see each other.
+/// Cosine of the maximum angle at which a loop faces another: 70° between components, 60° within
+/// one. The ends of a torus of which 120° are missing just face each other.
 const FACING: [f64; 2] = [0.342, 0.5];
-/// Cosine of the greatest angle at which a tube's end faces a hole of another component.
+/// Cosine of the maximum angle at which the end of a tube faces a hole of another component.
 const FACING_HOLE: f64 = 0.7;
-/// Distance of facing loops over the sum of their radii, at most; the shared models have up to 2.2.
+/// Maximum distance of facing loops over the sum of their radii. The test models have up to 2.2.
 const REACH: f64 = 4.0;
 
 /// Measures of the surface at a boundary loop.
@@ -63,14 +68,14 @@ struct Rim {
     roundness: f64,
 }
 
-/// Sets `outer_rim` and `reason` of all loops of a mesh.
-pub(super) fn guess_outer_rims(mesh: &Mesh, parts: &Components, loops: &mut [BoundaryLoop]) {
+/// Sets `is_outer_boundary` and `reason` of all loops of a mesh.
+pub(super) fn classify_loops(mesh: &Mesh, parts: &Components, loops: &mut [BoundaryLoop]) {
     if loops.is_empty() {
         return;
     }
     let rims: Vec<Rim> = loops.iter().map(|one| measure(mesh, one)).collect();
     let areas = component_areas(mesh, parts);
-    // surface behind each loop over the area of its mouth
+    // surface area behind each loop over the area of its mouth
     let depth: Vec<f64> = loops
         .iter()
         .zip(&rims)
@@ -91,13 +96,13 @@ pub(super) fn guess_outer_rims(mesh: &Mesh, parts: &Components, loops: &mut [Bou
     }
     for i in 0..loops.len() {
         let opening = rims[i].opening;
-        let (outer_rim, reason) = if hole[i] {
+        let (is_outer_boundary, reason) = if hole[i] {
             let what = if opening < HOLE_BELOW {
-                "the surface closes in on it"
+                "the surface narrows towards it"
             } else if rims[i].roundness < CRACK {
                 "a crack"
             } else {
-                "small beside its component"
+                "small relative to its component"
             };
             (false, format!("{what} (opening {opening:.0}°)"))
         } else if let Some(j) = faced(loops, &rims, &hole, i) {
@@ -106,7 +111,7 @@ pub(super) fn guess_outer_rims(mesh: &Mesh, parts: &Components, loops: &mut [Bou
             let kind = if opening < CUP_BELOW {
                 "one of several open ends"
             } else {
-                "a border"
+                "a boundary"
             };
             (
                 true,
@@ -116,13 +121,13 @@ pub(super) fn guess_outer_rims(mesh: &Mesh, parts: &Components, loops: &mut [Bou
             let cup = (opening < CUP_BELOW && depth[i] > CUP_AREA)
                 || (opening < FLARED_CUP_BELOW && depth[i] > FLARED_CUP_AREA);
             let what = if cup {
-                "the only mouth of a surface that is closed otherwise"
+                "the only opening of a surface that is closed otherwise"
             } else {
-                "the border of an open surface"
+                "the boundary of an open surface"
             };
             (!cup, format!("{what} (opening {opening:.0}°)"))
         };
-        loops[i].outer_rim = outer_rim;
+        loops[i].is_outer_boundary = is_outer_boundary;
         loops[i].reason = reason;
     }
 }
@@ -270,7 +275,10 @@ mod tests {
     }
 
     fn outer(mesh: &Mesh) -> Vec<bool> {
-        boundary_loops(mesh).iter().map(|l| l.outer_rim).collect()
+        boundary_loops(mesh)
+            .iter()
+            .map(|l| l.is_outer_boundary)
+            .collect()
     }
 
     fn openings(mesh: &Mesh) -> Vec<f64> {
@@ -301,13 +309,13 @@ mod tests {
     }
 
     #[test]
-    fn ends_of_tubes_are_outer_rims_and_windows_are_holes() {
+    fn ends_of_tubes_are_outer_boundaries_and_windows_are_holes() {
         let pipe = revolve(&tube(0.0, 3.0), 40);
         assert_eq!(outer(&pipe), [true, true]);
         let window = without(&pipe, |p| p.x > 0.3 && (p.z - 1.5).abs() < 0.5);
-        let mut guess = outer(&window);
-        guess.sort_unstable();
-        assert_eq!(guess, [false, true, true]);
+        let mut found = outer(&window);
+        found.sort_unstable();
+        assert_eq!(found, [false, true, true]);
         let flared: Vec<[f64; 2]> = (-10..=10)
             .map(|i| 0.12 * f64::from(i))
             .map(|z| [z.cosh(), z])
