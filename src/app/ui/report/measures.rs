@@ -24,45 +24,22 @@ pub(crate) fn shape_ui(ui: &mut Ui, measured: &Measured) {
     let e = &s.energies;
     let or_open = |v: Option<f64>| v.map_or_else(|| "open".into(), format_number);
     grid(ui, "shape", |ui| {
-        row(
-            ui,
-            "Vertices, faces, edges",
-            "",
-            format!("{}, {}, {}", s.vertices, s.faces, s.edges),
-        );
-        row(
-            ui,
-            "Components, loops",
-            "connected components; boundary loops",
-            format!("{}, {}", s.components, s.boundary_loops),
-        );
-        row(
-            ui,
-            "Euler number, genus",
-            "vertices - edges + faces; number of handles, as if all holes were filled",
-            format!("{}, {}", s.euler, s.genus),
-        );
+        let counts = list([s.vertices, s.faces, s.edges]);
+        row(ui, "Vertices, faces, edges", "", counts);
+        let counts = list([s.components, s.boundary_loops]);
+        let tip = "connected components; boundary loops";
+        row(ui, "Components, loops", tip, counts);
+        let tip = "vertices - edges + faces; number of handles, as if all holes were filled";
+        let value = format!("{}, {}", s.euler, s.genus);
+        row(ui, "Euler number, genus", tip, value);
         let tip = "of the limit surface and of the triangles";
-        row(
-            ui,
-            "Area",
-            tip,
-            format!(
-                "{}  (triangles {})",
-                format_number(s.area),
-                format_number(s.mesh_area)
-            ),
-        );
-        row(
-            ui,
-            "Volume",
-            tip,
-            format!(
-                "{}  (triangles {})",
-                or_open(s.volume),
-                or_open(s.mesh_volume)
-            ),
-        );
+        for (name, limit, mesh) in [
+            ("Area", Some(s.area), Some(s.mesh_area)),
+            ("Volume", s.volume, s.mesh_volume),
+        ] {
+            let both = format!("{}  (triangles {})", or_open(limit), or_open(mesh));
+            row(ui, name, tip, both);
+        }
         let tip = "integral over the limit surface, without the contribution of creases";
         row(ui, "Energy 1", tip, digits(s.area));
         row(ui, "Energy H^2", tip, digits(e.willmore));
@@ -75,6 +52,11 @@ pub(crate) fn shape_ui(ui: &mut Ui, measured: &Measured) {
             row(ui, &format!("Energy {}", energy.text()), tip, digits(given));
         }
     });
+}
+
+/// Values with commas between them.
+fn list<T: ToString, const N: usize>(values: [T; N]) -> String {
+    values.map(|value| value.to_string()).join(", ")
 }
 
 /// Energies have more digits than other numbers, so that they can be compared.
@@ -150,58 +132,24 @@ pub(crate) fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Act
         ui.label("Smallest angle");
         place(ui, q.min_angle, q.min_angle_at, actions);
         ui.end_row();
-        row(
-            ui,
-            "Mean of smallest, largest",
-            "degrees",
-            format!(
-                "{}, {}",
-                format_number(q.mean_min_angle),
-                format_number(q.max_angle)
-            ),
-        );
-        row(
-            ui,
-            "Below 10°, zero area",
-            "triangles",
-            format!("{}, {}", q.slivers, q.degenerate),
-        );
-        row(
-            ui,
-            "Radius ratio",
-            "twice the inscribed radius over the circumscribed radius, 1 for an equilateral \
-             triangle: minimum, mean",
-            format!(
-                "{}, {}",
-                format_number(q.radius_ratio[0]),
-                format_number(q.radius_ratio[1])
-            ),
-        );
-        let [low, mean, high] = q.edge_length.map(format_number);
-        row(
-            ui,
-            "Edges",
-            "shortest, mean, longest",
-            format!("{low}, {mean}, {high}"),
-        );
-        row(
-            ui,
-            "Maximum dihedral angle",
-            "degrees between the normals of neighbouring triangles",
-            format_number(q.max_dihedral),
-        );
-        row(
-            ui,
-            "Folded edges",
-            "dihedral angle above 150°",
-            q.folded_edges.to_string(),
-        );
-        row(
-            ui,
-            "Self-intersections",
-            "pairs of triangles that intersect outside their common edges and vertices",
-            q.self_intersections.to_string(),
-        );
+        let angles = [q.mean_min_angle, q.max_angle].map(format_number);
+        row(ui, "Mean of smallest, largest", "degrees", list(angles));
+        let value = list([q.slivers, q.degenerate]);
+        row(ui, "Below 10°, zero area", "triangles", value);
+        let tip = "twice the inscribed radius over the circumscribed radius, 1 for an equilateral \
+                   triangle: minimum, mean";
+        let value = list(q.radius_ratio.map(format_number));
+        row(ui, "Radius ratio", tip, value);
+        let edges = list(q.edge_length.map(format_number));
+        row(ui, "Edges", "shortest, mean, longest", edges);
+        let tip = "degrees between the normals of neighbouring triangles";
+        let value = format_number(q.max_dihedral);
+        row(ui, "Maximum dihedral angle", tip, value);
+        let folded = q.folded_edges.to_string();
+        row(ui, "Folded edges", "dihedral angle above 150°", folded);
+        let tip = "pairs of triangles that intersect outside their common edges and vertices";
+        let value = q.self_intersections.to_string();
+        row(ui, "Self-intersections", tip, value);
     });
     let listed = q.self_intersections_at.iter().take(LISTED).enumerate();
     ui.horizontal_wrapped(|ui| {
@@ -209,10 +157,9 @@ pub(crate) fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Act
             if i == 0 {
                 ui.label("show");
             }
-            if ui.link((i + 1).to_string()).clicked() {
-                let at = crate::mesh::DVec3::from_array(*at);
-                actions.push(ReportAction::Inspect(at).into());
-            }
+            let at = crate::mesh::DVec3::from_array(*at);
+            let link = ui.link((i + 1).to_string());
+            link.asks(ReportAction::Inspect(at), actions);
         }
     });
 }

@@ -50,22 +50,16 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
     let known: Vec<f64> = known.filter(|k| k.is_finite()).collect();
     grid(ui, "section", |ui| {
         let length: f64 = section.curves.iter().map(|c| c.length).sum();
-        row(
-            ui,
-            "Curves, length",
-            "number of connected curves; sum of their lengths",
-            format!("{}, {}", section.curves.len(), format_number(length)),
-        );
+        let both = format!("{}, {}", section.curves.len(), format_number(length));
+        let tip = "number of connected curves; sum of their lengths";
+        row(ui, "Curves, length", tip, both);
         if let (Some(low), Some(high)) = (
             known.iter().copied().reduce(f64::min),
             known.iter().copied().reduce(f64::max),
         ) {
-            row(
-                ui,
-                "Curvature",
-                "of the plane curve; negative as on a sphere with outward normals",
-                format!("{} to {}", format_number(low), format_number(high)),
-            );
+            let range = format!("{} to {}", format_number(low), format_number(high));
+            let tip = "of the plane curve; negative as on a sphere with outward normals";
+            row(ui, "Curvature", tip, range);
         }
     });
     let radius = model.document.origin.bounds.radius();
