@@ -44,7 +44,7 @@ fn coil(edges: usize) -> Rim {
 }
 
 /// A strip of two rows of vertices around the patch, so that the rim's rows of L are complete.
-fn with_collar(rim: &Rim, patch: &Patch) -> (Topology, Vec<DVec3>, Vec<VertexId>) {
+fn with_strip(rim: &Rim, patch: &Patch) -> (Topology, Vec<DVec3>, Vec<VertexId>) {
     let n = rim.points.len();
     let mut points = patch.points.clone();
     let interior = (n..points.len()).map(VertexId::from).collect();
@@ -68,7 +68,7 @@ fn patches(c: &mut Criterion) {
             b.iter(|| fill(black_box(&rim), options));
         });
         let patch = fill(&rim, options).expect("a sound rim");
-        let (topology, points, interior) = with_collar(&rim, &patch);
+        let (topology, points, interior) = with_strip(&rim, &patch);
         let mut moved = points.clone();
         c.bench_function(
             &format!("warm start cap {edges} ({} vertices)", interior.len()),

@@ -102,7 +102,7 @@ fn selection_by_click_keys_and_lists() {
     assert_eq!(m.document.selection.len(), 2);
     act(&mut m, Action::Escape);
     assert!(m.document.selection.is_empty());
-    // each was an entry of its own
+    // each change was a separate entry
     act(&mut m, EditAction::Undo);
     assert_eq!(m.document.selection.len(), 2);
     act(&mut m, EditAction::Undo);

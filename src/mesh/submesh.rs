@@ -16,8 +16,8 @@ pub struct Submesh {
 
 impl Submesh {
     /// The part of `whole` that consists of `faces`, which must ascend. At each vertex every fan of
-    /// faces between cut or boundary edges gets a vertex of its own; `is_cut` must be the same for
-    /// both half-edges of an edge. A cut that ends inside opens nothing at its end.
+    /// faces between cut or boundary edges gets its own vertex; `is_cut` must be the same for both
+    /// half-edges of an edge. A cut that ends inside opens nothing at its end.
     ///
     /// # Errors
     /// The part is not a manifold. This cannot happen if the mesh is a manifold.

@@ -33,7 +33,7 @@ pub type Faces = Arc<Vec<u32>>;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "task", rename_all = "kebab-case")]
 pub enum Operation {
-    /// Fills every loop with a patch of its own.
+    /// Fills every loop with a separate patch.
     Fill(FillSpec),
     /// Joins all loops by one patch.
     Blend(BlendSpec),

@@ -83,7 +83,7 @@ impl Default for PatchOptions {
     }
 }
 
-/// A triangulated surface over one or several rims, in vertex numbers of its own: first the rim
+/// A triangulated surface over one or several rims, with its own vertex numbers: first the rim
 /// vertices, rim after rim, then the new ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Patch {

@@ -1,7 +1,7 @@
 //! First surfaces for holes.
 //!
 //! A [`Patch`] is a triangulated surface over one or several [`Rim`]s, the edges of the mesh around
-//! a hole. It has vertex numbers of its own, rim vertices first.
+//! a hole. It has its own vertex numbers, rim vertices first.
 //!
 //! [`fill()`] makes a disc over one rim. It triangulates the rim without new vertices (minimum
 //! weight, or constrained Delaunay in a plane, see `triangulate`). Then it splits, collapses, flips

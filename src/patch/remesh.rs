@@ -176,7 +176,7 @@ fn refine(s: &mut Surface, membrane: &mut Membrane) {
             return;
         }
         flip_to_delaunay(s);
-        // a few last splits are not worth a sweep over all vertices
+        // stop if few splits remain, because every sweep visits all vertices
         if membrane.curvature != 0.0 && 5 * s.points.len() > 6 * before {
             let sweeps = COARSE_WORK / s.points.len();
             membrane.relax(s, sweeps.clamp(SWEEPS, MAX_SWEEPS));

@@ -1,4 +1,4 @@
-//! Edits keep the links of a patch sound.
+//! Tests that edits keep the links of a patch valid.
 
 use super::*;
 

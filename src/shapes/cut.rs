@@ -14,7 +14,7 @@ use crate::mesh::union_find::{find, unite};
 /// A hole to cut: an outline mapped onto the surface around a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hole {
-    /// Where; the nearest vertex is taken.
+    /// The position; the nearest vertex is used.
     pub centre: DVec3,
     /// The outline.
     pub shape: HoleShape,
@@ -25,9 +25,9 @@ pub struct Hole {
 }
 
 /// Removes the faces whose middle lies inside the outline of a hole, the largest connected set of
-/// them, so that each hole has one rim. Outlines are laid out in
-/// geodesic polar coordinates around their centre (discrete exponential map: Schmidt, Grimm and
-/// Wyvill 2006). The rest is tidied as in [`cut_where`]; vertices keep their order.
+/// them, so that each hole has one rim. Outlines are laid out in geodesic polar coordinates around
+/// their centre (discrete exponential map: Schmidt, Grimm and Wyvill 2006). The rest is cleaned as
+/// in [`cut_where`]; vertices keep their order.
 pub fn cut_holes(shape: &TriangleMesh, holes: &[Hole]) -> TriangleMesh {
     let rings = Adjacency::new(shape);
     let normals = vertex_normals(shape);

@@ -1,6 +1,6 @@
-//! Runs the program over the shared test models and judges every result.
+//! Runs the program over the test models and judges every result.
 //!
-//! The models are not part of the repository. `MENISCUS_MODELS` names their folder (the one with
+//! The models are not part of the repository. `MENISCUS_MODELS` is their folder (the one with
 //! `manifest.json`); if it is unset, the suite prints a note and passes. `MENISCUS_MODELS_ONLY`
 //! restricts it to cases whose name contains one of its comma-separated words, and
 //! `MENISCUS_MODELS_PROGRAM` names another program with the same `fill` command, to judge its
@@ -86,7 +86,7 @@ struct Run {
 #[test]
 fn shared_models() {
     let Some(folder) = std::env::var_os("MENISCUS_MODELS").map(PathBuf::from) else {
-        println!("MENISCUS_MODELS is not set: the suite over the shared models was not asked for");
+        println!("not run: MENISCUS_MODELS is not set to the folder of the test models");
         return;
     };
     let only = std::env::var("MENISCUS_MODELS_ONLY").unwrap_or_default();

@@ -1,4 +1,5 @@
-//! Loading and the classification of boundary loops on the test models, if `MENISCUS_MODELS` names their folder.
+//! Loading and the classification of boundary loops on the test models, if `MENISCUS_MODELS` is set
+//! to their folder.
 
 use meniscus::mesh::{BoundaryLoop, boundary_loops, build};
 use serde_json::Value;
@@ -8,7 +9,7 @@ use std::path::Path;
 #[test]
 fn auto_fills_what_the_manifest_marks() {
     let Some(models) = std::env::var_os("MENISCUS_MODELS") else {
-        println!("not run: MENISCUS_MODELS does not name the folder of the shared models");
+        println!("not run: MENISCUS_MODELS is not set to the folder of the test models");
         return;
     };
     let root = Path::new(&models);

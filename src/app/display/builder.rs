@@ -12,7 +12,7 @@ use crate::mesh::{DVec3, FaceId, Mesh, Neighbourhood, Topology, VertexId};
 use crate::render::{Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex};
 
 /// Rings of faces around a patch that are drawn as limit surface, like the patch.
-const COLLAR: usize = 3;
+const LIMIT_RINGS: usize = 3;
 /// A closed mesh with at most this many faces is drawn entirely as limit surface.
 const SMALL: usize = 20_000;
 /// Symbols below this, relative to their scale, count as zero, because drawn curvatures have single
@@ -238,7 +238,7 @@ impl Split {
         } else if count <= SMALL || whole {
             (all.collect(), Vec::new())
         } else {
-            around(topology, &flows, COLLAR)
+            around(topology, &flows, LIMIT_RINGS)
         };
         let flag = |&f: &FaceId| if flows(f) && !whole { Vertex::PATCH } else { 0 };
         let options = SurfaceOptions {

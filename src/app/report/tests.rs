@@ -166,7 +166,7 @@ fn edges_are_chosen_and_let_go() {
     assert!(m.view.report.chains.is_empty());
 }
 
-/// Vertices are numbered anew where faces are erased; chosen edges stay the same ones.
+/// Erasing faces renumbers vertices, but the chosen edges do not change.
 #[test]
 fn chosen_edges_and_rims_outlive_erasing() {
     let mut m = model();

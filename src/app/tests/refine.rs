@@ -191,7 +191,7 @@ fn chosen_edges_and_the_rim_of_the_selection_stay_sharp() {
     until(&mut m, |m| m.run.as_ref().is_some_and(Run::ended));
     let state = m.run.as_ref().and_then(|r| r.sides[0].state());
     let state = state.expect("a state");
-    // the fan is a piece of its own, and the chosen edges are a slit
+    // the fan is a separate piece, and the chosen edges are a slit
     let copies = state.topology().vertex_count() - {
         act(&mut m, RunAction::Accept(0));
         m.document.mesh.vertex_count()

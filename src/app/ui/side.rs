@@ -21,7 +21,7 @@ pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             (
                 Task::Fill,
                 "Fill",
-                "each selected hole gets a patch of its own",
+                "each selected hole gets a separate patch",
             ),
             (
                 Task::Blend,

@@ -43,7 +43,7 @@ pub type FillTimeline = Timeline<FillState>;
 /// The task of a fill.
 #[derive(Clone, Debug)]
 pub enum FillTask {
-    /// Each of these loops gets a patch of its own, islands included.
+    /// Fills each of these loops with a separate patch, islands included.
     Holes(Vec<LoopId>),
     /// One patch joins these loops.
     Blend(Vec<LoopId>),

@@ -19,7 +19,7 @@ const FOLLOWED: [f64; 5] = [0.0, 0.3, 0.7, 1.3, 2.2];
 const FREE: f64 = 0.38;
 /// Maximum radius of the ball around which legs end, relative to the distance of the nearest rim.
 const BALL: f64 = 0.6;
-/// Number of rounds in which legs turn away from one another.
+/// Number of rounds in which legs rotate away from each other.
 const ROUNDS: usize = 40;
 
 /// The hub surfaces of all positions of the hub that can be reached.
@@ -54,12 +54,12 @@ impl Hub {
             .iter()
             .zip(axes)
             .map(|(rim, &axis)| {
-                // half way between where the rim is and where it comes from
+                // half way between the rim and the point it comes from
                 let to = (rim.centre - centre).normalize_or_zero();
                 (to - 0.4 * axis).normalize_or_zero()
             })
             .collect();
-        // as far apart as tubes of these widths seen from here want to be
+        // the angle between tubes of these widths, seen from the hub
         let narrow = (2.0 / n as f64).min(0.7);
         for _ in 0..ROUNDS {
             for i in 0..n {

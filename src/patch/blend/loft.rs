@@ -9,7 +9,7 @@ use crate::patch::data::Patch;
 /// How the points of two rims are joined by curves.
 #[derive(Clone, Debug)]
 enum Path {
-    /// Every point on a cubic of its own.
+    /// Every point has its own cubic.
     Rails { pull: f64 },
     /// The cross-section moves along a spine and turns with it, while it changes from one rim to
     /// the other.

@@ -277,7 +277,7 @@ fn threads_do_not_change_a_bit() {
 
 /// The fixed values of ring 2 are near those of the sphere, whatever the interior.
 #[test]
-fn fixed_curvatures_are_those_of_the_collar() {
+fn fixed_curvatures_are_those_of_the_support_region() {
     let (points, faces) = sphere(4, 2.0);
     let interior: Vec<u32> = (0..points.len() as u32)
         .filter(|&v| points[v as usize].z > 1.5)
