@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 
 use meniscus::energy::Energy;
 use meniscus::mesh::{DVec3, Topology, VertexId};
-use meniscus::solver::{Assembler, End, EnergySum, Flow, FlowOptions, FlowProblem, Mode, Unknowns};
+use meniscus::solver::{
+    Assembler, End, EnergySum, Flow, FlowOptions, FlowProblem, Mode, Tau, Unknowns,
+};
 use meniscus::subdivision::Rule;
 use meniscus::warning::Warning;
 
@@ -192,11 +194,20 @@ fn flow_reaches_the_reference_minimum() {
         let problem = FlowProblem::new(&start, &faces, &interior, 1.0).expect("cap");
         let mut options = FlowOptions::new(energy(name));
         options.mode = Mode::Flow;
-        // quadrature and growth as the reference was computed
-        options.growth = Some(4.0);
+        // quadrature, first step and growth as the reference was computed
         options.quadrature = Rule::Twelve;
-        let mut flow = Flow::new(problem, options).expect("start");
-        let outcome = flow.run(|_, _| true).expect("flow");
+        options.tau = Tau::Fixed(1e-6);
+        let mut flow = Flow::new(problem, options.clone()).expect("start");
+        let mut tau = 1e-6;
+        while let Some(record) = flow.step().expect("flow") {
+            if flow.end().is_some() {
+                break;
+            }
+            tau *= if record.is_rejected() { 0.125 } else { 4.0 };
+            options.tau = Tau::Fixed(tau);
+            flow.set_options(options.clone()).expect("options");
+        }
+        let outcome = flow.outcome();
         println!(
             "{name}: {} steps, {} rejected, E {}",
             outcome.steps, outcome.rejected, outcome.energy_end
