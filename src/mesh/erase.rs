@@ -1,7 +1,7 @@
 //! Erasing faces.
 
 use super::selection::touched_vertices;
-use super::{FaceId, Mesh, Topology, VertexId};
+use super::{FaceId, Mesh, Topology, TopologyError, VertexId};
 
 /// A mesh without some of its faces.
 #[derive(Clone, Debug)]
@@ -21,48 +21,61 @@ pub struct Erased {
 /// If there is not one flag per face.
 pub fn erase(mesh: &Mesh, selected: &[bool]) -> Erased {
     assert_eq!(selected.len(), mesh.face_count(), "one flag per face");
-    let topology = &mesh.topology;
     let mut gone = selected.to_vec();
-    erase_loose_fans(topology, &mut gone);
-    let touched = touched_vertices(topology, &gone);
+    let beside = touched_vertices(&mesh.topology, &gone);
+    let beside = (0..).zip(beside).filter_map(|(v, is)| is.then_some(v));
+    erase_loose_fans(&mesh.topology, &mut gone, beside.collect());
+    loop {
+        let (old_vertex, old_face) = remaining(&mesh.topology, &gone);
+        let mut index = vec![u32::MAX; mesh.vertex_count()];
+        for (new, &old) in old_vertex.iter().enumerate() {
+            index[old as usize] = new as u32;
+        }
+        let renumbered = |t: [u32; 3]| t.map(|v| index[v as usize]);
+        let corners = |&f: &u32| mesh.topology.face_vertices(FaceId(f)).map(|v| v.0);
+        let faces: Vec<_> = old_face.iter().map(|f| renumbered(corners(f))).collect();
+        let topology = match Topology::from_triangles(old_vertex.len(), &faces) {
+            Ok(topology) => topology,
+            // the fans of a pinched vertex belong together only while a boundary loop joins them
+            Err(TopologyError::NonManifoldVertex { vertex }) => {
+                let old = old_vertex[vertex as usize];
+                erase_loose_fans(&mesh.topology, &mut gone, vec![old]);
+                continue;
+            }
+            Err(defect) => unreachable!("a part of a manifold: {defect}"),
+        };
+        let one_sided = mesh.non_orientable.iter().copied();
+        return Erased {
+            mesh: Mesh {
+                positions: picked(&mesh.positions, &old_vertex),
+                topology,
+                colors: picked(&mesh.colors, &old_vertex),
+                face_tags: picked(&mesh.face_tags, &old_face),
+                tags: mesh.tags.clone(),
+                non_orientable: one_sided.map(renumbered).collect(),
+                non_orientable_tags: mesh.non_orientable_tags.clone(),
+            },
+            old_vertex,
+            old_face,
+        };
+    }
+}
+
+/// The vertices and the faces that are left without the faces `gone`: vertices with a face that is
+/// left, and those that had none.
+fn remaining(topology: &Topology, gone: &[bool]) -> (Vec<u32>, Vec<u32>) {
+    let touched = touched_vertices(topology, gone);
     let is_kept = |v: VertexId| {
         let mut faces = topology.outgoing(v).map(|h| topology.face(h));
         faces.any(|f| f.is_some() && !gone[f.index()])
     };
-    let old_vertex: Vec<u32> = (0..mesh.vertex_count() as u32)
-        .filter(|&v| !touched[v as usize] || is_kept(VertexId(v)))
-        .collect();
-    let mut index = vec![u32::MAX; mesh.vertex_count()];
-    for (new, &old) in old_vertex.iter().enumerate() {
-        index[old as usize] = new as u32;
-    }
-    let old_face: Vec<u32> = (0..mesh.face_count() as u32)
-        .filter(|&f| !gone[f as usize])
-        .collect();
-    let renumbered = |t: [u32; 3]| t.map(|v| index[v as usize]);
-    let faces: Vec<[u32; 3]> = old_face
-        .iter()
-        .map(|&f| renumbered(topology.face_vertices(FaceId(f)).map(|v| v.0)))
-        .collect();
-    Erased {
-        mesh: Mesh {
-            positions: picked(&mesh.positions, &old_vertex),
-            topology: Topology::from_triangles(old_vertex.len(), &faces)
-                .expect("loose fans are gone, and what is left of a manifold is one"),
-            colors: picked(&mesh.colors, &old_vertex),
-            face_tags: picked(&mesh.face_tags, &old_face),
-            tags: mesh.tags.clone(),
-            non_orientable: mesh
-                .non_orientable
-                .iter()
-                .copied()
-                .map(renumbered)
-                .collect(),
-            non_orientable_tags: mesh.non_orientable_tags.clone(),
-        },
-        old_vertex,
-        old_face,
-    }
+    let vertices = topology.vertices();
+    let vertices = vertices.filter(|&v| !touched[v.index()] || is_kept(v));
+    let faces = topology.faces().filter(|f| !gone[f.index()]);
+    (
+        vertices.map(|v| v.0).collect(),
+        faces.map(|f| f.0).collect(),
+    )
 }
 
 /// Entries at `indices`; none of a list that is empty because the mesh has no such attribute.
@@ -73,15 +86,10 @@ fn picked<T: Copy>(all: &[T], indices: &[u32]) -> Vec<T> {
     indices.iter().map(|&i| all[i as usize]).collect()
 }
 
-/// Where the remaining faces around a vertex form several fans, erases all but the largest.
-fn erase_loose_fans(topology: &Topology, gone: &mut [bool]) {
-    let mut waiting: Vec<u32> = (0..topology.vertex_count() as u32)
-        .filter(|&v| {
-            let mut faces = topology.outgoing(VertexId(v)).map(|h| topology.face(h));
-            faces.any(|f| f.is_some() && gone[f.index()])
-        })
-        .rev()
-        .collect();
+/// Where the remaining faces around one of the `waiting` vertices form several fans, erases all but
+/// the largest, and so on at the vertices of the faces erased.
+fn erase_loose_fans(topology: &Topology, gone: &mut [bool], mut waiting: Vec<u32>) {
+    waiting.reverse();
     while let Some(v) = waiting.pop() {
         let ring: Vec<Option<FaceId>> = topology
             .outgoing(VertexId(v))
@@ -120,7 +128,7 @@ fn loose_faces(ring: &[Option<FaceId>]) -> Vec<FaceId> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{DVec3, check_mesh, faces_in_ball};
+    use crate::mesh::{DVec3, Soup, build, check_mesh, faces_in_ball};
     use crate::random::SplitMix;
     use crate::shapes;
 
@@ -150,6 +158,40 @@ mod tests {
             let lonely = |v| !left.mesh.topology.has_faces(VertexId::from(v));
             assert!(!(0..left.mesh.vertex_count()).any(lonely));
         }
+    }
+
+    /// Random faces are missing, so that many vertices have several fans; some of these are joined
+    /// by one boundary loop only, which erasing takes apart.
+    #[test]
+    fn pinched_vertices_stay_manifold() {
+        let (positions, triangles) = shapes::icosphere(6);
+        let mut random = SplitMix::new(3);
+        let mut pinched = 0;
+        for _ in 0..40 {
+            let left = triangles.iter().filter(|_| random.below(3) > 0);
+            let corners: Vec<u32> = left.copied().flatten().collect();
+            let soup = Soup {
+                positions: positions.clone(),
+                offsets: (0..=corners.len() as u32).step_by(3).collect(),
+                corners,
+                ..Soup::default()
+            };
+            let (mesh, _) = build(&soup).expect("a mesh");
+            for centre in [DVec3::X, DVec3::Y, DVec3::new(-0.6, 0.0, -0.8)] {
+                let left = erase(&mesh, &faces_in_ball(&mesh, centre, 0.9));
+                check_mesh(&left.mesh).expect("sound");
+                pinched += left
+                    .mesh
+                    .topology
+                    .vertices()
+                    .filter(|&v| {
+                        let t = &left.mesh.topology;
+                        t.outgoing(v).filter(|&h| t.is_boundary(h)).count() > 1
+                    })
+                    .count();
+            }
+        }
+        assert!(pinched > 0);
     }
 
     #[test]

@@ -123,6 +123,13 @@ fn canonical_vertices(positions: &[DVec3]) -> Vec<u32> {
 /// Whether two triangles of the mesh meet outside their common vertices and edges.
 fn pair_meets(positions: &[DVec3], same: &[u32], s: [u32; 3], t: [u32; 3]) -> bool {
     let key = |v: u32| same[v as usize];
+    let is_point_or_segment = |t: [u32; 3]| {
+        let [a, b, c] = t.map(key);
+        a == b || b == c || c == a
+    };
+    if is_point_or_segment(s) || is_point_or_segment(t) {
+        return false;
+    }
     let at = |v: u32| positions[v as usize];
     // shared corners as (corner of s, corner of t)
     let mut shared = [(0, 0); 3];
@@ -398,6 +405,32 @@ mod tests {
             self_intersections(&UNIT, &[[0, 1, 2], [2, 1, 0]], None, 9),
             [[0, 1]]
         );
+    }
+
+    /// Triangles over the points of a small lattice: many have corners at one place or on one line.
+    #[test]
+    fn triangles_without_area_meet_nothing() {
+        let mut rng = SplitMix::new(5);
+        let mut positions = Vec::new();
+        for _ in 0..2 {
+            let lattice = (0..27).map(|i| [i % 3, i / 3 % 3, i / 9].map(f64::from));
+            positions.extend(lattice.map(DVec3::from_array));
+        }
+        let mut triangles = Vec::new();
+        while triangles.len() < 400 {
+            let t = [(); 3].map(|()| rng.below(54) as u32);
+            if t[0] != t[1] && t[1] != t[2] && t[2] != t[0] {
+                triangles.push(t);
+            }
+        }
+        let area = |f: u32| {
+            let [a, b, c] = triangles[f as usize].map(|v| positions[v as usize]);
+            (b - a).cross(c - a).length()
+        };
+        let flat = (0..400).filter(|&f| area(f) == 0.0).count();
+        let found = self_intersections(&positions, &triangles, None, usize::MAX);
+        assert!(flat > 20 && found.len() > 1000);
+        assert!(found.iter().flatten().all(|&f| area(f) > 0.0));
     }
 
     #[test]
