@@ -3,12 +3,17 @@
 //! A plane across the longest principal axis halves the vertices. The vertices of one half that
 //! have a neighbour in the other become the separator, which is eliminated last. The halves are
 //! divided in the same way until they are small. A surface graph of n vertices has separators of
-//! order √n (Lipton, Rose, Tarjan 1979), so the Cholesky factor has O(n log n) entries.
+//! order √n (Lipton, Rose, Tarjan 1979), so the Cholesky factor has O(n log n) entries. Vertices with
+//! very many neighbours are eliminated after all separators.
 
 use glam::DVec3;
 
 /// Parts of at most this many vertices are not divided further.
 const LEAF: usize = 48;
+
+/// Vertices with more neighbours than this are hubs. A part and the rest of it would all be
+/// neighbours through them, so they are eliminated after all others.
+const HUB: usize = 256;
 
 /// Region label of vertices whose place is final.
 const PLACED: u32 = u32::MAX;
@@ -49,7 +54,14 @@ pub fn nested_dissection(
     let mut region = vec![0_u32; n];
     let mut next_region = 1;
     let mut scratch = Scratch::default();
-    let mut open = vec![(0, n)];
+    let is_hub = |v: u32| graph.neighbours(v).len() > HUB;
+    // stable: without hubs the order is unchanged
+    order.sort_by_key(|&v| is_hub(v));
+    let others = order.partition_point(|&v| !is_hub(v));
+    for &v in &order[others..] {
+        region[v as usize] = PLACED;
+    }
+    let mut open = vec![(0, others)];
     while let Some((begin, end)) = open.pop() {
         let part = &mut order[begin..end];
         if part.len() <= LEAF {

@@ -78,3 +78,20 @@ fn rotation_and_offset_leave_the_fill_alone() {
     let after = fill(&graph, &order(&graph));
     assert!(after.abs_diff(before) * 10 < before, "{before} -> {after}");
 }
+
+/// Vertices that are neighbours of all others leave the separators of the rest small.
+#[test]
+fn hubs_are_eliminated_last() {
+    let grid = Graph::grid(40, 30, 1);
+    let n = grid.n();
+    let mut points = grid.points.clone();
+    points.extend([DVec3::ZERO, DVec3::new(20.0, 15.0, 0.0)]);
+    let own = (0..n).flat_map(|a| grid.neighbours(a).iter().map(move |&b| (a, b as usize)));
+    let mut edges: Vec<_> = own.filter(|(a, b)| a < b).collect();
+    edges.extend((0..n).flat_map(|a| [(a, n), (a, n + 1)]));
+    edges.push((n, n + 1));
+    let perm = order(&Graph::new(points, &edges));
+    assert_permutation(&perm);
+    assert_eq!(perm[n..], [n as u32, n as u32 + 1]);
+    assert_eq!(perm[..n], order(&grid));
+}

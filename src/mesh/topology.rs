@@ -62,7 +62,8 @@ pub enum TopologyError {
 }
 
 impl Topology {
-    /// Builds the connectivity of `triangles` over `vertex_count` vertices in linear time.
+    /// Builds the connectivity of `triangles` over `vertex_count` vertices, in linear time but for
+    /// the sorting of edges at each vertex.
     ///
     /// # Errors
     /// The first defect found that keeps the triangles from being an oriented manifold.
@@ -86,7 +87,7 @@ impl Topology {
         }
 
         // Bucket the directed corner edges (face, corner) by their smaller vertex (counting sort),
-        // then match the two directions within each bucket.
+        // then match the two directions within each bucket by their greater one.
         let corners = 3 * triangles.len();
         let ends = |corner: usize| -> (u32, u32) {
             let t = &triangles[corner / 3];
@@ -113,36 +114,44 @@ impl Topology {
         let mut corner_halfedge = vec![HalfedgeId::NONE; corners];
         let mut origin = Vec::with_capacity(corners + corners / 8);
         let mut face = Vec::with_capacity(corners + corners / 8);
+        let mut by_end = Vec::new();
         for v in 0..vertex_count {
             let group = &bucket[start[v] as usize..start[v + 1] as usize];
-            for (i, &c) in group.iter().enumerate() {
+            let far = |c: u32| {
                 let (a, b) = ends(c as usize);
+                a.max(b)
+            };
+            // corner edges between the same two vertices follow each other in their order
+            by_end.clear();
+            by_end.extend_from_slice(group);
+            by_end.sort_by_key(|&c| far(c));
+            for same in by_end.chunk_by(|&c, &d| far(c) == far(d)) {
+                let (a, b) = ends(same[0] as usize);
+                let (from, to) = match same[1..] {
+                    [] => continue,
+                    [d] if ends(d as usize) == (b, a) => continue,
+                    [d] | [_, d, ..] => ends(d as usize),
+                };
+                return Err(TopologyError::EdgeUsedTwice { from, to });
+            }
+            for &c in group {
                 if corner_halfedge[c as usize].is_some() {
                     continue;
                 }
-                let mut twin = None;
-                for &d in &group[i + 1..] {
-                    let (p, q) = ends(d as usize);
-                    if (p, q) == (a, b) {
-                        return Err(TopologyError::EdgeUsedTwice { from: a, to: b });
-                    }
-                    if (p, q) == (b, a) {
-                        if twin.is_some() || corner_halfedge[d as usize].is_some() {
-                            return Err(TopologyError::EdgeUsedTwice { from: b, to: a });
-                        }
-                        twin = Some(d);
-                    }
-                }
+                let (a, b) = ends(c as usize);
+                let end = far(c);
+                let at = by_end.partition_point(|&d| far(d) < end);
                 let h = HalfedgeId::from(origin.len());
                 origin.push(VertexId(a));
                 origin.push(VertexId(b));
                 corner_halfedge[c as usize] = h;
                 face.push(FaceId(c / 3));
-                if let Some(d) = twin {
-                    corner_halfedge[d as usize] = h.twin();
-                    face.push(FaceId(d / 3));
-                } else {
-                    face.push(FaceId::NONE);
+                match by_end.get(at + 1) {
+                    Some(&d) if far(d) == end => {
+                        corner_halfedge[d as usize] = h.twin();
+                        face.push(FaceId(d / 3));
+                    }
+                    _ => face.push(FaceId::NONE),
                 }
             }
         }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::mesh::{DVec3, FaceId, Neighbourhood, Topology, VertexId};
 use crate::solver::SolverError;
 use crate::solver::discretization::Discretization;
+use crate::subdivision::{EXACT_VALENCE, Rule, elements};
 use crate::surface::Interpolation;
 
 /// Number of rings around the interior vertices whose positions matter. Active elements have
@@ -61,15 +62,7 @@ impl FlowProblem {
             }
         }
         let ring = rings(&topology, interior);
-        let active = topology
-            .faces()
-            .filter(|&f| {
-                topology
-                    .face_vertices(f)
-                    .iter()
-                    .any(|v| ring[v.index()] <= 1)
-            })
-            .collect();
+        let active = active_faces(&topology, &ring);
         let centre = interior
             .iter()
             .map(|&v| positions[v as usize])
@@ -199,7 +192,8 @@ impl FlowProblem {
     }
 
     /// The faces over which the energy is integrated: those with a vertex at graph distance at most
-    /// 1 from an interior vertex, and those around constrained vertices farther away.
+    /// 1 from an interior vertex, and those around constrained vertices farther away. Of large fans
+    /// only the triangles that depend on an interior vertex.
     pub fn active_faces(&self) -> &[FaceId] {
         self.discretization.active_faces()
     }
@@ -242,6 +236,32 @@ impl FlowProblem {
             .map(|&v| positions[v as usize] + self.centre)
             .collect()
     }
+}
+
+/// The faces whose energy depends on the interior: those with a corner in ring 0 or 1, apart from
+/// the triangles of large fans (more than [`EXACT_VALENCE`] of them) that are far from it.
+fn active_faces(topology: &Topology, ring: &[u8]) -> Vec<FaceId> {
+    let is_near = |f: &FaceId| {
+        let corners = topology.face_vertices(*f);
+        corners.iter().any(|v| ring[v.index()] <= 1)
+    };
+    let mut active: Vec<FaceId> = topology.faces().filter(is_near).collect();
+    let is_large = |v: &VertexId| topology.outgoing(*v).nth(EXACT_VALENCE).is_some();
+    let in_fan = |f: &FaceId| topology.face_vertices(*f).iter().any(is_large);
+    let fans: Vec<FaceId> = active.iter().copied().filter(in_fan).collect();
+    if fans.is_empty() {
+        return active;
+    }
+    let elements = elements(topology, &fans, Rule::Three);
+    let is_idle = |e: &usize| {
+        let mut vertices = elements.vertices_of(*e).iter();
+        vertices.all(|&v| ring[v as usize] > 0)
+    };
+    let idle = (0..elements.len()).filter(is_idle);
+    let mut idle: Vec<u32> = idle.map(|e| elements.faces()[e]).collect();
+    idle.sort_unstable();
+    active.retain(|f| idle.binary_search(&f.0).is_err());
+    active
 }
 
 fn rings(topology: &Topology, interior: &[u32]) -> Vec<u8> {

@@ -1,10 +1,11 @@
 //! Control vertices and basis tables of a list of faces.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::basis::BasisTable;
 use super::cache;
-use super::folding::{Folding, fold};
+use super::folding::{Folder, Folding};
 use super::gather::gather;
 use super::rule::Rule;
 use crate::mesh::{FaceId, Topology};
@@ -165,14 +166,20 @@ impl Stencils {
 
     /// Appends the elements whose control vertices are not distinct real vertices.
     fn push_folded(&mut self, topology: &Topology, faces: &[FaceId]) {
-        let mut folded: Vec<_> = faces.iter().map(|&f| (fold(topology, f), f)).collect();
-        folded.sort_by(|((a, _), _), ((b, _), _)| a.cmp(b));
-        for group in folded.chunk_by(|((a, _), _), ((b, _), _)| a == b) {
+        let mut folder = Folder::new(topology);
+        let mut folded = BTreeMap::new();
+        for &f in faces {
+            let (folding, vertices) = folder.fold(f);
+            folded
+                .entry(folding)
+                .or_insert_with(Vec::new)
+                .push((f, vertices));
+        }
+        for (folding, group) in folded {
             let class = self.classes.len() as u32;
-            let ((folding, _), _) = &group[0];
-            self.classes.push(Class::Folded(folding.clone()));
-            for ((_, vertices), f) in group {
-                self.vertices.extend_from_slice(vertices);
+            self.classes.push(Class::Folded(folding));
+            for (f, vertices) in group {
+                self.vertices.extend(vertices);
                 self.class_of.push(class);
                 self.offset.push(self.vertices.len() as u32);
                 self.faces.push(f.0);

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::elements::stencil_size;
+use super::masks::EXACT_VALENCE;
 use crate::mesh::{FaceId, Topology, VertexId};
 
 /// The stencils of a list of faces, and the faces that need folding.
@@ -14,7 +15,8 @@ pub(super) struct Gathered {
     pub(super) faces: Vec<u32>,
     /// The control vertices of these faces in standard order.
     pub(super) vertices: Vec<u32>,
-    /// Faces with a corner on an open boundary or of valence 2, or a vertex that occurs twice.
+    /// Faces with a corner on an open boundary, of valence 2 or above [`EXACT_VALENCE`], or a vertex
+    /// that occurs twice.
     pub(super) to_fold: Vec<FaceId>,
 }
 
@@ -161,7 +163,8 @@ impl<'a> Rings<'a> {
         }
     }
 
-    /// Corner valences of a face; `None` if a corner is on a boundary or has only two neighbours.
+    /// Corner valences of a face; `None` if a corner is on a boundary, has only two neighbours or has
+    /// more than [`EXACT_VALENCE`].
     fn valences(&mut self, corners: [VertexId; 3]) -> Option<[usize; 3]> {
         let spans = corners.map(|v| match self.span[v.index()] {
             0 => self.find(v),
@@ -182,7 +185,8 @@ impl<'a> Rings<'a> {
         let valence = self.data.len() - start - 1;
         self.data[start] = valence as u32;
         self.data[start + 1..].reverse();
-        let span = if valence < 3 || self.topology.is_boundary_vertex(v) {
+        let span = if !(3..=EXACT_VALENCE).contains(&valence) || self.topology.is_boundary_vertex(v)
+        {
             UNFIT
         } else {
             start as u32

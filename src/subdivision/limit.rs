@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::masks::{limit_mask, tangent_mask};
+use super::masks::{EXACT_VALENCE, limit_mask, sample, tangent_mask};
 use super::ring::{Neighbour, extended_ring};
 use crate::mesh::{DVec3, Topology, VertexId};
 
@@ -21,28 +21,37 @@ struct Mask {
 impl Mask {
     fn new(n: usize) -> Self {
         Self {
-            omega: if n < 3 { 0.0 } else { limit_mask(n).1 },
+            omega: position_weight(n),
             tangents: tangent_mask(n).collect(),
         }
     }
 }
 
-/// Calls `f` with the mask of the vertex and the differences of its neighbours to it,
-/// counter-clockwise. Differences avoid cancellation far from the origin.
+/// Weight of each of the neighbours in the [`sample`] of `n` in the limit position.
+fn position_weight(n: usize) -> f64 {
+    match n {
+        ..3 => 0.0,
+        3..=EXACT_VALENCE => limit_mask(n).1,
+        _ => n as f64 * limit_mask(n).1 / sample(n).len() as f64,
+    }
+}
+
+/// Calls `f` with the number of neighbours of the vertex, its mask and the differences of its
+/// neighbours to it, counter-clockwise. Differences avoid cancellation far from the origin.
 fn with_star<T>(
     topology: &Topology,
     positions: &[DVec3],
     v: VertexId,
     ring: &mut Vec<Neighbour>,
-    f: impl FnOnce(&Mask, &mut dyn Iterator<Item = DVec3>) -> T,
+    f: impl FnOnce(usize, &Mask, &dyn Fn(usize) -> DVec3) -> T,
 ) -> T {
     extended_ring(topology, v, ring);
     let centre = positions[v.index()];
-    let mut spokes = ring.iter().map(|r| r.position(positions) - centre);
-    if let Some(mask) = MASKS.get(spokes.len()) {
-        f(mask, &mut spokes)
+    let spoke = |i: usize| ring[i].position(positions) - centre;
+    if let Some(mask) = MASKS.get(ring.len()) {
+        f(ring.len(), mask, &spoke)
     } else {
-        f(&Mask::new(spokes.len()), &mut spokes)
+        f(ring.len(), &Mask::new(ring.len()), &spoke)
     }
 }
 
@@ -52,8 +61,8 @@ fn position_with(
     v: VertexId,
     ring: &mut Vec<Neighbour>,
 ) -> DVec3 {
-    let shift = with_star(topology, positions, v, ring, |mask, spokes| {
-        mask.omega * spokes.sum::<DVec3>()
+    let shift = with_star(topology, positions, v, ring, |n, mask, spoke| {
+        mask.omega * sample(n).map(spoke).sum::<DVec3>()
     });
     positions[v.index()] + shift
 }
@@ -64,9 +73,9 @@ fn normal_with(
     v: VertexId,
     ring: &mut Vec<Neighbour>,
 ) -> DVec3 {
-    with_star(topology, positions, v, ring, |mask, spokes| {
+    with_star(topology, positions, v, ring, |n, mask, spoke| {
         let (mut t1, mut t2) = (DVec3::ZERO, DVec3::ZERO);
-        for (spoke, &(cos, sin)) in spokes.zip(&mask.tangents) {
+        for (spoke, &(cos, sin)) in (0..n).map(spoke).zip(&mask.tangents) {
             t1 += cos * spoke;
             t2 += sin * spoke;
         }
@@ -98,19 +107,16 @@ pub fn ring_points(
 }
 
 /// Appends the weights of the limit position of a vertex as `(vertex, weight)`: first its own, then
-/// those of its neighbours. The weights of ghosts are distributed to the vertices that define them.
+/// those of its neighbours, above [`EXACT_VALENCE`] of their sample. The weights of ghosts are distributed to the vertices that define them.
 /// A vertex may occur several times.
 pub fn limit_stencil(topology: &Topology, v: VertexId, stencil: &mut Vec<(u32, f64)>) {
     let mut ring = Vec::new();
     extended_ring(topology, v, &mut ring);
-    let omega = if ring.len() < 3 {
-        0.0
-    } else {
-        limit_mask(ring.len()).1
-    };
-    stencil.push((v.0, 1.0 - ring.len() as f64 * omega));
-    for neighbour in ring {
-        neighbour.scatter(omega, |w, weight| stencil.push((w.0, weight)));
+    let omega = position_weight(ring.len());
+    let neighbours = sample(ring.len());
+    stencil.push((v.0, 1.0 - neighbours.len() as f64 * omega));
+    for i in neighbours {
+        ring[i].scatter(omega, |w, weight| stencil.push((w.0, weight)));
     }
 }
 

@@ -28,6 +28,31 @@ pub fn limit_mask(n: usize) -> (f64, f64) {
     (1.0 - n as f64 * omega, omega)
 }
 
+/// Greatest valence at which Loop's scheme is applied as it stands.
+///
+/// Every triangle at a vertex of valence `n` depends on all `n` neighbours, so that the triangles
+/// around it have `n^2` control vertices, and their matrices `n^3` entries. Most of the neighbours
+/// enter only through their mean, because the rule of a vertex needs no more of its ring. Above this
+/// valence that mean is taken over [`SAMPLE`] neighbours, evenly spread, and a triangle depends on
+/// these and on the [`BAND`] neighbours next to it. The surface stays smooth across its edges. The
+/// control vertices of all triangles at a vertex then grow linearly with its valence.
+pub const EXACT_VALENCE: usize = 64;
+
+/// Number of neighbours whose mean stands for that of all neighbours above [`EXACT_VALENCE`].
+pub const SAMPLE: usize = 12;
+
+/// Number of neighbours next to a triangle on which it depends above [`EXACT_VALENCE`]. A point
+/// depends on one more neighbour on either side with each subdivision step towards the vertex; the
+/// points of [`super::Rule`] take at most five.
+pub const BAND: usize = 16;
+
+/// Places in a ring of `n` neighbours of those in the sample; all if `n` is at most
+/// [`EXACT_VALENCE`]. Ascending.
+pub fn sample(n: usize) -> impl ExactSizeIterator<Item = usize> {
+    let count = if n > EXACT_VALENCE { SAMPLE } else { n };
+    (0..count).map(move |i| i * n / count)
+}
+
 /// Weights of the `n` neighbours, in counter-clockwise order, in two tangents `(t1, t2)` of the
 /// limit surface at a vertex. The vertex itself has weight 0 in both. `t1 x t2` points along the
 /// normal. The lengths of the tangents are meaningless.
@@ -63,6 +88,18 @@ mod tests {
             let old_ring = centre * b + ring * (EDGE_END + 2.0 * EDGE_OPPOSITE);
             assert!((old_centre - centre).abs() < 1e-15, "valence {n}");
             assert!((old_ring - ring).abs() < 1e-15, "valence {n}");
+        }
+    }
+
+    #[test]
+    fn samples_are_spread_evenly() {
+        assert!(sample(EXACT_VALENCE).eq(0..EXACT_VALENCE));
+        for n in [EXACT_VALENCE + 1, 100, 4097] {
+            let places: Vec<usize> = sample(n).collect();
+            assert_eq!((places.len(), places[0]), (SAMPLE, 0));
+            let ends = places.iter().chain([&n]);
+            let gaps = places.iter().zip(ends.skip(1)).map(|(a, b)| b - a);
+            assert!(gaps.into_iter().all(|gap| gap.abs_diff(n / SAMPLE) <= 1));
         }
     }
 

@@ -4,7 +4,8 @@
 //! parametrized by `(v, w)`, the point `(1 - v - w) p0 + v p1 + w p2` of a unit right triangle. It
 //! depends on the vertices that share an edge with one of its corners. These are the three corners,
 //! then the outer ring counter-clockwise from the vertex opposite the edge `(p0, p1)` around `p1`,
-//! `p2` and `p0`. Basis values at fixed points depend only on the three corner valences.
+//! `p2` and `p0`. Basis values at fixed points depend only on the three corner valences. Above valence
+//! [`EXACT_VALENCE`] a triangle depends on some of the neighbours only.
 
 mod basis;
 mod cache;
@@ -24,7 +25,10 @@ pub use limit::{
     limit_normal, limit_normals, limit_position, limit_positions, limit_stencil, ring_points,
     tangent_stencil,
 };
-pub use masks::{EDGE_END, EDGE_OPPOSITE, beta, limit_mask, omega, tangent_mask};
+pub use masks::{
+    BAND, EDGE_END, EDGE_OPPOSITE, EXACT_VALENCE, SAMPLE, beta, limit_mask, omega, sample,
+    tangent_mask,
+};
 pub use rule::Rule;
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Joint tests of the basis, the stencils and the masks on whole meshes.
 
 use super::basis::DERIVATIVES;
-use super::folding::fold;
-use super::test_meshes::{Noise, Shape, grid, shapes};
+use super::folding::{Folder, Folding};
+use super::test_meshes::{Noise, Shape, antiprism, grid, shapes};
 use super::*;
 use crate::mesh::{DVec3, FaceId, Topology, VertexId};
 
@@ -22,6 +22,10 @@ fn surface_at(topology: &Topology, positions: &[DVec3], f: FaceId, v: f64, w: f6
         data,
     });
     [0, 1, 2, 3, 4, 5].map(|d| combine(table.row(0, d), &vertices, positions))
+}
+
+fn fold(topology: &Topology, f: FaceId) -> (Folding, Vec<u32>) {
+    Folder::new(topology).fold(f)
 }
 
 fn combine(row: &[f64], vertices: &[u32], positions: &[DVec3]) -> DVec3 {
@@ -133,6 +137,35 @@ fn triangles_join_smoothly() {
             }
         }
     }
+}
+
+/// A sample of a circle has the mean of the circle, so that the surface over it is Loop's.
+#[test]
+fn around_a_large_symmetric_ring_nothing_changes() {
+    let n = 72;
+    let (positions, triangles) = antiprism(n as u32);
+    let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
+    let (centre, ring) = limit_mask(n);
+    let expected = centre * positions[0] + n as f64 * ring * 0.45 * DVec3::Z;
+    assert!((limit_position(&topology, &positions, VertexId(0)) - expected).length() < 1e-14);
+    for f in topology.faces().step_by(4) {
+        assert!((surface_at(&topology, &positions, f, 0.0, 0.0)[0] - expected).length() < 1e-14);
+    }
+}
+
+/// The control vertices of a face do not depend on the valence, nor do the tables.
+#[test]
+fn stencils_grow_linearly_with_the_valence() {
+    let size = |n: u32| {
+        let (positions, triangles) = antiprism(n);
+        let topology = Topology::from_triangles(positions.len(), &triangles).expect("closed");
+        let found = all_elements(&topology, Rule::Twelve);
+        let table = found.tables().iter().map(|t| t.data.len()).sum::<usize>();
+        (found.vertices().len(), table)
+    };
+    let ((v, t), (v2, t2)) = (size(1200), size(2400));
+    assert!(v <= 21 * 4800 && v2 <= 21 * 9600, "{v} {v2}");
+    assert!(t2 <= t, "{t} {t2}");
 }
 
 fn corner_of(topology: &Topology, f: FaceId, v: VertexId) -> usize {

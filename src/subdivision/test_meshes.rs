@@ -102,7 +102,7 @@ const OCTAHEDRON: [[u32; 3]; 8] = [
 ];
 
 /// A pole, two rings of `n`, a pole: the icosahedron for 5.
-fn antiprism(n: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+pub(super) fn antiprism(n: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut positions = vec![DVec3::Z];
     for (z, turn) in [(0.45, 0.0), (-0.45, 0.5)] {
         for i in 0..n {
@@ -181,11 +181,16 @@ pub(super) fn shapes() -> Vec<Shape> {
     let (large, large_faces) = torus(7, 5);
     let (icosahedron, icosahedron_faces) = antiprism(5);
     let (spindle, spindle_faces) = antiprism(11);
+    let (large_spindle, large_spindle_faces) = antiprism(70);
+    let cap: Vec<[u32; 3]> = large_spindle_faces.iter().step_by(4).copied().collect();
     vec![
         shape("tetrahedron", tetrahedron.clone(), &TETRAHEDRON),
         shape("octahedron", octahedron.clone(), &OCTAHEDRON),
         shape("icosahedron", icosahedron, &icosahedron_faces),
         shape("spindle", spindle, &spindle_faces),
+        shape("large fan", large_spindle[..71].to_vec(), &cap),
+        shape("large open fan", large_spindle[..71].to_vec(), &cap[..66]),
+        shape("large spindle", large_spindle, &large_spindle_faces),
         shape("spiked octahedron", spiked, &spiked_faces),
         shape("3 by 3 torus", small, &small_faces),
         shape("torus", large, &large_faces),
