@@ -10,7 +10,7 @@ use crate::fill::hole::HoleRims;
 use crate::fill::patch_topology::PatchTopology;
 use crate::fill::plan::Plan;
 use crate::fill::result::FilledHole;
-use crate::mesh::{DVec3, Mesh, Topology, TopologyError, VertexId};
+use crate::mesh::{DVec3, Mesh, Topology, TopologyError, VertexId, color_steps, round_color};
 
 /// The triangulation of one patch: its rim vertices in the mesh, its triangles in patch numbers,
 /// and its number of new vertices.
@@ -197,7 +197,7 @@ fn tag_of(mesh: &Mesh, rims: &HoleRims) -> u32 {
     mesh.face_tags.get(face.index()).copied().unwrap_or(0)
 }
 
-/// The mean colour of the rim vertices.
+/// The mean colour of the rim vertices, in the type of their colours.
 fn mean_color(mesh: &Mesh, rim: &[VertexId]) -> [f32; 4] {
     let mut mean = [0.0; 4];
     if mesh.colors.is_empty() {
@@ -206,10 +206,11 @@ fn mean_color(mesh: &Mesh, rim: &[VertexId]) -> [f32; 4] {
     let mut rim = rim.to_vec();
     rim.sort_unstable();
     rim.dedup();
-    for v in &rim {
-        for (sum, part) in mean.iter_mut().zip(mesh.colors[v.index()]) {
+    let colors: Vec<[f32; 4]> = rim.iter().map(|v| mesh.colors[v.index()]).collect();
+    for color in &colors {
+        for (sum, part) in mean.iter_mut().zip(color) {
             *sum += part / rim.len() as f32;
         }
     }
-    mean
+    round_color(mean, color_steps(&colors))
 }

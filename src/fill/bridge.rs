@@ -2,7 +2,9 @@
 
 use crate::fill::hermite::{RimFrame, hermite_between, length, pieces};
 use crate::fill::select::nearest_loop;
-use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, Topology, TopologyError};
+use crate::mesh::{
+    BoundaryLoop, DVec3, LoopId, Mesh, Topology, TopologyError, color_steps, round_color,
+};
 
 /// Consecutive edges of a rim, in the direction of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,6 +105,7 @@ pub fn bridge(
     let first = mesh.vertex_count();
     let mut positions = mesh.positions.clone();
     let mut colors = mesh.colors.clone();
+    let steps = color_steps(&colors);
     for row in 1..rows {
         let t = row as f64 / rows as f64;
         for k in 0..=width {
@@ -112,7 +115,7 @@ pub fn bridge(
                 mesh.colors.get(far.vertices[across(k)].index()),
             ) {
                 let mix = |c: usize| a[c] + (b[c] - a[c]) * t as f32;
-                colors.push([0, 1, 2, 3].map(mix));
+                colors.push(round_color([0, 1, 2, 3].map(mix), steps));
             }
         }
     }

@@ -3,6 +3,7 @@
 mod boundary;
 mod build;
 mod check;
+mod colors;
 mod cut;
 mod data;
 mod erase;
@@ -21,7 +22,8 @@ pub(crate) mod union_find;
 
 pub use boundary::{BoundaryLoop, boundary_loops};
 pub use build::{BuildError, ComponentReport, Defect, DefectKind, LoadReport, build};
-pub use check::{check_filled, check_mesh, check_topology};
+pub use check::{MeshError, check_filled, check_mesh, check_topology};
+pub use colors::{color_steps, round_color};
 pub use cut::{CutOpen, cut_open, edge_between, edge_flags};
 pub use data::{Components, Mesh, components};
 pub use erase::{Erased, erase};

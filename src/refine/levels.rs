@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::memory::peak_memory;
-use crate::mesh::{DVec3, Mesh, Split, Topology, VertexId};
+use crate::mesh::{DVec3, Mesh, Split, Topology, VertexId, color_steps, round_color};
 use crate::refine::creases::{Features, Weld};
 use crate::refine::level_flow::LevelFlow;
 use crate::refine::measures::{radius, surface_energy};
@@ -307,10 +307,11 @@ impl Refinement {
 
     fn inherit(&mut self, old: &Topology, split: &Split) {
         if !self.colors.is_empty() {
+            let steps = color_steps(&self.colors);
             for &h in &split.edges {
                 let [a, b] = [old.origin(h), old.target(h)].map(|v| self.colors[v.index()]);
-                self.colors
-                    .push(std::array::from_fn(|i| 0.5 * (a[i] + b[i])));
+                let middle = std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+                self.colors.push(round_color(middle, steps));
             }
         }
         if !self.face_tags.is_empty() {

@@ -1,4 +1,4 @@
-//! The PLY reader: positions, colours and polygons. Other elements are skipped.
+//! The PLY reader: positions, colours, polygons and triangle strips. Other elements are skipped.
 
 use super::super::error::{ParseError, ParseErrorKind, in_file};
 use super::header::{self, Element, Encoding, Header, Kind, Property, Scalar};
@@ -30,21 +30,17 @@ fn body(header: &Header, mut source: impl Source) -> Result<Soup, ParseError> {
         return Err(in_file(ParseErrorKind::too_large("vertices")));
     }
     let count = count as usize;
-    if named("face").is_none() {
-        return Err(in_file(if named("tristrips").is_some() {
-            let what = "a PLY file with triangle strips instead of faces".to_owned();
-            ParseErrorKind::Unsupported {
-                what,
-                remedy: "export it with faces",
-            }
-        } else {
-            ParseErrorKind::NoFaces {
-                vertices: count,
-                cut: false,
-            }
+    if named("face").or(named("tristrips")).is_none() {
+        return Err(in_file(ParseErrorKind::NoFaces {
+            vertices: count,
+            cut: false,
         }));
     }
-    let mut soup = Soup::default();
+    let mut soup = Soup {
+        offsets: vec![0],
+        ..Soup::default()
+    };
+    let (mut faces, mut strips) = (false, false);
     for element in header
         .elements
         .iter()
@@ -55,8 +51,11 @@ fn body(header: &Header, mut source: impl Source) -> Result<Soup, ParseError> {
             "vertex" if soup.positions.is_empty() => {
                 vertices::read(element, &mut source, &mut soup)?;
             }
-            "face" if soup.offsets.is_empty() => {
+            "face" if !std::mem::replace(&mut faces, true) => {
                 read_faces(element, &mut source, &mut soup, count)?;
+            }
+            "tristrips" if !std::mem::replace(&mut strips, true) => {
+                read_strips(element, &mut source, &mut soup, count)?;
             }
             _ => skip(element, &mut source)?,
         }
@@ -69,6 +68,12 @@ fn body(header: &Header, mut source: impl Source) -> Result<Soup, ParseError> {
             vertices: count,
             cut: false,
         }));
+    }
+    if let Some((rows, line)) = source.longer_rows() {
+        soup.notes.push(format!(
+            "{rows} lines with more values than the header declares, the first of them line {line}: \
+             the additional values are ignored"
+        ));
     }
     if source.has_rest() {
         let rest = source.remaining();
@@ -97,25 +102,34 @@ fn check_size(
     ))))
 }
 
+/// Which property of an element is its list of vertices.
+fn corners_property(element: &Element) -> Result<usize, ParseError> {
+    let is_corners = |p: &Property| {
+        let list = matches!(p.kind, Kind::List { item, .. } if item.is_integer());
+        list && (p.name == "vertex_indices" || p.name == "vertex_index")
+    };
+    element
+        .properties
+        .iter()
+        .position(is_corners)
+        .ok_or_else(|| {
+            let name = &element.name;
+            let what = format!("a PLY file whose '{name}' has no integer list 'vertex_indices'");
+            let remedy = "export it with vertex indices";
+            in_file(ParseErrorKind::Unsupported { what, remedy })
+        })
+}
+
 fn read_faces(
     element: &Element,
     source: &mut impl Source,
     soup: &mut Soup,
     vertices: usize,
 ) -> Result<(), ParseError> {
-    let is_corners = |p: &Property| {
-        let list = matches!(p.kind, Kind::List { item, .. } if item.is_integer());
-        list && (p.name == "vertex_indices" || p.name == "vertex_index")
-    };
-    let Some(corners) = element.properties.iter().position(is_corners) else {
-        let what = "a PLY file with faces that have no integer list 'vertex_indices'".to_owned();
-        let remedy = "export it with vertex indices";
-        return Err(in_file(ParseErrorKind::Unsupported { what, remedy }));
-    };
+    let corners = corners_property(element)?;
     // check_size has bounded the count by the size of the file.
     let count = element.count as usize;
-    soup.offsets.reserve_exact(count + 1);
-    soup.offsets.push(0);
+    soup.offsets.reserve_exact(count);
     // Most faces are triangles, and there are never more corners than bytes.
     soup.corners.reserve((3 * count).min(source.remaining()));
     for face in 0..count {
@@ -129,7 +143,7 @@ fn read_faces(
                 _ => skip_property(property, source, &what)?,
             }
         }
-        source.end_row(&what)?;
+        source.end_row();
     }
     if element.properties.len() > 1 {
         soup.notes
@@ -170,6 +184,64 @@ fn read_corners(
             }
         }
     }
+    push_offset(soup)
+}
+
+/// Reads triangle strips as triangles: each vertex of a strip makes one with the two before it, in
+/// alternating orientation, and −1 starts another strip. Triangles that name a vertex twice only
+/// join two parts of a strip and are left out.
+fn read_strips(
+    element: &Element,
+    source: &mut impl Source,
+    soup: &mut Soup,
+    vertices: usize,
+) -> Result<(), ParseError> {
+    let corners = corners_property(element)?;
+    for row in 1..=element.count {
+        let what = || format!("triangle strip {row} of {}", element.count);
+        source.begin_row(&what)?;
+        for (k, property) in element.properties.iter().enumerate() {
+            match property.kind {
+                Kind::List { count, item } if k == corners => {
+                    let mut strip: Vec<u32> = Vec::new();
+                    for _ in 0..list_length(count, source, &what)? {
+                        let found = source.integer(item, &what)?;
+                        match u32::try_from(found) {
+                            Ok(vertex) if (vertex as usize) < vertices => strip.push(vertex),
+                            _ if found == -1 => strip.clear(),
+                            _ => {
+                                let kind = ParseErrorKind::IndexRange {
+                                    face: soup.offsets.len(),
+                                    found,
+                                    vertices,
+                                    first: 0,
+                                };
+                                return Err(source.place().error(kind));
+                            }
+                        }
+                        if let [.., a, b, c] = strip[..]
+                            && found != -1
+                            && a != b
+                            && b != c
+                            && c != a
+                        {
+                            let is_odd = strip.len() % 2 == 1;
+                            let corners = if is_odd { [a, b, c] } else { [b, a, c] };
+                            soup.corners.extend(corners);
+                            push_offset(soup)?;
+                        }
+                    }
+                }
+                _ => skip_property(property, source, &what)?,
+            }
+        }
+        source.end_row();
+    }
+    Ok(())
+}
+
+/// Ends a face after the last corner.
+fn push_offset(soup: &mut Soup) -> Result<(), ParseError> {
     let end = u32::try_from(soup.corners.len());
     soup.offsets
         .push(end.map_err(|_| in_file(ParseErrorKind::too_large("face corners")))?);
@@ -217,7 +289,7 @@ fn skip(element: &Element, source: &mut impl Source) -> Result<(), ParseError> {
         for property in &element.properties {
             skip_property(property, source, &what)?;
         }
-        source.end_row(&what)?;
+        source.end_row();
     }
     Ok(())
 }

@@ -15,20 +15,23 @@ pub(super) trait Source {
     fn number(&mut self, scalar: Scalar, what: What<'_>) -> Result<f64, ParseError>;
     /// The next number of the row, of an integer type.
     fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, ParseError>;
-    /// Ends the row.
-    fn end_row(&mut self, what: What<'_>) -> Result<(), ParseError>;
+    /// Ends the row. What it has beyond the properties is skipped and counted.
+    fn end_row(&mut self);
     /// Number of remaining bytes.
     fn remaining(&self) -> usize;
     /// The place of the last number, for messages.
     fn place(&self) -> Place;
     /// Whether anything except blanks remains.
     fn has_rest(&mut self) -> bool;
+    /// Rows with more values than properties so far, and the line of the first.
+    fn longer_rows(&self) -> Option<(usize, usize)>;
 }
 
 /// Numbers in text, one row per line.
 pub(super) struct Text<'a> {
     scanner: Scanner<'a>,
     total: usize,
+    longer_rows: Option<(usize, usize)>,
 }
 
 impl<'a> Text<'a> {
@@ -36,6 +39,7 @@ impl<'a> Text<'a> {
         Self {
             scanner: Scanner::new(bytes, start, line),
             total: bytes.len(),
+            longer_rows: None,
         }
     }
 
@@ -89,19 +93,13 @@ impl Source for Text<'_> {
         Err(self.place().error(kind))
     }
 
-    fn end_row(&mut self, what: What<'_>) -> Result<(), ParseError> {
+    fn end_row(&mut self) {
         self.scanner.skip_blanks();
         if !self.scanner.line_over() {
-            let what = format!(
-                "{} has more values on its line than the header declares",
-                what()
-            );
-            return Err(self
-                .place()
-                .error(ParseErrorKind::syntax(what, self.found())));
+            let line = self.scanner.line();
+            self.longer_rows.get_or_insert((0, line)).0 += 1;
         }
         self.scanner.next_line();
-        Ok(())
     }
 
     fn remaining(&self) -> usize {
@@ -115,6 +113,10 @@ impl Source for Text<'_> {
     fn has_rest(&mut self) -> bool {
         self.skip_empty_lines();
         !self.scanner.at_end()
+    }
+
+    fn longer_rows(&self) -> Option<(usize, usize)> {
+        self.longer_rows
     }
 }
 
@@ -177,9 +179,7 @@ impl<const BIG: bool> Source for Binary<'_, BIG> {
     }
 
     #[inline]
-    fn end_row(&mut self, _: What<'_>) -> Result<(), ParseError> {
-        Ok(())
-    }
+    fn end_row(&mut self) {}
 
     fn remaining(&self) -> usize {
         self.bytes.len() - self.at
@@ -191,5 +191,9 @@ impl<const BIG: bool> Source for Binary<'_, BIG> {
 
     fn has_rest(&mut self) -> bool {
         self.at < self.bytes.len()
+    }
+
+    fn longer_rows(&self) -> Option<(usize, usize)> {
+        None
     }
 }

@@ -101,7 +101,7 @@ pub(super) fn read(
                 _ => skip_property(property, source, &what)?,
             }
         }
-        source.end_row(&what)?;
+        source.end_row();
         soup.positions.push(DVec3::from_array(point));
         if colored {
             soup.colors.push(color);

@@ -3,13 +3,14 @@
 use std::io::{self, Write};
 
 use super::super::OutputMesh;
+use crate::mesh::color_steps;
 
 /// Writes binary PLY. The mesh has been checked.
 ///
-/// Colours that are exact in 8 bits are written as bytes, which most programs expect, and others as
-/// `float`.
+/// Colours that are exact in 8 or in 16 bits are written as such integers, which most programs expect,
+/// and others as `float`.
 pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let bytes = mesh.colors.iter().flatten().all(|&c| to_byte(c).is_some());
+    let steps = color_steps(mesh.colors);
     let channels = if mesh.colors.iter().all(|c| c[3] == 1.0) {
         3
     } else {
@@ -27,7 +28,11 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
         writeln!(out, "property double {axis}")?;
     }
     if !mesh.colors.is_empty() {
-        let kind = if bytes { "uchar" } else { "float" };
+        let kind = match steps {
+            Some(255) => "uchar",
+            Some(_) => "ushort",
+            None => "float",
+        };
         for channel in &["red", "green", "blue", "alpha"][..channels] {
             writeln!(out, "property {kind} {channel}")?;
         }
@@ -43,9 +48,12 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
         }
         if let Some(color) = mesh.colors.get(vertex) {
             for &c in &color[..channels] {
-                match to_byte(c) {
-                    Some(byte) if bytes => out.write_all(&[byte])?,
-                    _ => out.write_all(&c.to_le_bytes())?,
+                #[allow(clippy::cast_sign_loss)] // from 0 to `steps`
+                let whole = |steps: u16| (c * f32::from(steps)).round() as u16;
+                match steps {
+                    Some(255) => out.write_all(&[whole(255) as u8])?,
+                    Some(steps) => out.write_all(&whole(steps).to_le_bytes())?,
+                    None => out.write_all(&c.to_le_bytes())?,
                 }
             }
         }
@@ -58,13 +66,4 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
         out.write_all(&row)?;
     }
     Ok(())
-}
-
-/// The byte that represents exactly this channel, if there is one.
-fn to_byte(channel: f32) -> Option<u8> {
-    let byte = (0.0..=1.0)
-        .contains(&channel)
-        .then(|| (channel * 255.0).round())?;
-    #[allow(clippy::cast_sign_loss)] // within 0..=255
-    (byte / 255.0 == channel).then_some(byte as u8)
 }

@@ -192,11 +192,6 @@ fn ply_ascii_bodies() {
     );
     says(
         Ply,
-        ascii_ply("3", "1", &format!("{points}3 0 1 2 2\n")),
-        &["line 13", "more values on its line"],
-    );
-    says(
-        Ply,
         ascii_ply("3", "1", &format!("{points}2 0 1\n")),
         &["has 2 corners"],
     );
@@ -236,7 +231,11 @@ fn ply_ascii_bodies() {
         &["cut off"],
     );
     let strips = ascii_ply("3", "0", "").replace("element face 0", "element tristrips 1");
-    says(Ply, strips + points, &["triangle strips", "export"]);
+    let strip = |list: &str| strips.clone() + points + list;
+    says(Ply, strip("4 0 1 2 3\n"), &["vertex 3"]);
+    says(Ply, strip("4 0 1 2 -2\n"), &["vertex -2"]);
+    says(Ply, strip("2 0 1\n"), &["3 vertices but no faces"]);
+    says(Ply, strip("5 0 1 2\n"), &["too few numbers"]);
     let no_z = ascii_ply("3", "1", "").replace("float z", "float w");
     says(Ply, no_z + points + "3 0 1 2\n", &["no coordinate", "'z'"]);
 }

@@ -82,17 +82,28 @@ fn colors_survive() {
         [0.0, 0.0, 1e-38, 1.0],
     ];
     let with_alpha = [[0.0, 0.2, 1.0, 0.4], [1.0; 4], [0.0; 4]];
-    for (colors, alpha) in [(in_bytes, false), (in_floats, false), (with_alpha, true)] {
+    let in_words = [
+        [0.0, 1.0, 513.0 / 65535.0, 1.0],
+        [1.0; 4],
+        [7.0 / 65535.0, 0.0, 0.0, 1.0],
+    ];
+    let cases = [
+        (in_bytes, false, "uchar"),
+        (in_words, false, "ushort"),
+        (in_floats, false, "float"),
+        (with_alpha, true, "uchar"),
+    ];
+    for (colors, alpha, kind) in cases {
         let mesh = OutputMesh {
             positions,
             triangles: &[[0, 1, 2]],
             colors: &colors,
             ..OutputMesh::default()
         };
-        assert_eq!(
-            good(Format::Ply, written(Format::Ply, &mesh)).colors,
-            colors
-        );
+        let ply = written(Format::Ply, &mesh);
+        let header = String::from_utf8_lossy(&ply);
+        assert!(header.contains(&format!("property {kind} red")), "{kind}");
+        assert_eq!(good(Format::Ply, &ply).colors, colors);
         let obj = good(Format::Obj, written(Format::Obj, &mesh));
         if !alpha {
             assert_eq!(obj.colors, colors);

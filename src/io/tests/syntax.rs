@@ -128,6 +128,37 @@ fn ply_ascii_with_everything_that_is_skipped() {
     );
 }
 
+#[test]
+fn ply_triangle_strips() {
+    let file = |list: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n\
+             property float z\nelement tristrips 1\nproperty list int int vertex_indices\n\
+             end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n{list}\n"
+        )
+    };
+    // every other triangle turns, a repeated vertex joins two parts, −1 starts anew
+    let soup = good(Ply, file("13 0 1 2 3 4 -1 3 5 4 4 2 2 3"));
+    let triangles: Vec<&[u32]> = (0..soup.face_count()).map(|f| soup.face(f)).collect();
+    assert_eq!(
+        triangles,
+        [[0, 1, 2], [2, 1, 3], [2, 3, 4], [3, 5, 4]].map(|t| t.to_vec())
+    );
+    assert!(soup.notes.is_empty());
+}
+
+#[test]
+fn ply_lines_may_be_longer_than_declared() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+        property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+        0 0 0\n1 0 0 7 8\n0 1 0\n3 0 1 2 255 255 x\n";
+    let soup = good(Ply, text);
+    assert_eq!(soup.positions[1], DVec3::X);
+    assert_eq!(soup.corners, [0, 1, 2]);
+    assert_eq!(soup.notes.len(), 1);
+    assert!(soup.notes[0].contains("2 lines") && soup.notes[0].contains("line 11"));
+}
+
 /// A binary PLY with float coordinates, alpha, and a list to skip, in either byte order.
 fn binary_ply(big: bool) -> Vec<u8> {
     let order = if big { "big" } else { "little" };
