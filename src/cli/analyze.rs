@@ -18,7 +18,8 @@ use crate::cli::parse::{parameter, plane};
 use crate::cli::print::print;
 use crate::cli::targets::check_targets;
 use crate::energy::Energy;
-use crate::io::open;
+use crate::io::{open, open_welded};
+use crate::mesh::Weld;
 
 /// `meniscus analyze`.
 #[derive(Debug, Args)]
@@ -26,6 +27,10 @@ pub struct AnalyzeArguments {
     /// The mesh to measure (.obj, .ply, .stl).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
+    /// The distance within which vertices of IN count as one: auto (the rounding of its numbers) or a
+    /// length.
+    #[arg(long, value_name = "WELD", default_value = "auto", display_order = 999)]
+    pub weld: Weld,
     /// An energy f(H,K) to integrate in addition to the standard ones.
     #[arg(long, value_name = "F", allow_hyphen_values = true)]
     pub energy: Option<String>,
@@ -84,7 +89,7 @@ pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
         .as_deref()
         .map(|text| Energy::parse(text, &params));
     let energy = energy.transpose().map_err(|e| invalid_energy(&e))?;
-    let opened = open(&args.input)?;
+    let opened = open_welded(&args.input, args.weld)?;
     let reference = args.against.as_deref().map(open).transpose()?;
     let mesh = &opened.mesh;
     let mut chains = Vec::new();

@@ -10,7 +10,7 @@ use crate::cli::flow::{FlowArguments, LoopArguments, MeshFiles};
 use crate::cli::options::OptionArguments;
 use crate::cli::print::print;
 use crate::io::save_mesh;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Weld};
 use crate::shapes;
 
 /// `meniscus demo`.
@@ -39,6 +39,7 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
         files: MeshFiles {
             input: holed,
             output: args.out.join("filled.obj"),
+            weld: Weld::Auto,
             quiet: args.quiet,
         },
         loops: LoopArguments::default(),

@@ -18,9 +18,9 @@ use crate::fill::{
     Continuity, Controls, ControlsError, Filled, LoopChoice, RimSet, choose, fill_rim_sets,
     nearest_loop,
 };
-use crate::io::{self, Opened, open};
+use crate::io::{self, OpenError, Opened, open_welded};
 use crate::memory::peak_memory;
-use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId, Weld};
 use crate::ops::FlowSpec;
 use crate::options::Choice;
 use crate::runner::{RunControls, Schedule};
@@ -36,6 +36,10 @@ pub struct MeshFiles {
     /// The mesh to write (.obj, .ply, .stl).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
+    /// The distance within which vertices of IN count as one: auto (the rounding of its numbers) or a
+    /// length.
+    #[arg(long, value_name = "WELD", default_value = "auto", display_order = 999)]
+    pub weld: Weld,
     /// Print only errors.
     #[arg(short, long, display_order = 1000)]
     pub quiet: bool,
@@ -49,7 +53,12 @@ impl MeshFiles {
             &[("OUT", Some(&self.output))],
             &[],
         )?;
-        Ok(open(&self.input)?)
+        Ok(self.read()?)
+    }
+
+    /// Opens IN.
+    pub fn read(&self) -> Result<Opened, OpenError> {
+        open_welded(&self.input, self.weld)
     }
 }
 
@@ -166,7 +175,7 @@ impl<'a> Task<'a> {
         Ok(Self {
             files,
             args,
-            opened: open(&files.input)?,
+            opened: files.read()?,
             flow: FlowSpec { schedule, controls },
         })
     }

@@ -8,8 +8,8 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::cli::print::print;
-use crate::io::open;
-use crate::mesh::{BoundaryLoop, LoadReport, LoopId, boundary_loops};
+use crate::io::open_welded;
+use crate::mesh::{BoundaryLoop, LoadReport, LoopId, Weld, boundary_loops};
 
 /// `meniscus info`.
 #[derive(Debug, Args)]
@@ -17,6 +17,10 @@ pub struct InfoArguments {
     /// The mesh to read (.obj, .ply, .stl).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
+    /// The distance within which vertices of IN count as one: auto (the rounding of its numbers) or a
+    /// length.
+    #[arg(long, value_name = "WELD", default_value = "auto", display_order = 999)]
+    pub weld: Weld,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
@@ -62,7 +66,7 @@ impl<'a> From<&'a BoundaryLoop> for LoopInfo<'a> {
 
 /// Runs `meniscus info`.
 pub fn info(args: &InfoArguments) -> Result<()> {
-    let opened = open(&args.input)?;
+    let opened = open_welded(&args.input, args.weld)?;
     let loops = boundary_loops(&opened.mesh);
     let info = Info {
         version: env!("CARGO_PKG_VERSION"),

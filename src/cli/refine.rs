@@ -126,7 +126,7 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
         Some(path) => schedule(path, &args.controls.0)?,
         None => Schedule::default(),
     };
-    let opened = open(&args.files.input)?;
+    let opened = args.files.read()?;
     let reference = args.against.as_deref().map(open).transpose()?;
     let faces = args.selection.faces(&opened.mesh)?;
     if faces.is_empty() && !args.selection.is_empty() {

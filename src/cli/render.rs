@@ -8,7 +8,8 @@ use clap::Args;
 use crate::cli::picture::Shot;
 use crate::cli::picture_args::{PictureArguments, choice};
 use crate::cli::targets::check_targets;
-use crate::io::open;
+use crate::io::open_welded;
+use crate::mesh::Weld;
 use crate::render::{Gpu, SequenceFormat, save_png, turntable, write_sequence};
 
 /// `meniscus render`.
@@ -17,6 +18,10 @@ pub struct RenderArguments {
     /// The mesh to read (.obj, .ply, .stl).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
+    /// The distance within which vertices of IN count as one: auto (the rounding of its numbers) or a
+    /// length.
+    #[arg(long, value_name = "WELD", default_value = "auto", display_order = 999)]
+    pub weld: Weld,
     /// The picture to write.
     #[arg(short, long, value_name = "OUT.png")]
     pub output: PathBuf,
@@ -54,7 +59,7 @@ pub fn render(args: &RenderArguments) -> Result<()> {
     )?;
     // fail without an adapter before the mesh is read
     let gpu = Gpu::new()?;
-    let opened = open(&args.input)?;
+    let opened = open_welded(&args.input, args.weld)?;
     if !args.quiet {
         for note in &opened.report.notes {
             eprintln!("{}: {note}", args.input.display());

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{Format, LoadError, OutputMesh, SaveError, load, losses, save};
-use crate::mesh::{self, BuildError, LoadReport, Mesh, Soup};
+use crate::mesh::{self, BuildError, LoadReport, Mesh, Soup, Weld};
 
 /// A mesh read from a file.
 #[derive(Clone, Debug)]
@@ -38,7 +38,15 @@ pub enum OpenError {
 /// # Errors
 /// [`OpenError`].
 pub fn open(path: &Path) -> Result<Opened, OpenError> {
-    from_soup(load(path)?, path)
+    open_welded(path, Weld::Auto)
+}
+
+/// [`open`] with another tolerance for welding.
+///
+/// # Errors
+/// [`OpenError`].
+pub fn open_welded(path: &Path, weld: Weld) -> Result<Opened, OpenError> {
+    repaired(load(path)?, path, weld)
 }
 
 /// Repairs a polygon soup. Messages contain `path`.
@@ -46,7 +54,11 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
 /// # Errors
 /// [`OpenError::Build`].
 pub fn from_soup(soup: Soup, path: &Path) -> Result<Opened, OpenError> {
-    let (mesh, report) = mesh::build(&soup).map_err(|source| OpenError::Build {
+    repaired(soup, path, Weld::Auto)
+}
+
+fn repaired(soup: Soup, path: &Path, weld: Weld) -> Result<Opened, OpenError> {
+    let (mesh, report) = mesh::build_welded(&soup, weld).map_err(|source| OpenError::Build {
         path: path.to_owned(),
         source,
     })?;

@@ -21,8 +21,10 @@ mod topology;
 pub(crate) mod union_find;
 
 pub use boundary::{BoundaryLoop, boundary_loops};
-pub use build::{BuildError, ComponentReport, Defect, DefectKind, LoadReport, build};
-pub use check::{MeshError, check_filled, check_mesh, check_topology};
+pub use build::{
+    BuildError, ComponentReport, Defect, DefectKind, LoadReport, Weld, build, build_welded,
+};
+pub use check::{check_filled, check_mesh, check_topology};
 pub use colors::{color_steps, round_color};
 pub use cut::{CutOpen, cut_open, edge_between, edge_flags};
 pub use data::{Components, Mesh, components};

@@ -1,11 +1,17 @@
 //! Faces joined across edges, and their orientation.
 //!
-//! Two faces that are the only ones at an edge are joined. If more faces meet at an edge, pairs of
-//! the same sheet come first, then the flattest pair. A pair is not joined if the result could not
-//! be oriented. One union-find structure with parities stores sheets and their orientation.
+//! Two faces that are the only ones at an edge are joined. If more faces meet at an edge, pairs with
+//! the same orientation come first, unless faces elsewhere in the file have different orientations;
+//! then pairs with a contact face, pairs of the same sheet and the flattest pair. A pair is not joined
+//! if the result could not be oriented. One union-find structure with parities stores sheets and
+//! their orientation.
+//!
+//! If two solids touch, a face of one has the same corners as a face of the other and the opposite
+//! orientation. These *contact faces* are no duplicates: without one of them a solid would be open.
 
 use super::edges::{EdgeTable, ends, opposite};
 use crate::mesh::DVec3;
+use crate::mesh::union_find::{find, unite};
 
 /// No corner-edge.
 pub(super) const NONE: u32 = u32::MAX;
@@ -27,6 +33,10 @@ pub(super) struct Sheets {
     pub non_manifold: Vec<u32>,
     /// The corner-edges at these edges. Only they can have the same two vertices as another edge.
     pub crowded: Vec<u32>,
+    /// Whether each face is a contact face.
+    contact: Vec<bool>,
+    /// Whether two faces that are the only ones at their edge run through it in the same direction.
+    is_mixed: bool,
     /// Union-find: parent × 2 + whether flipped relative to the parent. The root is the lowest
     /// face.
     link: Vec<u32>,
@@ -41,6 +51,8 @@ impl Sheets {
             dropped: vec![false; faces],
             non_manifold: Vec::new(),
             crowded: Vec::new(),
+            contact: vec![false; faces],
+            is_mixed: false,
             link: (0..faces as u32).map(|f| 2 * f).collect(),
             non_orientable: vec![false; faces],
         }
@@ -81,8 +93,57 @@ impl Sheets {
         self.non_orientable[root as usize]
     }
 
-    /// Removes faces with the same corners as an earlier face. Returns for each face whether a copy
-    /// with opposite orientation was removed.
+    /// Finds the contact faces. Two faces are in contact if they have the same corners and opposite
+    /// orientation, and each edge of the contact area has equally many faces of both directions, at
+    /// least two each. At least one edge of the area has other faces too.
+    fn find_contacts(&mut self, triangles: &[[u32; 3]], table: &EdgeTable) {
+        let turned = |c: u32, d: u32| ends(triangles, c) != ends(triangles, d);
+        // the other face with the same corners; NONE if there are none or several
+        let mut twin = vec![NONE; triangles.len()];
+        let mut apexes: Vec<(u32, u32)> = Vec::new();
+        for group in table.groups(triangles).filter(|group| group.len() > 1) {
+            apexes.clear();
+            apexes.extend(group.iter().map(|&c| (opposite(triangles, c), c)));
+            apexes.sort_unstable();
+            for same in apexes.chunk_by(|x, y| x.0 == y.0) {
+                if let [(_, c), (_, d)] = *same
+                    && turned(c, d)
+                {
+                    (twin[c as usize / 3], twin[d as usize / 3]) = (d / 3, c / 3);
+                }
+            }
+        }
+        if twin.iter().all(|&f| f == NONE) {
+            return;
+        }
+        // contact areas: faces with a twin, united across edges
+        let mut area: Vec<u32> = (0..triangles.len() as u32).collect();
+        let of_twins = |group: &[u32]| -> Vec<u32> {
+            let faces = group.iter().map(|&c| c / 3);
+            faces.filter(|&f| twin[f as usize] != NONE).collect()
+        };
+        for group in table.groups(triangles) {
+            for pair in of_twins(group).windows(2) {
+                unite(&mut area, pair[0], pair[1]);
+            }
+        }
+        let (mut is_sound, mut meets_others) = (vec![true; area.len()], vec![false; area.len()]);
+        for group in table.groups(triangles) {
+            let twins = of_twins(group);
+            let Some(&f) = twins.first() else { continue };
+            let root = find(&mut area, f) as usize;
+            let back = group.iter().filter(|&&c| turned(group[0], c)).count();
+            is_sound[root] &= group.len() >= 4 && 2 * back == group.len();
+            meets_others[root] |= twins.len() < group.len();
+        }
+        for f in (0..triangles.len()).filter(|&f| twin[f] != NONE) {
+            let root = find(&mut area, f as u32) as usize;
+            self.contact[f] = is_sound[root] && meets_others[root];
+        }
+    }
+
+    /// Removes faces with the same corners as an earlier face, except contact faces. Returns the faces
+    /// of which a copy with opposite orientation was removed, ascending.
     fn drop_duplicates(&mut self, triangles: &[[u32; 3]], table: &EdgeTable) -> Vec<u32> {
         let mut doubled = Vec::new();
         let mut apexes: Vec<(u32, u32)> = Vec::new();
@@ -95,8 +156,8 @@ impl Sheets {
             apexes.sort_unstable();
             let mut first = apexes[0];
             for &(apex, c) in &apexes[1..] {
-                if apex == first.0 {
-                    let face = c as usize / 3;
+                let face = c as usize / 3;
+                if apex == first.0 && !self.contact[face] {
                     if !self.dropped[face] && ends(triangles, c) != ends(triangles, first.1) {
                         doubled.push(first.1 / 3);
                     }
@@ -119,6 +180,7 @@ impl Sheets {
         vertices: usize,
     ) {
         let table = EdgeTable::new(triangles, vertices, 0..3 * triangles.len() as u32);
+        self.find_contacts(triangles, &table);
         let doubled = self.drop_duplicates(triangles, &table);
         let mut crowded: Vec<Vec<u32>> = Vec::new();
         let mut suspects: Vec<(u32, u32)> = Vec::new();
@@ -166,6 +228,7 @@ impl Sheets {
         self.mate[c as usize] = d;
         self.mate[d as usize] = c;
         let turned = ends(triangles, c) == ends(triangles, d);
+        self.is_mixed |= turned;
         if !self.unite(c / 3, d / 3, turned) {
             let (root, _) = self.find(c / 3);
             self.non_orientable[root as usize] = true;
@@ -222,7 +285,7 @@ impl Sheets {
         at: &impl Fn(u32) -> DVec3,
         groups: &[Vec<u32>],
     ) {
-        let mut pairs: Vec<(bool, f64, u32, u32)> = Vec::new();
+        let mut pairs: Vec<([bool; 3], f64, u32, u32)> = Vec::new();
         for group in groups {
             for (i, &c) in group.iter().enumerate() {
                 let reach = if group.len() > PAIRS_LIMIT {
@@ -231,8 +294,14 @@ impl Sheets {
                     group.len()
                 };
                 for &d in group[i + 1..].iter().take(reach) {
+                    let touching = [c, d].map(|c| self.contact[c as usize / 3]);
+                    if touching[0] && opposite(triangles, c) == opposite(triangles, d) {
+                        continue;
+                    }
+                    let turned = !self.is_mixed && ends(triangles, c) == ends(triangles, d);
                     let apart = self.find(c / 3).0 != self.find(d / 3).0;
-                    pairs.push((apart, fold(triangles, at, c, d), c, d));
+                    let last = [turned, !touching.contains(&true), apart];
+                    pairs.push((last, fold(triangles, at, c, d), c, d));
                 }
             }
         }

@@ -12,6 +12,7 @@ mod triangulate;
 mod weld;
 
 pub use report::{ComponentReport, Defect, DefectKind, LoadReport};
+pub use weld::Weld;
 
 use super::{Mesh, Soup, Topology, TopologyError};
 use repair::{Faces, Repaired, repair};
@@ -86,11 +87,13 @@ pub enum BuildError {
 /// Builds an oriented manifold mesh from the polygons of a file and reports the repairs.
 ///
 /// The steps are, in this order: polygons are triangulated; faces that use a vertex twice or repeat
-/// an earlier face are removed; at an edge with more than two faces, two stay joined and the others
-/// are cut off; boundary edges with exactly the same end positions are welded (all vertices in a
-/// file that repeats them for every face); sheets are flipped to agree with the majority of their
-/// faces; vertices with several sheets are split. Positions never change. A file that is an
-/// oriented manifold is not changed.
+/// an earlier face are removed, except the two faces at which solids touch; at an edge with more
+/// than two faces, faces are joined in pairs, those of the same orientation first, and the others are
+/// cut off; boundary edges with the same end positions within the tolerance of [`Weld::Auto`] are
+/// welded (all vertices in a file that repeats them for every face); closed sheets of mixed
+/// orientation are flipped to have outward normals, open ones to agree with the majority of their
+/// faces; vertices with several sheets are split. Positions never change. A file that is an oriented
+/// manifold is not changed.
 ///
 /// Components that cannot be oriented are not changed (see [`Mesh::non_orientable`]).
 ///
@@ -98,6 +101,14 @@ pub enum BuildError {
 /// [`BuildError`] if no valid mesh can be built, [`BuildError::OneSided`] if no component can be
 /// oriented.
 pub fn build(soup: &Soup) -> Result<(Mesh, LoadReport), BuildError> {
+    build_welded(soup, Weld::Auto)
+}
+
+/// [`build`] with another tolerance for welding.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_welded(soup: &Soup, weld: Weld) -> Result<(Mesh, LoadReport), BuildError> {
     validate(soup)?;
     let triangles = triangulate(soup);
     if triangles.corners.is_empty() {
@@ -105,7 +116,12 @@ pub fn build(soup: &Soup) -> Result<(Mesh, LoadReport), BuildError> {
             faces: soup.face_count(),
         });
     }
-    let (topology, repaired) = repair(&soup.positions, soup.exploded, &triangles.corners)?;
+    let (topology, repaired) = repair(
+        &soup.positions,
+        soup.exploded,
+        &triangles.corners,
+        weld.tolerance(&soup.positions, soup.exploded),
+    )?;
     if repaired.triangles.is_empty() {
         return Err(BuildError::OneSided {
             faces: repaired.non_orientable.len(),

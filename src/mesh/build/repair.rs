@@ -82,10 +82,11 @@ pub(super) fn repair(
     positions: &[DVec3],
     exploded: bool,
     triangles: &[[u32; 3]],
+    tolerance: f64,
 ) -> Result<(Topology, Repaired), TopologyError> {
     let n = positions.len();
     if exploded || is_exploded(n, triangles) {
-        return repair_exploded(positions, triangles);
+        return repair_exploded(positions, triangles, tolerance);
     }
     if let Ok(topology) = Topology::from_triangles(n, triangles)
         && !has_pillow(&topology)
@@ -95,11 +96,11 @@ pub(super) fn repair(
             .filter(|&h| topology.is_boundary(h))
             .map(|h| topology.origin(h).0)
             .collect();
-        if position_classes(positions, rim.into_iter()).1 == 0 {
+        if position_classes(positions, rim.into_iter(), tolerance).1 == 0 {
             return Ok((topology, Repaired::untouched(triangles)));
         }
     }
-    repair_slowly(positions, triangles, None)
+    repair_slowly(positions, triangles, None, tolerance)
 }
 
 /// Whether two faces share all their edges: a face and its flipped copy.
@@ -122,10 +123,12 @@ fn is_exploded(vertices: usize, triangles: &[[u32; 3]]) -> bool {
         .all(|&v| !std::mem::replace(&mut seen[v as usize], true))
 }
 
-/// Welds all equal positions. If the result is a manifold, it is the intended mesh.
+/// Welds all positions that are equal within `tolerance`. If the result is a manifold, it is the
+/// intended mesh.
 fn repair_exploded(
     positions: &[DVec3],
     triangles: &[[u32; 3]],
+    tolerance: f64,
 ) -> Result<(Topology, Repaired), TopologyError> {
     let mut used = vec![false; positions.len()];
     for &v in triangles.iter().flatten() {
@@ -134,7 +137,7 @@ fn repair_exploded(
     let members: Vec<u32> = (0..positions.len() as u32)
         .filter(|&v| used[v as usize])
         .collect();
-    let (class, copies) = position_classes(positions, members.into_iter());
+    let (class, copies) = position_classes(positions, members.into_iter(), tolerance);
     let welded: Vec<[u32; 3]> = triangles
         .iter()
         .map(|t| t.map(|v| class[v as usize]))
@@ -156,7 +159,7 @@ fn repair_exploded(
         .collect();
     let topology = match Topology::from_triangles(source.len(), &corners) {
         Ok(topology) if !has_pillow(&topology) => topology,
-        _ => return repair_slowly(positions, triangles, Some(&welded)),
+        _ => return repair_slowly(positions, triangles, Some(&welded), tolerance),
     };
     if copies == 0 {
         return Ok((topology, Repaired::untouched(&corners)));
@@ -176,6 +179,7 @@ fn repair_slowly(
     positions: &[DVec3],
     own: &[[u32; 3]],
     welded: Option<&[[u32; 3]]>,
+    tolerance: f64,
 ) -> Result<(Topology, Repaired), TopologyError> {
     let n = positions.len();
     let at = |v: u32| positions[v as usize];
@@ -191,7 +195,8 @@ fn repair_slowly(
         }
     }
     sheets.join_mesh(&by_position, at, n);
-    let seams = welded.is_none() && join_seams(&mut sheets, positions, own, &mut by_position);
+    let seams =
+        welded.is_none() && join_seams(&mut sheets, positions, own, &mut by_position, tolerance);
     let duplicates = (0..faces)
         .filter(|&f| sheets.dropped[f as usize] && collapsed.binary_search(&f).is_err())
         .collect();
@@ -208,7 +213,7 @@ fn repair_slowly(
     let non_orientable: Vec<bool> = (0..faces).map(|f| sheets.is_non_orientable(f)).collect();
     cut_edges.sort_unstable();
     cut_edges.dedup();
-    let flipped = minority_faces(&mut sheets, &non_orientable);
+    let flipped = faces_to_turn(&mut sheets, &non_orientable, own, positions);
     let kept = |f: &u32| !sheets.dropped[*f as usize] && !non_orientable[*f as usize];
     let origin: Vec<u32> = (0..faces).filter(kept).collect();
     let oriented = |corners: &[[u32; 3]]| -> Vec<[u32; 3]> {
@@ -279,13 +284,14 @@ fn repair_slowly(
     Ok((topology, repaired))
 }
 
-/// Joins boundary edges at the same positions. Afterwards `by_position` contains one vertex per
-/// boundary position. Returns false if there are none.
+/// Joins boundary edges at the same positions within `tolerance`. Afterwards `by_position` contains
+/// one vertex per boundary position. Returns false if there are none.
 fn join_seams(
     sheets: &mut Sheets,
     positions: &[DVec3],
     own: &[[u32; 3]],
     by_position: &mut Vec<[u32; 3]>,
+    tolerance: f64,
 ) -> bool {
     let mut rim: Vec<u32> = (0..sheets.mate.len() as u32)
         .filter(|&c| sheets.mate[c as usize] == NONE && !sheets.dropped[c as usize / 3])
@@ -293,7 +299,7 @@ fn join_seams(
         .collect();
     rim.sort_unstable();
     rim.dedup();
-    let (mut class, copies) = position_classes(positions, rim.into_iter());
+    let (mut class, copies) = position_classes(positions, rim.into_iter(), tolerance);
     if copies > 0 {
         // an edge of zero length must not be welded into a point, or its faces would be lost
         for t in own {
@@ -311,22 +317,53 @@ fn join_seams(
     copies > 0
 }
 
-/// Faces to flip so that each sheet agrees with the majority of its faces, sorted.
-fn minority_faces(sheets: &mut Sheets, non_orientable: &[bool]) -> Vec<u32> {
+/// Faces to flip so that each sheet is oriented, ascending: a closed sheet with outward normals, an
+/// open one like the majority of its faces. A sheet whose faces agree is not changed.
+fn faces_to_turn(
+    sheets: &mut Sheets,
+    non_orientable: &[bool],
+    corners: &[[u32; 3]],
+    positions: &[DVec3],
+) -> Vec<u32> {
+    /// Of each sheet, by its lowest face.
+    #[derive(Clone, Copy, Default)]
+    struct Sheet {
+        /// Faces like the lowest one, and the others.
+        count: [usize; 2],
+        is_open: bool,
+        /// Six times the volume that the sheet encloses if all faces are oriented like the lowest.
+        volume: f64,
+    }
     let faces = non_orientable.len() as u32;
-    let mut balance = vec![0i32; faces as usize];
+    let mut of_root = vec![Sheet::default(); faces as usize];
     for f in 0..faces {
-        if !sheets.dropped[f as usize] && !non_orientable[f as usize] {
-            let (root, turned) = sheets.find(f);
-            balance[root as usize] += if turned { -1 } else { 1 };
+        if sheets.dropped[f as usize] || non_orientable[f as usize] {
+            continue;
         }
+        let (root, turned) = sheets.find(f);
+        let sheet = &mut of_root[root as usize];
+        sheet.count[usize::from(turned)] += 1;
+        sheet.is_open |= (3 * f..3 * f + 3).any(|c| sheets.mate[c as usize] == NONE);
+        let origin = positions[corners[root as usize][0] as usize];
+        let [a, b, c] = corners[f as usize].map(|v| positions[v as usize] - origin);
+        let cone = a.dot(b.cross(c));
+        sheet.volume += if turned { -cone } else { cone };
     }
     (0..faces)
         .filter(|&f| {
+            if sheets.dropped[f as usize] || non_orientable[f as usize] {
+                return false;
+            }
             let (root, turned) = sheets.find(f);
-            !sheets.dropped[f as usize]
-                && !non_orientable[f as usize]
-                && turned == (balance[root as usize] >= 0)
+            let sheet = &of_root[root as usize];
+            let [like, unlike] = sheet.count;
+            let is_mixed = like > 0 && unlike > 0;
+            let keep_like = if is_mixed && !sheet.is_open && sheet.volume != 0.0 {
+                sheet.volume > 0.0
+            } else {
+                like >= unlike
+            };
+            turned == keep_like
         })
         .collect()
 }

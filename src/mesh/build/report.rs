@@ -25,6 +25,8 @@ pub struct LoadReport {
     pub zero_area_faces: usize,
     /// Vertices merged with an earlier one at the same position.
     pub welded_vertices: usize,
+    /// Those of them whose position differs, within the tolerance of welding.
+    pub welded_apart: usize,
     /// Vertices used by no face, which are kept.
     pub isolated_vertices: usize,
     /// Faces flipped to agree with the majority of their component.

@@ -101,6 +101,14 @@ pub(super) fn summarize(
         let file = repaired.source.as_ref().map_or(v.0, |of| of[v.index()]);
         defects.push(DefectKind::PinchedHole, mesh.position(v), None, Some(file));
     }
+    let apart = distances_welded(soup, repaired);
+    let mut notes = soup.notes.clone();
+    if let Some(farthest) = apart.iter().copied().reduce(f64::max) {
+        let count = apart.len();
+        notes.push(format!(
+            "{count} vertices welded with others up to {farthest:e} away"
+        ));
+    }
     let parts = component_reports(mesh, &repaired.non_orientable_sheet);
     let mut sheets = repaired.non_orientable_sheet.clone();
     sheets.sort_unstable();
@@ -117,6 +125,7 @@ pub(super) fn summarize(
         degenerate_faces: triangles.degenerate.len() + repaired.collapsed.len(),
         zero_area_faces: flat.len(),
         welded_vertices: repaired.welded,
+        welded_apart: apart.len(),
         isolated_vertices: isolated,
         flipped_faces: repaired.flipped.len(),
         non_manifold_edges: repaired.cut_edges.len(),
@@ -126,12 +135,23 @@ pub(super) fn summarize(
         non_orientable_faces: mesh.non_orientable.len(),
         components: parts,
         defects: defects.list,
-        notes: soup.notes.clone(),
+        notes,
         file_to_mesh: repaired.file_to_mesh.clone(),
     }
 }
 
-/// Whether the height over the longest edge is within rounding.
+/// Distances of the file's vertices to those they are welded with, where these differ.
+fn distances_welded(soup: &Soup, repaired: &Repaired) -> Vec<f64> {
+    let (Some(to_mesh), Some(source)) = (&repaired.file_to_mesh, &repaired.source) else {
+        return Vec::new();
+    };
+    let at = |v: usize| soup.positions[v];
+    let moved = to_mesh.iter().enumerate();
+    let distances = moved.map(|(v, &m)| at(v).distance(at(source[m as usize] as usize)));
+    distances.filter(|&d| d > 0.0).collect()
+}
+
+/// Whether the height over the longest edge is nothing but rounding.
 fn is_flat([a, b, c]: [DVec3; 3]) -> bool {
     let longest = a
         .distance_squared(b)

@@ -420,6 +420,141 @@ fn solids_touching_at_an_edge_or_a_vertex_come_apart() {
     }
 }
 
+/// Boxes on top of each other, each with its own bottom and top of four triangles; the lowest has
+/// no bottom.
+fn stack(boxes: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for level in 0..=boxes {
+        let z = f64::from(level);
+        let ring = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        positions.extend(ring.map(|[x, y]| DVec3::new(x, y, z)));
+        positions.push(DVec3::new(0.6, 0.3, z));
+        let at = |i: u32| 5 * level + i % 4;
+        let middle = 5 * level + 4;
+        for i in 0..4 {
+            if level > 0 {
+                triangles.push([middle, at(i), at(i + 1)]);
+                let below = |i: u32| at(i) - 5;
+                triangles.extend([
+                    [below(i), below(i + 1), at(i + 1)],
+                    [below(i), at(i + 1), at(i)],
+                ]);
+            }
+            if 0 < level && level < boxes {
+                triangles.push([middle, at(i + 1), at(i)]);
+            }
+        }
+    }
+    (positions, triangles)
+}
+
+#[test]
+fn solids_in_contact_keep_their_faces() {
+    let mut random = SplitMix::new(9);
+    for round in 0..20 {
+        let boxes = 2 + round % 3;
+        let (positions, mut triangles) = stack(boxes);
+        for i in (1..triangles.len()).rev() {
+            triangles.swap(i, random.below(i + 1));
+        }
+        for t in &mut triangles {
+            t.rotate_left(random.below(3));
+        }
+        for exploded in [false, true] {
+            let input = if exploded {
+                explode(&positions, &triangles)
+            } else {
+                soup(positions.clone(), &triangles)
+            };
+            let (mesh, report) = sound(&input);
+            assert_eq!((report.duplicate_faces, report.flipped_faces), (0, 0));
+            assert_eq!(report.components.len(), boxes as usize);
+            assert_eq!(loop_sizes(&mesh), [(4, false)]);
+        }
+    }
+}
+
+/// A file in which every face has a copy turned the other way has no solids in contact.
+#[test]
+fn double_sided_surfaces_lose_their_back() {
+    let (p, t) = open_sphere();
+    let mut both = t.clone();
+    both.extend(t.iter().map(|&[a, b, c]| [a, c, b]));
+    let (mesh, report) = sound(&soup(p, &both));
+    assert_eq!(report.duplicate_faces, t.len());
+    assert!(mesh.topology.triangles().eq(t));
+}
+
+/// Three sheets at an edge, all in one direction of orientation: the pair that agrees is joined,
+/// although another is flatter.
+#[test]
+fn crowded_edges_are_joined_by_orientation_first() {
+    let p = vec![
+        DVec3::ZERO,
+        DVec3::X,
+        DVec3::Y,
+        -DVec3::Y,
+        DVec3::new(0.0, 0.2, 1.0),
+    ];
+    // the first two would be the flattest pair
+    let (mesh, report) = sound(&soup(p, &[[0, 1, 2], [0, 1, 3], [1, 0, 4]]));
+    assert_eq!(report.flipped_faces, 0);
+    assert_eq!(mesh.topology.boundary_loops().len(), 2);
+    let lengths: Vec<usize> = mesh
+        .topology
+        .boundary_loops()
+        .iter()
+        .map(Vec::len)
+        .collect();
+    assert!(lengths.contains(&4) && lengths.contains(&3));
+}
+
+#[test]
+fn closed_surfaces_of_mixed_orientation_turn_outwards() {
+    let (p, t) = sphere();
+    for share in [0, 3, 7, 10] {
+        let mixed = |(i, &[a, b, c]): (usize, &[u32; 3])| {
+            if i % 10 < share { [a, c, b] } else { [a, b, c] }
+        };
+        let mixed: Vec<[u32; 3]> = t.iter().enumerate().map(mixed).collect();
+        let (mesh, report) = sound(&soup(p.clone(), &mixed));
+        if share == 10 {
+            // consistent: it stays as it is
+            assert_eq!(report.flipped_faces, 0);
+            assert!(mesh.topology.triangles().eq(mixed));
+        } else {
+            let [a, b, c] = mesh.corners(crate::mesh::FaceId(0));
+            assert!((b - a).cross(c - a).dot(a) > 0.0, "{share}");
+        }
+    }
+}
+
+/// Copies of a vertex that differ by rounding are one vertex, in files with and without an index
+/// list.
+#[test]
+fn copies_that_differ_by_rounding_are_welded() {
+    let (p, t) = open_sphere();
+    for (noise, exploded) in [(1e-17, true), (1e-7, true), (1e-16, false)] {
+        let mut random = SplitMix::new(6);
+        let mut input = explode(&p, &t);
+        input.exploded = exploded;
+        for q in &mut input.positions {
+            *q += noise * random.direction();
+        }
+        let (mesh, report) = build(&input).expect("can be built");
+        assert_eq!(mesh.vertex_count(), p.len());
+        assert_eq!(report.welded_vertices, 3 * t.len() - p.len());
+        assert!(report.welded_apart > 0 && report.notes.len() == 1);
+        assert_eq!(loop_sizes(&mesh), [(RIM, false)]);
+        let (_, exact) = build_welded(&input, Weld::Within(0.0)).expect("can be built");
+        assert_eq!(exact.welded_apart, 0);
+        assert!(exact.components.len() > 1);
+    }
+    let (mesh, _) = build_welded(&explode(&p, &t), Weld::Within(1e-3)).expect("can be built");
+    assert_eq!(mesh.vertex_count(), p.len());
+}
+
 #[test]
 fn a_hole_touching_itself_keeps_its_vertex() {
     let (p, mut t) = sphere();
