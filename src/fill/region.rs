@@ -22,7 +22,8 @@ use crate::fill::options::FillOptions;
 use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::fill::plan::Domain;
 use crate::fill::sheets;
-use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, TopologyError, VertexId};
+use crate::mesh::union_find::{find, unite};
+use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, TopologyError, VertexId, Weld};
 use crate::solver::{FlowProblem, SolverError};
 
 /// The flow of a group's vertices from `positions`, those of `topology` (or of a fairing).
@@ -173,8 +174,35 @@ impl<'a> Region<'a> {
         }
     }
 
+    /// The triangles with one vertex for all fixed vertices that edges of no length join (the poles of
+    /// spheres), and without those that end up with fewer than three. `None` without such edges.
+    fn without_zero_edges(&self, interior: &[u32]) -> Option<Vec<[u32; 3]>> {
+        let tolerance = Weld::Auto.tolerance(&self.positions, false);
+        let first_fixed = interior.len() as u32;
+        let mut link: Vec<u32> = (0..self.positions.len() as u32).collect();
+        let mut any = false;
+        for &[a, b, c] in &self.triangles {
+            for [v, w] in [[a, b], [b, c], [c, a]] {
+                let [p, q] = [v, w].map(|v| self.positions[v as usize]);
+                if v.min(w) >= first_fixed && p.distance(q) <= tolerance {
+                    unite(&mut link, v, w);
+                    any = true;
+                }
+            }
+        }
+        let joined = self.triangles.iter().map(|t| t.map(|v| find(&mut link, v)));
+        let mut joined: Vec<[u32; 3]> = if any { joined.collect() } else { return None };
+        joined.retain(|[a, b, c]| a != b && b != c && c != a);
+        Some(joined)
+    }
+
     fn into_problem(mut self, interior: u32, radius: f64) -> Result<FlowProblem, SolverError> {
         let interior: Vec<u32> = (0..interior).collect();
+        if let Some(triangles) = self.without_zero_edges(&interior)
+            && let Ok(problem) = FlowProblem::new(&self.positions, &triangles, &interior, radius)
+        {
+            return problem.with_creases(self.creases);
+        }
         let problem = match FlowProblem::new(&self.positions, &self.triangles, &interior, radius) {
             Err(SolverError::Topology(TopologyError::NonManifoldVertex { .. })) => {
                 sheets::separate(&mut self.positions, &mut self.triangles);

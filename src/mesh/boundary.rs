@@ -2,7 +2,8 @@
 
 use super::outer_boundary::classify_loops;
 use super::{
-    Components, DVec3, HalfedgeId, LoopId, Mesh, VertexId, components, perimeter, rms_distance,
+    Components, DVec3, HalfedgeId, LoopId, Mesh, VertexId, Weld, components, perimeter,
+    rms_distance,
 };
 
 /// A closed chain of boundary edges.
@@ -24,7 +25,8 @@ pub struct BoundaryLoop {
     pub radius: f64,
     /// The component (see [`components`]) the loop belongs to.
     pub component: u32,
-    /// Whether the loop is classified as an outer boundary of an open surface, not as a hole.
+    /// Whether the loop is classified as an outer boundary of an open surface or as a single point,
+    /// not as a hole.
     pub is_outer_boundary: bool,
     /// The reason of the classification, in words.
     pub reason: String,
@@ -54,7 +56,23 @@ pub fn boundary_loops(mesh: &Mesh) -> Vec<BoundaryLoop> {
         .map(|(i, halfedges)| measure(mesh, &parts, i.into(), halfedges))
         .collect();
     classify_loops(mesh, &parts, &mut loops);
+    classify_points(mesh, &mut loops);
     loops
+}
+
+/// Loops whose vertices lie at one place, but for the rounding of the file's numbers, are no holes.
+fn classify_points(mesh: &Mesh, loops: &mut [BoundaryLoop]) {
+    let Some(least) = loops.iter().map(|l| l.diameter).reduce(f64::min) else {
+        return;
+    };
+    let tolerance = Weld::Auto.tolerance(&mesh.positions, false);
+    if least > tolerance {
+        return;
+    }
+    for one in loops.iter_mut().filter(|l| l.diameter <= tolerance) {
+        one.is_outer_boundary = true;
+        one.reason = "no hole: its vertices lie at one place".into();
+    }
 }
 
 fn measure(

@@ -29,8 +29,8 @@ pub enum PatchError {
     },
     /// Two consecutive rim vertices lie at the same point.
     #[error(
-        "rim vertices {index} and {next} lie at the same point; weld the vertices of the mesh \
-         before filling"
+        "rim vertices {index} and {next} lie at the same point; a patch between several rims needs \
+         edges with a length"
     )]
     Coincident {
         /// The first of the two, along the rim.
@@ -39,7 +39,9 @@ pub enum PatchError {
         next: usize,
     },
     /// The rim lies on a straight line: a slit, not a hole.
-    #[error("all {edges} rim vertices lie on one line: stitch the slit instead of filling it")]
+    #[error(
+        "all {edges} rim vertices lie on one line: a slit, which cannot be joined to other rims"
+    )]
     Collinear {
         /// Number of rim edges.
         edges: usize,
@@ -133,7 +135,7 @@ pub(super) fn validate(rim: &Rim, density: f64) -> Result<(), PatchError> {
 }
 
 /// Whether all points lie on one line up to the rounding of their coordinates.
-fn is_collinear(points: &[DVec3]) -> bool {
+pub(super) fn is_collinear(points: &[DVec3]) -> bool {
     let origin = points[0];
     let far = |from: DVec3| -> DVec3 {
         points.iter().fold(from, |best, &p| {

@@ -1,9 +1,10 @@
 //! The first patch over a hole.
 
 use super::data::{Patch, PatchOptions, Rim};
-use super::error::{PatchError, validate};
+use super::error::{PatchError, is_collinear, validate};
 use super::frame::Frame;
 use super::remesh::{remesh, rim_valences, split_chords};
+use super::slit::{stitch, with_zero_edges, without_zero_edges};
 use super::surface::Surface;
 use super::triangulate::triangulate;
 use crate::mesh::{DVec3, vector_area};
@@ -12,12 +13,24 @@ use crate::mesh::{DVec3, vector_area};
 /// and relaxes.
 ///
 /// The result is a disc: Euler characteristic 1, the rim as its only boundary, rim points
-/// unchanged. Its interior positions are those of a relaxed membrane.
+/// unchanged. Its interior positions are those of a relaxed membrane. A rim along a line is stitched
+/// with triangles without area, and so are rim vertices at the same place.
 ///
 /// # Errors
 /// What makes the rim unusable; see [`PatchError`].
 pub fn fill(rim: &Rim, options: PatchOptions) -> Result<Patch, PatchError> {
-    validate(rim, options.density)?;
+    match validate(rim, options.density) {
+        Err(error @ PatchError::Collinear { .. }) => return stitch(rim).ok_or(error),
+        Err(error @ PatchError::Coincident { .. }) => {
+            let (reduced, kept) = without_zero_edges(rim);
+            if reduced.points.len() < 3 || is_collinear(&reduced.points) {
+                return stitch(rim).ok_or(error);
+            }
+            let patch = fill(&reduced, options)?;
+            return with_zero_edges(rim, &patch, &kept).ok_or(error);
+        }
+        other => other?,
+    }
     let n = rim.points.len();
     let frame = Frame::around(rim.points.iter().copied());
     let local = frame.local(rim);

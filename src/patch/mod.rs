@@ -20,6 +20,7 @@ mod fill;
 mod frame;
 mod planar;
 mod remesh;
+mod slit;
 mod surface;
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! Patches over generated loops.
 
-use super::{Patch, PatchError, PatchOptions, Rim, fill};
+use super::{Patch, PatchError, PatchOptions, Rim, RimGeometry, blend, fill};
 use crate::mesh::{DVec3, Topology};
 use std::f64::consts::TAU;
 
@@ -195,18 +195,23 @@ fn unusable_rims_are_named() {
     assert_eq!(fill(&rim, o), Err(PatchError::TooFewEdges { edges: 2 }));
     let mut rim = good.clone();
     rim.points[4] = rim.points[3];
+    let two = RimGeometry {
+        rims: vec![rim, good.clone()],
+        ..RimGeometry::default()
+    };
     assert_eq!(
-        fill(&rim, o),
+        blend(&two, o),
         Err(PatchError::Coincident { index: 3, next: 4 })
     );
     let mut rim = good.clone();
     rim.points[7].y = f64::NAN;
     assert_eq!(fill(&rim, o), Err(PatchError::NotFinite { index: 7 }));
-    let line = closed_curve(12, |t| DVec3::new(1.0, 2.0, 3.0) * t.cos());
-    assert!(matches!(
-        fill(&line, o),
-        Err(PatchError::Collinear { .. } | PatchError::Coincident { .. })
-    ));
+    let line = Rim {
+        points: [0.0, 1.0, 3.0, 2.0].map(|x| DVec3::X * x).to_vec(),
+        opposite: vec![DVec3::Y; 4],
+        forbidden: vec![[1, 3]],
+    };
+    assert_eq!(fill(&line, o), Err(PatchError::Collinear { edges: 4 }));
     let mut rim = good.clone();
     rim.forbidden.push([5, 4]);
     assert!(matches!(

@@ -29,6 +29,8 @@ mod live;
 mod models;
 #[cfg(feature = "cli")]
 mod refine_live;
+#[cfg(feature = "cli")]
+mod wild;
 
 #[cfg(feature = "render")]
 mod render;

@@ -1,0 +1,187 @@
+//! Input as people bring it: degenerate triangles, pinched vertices, fans, poles, slits, noise.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use crate::common::desk::Desk;
+
+fn obj(points: &[[f64; 3]], faces: &[[usize; 3]]) -> String {
+    let mut text = String::new();
+    for [x, y, z] in points {
+        writeln!(text, "v {x} {y} {z}").expect("text");
+    }
+    for [a, b, c] in faces.iter().map(|t| t.map(|v| v + 1)) {
+        writeln!(text, "f {a} {b} {c}").expect("text");
+    }
+    text
+}
+
+/// A unit sphere of `n` by `m` quads, each of two triangles, with `m` vertices at each pole.
+fn sphere_with_poles(n: usize, m: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
+    let mut points = Vec::new();
+    for i in 0..=n {
+        let (r, z) = (TAU * i as f64 / (2 * n) as f64).sin_cos();
+        let r = if i == 0 || i == n { 0.0 } else { r };
+        points.extend((0..m).map(|j| {
+            let (sin, cos) = (TAU * j as f64 / m as f64).sin_cos();
+            [r * cos, r * sin, z]
+        }));
+    }
+    let mut faces = Vec::new();
+    for i in 0..n {
+        for j in 0..m {
+            let (a, b) = (i * m + j, i * m + (j + 1) % m);
+            faces.extend([[a, a + m, b], [b, a + m, b + m]]);
+        }
+    }
+    (points, faces)
+}
+
+#[test]
+fn triangles_with_two_corners_at_one_place_end_no_command() {
+    let desk = Desk::new();
+    let points = [
+        [0., 0., 0.],
+        [0., 0., 0.],
+        [1., 0., 0.],
+        [1., 1., 0.],
+        [0., 1., 0.],
+    ];
+    let faces = [[0, 1, 2], [1, 3, 2], [1, 4, 3]];
+    desk.write("in.obj", &obj(&points, &faces));
+    desk.runs(&["analyze", "in.obj"]);
+    desk.runs(&["refine", "in.obj", "-o", "out.obj", "--levels", "1"]);
+    desk.runs(&["fill", "in.obj", "-o", "out.obj", "--loops", "all"]);
+}
+
+#[test]
+fn poles_are_no_holes_and_do_not_disturb_one() {
+    let desk = Desk::new();
+    let (points, mut faces) = sphere_with_poles(8, 12);
+    faces.retain(|t| !t.iter().all(|&v| points[v][0] > 0.4));
+    desk.write("in.obj", &obj(&points, &faces));
+    desk.runs(&["analyze", "in.obj"]);
+    desk.runs(&["fill", "in.obj", "-o", "out.obj", "--report", "report.json"]);
+    let report = desk.json("report.json");
+    assert_eq!(report["holes"].as_array().map(Vec::len), Some(1));
+    assert_eq!(report["skipped"].as_array().map(Vec::len), Some(2));
+    // the poles stay in the file, and the patch lies near the sphere
+    let text = desk.text("out.obj");
+    let mut vertices = text.lines().filter_map(|l| l.strip_prefix("v "));
+    let given: Vec<&str> = vertices.by_ref().take(points.len()).collect();
+    assert_eq!(given.len(), points.len());
+    for line in vertices {
+        let p: Vec<f64> = line
+            .split(' ')
+            .map(|x| x.parse().expect("a number"))
+            .collect();
+        let radius = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!((radius - 1.0).abs() < 0.1, "{line}");
+    }
+}
+
+/// The edge of one face runs along the edges of two others, none of whose ends it has.
+#[test]
+fn a_vertex_on_an_edge_leaves_a_slit_that_is_closed() {
+    let desk = Desk::new();
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    for z in [0.0, 2.0] {
+        points.extend([[0., 0., z], [2., 0., z], [2., 2., z], [0., 2., z]]);
+    }
+    points.push([1., 0., 2.]);
+    let mut faces = vec![[0, 2, 1], [0, 3, 2], [4, 8, 6], [8, 5, 6], [4, 6, 7]];
+    for i in 0..4 {
+        let j = (i + 1) % 4;
+        faces.extend([[i, j, j + 4], [i, j + 4, i + 4]]);
+    }
+    desk.write("in.obj", &obj(&points, &faces));
+    desk.runs(&["fill", "in.obj", "-o", "out.obj"]);
+    let (before, after) = (desk.mesh("in.obj"), desk.mesh("out.obj"));
+    assert_eq!(after.positions, before.positions);
+    assert_eq!(after.triangles().len(), before.triangles().len() + 1);
+}
+
+/// A hole beside a vertex with 2,000 triangles takes next to nothing, as it should.
+#[test]
+fn a_hole_in_a_large_fan_is_filled() {
+    let desk = Desk::new();
+    let n = 2000;
+    let mut points = vec![[0.0, 0.0, 0.1]];
+    for radius in [1.0, 2.0] {
+        points.extend((0..n).map(|i| {
+            let (sin, cos) = (TAU * i as f64 / n as f64).sin_cos();
+            [radius * cos, radius * sin, 0.0]
+        }));
+    }
+    let mut faces = Vec::new();
+    for i in 0..n {
+        let (a, b) = (1 + i, 1 + (i + 1) % n);
+        if i >= 40 {
+            faces.push([0, a, b]);
+        }
+        faces.extend([[a, a + n, b + n], [a, b + n, b]]);
+    }
+    desk.write("in.obj", &obj(&points, &faces));
+    let words = [
+        "fill",
+        "in.obj",
+        "-o",
+        "out.obj",
+        "--loops",
+        "1",
+        "--report",
+        "report.json",
+    ];
+    desk.runs(&words);
+    let memory = desk.json("report.json")["peak_memory"].as_u64();
+    assert!(memory.is_none_or(|bytes| bytes < 100 << 20), "{memory:?}");
+}
+
+#[test]
+fn welding_follows_the_option() {
+    let desk = Desk::new();
+    let (points, mut faces) = sphere_with_poles(6, 8);
+    faces.retain(|t| t.iter().all(|&v| points[v][2] < 0.9));
+    let mut text = String::from("solid noisy\n");
+    for (f, t) in faces.iter().enumerate() {
+        text += " facet normal 0 0 0\n  outer loop\n";
+        for &v in t {
+            let [x, y, z] = points[v];
+            let noise = 1e-17 * (f % 3) as f64;
+            writeln!(text, "   vertex {} {} {}", x + noise, y - noise, z).expect("text");
+        }
+        text += "  endloop\n endfacet\n";
+    }
+    text += "endsolid noisy\n";
+    desk.write("in.stl", &text);
+    let loops = |more: &[&str]| {
+        let run = desk
+            .run(&[&["info", "in.stl", "--json"], more].concat())
+            .ends(0);
+        let info: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
+        let welded = info["welded_apart"].as_u64().expect("a count");
+        (info["loops"].as_array().map(Vec::len), welded > 0)
+    };
+    assert_eq!(loops(&[]), (Some(1), true));
+    assert_eq!(loops(&["--weld", "auto"]), (Some(1), true));
+    assert_eq!(loops(&["--weld", "1e-6"]), (Some(1), true));
+    let (exact, apart) = loops(&["--weld", "0"]);
+    assert!(exact > Some(1) && !apart);
+    let message = desk.fails(2, &["info", "in.stl", "--weld", "near"]);
+    assert!(message.contains("auto"), "{message}");
+}
+
+#[test]
+fn ply_colours_keep_their_type() {
+    let desk = Desk::new();
+    let text = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
+        property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+        element face 4\nproperty list uchar int vertex_indices\nend_header\n\
+        0 0 0 255 0 0\n2 0 0 0 255 0\n2 2 0 0 0 255\n0 2 0 255 255 0\n1 1 1.5 255 255 255\n\
+        3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n";
+    desk.write("in.ply", text);
+    desk.runs(&["fill", "in.ply", "-o", "out.ply", "--loops", "all"]);
+    let bytes = desk.bytes("out.ply");
+    let header = String::from_utf8_lossy(&bytes);
+    assert!(header.contains("property uchar red"));
+}
