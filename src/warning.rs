@@ -39,6 +39,9 @@ pub enum Warning {
     },
     /// The energy is a multiple of `K`, for which every surface is stationary.
     StationaryEnergy,
+    /// The flow of the energy is of second order, but the patch is to continue the tangent planes at
+    /// its rim.
+    SmoothRim,
     /// The surface pinches off, or triangles shrink to zero area.
     Pinched {
         /// Where.
@@ -104,6 +107,7 @@ impl Warning {
                 _ => "degenerate",
             },
             Self::StationaryEnergy => "stationary-energy",
+            Self::SmoothRim => "smooth-rim",
             Self::Pinched { .. } => "pinched",
             Self::StepSizeCollapsed => "step-size-collapsed",
             Self::StepLimit { .. } => "step-limit",
@@ -126,6 +130,7 @@ impl Warning {
             Self::Pinched { .. } => {
                 "use another energy, add tension, or move the rims closer together"
             }
+            Self::SmoothRim => "use G0 at the rims, or a fourth-order energy such as H^2",
             Self::StepSizeCollapsed => "try another energy or a fixed time step",
             Self::StepLimit { mixed: false, .. } => "allow more steps",
             Self::StepLimit { mixed: true, .. } => {
@@ -172,6 +177,10 @@ impl fmt::Display for Warning {
             Self::StationaryEnergy => f.write_str(
                 "this energy is a multiple of K, whose integral depends only on the rim, so every \
                  surface is stationary; the first patch is kept",
+            ),
+            Self::SmoothRim => f.write_str(
+                "the flow of this energy is of second order, so its surface depends only on the position of \
+                 the rim and crumples if it has to continue tangent planes",
             ),
             Self::Pinched { at, order } => {
                 let reason = if *order == Order::Second {

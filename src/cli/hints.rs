@@ -17,6 +17,7 @@ pub fn print_warnings<'a>(prefix: &str, warnings: impl IntoIterator<Item = &'a W
 /// The remedy for a warning, with the options of the command line.
 fn hint(warning: &Warning) -> Option<&'static str> {
     Some(match warning {
+        Warning::SmoothRim => "use --continuity g0, or a fourth-order energy such as H^2",
         Warning::StepSizeCollapsed => "try another --energy, or a fixed time step with --tau",
         Warning::StepLimit { mixed: false, .. } => "allow more steps with --steps",
         Warning::StepLimit { mixed: true, .. } => {

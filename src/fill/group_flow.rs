@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::energy::Order;
+use crate::fill::Continuity;
 use crate::fill::context::{ChangeError, FillContext};
 use crate::fill::noise::roughened;
 use crate::fill::options::FillOptions;
@@ -14,7 +15,7 @@ use crate::fill::remesh::{RemeshPolicy, remesh, remesh_degraded};
 use crate::fill::result::{Timings, milliseconds};
 use crate::fill::self_intersection::{SelfIntersection, SelfIntersectionMonitor};
 use crate::fill::warm_start::{warm_start, warm_start_of};
-use crate::mesh::{DVec3, VertexId};
+use crate::mesh::{BoundaryLoop, DVec3, VertexId};
 use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord, sharpest_cosine};
 use crate::warning::{Warning, Warnings};
 
@@ -97,9 +98,20 @@ impl GroupFlow {
         self.fallback_positions = problem.to_world(problem.positions());
         split(&mut self.timings.warm_start);
         self.flow = Self::flow_of(problem, options)?;
+        if self.flow.is_some() && self.has_unfit_rim(context) {
+            self.warn(Warning::SmoothRim);
+        }
         self.check_self_intersection(context);
         split(&mut self.timings.setup);
         Ok(())
+    }
+
+    /// Whether a rim is smooth though the flow of the energy is of second order.
+    fn has_unfit_rim(&self, context: FillContext<'_>) -> bool {
+        let is_smooth = |l: &BoundaryLoop| self.options.continuity_at(l.id) == Continuity::G1;
+        let mut holes = context.plan.holes_of(self.group);
+        self.options.flow.energy.order() == Order::Second
+            && holes.any(|hole| hole.rims.loops.iter().any(is_smooth))
     }
 
     /// The warm start of the patches that do not have their topology yet.

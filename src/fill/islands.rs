@@ -19,7 +19,8 @@ const SAMPLES: usize = 64;
 /// A loop of another component that lies within a hole, near its first patch, belongs to an island.
 /// A loop that runs in the opposite direction of the hole is the island's outer boundary and one of
 /// the rims of the hole's patch. A loop that runs in the same direction is a hole in the island; it
-/// is filled too, with its own islands. A rim within several holes belongs to the smallest.
+/// is filled too, with its own islands. A rim within several holes belongs to the smallest. Islands
+/// that touch each other or the hole's rim are left aside.
 pub fn with_islands<'a>(
     mesh: &Mesh,
     loops: &'a [BoundaryLoop],
@@ -82,9 +83,39 @@ pub fn with_islands<'a>(
         let mut rim_set = vec![&loops[hole.index]];
         let mine = |i: &usize| matches!(kind[*i], Some(LoopRole::Island(owner)) if owner == h);
         rim_set.extend((0..loops.len()).filter(mine).map(|i| &loops[i]));
-        rim_sets.push(rim_set);
+        rim_sets.push(without_touching(mesh, rim_set));
     }
     rim_sets
+}
+
+/// The rims of a hole, the first, without the islands that have a point in common with another of
+/// the rims: no patch joins these.
+fn without_touching<'a>(mesh: &Mesh, rims: RimSet<'a>) -> RimSet<'a> {
+    let mut all: Vec<([u64; 3], usize)> = Vec::new();
+    for (r, rim) in rims.iter().enumerate() {
+        // adding 0.0 turns -0.0 into 0.0
+        let key = |&v| {
+            (mesh.position(v) + DVec3::ZERO)
+                .to_array()
+                .map(f64::to_bits)
+        };
+        all.extend(rim.vertices.iter().map(|v| (key(v), r)));
+    }
+    all.sort_unstable();
+    all.dedup();
+    let mut touches = vec![false; rims.len()];
+    for same in all
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter(|same| same.len() > 1)
+    {
+        for &(_, r) in same {
+            touches[r] = true;
+        }
+    }
+    let kept = rims.into_iter().zip(touches).enumerate();
+    kept.filter(|&(r, (_, touches))| r == 0 || !touches)
+        .map(|(_, (rim, _))| rim)
+        .collect()
 }
 
 /// The role of a loop within a hole.
