@@ -3,13 +3,16 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use meniscus::cli::{Arguments, UsageError, run};
+use meniscus::cli::{Arguments, UsageError, run, watch_interrupts};
 
 fn main() -> ExitCode {
     // wrong usage ends here with exit code 2, --help and --version with 0
     let arguments = Arguments::parse();
     let result = match arguments.command {
-        Some(command) => run(command),
+        Some(command) => {
+            watch_interrupts();
+            run(command)
+        }
         #[cfg(feature = "window")]
         None => meniscus::app::run(meniscus::app::Startup {
             file: arguments.file,

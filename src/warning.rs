@@ -179,8 +179,8 @@ impl fmt::Display for Warning {
                  surface is stationary; the first patch is kept",
             ),
             Self::SmoothRim => f.write_str(
-                "the flow of this energy is of second order, so its surface depends only on the position of \
-                 the rim and crumples if it has to continue tangent planes",
+                "the flow of this energy is of second order, so its surface depends only on the \
+                 position of the rim; it crumples if it has to continue tangent planes",
             ),
             Self::Pinched { at, order } => {
                 let reason = if *order == Order::Second {

@@ -53,7 +53,7 @@ const EXAMPLES: &str = "Examples:
   meniscus blend pipes.obj -o joined.obj --loops 1,3
   meniscus demo --out demo
 
-Exit codes: 0 success, 1 failure with a message, 2 invalid command line.";
+Exit codes: 0 success, 1 failure with a message, 2 invalid command line, 130 or 143 interrupted.";
 
 const FILL_EXAMPLES: &str = "Examples:
   meniscus fill bunny.obj -o filled.obj

@@ -10,6 +10,7 @@ mod fill;
 mod flow;
 mod hints;
 mod info;
+mod interrupt;
 mod options;
 mod parse;
 #[cfg(feature = "render")]
@@ -34,6 +35,7 @@ mod targets;
 mod trace;
 
 pub use args::{Arguments, Command};
+pub use interrupt::watch as watch_interrupts;
 
 use anyhow::Result;
 

@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
@@ -32,7 +33,7 @@ pub(super) fn replace(
             .map_err(failed)?;
         return fill_file(file, fill).map(drop).map_err(failed);
     }
-    let temporary = temporary_in(&target.directory).map_err(failed)?;
+    let (temporary, _unfinished) = unfinished_in(&target.directory).map_err(failed)?;
     let (file, name) = temporary.into_parts();
     let file = fill_file(file, fill).map_err(failed)?;
     if let Some(kept) = &target.existing {
@@ -54,9 +55,44 @@ pub(super) fn replace(
 pub(super) fn probe(path: &Path) -> Result<(), SaveError> {
     let target = target(path)?;
     if target.existing.as_ref().is_none_or(fs::Metadata::is_file) {
-        temporary_in(&target.directory).map_err(|e| from_io(path, e))?;
+        unfinished_in(&target.directory).map_err(|e| from_io(path, e))?;
     }
     Ok(())
+}
+
+/// The temporary files that exist at present.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes a temporary file from the list when it is dropped.
+struct Unfinished(PathBuf);
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        unfinished().retain(|path| *path != self.0);
+    }
+}
+
+/// A temporary file and its place in the list.
+fn unfinished_in(directory: &Path) -> io::Result<(NamedTempFile, Unfinished)> {
+    let mut list = unfinished();
+    let file = temporary_in(directory)?;
+    let path = file.path().to_owned();
+    list.push(path.clone());
+    Ok((file, Unfinished(path)))
+}
+
+/// Removes the temporary files of this process, for a program that is about to end; the files that
+/// they were to replace are not changed. Later saves wait without end.
+pub fn abandon_unfinished() {
+    let list = unfinished();
+    for path in list.iter() {
+        fs::remove_file(path).ok();
+    }
+    std::mem::forget(list);
 }
 
 /// A temporary file that is removed unless it is persisted.

@@ -40,6 +40,7 @@ use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
+pub use atomic::abandon_unfinished;
 pub use check::{check, losses};
 pub use error::{
     LoadError, LoadErrorKind, MeshFault, ParseError, ParseErrorKind, Place, SaveError,

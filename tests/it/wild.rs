@@ -185,3 +185,26 @@ fn ply_colours_keep_their_type() {
     let header = String::from_utf8_lossy(&bytes);
     assert!(header.contains("property uchar red"));
 }
+
+/// A fill that would go on for hours leaves nothing behind when it is interrupted.
+#[cfg(unix)]
+#[test]
+fn interrupted_commands_leave_nothing_behind() {
+    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+        let desk = Desk::with_sample("sphere");
+        let words = [
+            "fill", "in.obj", "-o", "out.obj", "--mode", "flow", "--tau", "1e-12",
+        ];
+        let mut command = desk.command(&words);
+        command.args(["--steps", "100000000", "--density", "3"]);
+        let mut child = command.spawn().expect("the program starts");
+        // long enough for the program to set up its handler
+        std::thread::sleep(std::time::Duration::from_secs(2));
+        let kill = std::process::Command::new("kill")
+            .args([signal, &child.id().to_string()])
+            .status();
+        assert!(kill.expect("kill runs").success());
+        assert_eq!(child.wait().expect("ended").code(), Some(code));
+        assert_eq!(desk.names(), ["in.obj"]);
+    }
+}
