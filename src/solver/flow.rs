@@ -7,9 +7,10 @@ use crate::solver::control::{
     Attempt, Mode, STAGNATION, STAGNATION_CONSTRAINED, STOP, StagnationTest, StepKind,
     StepSizeControl, Tau,
 };
+use crate::solver::diffusion::DiffusionFlow;
 use crate::solver::mixed::MixedFlow;
 use crate::solver::normal::NormalFlow;
-use crate::solver::options::{FlowOptions, Scheme};
+use crate::solver::options::{FlowOptions, Scheme, SurfaceModel};
 use crate::solver::pinch::PinchWatch;
 use crate::solver::record::{End, Outcome, StepRecord};
 use crate::solver::relax::Relaxation;
@@ -39,7 +40,8 @@ pub struct Flow {
     make: MakeStepper,
     stepper: Box<dyn Stepper>,
     control: StepSizeControl,
-    report: Assembler,
+    /// Computes reported energies; made when needed.
+    report: Option<Assembler>,
     relaxation: Option<Relaxation>,
     stagnation: StagnationTest,
     pinch: PinchWatch,
@@ -72,28 +74,23 @@ impl Flow {
     ) -> Result<Self, SolverError> {
         options.validate()?;
         let energy = options.energy_at(problem.radius());
-        let discretization = problem.discretization();
-        // reported energies use at least twelve points; steps may use fewer
-        let ((report, energy_start), prepared) = rayon::join(
-            || {
-                let rule = options.quadrature.max(Rule::Twelve);
-                let nothing = Unknowns::none(problem.positions().len());
-                let mut report = Assembler::new(discretization.elements(rule), rule, nothing);
-                let start = report.energy(problem.positions(), &energy);
-                (report, start.value)
-            },
-            || {
-                let start = stats(&problem, &options, &energy);
-                Ok::<_, SolverError>((start, make(&problem, &options, &energy)?))
-            },
-        );
-        let (start, stepper) = prepared?;
+        let prepare = || Start::new(&problem, &options, &energy, make);
+        let (report, start) = if options.surface == SurfaceModel::Energy {
+            let (report, start) = rayon::join(|| report_of(&problem, &energy, &options), prepare);
+            (Some(report), start?)
+        } else {
+            (None, prepare()?)
+        };
+        let energy_start = match &report {
+            Some((_, start)) => *start,
+            None => start.stepper.state().energy.value,
+        };
         if !energy_start.is_finite() {
-            return Err(SolverError::energy_not_finite(&start));
+            let stats = stats(&problem, &options, &energy);
+            return Err(SolverError::energy_not_finite(&stats));
         }
-        let warnings = warnings(&problem, &energy, &start);
         Ok(Self {
-            control: Self::fresh_control(&options, &*stepper, start.tau_ref),
+            control: Self::fresh_control(&options, &*start.stepper, start.tau_ref),
             relaxation: None,
             stagnation: StagnationTest::default(),
             pinch: PinchWatch::new(&problem),
@@ -101,14 +98,14 @@ impl Flow {
             options,
             energy,
             make,
-            stepper,
-            report,
+            stepper: start.stepper,
+            report: report.map(|report| report.0),
             steps: 0,
             rejected: 0,
             factorized: 0,
             end: None,
             energy_start,
-            warnings,
+            warnings: start.warnings,
         })
     }
 
@@ -166,8 +163,15 @@ impl Flow {
 
     /// Energy of the current shape, by the rule of the steps with at least 12 points.
     pub fn fine_energy(&mut self) -> f64 {
-        let positions = &self.stepper.state().positions;
-        self.report.energy(positions, &self.energy).value
+        let state = self.stepper.state();
+        if self.options.surface != SurfaceModel::Energy {
+            return state.energy.value;
+        }
+        let (problem, energy, options) = (&self.problem, &self.energy, &self.options);
+        let report = self
+            .report
+            .get_or_insert_with(|| report_of(problem, energy, options).0);
+        report.energy(&state.positions, energy).value
     }
 
     /// Numbers of accepted and rejected steps.
@@ -213,14 +217,13 @@ impl Flow {
         options.validate()?;
         let energy = options.energy_at(self.problem.radius());
         let problem = self.problem.clone().with_positions(self.positions());
-        let now = stats(&problem, &options, &energy);
-        let stepper = make(&problem, &options, &energy)?;
-        self.control = Self::fresh_control(&options, &*stepper, now.tau_ref);
-        self.warnings.extend(warnings(&problem, &energy, &now));
+        let now = Start::new(&problem, &options, &energy, make)?;
+        self.control = Self::fresh_control(&options, &*now.stepper, now.tau_ref);
+        self.warnings.extend(now.warnings);
         self.stagnation = StagnationTest::default();
         self.factorized = 0;
         self.end = None;
-        self.stepper = stepper;
+        self.stepper = now.stepper;
         self.options = options;
         self.energy = energy;
         self.make = make;
@@ -237,8 +240,9 @@ impl Flow {
         }
         // a multiple of K is stationary everywhere (Gauss-Bonnet): its remaining gradient is the
         // error of the quadrature, and an adaptive τ would grow until that error moves the surface
-        let still =
-            self.energy.order() == Order::Stationary && !matches!(self.options.tau, Tau::Fixed(_));
+        let still = self.options.surface == SurfaceModel::Energy
+            && self.energy.order() == Order::Stationary
+            && !matches!(self.options.tau, Tau::Fixed(_));
         if still || self.problem.interior().is_empty() {
             self.end = Some(End::Converged);
             return Ok(None);
@@ -266,7 +270,9 @@ impl Flow {
             self.relax(before, attempt.max_displacement);
             record.energy = self.energy().value;
         }
-        if attempt.is_accepted() && self.problem.interpolation().is_none() {
+        // vertices of a vector flow move along the surface, which changes triangles without a neck
+        let has_necks = self.options.surface == SurfaceModel::Energy;
+        if attempt.is_accepted() && has_necks && self.problem.interpolation().is_none() {
             self.watch_necks()?;
         }
         Ok(Some(record))
@@ -408,7 +414,48 @@ impl Flow {
     }
 }
 
-/// Makes the stepper of the scheme in the options.
+/// What a flow starts with.
+struct Start {
+    stepper: Box<dyn Stepper>,
+    tau_ref: f64,
+    warnings: Warnings,
+}
+
+impl Start {
+    fn new(
+        problem: &FlowProblem,
+        options: &FlowOptions,
+        energy: &Energy,
+        make: MakeStepper,
+    ) -> Result<Self, SolverError> {
+        if options.surface != SurfaceModel::Energy {
+            return Ok(Self {
+                stepper: make(problem, options, energy)?,
+                tau_ref: options.surface.natural_time(problem.radius()),
+                warnings: Warnings::default(),
+            });
+        }
+        let stats = stats(problem, options, energy);
+        Ok(Self {
+            stepper: make(problem, options, energy)?,
+            tau_ref: stats.tau_ref,
+            warnings: warnings(problem, energy, &stats),
+        })
+    }
+}
+
+/// Computes reported energies by at least twelve points (steps may use fewer), and the energy at
+/// the starting positions.
+fn report_of(problem: &FlowProblem, energy: &Energy, options: &FlowOptions) -> (Assembler, f64) {
+    let rule = options.quadrature.max(Rule::Twelve);
+    let nothing = Unknowns::none(problem.positions().len());
+    let elements = problem.discretization().elements(rule);
+    let mut report = Assembler::new(elements, rule, nothing);
+    let start = report.energy(problem.positions(), energy);
+    (report, start.value)
+}
+
+/// Makes the stepper of the surface model and scheme in the options.
 ///
 /// # Errors
 /// [`SolverError::BadOption`] for the mixed schemes under constraints, and the errors of the
@@ -418,6 +465,10 @@ pub fn scheme_stepper(
     options: &FlowOptions,
     energy: &Energy,
 ) -> Result<Box<dyn Stepper>, SolverError> {
+    if options.surface != SurfaceModel::Energy {
+        let flow = DiffusionFlow::new(problem, options.surface, options.tension)?;
+        return Ok(Box::new(flow));
+    }
     if options.scheme == Scheme::Normal {
         let form = match options.mode {
             Mode::Flow => MatrixForm::Flow,

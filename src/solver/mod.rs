@@ -7,6 +7,7 @@
 mod assembly;
 mod constraints;
 mod control;
+mod diffusion;
 mod discretization;
 mod error;
 mod evaluator;
@@ -29,6 +30,7 @@ mod unknowns;
 
 pub use assembly::{Assembler, EnergySum, MatrixForm};
 pub use control::{Attempt, FASTEST, FLOW_GROWTH, Mode, STOP, StepKind, StepSizeControl, Tau};
+pub(crate) use diffusion::DiffusionFlow;
 pub use discretization::Discretization;
 pub use error::SolverError;
 pub use evaluator::State;
@@ -36,7 +38,7 @@ pub(crate) use evaluator::{Evaluator, PRECONDITIONER_RULE};
 pub use flow::{Flow, MakeStepper, scheme_stepper};
 pub(crate) use fold_guard::FoldGuard;
 pub use mixed::{LinearSolver, MixedFlow};
-pub use options::{FlowOptions, Scheme};
+pub use options::{FlowOptions, Scheme, SurfaceModel};
 pub use problem::{FlowProblem, SUPPORT_RINGS};
 pub use record::{End, Outcome, RejectReason, StepRecord};
 pub use relax::sharpest_cosine;

@@ -20,6 +20,31 @@ pub enum Scheme {
     MixedCorrected,
 }
 
+/// What a flow makes stationary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum SurfaceModel {
+    /// `∫ f(H, K) dA` of the Loop limit surface.
+    #[default]
+    Energy,
+    /// `½∫|Δx|²` of the control triangles: quasi surface diffusion.
+    Diffusion,
+    /// `½∫|∇Δx|²` of the control triangles: curvature continuous at the rim.
+    G2,
+}
+
+choices!(SurfaceModel: Energy "energy", Diffusion "diffusion", G2 "g2");
+
+impl SurfaceModel {
+    /// The natural time of a flow over a hole of that radius: R⁴, or R⁶ for `G2`. That of `Energy`
+    /// also depends on the surface.
+    pub(crate) fn natural_time(self, radius: f64) -> f64 {
+        match self {
+            Self::Energy | Self::Diffusion => radius.powi(4),
+            Self::G2 => radius.powi(6),
+        }
+    }
+}
+
 choices!(Scheme: Normal "normal", Mixed "mixed", MixedCorrected "mixed-corrected");
 
 /// Options of a flow.
@@ -28,12 +53,15 @@ choices!(Scheme: Normal "normal", Mixed "mixed", MixedCorrected "mixed-corrected
 pub struct FlowOptions {
     /// f(H, K).
     pub energy: Energy,
-    /// Weight of the area added to f, in units of 1 / r² for an f of the dimension of `H²`; r is
-    /// the hole radius. 0 gives f only.
+    /// Weight, in units of 1 / r² (r is the hole radius), of the energy of two orders less: the area
+    /// beside an f of the dimension of `H²`, `½∫|∇x|²` for diffusion, `½∫|Δx|²` for g2. 0 gives the
+    /// surface model only.
     pub tension: f64,
     /// Spontaneous curvature, in units of 1 / r, positive along the normals: 1 favours spheres of the
     /// hole radius.
     pub bulge: f64,
+    /// What the flow makes stationary.
+    pub surface: SurfaceModel,
     /// The method.
     pub scheme: Scheme,
     /// Stationary shape or true time.
@@ -60,6 +88,7 @@ impl FlowOptions {
             energy,
             tension: 0.0,
             bulge: 0.0,
+            surface: SurfaceModel::default(),
             scheme: Scheme::default(),
             mode: Mode::default(),
             tau: Tau::default(),

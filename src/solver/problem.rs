@@ -80,6 +80,19 @@ impl FlowProblem {
         })
     }
 
+    /// The same problem in which only some of the interior vertices move.
+    ///
+    /// # Errors
+    /// As [`Self::new`], which cannot occur for interior vertices.
+    pub fn moving_only(&self, vertices: &[u32]) -> Result<Self, SolverError> {
+        let world: Vec<DVec3> = self.positions.iter().map(|&p| p + self.centre).collect();
+        let triangles: Vec<[u32; 3]> = self.topology().triangles().collect();
+        let mut part = Self::new(&world, &triangles, vertices, self.radius)?;
+        // the same origin, so that positions of both can be exchanged
+        (part.centre, part.positions) = (self.centre, self.positions.clone());
+        part.with_creases(self.creases.clone())
+    }
+
     /// The same problem with fixed vertices at which the surface ends in a crease (G0). The normal
     /// is free there.
     ///

@@ -1,0 +1,486 @@
+//! Vector flows on the control triangles: quasi surface diffusion and its curvature continuous
+//! relative.
+//!
+//! The curvature vector `h = Δx` is piecewise linear, `M h = −L x`, with the lumped mass matrix M
+//! and the cotangent Laplacian L of the current triangles. Each flow lowers a quadratic energy:
+//!
+//! - order 4: `½∫|h|² + t/(2R²) ∫|∇x|²`, the flow `x_t = −Δ²x` (quasi surface diffusion, Xu, Pan &
+//!   Bajaj 2006);
+//! - order 6: `½∫|∇h|² + t/(2R²) ∫|h|²`, the flow `x_t = Δ³x`. Here h is given on the second ring
+//!   around the moving vertices, so that curvatures continue across the rim.
+//!
+//! t is the tension, R the hole radius. Both energies are sums of weighted squares
+//! `½ Σ s |Σ c_v x_v|²`. All three components move, so the vertices also spread along the surface.
+//!
+//! The metric (M and L) is that of the current triangles and constant during a step. It is updated
+//! after each step until the surface has settled; afterwards the energy is a fixed quadratic one
+//! and the last steps converge. Energies of steps before differ in their metric and may rise.
+
+use std::sync::Arc;
+
+use crate::linear::{Cholesky, CholeskySymbolic};
+use crate::mesh::{DVec3, HalfedgeId, Topology, VertexId};
+use crate::solver::assembly::EnergySum;
+use crate::solver::control::{Attempt, StepKind};
+use crate::solver::evaluator::State;
+use crate::solver::options::SurfaceModel;
+use crate::solver::pinch::PinchWatch;
+use crate::solver::record::RejectReason;
+use crate::solver::sparsity::{IndexLists, ListGraph, SymmetricScatter};
+use crate::solver::stepper::{StepRequest, Stepper};
+use crate::solver::unknowns::Unknowns;
+use crate::solver::{FlowProblem, SolverError};
+
+/// Displacement, scaled to the natural time and relative to the hole radius, below which the metric
+/// is no longer updated.
+const SETTLED: f64 = 1e-3;
+/// Number of metric updates at time steps of at least the natural time. On scans further updates
+/// change the surface by sliding vertices only (measured on `real/`: 10 to 60 updates give the
+/// same errors within 5 %).
+const MAX_UPDATES: usize = 20;
+/// Weight of an edge between two equilateral triangles.
+const EQUILATERAL: f64 = 0.577_350_269_189_625_8;
+/// Lower limit of edge weights, relative to [`EQUILATERAL`], so that obtuse angles keep the
+/// Laplacian elliptic.
+const LEAST_WEIGHT: f64 = 0.03;
+/// Limit of the cotangent of an angle (3°).
+const MOST_COTANGENT: f64 = 20.0;
+/// Lower limit of the area at a vertex, relative to the mean.
+const LEAST_AREA: f64 = 1.0 / 64.0;
+
+/// State of a vector flow.
+pub struct DiffusionFlow {
+    problem: FlowProblem,
+    unknowns: Unknowns,
+    terms: Terms,
+    scatter: SymmetricScatter,
+    factor: Cholesky,
+    radius: f64,
+    natural_time: f64,
+    updates_left: usize,
+    /// Watches for triangles that lose their area.
+    vanishing: PinchWatch,
+    state: State,
+    /// Area at each moving vertex.
+    mass: Vec<f64>,
+    /// Matrix of the energy, in the order of the pattern, and one more entry for fixed vertices.
+    matrix: Vec<f64>,
+}
+
+/// What a square of the energy contains.
+#[derive(Clone, Copy, Debug)]
+enum Term {
+    /// The curvature vector of a vertex, by its number.
+    Curvature(u32),
+    /// The difference of the curvature vectors at the ends of an edge. One without a number is 0.
+    Gradient(HalfedgeId, [Option<u32>; 2]),
+    /// An edge itself.
+    Edge(HalfedgeId),
+}
+
+/// The squares of an energy.
+struct Terms {
+    model: SurfaceModel,
+    /// t/R².
+    tension: f64,
+    /// The vertices with a curvature vector that depends on positions: each vertex, then its
+    /// neighbours.
+    rings: IndexLists,
+    terms: Vec<Term>,
+    /// The vertices of each term.
+    vertices: IndexLists,
+    /// Of each term, for each item of its rings, the place in its vertices.
+    places: IndexLists,
+}
+
+/// Lengths and areas of the current triangles.
+struct Metric {
+    /// Half the cotangent of the angle opposite each half-edge.
+    half_cotangent: Vec<f64>,
+    /// A third of the area of the triangles at each vertex.
+    mass: Vec<f64>,
+}
+
+impl Metric {
+    fn new(topology: &Topology, x: &[DVec3]) -> Self {
+        let mut half_cotangent = vec![0.0; topology.halfedge_count()];
+        let mut mass = vec![0.0; topology.vertex_count()];
+        for f in topology.faces() {
+            let [i, j, k] = topology.face_vertices(f);
+            let double = (x[j.index()] - x[i.index()])
+                .cross(x[k.index()] - x[i.index()])
+                .length();
+            for v in [i, j, k] {
+                mass[v.index()] += double / 6.0;
+            }
+            for h in topology.face_halfedges(f) {
+                let apex = x[topology.target(topology.next(h)).index()];
+                let u = x[topology.origin(h).index()] - apex;
+                let v = x[topology.target(h).index()] - apex;
+                // NaN in a triangle without extent; min and max ignore it
+                let cotangent = u.dot(v) / double;
+                half_cotangent[h.index()] =
+                    0.5 * cotangent.max(-MOST_COTANGENT).min(MOST_COTANGENT);
+            }
+        }
+        let (sum, count) = mass
+            .iter()
+            .filter(|&&m| m > 0.0)
+            .fold((0.0, 0.0), |(sum, count), m| (sum + m, count + 1.0));
+        for m in &mut mass {
+            *m = m.max(LEAST_AREA * sum / count);
+        }
+        Self {
+            half_cotangent,
+            mass,
+        }
+    }
+
+    fn weight(&self, h: HalfedgeId) -> f64 {
+        let w = self.half_cotangent[h.index()] + self.half_cotangent[h.twin().index()];
+        w.max(LEAST_WEIGHT * EQUILATERAL)
+    }
+}
+
+impl Terms {
+    fn new(problem: &FlowProblem, model: SurfaceModel, tension: f64) -> Self {
+        let topology = problem.topology();
+        let ring = problem.ring();
+        let is_crease = problem.crease_marks();
+        let reach = match model {
+            SurfaceModel::G2 => 2,
+            _ => 1,
+        };
+        let mut number: Vec<Option<u32>> = vec![None; ring.len()];
+        let mut rings = IndexLists {
+            start: vec![0],
+            items: Vec::new(),
+        };
+        for v in topology.vertices() {
+            let is_inside = topology.has_faces(v) && !topology.is_boundary_vertex(v);
+            if ring[v.index()] <= reach && is_inside && !is_crease[v.index()] {
+                number[v.index()] = Some(rings.len() as u32);
+                rings.items.push(v.0);
+                rings.items.extend(topology.neighbours(v).map(|w| w.0));
+                rings.start.push(rings.items.len() as u32);
+            }
+        }
+        let mut out = Self {
+            model,
+            tension: tension / (problem.radius() * problem.radius()),
+            rings,
+            terms: Vec::new(),
+            vertices: IndexLists {
+                start: vec![0],
+                items: Vec::new(),
+            },
+            places: IndexLists {
+                start: vec![0],
+                items: Vec::new(),
+            },
+        };
+        let is_near = |v: VertexId| ring[v.index()] <= 1;
+        if model == SurfaceModel::G2 {
+            for h in topology.edges() {
+                let ends = [topology.origin(h), topology.target(h)];
+                let known = ends.map(|v| number[v.index()].is_some() || is_crease[v.index()]);
+                if known == [true; 2] && ends.iter().any(|&v| is_near(v)) {
+                    out.push(Term::Gradient(h, ends.map(|v| number[v.index()])), topology);
+                }
+            }
+        } else if tension != 0.0 {
+            for h in topology.edges() {
+                let ends = [topology.origin(h), topology.target(h)];
+                if ends.iter().any(|&v| ring[v.index()] == 0) {
+                    out.push(Term::Edge(h), topology);
+                }
+            }
+        }
+        if model != SurfaceModel::G2 || tension != 0.0 {
+            for v in topology.vertices().filter(|&v| is_near(v)) {
+                if let Some(i) = number[v.index()] {
+                    out.push(Term::Curvature(i), topology);
+                }
+            }
+        }
+        out
+    }
+
+    fn push(&mut self, term: Term, topology: &Topology) {
+        let begin = self.vertices.items.len();
+        let used = match term {
+            Term::Curvature(i) => [Some(i), None],
+            Term::Gradient(_, ends) => ends,
+            Term::Edge(h) => {
+                let ends = [topology.origin(h).0, topology.target(h).0];
+                self.vertices.items.extend(ends);
+                [None; 2]
+            }
+        };
+        for i in used.into_iter().flatten() {
+            for at in self.rings.start[i as usize]..self.rings.start[i as usize + 1] {
+                let v = self.rings.items[at as usize];
+                let own = &self.vertices.items[begin..];
+                let place = own.iter().position(|&w| w == v).unwrap_or(own.len());
+                if place == own.len() {
+                    self.vertices.items.push(v);
+                }
+                self.places.items.push(place as u32);
+            }
+        }
+        self.terms.push(term);
+        self.vertices.start.push(self.vertices.items.len() as u32);
+        self.places.start.push(self.places.items.len() as u32);
+    }
+
+    /// Coefficients of each ring's curvature vector `−(L x)_v / m_v`.
+    fn laplacians(&self, topology: &Topology, metric: &Metric) -> Vec<f64> {
+        let mut out = Vec::with_capacity(self.rings.items.len());
+        for i in 0..self.rings.len() {
+            let v = VertexId(self.rings.of(i)[0]);
+            let per_mass = 1.0 / metric.mass[v.index()];
+            let own = out.len();
+            out.push(0.0);
+            for h in topology.outgoing(v) {
+                let w = metric.weight(h) * per_mass;
+                out[own] -= w;
+                out.push(w);
+            }
+        }
+        out
+    }
+
+    /// Calls `visit` with number, weight and coefficients of each square.
+    fn for_each(
+        &self,
+        topology: &Topology,
+        metric: &Metric,
+        mut visit: impl FnMut(usize, f64, &[f64]),
+    ) {
+        let laplacians = self.laplacians(topology, metric);
+        let lower = match self.model {
+            SurfaceModel::G2 => self.tension,
+            _ => 1.0,
+        };
+        let mut coefficients = Vec::new();
+        for (e, term) in self.terms.iter().enumerate() {
+            coefficients.clear();
+            coefficients.resize(self.vertices.of(e).len(), 0.0);
+            let (weight, used) = match *term {
+                Term::Curvature(i) => {
+                    let v = self.rings.of(i as usize)[0] as usize;
+                    (lower * metric.mass[v], [Some(i), None])
+                }
+                Term::Gradient(h, ends) => (metric.weight(h), ends),
+                Term::Edge(h) => {
+                    coefficients.copy_from_slice(&[1.0, -1.0]);
+                    (self.tension * metric.weight(h), [None; 2])
+                }
+            };
+            let mut places = self.places.of(e).iter();
+            for (i, sign) in used.into_iter().zip([1.0, -1.0]) {
+                let Some(i) = i else { continue };
+                let range = self.rings.start[i as usize]..self.rings.start[i as usize + 1];
+                for (at, &place) in range.zip(&mut places) {
+                    coefficients[place as usize] += sign * laplacians[at as usize];
+                }
+            }
+            visit(e, weight, &coefficients);
+        }
+    }
+}
+
+impl DiffusionFlow {
+    /// The flow of a surface model other than `Energy` from the problem's positions. `tension` is
+    /// t, without a unit.
+    ///
+    /// # Errors
+    /// A failed symbolic factorization.
+    pub fn new(
+        problem: &FlowProblem,
+        model: SurfaceModel,
+        tension: f64,
+    ) -> Result<Self, SolverError> {
+        let terms = Terms::new(problem, model, tension);
+        let unordered = Unknowns::new(problem.positions().len(), problem.interior().to_vec());
+        let of = |u: &Unknowns| IndexLists {
+            start: terms.vertices.start.clone(),
+            items: (terms.vertices.items.iter())
+                .map(|&v| u.of_vertex[v as usize])
+                .collect(),
+        };
+        let lists = of(&unordered);
+        let graph = ListGraph::new(&lists, unordered.len());
+        let order = graph.dissect(&unordered.points(problem.positions()));
+        let scatter = graph.scatter(&order);
+        let symbolic = Arc::new(CholeskySymbolic::new(&scatter.pattern)?);
+        let mut flow = Self {
+            vanishing: PinchWatch::new(problem),
+            problem: problem.clone(),
+            unknowns: unordered.reordered(&order),
+            terms,
+            scatter,
+            factor: Cholesky::new(symbolic),
+            radius: problem.radius(),
+            natural_time: model.natural_time(problem.radius()),
+            updates_left: MAX_UPDATES,
+            state: State {
+                positions: problem.positions().to_vec(),
+                ..State::default()
+            },
+            mass: Vec::new(),
+            matrix: Vec::new(),
+        };
+        flow.update_metric();
+        Ok(flow)
+    }
+
+    /// Starts again at the problem's positions with another tension. A flow that was made without
+    /// tension cannot have one.
+    pub fn restart(&mut self, tension: f64) {
+        self.terms.tension = tension / (self.radius * self.radius);
+        self.updates_left = MAX_UPDATES;
+        self.state
+            .positions
+            .copy_from_slice(self.problem.positions());
+        self.vanishing = PinchWatch::new(&self.problem);
+        self.update_metric();
+    }
+
+    /// Computes matrix, energy and gradient in the metric of the current positions.
+    fn update_metric(&mut self) {
+        let metric = Metric::new(self.problem.topology(), &self.state.positions);
+        let n = self.unknowns.len();
+        let x = &self.state.positions;
+        self.matrix.clear();
+        self.matrix.resize(self.scatter.pattern.nnz() + 1, 0.0);
+        let mut gradient = vec![DVec3::ZERO; n + 1];
+        let mut energy = 0.0;
+        self.terms
+            .for_each(self.problem.topology(), &metric, |e, weight, c| {
+                let vertices = self.terms.vertices.of(e);
+                let value: DVec3 = c
+                    .iter()
+                    .zip(vertices)
+                    .map(|(c, &v)| *c * x[v as usize])
+                    .sum();
+                energy += 0.5 * weight * value.length_squared();
+                for (c, &v) in c.iter().zip(vertices) {
+                    gradient[self.unknowns.of_vertex[v as usize] as usize] += weight * c * value;
+                }
+                let mut slots = self.scatter.slots(e).iter();
+                for (i, ci) in c.iter().enumerate() {
+                    for (cj, &slot) in c[..=i].iter().zip(&mut slots) {
+                        self.matrix[slot as usize] += weight * ci * cj;
+                    }
+                }
+            });
+        gradient.truncate(n);
+        self.matrix.truncate(self.scatter.pattern.nnz());
+        self.state.gradient = gradient;
+        self.state.energy = EnergySum {
+            value: energy,
+            scale: energy,
+        };
+        let moving = self.unknowns.vertex.iter();
+        self.mass = moving.map(|&v| metric.mass[v as usize]).collect();
+    }
+
+    /// Updates energy and gradient after the displacement `shift`, in the same metric.
+    fn follow(&mut self, shift: &[DVec3]) {
+        let pattern = &self.scatter.pattern;
+        let mut change = vec![DVec3::ZERO; shift.len()];
+        for j in 0..pattern.n {
+            for at in pattern.col_ptr[j]..pattern.col_ptr[j + 1] {
+                let i = pattern.row_idx[at];
+                change[i] += self.matrix[at] * shift[j];
+                if i != j {
+                    change[j] += self.matrix[at] * shift[i];
+                }
+            }
+        }
+        for ((g, c), d) in self.state.gradient.iter_mut().zip(&change).zip(shift) {
+            self.state.energy.value += g.dot(*d) + 0.5 * c.dot(*d);
+            *g += *c;
+        }
+    }
+}
+
+impl Stepper for DiffusionFlow {
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// One implicit step `(M/τ + A) d = −∇E`. Its energy in the metric of the step never rises.
+    fn attempt(&mut self, request: &StepRequest) -> Attempt {
+        let n = self.unknowns.len();
+        let mut values = self.matrix.clone();
+        for (m, &diagonal) in self.mass.iter().zip(&self.scatter.pattern.col_ptr) {
+            values[diagonal] += m / request.tau;
+        }
+        if let Err(error) = self.factor.factorize(&values) {
+            return Attempt::rejected(error.into());
+        }
+        let mut solution = vec![0.0; 3 * n];
+        for (i, g) in self.state.gradient.iter().enumerate() {
+            for (k, g) in g.to_array().into_iter().enumerate() {
+                solution[k * n + i] = -g;
+            }
+        }
+        self.factor.solve_in_place(&mut solution, 3);
+        let at = |i: usize| DVec3::new(solution[i], solution[n + i], solution[2 * n + i]);
+        let shift: Vec<DVec3> = (0..n).map(at).collect();
+        let longest = shift.iter().map(|d| d.length()).fold(0.0, f64::max);
+        if !shift.iter().all(|d| d.is_finite()) {
+            return Attempt::rejected(RejectReason::NoDescent);
+        }
+        for (&v, d) in self.unknowns.vertex.iter().zip(&shift) {
+            self.state.positions[v as usize] += *d;
+        }
+        if self.updates_left > 0
+            && self
+                .vanishing
+                .check(&self.problem, &self.state.positions)
+                .is_some()
+        {
+            self.state
+                .positions
+                .copy_from_slice(self.vanishing.last_open());
+            self.updates_left = 0;
+            self.update_metric();
+            self.state.gradient.fill(DVec3::ZERO);
+            return Attempt::accepted(0.0, StepKind::Factorized);
+        }
+        let is_long = request.tau >= self.natural_time;
+        let scaled = longest / self.radius * (self.natural_time / request.tau).max(1.0);
+        if scaled < SETTLED {
+            self.updates_left = 0;
+        }
+        if self.updates_left > 0 {
+            self.updates_left -= usize::from(is_long);
+            self.update_metric();
+        } else {
+            self.follow(&shift);
+        }
+        Attempt::accepted(longest, StepKind::Factorized)
+    }
+
+    /// The flow already spreads the vertices along the surface.
+    fn normals(&self) -> Option<(&[u32], &[DVec3])> {
+        None
+    }
+
+    fn slide(&mut self, _: &[DVec3], _: EnergySum) -> bool {
+        false
+    }
+
+    /// The time in which detail of the size of an edge relaxes.
+    fn first_tau(&self, tau_ref: f64) -> f64 {
+        let mean = self.mass.iter().sum::<f64>() / self.mass.len().max(1) as f64;
+        tau_ref / self.natural_time * self.terms.model.natural_time(mean.sqrt())
+    }
+}
+
+#[cfg(test)]
+#[path = "diffusion_tests.rs"]
+mod tests;
