@@ -9,7 +9,7 @@ use std::ops::Deref;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use crate::energy::{Order, WellPosed};
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, LoopId};
 
 /// Maximum number of pairs of intersecting triangles that are counted.
 pub const MAX_PAIRS: usize = 100;
@@ -78,6 +78,26 @@ pub enum Warning {
         /// the first shape already has one.
         kept_step: Option<usize>,
     },
+    /// Edges of the surface are folded by more than 150°, or triangles have no area.
+    Folded {
+        /// Their number.
+        edges: usize,
+        /// One of the places.
+        at: DVec3,
+    },
+    /// The surface model gave an unsound surface; another model replaced it.
+    Replaced {
+        /// The hole.
+        hole: LoopId,
+        /// The model, in words.
+        model: String,
+        /// The one that replaced it.
+        by: String,
+        /// Pairs of intersecting triangles of the first.
+        pairs: usize,
+        /// Folded edges of the first.
+        folds: usize,
+    },
     /// The result has more pairs of intersecting triangles than the input has.
     IntersectingResult {
         /// Pairs of the result.
@@ -114,6 +134,8 @@ impl Warning {
             Self::Frozen { .. } => "frozen",
             Self::Unreached { .. } => "unreached",
             Self::SelfIntersection { .. } => "self-intersection",
+            Self::Folded { .. } => "folded",
+            Self::Replaced { .. } => "surface-replaced",
             Self::IntersectingResult { .. } => "intersecting-result",
             Self::ChangeRefused { .. } => "change-refused",
             Self::FlowFailed { .. } => "flow-failed",
@@ -143,6 +165,9 @@ impl Warning {
                 "use another energy, add tension, or join fewer rims at a time"
             }
             Self::IntersectingResult { .. } => "increase the tension",
+            Self::Folded { .. } => {
+                "check whether the rim is folded there, or erase the faces there"
+            }
             _ => return None,
         })
     }
@@ -213,13 +238,30 @@ impl fmt::Display for Warning {
                 f,
                 "input vertices that the surface cannot interpolate without a fold: {vertices}"
             ),
+            Self::Folded { edges, at } => write!(
+                f,
+                "the surface is folded by more than 150 degrees, or has triangles without area: \
+                 {edges} edges, near {}",
+                Place(*at)
+            ),
+            Self::Replaced {
+                hole,
+                model,
+                by,
+                pairs,
+                folds,
+            } => write!(
+                f,
+                "the surface of hole {hole} by the model {model} has {pairs} pairs of intersecting triangles and \
+                 {folds} folded edges; that of the model {by} replaces it"
+            ),
             Self::SelfIntersection {
                 pairs,
                 at,
                 kept_step: None,
             } => write!(
                 f,
-                "the first shape of the surface intersects itself or the mesh: {}",
+                "the surface intersects itself or the mesh: {}",
                 pairs_near(*pairs, *at)
             ),
             Self::SelfIntersection {

@@ -292,8 +292,12 @@ fn summary(report: &FillReport<'_>) -> Result<()> {
         print_warnings(&format!("hole {}: ", hole.id), hole.warnings.iter());
     }
     let t = &report.totals;
+    let expected = report.expected_error();
+    let expected = expected.map_or_else(String::new, |error| {
+        format!("; expected error {:.2} % of the hole radius", 100.0 * error)
+    });
     print(&format!(
-        "{}: {} {} filled, {} vertices and {} faces added in {:.2} s\n",
+        "{}: {} {} filled, {} vertices and {} faces added in {:.2} s{expected}\n",
         report.output,
         t.holes,
         if t.holes == 1 { "hole" } else { "holes" },

@@ -1,6 +1,7 @@
 //! Option structs as command-line arguments.
 
 use clap::builder::PossibleValuesParser;
+use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
 use crate::options::{Kind, OptionEntry, Options};
@@ -22,7 +23,18 @@ impl<T: Options> Args for OptionArguments<T> {
 impl<T: Options> FromArgMatches for OptionArguments<T> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let mut options = T::default();
-        for entry in T::entries() {
+        let is_given = |name: &str| {
+            let source = matches
+                .try_contains_id(name)
+                .is_ok()
+                .then(|| matches.value_source(name));
+            source.flatten() == Some(ValueSource::CommandLine)
+        };
+        // a given energy is the one to use
+        if is_given("energy") && T::entries().iter().any(|e| e.name == "surface") {
+            set(&mut options, "surface", "energy")?;
+        }
+        for entry in T::entries().into_iter().filter(|e| is_given(&e.name)) {
             if entry.kind == Kind::Flag {
                 if matches.get_flag(&entry.name) {
                     set(&mut options, &entry.name, "true")?;
@@ -92,7 +104,7 @@ mod tests {
 
     use super::*;
     use crate::cli::{Arguments, Command};
-    use crate::fill::{Continuity, Controls, Linear};
+    use crate::fill::{Continuity, Controls, Linear, Surface};
     use crate::refine::{BoundaryRule, Hold, Method, RefineControls};
     use crate::solver::{Mode, Scheme, Tau};
 
@@ -122,6 +134,7 @@ mod tests {
         assert_eq!(controls(&[]), Controls::default());
         let changed = Controls {
             energy: "-H^2 + a*K^2".into(),
+            surface: Surface::Diffusion,
             param: [("a".into(), -1.0 / 3.0)].into(),
             scheme: Scheme::MixedCorrected,
             mode: Mode::Flow,

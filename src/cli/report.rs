@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::fill::{Filled, Timings};
+use crate::fill::{Candidate, Filled, GroupSurface, Timings};
 use crate::mesh::{BoundaryLoop, LoadReport, LoopId};
 use crate::solver::End;
 use crate::warning::{Warning, Warnings};
@@ -36,6 +36,22 @@ pub struct FillReport<'a> {
     pub peak_memory: u64,
 }
 
+impl FillReport<'_> {
+    /// RMS of the errors to expect over the new vertices of holes with a prediction.
+    pub fn expected_error(&self) -> Option<f64> {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for hole in &self.holes {
+            let surface = hole.surface.as_ref();
+            if let Some(error) = surface.and_then(|s| s.expected_error) {
+                let vertices = hole.vertices_added as f64;
+                sum += vertices * error * error;
+                count += vertices;
+            }
+        }
+        (count > 0.0).then(|| (sum / count).sqrt())
+    }
+}
+
 /// One filled hole. Holes of one group were solved together and share steps, energies and times.
 #[derive(Debug, Serialize)]
 pub struct HoleReport {
@@ -54,6 +70,8 @@ pub struct HoleReport {
     pub faces_added: usize,
     /// Group of holes solved together, counted from 0; null if there was nothing to solve.
     pub group: Option<usize>,
+    /// Surface model of the group; null if nothing had to be solved.
+    pub surface: Option<SurfaceReport>,
     /// Accepted steps.
     pub steps: usize,
     /// Rejected steps.
@@ -77,6 +95,46 @@ pub struct HoleReport {
     /// Warnings: their texts and codes.
     #[serde(flatten)]
     pub warnings: Warnings,
+}
+
+/// The surface model of a group, and how it was chosen.
+#[derive(Debug, Serialize)]
+pub struct SurfaceReport {
+    /// The model and its tension.
+    #[serde(flatten)]
+    pub model: Candidate,
+    /// RMS error to expect of the fill, relative to the hole radius: that of the pseudo-holes; null
+    /// without a prediction.
+    pub expected_error: Option<f64>,
+    /// Number of pseudo-holes.
+    pub pseudo_holes: usize,
+    /// Each candidate's error on the pseudo-holes.
+    pub candidates: Vec<CandidateReport>,
+}
+
+/// A candidate for the surface model.
+#[derive(Debug, Serialize)]
+pub struct CandidateReport {
+    /// The model and its tension.
+    #[serde(flatten)]
+    pub model: Candidate,
+    /// RMS error on the pseudo-holes, relative to their radius.
+    pub error: f64,
+}
+
+impl From<&GroupSurface> for SurfaceReport {
+    fn from(surface: &GroupSurface) -> Self {
+        let prediction = surface.prediction.as_deref();
+        let errors = prediction.iter().flat_map(|p| &p.errors);
+        Self {
+            model: surface.model,
+            expected_error: surface.expected_error(),
+            pseudo_holes: prediction.map_or(0, |p| p.discs),
+            candidates: errors
+                .map(|&(model, error)| CandidateReport { model, error })
+                .collect(),
+        }
+    }
 }
 
 /// A hole that could not be filled.
@@ -146,6 +204,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
                 vertices_added: hole.vertices.len(),
                 faces_added: hole.faces.len(),
                 group: hole.group,
+                surface: None,
                 steps: 0,
                 rejected: 0,
                 converged: true,
@@ -160,6 +219,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
             match hole.group.map(|g| &filled.groups[g]) {
                 Some(Ok(group)) => {
                     let outcome = &group.outcome;
+                    report.surface = Some((&group.surface).into());
                     report.steps = outcome.steps;
                     report.rejected = outcome.rejected;
                     report.converged = outcome.end == End::Converged;
@@ -193,9 +253,11 @@ pub fn totals(filled: &Filled, holes: &[HoleReport]) -> Totals {
         stages.patch += hole.patch_ms;
     }
     for group in filled.groups.iter().flatten() {
+        stages.prediction += group.timings.prediction;
         stages.setup += group.timings.setup;
         stages.warm_start += group.timings.warm_start;
         stages.flow += group.timings.flow;
+        stages.soundness += group.timings.soundness;
     }
     Totals {
         holes: holes.len(),

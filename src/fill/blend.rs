@@ -11,7 +11,7 @@ use crate::fill::options::FillOptions;
 use crate::fill::plan::Plan;
 use crate::fill::region;
 use crate::fill::result::milliseconds;
-use crate::fill::self_intersection::intersections;
+use crate::fill::self_intersection::{Obstacles, intersections};
 use crate::fill::warm_start::warm_start;
 use crate::mesh::{FaceId, Mesh};
 use crate::patch::{self, Patch};
@@ -137,7 +137,7 @@ impl StartQuality {
             }));
         }
         Self {
-            intersects: !intersections(mesh, &own, new, 1).is_empty(),
+            intersects: !intersections(mesh, &Obstacles::new(1), &own, &[], new, 1).is_empty(),
             bending: patch::bending(&points, &around),
         }
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::fill::group::Group;
 use crate::fill::plan::{Domain, Plan};
 use crate::fill::result::RefillError;
+use crate::fill::self_intersection::Obstacles;
 use crate::mesh::{DVec3, FaceId, Mesh, Neighbourhood, VertexId, inner_vertices, rms_distance};
 use crate::solver::SUPPORT_RINGS;
 
@@ -28,6 +29,7 @@ pub(super) fn plan_fairing(mesh: &Mesh, selected: &[bool]) -> Result<Plan, Refil
     Ok(Plan {
         domain: Domain::Vertices(moved),
         failed: Vec::new(),
+        obstacles: Obstacles::new(0),
         groups: vec![Group {
             holes: Vec::new(),
             topology: Arc::default(),

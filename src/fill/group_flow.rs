@@ -4,19 +4,24 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::energy::Order;
-use crate::fill::Continuity;
 use crate::fill::context::{ChangeError, FillContext};
+use crate::fill::hole::PlannedHole;
 use crate::fill::noise::roughened;
-use crate::fill::options::FillOptions;
+use crate::fill::options::{Continuity, FillOptions};
 use crate::fill::patch_topology::PatchTopology;
 use crate::fill::plan::Domain;
+use crate::fill::prediction::{Candidate, GroupSurface, Prediction};
 use crate::fill::region;
 use crate::fill::remesh::{RemeshPolicy, remesh, remesh_degraded};
 use crate::fill::result::{Timings, milliseconds};
 use crate::fill::self_intersection::{SelfIntersection, SelfIntersectionMonitor};
+use crate::fill::soundness::{Defects, defects};
 use crate::fill::warm_start::{warm_start, warm_start_of};
 use crate::mesh::{BoundaryLoop, DVec3, VertexId};
-use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord, sharpest_cosine};
+use crate::solver::{
+    End, Flow, FlowProblem, Mode, Outcome, SolverError, StepRecord, SurfaceModel, Tau,
+    sharpest_cosine,
+};
 use crate::warning::{Warning, Warnings};
 
 /// Maximum factor by which remeshing may raise the energy. A rise is normal: new vertices lie on
@@ -24,10 +29,22 @@ use crate::warning::{Warning, Warnings};
 /// triangles underestimate the curvature.
 const MAX_ENERGY_RISE: f64 = 1.6;
 
+/// Surface models for patches that are unsound by another one, in the order in which they are
+/// tried: each next one is nearer to a membrane.
+const SAFER: [Candidate; 5] = [
+    Candidate::new(SurfaceModel::Diffusion, 0.0),
+    Candidate::new(SurfaceModel::Diffusion, 3.0),
+    Candidate::new(SurfaceModel::Diffusion, 30.0),
+    Candidate::new(SurfaceModel::Diffusion, 300.0),
+    Candidate::new(SurfaceModel::Diffusion, 1e5),
+];
+
 /// The flow of a group of holes.
 pub(super) struct GroupFlow {
     group: usize,
     options: FillOptions,
+    /// The prediction for `auto`, once it was needed; without candidates if none could be made.
+    prediction: Option<Arc<Prediction>>,
     topology: Arc<PatchTopology>,
     /// The flow. Without one the vertices are at `fallback_positions`.
     flow: Option<Flow>,
@@ -47,6 +64,9 @@ impl GroupFlow {
     /// last successful stage.
     pub fn start(context: FillContext<'_>, group: usize, options: &FillOptions) -> Self {
         let mut run = Self::without_flow(context, group, options);
+        let start = Instant::now();
+        run.options = run.resolved(context, options);
+        run.timings.prediction = milliseconds(start);
         if let Err(error) = run.set_up(context) {
             run.failed = Some(error);
         }
@@ -71,6 +91,7 @@ impl GroupFlow {
         Self {
             group,
             options: options.clone(),
+            prediction: None,
             topology: Arc::clone(&context.plan.groups[group].topology),
             flow: None,
             fallback_positions: context.plan.start_positions(context.mesh, group),
@@ -81,6 +102,39 @@ impl GroupFlow {
             energy_start: None,
             warnings: Warnings::default(),
             timings: Timings::default(),
+        }
+    }
+
+    /// The options with the surface model that prediction chooses, if it is to choose.
+    fn resolved(&mut self, context: FillContext<'_>, options: &FillOptions) -> FillOptions {
+        let mut resolved = options.clone();
+        let mut holes = context.plan.holes_of(self.group);
+        let is_smooth = |l: &BoundaryLoop| options.continuity_at(l.id) == Continuity::G1;
+        let is_predictable =
+            |hole: &PlannedHole| !hole.rims.is_blend() && hole.rims.loops.iter().all(is_smooth);
+        let is_patched = matches!(context.plan.domain, Domain::Holes(_));
+        if options.predicts_surface && is_patched && holes.all(is_predictable) {
+            let group = self.group;
+            let predict = || Arc::new(Prediction::new(context, group, &options.flow));
+            let prediction = self.prediction.get_or_insert_with(predict);
+            if let Some((chosen, _)) = prediction.chosen() {
+                resolved.flow.surface = chosen.surface;
+                resolved.flow.tension = chosen.tension;
+            }
+        }
+        resolved
+    }
+
+    /// The surface model of the flow, and the prediction that chose it.
+    pub fn surface(&self) -> GroupSurface {
+        let flow = &self.options.flow;
+        let is_predicted = self.options.predicts_surface;
+        GroupSurface {
+            model: Candidate {
+                surface: flow.surface,
+                tension: flow.tension,
+            },
+            prediction: self.prediction.clone().filter(|_| is_predicted),
         }
     }
 
@@ -110,7 +164,9 @@ impl GroupFlow {
     fn has_unfit_rim(&self, context: FillContext<'_>) -> bool {
         let is_smooth = |l: &BoundaryLoop| self.options.continuity_at(l.id) == Continuity::G1;
         let mut holes = context.plan.holes_of(self.group);
-        self.options.flow.energy.order() == Order::Second
+        let flow = &self.options.flow;
+        flow.surface == SurfaceModel::Energy
+            && flow.energy.order() == Order::Second
             && holes.any(|hole| hole.rims.loops.iter().any(is_smooth))
     }
 
@@ -151,6 +207,7 @@ impl GroupFlow {
                 if record.as_ref().is_some_and(|record| !record.is_rejected()) {
                     self.remesh_if_degraded(context);
                     self.check_self_intersection(context);
+                    self.make_sound(context);
                 }
                 record
             }
@@ -165,7 +222,9 @@ impl GroupFlow {
     /// Replaces triangles that a large deformation has degraded.
     fn remesh_if_degraded(&mut self, context: FillContext<'_>) {
         let end = self.end();
-        let is_fourth = self.options.flow.energy.order() == Order::Fourth;
+        let flow = &self.options.flow;
+        let is_fourth =
+            flow.surface != SurfaceModel::Energy || flow.energy.order() == Order::Fourth;
         match end {
             None | Some(End::Converged) => {}
             // the cause is not a closing neck but zero-area triangles of a large deformation
@@ -239,6 +298,101 @@ impl GroupFlow {
         }
     }
 
+    /// Checks the patches of holes at the end of the flow. An unsound one is replaced by the first
+    /// sound surface of [other models](SAFER), or else by the least unsound. Blends have checks of
+    /// their own during the flow.
+    fn make_sound(&mut self, context: FillContext<'_>) {
+        let mut holes = context.plan.holes_of(self.group);
+        let is_checked = matches!(context.plan.domain, Domain::Holes(_))
+            && !holes.any(|hole| hole.rims.is_blend());
+        if !is_checked || matches!(self.end(), None | Some(End::Cancelled)) {
+            return;
+        }
+        let start = Instant::now();
+        let mut positions = self.positions();
+        let mut is_changed = false;
+        for (k, hole) in context.plan.holes_of(self.group).enumerate() {
+            let defects =
+                |positions: &[DVec3]| defects(context, self.group, k, &self.topology, positions);
+            let Some(found) = defects(&positions) else {
+                continue;
+            };
+            let present = self.surface().model;
+            let mut left = Some(found);
+            let mut best = None;
+            for model in SAFER.into_iter().filter(|&model| model != present) {
+                let Ok(moved) = self.hole_by(context, k, model, &positions) else {
+                    continue;
+                };
+                let after = defects(&moved);
+                let severity = |defects: &Option<Defects>| defects.map(|d| d.severity());
+                if severity(&after) < severity(&left) {
+                    left = after;
+                    best = Some((model, moved));
+                }
+                if left.is_none() {
+                    break;
+                }
+            }
+            if let Some((model, moved)) = best {
+                positions = moved;
+                is_changed = true;
+                let (pairs, folds) = found.severity();
+                self.warn(Warning::Replaced {
+                    hole: hole.rims.id(),
+                    model: present.words(),
+                    by: model.words(),
+                    pairs,
+                    folds,
+                });
+            }
+            self.warnings
+                .extend(left.iter().flat_map(Defects::warnings));
+        }
+        if is_changed {
+            // the expected error is not that of another model
+            self.options.predicts_surface = false;
+            let (topology, (steps, rejected)) = (Arc::clone(&self.topology), self.step_counts());
+            let end = self.end().unwrap_or(End::Converged);
+            let options = self.options.clone();
+            let flow = self.build(context, &topology, &positions, &options, steps, rejected);
+            let mut flow = flow.ok().flatten();
+            if let Some(flow) = &mut flow {
+                flow.finish(end);
+            }
+            self.install(topology, positions, flow);
+        }
+        self.timings.soundness += milliseconds(start);
+    }
+
+    /// Positions of the group with one hole filled by another surface model, from its warm start.
+    fn hole_by(
+        &self,
+        context: FillContext<'_>,
+        hole: usize,
+        model: Candidate,
+        positions: &[DVec3],
+    ) -> Result<Vec<DVec3>, SolverError> {
+        let mut options = self.options.flow.clone();
+        options.surface = model.surface;
+        options.tension = model.tension;
+        options.mode = Mode::Fast;
+        options.tau = Tau::Auto;
+        let problem = region::problem(
+            context,
+            self.group,
+            &self.topology,
+            positions,
+            &self.options,
+        )?;
+        let own = self.topology.split(problem.interior()).nth(hole);
+        let own = own.map_or(&[][..], |(_, own)| own);
+        let start = warm_start_of(problem.clone(), own)?;
+        let mut flow = Flow::new(start.moving_only(own)?, options)?;
+        flow.run(|_, _| true)?;
+        Ok(problem.to_world(flow.positions()))
+    }
+
     /// The intersection found by the last check, if there was one.
     pub fn self_intersection(&self) -> Option<&SelfIntersection> {
         self.intersection.found()
@@ -274,6 +428,7 @@ impl GroupFlow {
         context: FillContext<'_>,
         options: &FillOptions,
     ) -> Result<(), ChangeError> {
+        let options = &self.resolved(context, options);
         let is_patched = matches!(context.plan.domain, Domain::Holes(_));
         let remeshed = is_patched && options.patch != self.options.patch;
         let mut loops = context
@@ -312,6 +467,7 @@ impl GroupFlow {
         steps: usize,
         options: &FillOptions,
     ) -> Result<(), ChangeError> {
+        let options = &self.resolved(context, options);
         let (_, rejected) = self.step_counts();
         let flow = self.build(context, topology, positions, options, steps, rejected)?;
         self.install(Arc::clone(topology), positions.to_vec(), flow);

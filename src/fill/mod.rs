@@ -21,6 +21,7 @@ mod options;
 mod partial;
 mod patch_topology;
 mod plan;
+mod prediction;
 mod prepare;
 mod process;
 mod refill;
@@ -33,13 +34,15 @@ mod scheduled;
 mod select;
 mod self_intersection;
 mod sheets;
+mod soundness;
 mod warm_start;
 
 pub use bridge::{BridgeError, RimSegment, bridge, segment_at};
 pub use controls::{Controls, ControlsError, Linear, LoopLimits};
 pub use islands::with_islands;
-pub use options::{Continuity, FillOptions};
+pub use options::{Continuity, FillOptions, Surface};
 pub use partial::{PartialError, fill_part};
+pub use prediction::{Candidate, GroupSurface, Prediction};
 pub use prepare::flow_problem;
 pub use process::{
     FillEvent, FillProcess, FillSnapshot, FillState, FillTask, FillTimeline, GroupState,

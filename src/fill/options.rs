@@ -6,7 +6,7 @@ use crate::energy::{Energy, Preset};
 use crate::mesh::LoopId;
 use crate::options::choices;
 use crate::patch::PatchOptions;
-use crate::solver::FlowOptions;
+use crate::solver::{FlowOptions, SurfaceModel};
 
 /// The continuity of a patch and the mesh along a rim.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,6 +20,37 @@ pub enum Continuity {
 
 choices!(Continuity: G1 "g1", G0 "g0");
 
+/// The surface model of a fill.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Surface {
+    /// The model that predicts the surroundings of the holes best; see [`Prediction`]. `Energy` for
+    /// blends, fairings and creased rims, and where another energy than `H²` is chosen.
+    ///
+    /// [`Prediction`]: crate::fill::Prediction
+    #[default]
+    Auto,
+    /// [`SurfaceModel::Energy`].
+    Energy,
+    /// [`SurfaceModel::Diffusion`].
+    Diffusion,
+    /// [`SurfaceModel::G2`].
+    G2,
+}
+
+choices!(Surface: Auto "auto", Energy "energy", Diffusion "diffusion", G2 "g2");
+
+impl Surface {
+    /// The model, if it is not to be predicted.
+    pub fn model(self) -> Option<SurfaceModel> {
+        match self {
+            Self::Auto => None,
+            Self::Energy => Some(SurfaceModel::Energy),
+            Self::Diffusion => Some(SurfaceModel::Diffusion),
+            Self::G2 => Some(SurfaceModel::G2),
+        }
+    }
+}
+
 /// The options of a fill.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -30,6 +61,8 @@ pub struct FillOptions {
     pub noise: f64,
     /// The flow.
     pub flow: FlowOptions,
+    /// Whether prediction replaces surface model and tension of the flow.
+    pub predicts_surface: bool,
     /// Continuity of the patches and the mesh.
     pub continuity: Continuity,
     /// Continuity at single loops.
@@ -43,6 +76,7 @@ impl Default for FillOptions {
             patch: PatchOptions::default(),
             noise: 0.0,
             flow: FlowOptions::new(Energy::preset(Preset::H2)),
+            predicts_surface: true,
             continuity: Continuity::default(),
             loop_continuity: BTreeMap::new(),
         }

@@ -68,11 +68,16 @@ pub fn fill_part(
         has_initial_shape: false,
         patch_ms: milliseconds(start),
     };
+    // the chord is a boundary, across which no curvature continues
+    let options = FillOptions {
+        predicts_surface: false,
+        ..options.clone()
+    };
     let plan = Plan::of_holes(&longer, vec![draft]);
     if let Some(error) = plan.failed.first() {
         return Err(error.clone().into());
     }
-    Ok(run_plan(&longer, plan, &options.into(), observe)?)
+    Ok(run_plan(&longer, plan, &(&options).into(), observe)?)
 }
 
 /// New vertices from `to` back to `from`, without the ends.

@@ -3,6 +3,7 @@
 use crate::fill::group::{Group, groups};
 use crate::fill::hole::{DraftHole, PlannedHole};
 use crate::fill::result::FillError;
+use crate::fill::self_intersection::Obstacles;
 use crate::mesh::{DVec3, LoopId, Mesh, VertexId};
 
 /// The vertices that flow.
@@ -21,6 +22,8 @@ pub(crate) struct Plan {
     /// Holes for which no patch could be built.
     pub failed: Vec<FillError>,
     pub groups: Vec<Group>,
+    /// The triangles of the mesh that patches must not intersect.
+    pub obstacles: Obstacles,
 }
 
 impl Plan {
@@ -43,6 +46,7 @@ impl Plan {
         }
         Self {
             groups: groups(mesh, &holes),
+            obstacles: Obstacles::new(holes.len()),
             domain: Domain::Holes(holes),
             failed,
         }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::time::Instant;
 
+use crate::fill::prediction::GroupSurface;
 use crate::fill::select::NoSuchLoop;
 use crate::mesh::{LoopId, Mesh, TopologyError, VertexId};
 use crate::patch::PatchError;
@@ -65,18 +66,22 @@ pub enum RefillError {
 pub struct Timings {
     /// First patch.
     pub patch: f64,
+    /// Choice of the surface model.
+    pub prediction: f64,
     /// Region, elements, symbolic factorization.
     pub setup: f64,
     /// Graph Laplacian and bi-Laplacian.
     pub warm_start: f64,
     /// Steps.
     pub flow: f64,
+    /// Check of the result, and its repair.
+    pub soundness: f64,
 }
 
 impl Timings {
     /// Sum of the stages.
     pub fn total(&self) -> f64 {
-        self.patch + self.setup + self.warm_start + self.flow
+        self.patch + self.prediction + self.setup + self.warm_start + self.flow + self.soundness
     }
 }
 
@@ -89,6 +94,8 @@ pub(super) fn milliseconds(start: Instant) -> f64 {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct GroupResult {
+    /// The surface model.
+    pub surface: GroupSurface,
     /// Outcome of the flow.
     pub outcome: Outcome,
     /// Every attempted step.

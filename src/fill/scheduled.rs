@@ -35,8 +35,10 @@ pub(super) fn run_group(
     });
     let state = process.group.state(context);
     let mut run = process.group.run;
+    let surface = run.surface();
     GroupOutcome {
         result: run.outcome().map(|(outcome, timings)| GroupResult {
+            surface,
             outcome,
             records,
             timings,

@@ -1,11 +1,11 @@
 //! Self-intersections of patches over several rims, and intersections with the mesh.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::fill::assemble::appended_triangles;
 use crate::fill::context::FillContext;
 use crate::fill::patch_topology::PatchTopology;
-use crate::mesh::{DVec3, Mesh, self_intersections};
+use crate::mesh::{DVec3, FaceId, Mesh, TriangleBvh, self_intersections};
 use crate::warning::{MAX_PAIRS, pairs_near};
 
 /// Maximum number of accepted steps between two checks.
@@ -96,7 +96,8 @@ impl SelfIntersectionMonitor {
             positions: positions.to_vec(),
             steps,
         };
-        let places = intersections(mesh, &triangles, positions, MAX_PAIRS);
+        let obstacles = &context.plan.obstacles;
+        let places = intersections(mesh, obstacles, &triangles, &[], positions, MAX_PAIRS);
         self.found = places.first().map(|&place| SelfIntersection {
             place,
             pairs: places.len(),
@@ -140,18 +141,59 @@ fn mean_edge(mesh: &Mesh, triangles: &[[u32; 3]], positions: &[DVec3]) -> f64 {
     sum / count
 }
 
-fn place(mesh: &Mesh, new: &[DVec3], v: u32) -> DVec3 {
+/// Position of a vertex of the filled mesh, whose new vertices are at `new`.
+pub(super) fn place(mesh: &Mesh, new: &[DVec3], v: u32) -> DVec3 {
     let at = v as usize;
     let given = mesh.positions.get(at).copied();
     given.unwrap_or_else(|| new[at - mesh.vertex_count()])
 }
 
-/// Intersections of the triangles `own` with each other and with the mesh: one place for every
-/// pair, at most `limit`. The triangles are [appended](appended_triangles) to those of the mesh,
-/// with new vertices at `new`.
+/// Number of holes from which a search tree is built instead of reading all triangles for each hole.
+const MANY_HOLES: usize = 64;
+
+/// The triangles of the mesh, to be searched for those that overlap a box.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Obstacles {
+    holes: usize,
+    bvh: OnceLock<Arc<TriangleBvh>>,
+}
+
+impl Obstacles {
+    /// For the checks of so many holes.
+    pub fn new(holes: usize) -> Self {
+        let bvh = OnceLock::new();
+        Self { holes, bvh }
+    }
+
+    /// The triangles that overlap a box, in the order of the mesh.
+    fn overlapping(&self, mesh: &Mesh, low: DVec3, high: DVec3) -> Vec<[u32; 3]> {
+        if self.holes < MANY_HOLES {
+            let overlaps = |t: &[u32; 3]| {
+                let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+                a.min(b).min(c).cmple(high).all() && a.max(b).max(c).cmpge(low).all()
+            };
+            return mesh.topology.triangles().filter(overlaps).collect();
+        }
+        let bvh = self.bvh.get_or_init(|| {
+            let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+            Arc::new(TriangleBvh::new(&mesh.positions, &triangles))
+        });
+        let mut faces = Vec::new();
+        bvh.for_each_overlapping(low, high, |f| faces.push(FaceId(f)));
+        faces.sort_unstable();
+        let corners = |f: FaceId| mesh.topology.face_vertices(f).map(|v| v.0);
+        faces.into_iter().map(corners).collect()
+    }
+}
+
+/// Intersections of the triangles `own` with each other, with the triangles `others` and with the
+/// mesh: one place for every pair, at most `limit`. `own` and `others` are
+/// [appended](appended_triangles) to the triangles of the mesh, with new vertices at `new`.
 pub(super) fn intersections(
     mesh: &Mesh,
+    obstacles: &Obstacles,
     own: &[[u32; 3]],
+    others: &[[u32; 3]],
     new: &[DVec3],
     limit: usize,
 ) -> Vec<DVec3> {
@@ -166,10 +208,11 @@ pub(super) fn intersections(
         (low.min(a), high.max(b))
     });
     let mut all = own.to_vec();
-    all.extend(mesh.topology.triangles().filter(|&t| {
+    all.extend(others.iter().copied().filter(|&t| {
         let (a, b) = span(t);
         a.cmple(high).all() && b.cmpge(low).all()
     }));
+    all.extend(obstacles.overlapping(mesh, low, high));
     let mut vertices: Vec<u32> = all.iter().flatten().copied().collect();
     vertices.sort_unstable();
     vertices.dedup();
@@ -207,7 +250,11 @@ mod tests {
             let own: Vec<[u32; 3]> = (0..new.len() as u32 / 3)
                 .map(|k| [0, 1, 2].map(|c| old + 3 * k + c))
                 .collect();
-            intersections(&mesh, &own, new, 100)
+            // both kinds of search
+            let [few, many] = [1, MANY_HOLES]
+                .map(|holes| intersections(&mesh, &Obstacles::new(holes), &own, &[], new, 100));
+            assert_eq!(few, many);
+            few
         };
         // inside, through the sphere, through one another
         assert!(look(&triangle(DVec3::ZERO, 0.5)).is_empty());

@@ -1,5 +1,7 @@
 //! Rings of vertices and faces around some vertices, by breadth-first search.
 
+use std::collections::HashSet;
+
 use super::{FaceId, Topology, VertexId};
 
 /// The rings around some vertices. Ring 0 are the vertices themselves; ring `k` are the neighbours
@@ -20,6 +22,42 @@ impl Neighbourhood {
         rings: usize,
     ) -> Self {
         NeighbourhoodSearch::new(topology).around(seeds, rings)
+    }
+
+    /// As [`Self::new`], at a cost that does not depend on the size of the mesh. Slower than a
+    /// [`NeighbourhoodSearch`] where there is one.
+    pub fn small(
+        topology: &Topology,
+        seeds: impl IntoIterator<Item = VertexId>,
+        rings: usize,
+    ) -> Self {
+        let (mut seen, mut faces) = (HashSet::new(), HashSet::new());
+        let mut vertices: Vec<VertexId> = seeds.into_iter().filter(|&v| seen.insert(v)).collect();
+        let mut ends = vec![vertices.len()];
+        let mut begin = 0;
+        for _ in 0..rings {
+            let end = vertices.len();
+            for i in begin..end {
+                for h in topology.outgoing(vertices[i]) {
+                    let (f, w) = (topology.face(h), topology.target(h));
+                    if f.is_some() {
+                        faces.insert(f);
+                    }
+                    if seen.insert(w) {
+                        vertices.push(w);
+                    }
+                }
+            }
+            begin = end;
+            ends.push(vertices.len());
+        }
+        let mut faces: Vec<FaceId> = faces.into_iter().collect();
+        faces.sort_unstable();
+        Self {
+            faces,
+            vertices,
+            ends,
+        }
     }
 
     /// The vertices of all rings, ring by ring in the order in which the search reaches them.
@@ -131,6 +169,9 @@ mod tests {
             assert_eq!(sizes, [1, 6, 12, 18][..=rings]);
             assert_eq!(found.faces.len(), 6 * rings * rings);
             assert!(found.faces.is_sorted());
+            let small = Neighbourhood::small(&topology, [v, v], rings);
+            assert_eq!(small.faces, found.faces);
+            assert_eq!(small.vertices(), found.vertices());
         }
         let first = search.around([v], 1).faces;
         assert_eq!(faces_around(&topology, &first), search.around([v], 2).faces);

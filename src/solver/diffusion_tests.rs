@@ -157,14 +157,11 @@ fn the_gradient_is_that_of_the_energy() {
             x[v as usize] += *d;
         }
         let mut direct = 0.0;
-        flow.terms
-            .for_each(problem.topology(), &metric, |e, weight, c| {
-                let vertices = flow.terms.vertices.of(e);
-                let value: DVec3 = c
-                    .iter()
-                    .zip(vertices)
-                    .map(|(c, &v)| *c * x[v as usize])
-                    .sum();
+        flow.squares
+            .for_each(problem.topology(), &metric, &x, |e, weight, c, constant| {
+                let vertices = flow.squares.vertices.of(e);
+                let moving = c.iter().zip(vertices).map(|(c, &v)| *c * x[v as usize]);
+                let value = constant + moving.sum::<DVec3>();
                 direct += 0.5 * weight * value.length_squared();
             });
         let energy = flow.state.energy.value;

@@ -35,12 +35,13 @@ pub enum SurfaceModel {
 choices!(SurfaceModel: Energy "energy", Diffusion "diffusion", G2 "g2");
 
 impl SurfaceModel {
-    /// The natural time of a flow over a hole of that radius: R⁴, or R⁶ for `G2`. That of `Energy`
-    /// also depends on the surface.
+    /// The natural time of a flow over a hole of that radius: about that in which the slowest mode
+    /// of a clamped disc falls by a factor e, `R⁴/100` (3.20⁴ = 104), or `R⁶/4000` for `G2`. That of
+    /// `Energy` also depends on the surface.
     pub(crate) fn natural_time(self, radius: f64) -> f64 {
         match self {
-            Self::Energy | Self::Diffusion => radius.powi(4),
-            Self::G2 => radius.powi(6),
+            Self::Energy | Self::Diffusion => radius.powi(4) / 100.0,
+            Self::G2 => radius.powi(6) / 4000.0,
         }
     }
 }

@@ -57,7 +57,7 @@ fn a_sphere_is_measured_in_all_ways() {
         let out = run(&format!("analyze ball.obj --section {wrong}"));
         assert_eq!(out.status.code(), Some(2));
         let words = String::from_utf8_lossy(&out.stderr).into_owned();
-        assert!(words.contains("a point and a normal"), "{words}");
+        assert!(words.contains("write a point and"), "{words}");
     }
     let before = text("ball.obj");
     let out = run("analyze ball.obj --measures ball.obj");

@@ -86,7 +86,7 @@ fn the_area_pinches_off_with_a_warning() {
     assert_eq!(hole["converged"], false);
     let texts = hole["warnings"].to_string();
     assert!(texts.contains("pinches off near"), "{texts}");
-    let codes = serde_json::json!(["pinched", "self-intersection"]);
+    let codes = serde_json::json!(["smooth-rim", "pinched", "self-intersection"]);
     assert_eq!(hole["warning_codes"], codes);
     verdict(&desk, Keep::Everything);
 }

@@ -399,7 +399,8 @@ fn outer_boundaries_are_left_open_and_reported() {
     let report = desk.json("report.json");
     let skipped = &report["skipped"][0];
     assert_eq!(report["skipped"].as_array().map(Vec::len), Some(1));
-    assert!(skipped["reason"].as_str().expect("text").contains("rim"));
+    let reason = skipped["reason"].as_str().expect("text");
+    assert!(reason.contains("outer boundary"), "{reason}");
     let number = skipped["loop"].as_u64().expect("a number");
     assert!(
         run.stderr.contains(&format!("loop {number} (")),
@@ -524,6 +525,7 @@ fn trace_is_sound(trace: &str, holes: &[Value]) {
         let number = first.expect("itself at least")["loop"].to_string();
         let of_hole = rows.iter().filter(|row| row[0] == number);
         let (mut steps, mut rejected, mut energy) = (0, 0, f64::INFINITY);
+        let mut rises = 0;
         for row in of_hole {
             assert_eq!(row.len(), 7);
             assert_eq!(row[5] == "1", !row[6].is_empty(), "{row:?}");
@@ -536,10 +538,12 @@ fn trace_is_sound(trace: &str, holes: &[Value]) {
                 steps += 1;
                 assert_eq!(row[1], steps.to_string());
                 assert!(row[4].parse::<f64>().expect("a residual") >= 0.0);
-                assert!(now <= energy + 1e-9 * energy.abs());
+                // the one update of a vector flow's metric changes the energy's definition
+                rises += usize::from(now > energy + 1e-9 * energy.abs());
                 energy = now;
             }
         }
+        assert!(rises <= 1, "{rises}");
         assert_eq!(hole["steps"], steps);
         assert_eq!(hole["rejected"], rejected);
     }
@@ -601,7 +605,7 @@ fn what_a_format_cannot_keep_is_reported() {
     desk.write("in.obj", &obj(&plate()));
     let stl = desk.run(&["fill", "in.obj", "-o", "a.stl"]).ends(0);
     assert!(
-        stl.stderr.contains("a.stl: coordinates are rounded"),
+        stl.stderr.contains("a.stl: STL coordinates are rounded"),
         "{}",
         stl.stderr
     );
@@ -816,4 +820,35 @@ fn a_message_contains_each_fact_once() {
     let run = desk.run(&["fill", "strip.obj", "-o", "out.obj"]);
     let run = run.fails(1, &["one-sided", "strip.obj"]);
     assert_eq!(run.stderr.matches("one-sided").count(), 1, "{}", run.stderr);
+}
+
+#[test]
+fn a_given_energy_selects_the_surface_model_energy() {
+    let desk = Desk::new();
+    desk.runs(&["sample", "sphere", "-o", "in.obj"]);
+    let surface = |arguments: &[&str]| {
+        let fill = ["fill", "in.obj", "-o", "out.obj", "--report", "report.json"];
+        desk.runs(&[&fill, arguments].concat());
+        desk.json("report.json")["holes"][0]["surface"].clone()
+    };
+    let auto = surface(&[]);
+    assert!(auto["expected_error"].as_f64().is_some_and(|e| e > 0.0));
+    assert_eq!(auto["candidates"].as_array().map(Vec::len), Some(5));
+    assert_eq!(auto, surface(&["--surface", "auto"]));
+    for arguments in [
+        &["--energy", "H^2"][..],
+        &["--surface", "energy"],
+        &["--bulge", "0.1"],
+    ] {
+        let energy = surface(arguments);
+        assert_eq!(energy["surface"], "energy", "{arguments:?}");
+        assert!(energy["expected_error"].is_null(), "{arguments:?}");
+    }
+    for model in ["diffusion", "g2"] {
+        let chosen = surface(&["--surface", model, "--tension", "2.5"]);
+        assert_eq!(
+            (chosen["surface"].as_str(), chosen["tension"].as_f64()),
+            (Some(model), Some(2.5))
+        );
+    }
 }

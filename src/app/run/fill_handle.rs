@@ -110,6 +110,7 @@ impl WindowProcess for FillProcess {
                 rejected: group.rejected,
                 angle: at.map(|s| s.worst_angle),
                 end,
+                surface: group.surface.words(),
                 doing: iterations + &eta,
             }
         };

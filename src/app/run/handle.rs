@@ -157,6 +157,8 @@ pub struct Figures {
     pub end: Option<Result<End, String>>,
     /// The current activity.
     pub doing: String,
+    /// The surface model, with the error to expect; empty for a refinement.
+    pub surface: String,
 }
 
 /// The functions of a process that the window needs in addition to its [`Runner`].

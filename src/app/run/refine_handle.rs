@@ -129,6 +129,7 @@ impl WindowProcess for RefineProcess {
             rejected: status.rejected,
             angle: None,
             end,
+            surface: String::new(),
             doing: format!(
                 "level {} of {}, {} vertices",
                 status.level, status.levels, status.vertices

@@ -8,13 +8,19 @@ use crate::app::action::{Action, ControlsAction};
 use crate::app::document::window_controls;
 use crate::app::model::Model;
 use crate::app::view_state::Task;
-use crate::fill::{Continuity, Controls, Linear};
+use crate::fill::{Continuity, Controls, Linear, Surface};
+use crate::mesh::LoopId;
+use crate::options::Choice;
 use crate::solver::{FLOW_GROWTH, Mode, Scheme, Tau};
 
 /// All controls of a run. Changes apply to the next step.
 pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     egui::ScrollArea::vertical().show(ui, |ui| {
         ui.add_space(4.0);
+        if model.view.task != Task::Refine {
+            surface_ui(ui, model, actions);
+            ui.separator();
+        }
         ui.heading("Energy");
         if model.view.task == Task::Refine && model.view.refining.controls.energy.is_none() {
             ui.weak("adapted to the edge length of the mesh, see the task on the left");
@@ -36,7 +42,7 @@ pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>)
         ui.separator();
         if ui
             .button("Defaults")
-            .on_hover_text("H^2, normal flow, automatic time step, density of the rim, G1")
+            .on_hover_text("automatic surface model, H^2, normal flow, automatic time step, density of the rim, G1")
             .clicked()
         {
             let defaults = window_controls();
@@ -44,6 +50,47 @@ pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>)
             actions.push(ControlsAction::Set(Box::new(defaults)).into());
         }
     });
+}
+
+/// Number of groups whose surface model is listed.
+const MOST_MODELS: usize = 8;
+
+/// The surface model.
+fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    ui.heading("Surface model");
+    let mut next = model.document.controls.clone();
+    ui.horizontal_wrapped(|ui| {
+        for (surface, tip) in [
+            (
+                Surface::Auto,
+                "the model that restores known parts of the mesh around the hole best",
+            ),
+            (Surface::Energy, "makes the energy below stationary"),
+            (
+                Surface::Diffusion,
+                "quasi surface diffusion: follows the mesh in place and direction",
+            ),
+            (
+                Surface::G2,
+                "continues the curvatures of the mesh across the rim",
+            ),
+        ] {
+            ui.selectable_value(&mut next.surface, surface, surface.name())
+                .on_hover_text(tip);
+        }
+    });
+    if next.surface == Surface::Auto && !next.predicts_surface() {
+        ui.weak("An option of the energy is set: auto is energy.");
+    }
+    let sides = model.run.iter().flat_map(|run| &run.sides);
+    let rows = sides.flat_map(|side| side.handle.figures(None));
+    for row in rows.filter(|row| !row.surface.is_empty()).take(MOST_MODELS) {
+        let holes: Vec<String> = row.holes.iter().map(LoopId::to_string).collect();
+        ui.weak(format!("{}: {}", holes.join(", "), row.surface));
+    }
+    if next.surface != model.document.controls.surface {
+        actions.push(ControlsAction::Set(Box::new(next)).into());
+    }
 }
 
 /// The choice of scheme and mode. Refinements choose their scheme themselves.
@@ -159,7 +206,7 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
             "weight of the area beside the energy, in units of 1/r²; a larger weight pulls the \
              surface together",
             &mut next.tension,
-            0.0..=20.0,
+            0.0..=100.0,
         ),
         (
             "Bulge",

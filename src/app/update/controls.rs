@@ -6,7 +6,7 @@ use super::refuse_while_running;
 use crate::app::action::ControlsAction;
 use crate::app::model::Model;
 use crate::energy::{Energy, Preset};
-use crate::fill::Controls;
+use crate::fill::{Controls, Surface};
 
 pub(crate) fn update(model: &mut Model, action: ControlsAction) {
     match action {
@@ -83,6 +83,7 @@ fn apply_energy(model: &mut Model) {
         Ok(energy) => {
             controls.param = energy.params().clone();
             controls.energy = text;
+            controls.surface = Surface::Energy;
             model.history.seal();
             set(model, controls);
             model.history.seal();

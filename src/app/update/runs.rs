@@ -9,7 +9,7 @@ use crate::app::document::{AppliedOperation, window_controls};
 use crate::app::model::Model;
 use crate::app::run::Run;
 use crate::app::view_state::Task;
-use crate::fill::Controls;
+use crate::fill::{Controls, Surface};
 use crate::mesh::LoopId;
 use crate::ops::{BlendSpec, FacesSpec, FillSpec, FlowSpec, Operation};
 
@@ -162,6 +162,7 @@ fn spawn(model: &mut Model, operation: impl Fn(FlowSpec) -> Operation) {
         let mut b = a;
         b.param = params_for(energy, &b.param);
         b.energy.clone_from(energy);
+        b.surface = Surface::Energy;
         sides.push(operation(b.into()));
     }
     match Run::start(&sides, &model.document, model.view.pace, &model.wake) {

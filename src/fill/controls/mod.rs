@@ -9,7 +9,7 @@ mod tests;
 use std::collections::BTreeMap;
 
 use crate::energy::{Energy, ExprError};
-use crate::fill::options::{Continuity, FillOptions};
+use crate::fill::options::{Continuity, FillOptions, Surface};
 use crate::mesh::LoopId;
 use crate::options::{choices, options, text_keys};
 use crate::patch::PatchOptions;
@@ -39,6 +39,10 @@ options! {
         /// Value of a parameter of the energy (repeatable).
         #[serde(alias = "params")]
         param("NAME=VALUE"): BTreeMap<String, f64> = BTreeMap::new(),
+        /// Surface model: `energy` makes an energy f(H,K) stationary, `diffusion` is quasi surface
+        /// diffusion, `g2` continues curvatures across the rim, `auto` chooses by prediction of the
+        /// surroundings (`energy` if an option of the energy is given).
+        surface: Surface = Surface::default(),
         /// Method: `normal` is the fast linearly implicit normal flow, `mixed` the paper's mixed
         /// finite elements, `mixed-corrected` the same matrix with the exact gradient.
         scheme: Scheme = Scheme::default(),
@@ -86,10 +90,10 @@ pub enum ControlsError {
     #[error(transparent)]
     Flow(#[from] SolverError),
     /// The density is not a positive number.
-    #[error("the density must be a positive number, not {0}")]
+    #[error("density must be a positive number, not {0}")]
     Density(f64),
     /// The noise is not a non-negative number.
-    #[error("the noise must be a non-negative number of edge lengths, not {0}")]
+    #[error("noise must be a non-negative number of edge lengths, not {0}")]
     Noise(f64),
 }
 
@@ -116,6 +120,7 @@ impl Controls {
             return Err(ControlsError::Noise(self.noise));
         }
         let mut flow = FlowOptions::new(Energy::parse(&self.energy, &self.param)?);
+        flow.surface = self.surface.model().unwrap_or_default();
         flow.scheme = self.scheme;
         flow.mode = self.mode;
         flow.linear = match self.linear {
@@ -135,9 +140,26 @@ impl Controls {
             },
             noise: self.noise,
             flow,
+            predicts_surface: self.predicts_surface(),
             continuity: self.continuity,
             loop_continuity: self.loop_continuity.clone(),
         })
+    }
+
+    /// Whether the surface model is to be predicted: `auto`, and no option of the model `energy` is
+    /// set.
+    pub fn predicts_surface(&self) -> bool {
+        let default = Self::default();
+        let parts = |c: &Self| {
+            (
+                c.energy.clone(),
+                c.param.clone(),
+                c.scheme,
+                c.tension,
+                c.bulge,
+            )
+        };
+        self.surface == Surface::Auto && parts(self) == parts(&default)
     }
 
     /// How the patch of a loop joins its rim.

@@ -1,5 +1,6 @@
 //! Events of a fill, and the status of its groups.
 
+use crate::fill::GroupSurface;
 use crate::mesh::{DVec3, LoopId};
 use crate::solver::{End, Outcome, StepRecord};
 
@@ -50,6 +51,8 @@ pub struct GroupStatus {
     pub holes: Vec<LoopId>,
     /// Hole radius: the maximum of the group.
     pub radius: f64,
+    /// Its surface model.
+    pub surface: GroupSurface,
     /// Accepted steps.
     pub step: usize,
     /// Rejected steps.

@@ -200,6 +200,7 @@ impl GroupProgress {
         GroupStatus {
             holes,
             radius,
+            surface: self.run.surface(),
             step: self.run.steps(),
             rejected: self.rejected,
             iterations: self.iterations,
