@@ -14,6 +14,7 @@ mod lbfgs;
 mod lu;
 mod ordering;
 mod pattern;
+mod vectors;
 
 pub use cholesky::{Cholesky, CholeskySymbolic};
 pub use error::LinearError;
@@ -22,6 +23,7 @@ pub use lbfgs::Lbfgs;
 pub use lu::SparseLu;
 pub use ordering::nested_dissection;
 pub use pattern::SymmetricPattern;
+pub use vectors::{flat, vector};
 
 #[cfg(test)]
 pub(crate) mod test_matrices;

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::linear::{Cholesky, CholeskySymbolic, LinearError, SymmetricPattern, nested_dissection};
+use crate::linear::{
+    Cholesky, CholeskySymbolic, LinearError, SymmetricPattern, flat, nested_dissection, vector,
+};
 use crate::mesh::{DVec3, HalfedgeId, Topology, VertexId};
 
 /// Moves the `interior` vertices to the minimum of `Σ |(L x)_i|² / m_i`, all other vertices fixed.
@@ -79,22 +81,17 @@ pub fn warm_start_with_creases(
 /// The solution for each unknown. `points` are the places of the unknowns, for the elimination
 /// order.
 pub(super) fn solve(rows: &Rows, points: &[DVec3]) -> Result<Vec<DVec3>, LinearError> {
-    let n = points.len();
     let perm = nested_dissection(points, &rows.offsets, &rows.columns);
     let pattern = SymmetricPattern::of_permuted_graph(&rows.offsets, &rows.columns, &perm);
     let values = permuted_values(rows, &pattern, &perm);
     let mut factor = Cholesky::new(Arc::new(CholeskySymbolic::new(&pattern)?));
     factor.factorize(&values)?;
 
-    let mut solution = vec![0.0; 3 * n];
-    for (new, &old) in perm.iter().enumerate() {
-        let b = rows.rhs[old as usize];
-        (solution[new], solution[n + new], solution[2 * n + new]) = (b.x, b.y, b.z);
-    }
+    let mut solution = flat(perm.iter().map(|&old| rows.rhs[old as usize]));
     factor.solve_in_place(&mut solution, 3);
-    let mut out = vec![DVec3::ZERO; n];
+    let mut out = vec![DVec3::ZERO; points.len()];
     for (new, &old) in perm.iter().enumerate() {
-        out[old as usize] = DVec3::new(solution[new], solution[n + new], solution[2 * n + new]);
+        out[old as usize] = vector(&solution, new);
     }
     Ok(out)
 }

@@ -1,5 +1,6 @@
 //! Continuation in the constraints: from a surface near the targets to one that interpolates them.
 
+use crate::linear::vector;
 use crate::mesh::{DVec3, VertexId};
 use crate::refine::descent::FullGradientDescent;
 
@@ -127,13 +128,12 @@ impl FullGradientDescent {
             .map(|(to, from)| *to - *from)
             .collect();
         let vertices = &self.evaluator.unknowns().vertex;
-        let n = vertices.len();
-        let mut step = vec![0.0; 3 * n];
+        let mut step = vec![0.0; 3 * vertices.len()];
         constraints.add_load(&shifts, &mut step);
         self.cholesky.solve_in_place(&mut step, 3);
         let mut positions = self.evaluator.state.positions.clone();
         for (i, &v) in vertices.iter().enumerate() {
-            positions[v as usize] += DVec3::new(step[i], step[n + i], step[2 * n + i]);
+            positions[v as usize] += vector(&step, i);
         }
         constraints.enforce_at(targets, &mut positions);
         Some(positions)

@@ -11,7 +11,7 @@
 use std::sync::Arc;
 
 use crate::energy::Energy;
-use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs, LinearError};
+use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs, LinearError, flat, vector};
 use crate::mesh::{DVec3, Topology};
 use crate::solver::{
     Attempt, EnergySum, Evaluator, FlowOptions, FlowProblem, FoldGuard, MatrixForm,
@@ -155,14 +155,13 @@ impl FullGradientDescent {
 
     /// Searches for an acceptable trial point along the direction of descent.
     fn search(&mut self) -> Option<Step> {
-        let n = self.evaluator.unknowns().len();
         let mut direction = self.direction();
         let mut length = 1.0;
         for _ in 0..MAX_TRIALS {
             if length < MIN_LENGTH {
                 return None;
             }
-            let along = |i: usize| DVec3::new(direction[i], direction[n + i], direction[2 * n + i]);
+            let along = |i: usize| vector(&direction, i);
             let (mut slope, mut max_displacement) = (0.0, 0.0f64);
             for (i, g) in self.evaluator.state.gradient.iter().enumerate() {
                 slope += length * along(i).dot(*g);
@@ -245,14 +244,4 @@ impl Stepper for FullGradientDescent {
     fn first_tau(&self, tau_ref: f64) -> f64 {
         tau_ref
     }
-}
-
-/// Components one after the other.
-fn flat(vectors: impl ExactSizeIterator<Item = DVec3>) -> Vec<f64> {
-    let n = vectors.len();
-    let mut out = vec![0.0; 3 * n];
-    for (i, v) in vectors.enumerate() {
-        (out[i], out[n + i], out[2 * n + i]) = (v.x, v.y, v.z);
-    }
-    out
 }
