@@ -31,19 +31,34 @@ impl Neighbourhood {
         seeds: impl IntoIterator<Item = VertexId>,
         rings: usize,
     ) -> Self {
-        let (mut seen, mut faces) = (HashSet::new(), HashSet::new());
-        let mut vertices: Vec<VertexId> = seeds.into_iter().filter(|&v| seen.insert(v)).collect();
+        let (mut vertices, mut faces) = (HashSet::new(), HashSet::new());
+        let is_new_vertex = |v| vertices.insert(v);
+        Self::search(topology, seeds, rings, is_new_vertex, |f| faces.insert(f))
+    }
+
+    /// The breadth-first search. The predicates return `true` for a vertex or face at its first call
+    /// and `false` later.
+    fn search(
+        topology: &Topology,
+        seeds: impl IntoIterator<Item = VertexId>,
+        rings: usize,
+        mut is_new_vertex: impl FnMut(VertexId) -> bool,
+        mut is_new_face: impl FnMut(FaceId) -> bool,
+    ) -> Self {
+        let mut vertices: Vec<VertexId> = seeds.into_iter().collect();
+        vertices.retain(|&v| is_new_vertex(v));
         let mut ends = vec![vertices.len()];
+        let mut faces = Vec::new();
         let mut begin = 0;
         for _ in 0..rings {
             let end = vertices.len();
             for i in begin..end {
                 for h in topology.outgoing(vertices[i]) {
                     let (f, w) = (topology.face(h), topology.target(h));
-                    if f.is_some() {
-                        faces.insert(f);
+                    if f.is_some() && is_new_face(f) {
+                        faces.push(f);
                     }
-                    if seen.insert(w) {
+                    if is_new_vertex(w) {
                         vertices.push(w);
                     }
                 }
@@ -51,7 +66,6 @@ impl Neighbourhood {
             begin = end;
             ends.push(vertices.len());
         }
-        let mut faces: Vec<FaceId> = faces.into_iter().collect();
         faces.sort_unstable();
         Self {
             faces,
@@ -117,34 +131,16 @@ impl<'a> NeighbourhoodSearch<'a> {
         rings: usize,
     ) -> Neighbourhood {
         self.searches += 1;
-        let is_new = |mark: &mut u32| std::mem::replace(mark, self.searches) != self.searches;
-        let mut vertices: Vec<VertexId> = seeds.into_iter().collect();
-        vertices.retain(|v| is_new(&mut self.vertex_mark[v.index()]));
-        let mut ends = vec![vertices.len()];
-        let mut faces = Vec::new();
-        let mut begin = 0;
-        for _ in 0..rings {
-            let end = vertices.len();
-            for i in begin..end {
-                for h in self.topology.outgoing(vertices[i]) {
-                    let (f, w) = (self.topology.face(h), self.topology.target(h));
-                    if f.is_some() && is_new(&mut self.face_mark[f.index()]) {
-                        faces.push(f);
-                    }
-                    if is_new(&mut self.vertex_mark[w.index()]) {
-                        vertices.push(w);
-                    }
-                }
-            }
-            begin = end;
-            ends.push(vertices.len());
-        }
-        faces.sort_unstable();
-        Neighbourhood {
-            faces,
-            vertices,
-            ends,
-        }
+        let search = self.searches;
+        let is_new = |mark: &mut u32| std::mem::replace(mark, search) != search;
+        let (vertices, faces) = (&mut self.vertex_mark, &mut self.face_mark);
+        Neighbourhood::search(
+            self.topology,
+            seeds,
+            rings,
+            |v| is_new(&mut vertices[v.index()]),
+            |f| is_new(&mut faces[f.index()]),
+        )
     }
 }
 
