@@ -17,7 +17,7 @@
 
 use std::sync::Arc;
 
-use crate::linear::{Cholesky, CholeskySymbolic};
+use crate::linear::{Cholesky, CholeskySymbolic, flat, vector};
 use crate::mesh::{DVec3, HalfedgeId, Topology, VertexId};
 use crate::solver::assembly::EnergySum;
 use crate::solver::control::{Attempt, StepKind};
@@ -52,13 +52,11 @@ pub struct DiffusionFlow {
     squares: Squares,
     scatter: SymmetricScatter,
     factor: Cholesky,
-    radius: f64,
-    natural_time: f64,
     updates_left: usize,
     state: State,
     /// Area at each moving vertex.
     mass: Vec<f64>,
-    /// Matrix of the energy, in the order of the pattern, and one more entry for fixed vertices.
+    /// Matrix of the energy, in the order of the pattern.
     matrix: Vec<f64>,
 }
 
@@ -78,7 +76,6 @@ struct Squares {
     model: SurfaceModel,
     /// t/R².
     tension: f64,
-    is_moving: Vec<bool>,
     /// The vertices with a curvature vector.
     centres: Vec<u32>,
     /// The moving vertices on which each curvature vector depends: its own, then its neighbours.
@@ -148,7 +145,6 @@ impl Squares {
             _ => 1,
         };
         let mut number: Vec<Option<u32>> = vec![None; ring.len()];
-        let is_moving: Vec<bool> = ring.iter().map(|&ring| ring == 0).collect();
         let mut centres = Vec::new();
         let mut rings = IndexLists {
             start: vec![0],
@@ -160,7 +156,7 @@ impl Squares {
                 number[v.index()] = Some(rings.len() as u32);
                 centres.push(v.0);
                 let all = std::iter::once(v).chain(topology.neighbours(v));
-                let moving = all.filter(|v| is_moving[v.index()]);
+                let moving = all.filter(|v| ring[v.index()] == 0);
                 rings.items.extend(moving.map(|v| v.0));
                 rings.start.push(rings.items.len() as u32);
             }
@@ -168,7 +164,6 @@ impl Squares {
         let mut out = Self {
             model,
             tension: tension / (problem.radius() * problem.radius()),
-            is_moving,
             centres,
             rings,
             terms: Vec::new(),
@@ -187,35 +182,36 @@ impl Squares {
                 let ends = [topology.origin(h), topology.target(h)];
                 let known = ends.map(|v| number[v.index()].is_some() || is_crease[v.index()]);
                 if known == [true; 2] && ends.iter().any(|&v| is_near(v)) {
-                    out.push(Term::Gradient(h, ends.map(|v| number[v.index()])), topology);
+                    out.push(Term::Gradient(h, ends.map(|v| number[v.index()])), problem);
                 }
             }
         } else if tension != 0.0 {
             for h in topology.edges() {
                 let ends = [topology.origin(h), topology.target(h)];
                 if ends.iter().any(|&v| ring[v.index()] == 0) {
-                    out.push(Term::Edge(h), topology);
+                    out.push(Term::Edge(h), problem);
                 }
             }
         }
         if model != SurfaceModel::G2 || tension != 0.0 {
             for v in topology.vertices().filter(|&v| is_near(v)) {
                 if let Some(i) = number[v.index()] {
-                    out.push(Term::Curvature(i), topology);
+                    out.push(Term::Curvature(i), problem);
                 }
             }
         }
         out
     }
 
-    fn push(&mut self, term: Term, topology: &Topology) {
+    fn push(&mut self, term: Term, problem: &FlowProblem) {
+        let topology = problem.topology();
         let begin = self.vertices.items.len();
         let used = match term {
             Term::Curvature(i) => [Some(i), None],
             Term::Gradient(_, ends) => ends,
             Term::Edge(h) => {
                 let ends = [topology.origin(h), topology.target(h)].into_iter();
-                let moving = ends.filter(|v| self.is_moving[v.index()]);
+                let moving = ends.filter(|v| problem.ring()[v.index()] == 0);
                 self.vertices.items.extend(moving.map(|v| v.0));
                 [None; 2]
             }
@@ -238,52 +234,48 @@ impl Squares {
 
     /// Curvature vectors `−(L x)_v / m_v`: the coefficients of the moving vertices of each ring, and
     /// the sum over the fixed ones.
-    fn laplacians(
-        &self,
-        topology: &Topology,
-        metric: &Metric,
-        x: &[DVec3],
-    ) -> (Vec<f64>, Vec<DVec3>) {
+    fn laplacians(&self, problem: &FlowProblem, metric: &Metric) -> (Vec<f64>, Vec<DVec3>) {
+        let (topology, fixed) = (problem.topology(), problem.positions());
+        let is_moving = |v: VertexId| problem.ring()[v.index()] == 0;
         let mut out = Vec::with_capacity(self.rings.items.len());
         let mut constants = Vec::with_capacity(self.centres.len());
         for &centre in &self.centres {
             let v = VertexId(centre);
             let per_mass = 1.0 / metric.mass[v.index()];
             let own = out.len();
-            if self.is_moving[v.index()] {
+            if is_moving(v) {
                 out.push(0.0);
             }
             let (mut sum, mut constant) = (0.0, DVec3::ZERO);
             for h in topology.outgoing(v) {
                 let w = metric.weight(h) * per_mass;
                 sum += w;
-                let to = topology.target(h).index();
-                if self.is_moving[to] {
+                let to = topology.target(h);
+                if is_moving(to) {
                     out.push(w);
                 } else {
-                    constant += w * x[to];
+                    constant += w * fixed[to.index()];
                 }
             }
-            if self.is_moving[v.index()] {
+            if is_moving(v) {
                 out[own] = -sum;
             } else {
-                constant -= sum * x[v.index()];
+                constant -= sum * fixed[v.index()];
             }
             constants.push(constant);
         }
         (out, constants)
     }
 
-    /// Calls `visit` with number, weight, coefficients and constant of each square. `x` gives the
-    /// fixed vertices.
+    /// Calls `visit` with number, weight, coefficients and constant of each square.
     fn for_each(
         &self,
-        topology: &Topology,
+        problem: &FlowProblem,
         metric: &Metric,
-        x: &[DVec3],
         mut visit: impl FnMut(usize, f64, &[f64], DVec3),
     ) {
-        let (laplacians, constants) = self.laplacians(topology, metric, x);
+        let (topology, fixed) = (problem.topology(), problem.positions());
+        let (laplacians, constants) = self.laplacians(problem, metric);
         let lower = match self.model {
             SurfaceModel::G2 => self.tension,
             _ => 1.0,
@@ -303,8 +295,8 @@ impl Squares {
                     let ends = [topology.origin(h), topology.target(h)];
                     let mut moving = coefficients.iter_mut();
                     for (v, sign) in ends.map(VertexId::index).into_iter().zip([1.0, -1.0]) {
-                        if !self.is_moving[v] {
-                            constant += sign * x[v];
+                        if problem.ring()[v] != 0 {
+                            constant += sign * fixed[v];
                         } else if let Some(coefficient) = moving.next() {
                             *coefficient = sign;
                         }
@@ -339,13 +331,11 @@ impl DiffusionFlow {
     ) -> Result<Self, SolverError> {
         let squares = Squares::new(problem, model, tension);
         let unordered = Unknowns::new(problem.positions().len(), problem.interior().to_vec());
-        let of = |u: &Unknowns| IndexLists {
+        let vertices = squares.vertices.items.iter();
+        let lists = IndexLists {
             start: squares.vertices.start.clone(),
-            items: (squares.vertices.items.iter())
-                .map(|&v| u.of_vertex[v as usize])
-                .collect(),
+            items: vertices.map(|&v| unordered.of_vertex[v as usize]).collect(),
         };
-        let lists = of(&unordered);
         let graph = ListGraph::new(&lists, unordered.len());
         let order = graph.dissect(&unordered.points(problem.positions()));
         let scatter = graph.scatter(&order);
@@ -356,8 +346,6 @@ impl DiffusionFlow {
             squares,
             scatter,
             factor: Cholesky::new(symbolic),
-            radius: problem.radius(),
-            natural_time: model.natural_time(problem.radius()),
             updates_left: UPDATES,
             state: State {
                 positions: problem.positions().to_vec(),
@@ -370,10 +358,14 @@ impl DiffusionFlow {
         Ok(flow)
     }
 
+    fn radius(&self) -> f64 {
+        self.problem.radius()
+    }
+
     /// Starts again at the problem's positions with another tension. A flow that was made without
     /// tension cannot have one.
     pub fn restart(&mut self, tension: f64) {
-        self.squares.tension = tension / (self.radius * self.radius);
+        self.squares.tension = tension / (self.radius() * self.radius());
         self.updates_left = UPDATES;
         self.state
             .positions
@@ -384,17 +376,13 @@ impl DiffusionFlow {
     /// Computes matrix, energy and gradient in the metric of the current positions.
     fn update_metric(&mut self) {
         let metric = Metric::new(self.problem.topology(), &self.state.positions);
-        let n = self.unknowns.len();
         let x = &self.state.positions;
         self.matrix.clear();
-        self.matrix.resize(self.scatter.pattern.nnz() + 1, 0.0);
-        let mut gradient = vec![DVec3::ZERO; n + 1];
+        self.matrix.resize(self.scatter.pattern.nnz(), 0.0);
+        let mut gradient = vec![DVec3::ZERO; self.unknowns.len()];
         let mut energy = 0.0;
-        self.squares.for_each(
-            self.problem.topology(),
-            &metric,
-            x,
-            |e, weight, c, constant| {
+        self.squares
+            .for_each(&self.problem, &metric, |e, weight, c, constant| {
                 let vertices = self.squares.vertices.of(e);
                 let moving = c.iter().zip(vertices).map(|(c, &v)| *c * x[v as usize]);
                 let value = constant + moving.sum::<DVec3>();
@@ -408,10 +396,7 @@ impl DiffusionFlow {
                         self.matrix[slot as usize] += weight * ci * cj;
                     }
                 }
-            },
-        );
-        gradient.truncate(n);
-        self.matrix.truncate(self.scatter.pattern.nnz());
+            });
         self.state.gradient = gradient;
         self.state.energy = EnergySum {
             value: energy,
@@ -448,7 +433,6 @@ impl Stepper for DiffusionFlow {
 
     /// One implicit step `(M/τ + A) d = −∇E`. Its energy in the metric of the step never rises.
     fn attempt(&mut self, request: &StepRequest) -> Attempt {
-        let n = self.unknowns.len();
         let mut values = self.matrix.clone();
         for (m, &diagonal) in self.mass.iter().zip(&self.scatter.pattern.col_ptr) {
             values[diagonal] += m / request.tau;
@@ -456,15 +440,11 @@ impl Stepper for DiffusionFlow {
         if let Err(error) = self.factor.factorize(&values) {
             return Attempt::rejected(error.into());
         }
-        let mut solution = vec![0.0; 3 * n];
-        for (i, g) in self.state.gradient.iter().enumerate() {
-            for (k, g) in g.to_array().into_iter().enumerate() {
-                solution[k * n + i] = -g;
-            }
-        }
+        let mut solution = flat(self.state.gradient.iter().map(|&g| -g));
         self.factor.solve_in_place(&mut solution, 3);
-        let at = |i: usize| DVec3::new(solution[i], solution[n + i], solution[2 * n + i]);
-        let shift: Vec<DVec3> = (0..n).map(at).collect();
+        let shift: Vec<DVec3> = (0..self.unknowns.len())
+            .map(|i| vector(&solution, i))
+            .collect();
         let mut longest = shift.iter().map(|d| d.length()).fold(0.0, f64::max);
         if !shift.iter().all(|d| d.is_finite()) {
             return Attempt::rejected(RejectReason::NoDescent);
@@ -472,12 +452,13 @@ impl Stepper for DiffusionFlow {
         for (&v, d) in self.unknowns.vertex.iter().zip(&shift) {
             self.state.positions[v as usize] += *d;
         }
-        let scaled = longest / self.radius * (self.natural_time / request.tau).max(1.0);
+        let natural_time = self.squares.model.natural_time(self.radius());
+        let scaled = longest / self.radius() * (natural_time / request.tau).max(1.0);
         if self.updates_left > 0 && scaled < SETTLED {
             self.updates_left -= 1;
             self.update_metric();
             // the surface is not stationary in the new metric
-            longest = longest.max(SETTLED * self.radius);
+            longest = longest.max(SETTLED * self.radius());
         } else {
             self.follow(&shift);
         }
@@ -496,7 +477,8 @@ impl Stepper for DiffusionFlow {
     /// The time in which detail of the size of an edge relaxes.
     fn first_tau(&self, tau_ref: f64) -> f64 {
         let mean = self.mass.iter().sum::<f64>() / self.mass.len().max(1) as f64;
-        tau_ref / self.natural_time * self.squares.model.natural_time(mean.sqrt())
+        let natural_time = |length| self.squares.model.natural_time(length);
+        tau_ref / natural_time(self.radius()) * natural_time(mean.sqrt())
     }
 }
 

@@ -158,7 +158,7 @@ fn the_gradient_is_that_of_the_energy() {
         }
         let mut direct = 0.0;
         flow.squares
-            .for_each(problem.topology(), &metric, &x, |e, weight, c, constant| {
+            .for_each(&problem, &metric, |e, weight, c, constant| {
                 let vertices = flow.squares.vertices.of(e);
                 let moving = c.iter().zip(vertices).map(|(c, &v)| *c * x[v as usize]);
                 let value = constant + moving.sum::<DVec3>();
@@ -182,7 +182,7 @@ fn a_step_in_a_fixed_metric_never_raises_the_energy() {
         flow.updates_left = 0;
         let mut last = flow.state.energy.value;
         for k in -6..3 {
-            let tau = 10f64.powi(k) * flow.natural_time;
+            let tau = 10f64.powi(k) * model.natural_time(0.4);
             let request = StepRequest {
                 tau,
                 next_tau: tau,
