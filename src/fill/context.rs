@@ -1,5 +1,7 @@
 //! Data shared by the groups of a fill, and errors of changes to a group.
 
+use crate::fill::assemble::appended_triangles;
+use crate::fill::patch_topology::PatchTopology;
 use crate::fill::plan::Plan;
 use crate::mesh::{LoopId, Mesh};
 use crate::patch::{PatchError, TransferError};
@@ -10,6 +12,18 @@ use crate::solver::SolverError;
 pub(super) struct FillContext<'a> {
     pub mesh: &'a Mesh,
     pub plan: &'a Plan,
+}
+
+impl FillContext<'_> {
+    /// The patches of a group as [appended](appended_triangles) triangles, hole after hole.
+    pub fn patch_triangles(&self, group: usize, topology: &PatchTopology) -> Vec<[u32; 3]> {
+        let patches = self.plan.holes_of(group).zip(&topology.holes);
+        let parts = patches.map(|(hole, patch)| {
+            let rim = &hole.rims.vertices[..];
+            (rim, &patch.triangles[..], patch.new_vertices)
+        });
+        appended_triangles(self.mesh.vertex_count(), parts)
+    }
 }
 
 /// Why a change cannot be made. The group continues as before.

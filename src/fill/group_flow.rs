@@ -15,29 +15,16 @@ use crate::fill::region;
 use crate::fill::remesh::{RemeshPolicy, remesh, remesh_degraded};
 use crate::fill::result::{Timings, milliseconds};
 use crate::fill::self_intersection::{SelfIntersection, SelfIntersectionMonitor};
-use crate::fill::soundness::{Defects, defects};
+use crate::fill::soundness::make_sound;
 use crate::fill::warm_start::{warm_start, warm_start_of};
 use crate::mesh::{BoundaryLoop, DVec3, VertexId};
-use crate::solver::{
-    End, Flow, FlowProblem, Mode, Outcome, SolverError, StepRecord, SurfaceModel, Tau,
-    sharpest_cosine,
-};
+use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord, sharpest_cosine};
 use crate::warning::{Warning, Warnings};
 
 /// Maximum factor by which remeshing may raise the energy. A rise is normal: new vertices lie on
 /// the control triangles and not on the smooth surface, which the next steps correct, and stretched
 /// triangles underestimate the curvature.
 const MAX_ENERGY_RISE: f64 = 1.6;
-
-/// Surface models for patches that are unsound by another one, in the order in which they are
-/// tried: each next one is nearer to a membrane.
-const SAFER: [Candidate; 5] = [
-    Candidate::new(SurfaceModel::Diffusion, 0.0),
-    Candidate::new(SurfaceModel::Diffusion, 3.0),
-    Candidate::new(SurfaceModel::Diffusion, 30.0),
-    Candidate::new(SurfaceModel::Diffusion, 300.0),
-    Candidate::new(SurfaceModel::Diffusion, 1e5),
-];
 
 /// The flow of a group of holes.
 pub(super) struct GroupFlow {
@@ -130,10 +117,7 @@ impl GroupFlow {
         let flow = &self.options.flow;
         let is_predicted = self.options.predicts_surface;
         GroupSurface {
-            model: Candidate {
-                surface: flow.surface,
-                tension: flow.tension,
-            },
+            model: Candidate::new(flow.surface, flow.tension),
             prediction: self.prediction.clone().filter(|_| is_predicted),
         }
     }
@@ -164,9 +148,7 @@ impl GroupFlow {
     fn has_unfit_rim(&self, context: FillContext<'_>) -> bool {
         let is_smooth = |l: &BoundaryLoop| self.options.continuity_at(l.id) == Continuity::G1;
         let mut holes = context.plan.holes_of(self.group);
-        let flow = &self.options.flow;
-        flow.surface == SurfaceModel::Energy
-            && flow.energy.order() == Order::Second
+        self.options.flow.order() == Order::Second
             && holes.any(|hole| hole.rims.loops.iter().any(is_smooth))
     }
 
@@ -222,9 +204,7 @@ impl GroupFlow {
     /// Replaces triangles that a large deformation has degraded.
     fn remesh_if_degraded(&mut self, context: FillContext<'_>) {
         let end = self.end();
-        let flow = &self.options.flow;
-        let is_fourth =
-            flow.surface != SurfaceModel::Energy || flow.energy.order() == Order::Fourth;
+        let is_fourth = self.options.flow.order() == Order::Fourth;
         match end {
             None | Some(End::Converged) => {}
             // the cause is not a closing neck but zero-area triangles of a large deformation
@@ -298,9 +278,8 @@ impl GroupFlow {
         }
     }
 
-    /// Checks the patches of holes at the end of the flow. An unsound one is replaced by the first
-    /// sound surface of [other models](SAFER), or else by the least unsound. Blends have checks of
-    /// their own during the flow.
+    /// Checks the patches of holes at the end of the flow, and replaces unsound ones. Blends have
+    /// checks of their own during the flow.
     fn make_sound(&mut self, context: FillContext<'_>) {
         let mut holes = context.plan.holes_of(self.group);
         let is_checked = matches!(context.plan.domain, Domain::Holes(_))
@@ -309,50 +288,13 @@ impl GroupFlow {
             return;
         }
         let start = Instant::now();
-        let mut positions = self.positions();
-        let mut is_changed = false;
-        for (k, hole) in context.plan.holes_of(self.group).enumerate() {
-            let defects =
-                |positions: &[DVec3]| defects(context, self.group, k, &self.topology, positions);
-            let Some(found) = defects(&positions) else {
-                continue;
-            };
-            let present = self.surface().model;
-            let mut left = Some(found);
-            let mut best = None;
-            for model in SAFER.into_iter().filter(|&model| model != present) {
-                let Ok(moved) = self.hole_by(context, k, model, &positions) else {
-                    continue;
-                };
-                let after = defects(&moved);
-                let severity = |defects: &Option<Defects>| defects.map(|d| d.severity());
-                if severity(&after) < severity(&left) {
-                    left = after;
-                    best = Some((model, moved));
-                }
-                if left.is_none() {
-                    break;
-                }
-            }
-            if let Some((model, moved)) = best {
-                positions = moved;
-                is_changed = true;
-                let (pairs, folds) = found.severity();
-                self.warn(Warning::Replaced {
-                    hole: hole.rims.id(),
-                    model: present.words(),
-                    by: model.words(),
-                    pairs,
-                    folds,
-                });
-            }
-            self.warnings
-                .extend(left.iter().flat_map(Defects::warnings));
-        }
-        if is_changed {
+        let (topology, positions) = (Arc::clone(&self.topology), self.positions());
+        let checked = make_sound(context, self.group, &topology, positions, &self.options);
+        self.warnings.extend(checked.warnings);
+        if let Some(positions) = checked.replaced {
             // the expected error is not that of another model
             self.options.predicts_surface = false;
-            let (topology, (steps, rejected)) = (Arc::clone(&self.topology), self.step_counts());
+            let (steps, rejected) = self.step_counts();
             let end = self.end().unwrap_or(End::Converged);
             let options = self.options.clone();
             let flow = self.build(context, &topology, &positions, &options, steps, rejected);
@@ -363,34 +305,6 @@ impl GroupFlow {
             self.install(topology, positions, flow);
         }
         self.timings.soundness += milliseconds(start);
-    }
-
-    /// Positions of the group with one hole filled by another surface model, from its warm start.
-    fn hole_by(
-        &self,
-        context: FillContext<'_>,
-        hole: usize,
-        model: Candidate,
-        positions: &[DVec3],
-    ) -> Result<Vec<DVec3>, SolverError> {
-        let mut options = self.options.flow.clone();
-        options.surface = model.surface;
-        options.tension = model.tension;
-        options.mode = Mode::Fast;
-        options.tau = Tau::Auto;
-        let problem = region::problem(
-            context,
-            self.group,
-            &self.topology,
-            positions,
-            &self.options,
-        )?;
-        let own = self.topology.split(problem.interior()).nth(hole);
-        let own = own.map_or(&[][..], |(_, own)| own);
-        let start = warm_start_of(problem.clone(), own)?;
-        let mut flow = Flow::new(start.moving_only(own)?, options)?;
-        flow.run(|_, _| true)?;
-        Ok(problem.to_world(flow.positions()))
     }
 
     /// The intersection found by the last check, if there was one.

@@ -2,7 +2,6 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::fill::assemble::appended_triangles;
 use crate::fill::context::FillContext;
 use crate::fill::patch_topology::PatchTopology;
 use crate::mesh::{DVec3, FaceId, Mesh, TriangleBvh, self_intersections};
@@ -82,12 +81,7 @@ impl SelfIntersectionMonitor {
             return;
         }
         let mesh = context.mesh;
-        let patches = context.plan.holes_of(group).zip(&topology.holes);
-        let patches = patches.map(|(hole, patch)| {
-            let rim = &hole.rims.vertices[..];
-            (rim, &patch.triangles[..], patch.new_vertices)
-        });
-        let triangles = appended_triangles(mesh.vertex_count(), patches);
+        let triangles = context.patch_triangles(group, topology);
         if !ended && !self.is_due(mesh, topology, &triangles, positions, steps) {
             return;
         }
@@ -188,7 +182,7 @@ impl Obstacles {
 
 /// Intersections of the triangles `own` with each other, with the triangles `others` and with the
 /// mesh: one place for every pair, at most `limit`. `own` and `others` are
-/// [appended](appended_triangles) to the triangles of the mesh, with new vertices at `new`.
+/// [appended](super::assemble::appended_triangles) to the triangles of the mesh, with new vertices at `new`.
 pub(super) fn intersections(
     mesh: &Mesh,
     obstacles: &Obstacles,

@@ -1,21 +1,122 @@
-//! Whether a patch is sound: no triangle crosses another one or has no area, and no edge is folded.
+//! Sound patches: no triangle crosses another one or has no area, and no edge is folded.
 
 use std::collections::{BTreeSet, HashMap};
 
-use crate::fill::assemble::appended_triangles;
 use crate::fill::context::FillContext;
+use crate::fill::options::FillOptions;
 use crate::fill::patch_topology::PatchTopology;
+use crate::fill::prediction::Candidate;
+use crate::fill::region;
 use crate::fill::self_intersection::{intersections, place};
+use crate::fill::warm_start::warm_start_of;
 use crate::mesh::DVec3;
-use crate::warning::{MAX_PAIRS, Warning};
+use crate::solver::{Flow, Mode, SolverError, SurfaceModel, Tau};
+use crate::warning::{MAX_PAIRS, Warning, Warnings};
 
 /// Cosine of the angle between the normals of neighbours beyond which their edge counts as folded
 /// (150°).
 const FOLDED: f64 = -0.866_025_403_784_438_6;
 
+/// Surface models for patches that are unsound by another one, in the order in which they are
+/// tried: each next one is nearer to a membrane.
+const SAFER: [Candidate; 5] = [
+    Candidate::new(SurfaceModel::Diffusion, 0.0),
+    Candidate::new(SurfaceModel::Diffusion, 3.0),
+    Candidate::new(SurfaceModel::Diffusion, 30.0),
+    Candidate::new(SurfaceModel::Diffusion, 300.0),
+    Candidate::new(SurfaceModel::Diffusion, 1e5),
+];
+
+/// The patches of a group after the check for soundness.
+pub(super) struct Checked {
+    /// The new vertices, if a patch was replaced.
+    pub replaced: Option<Vec<DVec3>>,
+    /// What was replaced, and which defects are left.
+    pub warnings: Warnings,
+}
+
+/// Checks the patches of a group with new vertices at `positions`, filled with `options`. An unsound
+/// patch is replaced by the first sound surface of [other models](SAFER), or else by the least
+/// unsound.
+pub(super) fn make_sound(
+    context: FillContext<'_>,
+    group: usize,
+    topology: &PatchTopology,
+    mut positions: Vec<DVec3>,
+    options: &FillOptions,
+) -> Checked {
+    let present = Candidate::new(options.flow.surface, options.flow.tension);
+    let mut warnings = Warnings::default();
+    let mut is_replaced = false;
+    for (k, hole) in context.plan.holes_of(group).enumerate() {
+        let defects = |positions: &[DVec3]| defects(context, group, k, topology, positions);
+        let Some(found) = defects(&positions) else {
+            continue;
+        };
+        let mut left = Some(found);
+        let mut best = None;
+        for model in SAFER.into_iter().filter(|&model| model != present) {
+            let moved = hole_by(context, group, k, topology, model, &positions, options);
+            let Ok(moved) = moved else {
+                continue;
+            };
+            let after = defects(&moved);
+            let severity = |defects: &Option<Defects>| defects.map(|d| d.severity());
+            if severity(&after) < severity(&left) {
+                left = after;
+                best = Some((model, moved));
+            }
+            if left.is_none() {
+                break;
+            }
+        }
+        if let Some((model, moved)) = best {
+            positions = moved;
+            is_replaced = true;
+            let (pairs, folds) = found.severity();
+            warnings.push(Warning::Replaced {
+                hole: hole.rims.id(),
+                model: present.words(),
+                by: model.words(),
+                pairs,
+                folds,
+            });
+        }
+        warnings.extend(left.iter().flat_map(Defects::warnings));
+    }
+    Checked {
+        replaced: is_replaced.then_some(positions),
+        warnings,
+    }
+}
+
+/// New vertices of a group with one hole filled by another surface model, from its warm start.
+fn hole_by(
+    context: FillContext<'_>,
+    group: usize,
+    hole: usize,
+    topology: &PatchTopology,
+    model: Candidate,
+    positions: &[DVec3],
+    options: &FillOptions,
+) -> Result<Vec<DVec3>, SolverError> {
+    let problem = region::problem(context, group, topology, positions, options)?;
+    let own = topology.split(problem.interior()).nth(hole);
+    let own = own.map_or(&[][..], |(_, own)| own);
+    let start = warm_start_of(problem.clone(), own)?;
+    let mut flow = options.flow.clone();
+    flow.surface = model.surface;
+    flow.tension = model.tension;
+    flow.mode = Mode::Fast;
+    flow.tau = Tau::Auto;
+    let mut flow = Flow::new(start.moving_only(own)?, flow)?;
+    flow.run(|_, _| true)?;
+    Ok(problem.to_world(flow.positions()))
+}
+
 /// What is wrong with a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Defects {
+struct Defects {
     /// Pairs of triangles that cross, [`MAX_PAIRS`] at most, and one of the places.
     pub crossings: Option<(usize, DVec3)>,
     /// Folded edges and triangles without area, and one of the places.
@@ -43,7 +144,7 @@ impl Defects {
 
 /// The defects of the patch of one hole of a group, `hole` among the holes of the group, with the
 /// group's new vertices at `positions`; `None` if it is sound.
-pub(super) fn defects(
+fn defects(
     context: FillContext<'_>,
     group: usize,
     hole: usize,
@@ -51,12 +152,7 @@ pub(super) fn defects(
     positions: &[DVec3],
 ) -> Option<Defects> {
     let mesh = context.mesh;
-    let patches = context.plan.holes_of(group).zip(&topology.holes);
-    let patches = patches.map(|(hole, patch)| {
-        let rim = &hole.rims.vertices[..];
-        (rim, &patch.triangles[..], patch.new_vertices)
-    });
-    let mut others = appended_triangles(mesh.vertex_count(), patches);
+    let mut others = context.patch_triangles(group, topology);
     let count = |k: usize| topology.holes[k].triangles.len();
     let first: usize = (0..hole).map(count).sum();
     let own: Vec<[u32; 3]> = others.drain(first..first + count(hole)).collect();
@@ -121,7 +217,7 @@ fn folds(
 mod tests {
     use super::*;
     use crate::fill::prepare::prepare;
-    use crate::fill::{FillOptions, RimSet, fill_rim_sets};
+    use crate::fill::{RimSet, fill_rim_sets};
     use crate::mesh::{Mesh, boundary_loops};
     use crate::shapes;
 

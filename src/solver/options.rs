@@ -1,6 +1,6 @@
 //! Options of a flow.
 
-use crate::energy::Energy;
+use crate::energy::{Energy, Order};
 use crate::options::choices;
 use crate::solver::SolverError;
 use crate::solver::control::{Mode, Tau};
@@ -98,6 +98,15 @@ impl FlowOptions {
             max_steps: 200,
             linear: LinearSolver::default(),
             quadrature: Rule::Three,
+        }
+    }
+
+    /// Order of the flow without tension: that of the energy, at least four for the other surface
+    /// models.
+    pub fn order(&self) -> Order {
+        match self.surface {
+            SurfaceModel::Energy => self.energy.order(),
+            SurfaceModel::Diffusion | SurfaceModel::G2 => Order::Fourth,
         }
     }
 
