@@ -95,6 +95,8 @@ const DISCS: [usize; 2] = [20, 5];
 const MARGIN: usize = 3;
 /// Most vertices of a pseudo-hole, and of all of a hole.
 const MOST_VERTICES: [usize; 2] = [150, 3000];
+/// Most vertices among which the pseudo-holes of a hole are found.
+const MOST_NEAR: usize = 12_000;
 /// Number of pseudo-holes on which `energy`, the most expensive candidate, is tried. Its error on all
 /// is estimated by the ratio to the best other candidate on these.
 const ENERGY_DISCS: usize = 2;
@@ -102,24 +104,22 @@ const ENERGY_DISCS: usize = 2;
 /// know the true metric, which a vector flow has to find. On scans the errors are larger, and an
 /// advantage of `energy` on the pseudo-holes did not carry over to the fill.
 const SMOOTH: f64 = 1e-2;
-fn candidates() -> Vec<Candidate> {
-    vec![
-        // the largest tension first: a prediction reuses its sparsity
-        Candidate::new(SurfaceModel::G2, 100.0),
-        Candidate::new(SurfaceModel::G2, 30.0),
-        Candidate::new(SurfaceModel::G2, 10.0),
-        Candidate::new(SurfaceModel::G2, 0.0),
-        Candidate::new(SurfaceModel::Energy, 0.0),
-    ]
+/// Tensions of the candidates `G2`, the largest first: a prediction reuses its sparsity.
+const TENSIONS: [f64; 4] = [100.0, 30.0, 10.0, 0.0];
+
+/// The candidates: `G2` by [`TENSIONS`], then `Energy`.
+fn candidates() -> impl Iterator<Item = Candidate> {
+    let g2 = TENSIONS.map(|tension| Candidate::new(SurfaceModel::G2, tension));
+    let energy = Candidate::new(SurfaceModel::Energy, 0.0);
+    g2.into_iter().chain([energy])
 }
 
 impl Prediction {
     /// Predicts for the holes of a group. `flow` has the energy of the candidate `Energy`. Without
     /// candidates if there is no room for a pseudo-hole around any of the holes.
     pub(super) fn new(context: FillContext<'_>, group: usize, flow: &FlowOptions) -> Self {
-        let candidates = candidates();
         // squared errors in the unit of the mesh, weighted by the new vertices of the holes
-        let mut sums = vec![0.0; candidates.len()];
+        let mut sums = [0.0; TENSIONS.len() + 1];
         let (mut extent, mut count) = (0.0, 0);
         for hole in context.plan.holes_of(group) {
             let discs = discs(context.mesh, hole);
@@ -127,7 +127,7 @@ impl Prediction {
                 continue;
             }
             count += discs.len();
-            let errors = mean_squares(&discs, &candidates, flow);
+            let errors = mean_squares(&discs, flow);
             let radius = hole.rims.radius();
             let weight = hole.patch.new_points().len() as f64 * radius * radius;
             extent += weight;
@@ -136,7 +136,7 @@ impl Prediction {
             }
         }
         let relative = sums.iter().map(|sum| (sum / extent).sqrt());
-        let errors = candidates.into_iter().zip(relative);
+        let errors = candidates().zip(relative);
         Self {
             errors: errors.filter(|_| count > 0).collect(),
             discs: count,
@@ -161,69 +161,70 @@ struct Disc {
     normals: Vec<DVec3>,
 }
 
-/// Mean over the discs of the squared error of each candidate.
-fn mean_squares(discs: &[Disc], candidates: &[Candidate], flow: &FlowOptions) -> Vec<f64> {
-    let is_energy = |c: &Candidate| c.surface == SurfaceModel::Energy;
-    let errors: Vec<Vec<f64>> = discs
+/// Mean over the discs, at least one, of the squared error of each candidate.
+fn mean_squares(discs: &[Disc], flow: &FlowOptions) -> [f64; TENSIONS.len() + 1] {
+    let g2: Vec<_> = discs.par_iter().map(Disc::g2_errors).collect();
+    let first = &discs[..discs.len().min(ENERGY_DISCS)];
+    let energy: Vec<f64> = first
         .par_iter()
-        .enumerate()
-        .map(|(i, disc)| {
-            let is_wanted = |c: &Candidate| !is_energy(c) || i < ENERGY_DISCS;
-            let wanted = candidates.iter().filter(|c| is_wanted(c));
-            disc.squared_errors(wanted.copied(), flow)
-        })
+        .map(|disc| disc.energy_error(flow))
         .collect();
-    // candidates that only the first discs have stand at the end
-    let mean = |k: usize, discs: &[Vec<f64>]| {
-        let sum: f64 = discs.iter().map(|errors| errors[k]).sum();
-        sum / discs.len() as f64
+    let energy = energy.iter().sum::<f64>() / first.len() as f64;
+    let mean = |k: usize, discs: usize| {
+        let sum: f64 = g2[..discs].iter().map(|errors| errors[k]).sum();
+        sum / discs as f64
     };
-    let first = &errors[..errors.len().min(ENERGY_DISCS)];
-    let vector = candidates.iter().filter(|c| !is_energy(c)).count();
-    let mut means: Vec<f64> = (0..vector).map(|k| mean(k, &errors)).collect();
-    let best = (0..vector).min_by(|&i, &j| means[i].total_cmp(&means[j]));
-    if let Some(best) = best {
-        let scale = means[best] / mean(best, first);
-        means.extend((vector..candidates.len()).map(|k| match mean(k, first) {
-            smooth if smooth <= SMOOTH * SMOOTH => smooth,
-            other => scale * other,
-        }));
+    let mut means = [0.0; TENSIONS.len() + 1];
+    let mut best = 0;
+    for k in 0..TENSIONS.len() {
+        means[k] = mean(k, discs.len());
+        if means[k] < means[best] {
+            best = k;
+        }
     }
+    means[TENSIONS.len()] = if energy <= SMOOTH * SMOOTH {
+        energy
+    } else {
+        means[best] / mean(best, first.len()) * energy
+    };
     means
 }
 
+/// Squared error of a failed prediction: one radius.
+const FAILED: f64 = 1.0;
+
 impl Disc {
-    /// Squared error of each candidate, relative to the radius: that of one long step from the true
-    /// positions. A failed step counts as an error of one radius.
-    fn squared_errors(
-        &self,
-        candidates: impl Iterator<Item = Candidate>,
-        flow: &FlowOptions,
-    ) -> Vec<f64> {
-        let mut shared: Option<DiffusionFlow> = None;
-        candidates
-            .map(|candidate| {
-                let step = |stepper: &mut dyn Stepper| self.step(stepper, candidate.surface);
-                if candidate.surface == SurfaceModel::G2 {
-                    if let Some(shared) = &mut shared {
-                        shared.restart(candidate.tension);
-                        return step(shared);
-                    }
-                    let made =
-                        DiffusionFlow::new(&self.problem, SurfaceModel::G2, candidate.tension);
-                    return made.map_or(1.0, |made| step(shared.insert(made)));
-                }
-                let mut options = flow.clone();
-                options.surface = candidate.surface;
-                options.tension = candidate.tension;
-                options.mode = Mode::Fast;
-                let energy = options.energy_at(self.problem.radius());
-                let made = scheme_stepper(&self.problem, &options, &energy);
-                made.map_or(1.0, |mut made| step(&mut *made))
-            })
-            .collect()
+    /// Squared errors of `G2` by [`TENSIONS`], relative to the radius.
+    fn g2_errors(&self) -> [f64; TENSIONS.len()] {
+        let made = DiffusionFlow::new(&self.problem, SurfaceModel::G2, TENSIONS[0]);
+        let Ok(mut flow) = made else {
+            return [FAILED; TENSIONS.len()];
+        };
+        let mut errors = [FAILED; TENSIONS.len()];
+        for (k, error) in errors.iter_mut().enumerate() {
+            if k > 0 {
+                flow.restart(TENSIONS[k]);
+            }
+            *error = self.step(&mut flow, SurfaceModel::G2);
+        }
+        errors
     }
 
+    /// Squared error of `Energy`, relative to the radius.
+    fn energy_error(&self, flow: &FlowOptions) -> f64 {
+        let mut options = flow.clone();
+        options.surface = SurfaceModel::Energy;
+        options.tension = 0.0;
+        options.mode = Mode::Fast;
+        let energy = options.energy_at(self.problem.radius());
+        let made = scheme_stepper(&self.problem, &options, &energy);
+        made.map_or(FAILED, |mut made| {
+            self.step(&mut *made, SurfaceModel::Energy)
+        })
+    }
+
+    /// Squared error of a method relative to the radius: that of one long step from the true
+    /// positions.
     fn step(&self, stepper: &mut dyn Stepper, surface: SurfaceModel) -> f64 {
         let radius = self.problem.radius();
         let tau = LONG * surface.natural_time(radius);
@@ -233,7 +234,7 @@ impl Disc {
             may_freeze: false,
         });
         if !attempt.is_accepted() {
-            return 1.0;
+            return FAILED;
         }
         let reached = &stepper.state().positions;
         let moving = self.problem.interior().iter().zip(&self.normals);
@@ -252,11 +253,11 @@ const LONG: f64 = 1e9;
 /// The pseudo-holes of a hole.
 fn discs(mesh: &Mesh, hole: &PlannedHole) -> Vec<Disc> {
     let rim = &hole.rims.vertices;
-    let centre = rim.iter().map(|&v| mesh.position(v)).sum::<DVec3>() / rim.len() as f64;
+    let centre = hole.rims.loops[0].centroid;
     let radius = hole.rims.radius();
     let mut best = Vec::new();
     for reach in REACH {
-        let near = connected(mesh, rim.iter().copied(), |p| {
+        let near = connected(mesh, rim.iter().copied(), MOST_NEAR, |p| {
             p.distance(centre) < reach * radius
         });
         let found = discs_at(mesh, &near, centre, SIZE * radius);
@@ -312,16 +313,18 @@ fn discs_at(mesh: &Mesh, near: &[VertexId], centre: DVec3, size: f64) -> Vec<Dis
     out
 }
 
-/// The vertices connected to `seeds` through vertices that are `inside`, in the order of a search.
+/// Vertices connected to `seeds` through vertices that are `inside`, in the order of a search that
+/// ends once there are `most`.
 fn connected(
     mesh: &Mesh,
     seeds: impl Iterator<Item = VertexId>,
+    most: usize,
     inside: impl Fn(DVec3) -> bool,
 ) -> Vec<VertexId> {
     let mut found: Vec<VertexId> = seeds.collect();
     let mut seen: HashSet<VertexId> = found.iter().copied().collect();
     let mut next = 0;
-    while next < found.len() && found.len() < MOST_VERTICES[1] * 4 {
+    while next < found.len() && found.len() < most {
         for w in mesh.topology.neighbours(found[next]) {
             if inside(mesh.position(w)) && seen.insert(w) {
                 found.push(w);
@@ -336,7 +339,8 @@ fn connected(
 /// vertices or lies too near to a boundary; `blocked` are vertices known to.
 fn disc_at(mesh: &Mesh, v: VertexId, size: f64, blocked: &HashSet<VertexId>) -> Option<Disc> {
     let at = mesh.position(v);
-    let mut inside = connected(mesh, std::iter::once(v), |p| p.distance(at) < size);
+    let is_inside = |p: DVec3| p.distance(at) < size;
+    let mut inside = connected(mesh, std::iter::once(v), MOST_VERTICES[0], is_inside);
     inside.truncate(MOST_VERTICES[0]);
     if inside.len() < 3 || inside.iter().any(|v| blocked.contains(v)) {
         return None;
@@ -416,7 +420,7 @@ mod tests {
             error < 10.0 * expected && expected < 10.0 * error,
             "{error:e} {expected:e}"
         );
-        // the same surface as by the energy alone, to the bit
+        // the positions are bit-identical to those of the energy alone
         let options = FillOptions {
             predicts_surface: false,
             ..FillOptions::default()
