@@ -62,12 +62,16 @@ pub(super) fn without_zero_edges(rim: &Rim) -> (Rim, Vec<u32>) {
     let n = rim.points.len();
     let (before, after) = (|i: usize| (i + n - 1) % n, |i: usize| (i + 1) % n);
     let starts = (0..n).filter(|&i| rim.points[i] != rim.points[before(i)]);
-    // the first vertex of a run, or its last if the mesh joins the first to the next place already
-    let representative = |first: usize| {
+    let last_of_run = |first: usize| {
         let mut last = first;
         while rim.points[after(last)] == rim.points[first] {
             last = after(last);
         }
+        last
+    };
+    // the first vertex of a run, or its last if the mesh joins the first to the next place already
+    let representative = |first: usize| {
+        let last = last_of_run(first);
         let next = after(last);
         if last != first && is_forbidden(rim, first, next) {
             last
@@ -92,13 +96,7 @@ pub(super) fn without_zero_edges(rim: &Rim) -> (Rim, Vec<u32>) {
     forbidden.sort_unstable();
     forbidden.dedup();
     // the face at the edge from the last vertex at a place
-    let opposite = |&first: &usize| {
-        let mut last = first;
-        while rim.points[after(last)] == rim.points[first] {
-            last = after(last);
-        }
-        rim.opposite[last]
-    };
+    let opposite = |&first: &usize| rim.opposite[last_of_run(first)];
     let reduced = Rim {
         points: kept.iter().map(|&i| rim.points[i]).collect(),
         opposite: kept.iter().map(opposite).collect(),
