@@ -252,8 +252,8 @@ impl fmt::Display for Warning {
                 folds,
             } => write!(
                 f,
-                "the surface of hole {hole} by the model {model} has {pairs} pairs of intersecting triangles and \
-                 {folds} folded edges; that of the model {by} replaces it"
+                "the surface of hole {hole} by {model} has {pairs} pairs of intersecting triangles \
+                 and {folds} folded edges; it was replaced by {by}"
             ),
             Self::SelfIntersection {
                 pairs,

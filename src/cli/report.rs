@@ -214,7 +214,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
                 timings: Timings::default(),
                 gmres_iterations: None,
                 linear_residual: None,
-                warnings: Warnings::default(),
+                warnings: hole.warnings.clone(),
             };
             match hole.group.map(|g| &filled.groups[g]) {
                 Some(Ok(group)) => {
@@ -226,7 +226,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
                     report.energy_start = Some(outcome.energy_start);
                     report.energy_end = Some(outcome.energy_end);
                     report.timings = group.timings;
-                    report.warnings.clone_from(&outcome.warnings);
+                    report.warnings.extend(outcome.warnings.iter().cloned());
                     let iterations = group.records.iter().filter_map(|r| r.iterations);
                     report.gmres_iterations = iterations.reduce(|a, b| a + b);
                     let residuals = group.records.iter().filter_map(|r| r.linear_residual);

@@ -87,6 +87,7 @@ impl Assembly {
                 vertices: first_vertex..vertices,
                 faces: first_face..faces,
                 patch_ms: hole.patch_ms,
+                warnings: hole.warnings.clone(),
                 tag: tag_of(mesh, &hole.rims),
                 color: mean_color(mesh, rim),
             });

@@ -65,7 +65,7 @@ pub(super) fn shape(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions
 /// Moves the new vertices of blends to the warm start of their group. If that fails they do not
 /// move, and the flow reports the reason.
 fn move_to_warm_start(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions) {
-    let plan = Plan::of_holes(mesh, drafts.to_vec());
+    let plan = Plan::of_holes(mesh, drafts.to_vec(), options.patch);
     let context = FillContext { mesh, plan: &plan };
     let mut planned: Vec<&mut Patch> = drafts
         .iter_mut()

@@ -278,20 +278,24 @@ impl GroupFlow {
         }
     }
 
-    /// Checks the patches of holes at the end of the flow, and replaces unsound ones. Blends have
-    /// checks of their own during the flow.
+    /// Checks the patches at the end of the flow, and replaces unsound ones of single rims.
     fn make_sound(&mut self, context: FillContext<'_>) {
-        let mut holes = context.plan.holes_of(self.group);
-        let is_checked = matches!(context.plan.domain, Domain::Holes(_))
-            && !holes.any(|hole| hole.rims.is_blend());
-        if !is_checked || matches!(self.end(), None | Some(End::Cancelled)) {
+        let is_patched = matches!(context.plan.domain, Domain::Holes(_));
+        if !is_patched || matches!(self.end(), None | Some(End::Cancelled)) {
             return;
         }
         let start = Instant::now();
-        let (topology, positions) = (Arc::clone(&self.topology), self.positions());
-        let checked = make_sound(context, self.group, &topology, positions, &self.options);
+        let positions = self.positions();
+        let checked = make_sound(
+            context,
+            self.group,
+            &self.topology,
+            positions,
+            &self.options,
+        );
         self.warnings.extend(checked.warnings);
-        if let Some(positions) = checked.replaced {
+        if let Some((topology, positions)) = checked.replaced {
+            let topology = Arc::new(topology);
             // the expected error is not that of another model
             self.options.predicts_surface = false;
             let (steps, rejected) = self.step_counts();
@@ -526,19 +530,22 @@ impl GroupFlow {
                 Ok((outcome, self.timings))
             }
             (None, Some(error)) => Err(error.clone()),
-            (None, None) => Ok((nothing_to_do(), self.timings)),
+            (None, None) => {
+                let warnings = self.warnings.clone();
+                Ok((nothing_to_do(warnings), self.timings))
+            }
         }
     }
 }
 
 /// The outcome of a group without vertices to move.
-fn nothing_to_do() -> Outcome {
+fn nothing_to_do(warnings: Warnings) -> Outcome {
     Outcome {
         end: End::Converged,
         steps: 0,
         rejected: 0,
         energy_start: 0.0,
         energy_end: 0.0,
-        warnings: Warnings::default(),
+        warnings,
     }
 }

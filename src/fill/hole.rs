@@ -7,6 +7,7 @@ use crate::fill::rim::rim_geometry;
 use crate::mesh::DVec3;
 use crate::mesh::{BoundaryLoop, LoopId, Mesh, VertexId};
 use crate::patch::{Patch, PatchError, RimGeometry};
+use crate::warning::Warnings;
 
 /// The rims that one patch joins.
 #[derive(Clone, Debug)]
@@ -80,4 +81,6 @@ pub(crate) struct PlannedHole {
     pub has_initial_shape: bool,
     /// Milliseconds the first patch took.
     pub patch_ms: f64,
+    /// Defects of a patch that no flow changes.
+    pub warnings: Warnings,
 }

@@ -73,7 +73,7 @@ pub fn fill_part(
         predicts_surface: false,
         ..options.clone()
     };
-    let plan = Plan::of_holes(&longer, vec![draft]);
+    let plan = Plan::of_holes(&longer, vec![draft], options.patch);
     if let Some(error) = plan.failed.first() {
         return Err(error.clone().into());
     }

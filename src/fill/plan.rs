@@ -4,7 +4,9 @@ use crate::fill::group::{Group, groups};
 use crate::fill::hole::{DraftHole, PlannedHole};
 use crate::fill::result::FillError;
 use crate::fill::self_intersection::Obstacles;
+use crate::fill::soundness::make_patch_sound;
 use crate::mesh::{DVec3, LoopId, Mesh, VertexId};
+use crate::patch::PatchOptions;
 
 /// The vertices that flow.
 #[derive(Clone, Debug)]
@@ -28,11 +30,13 @@ pub(crate) struct Plan {
 
 impl Plan {
     /// The plan of these holes; those without a patch are [`Self::failed`].
-    pub fn of_holes(mesh: &Mesh, drafts: Vec<DraftHole>) -> Self {
+    pub fn of_holes(mesh: &Mesh, drafts: Vec<DraftHole>, options: PatchOptions) -> Self {
         let (mut holes, mut failed) = (Vec::new(), Vec::new());
+        let obstacles = Obstacles::new(drafts.len());
         for draft in drafts {
             match draft.patch {
-                Ok(patch) => holes.push(PlannedHole {
+                Ok(mut patch) => holes.push(PlannedHole {
+                    warnings: make_patch_sound(mesh, &obstacles, &draft.rims, &mut patch, options),
                     rims: draft.rims,
                     patch,
                     has_initial_shape: draft.has_initial_shape,
@@ -46,7 +50,7 @@ impl Plan {
         }
         Self {
             groups: groups(mesh, &holes),
-            obstacles: Obstacles::new(holes.len()),
+            obstacles,
             domain: Domain::Holes(holes),
             failed,
         }

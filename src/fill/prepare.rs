@@ -34,7 +34,7 @@ pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOption
     if drafts.iter().any(|draft| draft.rims.is_blend()) {
         blend::shape(mesh, &mut drafts, options);
     }
-    Plan::of_holes(mesh, drafts)
+    Plan::of_holes(mesh, drafts, options.patch)
 }
 
 /// The problem from which the flow of a single hole starts: its patch and support region at the

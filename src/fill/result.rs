@@ -8,6 +8,7 @@ use crate::fill::select::NoSuchLoop;
 use crate::mesh::{LoopId, Mesh, TopologyError, VertexId};
 use crate::patch::PatchError;
 use crate::solver::{End, Outcome, SolverError, StepRecord};
+use crate::warning::Warnings;
 
 /// Why a hole, or a whole fill, failed.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -123,6 +124,8 @@ pub struct FilledHole {
     pub faces: Range<usize>,
     /// Milliseconds of the first patch.
     pub patch_ms: f64,
+    /// Defects of the patch; those of a flow are in the outcome of its group.
+    pub warnings: Warnings,
     /// Tag of its faces.
     pub(super) tag: u32,
     /// Colour of its new vertices.

@@ -160,7 +160,7 @@ impl Obstacles {
     }
 
     /// The triangles that overlap a box, in the order of the mesh.
-    fn overlapping(&self, mesh: &Mesh, low: DVec3, high: DVec3) -> Vec<[u32; 3]> {
+    pub fn overlapping(&self, mesh: &Mesh, low: DVec3, high: DVec3) -> Vec<[u32; 3]> {
         if self.holes < MANY_HOLES {
             let overlaps = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
@@ -207,25 +207,47 @@ pub(super) fn intersections(
         a.cmple(high).all() && b.cmpge(low).all()
     }));
     all.extend(obstacles.overlapping(mesh, low, high));
-    let mut vertices: Vec<u32> = all.iter().flatten().copied().collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    let points: Vec<DVec3> = vertices.iter().map(|&v| place(v)).collect();
-    let local = |v: u32| vertices.partition_point(|&w| w < v) as u32;
-    let all: Vec<[u32; 3]> = all.iter().map(|t| t.map(local)).collect();
+    let all = CompactTriangles::new(all, place);
     let subset: Vec<u32> = (0..own.len() as u32).collect();
-    let pairs = self_intersections(&points, &all, Some(&subset), limit);
+    let pairs = self_intersections(&all.points, &all.triangles, Some(&subset), limit);
     let middle = |f: u32| {
-        all[f as usize]
-            .map(|v| points[v as usize])
-            .iter()
-            .sum::<DVec3>()
-            / 3.0
+        let corners = all.triangles[f as usize].map(|v| all.points[v as usize]);
+        corners.iter().sum::<DVec3>() / 3.0
     };
     pairs
         .iter()
         .map(|&[f, g]| middle(f).midpoint(middle(g)))
         .collect()
+}
+
+/// Triangles with their own vertex numbers.
+pub(super) struct CompactTriangles {
+    /// The vertices by their old numbers, ascending.
+    vertices: Vec<u32>,
+    pub points: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl CompactTriangles {
+    /// `place` gives the position of a vertex by its old number.
+    pub fn new(mut triangles: Vec<[u32; 3]>, place: impl Fn(u32) -> DVec3) -> Self {
+        let mut vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let local = |v: u32| vertices.partition_point(|&w| w < v) as u32;
+        triangles.iter_mut().for_each(|t| *t = t.map(local));
+        Self {
+            points: vertices.iter().map(|&v| place(v)).collect(),
+            vertices,
+            triangles,
+        }
+    }
+
+    /// The new number of a vertex, if a triangle has it.
+    pub fn number(&self, v: u32) -> Option<u32> {
+        let found = self.vertices.binary_search(&v);
+        found.ok().map(|i| i as u32)
+    }
 }
 
 #[cfg(test)]

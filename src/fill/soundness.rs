@@ -2,15 +2,18 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use crate::fill::assemble::appended_triangles;
 use crate::fill::context::FillContext;
+use crate::fill::hole::HoleRims;
 use crate::fill::options::FillOptions;
-use crate::fill::patch_topology::PatchTopology;
+use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::fill::prediction::Candidate;
 use crate::fill::region;
-use crate::fill::self_intersection::{intersections, place};
+use crate::fill::self_intersection::{CompactTriangles, Obstacles, intersections, place};
 use crate::fill::warm_start::warm_start_of;
-use crate::mesh::DVec3;
-use crate::solver::{Flow, Mode, SolverError, SurfaceModel, Tau};
+use crate::mesh::{DVec3, Mesh, TriangleIntersections, VertexId};
+use crate::patch::{self, OtherPatches, Patch, PatchOptions};
+use crate::solver::{Flow, Mode, SurfaceModel, Tau};
 use crate::warning::{MAX_PAIRS, Warning, Warnings};
 
 /// Cosine of the angle between the normals of neighbours beyond which their edge counts as folded
@@ -29,55 +32,51 @@ const SAFER: [Candidate; 5] = [
 
 /// The patches of a group after the check for soundness.
 pub(super) struct Checked {
-    /// The new vertices, if a patch was replaced.
-    pub replaced: Option<Vec<DVec3>>,
+    /// The patches and their new vertices, if one was replaced.
+    pub replaced: Option<(PatchTopology, Vec<DVec3>)>,
     /// What was replaced, and which defects are left.
     pub warnings: Warnings,
 }
 
 /// Checks the patches of a group with new vertices at `positions`, filled with `options`. An unsound
-/// patch is replaced by the first sound surface of [other models](SAFER), or else by the least
-/// unsound.
+/// patch is replaced by the first sound surface of [other models](SAFER) or of
+/// [other triangulations](other_patches), or else by the least unsound.
 pub(super) fn make_sound(
     context: FillContext<'_>,
     group: usize,
     topology: &PatchTopology,
-    mut positions: Vec<DVec3>,
+    positions: Vec<DVec3>,
     options: &FillOptions,
 ) -> Checked {
-    let present = Candidate::new(options.flow.surface, options.flow.tension);
+    let mut present = (topology.clone(), positions);
     let mut warnings = Warnings::default();
     let mut is_replaced = false;
     for (k, hole) in context.plan.holes_of(group).enumerate() {
-        let defects = |positions: &[DVec3]| defects(context, group, k, topology, positions);
-        let Some(found) = defects(&positions) else {
+        let hole = HoleOfGroup {
+            context,
+            group,
+            number: k,
+            rims: &hole.rims,
+        };
+        let Some(found) = hole.defects(&present) else {
             continue;
         };
         let mut left = Some(found);
-        let mut best = None;
-        for model in SAFER.into_iter().filter(|&model| model != present) {
-            let moved = hole_by(context, group, k, topology, model, &positions, options);
-            let Ok(moved) = moved else {
-                continue;
-            };
-            let after = defects(&moved);
-            let severity = |defects: &Option<Defects>| defects.map(|d| d.severity());
-            if severity(&after) < severity(&left) {
-                left = after;
-                best = Some((model, moved));
-            }
-            if left.is_none() {
-                break;
-            }
-        }
-        if let Some((model, moved)) = best {
-            positions = moved;
+        if hole.rims.is_blend() {
+            // intersections of blends are watched during the flow
+            left = left.map(|defects| Defects {
+                crossings: None,
+                ..defects
+            });
+        } else if let Some(better) = hole.better(&present, found, options) {
+            present = better.surface;
+            left = better.defects;
             is_replaced = true;
             let (pairs, folds) = found.severity();
             warnings.push(Warning::Replaced {
                 hole: hole.rims.id(),
-                model: present.words(),
-                by: model.words(),
+                model: Candidate::new(options.flow.surface, options.flow.tension).words(),
+                by: better.words,
                 pairs,
                 folds,
             });
@@ -85,33 +84,250 @@ pub(super) fn make_sound(
         warnings.extend(left.iter().flat_map(Defects::warnings));
     }
     Checked {
-        replaced: is_replaced.then_some(positions),
+        replaced: is_replaced.then_some(present),
         warnings,
     }
 }
 
-/// New vertices of a group with one hole filled by another surface model, from its warm start.
-fn hole_by(
-    context: FillContext<'_>,
+/// Replaces an unsound patch without new vertices, which no flow changes, by a sound or less unsound
+/// one. Returns the warnings about the defects that are left.
+pub(super) fn make_patch_sound(
+    mesh: &Mesh,
+    obstacles: &Obstacles,
+    rims: &HoleRims,
+    patch: &mut Patch,
+    options: PatchOptions,
+) -> Warnings {
+    let defects = |patch: &Patch| {
+        let new = patch.new_points();
+        let part = (&rims.vertices[..], &patch.triangles[..], new.len());
+        let own = appended_triangles(mesh.vertex_count(), [part]);
+        defects(mesh, obstacles, rims, &own, &[], new)
+    };
+    if rims.is_blend() || !patch.new_points().is_empty() {
+        return Warnings::default();
+    }
+    let mut left = defects(patch);
+    let others = left.and_then(|_| other_patches(mesh, obstacles, rims, options));
+    if let Some(OtherPatches { relaxed, flat }) = others {
+        for other in std::iter::once(relaxed).chain(flat) {
+            let after = defects(&other);
+            if severity(&after) < severity(&left) {
+                left = after;
+                *patch = other;
+            }
+        }
+    }
+    if patch.new_points().is_empty() {
+        left.iter().flat_map(Defects::warnings).collect()
+    } else {
+        Warnings::default()
+    }
+}
+
+/// Other first patches of a hole; their triangulation avoids the triangles of the mesh.
+fn other_patches(
+    mesh: &Mesh,
+    obstacles: &Obstacles,
+    rims: &HoleRims,
+    options: PatchOptions,
+) -> Option<OtherPatches> {
+    let [rim] = &rims.geometry.rims[..] else {
+        return None;
+    };
+    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (low, high) = (rim.points.iter()).fold(nothing, |(a, b), &p| (a.min(p), b.max(p)));
+    let near = obstacles.overlapping(mesh, low, high);
+    let all = CompactTriangles::new(near, |v| mesh.position(VertexId(v)));
+    let given = TriangleIntersections::new(&all.points, &all.triangles);
+    let rim_numbers: Vec<Option<u32>> = rims.vertices.iter().map(|v| all.number(v.0)).collect();
+    let crosses = |t: [u32; 3]| match t.map(|v| rim_numbers[v as usize]) {
+        [Some(a), Some(b), Some(c)] => given.any([a, b, c]),
+        _ => false,
+    };
+    patch::fill_excluding(rim, options, &crosses)
+}
+
+/// One hole of a group.
+struct HoleOfGroup<'a> {
+    context: FillContext<'a>,
     group: usize,
-    hole: usize,
-    topology: &PatchTopology,
-    model: Candidate,
-    positions: &[DVec3],
-    options: &FillOptions,
-) -> Result<Vec<DVec3>, SolverError> {
-    let problem = region::problem(context, group, topology, positions, options)?;
-    let own = topology.split(problem.interior()).nth(hole);
-    let own = own.map_or(&[][..], |(_, own)| own);
-    let start = warm_start_of(problem.clone(), own)?;
-    let mut flow = options.flow.clone();
-    flow.surface = model.surface;
-    flow.tension = model.tension;
-    flow.mode = Mode::Fast;
-    flow.tau = Tau::Auto;
-    let mut flow = Flow::new(start.moving_only(own)?, flow)?;
-    flow.run(|_, _| true)?;
-    Ok(problem.to_world(flow.positions()))
+    /// Its place among the holes of the group.
+    number: usize,
+    rims: &'a HoleRims,
+}
+
+/// Parts of the way from a flat triangulation to a smooth surface that are tried.
+const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+
+/// Words for a surface on other triangles.
+const OTHERWISE: &str = " on another triangulation";
+
+/// A surface that may replace an unsound one.
+struct Replacement {
+    surface: Surface,
+    words: String,
+    /// Those of the hole's patch; `None` if it is sound.
+    defects: Option<Defects>,
+}
+
+impl Replacement {
+    fn is_sound(&self) -> bool {
+        self.defects.is_none()
+    }
+}
+
+/// The least unsound surface of a search.
+struct Best {
+    severity: (usize, usize),
+    replacement: Option<Replacement>,
+}
+
+impl Best {
+    /// Keeps a surface if it is less unsound than those before. Returns whether it is sound.
+    fn keep(&mut self, next: Option<Replacement>) -> bool {
+        let Some(next) = next else { return false };
+        let severity = severity(&next.defects);
+        if severity >= self.severity {
+            return false;
+        }
+        self.severity = severity;
+        self.replacement = Some(next);
+        severity == (0, 0)
+    }
+}
+
+/// The surface at a part of the way from one surface to another one of the same triangles.
+fn between(from: &Surface, to: &Surface, part: f64) -> Surface {
+    let pairs = from.1.iter().zip(&to.1);
+    let positions = pairs.map(|(a, b)| a.lerp(*b, part)).collect();
+    (from.0.clone(), positions)
+}
+
+/// Patches of a group, and its new vertices.
+type Surface = (PatchTopology, Vec<DVec3>);
+
+impl HoleOfGroup<'_> {
+    /// The least unsound of the other surfaces, the first of them if there are several, its words
+    /// and its defects. `None` if none is less unsound than `found`, the defects of `present`.
+    fn better(
+        &self,
+        present: &Surface,
+        found: Defects,
+        options: &FillOptions,
+    ) -> Option<Replacement> {
+        let chosen = Candidate::new(options.flow.surface, options.flow.tension);
+        let others = SAFER.into_iter().filter(|&model| model != chosen);
+        let all = || std::iter::once(chosen).chain(others.clone());
+        let by = |start: &Surface, model: Candidate, on: &str| {
+            let surface = self.by(start, model, options)?;
+            Some(self.replacement(surface, format!("{}{on}", model.words())))
+        };
+        let mut best = Best {
+            severity: found.severity(),
+            replacement: None,
+        };
+        if others
+            .clone()
+            .any(|model| best.keep(by(present, model, "")))
+        {
+            return best.replacement;
+        }
+        let (mesh, obstacles) = (self.context.mesh, &self.context.plan.obstacles);
+        let patches = other_patches(mesh, obstacles, self.rims, options.patch);
+        let Some(OtherPatches { relaxed, flat }) = patches else {
+            return best.replacement;
+        };
+        let relaxed = self.with(present, &relaxed);
+        if all().any(|model| best.keep(by(&relaxed, model, OTHERWISE))) {
+            return best.replacement;
+        }
+        let Some(flat) = flat.map(|flat| self.with(present, &flat)) else {
+            return best.replacement;
+        };
+        let smooth = self.by(&flat, SAFER[0], options);
+        let mixed = PARTS.into_iter().filter_map(|part| {
+            let surface = between(&flat, smooth.as_ref()?, part);
+            let share = if part < 1.0 {
+                format!("{part} of ")
+            } else {
+                String::new()
+            };
+            let words = format!("{share}{}{OTHERWISE}", SAFER[0].words());
+            Some(self.replacement(surface, words))
+        });
+        let unchanged = self.replacement(flat.clone(), "a triangulation of the rim".into());
+        if !mixed.chain([unchanged]).any(|next| best.keep(Some(next))) {
+            return best.replacement;
+        }
+        // the same shape allows better triangles
+        let even = self.remeshed(&best.replacement.as_ref()?.surface, options);
+        let mut even = all().filter_map(|model| by(&even, model, OTHERWISE));
+        even.find(Replacement::is_sound).or(best.replacement)
+    }
+
+    /// A surface with the defects of the hole's patch.
+    fn replacement(&self, surface: Surface, words: String) -> Replacement {
+        let defects = self.defects(&surface);
+        Replacement {
+            surface,
+            words,
+            defects,
+        }
+    }
+
+    /// The group with the hole's patch remeshed.
+    fn remeshed(&self, surface: &Surface, options: &FillOptions) -> Surface {
+        let (topology, positions) = surface;
+        let parts = topology.split(positions).nth(self.number);
+        let patch = parts.map(|(own, here)| self.rims.patch(own, here));
+        let remesh = |patch| patch::reblend(&self.rims.geometry, &patch, options.patch);
+        patch.map_or_else(
+            || surface.clone(),
+            |patch| self.with(surface, &remesh(patch)),
+        )
+    }
+
+    /// The group with another first patch of the hole.
+    fn with(&self, (topology, positions): &Surface, patch: &Patch) -> Surface {
+        let mut parts: Vec<&[DVec3]> = topology.split(positions).map(|(_, own)| own).collect();
+        parts[self.number] = patch.new_points();
+        let mut holes = topology.holes.clone();
+        holes[self.number] = HoleTopology::of(patch);
+        (PatchTopology { holes }, parts.concat())
+    }
+
+    /// The group with the hole filled by another surface model, from its warm start. `None` if that
+    /// fails.
+    fn by(
+        &self,
+        (topology, positions): &Surface,
+        model: Candidate,
+        options: &FillOptions,
+    ) -> Option<Surface> {
+        let problem =
+            region::problem(self.context, self.group, topology, positions, options).ok()?;
+        let (_, own) = topology.split(problem.interior()).nth(self.number)?;
+        let start = warm_start_of(problem.clone(), own).ok()?;
+        let mut flow = options.flow.clone();
+        flow.surface = model.surface;
+        flow.tension = model.tension;
+        flow.mode = Mode::Fast;
+        flow.tau = Tau::Auto;
+        let mut flow = Flow::new(start.moving_only(own).ok()?, flow).ok()?;
+        flow.run(|_, _| true).ok()?;
+        Some((topology.clone(), problem.to_world(flow.positions())))
+    }
+
+    /// The defects of its patch; `None` if it is sound.
+    fn defects(&self, (topology, positions): &Surface) -> Option<Defects> {
+        let mut others = self.context.patch_triangles(self.group, topology);
+        let count = |k: usize| topology.holes[k].triangles.len();
+        let first: usize = (0..self.number).map(count).sum();
+        let own: Vec<[u32; 3]> = others.drain(first..first + count(self.number)).collect();
+        let (mesh, obstacles) = (self.context.mesh, &self.context.plan.obstacles);
+        defects(mesh, obstacles, self.rims, &own, &others, positions)
+    }
 }
 
 /// What is wrong with a patch.
@@ -142,23 +358,24 @@ impl Defects {
     }
 }
 
-/// The defects of the patch of one hole of a group, `hole` among the holes of the group, with the
-/// group's new vertices at `positions`; `None` if it is sound.
+/// The severity of the defects of a patch.
+fn severity(defects: &Option<Defects>) -> (usize, usize) {
+    defects.map_or((0, 0), |defects| defects.severity())
+}
+
+/// The defects of a patch of the triangles `own` beside those of `others`, both
+/// [appended](appended_triangles) to the mesh with new vertices at `positions`; `None` if it is
+/// sound.
 fn defects(
-    context: FillContext<'_>,
-    group: usize,
-    hole: usize,
-    topology: &PatchTopology,
+    mesh: &Mesh,
+    obstacles: &Obstacles,
+    rims: &HoleRims,
+    own: &[[u32; 3]],
+    others: &[[u32; 3]],
     positions: &[DVec3],
 ) -> Option<Defects> {
-    let mesh = context.mesh;
-    let mut others = context.patch_triangles(group, topology);
-    let count = |k: usize| topology.holes[k].triangles.len();
-    let first: usize = (0..hole).map(count).sum();
-    let own: Vec<[u32; 3]> = others.drain(first..first + count(hole)).collect();
-    let obstacles = &context.plan.obstacles;
-    let places = intersections(mesh, obstacles, &own, &others, positions, MAX_PAIRS);
-    let folds = folds(context, group, hole, &own, positions);
+    let places = intersections(mesh, obstacles, own, others, positions, MAX_PAIRS);
+    let folds = folds(mesh, rims, own, positions);
     let found = Defects {
         crossings: places.first().map(|&at| (places.len(), at)),
         folds: folds.first().map(|&at| (folds.len(), at)),
@@ -167,21 +384,13 @@ fn defects(
 }
 
 /// Places of folded edges, those of the rims included, and of triangles without area.
-fn folds(
-    context: FillContext<'_>,
-    group: usize,
-    hole: usize,
-    triangles: &[[u32; 3]],
-    positions: &[DVec3],
-) -> Vec<DVec3> {
-    let mesh = context.mesh;
+fn folds(mesh: &Mesh, rims: &HoleRims, triangles: &[[u32; 3]], positions: &[DVec3]) -> Vec<DVec3> {
     let corners = |t: [u32; 3]| t.map(|v| place(mesh, positions, v));
     let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize_or_zero();
     // unit normal of the face to the left of each directed edge
     let mut left: HashMap<[u32; 2], DVec3> = HashMap::new();
-    let rims = context.plan.holes_of(group).nth(hole).into_iter();
-    let rims = rims.flat_map(|hole| &hole.rims.loops);
-    for h in rims.flat_map(|l| &l.halfedges).map(|h| h.twin()) {
+    let halfedges = rims.loops.iter().flat_map(|l| &l.halfedges);
+    for h in halfedges.map(|h| h.twin()) {
         let t = mesh.topology.face_vertices(mesh.topology.face(h));
         let edge = [mesh.topology.origin(h).0, mesh.topology.target(h).0];
         left.insert(edge, normal(corners(t.map(|v| v.0))));
@@ -218,7 +427,7 @@ mod tests {
     use super::*;
     use crate::fill::prepare::prepare;
     use crate::fill::{RimSet, fill_rim_sets};
-    use crate::mesh::{Mesh, boundary_loops};
+    use crate::mesh::{boundary_loops, self_intersections};
     use crate::shapes;
 
     fn cap() -> Mesh {
@@ -237,7 +446,15 @@ mod tests {
         };
         let topology = &plan.groups[0].topology;
         let start = plan.start_positions(&mesh, 0);
-        let defects = |positions: &[DVec3]| defects(context, 0, 0, topology, positions);
+        let hole = HoleOfGroup {
+            context,
+            group: 0,
+            number: 0,
+            rims: &plan.holes()[0].rims,
+        };
+        let defects = |positions: &[DVec3]| {
+            hole.defects(&(PatchTopology::clone(topology), positions.to_vec()))
+        };
         assert_eq!(defects(&start), None);
         // a vertex pulled through the opposite side of the sphere
         let mut crossing = start.clone();
@@ -289,5 +506,42 @@ mod tests {
         assert_eq!(codes, ["surface-replaced"]);
         let new = &filled.mesh.positions[mesh.vertex_count()..];
         assert!(new.iter().all(|p| p.z < 0.8));
+    }
+
+    #[test]
+    fn a_patch_without_new_vertices_goes_around_obstacles() {
+        // a bent rim of four edges: its two triangulations meet the z axis at 0 and at 1
+        let mut positions = vec![
+            DVec3::X,
+            DVec3::new(0.0, 1.0, 1.0),
+            -DVec3::X,
+            DVec3::new(0.0, -1.0, 1.0),
+        ];
+        positions.extend(
+            [(2, 2), (-2, 2), (-2, -2), (2, -2)]
+                .map(|(x, y)| DVec3::new(f64::from(x), f64::from(y), 0.5)),
+        );
+        let mut triangles = Vec::new();
+        for i in 0..4 {
+            let next = (i + 1) % 4;
+            triangles.extend([[next, i, 4 + i], [next, 4 + i, 4 + next]]);
+        }
+        for height in [0.0, 1.0] {
+            let (mut positions, mut triangles) = (positions.clone(), triangles.clone());
+            let at = |x, z| DVec3::new(x, 0.01, height + z);
+            positions.extend([at(-0.05, -0.1), at(0.05, -0.1), at(0.0, 0.1)]);
+            triangles.push([8, 9, 10]);
+            let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
+            let loops = boundary_loops(&mesh);
+            let hole = loops.iter().find(|l| l.vertices.contains(&VertexId(0)));
+            let hole: Vec<RimSet<'_>> = hole.into_iter().map(|l| vec![l]).collect();
+            let filled = fill_rim_sets(&mesh, &hole, &FillOptions::default(), &|_, _| true);
+            let filled = filled.expect("filled");
+            assert_eq!(filled.faces_added(), 2);
+            assert_eq!(filled.holes[0].warnings, Warnings::default());
+            let faces: Vec<[u32; 3]> = filled.mesh.topology.triangles().collect();
+            let pairs = self_intersections(&filled.mesh.positions, &faces, None, 1);
+            assert_eq!(pairs, [[0; 2]; 0], "obstacle at {height}");
+        }
     }
 }

@@ -23,8 +23,7 @@ pub fn self_intersections(
     subset: Option<&[u32]>,
     limit: usize,
 ) -> Vec<[u32; 2]> {
-    let bvh = TriangleBvh::new(positions, triangles);
-    let same = canonical_vertices(positions);
+    let all = TriangleIntersections::new(positions, triangles);
     let everything: Vec<u32>;
     let queries = if let Some(subset) = subset {
         subset
@@ -42,14 +41,10 @@ pub fn self_intersections(
             .par_iter()
             .flat_map_iter(|&f| {
                 let mut partners = Vec::new();
-                let t = triangles[f as usize];
-                let [a, b, c] = t.map(|v| positions[v as usize]);
-                bvh.for_each_overlapping(a.min(b).min(c), a.max(b).max(c), |g| {
-                    // a pair of queried triangles is the smaller one's business
-                    let mine = g != f && (g > f || !queried[g as usize]);
-                    if mine && pair_meets(positions, &same, t, triangles[g as usize]) {
-                        partners.push([f.min(g), f.max(g)]);
-                    }
+                // a pair of queried triangles is found once, by the smaller one
+                let candidate = |g: u32| g != f && (g > f || !queried[g as usize]);
+                all.for_each(triangles[f as usize], candidate, |g| {
+                    partners.push([f.min(g), f.max(g)]);
                 });
                 partners
             })
@@ -63,6 +58,46 @@ pub fn self_intersections(
     found.dedup(); // a subset that names a triangle twice
     found.truncate(limit);
     found
+}
+
+/// Triangles to be searched for those that meet another triangle.
+pub struct TriangleIntersections<'a> {
+    positions: &'a [DVec3],
+    triangles: &'a [[u32; 3]],
+    bvh: TriangleBvh,
+    /// The first vertex at the position of each vertex.
+    same: Vec<u32>,
+}
+
+impl<'a> TriangleIntersections<'a> {
+    /// Prepares the search. Runs in O(n log n).
+    pub fn new(positions: &'a [DVec3], triangles: &'a [[u32; 3]]) -> Self {
+        Self {
+            positions,
+            triangles,
+            bvh: TriangleBvh::new(positions, triangles),
+            same: canonical_vertices(positions),
+        }
+    }
+
+    /// Calls `visit` with the index of every `candidate` that meets `t`, as in [`self_intersections`].
+    fn for_each(&self, t: [u32; 3], candidate: impl Fn(u32) -> bool, mut visit: impl FnMut(u32)) {
+        let [a, b, c] = t.map(|v| self.positions[v as usize]);
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        self.bvh.for_each_overlapping(low, high, |g| {
+            let meets = || pair_meets(self.positions, &self.same, t, self.triangles[g as usize]);
+            if candidate(g) && meets() {
+                visit(g);
+            }
+        });
+    }
+
+    /// Whether any triangle meets `t`, which is not one of them.
+    pub fn any(&self, t: [u32; 3]) -> bool {
+        let mut any = false;
+        self.for_each(t, |_| true, |_| any = true);
+        any
+    }
 }
 
 /// Angle between the normals of the triangles at an edge in radians; 0 on a boundary or if one has

@@ -31,7 +31,9 @@ pub use data::{Components, Mesh, components};
 pub use erase::{Erased, erase};
 pub use glam::DVec3;
 pub use ids::{FaceId, HalfedgeId, LoopId, VertexId};
-pub use intersect::{dihedral_angle, folded_edges, self_intersections, triangles_meet};
+pub use intersect::{
+    TriangleIntersections, dihedral_angle, folded_edges, self_intersections, triangles_meet,
+};
 pub use measures::{perimeter, rms_distance, vector_area};
 pub use neighbourhood::{Neighbourhood, NeighbourhoodSearch, faces_around};
 pub use selection::{

@@ -1,13 +1,15 @@
 //! The first patch over a hole.
 
+use std::collections::HashSet;
+
 use super::data::{Patch, PatchOptions, Rim};
 use super::error::{PatchError, is_collinear, validate};
 use super::frame::Frame;
-use super::remesh::{remesh, rim_valences, split_chords};
+use super::remesh::{remesh, rim_valences, split_chords, subdivide};
 use super::slit::{stitch, with_zero_edges, without_zero_edges};
 use super::surface::Surface;
-use super::triangulate::triangulate;
-use crate::mesh::{DVec3, vector_area};
+use super::triangulate::{soundest, triangulate};
+use crate::mesh::{DVec3, self_intersections, vector_area};
 
 /// The first surface for a hole: triangulates the rim, refines to the rim's density, flips edges
 /// and relaxes.
@@ -31,18 +33,100 @@ pub fn fill(rim: &Rim, options: PatchOptions) -> Result<Patch, PatchError> {
         }
         other => other?,
     }
-    let n = rim.points.len();
     let frame = Frame::around(rim.points.iter().copied());
     let local = frame.local(rim);
-    let loose = loose_angles(&local);
-    let curvature = mean_curvature(&local);
     let triangles = triangulate(&local);
-    let size = rim_sizes(&local.points, options.density * fineness(n));
-    let mut surface = Surface::new(local.points, size, n, &triangles);
+    let patch = refined(local, &triangles, options.density);
+    Ok(frame.world(patch, rim.points.iter().copied()))
+}
+
+/// Loops of up to this many edges get other first surfaces (0.1 s).
+const MAX_EDGES: usize = 300;
+
+/// Other first surfaces. Their triangulation of the rim has the fewest folded edges and intersecting or
+/// excluded triangles, and the least dihedral angles among those.
+pub(crate) struct OtherPatches {
+    /// Refined and relaxed like that of [`fill()`].
+    pub relaxed: Patch,
+    /// Its triangles are parts of those of the triangulation. `None` if one of these has an edge that
+    /// the mesh has already.
+    pub flat: Option<Patch>,
+}
+
+/// Other first surfaces for a hole, without triangles of rim vertices that are `excluded` if that is
+/// possible; `None` if the rim is unusable or has more than 300 edges.
+pub(crate) fn fill_excluding(
+    rim: &Rim,
+    options: PatchOptions,
+    excluded: &impl Fn([u32; 3]) -> bool,
+) -> Option<OtherPatches> {
+    validate(rim, options.density).ok()?;
+    if rim.points.len() > MAX_EDGES {
+        return None;
+    }
+    let frame = Frame::around(rim.points.iter().copied());
+    let local = frame.local(rim);
+    let triangles = without_intersections(&local, excluded);
+    let is_forbidden = |[a, b]: [u32; 2]| local.forbidden.contains(&[a.min(b), a.max(b)]);
+    let mut edges = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let flat = (!edges.any(is_forbidden)).then(|| {
+        let mut surface = triangulated(local.clone(), &triangles, options.density);
+        subdivide(&mut surface);
+        surface.compact()
+    });
+    let relaxed = refined(local, &triangles, options.density);
+    let world = |patch| frame.world(patch, rim.points.iter().copied());
+    Some(OtherPatches {
+        relaxed: world(relaxed),
+        flat: flat.map(world),
+    })
+}
+
+/// Triangulations that are tried for one without intersections.
+const ATTEMPTS: usize = 12;
+
+/// The soundest triangulation, with the fewest intersections of its triangles among [`ATTEMPTS`]: each attempt excludes the larger triangle of each intersecting pair of those before.
+fn without_intersections(rim: &Rim, excluded: &impl Fn([u32; 3]) -> bool) -> Vec<[u32; 3]> {
+    let mut intersecting: HashSet<[u32; 3]> = HashSet::new();
+    let mut best: Option<(usize, Vec<[u32; 3]>)> = None;
+    for _ in 0..ATTEMPTS {
+        let triangles = soundest(rim, &|t| intersecting.contains(&t) || excluded(t));
+        let pairs = self_intersections(&rim.points, &triangles, None, usize::MAX);
+        let area = |f: u32| {
+            let [a, b, c] = triangles[f as usize].map(|v| rim.points[v as usize]);
+            (b - a).cross(c - a).length()
+        };
+        let larger = |[f, g]: &[u32; 2]| if area(*f) > area(*g) { *f } else { *g };
+        intersecting.extend(pairs.iter().map(|pair| triangles[larger(pair) as usize]));
+        if best.as_ref().is_none_or(|best| pairs.len() < best.0) {
+            best = Some((pairs.len(), triangles));
+        }
+        if pairs.is_empty() {
+            break;
+        }
+    }
+    best.map_or_else(Vec::new, |best| best.1)
+}
+
+/// A triangulation of the rim with the wanted edge lengths.
+fn triangulated(rim: Rim, triangles: &[[u32; 3]], density: f64) -> Surface {
+    let n = rim.points.len();
+    let size = rim_sizes(&rim.points, density * fineness(n));
+    Surface::new(rim.points, size, n, triangles)
+}
+
+/// A triangulation of the rim, refined to the rim's density and relaxed.
+fn refined(rim: Rim, triangles: &[[u32; 3]], density: f64) -> Patch {
+    let loose = loose_angles(&rim);
+    let curvature = mean_curvature(&rim);
+    let forbidden = rim.forbidden.clone();
+    let mut surface = triangulated(rim, triangles, density);
     let wanted = rim_valences(&surface, &loose);
-    split_chords(&mut surface, &local.forbidden);
+    split_chords(&mut surface, &forbidden);
     remesh(&mut surface, &wanted, curvature);
-    Ok(frame.world(surface.compact(), rim.points.iter().copied()))
+    surface.compact()
 }
 
 /// The angle of the existing face at each rim vertex that has only one, 0 elsewhere.

@@ -34,4 +34,5 @@ pub use error::PatchError;
 pub use fair::warm_start;
 pub(crate) use fair::warm_start_with_creases;
 pub use fill::fill;
+pub(crate) use fill::{OtherPatches, fill_excluding};
 pub(crate) use transfer::{TransferError, transfer};

@@ -81,6 +81,27 @@ pub(super) fn refit(s: &mut Surface, wanted: &[i32]) {
     }
 }
 
+/// Splits a patch down to its `size` without changing its shape. Only longest edges of both their
+/// triangles are split: otherwise there would be no end at long rim edges, which stay whole.
+pub(super) fn subdivide(s: &mut Surface) {
+    let is_longest = |s: &Surface, h: u32| {
+        let sides = [h, s.twin(h)].into_iter().flat_map(|h| [next(h), prev(h)]);
+        sides
+            .into_iter()
+            .all(|side| s.length2(side) <= s.length2(h))
+    };
+    while split_where(s, is_longest) {
+        flip_where(s, |s, h| {
+            let (m, n) = (s.normal(h), s.normal(s.twin(h)));
+            m.dot(n) >= (1.0 - COPLANAR) * m.length() * n.length()
+        });
+    }
+}
+
+/// Triangles whose normals have a cosine up to this much below 1 are coplanar: rounding after halving
+/// edges some ten times.
+const COPLANAR: f64 = 1e-12;
+
 /// Smoothing passes that carry the rims' sizes into a patch whose inner vertices have no sizes yet.
 const REFIT_SMOOTHING: usize = 100;
 
@@ -186,6 +207,11 @@ fn refine(s: &mut Surface, membrane: &mut Membrane) {
 
 /// Splits long edges at their midpoints, once over all of them. Returns whether there were any.
 fn split_long(s: &mut Surface) -> bool {
+    split_where(s, |_, _| true)
+}
+
+/// The same, but splits only edges that are `allowed`.
+fn split_where(s: &mut Surface, allowed: impl Fn(&Surface, u32) -> bool) -> bool {
     let mut any = false;
     for h in 0..s.corner.len() as u32 {
         if s.is_dead(h) || s.twin(h) == NONE || s.twin(h) < h {
@@ -193,7 +219,7 @@ fn split_long(s: &mut Surface) -> bool {
         }
         let (a, b) = (s.from(h), s.to(h));
         let limit = LONG * f64::midpoint(s.size[a as usize], s.size[b as usize]);
-        if s.length2(h) > limit * limit {
+        if s.length2(h) > limit * limit && allowed(s, h) {
             let middle = s.point(a).midpoint(s.point(b));
             s.split(h, middle);
             any = true;
@@ -264,6 +290,11 @@ fn is_not_delaunay(s: &Surface, h: u32) -> bool {
 /// Flips edges until the triangulation is Delaunay in its own metric (opposite angles of every
 /// interior edge sum up to at most 180°).
 fn flip_to_delaunay(s: &mut Surface) {
+    flip_where(s, |_, _| true);
+}
+
+/// The same, but flips only edges that are `allowed`.
+fn flip_where(s: &mut Surface, allowed: impl Fn(&Surface, u32) -> bool) {
     let mut stack: Vec<u32> = (0..s.corner.len() as u32)
         .rev()
         .filter(|&h| s.twin(h) != NONE && s.twin(h) > h)
@@ -271,7 +302,8 @@ fn flip_to_delaunay(s: &mut Surface) {
     // Lawson's flips end in the plane; in space a bound guards against cycles.
     let mut left = 8 * s.corner.len() + 64;
     while let Some(h) = stack.pop() {
-        if s.is_dead(h) || s.twin(h) == NONE || !is_not_delaunay(s, h) || !may_flip(s, h) {
+        let may_flip = |s: &Surface| is_not_delaunay(s, h) && may_flip(s, h) && allowed(s, h);
+        if s.is_dead(h) || s.twin(h) == NONE || !may_flip(s) {
             continue;
         }
         s.flip(h);

@@ -1,7 +1,7 @@
 //! Patches over generated loops.
 
-use super::{Patch, PatchError, PatchOptions, Rim, RimGeometry, blend, fill};
-use crate::mesh::{DVec3, Topology};
+use super::{Patch, PatchError, PatchOptions, Rim, RimGeometry, blend, fill, fill_excluding};
+use crate::mesh::{DVec3, Topology, perimeter, self_intersections};
 use std::f64::consts::TAU;
 
 /// A rim whose existing faces continue outwards, away from the loop's mean.
@@ -182,6 +182,67 @@ fn forbidden_edges_are_avoided() {
             }
         }
         check(name, &rim, &fill_default(&rim));
+    }
+}
+
+#[test]
+fn excluded_triangles_are_avoided() {
+    for (name, rim) in loops() {
+        let n = rim.points.len() as u32;
+        let is_excluded = |t: [u32; 3]| t.contains(&1) && n > 5;
+        let other = fill_excluding(&rim, PatchOptions::default(), &is_excluded);
+        let other = other.expect("a usable rim");
+        check(name, &rim, &other.relaxed);
+        let flat = other.flat.expect("no edge is forbidden");
+        check(name, &rim, &flat);
+        // a vertex on the rim alone is a corner of one triangle at least
+        let all = fill_excluding(&rim, PatchOptions::default(), &|_| false).expect("usable");
+        let at = |patch: &Patch| patch.triangles.iter().filter(|t| t.contains(&1)).count();
+        assert!(at(&flat) <= at(&all.flat.expect("flat")), "{name}");
+    }
+}
+
+#[test]
+fn flat_patches_keep_the_shape_of_their_triangulation() {
+    // all vertices stay in the plane, and the area is that of the polygon
+    let rim = polygon(&[[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]], 0.25);
+    let other = fill_excluding(&rim, PatchOptions::default(), &|_| false).expect("usable");
+    let flat = other.flat.expect("no edge is forbidden");
+    assert!(flat.new_points().len() > 20);
+    let mut area = 0.0;
+    for t in &flat.triangles {
+        let [a, b, c] = t.map(|v| flat.points[v as usize]);
+        let normal = (b - a).cross(c - a);
+        assert!(normal.z > 0.0, "a triangle is turned over");
+        area += 0.5 * normal.length();
+    }
+    assert!((area - 8.0).abs() < 1e-9, "{area}");
+    assert!(flat.points.iter().all(|p| p.z == 0.0));
+    // long rim edges, which cannot be split, do not prevent the end
+    let mut rim = rim;
+    rim.points.truncate(18);
+    rim.opposite.truncate(18);
+    let other = fill_excluding(&rim, PatchOptions { density: 4.0 }, &|_| false).expect("usable");
+    check(
+        "long edge",
+        &rim,
+        &other.flat.expect("no edge is forbidden"),
+    );
+}
+
+#[test]
+fn intersections_of_a_triangulation_are_avoided_where_possible() {
+    for seed in 1..20 {
+        let f = f64::from(seed);
+        let rim = closed_curve(24, |t| {
+            let r = 1.0 + 0.6 * (2.0 * t + f).cos();
+            DVec3::new(r * t.cos(), r * t.sin(), 0.9 * (3.0 * t + 1.7 * f).sin())
+        });
+        let other = fill_excluding(&rim, PatchOptions::default(), &|_| false).expect("usable");
+        let flat = other.flat.expect("no edge is forbidden");
+        let pairs = self_intersections(&flat.points, &flat.triangles, None, 10);
+        assert!(pairs.is_empty(), "{seed}: {pairs:?}");
+        assert!(perimeter(&flat.points[..24]) > 6.0);
     }
 }
 

@@ -15,14 +15,14 @@ const MIN_LENGTH: f64 = 0.7;
 
 /// A triangulation of the rim without new vertices; triangles contain the edges `i → i + 1`.
 ///
-/// By size and shape: [`minimum_weight`] for small loops; the constrained Delaunay triangulation
-/// of a simple projection, O(n log n); [`minimum_weight`] for other loops while it is affordable;
+/// By size and shape: [`flattest`] for small loops; the constrained Delaunay triangulation
+/// of a simple projection, O(n log n); [`flattest`] for other loops while it is affordable;
 /// beyond that the loop is cut in two by its best chord ([`best_chord`], O(n²) at the first cut,
 /// 30 ms for 5,000 edges) and the parts are treated the same way.
 pub(super) fn triangulate(rim: &Rim) -> Vec<[u32; 3]> {
     let n = rim.points.len();
     if n <= SMALL {
-        return minimum_weight(rim);
+        return flattest(rim);
     }
     let mut triangles = Vec::with_capacity(n - 2);
     let mut forbidden: Vec<[u32; 2]> = rim.forbidden.clone();
@@ -38,7 +38,7 @@ pub(super) fn triangulate(rim: &Rim) -> Vec<[u32; 3]> {
         let affordable = part.len() <= AFFORDABLE;
         let local = match local {
             Some(t) if !affordable || !folds_back(rim, &part, &t) => t,
-            _ if affordable => minimum_weight(&sub_rim(rim, &part, points)),
+            _ if affordable => flattest(&sub_rim(rim, &part, points)),
             _ => {
                 let [i, j] = best_chord(&points, &part, &forbidden);
                 let mut rest = part[..=i].to_vec();
@@ -128,19 +128,42 @@ fn best_chord(points: &[DVec3], part: &[u32], forbidden: &[[u32; 2]]) -> [usize;
     best
 }
 
-/// Weight of a triangulated stretch of the rim: the worst dihedral angle in it, as the cosine
-/// between neighbouring face normals (1 flat, −1 folded over) in whole steps, then its area.
+/// Weight of a triangulated stretch of the rim: its faults, then the worst dihedral angle among the
+/// others, as the cosine between neighbouring face normals (1 flat) in whole steps, then its area.
 #[derive(Clone, Copy)]
 struct Weight {
-    /// Larger is flatter; [`FORBIDDEN`] marks a chord the mesh already has.
+    /// Number of excluded triangles and, if they are counted, of folded edges, and [`FORBIDDEN`] for each
+    /// chord that the mesh has.
+    faults: u32,
+    /// Larger is flatter.
     flatness: i32,
     area: f64,
+}
+
+impl Weight {
+    fn is_better_than(&self, other: &Self) -> bool {
+        let ranks = |w: &Self| (w.faults, -w.flatness);
+        ranks(self) < ranks(other) || ranks(self) == ranks(other) && self.area < other.area
+    }
+
+    /// With another dihedral angle; those with a cosine below `folded`, in steps, are faults.
+    fn bent(mut self, cosine: f64, folded: i32) -> Self {
+        let flatness = quantised(cosine);
+        if flatness < folded {
+            self.faults += 1;
+        } else {
+            self.flatness = self.flatness.min(flatness);
+        }
+        self
+    }
 }
 
 /// Cosines are compared in steps of 1/STEPS, so that rounding does not decide between
 /// triangulations of a flat loop; a step at 0° is an angle of 2.5°.
 const STEPS: f64 = 1024.0;
-const FORBIDDEN: i32 = -4096;
+/// The cosine of 150° in such steps.
+const FOLDED: i32 = -886;
+const FORBIDDEN: u32 = 1 << 20;
 /// Stands for the normal of a degenerate existing face.
 const NO_NORMAL: DVec3 = DVec3::splat(2.0);
 /// The flatness of a triangle that has no neighbour yet.
@@ -150,13 +173,25 @@ fn quantised(cosine: f64) -> i32 {
     (cosine * STEPS).floor() as i32
 }
 
-/// The triangulation of the rim without new vertices whose worst dihedral angle, the one with the
-/// existing faces included, is least, and whose area is least among those (P. Liepa, "Filling holes
-/// in meshes", SGP 2003; the recursion is that of G. Barequet and M. Sharir, 1995).
+/// The triangulation of the rim without new vertices whose worst dihedral angle is least.
+fn flattest(rim: &Rim) -> Vec<[u32; 3]> {
+    minimum_weight(rim, i32::MIN, &|_| false)
+}
+
+/// The triangulation of the rim without new vertices with the fewest excluded triangles and folded
+/// edges, those of the rim included.
+pub(super) fn soundest(rim: &Rim, excluded: &impl Fn([u32; 3]) -> bool) -> Vec<[u32; 3]> {
+    minimum_weight(rim, FOLDED, excluded)
+}
+
+/// The triangulation of the rim without new vertices that has the fewest faults, whose worst dihedral
+/// angle, the one with the existing faces included, is least, and whose area is least among those
+/// (P. Liepa, "Filling holes in meshes", SGP 2003; the recursion is that of G. Barequet and
+/// M. Sharir, 1995). Faults are forbidden chords, triangles that are `excluded`, and dihedral angles
+/// with a cosine below `folded`, in steps of 1/[`STEPS`].
 ///
-/// Cubic time, quadratic memory: 3 ms for 108 edges. Forbidden chords are used only if there is no
-/// triangulation without. Triangles contain the edges `i → i + 1`.
-fn minimum_weight(rim: &Rim) -> Vec<[u32; 3]> {
+/// Cubic time, quadratic memory: 3 ms for 108 edges. Triangles contain the edges `i → i + 1`.
+fn minimum_weight(rim: &Rim, folded: i32, excluded: &impl Fn([u32; 3]) -> bool) -> Vec<[u32; 3]> {
     let n = rim.points.len();
     if n == 3 {
         return vec![[0, 1, 2]];
@@ -165,6 +200,7 @@ fn minimum_weight(rim: &Rim) -> Vec<[u32; 3]> {
     // Entry [i n + j], i < j: the stretch i..j closed by the chord (i, j); `column` is the same
     // transposed, so that both operands of the inner loop are contiguous.
     let empty = Weight {
+        faults: 0,
         flatness: FLAT,
         area: 0.0,
     };
@@ -189,7 +225,8 @@ fn minimum_weight(rim: &Rim) -> Vec<[u32; 3]> {
             let is_root = i == 0 && j == n - 1;
             let base = p[j] - p[i];
             let mut best = Weight {
-                flatness: i32::MIN,
+                faults: u32::MAX,
+                flatness: FLAT,
                 area: f64::INFINITY,
             };
             let mut best_normal = DVec3::ZERO;
@@ -199,35 +236,38 @@ fn minimum_weight(rim: &Rim) -> Vec<[u32; 3]> {
             let left_normal = &row_normal[i * n..(i + 1) * n];
             let right_normal = &column_normal[j * n..(j + 1) * n];
             for k in i + 1..j {
-                let mut flatness = left[k].flatness.min(right[k].flatness);
-                if flatness < best.flatness {
-                    continue;
-                }
-                let mut area = left[k].area + right[k].area;
-                if flatness == best.flatness && area >= best.area {
+                let mut weight = Weight {
+                    faults: left[k].faults + right[k].faults,
+                    flatness: left[k].flatness.min(right[k].flatness),
+                    area: left[k].area + right[k].area,
+                };
+                if !weight.is_better_than(&best) {
                     continue;
                 }
                 let cross = (p[k] - p[i]).cross(base);
                 let double = cross.length();
-                area += 0.5 * double;
+                weight.area += 0.5 * double;
                 let normal = if double > 0.0 {
                     cross / double
                 } else {
                     DVec3::ZERO
                 };
-                flatness = flatness.min(quantised(bend(normal, left_normal[k])));
-                flatness = flatness.min(quantised(bend(normal, right_normal[k])));
+                weight = weight.bent(bend(normal, left_normal[k]), folded);
+                weight = weight.bent(bend(normal, right_normal[k]), folded);
                 if is_root {
-                    flatness = flatness.min(quantised(bend(normal, closing)));
+                    weight = weight.bent(bend(normal, closing), folded);
                 }
-                if flatness > best.flatness || (flatness == best.flatness && area < best.area) {
-                    best = Weight { flatness, area };
+                if weight.is_better_than(&best) && excluded([i, k, j].map(|v| v as u32)) {
+                    weight.faults += 1;
+                }
+                if weight.is_better_than(&best) {
+                    best = weight;
                     best_normal = normal;
                     best_k = k;
                 }
             }
             if forbidden[i * n + j] {
-                best.flatness = FORBIDDEN;
+                best.faults += FORBIDDEN;
             }
             row[i * n + j] = best;
             column[j * n + i] = best;

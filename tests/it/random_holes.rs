@@ -1,7 +1,12 @@
 //! Random holes in random spheres and tori: every fill is sound.
 
-use meniscus::fill::{FillOptions, fill_rim_sets};
-use meniscus::mesh::{BoundaryLoop, DVec3, Mesh, boundary_loops, check_filled, self_intersections};
+use std::path::Path;
+
+use meniscus::fill::{FillOptions, LoopChoice, fill_rim_sets};
+use meniscus::io::{self, Format};
+use meniscus::mesh::{
+    self, BoundaryLoop, DVec3, Mesh, boundary_loops, check_filled, self_intersections,
+};
 use meniscus::shapes::{self, Hole, HoleShape};
 use proptest::prelude::*;
 
@@ -47,4 +52,22 @@ proptest! {
         let (positions, triangles) = shapes::cut_holes(&shapes::torus(1.5, 0.7, 1500, seed), &[hole]);
         fill_all(positions, &triangles)?;
     }
+}
+
+/// A ball with one triangle that stands beside a narrow crack in the rim of its hole.
+#[test]
+fn a_triangle_beside_a_crack_does_not_deform_the_patch() {
+    let bytes = include_bytes!("../data/ear.obj");
+    let soup = io::read(Format::Obj, bytes, Path::new("ear.obj")).expect("a mesh");
+    let (ball, _) = mesh::build(&soup).expect("a mesh");
+    let filled = meniscus::Fill::new(&ball).loops(LoopChoice::All).run();
+    let mesh = filled.expect("filled").mesh;
+    let new = &mesh.positions[ball.vertex_count()..];
+    assert!(new.len() > 20);
+    for p in new {
+        assert!((p.length() - 1.0).abs() < 0.02, "{p}");
+    }
+    let faces: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+    let pairs = self_intersections(&mesh.positions, &faces, None, 1);
+    assert_eq!(pairs, [[0; 2]; 0]);
 }

@@ -76,6 +76,7 @@ impl WindowProcess for FillProcess {
                 .iter()
                 .map(|warning| RunEvent::Warning(with_hint(warning)))
                 .collect(),
+            FillEvent::Warned(warning) => vec![RunEvent::Warning(with_hint(&warning))],
             FillEvent::Failed { text, .. } => vec![RunEvent::Error(text)],
         }
     }

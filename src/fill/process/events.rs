@@ -3,6 +3,7 @@
 use crate::fill::GroupSurface;
 use crate::mesh::{DVec3, LoopId};
 use crate::solver::{End, Outcome, StepRecord};
+use crate::warning::Warning;
 
 /// An event of a fill.
 #[derive(Clone, Debug)]
@@ -33,6 +34,8 @@ pub enum FillEvent {
         /// Its result.
         outcome: Outcome,
     },
+    /// A patch without new vertices, which no flow changes, has a defect.
+    Warned(Warning),
     /// A hole has no patch, or a group cannot continue; its last valid state is kept.
     Failed {
         /// The group; `None` for a hole without a patch.

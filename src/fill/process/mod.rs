@@ -26,6 +26,7 @@ use crate::runner::{
     Process, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline, Wake,
 };
 use crate::solver::FASTEST;
+use crate::warning::Warning;
 
 pub use events::{FillEvent, GroupStatus};
 pub(super) use group::{GroupProcess, GroupProgress};
@@ -97,6 +98,8 @@ pub struct FillProcess {
     assembly: Arc<Assembly>,
     /// Holes without a patch that are not reported yet.
     failed_holes: Vec<FillError>,
+    /// Warnings about patches that no flow changes, not reported yet.
+    warnings: Vec<Warning>,
     cancelled: Arc<AtomicBool>,
 }
 
@@ -126,6 +129,8 @@ impl FillProcess {
             }
         };
         let failed_holes = std::mem::take(&mut plan.failed);
+        let warnings = plan.holes().iter().flat_map(|hole| hole.warnings.iter());
+        let warnings = warnings.cloned().collect();
         let context = FillContext {
             mesh: &mesh,
             plan: &plan,
@@ -141,6 +146,7 @@ impl FillProcess {
             groups,
             assembly: Arc::new(assembly),
             failed_holes,
+            warnings,
             cancelled,
         })
     }
@@ -259,6 +265,10 @@ impl Process for FillProcess {
                 text: error.to_string(),
             });
         }
+        self.warnings
+            .drain(..)
+            .map(FillEvent::Warned)
+            .for_each(&mut *emit);
         let plan = &self.plan;
         let groups = self.groups.iter_mut().enumerate();
         let statuses = groups.map(|(g, group)| {
