@@ -1,0 +1,298 @@
+//! Fills random holes of many kinds and counts what is wrong with the results:
+//! `cargo run --release --example stress -- [COUNT] [FIRST_SEED] [--write FOLDER]`.
+//!
+//! Each seed gives one input and its options. A hole is *sound* if its patch has no intersection, no
+//! edge folded by more than 150° and no face without area. It is *said* if it is not sound and a
+//! warning says so, and *failed* if an error names it. Everything else is a fault of the program;
+//! its seed is printed, and the program ends with status 1. `--write` saves every input that is not
+//! sound.
+
+mod inputs;
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use inputs::{Damage, Input, input};
+use meniscus::Fill;
+use meniscus::fill::{Continuity, Controls, Filled, FilledHole, LoopChoice, Surface};
+use meniscus::mesh::{self, FaceId, Mesh, Neighbourhood, boundary_loops};
+use meniscus::random::SplitMix;
+use meniscus::solver::{End, SurfaceModel};
+use meniscus::warning::Warning;
+
+/// Number of inputs without arguments.
+const COUNT: u64 = 60;
+/// Angle between the normals of neighbours beyond which their edge is folded.
+const FOLDED: f64 = 5.0 / 6.0 * std::f64::consts::PI;
+/// Intersecting pairs that are counted.
+const MAX_PAIRS: usize = 100_000;
+
+/// What became of a hole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Verdict {
+    Sound,
+    Said,
+    Failed,
+    /// An unsound patch without a warning.
+    Silent,
+    /// The mesh is not valid, or an input vertex was moved.
+    Broken,
+    Panic,
+}
+
+/// The counts of a kind of damage.
+#[derive(Default)]
+struct Counts {
+    /// By verdict: holes whose surroundings have no intersection, and others.
+    holes: BTreeMap<Verdict, [usize; 2]>,
+    unconverged: usize,
+    raised: usize,
+    slowest: f64,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut numbers = vec![COUNT, 0];
+    let mut folder = None;
+    let mut arguments = std::env::args().skip(1);
+    let mut given = 0;
+    while let Some(argument) = arguments.next() {
+        if argument == "--write" {
+            folder = arguments.next().map(PathBuf::from);
+        } else {
+            *numbers.get_mut(given).ok_or("at most two numbers")? = argument.parse()?;
+            given += 1;
+        }
+    }
+    let mut all: BTreeMap<String, Counts> = BTreeMap::new();
+    let mut is_faulty = false;
+    for seed in numbers[1]..numbers[1] + numbers[0] {
+        let Some(input) = input(seed) else { continue };
+        let counts = all.entry(format!("{:?}", input.damage)).or_default();
+        let worst = judge(seed, &input, counts);
+        is_faulty |= worst >= Verdict::Silent;
+        if worst > Verdict::Sound {
+            println!("seed {seed}: {:?}, {worst:?}", input.damage);
+            if let Some(folder) = &folder {
+                write(folder, seed, &input.mesh)?;
+            }
+        }
+    }
+    table(&all);
+    if is_faulty {
+        return Err("some results are faulty".into());
+    }
+    Ok(())
+}
+
+/// Random options: the defaults for half of the seeds.
+fn controls(seed: u64) -> Controls {
+    let mut rng = SplitMix::new(seed ^ 0x5eed);
+    let mut controls = Controls::default();
+    if rng.below(2) == 0 {
+        return controls;
+    }
+    let surfaces = [
+        Surface::Auto,
+        Surface::Energy,
+        Surface::Diffusion,
+        Surface::G2,
+    ];
+    controls.surface = surfaces[rng.below(4)];
+    if controls.surface == Surface::Energy {
+        let energies = ["H^2", "H^2+K^2", "sqrt(k1^2+k2^2+0.1)", "H^4", "H^2*K^2"];
+        energies[rng.below(5)].clone_into(&mut controls.energy);
+    }
+    if rng.below(4) == 0 {
+        controls.density = rng.range(0.5, 2.0);
+    }
+    if rng.below(8) == 0 {
+        controls.continuity = Continuity::G0;
+    }
+    controls
+}
+
+/// Fills an input and counts its holes. Returns the worst verdict.
+fn judge(seed: u64, input: &Input, counts: &mut Counts) -> Verdict {
+    let mesh = &input.mesh;
+    let start = Instant::now();
+    let fill = || {
+        let fill = Fill::new(mesh).controls(controls(seed));
+        let fill = match input.damage {
+            Damage::MostGone => fill.loops(LoopChoice::All),
+            _ => fill,
+        };
+        fill.run()
+    };
+    let filled = std::panic::catch_unwind(fill);
+    counts.slowest = counts.slowest.max(start.elapsed().as_secs_f64());
+    let mut count = |verdict, is_clean: bool| {
+        counts.holes.entry(verdict).or_default()[usize::from(!is_clean)] += 1;
+        verdict
+    };
+    let filled = match filled {
+        Err(_) => return count(Verdict::Panic, true),
+        Ok(Err(error)) => {
+            println!("seed {seed}: {error}");
+            return count(Verdict::Failed, true);
+        }
+        Ok(Ok(filled)) => filled,
+    };
+    if let Err(fault) = check(mesh, &filled) {
+        println!("seed {seed}: {fault}");
+        return count(Verdict::Broken, true);
+    }
+    let verdicts = verdicts(mesh, &filled);
+    let worst = verdicts
+        .iter()
+        .map(|&(verdict, is_clean)| count(verdict, is_clean))
+        .max();
+    let failed = filled.failed.iter().map(|error| {
+        println!("seed {seed}: {error}");
+        count(Verdict::Failed, true)
+    });
+    let worst = failed.max().max(worst);
+    for group in filled.groups.iter().flatten() {
+        let outcome = &group.outcome;
+        counts.unconverged += usize::from(outcome.end != End::Converged);
+        let first = group.records.iter().find(|r| !r.is_rejected());
+        let last = group.records.iter().rfind(|r| !r.is_rejected());
+        // vector flows update their metric, and a replaced surface has another energy
+        let is_comparable = group.surface.model.surface == SurfaceModel::Energy
+            && !outcome
+                .warnings
+                .iter()
+                .any(|w| matches!(w, Warning::Replaced { .. }));
+        let is_raised = first
+            .zip(last)
+            .is_some_and(|(a, b)| b.energy > 1.000_001 * a.energy);
+        let is_raised = is_comparable && is_raised;
+        counts.raised += usize::from(is_raised);
+    }
+    worst.unwrap_or(Verdict::Sound)
+}
+
+/// The mesh is valid, and vertices and faces of the input are unchanged.
+fn check(before: &Mesh, filled: &Filled) -> Result<(), String> {
+    mesh::check_mesh(&filled.mesh)?;
+    let bits = |mesh: &Mesh| -> Vec<[u64; 3]> {
+        let kept = mesh.positions.iter().take(before.vertex_count());
+        kept.map(|p| p.to_array().map(f64::to_bits)).collect()
+    };
+    if bits(before) != bits(&filled.mesh) {
+        return Err("a vertex of the input was moved".into());
+    }
+    let kept = filled.mesh.topology.triangles().take(before.face_count());
+    if !kept.eq(before.topology.triangles()) {
+        return Err("a face of the input was changed".into());
+    }
+    Ok(())
+}
+
+/// The verdict of each filled hole, and whether the faces around it are free of intersections.
+fn verdicts(before: &Mesh, filled: &Filled) -> Vec<(Verdict, bool)> {
+    let after = &filled.mesh;
+    let faces: Vec<[u32; 3]> = after.topology.triangles().collect();
+    let old = before.face_count() as u32;
+    let new: Vec<u32> = (old..faces.len() as u32).collect();
+    let crossings = mesh::self_intersections(&after.positions, &faces, Some(&new), MAX_PAIRS);
+    let folds = mesh::folded_edges(&after.positions, &after.topology, FOLDED);
+    let is_said = |face: u32| {
+        let hole = filled
+            .holes
+            .iter()
+            .find(|hole| hole.faces.contains(&(face as usize)));
+        hole.is_some_and(|hole| is_said(filled, hole))
+    };
+    let mut defect = vec![None; faces.len()];
+    for (pairs, kind) in [(folds, "fold"), (crossings, "intersection")] {
+        for pair in pairs {
+            let said = pair.into_iter().any(is_said);
+            for f in pair {
+                defect[f as usize] = defect[f as usize].max(Some((!said, kind)));
+            }
+        }
+    }
+    for f in new {
+        let [a, b, c] = after.corners(FaceId(f));
+        if (b - a).cross(c - a) == mesh::DVec3::ZERO {
+            defect[f as usize] = Some((!is_said(f), "face without area"));
+        }
+    }
+    let loops = boundary_loops(before);
+    let verdict = |hole: &FilledHole| {
+        let rims = hole.loops.iter().flat_map(|id| &loops[id.index()].vertices);
+        let around = Neighbourhood::small(&before.topology, rims.copied(), 1);
+        let around: Vec<u32> = around.faces.iter().map(|f| f.0).collect();
+        let given = &faces[..old as usize];
+        let clean = mesh::self_intersections(&before.positions, given, Some(&around), 1);
+        let defects = defect[hole.faces.clone()].iter().flatten();
+        let verdict = match defects.clone().max() {
+            None => Verdict::Sound,
+            Some((false, kind)) => {
+                let (faces, edges) = (defects.count(), hole.edges);
+                println!("hole {} of {edges} edges: {faces} faces, {kind}", hole.id());
+                Verdict::Said
+            }
+            Some((true, kind)) => {
+                let faces = defects.count();
+                println!("hole {}: {faces} faces, {kind}, unsaid", hole.id());
+                Verdict::Silent
+            }
+        };
+        (verdict, clean.is_empty())
+    };
+    filled.holes.iter().map(verdict).collect()
+}
+
+/// Whether a warning says that the patch of a hole is unsound.
+fn is_said(filled: &Filled, hole: &FilledHole) -> bool {
+    let is_about_soundness = |warning: &Warning| {
+        matches!(
+            warning,
+            Warning::SelfIntersection { .. } | Warning::Folded { .. }
+        )
+    };
+    let of_group = hole.group.map(|g| filled.groups[g].as_ref());
+    hole.warnings.iter().any(is_about_soundness)
+        || of_group.is_some_and(|group| {
+            group.map_or(true, |group| {
+                group.outcome.warnings.iter().any(is_about_soundness)
+            })
+        })
+}
+
+fn write(folder: &Path, seed: u64, mesh: &Mesh) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(folder)?;
+    meniscus::io::save_mesh(&folder.join(format!("{seed}.obj")), mesh, &[])?;
+    Ok(())
+}
+
+fn table(all: &BTreeMap<String, Counts>) {
+    let verdicts = [
+        Verdict::Sound,
+        Verdict::Said,
+        Verdict::Failed,
+        Verdict::Silent,
+        Verdict::Broken,
+        Verdict::Panic,
+    ];
+    println!("\nHoles whose surroundings are free of intersections + others, groups, seconds");
+    print!("{:<10}", "damage");
+    verdicts
+        .iter()
+        .for_each(|v| print!("{:>12}", format!("{v:?}")));
+    println!("{:>12}{:>8}{:>10}", "unconverged", "raised", "slowest");
+    for (damage, counts) in all {
+        print!("{damage:<10}");
+        for verdict in verdicts {
+            let [clean, other] = counts.holes.get(&verdict).copied().unwrap_or_default();
+            print!("{:>12}", format!("{clean} + {other}"));
+        }
+        println!(
+            "{:>12}{:>8}{:>10.1}",
+            counts.unconverged, counts.raised, counts.slowest
+        );
+    }
+}
