@@ -7,18 +7,18 @@
 //! candidate with the least error over all discs is chosen, and its error is the one to expect of
 //! the fill, relative to the hole radius.
 
-use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use rayon::prelude::*;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::fill::context::FillContext;
 use crate::fill::hole::PlannedHole;
 use crate::mesh::{DVec3, Mesh, Neighbourhood, VertexId, rms_distance};
 use crate::options::Choice;
 use crate::solver::{
-    DiffusionFlow, FlowOptions, FlowProblem, Mode, SUPPORT_RINGS, StepRequest, Stepper,
-    SurfaceModel, scheme_stepper,
+    FlowOptions, FlowProblem, G2_RINGS, LocalG2, Mode, SUPPORT_RINGS, StepRequest, SurfaceModel,
+    scheme_stepper,
 };
 
 /// A surface model with its tension.
@@ -77,9 +77,9 @@ impl GroupSurface {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Prediction {
-    /// The candidates, each with the RMS error of its pseudo-holes, relative to their radius.
+    /// The candidates tried, each with the RMS error of its pseudo-holes, relative to their radius.
     pub errors: Vec<(Candidate, f64)>,
-    /// Number of pseudo-holes.
+    /// Number of pseudo-holes that were computed.
     pub discs: usize,
 }
 
@@ -97,14 +97,18 @@ const MARGIN: usize = 3;
 const MOST_VERTICES: [usize; 2] = [150, 3000];
 /// Most vertices among which the pseudo-holes of a hole are found.
 const MOST_NEAR: usize = 12_000;
-/// Number of pseudo-holes on which `energy`, the most expensive candidate, is tried. Its error on all
-/// is estimated by the ratio to the best other candidate on these.
+/// Number of pseudo-holes on which `energy`, the most expensive candidate, is tried first of all. If
+/// it is not chosen, its error on all is estimated by the ratio to the best other candidate on
+/// these.
 const ENERGY_DISCS: usize = 2;
 /// Error of `energy` up to which the surface counts as smooth and `energy` is chosen: the predictions
 /// know the true metric, which a vector flow has to find. On scans the errors are larger, and an
 /// advantage of `energy` on the pseudo-holes did not carry over to the fill.
 const SMOOTH: f64 = 1e-2;
-/// Tensions of the candidates `G2`, the largest first: a prediction reuses its sparsity.
+/// Error of the best other candidate on the first pseudo-holes above which `energy` is not tried. Where
+/// `energy` is chosen, the others have errors below a third of [`SMOOTH`] (measured on `analytic/`).
+const HOPELESS: f64 = 2.0 * SMOOTH;
+/// Tensions of the candidates `G2`.
 const TENSIONS: [f64; 4] = [100.0, 30.0, 10.0, 0.0];
 
 /// The candidates: `G2` by [`TENSIONS`], then `Energy`.
@@ -121,13 +125,14 @@ impl Prediction {
         // squared errors in the unit of the mesh, weighted by the new vertices of the holes
         let mut sums = [0.0; TENSIONS.len() + 1];
         let (mut extent, mut count) = (0.0, 0);
+        let alone = context.plan.groups[group].holes.len() == 1;
         for hole in context.plan.holes_of(group) {
             let discs = discs(context.mesh, hole);
             if discs.is_empty() {
                 continue;
             }
-            count += discs.len();
-            let errors = mean_squares(&discs, flow);
+            let (errors, computed) = mean_squares(context.mesh, &discs, flow, alone);
+            count += computed;
             let radius = hole.rims.radius();
             let weight = hole.patch.new_points().len() as f64 * radius * radius;
             extent += weight;
@@ -138,7 +143,7 @@ impl Prediction {
         let relative = sums.iter().map(|sum| (sum / extent).sqrt());
         let errors = candidates().zip(relative);
         Self {
-            errors: errors.filter(|_| count > 0).collect(),
+            errors: errors.filter(|e| e.1.is_finite()).collect(),
             discs: count,
         }
     }
@@ -154,40 +159,59 @@ impl Prediction {
     }
 }
 
-/// A pseudo-hole as a problem whose starting positions are the true ones.
+/// A pseudo-hole.
 struct Disc {
-    problem: FlowProblem,
-    /// Unit normals at the moving vertices.
+    /// Its vertices, which are ring 0, and the rings around them.
+    region: Neighbourhood,
+    /// Unit normals at its vertices.
     normals: Vec<DVec3>,
+    /// RMS distance of its rim from the mean of the rim.
+    radius: f64,
 }
 
-/// Mean over the discs, at least one, of the squared error of each candidate.
-fn mean_squares(discs: &[Disc], flow: &FlowOptions) -> [f64; TENSIONS.len() + 1] {
-    let g2: Vec<_> = discs.par_iter().map(Disc::g2_errors).collect();
-    let first = &discs[..discs.len().min(ENERGY_DISCS)];
-    let energy: Vec<f64> = first
-        .par_iter()
-        .map(|disc| disc.energy_error(flow))
-        .collect();
-    let energy = energy.iter().sum::<f64>() / first.len() as f64;
-    let mean = |k: usize, discs: usize| {
-        let sum: f64 = g2[..discs].iter().map(|errors| errors[k]).sum();
-        sum / discs as f64
+/// Mean over the discs, at least one, of the squared error of each candidate, and the number of discs
+/// that were computed: if `Energy` is good on the first ones and the hole is `alone` in its group, no
+/// others are needed. The error of a candidate that was not tried is infinite.
+fn mean_squares(
+    mesh: &Mesh,
+    discs: &[Disc],
+    flow: &FlowOptions,
+    alone: bool,
+) -> ([f64; TENSIONS.len() + 1], usize) {
+    let (first, others) = discs.split_at(discs.len().min(ENERGY_DISCS));
+    let g2_errors = |discs: &[Disc]| -> Vec<[f64; TENSIONS.len()]> {
+        discs.par_iter().map(|disc| disc.g2_errors(mesh)).collect()
     };
-    let mut means = [0.0; TENSIONS.len() + 1];
-    let mut best = 0;
+    let mean = |errors: &[[f64; TENSIONS.len()]], k: usize| {
+        errors.iter().map(|e| e[k]).sum::<f64>() / errors.len() as f64
+    };
+    let best_of =
+        |means: &[f64]| (0..TENSIONS.len()).min_by(|&i, &j| means[i].total_cmp(&means[j]));
+    let mut g2 = g2_errors(first);
+    let mut means = [f64::INFINITY; TENSIONS.len() + 1];
     for k in 0..TENSIONS.len() {
-        means[k] = mean(k, discs.len());
-        if means[k] < means[best] {
-            best = k;
+        means[k] = mean(&g2, k);
+    }
+    let mut energy = f64::INFINITY;
+    if best_of(&means).is_some_and(|k| means[k] <= HOPELESS * HOPELESS) {
+        let errors = first.par_iter().map(|disc| disc.energy_error(mesh, flow));
+        energy = errors.collect::<Vec<f64>>().iter().sum::<f64>() / first.len() as f64;
+        means[TENSIONS.len()] = energy;
+        if alone && energy <= SMOOTH * SMOOTH {
+            return (means, first.len());
         }
     }
-    means[TENSIONS.len()] = if energy <= SMOOTH * SMOOTH {
-        energy
-    } else {
-        means[best] / mean(best, first.len()) * energy
-    };
-    means
+    g2.extend(g2_errors(others));
+    let of_first = means;
+    for k in 0..TENSIONS.len() {
+        means[k] = mean(&g2, k);
+    }
+    if energy > SMOOTH * SMOOTH
+        && let Some(k) = best_of(&means)
+    {
+        means[TENSIONS.len()] = means[k] / of_first[k] * energy;
+    }
+    (means, discs.len())
 }
 
 /// Squared error of a failed prediction: one radius.
@@ -195,55 +219,61 @@ const FAILED: f64 = 1.0;
 
 impl Disc {
     /// Squared errors of `G2` by [`TENSIONS`], relative to the radius.
-    fn g2_errors(&self) -> [f64; TENSIONS.len()] {
-        let made = DiffusionFlow::new(&self.problem, SurfaceModel::G2, TENSIONS[0]);
-        let Ok(mut flow) = made else {
-            return [FAILED; TENSIONS.len()];
-        };
-        let mut errors = [FAILED; TENSIONS.len()];
-        for (k, error) in errors.iter_mut().enumerate() {
-            if k > 0 {
-                flow.restart(TENSIONS[k]);
-            }
-            *error = self.step(&mut flow, SurfaceModel::G2);
-        }
-        errors
+    fn g2_errors(&self, mesh: &Mesh) -> [f64; TENSIONS.len()] {
+        let local = LocalG2::new(mesh, &self.region);
+        TENSIONS.map(|tension| {
+            let shift = local.step(tension / (self.radius * self.radius));
+            shift.map_or(FAILED, |shift| self.square(shift))
+        })
     }
 
-    /// Squared error of `Energy`, relative to the radius.
-    fn energy_error(&self, flow: &FlowOptions) -> f64 {
+    /// Squared error of `Energy`, relative to the radius: that of one long step from the true
+    /// positions.
+    fn energy_error(&self, mesh: &Mesh, flow: &FlowOptions) -> f64 {
         let mut options = flow.clone();
         options.surface = SurfaceModel::Energy;
         options.tension = 0.0;
         options.mode = Mode::Fast;
-        let energy = options.energy_at(self.problem.radius());
-        let made = scheme_stepper(&self.problem, &options, &energy);
-        made.map_or(FAILED, |mut made| {
-            self.step(&mut *made, SurfaceModel::Energy)
-        })
-    }
-
-    /// Squared error of a method relative to the radius: that of one long step from the true
-    /// positions.
-    fn step(&self, stepper: &mut dyn Stepper, surface: SurfaceModel) -> f64 {
-        let radius = self.problem.radius();
-        let tau = LONG * surface.natural_time(radius);
+        let energy = options.energy_at(self.radius);
+        let Some(problem) = self.problem(mesh) else {
+            return FAILED;
+        };
+        let Ok(mut stepper) = scheme_stepper(&problem, &options, &energy) else {
+            return FAILED;
+        };
+        let tau = LONG * SurfaceModel::Energy.natural_time(self.radius);
         let attempt = stepper.attempt(&StepRequest {
             tau,
             next_tau: tau,
-            may_freeze: false,
+            may_freeze: true,
         });
         if !attempt.is_accepted() {
             return FAILED;
         }
-        let reached = &stepper.state().positions;
-        let moving = self.problem.interior().iter().zip(&self.normals);
-        let distance = moving.map(|(&v, n)| {
-            let v = v as usize;
-            (reached[v] - self.problem.positions()[v]).dot(*n)
-        });
+        let pairs = stepper.state().positions.iter().zip(problem.positions());
+        self.square(pairs.map(|(reached, given)| *reached - *given))
+    }
+
+    /// The disc as a problem whose starting positions are the true ones.
+    fn problem(&self, mesh: &Mesh) -> Option<FlowProblem> {
+        let moving = self.region.rings().next()?.iter().copied();
+        let rings = usize::from(SUPPORT_RINGS);
+        let region = Neighbourhood::small(&mesh.topology, moving, rings);
+        let numbered = region.vertices().iter().copied().zip(0..);
+        let local: FxHashMap<VertexId, u32> = numbered.collect();
+        let positions = region.vertices().iter().map(|&v| mesh.position(v));
+        let positions: Vec<DVec3> = positions.collect();
+        let faces = region.faces.iter().map(|&f| mesh.topology.face_vertices(f));
+        let triangles: Vec<[u32; 3]> = faces.map(|t| t.map(|v| local[&v])).collect();
+        let interior: Vec<u32> = (0..self.normals.len() as u32).collect();
+        FlowProblem::new(&positions, &triangles, &interior, self.radius).ok()
+    }
+
+    /// Mean square of the displacements of the vertices along the normals, relative to the radius.
+    fn square(&self, shift: impl IntoIterator<Item = DVec3>) -> f64 {
+        let distance = shift.into_iter().zip(&self.normals).map(|(d, n)| d.dot(*n));
         let sum: f64 = distance.map(|d| d * d).sum();
-        sum / (self.normals.len() as f64 * radius * radius)
+        sum / (self.normals.len() as f64 * self.radius * self.radius)
     }
 }
 
@@ -279,8 +309,8 @@ fn discs_at(mesh: &Mesh, near: &[VertexId], centre: DVec3, size: f64) -> Vec<Dis
         .iter()
         .copied()
         .filter(|&v| topology.is_boundary_vertex(v));
-    let blocked = Neighbourhood::small(topology, boundary, MARGIN - 1);
-    let blocked: HashSet<VertexId> = blocked.vertices().iter().copied().collect();
+    let blocked = Neighbourhood::without_faces(topology, boundary, MARGIN - 1);
+    let blocked: FxHashSet<VertexId> = blocked.vertices().iter().copied().collect();
     let near: Vec<VertexId> = near
         .iter()
         .copied()
@@ -322,7 +352,7 @@ fn connected(
     inside: impl Fn(DVec3) -> bool,
 ) -> Vec<VertexId> {
     let mut found: Vec<VertexId> = seeds.collect();
-    let mut seen: HashSet<VertexId> = found.iter().copied().collect();
+    let mut seen: FxHashSet<VertexId> = found.iter().copied().collect();
     let mut next = 0;
     while next < found.len() && found.len() < most {
         for w in mesh.topology.neighbours(found[next]) {
@@ -337,7 +367,7 @@ fn connected(
 
 /// The pseudo-hole of the vertices within `size` of a vertex. `None` if it has fewer than three
 /// vertices or lies too near to a boundary; `blocked` are vertices known to.
-fn disc_at(mesh: &Mesh, v: VertexId, size: f64, blocked: &HashSet<VertexId>) -> Option<Disc> {
+fn disc_at(mesh: &Mesh, v: VertexId, size: f64, blocked: &FxHashSet<VertexId>) -> Option<Disc> {
     let at = mesh.position(v);
     let is_inside = |p: DVec3| p.distance(at) < size;
     let mut inside = connected(mesh, std::iter::once(v), MOST_VERTICES[0], is_inside);
@@ -345,24 +375,12 @@ fn disc_at(mesh: &Mesh, v: VertexId, size: f64, blocked: &HashSet<VertexId>) -> 
     if inside.len() < 3 || inside.iter().any(|v| blocked.contains(v)) {
         return None;
     }
-    let rings = usize::from(SUPPORT_RINGS);
-    let region = Neighbourhood::small(&mesh.topology, inside.iter().copied(), rings);
-    let margin = region.rings().take(MARGIN).flatten();
-    if margin
-        .into_iter()
-        .any(|&v| mesh.topology.is_boundary_vertex(v))
-    {
+    sort_along(mesh, &mut inside);
+    let region = Neighbourhood::without_faces(&mesh.topology, inside.iter().copied(), G2_RINGS);
+    let is_boundary = |&v: &VertexId| mesh.topology.is_boundary_vertex(v);
+    if region.rings().take(MARGIN).flatten().any(is_boundary) {
         return None;
     }
-    let numbered = region.vertices().iter().copied().zip(0..);
-    let local: HashMap<VertexId, u32> = numbered.collect();
-    let positions: Vec<DVec3> = region
-        .vertices()
-        .iter()
-        .map(|&v| mesh.position(v))
-        .collect();
-    let faces = region.faces.iter().map(|&f| mesh.topology.face_vertices(f));
-    let triangles: Vec<[u32; 3]> = faces.map(|t| t.map(|v| local[&v])).collect();
     let rim: Vec<DVec3> = region
         .rings()
         .nth(1)?
@@ -371,19 +389,35 @@ fn disc_at(mesh: &Mesh, v: VertexId, size: f64, blocked: &HashSet<VertexId>) -> 
         .collect();
     let middle = rim.iter().sum::<DVec3>() / rim.len() as f64;
     let radius = rms_distance(rim.iter().copied(), middle);
-    let interior: Vec<u32> = (0..inside.len() as u32).collect();
-    let problem = FlowProblem::new(&positions, &triangles, &interior, radius).ok()?;
-    let topology = problem.topology();
-    let normal = |&v: &u32| {
-        let faces = topology.outgoing(VertexId(v)).map(|h| topology.face(h));
+    if !(radius.is_finite() && radius > 0.0) {
+        return None;
+    }
+    let normal = |&v: &VertexId| {
+        let topology = &mesh.topology;
+        let faces = topology.outgoing(v).map(|h| topology.face(h));
         let area = faces.map(|f| {
-            let [a, b, c] = topology.face_vertices(f).map(|v| positions[v.index()]);
+            let [a, b, c] = topology.face_vertices(f).map(|v| mesh.position(v));
             (b - a).cross(c - a)
         });
         area.sum::<DVec3>().normalize_or_zero()
     };
-    let normals = interior.iter().map(normal).collect();
-    Some(Disc { problem, normals })
+    Some(Disc {
+        normals: inside.iter().map(normal).collect(),
+        region,
+        radius,
+    })
+}
+
+/// Sorts vertices along the longest side of their bounding box.
+fn sort_along(mesh: &Mesh, vertices: &mut [VertexId]) {
+    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let points = vertices.iter().map(|&v| mesh.position(v));
+    let (low, high) = points.fold(nothing, |(low, high), p| (low.min(p), high.max(p)));
+    let axis = (high - low).max_position();
+    vertices.sort_by(|&v, &w| {
+        let [p, q] = [v, w].map(|v| mesh.position(v)[axis]);
+        p.total_cmp(&q).then(v.cmp(&w))
+    });
 }
 
 #[cfg(test)]
@@ -411,6 +445,8 @@ mod tests {
         let (surface, result) = filled(&sphere, &FillOptions::default());
         assert_eq!(surface.model, Candidate::new(SurfaceModel::Energy, 0.0));
         let expected = surface.expected_error().expect("a prediction");
+        let prediction = surface.prediction.as_deref();
+        assert_eq!(prediction.map(|p| p.discs), Some(ENERGY_DISCS));
         let radius = (1.0f64 - 0.7 * 0.7).sqrt();
         let new = &result.positions[sphere.vertex_count()..];
         let squares = new.iter().map(|p| (p.length() - 1.0).powi(2));
@@ -439,6 +475,9 @@ mod tests {
         assert_ne!(surface.model.surface, SurfaceModel::Energy);
         let prediction = surface.prediction.as_deref().expect("a prediction");
         assert!(prediction.discs >= DISCS[1]);
+        // the others are so bad that the energy is not tried
+        let is_energy = |e: &(Candidate, f64)| e.0.surface == SurfaceModel::Energy;
+        assert!(!prediction.errors.iter().any(is_energy));
         let least = prediction
             .errors
             .iter()

@@ -8,6 +8,7 @@
 //! one thread results are bit-identical everywhere.
 
 mod cholesky;
+mod envelope;
 mod error;
 mod gmres;
 mod lbfgs;
@@ -17,6 +18,7 @@ mod pattern;
 mod vectors;
 
 pub use cholesky::{Cholesky, CholeskySymbolic};
+pub use envelope::Envelope;
 pub use error::LinearError;
 pub use gmres::{GmresOptions, GmresReport, gmres};
 pub use lbfgs::Lbfgs;

@@ -1,6 +1,6 @@
 //! Rings of vertices and faces around some vertices, by breadth-first search.
 
-use std::collections::HashSet;
+use rustc_hash::FxHashSet;
 
 use super::{FaceId, Topology, VertexId};
 
@@ -8,7 +8,7 @@ use super::{FaceId, Topology, VertexId};
 /// of ring `k − 1` that are in no ring before.
 #[derive(Clone, Debug)]
 pub struct Neighbourhood {
-    /// The faces at a vertex of any ring but the last one, ascending.
+    /// The faces at a vertex of any ring but the last one, ascending, if they were looked for.
     pub faces: Vec<FaceId>,
     vertices: Vec<VertexId>,
     ends: Vec<usize>,
@@ -31,9 +31,20 @@ impl Neighbourhood {
         seeds: impl IntoIterator<Item = VertexId>,
         rings: usize,
     ) -> Self {
-        let (mut vertices, mut faces) = (HashSet::new(), HashSet::new());
+        let (mut vertices, mut faces) = (FxHashSet::default(), FxHashSet::default());
         let is_new_vertex = |v| vertices.insert(v);
         Self::search(topology, seeds, rings, is_new_vertex, |f| faces.insert(f))
+    }
+
+    /// As [`Self::small`], but with vertices alone.
+    pub fn without_faces(
+        topology: &Topology,
+        seeds: impl IntoIterator<Item = VertexId>,
+        rings: usize,
+    ) -> Self {
+        let mut vertices = FxHashSet::default();
+        let is_new_vertex = |v| vertices.insert(v);
+        Self::search(topology, seeds, rings, is_new_vertex, |_| false)
     }
 
     /// The breadth-first search. The predicates return `true` for a vertex or face at its first call
@@ -168,6 +179,9 @@ mod tests {
             let small = Neighbourhood::small(&topology, [v, v], rings);
             assert_eq!(small.faces, found.faces);
             assert_eq!(small.vertices(), found.vertices());
+            let bare = Neighbourhood::without_faces(&topology, [v, v], rings);
+            assert_eq!(bare.vertices(), found.vertices());
+            assert!(bare.faces.is_empty());
         }
         let first = search.around([v], 1).faces;
         assert_eq!(faces_around(&topology, &first), search.around([v], 2).faces);

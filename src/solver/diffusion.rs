@@ -43,7 +43,7 @@ const LEAST_WEIGHT: f64 = 0.03;
 /// Limit of the cotangent of an angle (3°).
 const MOST_COTANGENT: f64 = 20.0;
 /// Lower limit of the area at a vertex, relative to the mean.
-const LEAST_AREA: f64 = 1.0 / 64.0;
+pub(super) const LEAST_AREA: f64 = 1.0 / 64.0;
 
 /// State of a vector flow.
 pub struct DiffusionFlow {
@@ -90,14 +90,14 @@ struct Squares {
 /// Lengths and areas of the current triangles.
 struct Metric {
     /// Half the cotangent of the angle opposite each half-edge.
-    half_cotangent: Vec<f64>,
+    half_cotangents: Vec<f64>,
     /// A third of the area of the triangles at each vertex.
     mass: Vec<f64>,
 }
 
 impl Metric {
     fn new(topology: &Topology, x: &[DVec3]) -> Self {
-        let mut half_cotangent = vec![0.0; topology.halfedge_count()];
+        let mut half_cotangents = vec![0.0; topology.halfedge_count()];
         let mut mass = vec![0.0; topology.vertex_count()];
         for f in topology.faces() {
             let [i, j, k] = topology.face_vertices(f);
@@ -111,9 +111,7 @@ impl Metric {
                 let apex = x[topology.target(topology.next(h)).index()];
                 let u = x[topology.origin(h).index()] - apex;
                 let v = x[topology.target(h).index()] - apex;
-                // a triangle without extent has no angles
-                let cotangent = if double > 0.0 { u.dot(v) / double } else { 0.0 };
-                half_cotangent[h.index()] = 0.5 * cotangent.clamp(-MOST_COTANGENT, MOST_COTANGENT);
+                half_cotangents[h.index()] = half_cotangent(u, v, double);
             }
         }
         let (sum, count) = mass
@@ -124,15 +122,27 @@ impl Metric {
             *m = m.max(LEAST_AREA * sum / count);
         }
         Self {
-            half_cotangent,
+            half_cotangents,
             mass,
         }
     }
 
     fn weight(&self, h: HalfedgeId) -> f64 {
-        let w = self.half_cotangent[h.index()] + self.half_cotangent[h.twin().index()];
-        w.max(LEAST_WEIGHT * EQUILATERAL)
+        let [own, other] = [h, h.twin()].map(|h| self.half_cotangents[h.index()]);
+        edge_weight(own + other)
     }
+}
+
+/// Half the cotangent of the angle between two edges, given twice the area of their triangle.
+pub(super) fn half_cotangent(u: DVec3, v: DVec3, double: f64) -> f64 {
+    // a triangle without extent has no angles
+    let cotangent = if double > 0.0 { u.dot(v) / double } else { 0.0 };
+    0.5 * cotangent.clamp(-MOST_COTANGENT, MOST_COTANGENT)
+}
+
+/// Weight of an edge, given the sum of the half cotangents of the angles opposite it.
+pub(super) fn edge_weight(sum: f64) -> f64 {
+    sum.max(LEAST_WEIGHT * EQUILATERAL)
 }
 
 impl Squares {
@@ -360,17 +370,6 @@ impl DiffusionFlow {
 
     fn radius(&self) -> f64 {
         self.problem.radius()
-    }
-
-    /// Starts again at the problem's positions with another tension. A flow that was made without
-    /// tension cannot have one.
-    pub fn restart(&mut self, tension: f64) {
-        self.squares.tension = tension / (self.radius() * self.radius());
-        self.updates_left = UPDATES;
-        self.state
-            .positions
-            .copy_from_slice(self.problem.positions());
-        self.update_metric();
     }
 
     /// Computes matrix, energy and gradient in the metric of the current positions.
