@@ -2,6 +2,8 @@
 
 use std::sync::{Arc, OnceLock};
 
+use rustc_hash::FxHashMap;
+
 use crate::fill::context::FillContext;
 use crate::fill::patch_topology::PatchTopology;
 use crate::mesh::{DVec3, FaceId, Mesh, TriangleBvh, self_intersections};
@@ -162,10 +164,11 @@ impl Obstacles {
     /// The triangles that overlap a box, in the order of the mesh.
     pub fn overlapping(&self, mesh: &Mesh, low: DVec3, high: DVec3) -> Vec<[u32; 3]> {
         if self.holes < MANY_HOLES {
-            let overlaps = |t: &[u32; 3]| {
-                let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
-                a.min(b).min(c).cmple(high).all() && a.max(b).max(c).cmpge(low).all()
-            };
+            // the sides of the box beyond which each vertex lies
+            let beyond = |p: &DVec3| p.cmplt(low).bitmask() | p.cmpgt(high).bitmask() << 3;
+            let beyond: Vec<u8> = mesh.positions.iter().map(|p| beyond(p) as u8).collect();
+            let overlaps =
+                |t: &[u32; 3]| t.iter().fold(!0, |all, &v| all & beyond[v as usize]) == 0;
             return mesh.topology.triangles().filter(overlaps).collect();
         }
         let bvh = self.bvh.get_or_init(|| {
@@ -222,8 +225,8 @@ pub(super) fn intersections(
 
 /// Triangles with their own vertex numbers.
 pub(super) struct CompactTriangles {
-    /// The vertices by their old numbers, ascending.
-    vertices: Vec<u32>,
+    /// The new number of each vertex, by its old one.
+    numbers: FxHashMap<u32, u32>,
     pub points: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
 }
@@ -231,22 +234,25 @@ pub(super) struct CompactTriangles {
 impl CompactTriangles {
     /// `place` gives the position of a vertex by its old number.
     pub fn new(mut triangles: Vec<[u32; 3]>, place: impl Fn(u32) -> DVec3) -> Self {
-        let mut vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let local = |v: u32| vertices.partition_point(|&w| w < v) as u32;
-        triangles.iter_mut().for_each(|t| *t = t.map(local));
+        let mut points = Vec::new();
+        let mut numbers = FxHashMap::default();
+        let mut number = |v: u32| {
+            *numbers.entry(v).or_insert_with(|| {
+                points.push(place(v));
+                points.len() as u32 - 1
+            })
+        };
+        triangles.iter_mut().for_each(|t| *t = t.map(&mut number));
         Self {
-            points: vertices.iter().map(|&v| place(v)).collect(),
-            vertices,
+            numbers,
+            points,
             triangles,
         }
     }
 
     /// The new number of a vertex, if a triangle has it.
     pub fn number(&self, v: u32) -> Option<u32> {
-        let found = self.vertices.binary_search(&v);
-        found.ok().map(|i| i as u32)
+        self.numbers.get(&v).copied()
     }
 }
 

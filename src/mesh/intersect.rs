@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use robust::{Coord, Coord3D};
+use rustc_hash::FxHashMap;
 
 use super::{DVec3, Topology, TriangleBvh};
 
@@ -137,22 +138,13 @@ pub fn folded_edges(positions: &[DVec3], topology: &Topology, min_angle: f64) ->
 /// The first vertex at the position of each vertex.
 fn canonical_vertices(positions: &[DVec3]) -> Vec<u32> {
     // adding 0.0 turns -0.0 into 0.0
-    let key = |v: u32| {
-        (positions[v as usize] + DVec3::ZERO)
-            .to_array()
-            .map(f64::to_bits)
-    };
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.sort_unstable_by_key(|&v| (key(v), v));
-    let mut same = vec![0; positions.len()];
-    let mut first = 0;
-    for (i, &v) in order.iter().enumerate() {
-        if i == 0 || key(v) != key(first) {
-            first = v;
-        }
-        same[v as usize] = first;
-    }
-    same
+    let key = |p: &DVec3| (*p + DVec3::ZERO).to_array().map(f64::to_bits);
+    let mut first = FxHashMap::default();
+    first.reserve(positions.len());
+    let numbered = positions.iter().zip(0..);
+    numbered
+        .map(|(p, v)| *first.entry(key(p)).or_insert(v))
+        .collect()
 }
 
 /// Whether two triangles of the mesh meet outside their common vertices and edges.
@@ -184,10 +176,22 @@ fn pair_meets(positions: &[DVec3], same: &[u32], s: [u32; 3], t: [u32; 3]) -> bo
             let (i, j) = shared[0];
             let (a, b) = (p[(i + 1) % 3], p[(i + 2) % 3]);
             let (c, d) = (q[(j + 1) % 3], q[(j + 2) % 3]);
+            let (Some(plane_p), Some(plane_q)) = (Plane::of(p), Plane::of(q)) else {
+                return false;
+            };
+            // a triangle on one side of the other's plane meets that plane at the shared corner only
+            let sides_p = [a, b].map(|x| plane_q.side(x));
+            if sides_p[0] * sides_p[1] > 0 {
+                return false;
+            }
+            let sides_q = [c, d].map(|x| plane_p.side(x));
+            if sides_q[0] * sides_q[1] > 0 {
+                return false;
+            }
             // Both cuts with the common line start at the shared corner; if they go the same
             // way, the shorter one ends on its opposite edge inside the other triangle.
-            Plane::of(q).is_some_and(|plane| plane.meets_segment(a, b)) && !is_degenerate(p)
-                || Plane::of(p).is_some_and(|plane| plane.meets_segment(c, d)) && !is_degenerate(q)
+            plane_q.meets_segment_with_sides(a, b, sides_p[0], sides_p[1])
+                || plane_p.meets_segment_with_sides(c, d, sides_q[0], sides_q[1])
         }
         2 => {
             let (i, j) = (3 - shared[0].0 - shared[1].0, 3 - shared[0].1 - shared[1].1);
@@ -203,9 +207,13 @@ pub fn triangles_meet(p: [DVec3; 3], q: [DVec3; 3]) -> bool {
     let (Some(plane_p), Some(plane_q)) = (Plane::of(p), Plane::of(q)) else {
         return false;
     };
-    let (sides_q, sides_p) = (q.map(|x| plane_p.side(x)), p.map(|x| plane_q.side(x)));
     let apart = |s: [i8; 3]| s.iter().all(|&x| x > 0) || s.iter().all(|&x| x < 0);
-    if apart(sides_q) || apart(sides_p) {
+    let sides_q = q.map(|x| plane_p.side(x));
+    if apart(sides_q) {
+        return false;
+    }
+    let sides_p = p.map(|x| plane_q.side(x));
+    if apart(sides_p) {
         return false;
     }
     (0..3).any(|k| {
@@ -269,10 +277,6 @@ impl Plane {
         let [i, j] = self.axes;
         let at = |p: DVec3| Coord { x: p[i], y: p[j] };
         sign(robust::orient2d(at(a), at(b), at(c)))
-    }
-
-    fn meets_segment(&self, p: DVec3, q: DVec3) -> bool {
-        self.meets_segment_with_sides(p, q, self.side(p), self.side(q))
     }
 
     /// Whether the closed segment meets the closed triangle; `side_p` and `side_q` are the sides
