@@ -29,6 +29,7 @@ pub(super) fn plan_fairing(mesh: &Mesh, selected: &[bool]) -> Result<Plan, Refil
     Ok(Plan {
         domain: Domain::Vertices(moved),
         failed: Vec::new(),
+        loose: Vec::new(),
         obstacles: Obstacles::new(0),
         groups: vec![Group {
             holes: Vec::new(),

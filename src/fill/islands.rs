@@ -26,14 +26,14 @@ pub fn with_islands<'a>(
     loops: &'a [BoundaryLoop],
     chosen: &[LoopId],
 ) -> Vec<RimSet<'a>> {
-    let mut holes: Vec<CandidateHole> = chosen
-        .iter()
-        .map(|id| CandidateHole::new(mesh, loops, id.index()))
-        .collect();
     let first = loops.first().map_or(0, |l| l.component);
     if loops.iter().all(|l| l.component == first) {
         return chosen.iter().map(|id| vec![&loops[id.index()]]).collect();
     }
+    let mut holes: Vec<CandidateHole> = chosen
+        .iter()
+        .map(|id| CandidateHole::new(mesh, loops, id.index()))
+        .collect();
     let mut kind: Vec<Option<LoopRole>> = vec![None; loops.len()];
     // holes of islands are processed in turn, each once
     let mut next = 0;

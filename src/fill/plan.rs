@@ -24,6 +24,8 @@ pub(crate) struct Plan {
     /// Holes for which no patch could be built.
     pub failed: Vec<FillError>,
     pub groups: Vec<Group>,
+    /// Indices of the holes whose patches have no interior vertices; they are in no group.
+    pub loose: Vec<usize>,
     /// The triangles of the mesh that patches must not intersect.
     pub obstacles: Obstacles,
 }
@@ -48,7 +50,9 @@ impl Plan {
                 }),
             }
         }
+        let is_loose = |&h: &usize| holes[h].patch.new_points().is_empty();
         Self {
+            loose: (0..holes.len()).filter(is_loose).collect(),
             groups: groups(mesh, &holes),
             obstacles,
             domain: Domain::Holes(holes),

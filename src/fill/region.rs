@@ -14,6 +14,8 @@
 //! The numbers of the region's vertices are, in this order: the new vertices of the group's
 //! patches, then given vertices and copies of given vertices as triangles first use them.
 
+use rustc_hash::FxHashMap;
+
 use crate::fill::Continuity;
 use crate::fill::context::FillContext;
 use crate::fill::group::Group;
@@ -37,7 +39,9 @@ pub(super) fn problem(
     let group = &context.plan.groups[group];
     let region = Region::new(context.mesh, positions);
     match &context.plan.domain {
-        Domain::Holes(holes) => region.of_patches(holes, group, topology, options),
+        Domain::Holes(holes) => {
+            region.of_patches(holes, &context.plan.loose, group, topology, options)
+        }
         Domain::Vertices(moved) => region.of_fairing(moved, group),
     }
 }
@@ -45,8 +49,8 @@ pub(super) fn problem(
 /// Vertices and triangles of a region under construction: new vertices first.
 struct Region<'a> {
     mesh: &'a Mesh,
-    /// Number in the region of each vertex of the mesh.
-    local: Vec<u32>,
+    /// Number in the region of the vertices of the mesh that it contains.
+    local: FxHashMap<VertexId, u32>,
     positions: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     creases: Vec<u32>,
@@ -56,7 +60,7 @@ impl<'a> Region<'a> {
     fn new(mesh: &'a Mesh, new_positions: &[DVec3]) -> Self {
         Self {
             mesh,
-            local: vec![u32::MAX; mesh.positions.len()],
+            local: FxHashMap::default(),
             positions: new_positions.to_vec(),
             triangles: Vec::new(),
             creases: Vec::new(),
@@ -70,6 +74,7 @@ impl<'a> Region<'a> {
     fn of_patches(
         mut self,
         holes: &[PlannedHole],
+        loose: &[usize],
         group: &Group,
         topology: &PatchTopology,
         options: &FillOptions,
@@ -98,11 +103,10 @@ impl<'a> Region<'a> {
         support.sort_unstable();
         support.dedup();
         // patches without interior vertices close holes in the support region
-        for hole in holes {
+        for hole in loose.iter().map(|&h| &holes[h]) {
             let rim = &hole.rims.vertices;
             let touches = |v: &VertexId| support.binary_search(v).is_ok();
-            let is_loose = hole.patch.new_points().is_empty();
-            if is_loose && has_support(hole) && rim.iter().any(touches) {
+            if has_support(hole) && rim.iter().any(touches) {
                 let triangles = hole.patch.triangles.iter();
                 self.add(triangles.map(|t| t.map(|v| rim[v as usize])));
             }
@@ -113,8 +117,8 @@ impl<'a> Region<'a> {
 
     /// The region of vertices of the mesh that flow.
     fn of_fairing(mut self, moved: &[VertexId], group: &Group) -> Result<FlowProblem, SolverError> {
-        for (i, v) in (0..).zip(moved) {
-            self.local[v.index()] = i;
+        for (i, &v) in (0..).zip(moved) {
+            self.local.insert(v, i);
         }
         let faces = group.support.iter().flatten();
         let topology = &self.mesh.topology;
@@ -124,12 +128,10 @@ impl<'a> Region<'a> {
 
     /// The region number of an input vertex, which is added if it is missing.
     fn number(&mut self, v: VertexId) -> u32 {
-        let slot = &mut self.local[v.index()];
-        if *slot == u32::MAX {
-            *slot = self.positions.len() as u32;
+        *self.local.entry(v).or_insert_with(|| {
             self.positions.push(self.mesh.position(v));
-        }
-        *slot
+            self.positions.len() as u32 - 1
+        })
     }
 
     /// Triangles over vertices of the mesh.

@@ -1,6 +1,8 @@
 //! Sound patches: no triangle crosses another one or has no area, and no edge is folded.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
+
+use rustc_hash::FxHashMap;
 
 use crate::fill::assemble::appended_triangles;
 use crate::fill::context::FillContext;
@@ -51,6 +53,7 @@ pub(super) fn make_sound(
     let mut present = (topology.clone(), positions);
     let mut warnings = Warnings::default();
     let mut is_replaced = false;
+    let mut patches = Patches::new(context, group, &present);
     for (k, hole) in context.plan.holes_of(group).enumerate() {
         let hole = HoleOfGroup {
             context,
@@ -58,7 +61,7 @@ pub(super) fn make_sound(
             number: k,
             rims: &hole.rims,
         };
-        let Some(found) = hole.defects(&present) else {
+        let Some(found) = hole.defects_among(&patches, &present.1) else {
             continue;
         };
         let mut left = Some(found);
@@ -70,6 +73,7 @@ pub(super) fn make_sound(
             });
         } else if let Some(better) = hole.better(&present, found, options) {
             present = better.surface;
+            patches = Patches::new(context, group, &present);
             left = better.defects;
             is_replaced = true;
             let (pairs, folds) = found.severity();
@@ -320,13 +324,17 @@ impl HoleOfGroup<'_> {
     }
 
     /// The defects of its patch; `None` if it is sound.
-    fn defects(&self, (topology, positions): &Surface) -> Option<Defects> {
-        let mut others = self.context.patch_triangles(self.group, topology);
-        let count = |k: usize| topology.holes[k].triangles.len();
-        let first: usize = (0..self.number).map(count).sum();
-        let own: Vec<[u32; 3]> = others.drain(first..first + count(self.number)).collect();
+    fn defects(&self, surface: &Surface) -> Option<Defects> {
+        let patches = Patches::new(self.context, self.group, surface);
+        self.defects_among(&patches, &surface.1)
+    }
+
+    /// The same for patches with new vertices at `positions`.
+    fn defects_among(&self, patches: &Patches, positions: &[DVec3]) -> Option<Defects> {
         let (mesh, obstacles) = (self.context.mesh, &self.context.plan.obstacles);
-        defects(mesh, obstacles, self.rims, &own, &others, positions)
+        let others = patches.near(mesh, self.number, positions);
+        let own = patches.of(self.number);
+        defects(mesh, obstacles, self.rims, own, &others, positions)
     }
 }
 
@@ -355,6 +363,69 @@ impl Defects {
         });
         let fold = self.folds.map(|(edges, at)| Warning::Folded { edges, at });
         crossing.into_iter().chain(fold)
+    }
+}
+
+/// The patches of a group, each with a box around it.
+struct Patches {
+    triangles: Vec<[u32; 3]>,
+    /// End of each patch in `triangles`.
+    ends: Vec<usize>,
+    boxes: Vec<(DVec3, DVec3)>,
+}
+
+/// What the box of a patch exceeds it by, relative to the coordinates: more than their rounding.
+const ROOM: f64 = 1e-9;
+
+impl Patches {
+    fn new(
+        context: FillContext<'_>,
+        group: usize,
+        (topology, positions): &Surface,
+    ) -> Self {
+        let counts = topology.holes.iter().map(|hole| hole.triangles.len());
+        let mut end = 0;
+        let ends = counts.map(|count| {
+            end += count;
+            end
+        });
+        let mut patches = Self {
+            triangles: context.patch_triangles(group, topology),
+            ends: ends.collect(),
+            boxes: vec![(DVec3::ZERO, DVec3::ZERO); topology.holes.len()],
+        };
+        for k in 0..patches.boxes.len() {
+            patches.boxes[k] = patches.around(context.mesh, k, positions);
+        }
+        patches
+    }
+
+    /// The triangles of a patch.
+    fn of(&self, k: usize) -> &[[u32; 3]] {
+        let begin = if k == 0 { 0 } else { self.ends[k - 1] };
+        &self.triangles[begin..self.ends[k]]
+    }
+
+    /// The box around a patch with new vertices at `positions`.
+    fn around(&self, mesh: &Mesh, k: usize, positions: &[DVec3]) -> (DVec3, DVec3) {
+        let points = self.of(k).iter().flatten();
+        let points = points.map(|&v| place(mesh, positions, v));
+        let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = points.fold(nothing, |(low, high), p| (low.min(p), high.max(p)));
+        let room = ROOM * low.abs().max(high.abs());
+        (low - room, high + room)
+    }
+
+    /// The triangles of the other patches whose boxes overlap that of a patch with new vertices at
+    /// `positions`.
+    fn near(&self, mesh: &Mesh, k: usize, positions: &[DVec3]) -> Vec<[u32; 3]> {
+        let (low, high) = self.around(mesh, k, positions);
+        let is_near = |j: &usize| {
+            let (other_low, other_high) = self.boxes[*j];
+            *j != k && other_low.cmple(high).all() && other_high.cmpge(low).all()
+        };
+        let near = (0..self.boxes.len()).filter(is_near);
+        near.flat_map(|j| self.of(j).iter().copied()).collect()
     }
 }
 
@@ -388,7 +459,7 @@ fn folds(mesh: &Mesh, rims: &HoleRims, triangles: &[[u32; 3]], positions: &[DVec
     let corners = |t: [u32; 3]| t.map(|v| place(mesh, positions, v));
     let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize_or_zero();
     // unit normal of the face to the left of each directed edge
-    let mut left: HashMap<[u32; 2], DVec3> = HashMap::new();
+    let mut left: FxHashMap<[u32; 2], DVec3> = FxHashMap::default();
     let halfedges = rims.loops.iter().flat_map(|l| &l.halfedges);
     for h in halfedges.map(|h| h.twin()) {
         let t = mesh.topology.face_vertices(mesh.topology.face(h));
