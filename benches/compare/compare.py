@@ -8,7 +8,7 @@ import sys
 import tempfile
 
 DEFAULT = ["torus_1hole", "sphere_a25", "sphere_a50", "sphere_a80", "sphere_n5000", "sphere_n50000"]
-PARTS = ["patch", "setup", "warm_start", "flow"]
+PARTS = ["patch", "prediction", "setup", "warm_start", "flow", "soundness"]
 
 
 def cgal(program, path, continuity, leave):
@@ -41,7 +41,7 @@ def main():
         cases = {case["name"]: case for case in json.load(file)["cases"]}
     totals = {}
     print(
-        f"{'hole':<16} {'vertices':>8} {'patch':>7} {'setup':>7} {'warm':>7} {'flow':>7} {'total':>8} {'steps':>5} |"
+        f"{'hole':<16} {'vertices':>8} {'patch':>7} {'predict':>7} {'setup':>7} {'warm':>7} {'flow':>7} {'sound':>7} {'total':>8} {'steps':>5} |"
         f" {'CGAL v':>7} {'C2':>8} {'C1':>8} {'C2 cpu':>8} | {'ours/C2':>7} {'allowed':>7} {'ours/C1':>7}   (ms)"
     )
     for name in sys.argv[4:] or DEFAULT:
