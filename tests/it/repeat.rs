@@ -11,9 +11,10 @@ use meniscus::app::{
     Model, Refining, Run, RunAction, SelectAction, SelectHow, Settings, Source, Task, TaskAction,
     act, tick,
 };
-use meniscus::fill::Continuity;
+use meniscus::fill::{Continuity, LoopLimits};
 use meniscus::io;
 use meniscus::mesh::{DVec3, FaceId, Mesh};
+use meniscus::options::Options;
 use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
 fn until(model: &mut Model, what: &str, done: impl Fn(&Model) -> bool) {
@@ -196,6 +197,40 @@ fn repairs_are_repeated_too() {
     paint(&mut m, DVec3::NEG_Z, 0.1);
     act(&mut m, EditAction::Erase);
     repeats(&mut m, &output);
+}
+
+/// The holes within the limits, filled in the window and by the option of the command.
+#[test]
+fn limits_choose_the_same_holes_without_a_window() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("scan.obj");
+    let output = folder.path().join("done.obj");
+    scan(&input);
+    let mut m = opened(input);
+    let mut lengths: Vec<f64> = m.document.loops.iter().map(|l| l.perimeter).collect();
+    lengths.sort_by(f64::total_cmp);
+    let limits = LoopLimits {
+        max_perimeter: Some(0.5 * (lengths[1] + lengths[2])),
+        ..LoopLimits::default()
+    };
+    let arguments = limits.to_arguments();
+    act(&mut m, TaskAction::Limits(limits));
+    // the defaults of the command
+    act(&mut m, ControlsAction::Set(Box::default()));
+    act(&mut m, RunAction::Start);
+    until(&mut m, "the end", ended);
+    act(&mut m, RunAction::Accept(0));
+    assert_eq!(m.document.loops.len(), 1);
+    repeats(&mut m, &output);
+    let by_limit = folder.path().join("limited.obj");
+    let status = Command::new(env!("CARGO_BIN_EXE_meniscus"))
+        .args(["fill", "scan.obj", "-o", "limited.obj"])
+        .args(arguments)
+        .current_dir(folder.path())
+        .status();
+    assert!(status.expect("the program").success());
+    let read = |path| std::fs::read(path).expect("made");
+    assert!(read(&by_limit) == read(&output));
 }
 
 #[test]
