@@ -107,6 +107,10 @@ pub enum EditAction {
     Flip(LoopId),
     /// Build a bridge between two rim vertices, this many edges wide.
     Bridge([DVec3; 2], usize),
+    /// Remove loose parts.
+    Clean,
+    /// Join boundary edges that coincide.
+    Stitch,
 }
 
 /// How a click changes the selection.

@@ -8,7 +8,9 @@ use clap::{Parser, Subcommand};
 use crate::cli::analyze::AnalyzeArguments;
 use crate::cli::blend::BlendArguments;
 use crate::cli::demo::DemoArguments;
-use crate::cli::edit::{BridgeArguments, EraseArguments, FlipArguments};
+use crate::cli::edit::{
+    BridgeArguments, CleanArguments, EraseArguments, FlipArguments, StitchArguments,
+};
 use crate::cli::fill::FillArguments;
 use crate::cli::info::InfoArguments;
 use crate::cli::refill::RefillArguments;
@@ -138,6 +140,15 @@ pub enum Command {
     ///
     /// The vertices of IN come first in OUT, unchanged.
     Bridge(BridgeArguments),
+    /// Remove loose parts: small components, and flaps that stick into holes.
+    ///
+    /// OUT contains the remaining vertices and faces in the order of IN.
+    Clean(CleanArguments),
+    /// Join boundary edges that coincide, such as the two sides of a slit.
+    ///
+    /// OUT contains the vertices of IN in their order, without those that are joined with an earlier
+    /// one, and the faces in their order.
+    Stitch(StitchArguments),
     /// Show counts, components, boundary loops and defects of a mesh.
     Info(InfoArguments),
     /// Measure a surface: energies, curvatures, continuity, triangles, distances.

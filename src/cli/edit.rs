@@ -1,16 +1,17 @@
-//! `meniscus erase`, `flip` and `bridge`: changes without a flow.
+//! `meniscus erase`, `flip`, `bridge`, `clean` and `stitch`: changes without a flow.
 
 use anyhow::{Result, bail};
 use clap::Args;
 
 use crate::cli::flow::MeshFiles;
+use crate::cli::options::OptionArguments;
 use crate::cli::parse::point;
 use crate::cli::print::{print, save};
 use crate::cli::selection::SelectionArguments;
 use crate::fill::nearest_loop;
 use crate::io::Opened;
 use crate::mesh::{DVec3, LoopId, Mesh, boundary_loops};
-use crate::ops::{BridgeSpec, EraseSpec, FlipSpec, Operation};
+use crate::ops::{BridgeSpec, CleanSpec, EraseSpec, FlipSpec, Operation, StitchSpec};
 
 /// `meniscus erase`.
 #[derive(Debug, Args)]
@@ -49,6 +50,28 @@ pub struct BridgeArguments {
     /// The width in rim edges.
     #[arg(long, value_name = "N", default_value_t = 2)]
     pub width: usize,
+}
+
+/// `meniscus clean`.
+#[derive(Debug, Args)]
+pub struct CleanArguments {
+    /// Input and output.
+    #[command(flatten)]
+    pub files: MeshFiles,
+    /// What is loose.
+    #[command(flatten)]
+    pub spec: OptionArguments<CleanSpec>,
+}
+
+/// `meniscus stitch`.
+#[derive(Debug, Args)]
+pub struct StitchArguments {
+    /// Input and output.
+    #[command(flatten)]
+    pub files: MeshFiles,
+    /// What coincides.
+    #[command(flatten)]
+    pub spec: OptionArguments<StitchSpec>,
 }
 
 /// Runs `meniscus erase`.
@@ -97,6 +120,47 @@ pub fn bridge(args: &BridgeArguments) -> Result<()> {
             mesh.vertex_count() - before.vertex_count(),
             mesh.face_count() - before.face_count(),
             mesh.topology.boundary_loops().len(),
+        ),
+    )
+}
+
+/// Runs `meniscus clean`.
+pub fn clean(args: &CleanArguments) -> Result<()> {
+    let opened = args.files.open()?;
+    let before = &opened.mesh;
+    let spec = args.spec.0.clone();
+    let parts = spec.parts(before);
+    let mesh = done(&args.files, &opened, &Operation::Clean(spec))?;
+    report(
+        &args.files,
+        &format!(
+            "{} components and {} flaps removed, with {} faces and {} vertices; {} loops now",
+            parts.components,
+            parts.flaps,
+            before.face_count() - mesh.face_count(),
+            before.vertex_count() - mesh.vertex_count(),
+            mesh.topology.boundary_loops().len(),
+        ),
+    )
+}
+
+/// Runs `meniscus stitch`.
+pub fn stitch(args: &StitchArguments) -> Result<()> {
+    let opened = args.files.open()?;
+    let before = &opened.mesh;
+    let spec = args.spec.0.clone();
+    let tolerance = spec.tolerance(before);
+    let mesh = done(&args.files, &opened, &Operation::Stitch(spec))?;
+    let edges = |mesh: &Mesh| mesh.topology.halfedge_count() / 2;
+    report(
+        &args.files,
+        &format!(
+            "{} pairs of edges and {} vertices joined within {tolerance:.3e}; {} loops now, {} \
+             before",
+            edges(before) - edges(&mesh),
+            before.vertex_count() - mesh.vertex_count(),
+            mesh.topology.boundary_loops().len(),
+            before.topology.boundary_loops().len(),
         ),
     )
 }

@@ -55,6 +55,8 @@ pub fn run(command: Command) -> Result<()> {
         Command::Bridge(args) => edit::bridge(&args),
         Command::Erase(args) => edit::erase(&args),
         Command::Flip(args) => edit::flip(&args),
+        Command::Clean(args) => edit::clean(&args),
+        Command::Stitch(args) => edit::stitch(&args),
         Command::Refill(args) => refill::refill(&args),
         Command::Refine(args) => refine::refine(&args),
         Command::Analyze(args) => analyze::analyze(&args),

@@ -9,6 +9,7 @@ mod data;
 mod erase;
 mod ids;
 mod intersect;
+mod loose;
 mod measures;
 mod neighbourhood;
 mod outer_boundary;
@@ -22,7 +23,8 @@ pub(crate) mod union_find;
 
 pub use boundary::{BoundaryLoop, boundary_loops};
 pub use build::{
-    BuildError, ComponentReport, Defect, DefectKind, LoadReport, Weld, build, build_welded,
+    BuildError, ComponentReport, Defect, DefectKind, LoadReport, Weld, build, build_welded, stitch,
+    stitching_tolerance,
 };
 pub use check::{check_filled, check_mesh, check_topology};
 pub use colors::{color_steps, round_color};
@@ -34,6 +36,7 @@ pub use ids::{FaceId, HalfedgeId, LoopId, VertexId};
 pub use intersect::{
     TriangleIntersections, dihedral_angle, folded_edges, self_intersections, triangles_meet,
 };
+pub use loose::{LooseParts, loose_parts};
 pub use measures::{perimeter, rms_distance, vector_area};
 pub use neighbourhood::{Neighbourhood, NeighbourhoodSearch, faces_around};
 pub use selection::{

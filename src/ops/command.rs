@@ -29,6 +29,8 @@ impl Operation {
             Self::Erase(_) => "erase",
             Self::Flip(_) => "flip",
             Self::Bridge(_) => "bridge",
+            Self::Clean(_) => "clean",
+            Self::Stitch(_) => "stitch",
         }
     }
 
@@ -86,7 +88,8 @@ impl Operation {
                     words.extend(chains.into_iter().flat_map(|c| flag("crease", c)));
                 }
             }
-            Self::Refill(_) | Self::Fair(_) | Self::Erase(_) => {}
+            Self::Refill(_) | Self::Fair(_) | Self::Erase(_) | Self::Clean(_) | Self::Stitch(_) => {
+            }
         }
         let list = ranges_text(&self.faces());
         if list.len() > LONG {
@@ -103,6 +106,8 @@ impl Operation {
         words.extend(match self {
             Self::Refine(spec) => spec.controls.to_arguments(),
             Self::FillPart(spec) => spec.controls.to_arguments(),
+            Self::Clean(spec) => spec.to_arguments(),
+            Self::Stitch(spec) => spec.to_arguments(),
             _ => (self.flow()).map_or_else(Vec::new, |flow| flow.controls.to_arguments()),
         });
         if let Some(schedule) = self.schedule()

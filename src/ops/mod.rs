@@ -7,6 +7,7 @@
 //!
 //! Loop numbers and face indices refer to the mesh to which the operation is applied.
 
+mod cleaning;
 mod command;
 mod file;
 mod run;
@@ -23,6 +24,7 @@ use crate::options::Options;
 use crate::refine::RefineControls;
 use crate::runner::Schedule;
 
+pub use cleaning::{CleanSpec, StitchSpec};
 pub use command::{CommandLine, chain_text, parse_chain};
 pub use run::{OperationError, Outcome};
 
@@ -51,6 +53,10 @@ pub enum Operation {
     Flip(FlipSpec),
     /// Joins two places on rims by a strip of triangles.
     Bridge(BridgeSpec),
+    /// Removes loose parts.
+    Clean(CleanSpec),
+    /// Joins boundary edges that coincide.
+    Stitch(StitchSpec),
 }
 
 /// A flow: its options at the start and their changes during the flow.
@@ -252,6 +258,8 @@ impl Operation {
             }
             Self::Flip(spec) => format!("flip at {} loops", spec.loops.len()),
             Self::Bridge(_) => "bridge".into(),
+            Self::Clean(_) => "removal of loose parts".into(),
+            Self::Stitch(_) => "stitching of slits".into(),
         }
     }
 }

@@ -10,7 +10,9 @@ use crate::fill::{
     PartialError, RefillError, Refilled, RimSet, ScheduledOptions, choose, fill_part,
     fill_rim_sets, nearest_loop, segment_at, with_islands,
 };
-use crate::mesh::{BoundaryLoop, DVec3, Erased, LoopId, Mesh, boundary_loops, erase, face_flags};
+use crate::mesh::{
+    BoundaryLoop, BuildError, DVec3, Erased, LoopId, Mesh, boundary_loops, erase, face_flags,
+};
 use crate::refine::{RefineError, RefineEvent, RefineOptions, Refined, refine};
 use crate::runner::{RunControls, ScheduleError};
 
@@ -65,6 +67,12 @@ pub enum OperationError {
     /// No face is selected.
     #[error("no face is selected; choose a point nearer to the surface or a larger radius")]
     NoFaces,
+    /// The tolerance of a stitching is not a length.
+    #[error("the tolerance is {0}; write a length of 0 or more, in units of the file")]
+    Tolerance(f64),
+    /// A mesh that cannot be stitched.
+    #[error(transparent)]
+    Stitch(#[from] BuildError),
     /// Invalid options.
     #[error(transparent)]
     Controls(#[from] ControlsError),
@@ -118,6 +126,8 @@ impl Operation {
             }
             Self::Flip(spec) => Outcome::Changed(spec.run(mesh)?),
             Self::Bridge(spec) => Outcome::Changed(spec.run(mesh)?),
+            Self::Clean(spec) => Outcome::Erased(erase(mesh, &spec.parts(mesh).faces)),
+            Self::Stitch(spec) => Outcome::Changed(spec.run(mesh)?),
         })
     }
 }

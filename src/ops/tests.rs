@@ -59,6 +59,13 @@ pub fn samples() -> Vec<Operation> {
             loops: vec![1.into()],
         }),
         Operation::Bridge(BridgeSpec { ends, width: 3 }),
+        Operation::Clean(CleanSpec {
+            min_faces: 3,
+            flap_faces: 0,
+        }),
+        Operation::Stitch(StitchSpec {
+            tolerance: Some(0.1 + 0.2),
+        }),
     ]
 }
 
@@ -154,6 +161,14 @@ fn commands_name_files_for_what_is_long() {
         refine.command(Path::new("a.obj"), Path::new("b.obj")).line,
         "meniscus refine a.obj -o b.obj --method loop"
     );
+    let clean = Operation::Clean(CleanSpec {
+        min_faces: 3,
+        ..CleanSpec::default()
+    });
+    assert_eq!(
+        clean.command(Path::new("a.obj"), Path::new("b.obj")).line,
+        "meniscus clean a.obj -o b.obj --min-faces 3"
+    );
 }
 
 fn cup() -> Mesh {
@@ -232,4 +247,8 @@ fn operations_that_do_not_fit_the_mesh_are_refused() {
         }))
         .starts_with("no face")
     );
+    let text = refused(Operation::Stitch(StitchSpec {
+        tolerance: Some(-1.0),
+    }));
+    assert!(text.starts_with("the tolerance is -1"), "{text}");
 }

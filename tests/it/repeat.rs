@@ -199,6 +199,36 @@ fn repairs_are_repeated_too() {
     repeats(&mut m, &output);
 }
 
+/// A slit between two strips, and a loose triangle.
+#[test]
+fn cleaning_is_repeated_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("scan.obj");
+    let output = folder.path().join("done.obj");
+    let row = |x: f64| (0..4).map(move |y| DVec3::new(x, f64::from(y), 0.0));
+    let mut positions: Vec<DVec3> = row(0.0).chain(row(1.0)).chain(row(1.001)).collect();
+    positions.extend(row(2.0));
+    let strips = [0, 8].into_iter().flat_map(|k| k..k + 3);
+    let mut triangles: Vec<[u32; 3]> = strips
+        .flat_map(|a| [[a, a + 4, a + 5], [a, a + 5, a + 1]])
+        .collect();
+    positions.extend([DVec3::X, DVec3::Y, DVec3::Z].map(|p| 9.0 * p));
+    triangles.insert(3, [16, 17, 18]);
+    let mesh = Mesh::from_triangles(positions, &triangles).expect("three parts");
+    io::save_mesh(&input, &mesh, &[]).expect("written");
+    let mut m = opened(input);
+    act(&mut m, EditAction::Stitch);
+    assert_eq!(m.document.mesh.vertex_count(), 15);
+    act(&mut m, EditAction::Stitch);
+    act(&mut m, EditAction::Clean);
+    assert_eq!(m.document.mesh.face_count(), 12);
+    assert_eq!(m.document.accepted.len(), 2);
+    repeats(&mut m, &output);
+    act(&mut m, EditAction::Undo);
+    act(&mut m, EditAction::Undo);
+    assert_eq!(*m.document.mesh, mesh);
+}
+
 /// The holes within the limits, filled in the window and by the option of the command.
 #[test]
 fn limits_choose_the_same_holes_without_a_window() {

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use crate::common::desk::Desk;
+use meniscus::mesh::DVec3;
 
 fn obj(points: &[[f64; 3]], faces: &[[usize; 3]]) -> String {
     let mut text = String::new();
@@ -135,6 +136,77 @@ fn a_hole_in_a_large_fan_is_filled() {
     desk.runs(&words);
     let memory = desk.json("report.json")["peak_memory"].as_u64();
     assert!(memory.is_none_or(|bytes| bytes < 100 << 20), "{memory:?}");
+}
+
+/// A loose triangle far away, and one at an edge of the hole.
+#[test]
+fn clean_removes_what_is_loose_and_no_other() {
+    let desk = Desk::new();
+    let (mut points, mut faces) = sphere_with_poles(8, 12);
+    faces.retain(|t| !t.iter().all(|&v| points[v][0] > 0.4));
+    desk.write("clean.obj", &obj(&points, &faces));
+    let n = points.len();
+    points.extend([[9., 0., 0.], [9., 1., 0.], [9., 0., 1.], [2., 0.2, 0.]]);
+    faces.insert(7, [n, n + 1, n + 2]);
+    let [a, b] = rim_edge(&faces);
+    faces.push([b, a, n + 3]);
+    desk.write("in.obj", &obj(&points, &faces));
+    let run = desk.run(&["clean", "in.obj", "-o", "out.obj"]).ends(0);
+    let wanted = "1 components and 1 flaps removed, with 2 faces and 4 vertices; 3 loops now";
+    assert!(run.stdout.contains(wanted), "{}", run.stdout);
+    are_equal(&desk, "out.obj", "clean.obj");
+    let none = ["--min-faces", "0", "--flap-faces", "0"];
+    desk.runs(&[&["clean", "in.obj", "-o", "same.obj"], &none[..]].concat());
+    are_equal(&desk, "same.obj", "in.obj");
+}
+
+#[track_caller]
+fn are_equal(desk: &Desk, one: &str, other: &str) {
+    let [one, other] = [one, other].map(|name| desk.mesh(name));
+    assert_eq!(one.positions, other.positions);
+    assert_eq!(one.triangles(), other.triangles());
+}
+
+/// A boundary edge at positive x, along its face.
+fn rim_edge(faces: &[[usize; 3]]) -> [usize; 2] {
+    let sides = |t: &[usize; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    let all: std::collections::BTreeSet<_> = faces.iter().flat_map(sides).collect();
+    let is_open = |[a, b]: &&[usize; 2]| !all.contains(&[*b, *a]) && *a >= 24 && *b < 84;
+    *all.iter().find(is_open).expect("a rim")
+}
+
+#[test]
+fn stitch_joins_the_sides_of_a_slit() {
+    let desk = Desk::new();
+    let row = |x: f64| (0..4).map(move |y| [x, f64::from(y), 0.0]);
+    let mut points: Vec<[f64; 3]> = row(0.0).chain(row(1.0)).chain(row(1.0)).collect();
+    points.extend(row(2.0));
+    points[9][0] += 1e-3;
+    let strips = [0, 8].into_iter().flat_map(|k| k..k + 3);
+    let faces: Vec<[usize; 3]> = strips
+        .flat_map(|a| [[a, a + 4, a + 5], [a, a + 5, a + 1]])
+        .collect();
+    // both sides keep their vertices if no other place is equal
+    for p in &mut points[8..12] {
+        p[2] += 1e-3;
+    }
+    desk.write("in.obj", &obj(&points, &faces));
+    let run = desk.run(&["stitch", "in.obj", "-o", "out.obj"]).ends(0);
+    let wanted = "3 pairs of edges and 4 vertices joined";
+    assert!(run.stdout.contains(wanted), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("1 loops now, 2 before"),
+        "{}",
+        run.stdout
+    );
+    let after = desk.mesh("out.obj");
+    let kept = [&points[..8], &points[12..]].concat();
+    let left: Vec<[f64; 3]> = after.positions.iter().map(DVec3::to_array).collect();
+    assert_eq!(left, kept);
+    desk.runs(&["stitch", "in.obj", "-o", "same.obj", "--tolerance", "1e-4"]);
+    are_equal(&desk, "same.obj", "in.obj");
+    let message = desk.fails(1, &["stitch", "in.obj", "-o", "x.obj", "--tolerance", "-1"]);
+    assert!(message.contains("a length of 0 or more"), "{message}");
 }
 
 #[test]

@@ -115,6 +115,24 @@ fn the_hole_under_the_cursor_is_the_one_that_is_picked() {
 }
 
 #[test]
+fn the_load_report_has_buttons_that_clean() {
+    let mut harness = window();
+    harness.state_mut().model.view.windows.report = true;
+    harness.run_steps(3);
+    for (button, words) in [
+        ("Remove loose parts", "removal of loose parts: none found"),
+        ("Stitch slits", "stitching of slits: none found"),
+    ] {
+        harness.get_by_label(button).click();
+        harness.run_steps(3);
+        let entries = harness.state().model.log.entries();
+        let last = entries.last().expect("an entry");
+        assert!(last.text.starts_with(words), "{}", last.text);
+    }
+    assert!(!harness.state().model.document.is_changed());
+}
+
+#[test]
 fn enter_fills_space_pauses_the_timeline_scrubs_and_undo_takes_it_back() {
     let mut harness = window();
     let i = front(harness.state());

@@ -117,7 +117,11 @@ impl Patches {
         let renumbers = |o: &Operation| {
             matches!(
                 o,
-                Operation::Refill(_) | Operation::Erase(_) | Operation::Refine(_)
+                Operation::Refill(_)
+                    | Operation::Erase(_)
+                    | Operation::Refine(_)
+                    | Operation::Clean(_)
+                    | Operation::Stitch(_)
             )
         };
         let mut patches: Vec<Patch> = accepted

@@ -6,7 +6,7 @@ use eframe::egui::{self, Context, Grid, RichText, ScrollArea, Ui, Window};
 
 use super::UiState;
 use super::widgets::{Asks, named};
-use crate::app::action::{Action, Switch, ViewAction};
+use crate::app::action::{Action, EditAction, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
 use crate::app::shortcuts::{SHORTCUTS, Shortcut};
@@ -169,6 +169,26 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     }
                 }
             });
+        ui.horizontal_wrapped(|ui| {
+            for (name, tip, action) in [
+                (
+                    "Remove loose parts",
+                    "erase small components, and flaps that stick into holes (meniscus clean)",
+                    EditAction::Clean,
+                ),
+                (
+                    "Stitch slits",
+                    "join boundary edges that coincide within 1 % of their mean length (meniscus \
+                     stitch)",
+                    EditAction::Stitch,
+                ),
+            ] {
+                let idle = model.run.is_none() && !document.is_blank();
+                ui.add_enabled(idle, egui::Button::new(name))
+                    .on_hover_text(tip)
+                    .asks(action, actions);
+            }
+        });
         for note in &r.notes {
             ui.label(RichText::new(note).weak());
         }

@@ -8,7 +8,7 @@ use crate::app::action::EditAction;
 use crate::app::document::AppliedOperation;
 use crate::app::model::Model;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId};
-use crate::ops::{BridgeSpec, EraseSpec, FlipSpec, Operation, Outcome};
+use crate::ops::{BridgeSpec, CleanSpec, EraseSpec, FlipSpec, Operation, Outcome, StitchSpec};
 
 pub(crate) fn update(model: &mut Model, action: EditAction) {
     match action {
@@ -17,6 +17,8 @@ pub(crate) fn update(model: &mut Model, action: EditAction) {
         EditAction::Erase => erase(model),
         EditAction::Flip(id) => flip(model, id),
         EditAction::Bridge(ends, width) => bridge(model, ends, width),
+        EditAction::Clean => clean(model, Operation::Clean(CleanSpec::default())),
+        EditAction::Stitch => clean(model, Operation::Stitch(StitchSpec::default())),
     }
 }
 
@@ -77,6 +79,15 @@ fn apply(model: &mut Model, operation: Operation) -> bool {
         }
     };
     let label = operation.label();
+    let before = &model.document.mesh;
+    if mesh == **before {
+        model
+            .log
+            .info(format!("{label}: none found; the mesh is unchanged"));
+        return false;
+    }
+    let removed = before.face_count().saturating_sub(mesh.face_count());
+    let joined = before.vertex_count().saturating_sub(mesh.vertex_count());
     model.history.record(&model.document, label.clone(), None);
     let end = mesh.face_count();
     // only existing faces can be erased
@@ -91,8 +102,19 @@ fn apply(model: &mut Model, operation: Operation) -> bool {
     model.document.accept(mesh, kept.as_deref(), done);
     model.revision += 1;
     model.view.hover = None;
-    model.log.info(label);
+    model.log.info(match (removed, joined) {
+        (0, 0) => label,
+        (0, vertices) => format!("{label}: {vertices} vertices joined"),
+        (faces, vertices) => format!("{label}: {faces} faces and {vertices} vertices removed"),
+    });
     true
+}
+
+/// Applies an operation that cleans the mesh.
+fn clean(model: &mut Model, operation: Operation) {
+    if !refuse_while_running(model, "other changes") {
+        apply(model, operation);
+    }
 }
 
 fn erase(model: &mut Model) {

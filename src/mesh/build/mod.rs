@@ -5,6 +5,7 @@ mod fans;
 mod join;
 mod repair;
 mod report;
+mod stitch;
 mod summary;
 #[cfg(test)]
 mod tests;
@@ -12,6 +13,7 @@ mod triangulate;
 mod weld;
 
 pub use report::{ComponentReport, Defect, DefectKind, LoadReport};
+pub use stitch::{stitch, stitching_tolerance};
 pub use weld::Weld;
 
 use super::{Mesh, Soup, Topology, TopologyError};
