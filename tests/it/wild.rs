@@ -209,6 +209,38 @@ fn stitch_joins_the_sides_of_a_slit() {
     assert!(message.contains("a length of 0 or more"), "{message}");
 }
 
+/// A cap on a tube is highest where tubes have no energy; at 0 and at 1 it is the same half sphere.
+#[test]
+fn the_height_of_a_cap_follows_the_spontaneous_curvature() {
+    let desk = Desk::new();
+    let (n, rows) = (16, 8);
+    let place = |i: usize| {
+        let (sin, cos) = (TAU * (i % n) as f64 / n as f64).sin_cos();
+        [cos, sin, 0.4 * (i / n) as f64]
+    };
+    let points: Vec<[f64; 3]> = (0..n * rows).map(place).collect();
+    let cells = (0..n * (rows - 1)).map(|i| (i, i / n * n + (i + 1) % n));
+    let faces: Vec<[usize; 3]> = cells
+        .flat_map(|(a, b)| [[a, b, b + n], [a, b + n, a + n]])
+        .collect();
+    desk.write("in.obj", &obj(&points, &faces));
+    let height = |bulge: &str| {
+        let words = ["fill", "in.obj", "-o", "out.obj", "--loops", "2", "--bulge"];
+        desk.runs(&[&words[..], &[bulge]].concat());
+        let mesh = desk.mesh("out.obj");
+        let all = mesh.positions.iter().map(|p| p.z);
+        all.fold(0.0, f64::max) - points[n * rows - 1][2]
+    };
+    let heights = ["-1", "0", "0.25", "0.5", "0.75", "1", "2"].map(height);
+    let [.., three_quarters, one, two] = heights;
+    assert!(
+        heights[..4].is_sorted_by(|a, b| a + 0.1 < *b),
+        "{heights:?}"
+    );
+    assert!(three_quarters < heights[3] && one < three_quarters && two < one);
+    assert!((one - heights[1]).abs() < 0.02, "{heights:?}");
+}
+
 #[test]
 fn welding_follows_the_option() {
     let desk = Desk::new();

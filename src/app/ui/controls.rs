@@ -210,7 +210,8 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
         ),
         (
             "Bulge",
-            "spontaneous curvature in units of 1/r; positive values bulge along the normals",
+            "spontaneous curvature in units of 1/r, positive along the normals: 0.5 favours tubes of \
+             the hole's radius, 1 spheres of that radius; caps are highest at 0.5",
             &mut next.bulge,
             -2.0..=2.0,
         ),

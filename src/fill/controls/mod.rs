@@ -64,8 +64,8 @@ options! {
         /// Weight of the area beside the energy, in units of 1/r^2, r the hole radius. A larger
         /// weight pulls the surface together.
         tension("W"): f64 = 0.0,
-        /// Spontaneous curvature in units of 1/r: 1 favours spheres of the hole's radius that bulge
-        /// along the normals, -1 spheres that bulge against them.
+        /// Spontaneous curvature in units of 1/r, positive along the normals: 0.5 favours tubes of the
+        /// hole's radius, 1 spheres of that radius. Caps are highest at 0.5.
         bulge("C"): f64 = 0.0,
         /// Noise on the surface from which the flow starts, in mean edge lengths along the normals.
         noise("A"): f64 = 0.0,
