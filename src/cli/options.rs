@@ -149,6 +149,7 @@ mod tests {
             continuity: Continuity::G0,
             loop_continuity: [(0.into(), Continuity::G1), (11.into(), Continuity::G0)].into(),
             steps: 3,
+            label_patches: true,
         };
         assert_eq!(controls(&changed.to_arguments()), changed);
     }

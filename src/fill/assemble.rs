@@ -10,7 +10,9 @@ use crate::fill::hole::HoleRims;
 use crate::fill::patch_topology::PatchTopology;
 use crate::fill::plan::Plan;
 use crate::fill::result::FilledHole;
-use crate::mesh::{DVec3, Mesh, Topology, TopologyError, VertexId, color_steps, round_color};
+use crate::mesh::{
+    DVec3, FaceTag, Mesh, Topology, TopologyError, VertexId, color_steps, round_color,
+};
 
 /// The triangulation of one patch: its rim vertices in the mesh, its triangles in patch numbers,
 /// and its number of new vertices.
@@ -46,13 +48,16 @@ pub(crate) struct Assembly {
     pub holes: Vec<FilledHole>,
     /// Fairing: the input vertices that flow, in ascending order.
     pub moved: Vec<VertexId>,
+    /// The tags of the filled mesh: those of the mesh, then those of the patches if they get groups.
+    tags: Vec<FaceTag>,
     given_faces: usize,
     /// The triangulation of each group.
     groups: Vec<Arc<PatchTopology>>,
 }
 
 impl Assembly {
-    /// The filled mesh whose groups have these triangulations.
+    /// The filled mesh whose groups have these triangulations. With `labels`, the faces of each patch
+    /// get a group with the next number that the tags of the mesh leave.
     ///
     /// # Errors
     /// The filled mesh is not a manifold: an internal error.
@@ -60,6 +65,7 @@ impl Assembly {
         mesh: &Mesh,
         plan: &Plan,
         groups: Vec<Arc<PatchTopology>>,
+        labels: bool,
     ) -> Result<Self, TopologyError> {
         // patches without new vertices are in no group
         let loose = plan.holes().iter().map(|hole| {
@@ -75,10 +81,21 @@ impl Assembly {
         }
         let (mut vertices, mut faces) = (mesh.vertex_count(), mesh.face_count());
         let mut holes = Vec::with_capacity(parts.len());
+        let mut tags = mesh.tags.clone();
+        if labels && tags.is_empty() {
+            tags.push(FaceTag::default());
+        }
+        let mut patch = tags.iter().filter_map(FaceTag::patch).max().unwrap_or(0);
         for (hole, &(group, (rim, triangles, new_vertices))) in plan.holes().iter().zip(&parts) {
             let (first_vertex, first_face) = (vertices, faces);
             vertices += new_vertices;
             faces += triangles.len();
+            let mut tag = tag_of(mesh, &hole.rims);
+            if labels {
+                patch += 1;
+                tags.push(tags[tag as usize].in_patch(patch));
+                tag = tags.len() as u32 - 1;
+            }
             holes.push(FilledHole {
                 loops: hole.rims.loops.iter().map(|l| l.id).collect(),
                 edges: rim.len(),
@@ -88,7 +105,7 @@ impl Assembly {
                 faces: first_face..faces,
                 patch_ms: hole.patch_ms,
                 warnings: hole.warnings.clone(),
-                tag: tag_of(mesh, &hole.rims),
+                tag,
                 color: mean_color(mesh, rim),
             });
         }
@@ -100,6 +117,7 @@ impl Assembly {
             topology: Arc::new(Topology::from_triangles(vertices, &triangles)?),
             holes,
             moved: plan.moved().to_vec(),
+            tags,
             given_faces: mesh.face_count(),
             groups,
         })
@@ -161,11 +179,17 @@ impl Assembly {
     /// face across the first edge of the first rim.
     pub fn mesh<'a>(&self, mesh: &Mesh, groups: impl IntoIterator<Item = &'a [DVec3]>) -> Mesh {
         let (mut colors, mut face_tags) = (mesh.colors.clone(), mesh.face_tags.clone());
+        let mut non_orientable_tags = mesh.non_orientable_tags.clone();
+        let has_tags = !self.tags.is_empty();
+        if has_tags {
+            face_tags.resize(self.given_faces, 0);
+            non_orientable_tags.resize(mesh.non_orientable.len(), 0);
+        }
         for hole in &self.holes {
             if !mesh.colors.is_empty() {
                 colors.extend(std::iter::repeat_n(hole.color, hole.vertices.len()));
             }
-            if !mesh.face_tags.is_empty() {
+            if has_tags {
                 face_tags.extend(std::iter::repeat_n(hole.tag, hole.faces.len()));
             }
         }
@@ -174,9 +198,9 @@ impl Assembly {
             topology: (*self.topology).clone(),
             colors,
             face_tags,
-            tags: mesh.tags.clone(),
+            tags: self.tags.clone(),
             non_orientable: mesh.non_orientable.clone(),
-            non_orientable_tags: mesh.non_orientable_tags.clone(),
+            non_orientable_tags,
         }
     }
 

@@ -67,6 +67,8 @@ pub struct FillOptions {
     pub continuity: Continuity,
     /// Continuity at single loops.
     pub loop_continuity: BTreeMap<LoopId, Continuity>,
+    /// Whether the faces of each patch get a group.
+    pub label_patches: bool,
 }
 
 impl Default for FillOptions {
@@ -79,6 +81,7 @@ impl Default for FillOptions {
             predicts_surface: true,
             continuity: Continuity::default(),
             loop_continuity: BTreeMap::new(),
+            label_patches: false,
         }
     }
 }

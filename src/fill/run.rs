@@ -88,12 +88,12 @@ pub(super) fn run_plan(
             let run = |g| run_group(context, g, options, recording, &|record| observe(g, record));
             groups.map(run).collect::<Vec<_>>()
         },
-        || Assembly::new(mesh, &plan, topologies.collect()),
+        || Assembly::new(mesh, &plan, topologies.collect(), options.label_patches),
     );
     let mut assembly = assembly?;
     if !assembly.fits(runs.iter().map(|run| &run.topology)) {
         let topologies = runs.iter().map(|run| Arc::clone(&run.topology));
-        assembly = Assembly::new(mesh, &plan, topologies.collect())?;
+        assembly = Assembly::new(mesh, &plan, topologies.collect(), options.label_patches)?;
     }
     let positions = runs.iter().map(|run| &run.positions[..]);
     Ok(Filled {

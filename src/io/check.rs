@@ -1,7 +1,7 @@
 //! Checks of a mesh for a format, and losses of a format.
 
 use super::{Format, MeshFault, OutputMesh};
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, FaceTag};
 
 /// Checks that `mesh` can be written in `format`: finite coordinates, indices in range, attribute
 /// arrays of the right length.
@@ -72,7 +72,13 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         Format::Stl if colored => lost.push("STL cannot store colours".to_owned()),
         _ => {}
     }
-    if format != Format::Obj && !mesh.face_tags.is_empty() {
+    // PLY stores the groups of patches
+    let is_stored = |tag: &FaceTag| {
+        let group = tag.group.is_empty() || tag.patch().is_some();
+        format == Format::Ply && group && tag.object.is_empty() && tag.material.is_empty()
+    };
+    let mut tags = mesh.face_tags.iter().map(|&tag| &mesh.tags[tag as usize]);
+    if format != Format::Obj && !tags.all(is_stored) {
         lost.push("only OBJ can store groups and materials".to_owned());
     }
     if format == Format::Stl {

@@ -106,7 +106,8 @@ pub struct OutputMesh<'a> {
     pub triangles: &'a [[u32; 3]],
     /// Red, green, blue, alpha in 0..=1 per vertex, or empty. OBJ has no alpha, STL no colours.
     pub colors: &'a [[f32; 4]],
-    /// The index in `tags` of each triangle, or empty. Only OBJ stores them.
+    /// The index in `tags` of each triangle, or empty. OBJ stores them; PLY stores the numbers of the
+    /// groups of patches.
     pub face_tags: &'a [u32],
     /// Groups, objects and materials.
     pub tags: &'a [FaceTag],

@@ -41,6 +41,25 @@ pub struct FaceTag {
     pub material: String,
 }
 
+impl FaceTag {
+    /// The tag with the group of patch `number`, such as `patch_1`.
+    #[must_use]
+    pub fn in_patch(&self, number: u32) -> Self {
+        Self {
+            group: format!("{PATCH}{number}"),
+            ..self.clone()
+        }
+    }
+
+    /// The number of the patch whose group this is.
+    pub fn patch(&self) -> Option<u32> {
+        self.group.strip_prefix(PATCH)?.parse().ok()
+    }
+}
+
+/// How the names of the groups of patches begin.
+const PATCH: &str = "patch_";
+
 impl Soup {
     /// Number of polygons.
     pub fn face_count(&self) -> usize {

@@ -241,6 +241,51 @@ fn the_height_of_a_cap_follows_the_spontaneous_curvature() {
     assert!((one - heights[1]).abs() < 0.02, "{heights:?}");
 }
 
+/// Every patch gets a group of its own, and later patches the next numbers, in OBJ and in PLY.
+#[test]
+fn patches_are_labelled() {
+    let desk = Desk::with_sample("sphere");
+    let given = desk.mesh("in.obj").triangles().len();
+    for (first, second) in [("a.obj", "b.obj"), ("a.ply", "b.ply"), ("a.ply", "b.obj")] {
+        let one = [
+            "fill",
+            "in.obj",
+            "-o",
+            first,
+            "--loops",
+            "1,2",
+            "--label-patches",
+        ];
+        desk.runs(&one);
+        desk.runs(&["fill", first, "-o", second, "--label-patches"]);
+        let labels = labels(&desk, second);
+        assert!(labels[..given].iter().all(|&label| label == 0));
+        let mut of_patches = labels[given..].to_vec();
+        assert!(of_patches.is_sorted());
+        of_patches.dedup();
+        assert_eq!(of_patches, [1, 2, 3, 4, 5]);
+    }
+    // without the option the files are as before
+    desk.runs(&["fill", "in.obj", "-o", "plain.obj"]);
+    assert!(!desk.text("plain.obj").contains("\ng "));
+    let blend = ["blend", "in.obj", "-o", "c.obj", "--loops", "1,2"];
+    desk.runs(&[&blend[..], &["--label-patches"]].concat());
+    assert!(labels(&desk, "c.obj").contains(&1));
+    let refill = [
+        "refill", "in.obj", "-o", "d.obj", "--faces", "1", "--grow", "2",
+    ];
+    desk.runs(&[&refill[..], &["--label-patches"]].concat());
+    assert!(labels(&desk, "d.obj").contains(&1));
+}
+
+/// The number of the patch of each face, 0 for none.
+fn labels(desk: &Desk, name: &str) -> Vec<u32> {
+    let opened = meniscus::io::open(&desk.path(name)).expect("a mesh");
+    let tags = &opened.mesh.tags;
+    let number = |&tag: &u32| tags[tag as usize].patch().unwrap_or(0);
+    opened.mesh.face_tags.iter().map(number).collect()
+}
+
 #[test]
 fn welding_follows_the_option() {
     let desk = Desk::new();

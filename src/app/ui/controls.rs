@@ -245,6 +245,9 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
         (Continuity::G0, "G0 crease", "the rim is a crease"),
     ];
     choice(ui, "At the rim", &mut next.continuity, choices);
+    let label = egui::Checkbox::new(&mut next.label_patches, "Label patches");
+    ui.add_enabled(model.run.is_none(), label)
+        .on_hover_text("put the faces of each patch into a group: patch_1, patch_2, …");
     let selected = model.document.selected();
     if selected.len() > 1 {
         ui.collapsing("Each rim", |ui| {

@@ -76,6 +76,9 @@ options! {
         /// Continuity at one loop, by its number (repeatable).
         #[serde(alias = "loop_continuity", deserialize_with = "text_keys")]
         loop_continuity("LOOP=g0|g1"): BTreeMap<LoopId, Continuity> = BTreeMap::new(),
+        /// Put the faces of each patch into a group, such as `patch_1`: groups of OBJ, or the
+        /// property `patch` of the faces of PLY, which is 0 elsewhere.
+        label_patches: bool = false,
     }
 }
 
@@ -143,6 +146,7 @@ impl Controls {
             predicts_surface: self.predicts_surface(),
             continuity: self.continuity,
             loop_continuity: self.loop_continuity.clone(),
+            label_patches: self.label_patches,
         })
     }
 

@@ -22,6 +22,7 @@ fn changed() -> Controls {
         density: 1.5,
         continuity: Continuity::G0,
         loop_continuity: [(2.into(), Continuity::G1)].into(),
+        label_patches: true,
         steps: 17,
     }
 }

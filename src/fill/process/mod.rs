@@ -96,6 +96,8 @@ pub struct FillProcess {
     plan: Plan,
     groups: Vec<GroupProgress>,
     assembly: Arc<Assembly>,
+    /// Whether patches get groups; the option at the start counts.
+    labels: bool,
     /// Holes without a patch that are not reported yet.
     failed_holes: Vec<FillError>,
     /// Warnings about patches that no flow changes, not reported yet.
@@ -139,11 +141,13 @@ impl FillProcess {
         let start = |g| GroupProgress::start(context, g, options);
         let groups: Vec<GroupProgress> = groups.map(start).collect();
         let patches = groups.iter().map(|g| Arc::clone(g.run.topology()));
-        let assembly = Assembly::new(&mesh, &plan, patches.collect()).map_err(FillError::from)?;
+        let assembly = Assembly::new(&mesh, &plan, patches.collect(), options.label_patches)
+            .map_err(FillError::from)?;
         Ok(Self {
             mesh,
             plan,
             groups,
+            labels: options.label_patches,
             assembly: Arc::new(assembly),
             failed_holes,
             warnings,
@@ -247,7 +251,7 @@ impl Process for FillProcess {
         let groups: Vec<_> = self.groups.iter_mut().map(|g| g.state(context)).collect();
         if !self.assembly.fits(groups.iter().map(|g| &g.patches)) {
             let patches = groups.iter().map(|g| Arc::clone(&g.patches));
-            let assembly = Assembly::new(&self.mesh, &self.plan, patches.collect());
+            let assembly = Assembly::new(&self.mesh, &self.plan, patches.collect(), self.labels);
             self.assembly = Arc::new(assembly.map_err(FillError::from)?);
         }
         Ok(Arc::new(FillState {

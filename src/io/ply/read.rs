@@ -1,10 +1,12 @@
 //! The PLY reader: positions, colours, polygons and triangle strips. Other elements are skipped.
 
+use std::collections::BTreeMap;
+
 use super::super::error::{ParseError, ParseErrorKind, in_file};
 use super::header::{self, Element, Encoding, Header, Kind, Property, Scalar};
 use super::source::{Binary, Source, Text, What};
 use super::vertices;
-use crate::mesh::Soup;
+use crate::mesh::{FaceTag, Soup};
 
 /// Reads PLY.
 pub(in super::super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
@@ -59,6 +61,10 @@ fn body(header: &Header, mut source: impl Source) -> Result<Soup, ParseError> {
             }
             _ => skip(element, &mut source)?,
         }
+    }
+    if !soup.face_tags.is_empty() {
+        // triangle strips have no patches
+        soup.face_tags.resize(soup.face_count(), 0);
     }
     if soup.positions.is_empty() {
         return Err(in_file(ParseErrorKind::NoVertices));
@@ -127,11 +133,13 @@ fn read_faces(
     vertices: usize,
 ) -> Result<(), ParseError> {
     let corners = corners_property(element)?;
+    let patches = element.properties.iter().position(is_patch);
     // check_size has bounded the count by the size of the file.
     let count = element.count as usize;
     soup.offsets.reserve_exact(count);
     // Most faces are triangles, and there are never more corners than bytes.
     soup.corners.reserve((3 * count).min(source.remaining()));
+    let mut labels = Vec::new();
     for face in 0..count {
         let what = || format!("face {} of {count}", face + 1);
         source.begin_row(&what)?;
@@ -140,16 +148,42 @@ fn read_faces(
                 Kind::List { count, item } if k == corners => {
                     read_corners(count, item, source, soup, vertices)?;
                 }
+                Kind::Number(scalar) if Some(k) == patches => {
+                    labels.push(u32::try_from(source.integer(scalar, &what)?).unwrap_or(0));
+                }
                 _ => skip_property(property, source, &what)?,
             }
         }
         source.end_row();
     }
-    if element.properties.len() > 1 {
+    tag_patches(soup, &labels);
+    if element.properties.len() > 1 + usize::from(patches.is_some()) {
         soup.notes
             .push("face properties other than the corners are not kept".into());
     }
     Ok(())
+}
+
+/// Whether a property has the number of the patch of a face, as this program writes it.
+fn is_patch(property: &Property) -> bool {
+    property.name == "patch" && matches!(property.kind, Kind::Number(kind) if kind.is_integer())
+}
+
+/// Tags the last faces by the numbers of their patches; 0 is no patch.
+fn tag_patches(soup: &mut Soup, labels: &[u32]) {
+    if labels.iter().all(|&label| label == 0) {
+        return;
+    }
+    let mut tag_of = BTreeMap::from([(0, 0)]);
+    soup.tags.push(FaceTag::default());
+    soup.face_tags.resize(soup.face_count() - labels.len(), 0);
+    for &label in labels {
+        let tag = *tag_of.entry(label).or_insert_with(|| {
+            soup.tags.push(FaceTag::default().in_patch(label));
+            soup.tags.len() as u32 - 1
+        });
+        soup.face_tags.push(tag);
+    }
 }
 
 fn read_corners(

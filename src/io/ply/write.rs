@@ -3,12 +3,13 @@
 use std::io::{self, Write};
 
 use super::super::OutputMesh;
-use crate::mesh::color_steps;
+use crate::mesh::{FaceTag, color_steps};
 
 /// Writes binary PLY. The mesh has been checked.
 ///
 /// Colours that are exact in 8 or in 16 bits are written as such integers, which most programs expect,
-/// and others as `float`.
+/// and others as `float`. If there are groups of patches, each face has the number of its patch, 0
+/// without one.
 pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io::Result<()> {
     let steps = color_steps(mesh.colors);
     let channels = if mesh.colors.iter().all(|c| c[3] == 1.0) {
@@ -38,10 +39,16 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
         }
     }
     writeln!(out, "element face {}", mesh.triangles.len())?;
-    writeln!(
-        out,
-        "property list uchar {index} vertex_indices\nend_header"
-    )?;
+    writeln!(out, "property list uchar {index} vertex_indices")?;
+    let patches: Vec<Option<u32>> = mesh.tags.iter().map(FaceTag::patch).collect();
+    let has_patches = mesh
+        .face_tags
+        .iter()
+        .any(|&tag| patches[tag as usize].is_some());
+    if has_patches {
+        writeln!(out, "property int patch")?;
+    }
+    writeln!(out, "end_header")?;
     for (vertex, p) in mesh.positions.iter().enumerate() {
         for x in p.to_array() {
             out.write_all(&x.to_le_bytes())?;
@@ -58,12 +65,16 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
             }
         }
     }
-    for triangle in mesh.triangles {
+    for (face, triangle) in mesh.triangles.iter().enumerate() {
         let mut row = [3_u8; 13];
         for (k, corner) in triangle.iter().enumerate() {
             row[1 + 4 * k..5 + 4 * k].copy_from_slice(&corner.to_le_bytes());
         }
         out.write_all(&row)?;
+        if has_patches {
+            let patch = patches[mesh.face_tags[face] as usize].unwrap_or(0);
+            out.write_all(&patch.to_le_bytes())?;
+        }
     }
     Ok(())
 }

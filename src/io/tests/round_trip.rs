@@ -202,7 +202,18 @@ fn what_a_format_leaves_out_is_said() {
         ..mesh
     };
     assert!(losses(Format::Stl, &exact).is_empty());
-    let tags = [FaceTag::default()];
+    let tags = [FaceTag::default().in_patch(7)];
+    let patch = OutputMesh {
+        face_tags: &[0],
+        tags: &tags,
+        ..mesh
+    };
+    assert!(losses(Format::Ply, &patch).is_empty());
+    assert_eq!(losses(Format::Stl, &patch).len(), 3);
+    let tags = [FaceTag {
+        object: "door".into(),
+        ..FaceTag::default()
+    }];
     let full = OutputMesh {
         colors: &[[0.5; 4]; 3],
         face_tags: &[0],
