@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use super::document::Document;
 use crate::mesh::{
-    DVec3, FaceId, Mesh, connected_faces, face_flags, face_list, faces_near, grow, invert, shrink,
-    smooth_border,
+    DVec3, FaceId, Flaw, Mesh, connected_faces, face_flags, face_list, faces_near, grow, invert,
+    shrink, smooth_border,
 };
 use crate::render::{Camera, Picker, Projector};
 
@@ -52,8 +52,10 @@ pub enum FaceEdit {
         /// Whether faces are removed.
         take: bool,
     },
-    /// The faces found in a lasso, in ascending order.
-    LassoResult {
+    /// The faces with a flaw are added.
+    Flawed(Flaw),
+    /// The faces that were found in the background, in ascending order.
+    Found {
         /// The mesh.
         mesh: Arc<Mesh>,
         /// The faces.
@@ -87,7 +89,9 @@ impl FaceEdit {
         match self {
             Self::Paint { take: false, .. } => "paint faces",
             Self::Paint { take: true, .. } => "unpaint faces",
-            Self::Lasso { .. } | Self::LassoResult { .. } => "lasso",
+            Self::Lasso { .. } => "lasso",
+            Self::Flawed(_) => "select flawed faces",
+            Self::Found { .. } => "select faces",
             Self::Spread { .. } => "spread the selection",
             Self::Grow => "grow the selection",
             Self::Shrink => "shrink the selection",
@@ -98,8 +102,8 @@ impl FaceEdit {
     }
 }
 
-/// The selection after a change. [`FaceEdit::Lasso`] changes nothing: [`faces_in_lasso`] finds its
-/// faces first.
+/// The selection after a change. [`FaceEdit::Lasso`] and [`FaceEdit::Flawed`] change nothing: their
+/// faces are found in the background first.
 pub fn edited(document: &Document, edit: &FaceEdit) -> Vec<u32> {
     let mesh = &document.mesh;
     let now = &document.faces;
@@ -118,8 +122,8 @@ pub fn edited(document: &Document, edit: &FaceEdit) -> Vec<u32> {
             faces.dedup();
             joined(now, &faces, *take)
         }
-        FaceEdit::LassoResult { faces, take, .. } => joined(now, faces, *take),
-        FaceEdit::Lasso { .. } => now.to_vec(),
+        FaceEdit::Found { faces, take, .. } => joined(now, faces, *take),
+        FaceEdit::Lasso { .. } | FaceEdit::Flawed(_) => now.to_vec(),
         FaceEdit::Spread { face, take } => whole(&|flags| spread(mesh, flags, *face, *take)),
         FaceEdit::Grow => whole(&|flags| grow(&mesh.topology, flags)),
         FaceEdit::Shrink => whole(&|flags| shrink(&mesh.topology, flags)),

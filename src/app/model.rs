@@ -52,8 +52,8 @@ pub enum Done {
     Saved(PathBuf, SavedWhat, Result<Vec<String>, String>),
     /// The picker of a mesh is ready.
     Picker(Arc<Mesh>, Arc<Picker>),
-    /// The faces in a lasso were found.
-    Lasso(FaceEdit),
+    /// Faces to select were found.
+    Faces(FaceEdit),
     /// A file dialog was closed after some time; `None` if it was cancelled or is not available.
     PathChosen(PathUse, Option<PathBuf>, Duration),
     /// A picture for the clipboard.

@@ -110,6 +110,10 @@ pub struct Selecting {
     pub brush: f32,
     /// Whether the lasso selects hidden faces too.
     pub through: bool,
+    /// Faces with a smaller angle are selected, in degrees.
+    pub worse_than: f64,
+    /// Faces with a longer edge are selected, in units of the file.
+    pub longer_than: f64,
 }
 
 impl Default for Selecting {
@@ -118,6 +122,8 @@ impl Default for Selecting {
             tool: Tool::default(),
             brush: 24.0,
             through: false,
+            worse_than: 5.0,
+            longer_than: 0.0,
         }
     }
 }

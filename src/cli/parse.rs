@@ -27,6 +27,14 @@ pub fn ball(text: &str) -> Result<(DVec3, f64), String> {
     }
 }
 
+/// A positive number.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
+        _ => Err("write a positive number".into()),
+    }
+}
+
 /// `X,Y,Z,NX,NY,NZ`: a point of a plane and its normal.
 pub fn plane(text: &str) -> Result<Plane, String> {
     let error = || "write a point and a non-zero normal, as in 0,0,0.5,0,0,1".to_owned();

@@ -6,8 +6,10 @@ use anyhow::Result;
 use clap::Args;
 
 use crate::cli::UsageError;
-use crate::cli::parse::ball;
-use crate::mesh::{DVec3, Mesh, face_flags, face_list, faces_in_ball, grow, parse_ranges};
+use crate::cli::parse::{ball, positive};
+use crate::mesh::{
+    DVec3, Flaw, Mesh, face_flags, face_list, faces_in_ball, flawed_faces, grow, parse_ranges,
+};
 use crate::ops::Faces;
 
 /// A selection of faces: the union of those named by the options.
@@ -28,6 +30,15 @@ pub struct SelectionArguments {
     /// Read a list of triangles from a file, as written by the window.
     #[arg(long, value_name = "FILE")]
     pub faces_from: Option<PathBuf>,
+    /// Select triangles whose smallest angle is below this limit, in degrees.
+    #[arg(long, value_name = "DEG", value_parser = positive, allow_hyphen_values = true)]
+    pub faces_worse_than: Option<f64>,
+    /// Select triangles with an edge longer than this.
+    #[arg(long, value_name = "LENGTH", value_parser = positive, allow_hyphen_values = true)]
+    pub faces_longer_than: Option<f64>,
+    /// Select triangles that intersect others.
+    #[arg(long)]
+    pub faces_crossing: bool,
     /// Grow the selection by N rings of faces.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub grow: usize,
@@ -36,7 +47,16 @@ pub struct SelectionArguments {
 impl SelectionArguments {
     /// Whether no option is given.
     pub fn is_empty(&self) -> bool {
-        self.ball.is_empty() && self.faces.is_none() && self.faces_from.is_none()
+        let by_place = !self.ball.is_empty() || self.faces.is_some() || self.faces_from.is_some();
+        !by_place && self.flaws().is_empty()
+    }
+
+    /// The flaws for which faces are selected.
+    fn flaws(&self) -> Vec<Flaw> {
+        let worse = self.faces_worse_than.map(Flaw::WorseThan);
+        let longer = self.faces_longer_than.map(Flaw::LongerThan);
+        let crossing = self.faces_crossing.then_some(Flaw::Crossing);
+        [worse, longer, crossing].into_iter().flatten().collect()
     }
 
     /// The selected faces, at least one.
@@ -45,7 +65,8 @@ impl SelectionArguments {
     /// No option is given, or as for [`Self::faces`].
     pub fn required(&self, mesh: &Mesh) -> Result<Faces> {
         if self.is_empty() {
-            let what = "choose faces with --ball X,Y,Z,R, --faces LIST or --faces-from FILE";
+            let what = "choose faces with --ball X,Y,Z,R, --faces LIST, --faces-from FILE, \
+                        --faces-worse-than DEG, --faces-longer-than LENGTH or --faces-crossing";
             return Err(UsageError(what.into()).into());
         }
         self.faces(mesh)
@@ -78,6 +99,9 @@ impl SelectionArguments {
             let faces = parse_ranges(&text, count);
             let faces = faces.map_err(|fault| UsageError(format!("{name}: {fault}")))?;
             add(face_flags(&faces, count));
+        }
+        for flaw in self.flaws() {
+            add(flawed_faces(mesh, flaw));
         }
         for _ in 0..self.grow {
             grow(&mesh.topology, &mut flags);

@@ -42,7 +42,7 @@ impl FillError {
 #[non_exhaustive]
 pub enum RefillError {
     /// No face is selected.
-    #[error("no face is selected; choose a point nearer to the surface or a larger radius")]
+    #[error("no face is selected; choose other places, numbers or limits")]
     Nothing,
     /// The selection is a whole component, so no face remains to continue.
     #[error("the selection is a whole component: there is no surface to join; select fewer faces")]

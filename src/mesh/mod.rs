@@ -7,6 +7,7 @@ mod colors;
 mod cut;
 mod data;
 mod erase;
+mod flaws;
 mod ids;
 mod intersect;
 mod loose;
@@ -31,6 +32,7 @@ pub use colors::{color_steps, round_color};
 pub use cut::{CutOpen, cut_open, edge_between, edge_flags};
 pub use data::{Components, Mesh, components};
 pub use erase::{Erased, erase};
+pub use flaws::{Flaw, flawed_faces};
 pub use glam::DVec3;
 pub use ids::{FaceId, HalfedgeId, LoopId, VertexId};
 pub use intersect::{

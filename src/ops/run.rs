@@ -65,7 +65,7 @@ pub enum OperationError {
         faces: usize,
     },
     /// No face is selected.
-    #[error("no face is selected; choose a point nearer to the surface or a larger radius")]
+    #[error("no face is selected; choose other places, numbers or limits")]
     NoFaces,
     /// The tolerance of a stitching is not a length.
     #[error("the tolerance is {0}; write a length of 0 or more, in units of the file")]

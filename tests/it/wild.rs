@@ -286,6 +286,34 @@ fn labels(desk: &Desk, name: &str) -> Vec<u32> {
     opened.mesh.face_tags.iter().map(number).collect()
 }
 
+/// A sphere with one vertex pulled through the opposite side is erased there and filled.
+#[test]
+fn refill_selects_faces_by_quality() {
+    let desk = Desk::new();
+    let (positions, triangles) = meniscus::shapes::icosphere(8);
+    let mut points: Vec<[f64; 3]> = positions.iter().map(DVec3::to_array).collect();
+    let faces: Vec<[usize; 3]> = triangles.iter().map(|t| t.map(|v| v as usize)).collect();
+    let pulled = points.iter_mut().max_by(|p, q| p[0].total_cmp(&q[0]));
+    *pulled.expect("a vertex") = [-1.5, 0.02, 0.01];
+    desk.write("in.obj", &obj(&points, &faces));
+    for quality in [
+        &["--faces-crossing"][..],
+        &["--faces-longer-than", "0.9"],
+        &["--faces-worse-than", "5", "--grow", "1"],
+    ] {
+        let words = ["refill", "in.obj", "-o", "out.obj"];
+        desk.runs(&[&words, quality].concat());
+        let after = desk.mesh("out.obj");
+        assert!(after.positions.iter().all(|p| p[0] > -1.1), "{quality:?}");
+    }
+    let none = ["erase", "in.obj", "-o", "x.obj", "--faces-longer-than", "9"];
+    let message = desk.fails(1, &none);
+    assert!(message.contains("no face is selected"), "{message}");
+    let wrong = ["erase", "in.obj", "-o", "x.obj", "--faces-worse-than", "-1"];
+    let message = desk.fails(2, &wrong);
+    assert!(message.contains("a positive number"), "{message}");
+}
+
 #[test]
 fn welding_follows_the_option() {
     let desk = Desk::new();

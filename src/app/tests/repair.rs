@@ -7,7 +7,7 @@ use crate::app::document::AppliedOperation;
 use crate::app::faces::{BrushStamp, FaceEdit};
 use crate::app::run::Run;
 use crate::app::view_state::Bridging;
-use crate::mesh::FaceId;
+use crate::mesh::{FaceId, Flaw, face_list, flawed_faces};
 use crate::ops::{BridgeSpec, FacesSpec, Operation};
 
 /// A stroke far from both holes, ended.
@@ -50,6 +50,23 @@ fn run_to_end(m: &mut Model) {
 
 fn last(m: &Model) -> &AppliedOperation {
     m.document.accepted.last().expect("something was accepted")
+}
+
+#[test]
+fn flawed_faces_are_added_to_the_selection() {
+    let mut m = in_repair();
+    paint(&mut m, 0.4);
+    let painted = Arc::clone(&m.document.faces);
+    let flaw = Flaw::WorseThan(35.0);
+    act(&mut m, SelectAction::Faces(FaceEdit::Flawed(flaw)));
+    until(&mut m, |m| m.document.faces.len() > painted.len());
+    let flawed = face_list(&flawed_faces(&m.document.mesh, flaw));
+    let mut wanted = [&painted[..], &flawed].concat();
+    wanted.sort_unstable();
+    wanted.dedup();
+    assert_eq!(*m.document.faces, wanted);
+    act(&mut m, EditAction::Undo);
+    assert_eq!(m.document.faces, painted);
 }
 
 #[test]

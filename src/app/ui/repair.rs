@@ -10,8 +10,8 @@ use crate::app::action::{Action, ControlsAction, EditAction, RunAction, SelectAc
 use crate::app::faces::{BrushStamp, FaceEdit, Lasso};
 use crate::app::model::Model;
 use crate::app::report::Pick;
-use crate::app::view_state::{Task, Tool};
-use crate::mesh::DVec3;
+use crate::app::view_state::{Selecting, Task, Tool};
+use crate::mesh::{DVec3, Flaw};
 use crate::render::{Picker, Projector};
 
 /// The current stroke or lasso.
@@ -74,6 +74,7 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             ui.weak("each click adds one ring");
         }
     }
+    quality_ui(ui, model, &mut selecting, actions);
     if selecting != model.view.selecting {
         actions.push(TaskAction::Selecting(selecting).into());
     }
@@ -103,6 +104,42 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         "Drag with the right button to rotate the view, or start a brush drag beside the surface.",
     );
     ui.separator();
+}
+
+/// Buttons that select faces by their quality.
+fn quality_ui(ui: &mut Ui, model: &Model, selecting: &mut Selecting, actions: &mut Vec<Action>) {
+    let idle = model.run.is_none() && !model.document.is_blank();
+    let mut button = |ui: &mut Ui, name: &str, tip: &str, flaw: Flaw, on: bool| {
+        ui.add_enabled(idle && on, egui::Button::new(name).small())
+            .on_hover_text(tip)
+            .asks(SelectAction::Faces(FaceEdit::Flawed(flaw)), actions);
+    };
+    ui.collapsing("Select by quality", |ui| {
+        ui.horizontal(|ui| {
+            let (worse, tip) = (
+                selecting.worse_than,
+                "the smallest angle is below this limit",
+            );
+            button(ui, "Angle below", tip, Flaw::WorseThan(worse), true);
+            let value = egui::DragValue::new(&mut selecting.worse_than);
+            ui.add(value.range(0.0..=60.0).speed(0.1).suffix("°"));
+        });
+        ui.horizontal(|ui| {
+            let (longer, tip) = (selecting.longer_than, "an edge is longer than this length");
+            button(
+                ui,
+                "Edge above",
+                tip,
+                Flaw::LongerThan(longer),
+                longer > 0.0,
+            );
+            let speed = 1e-3 * model.document.origin.bounds.radius();
+            let value = egui::DragValue::new(&mut selecting.longer_than);
+            ui.add(value.range(0.0..=f64::MAX).speed(speed));
+        });
+        let tip = "the face intersects another one";
+        button(ui, "Crossing", tip, Flaw::Crossing, true);
+    });
 }
 
 /// The buttons that start an operation on the selection.

@@ -9,7 +9,7 @@ use crate::app::faces::{FaceEdit, Lasso, edited, faces_in_lasso};
 use crate::app::model::{Done, Model};
 use crate::app::view_state::Task;
 use crate::fill::LoopChoice;
-use crate::mesh::{BoundaryLoop, LoopId};
+use crate::mesh::{BoundaryLoop, Flaw, LoopId, face_list, flawed_faces};
 
 pub(crate) fn update_task(model: &mut Model, action: TaskAction) {
     match action {
@@ -109,13 +109,13 @@ pub(super) fn set_loops(model: &mut Model, selection: BTreeSet<LoopId>, label: &
 }
 
 fn faces(model: &mut Model, edit: FaceEdit) {
-    if let FaceEdit::Lasso { lasso, take } = edit {
-        start_lasso(model, lasso, take);
-        return;
+    match edit {
+        FaceEdit::Lasso { lasso, take } => return start_lasso(model, lasso, take),
+        FaceEdit::Flawed(flaw) => return find_flaws(model, flaw),
+        _ => {}
     }
-    // the mesh may have changed since the lasso was drawn
-    if matches!(&edit, FaceEdit::LassoResult { mesh, .. } if !Arc::ptr_eq(mesh, &model.document.mesh))
-    {
+    // the mesh may have changed since the search began
+    if matches!(&edit, FaceEdit::Found { mesh, .. } if !Arc::ptr_eq(mesh, &model.document.mesh)) {
         return;
     }
     let stroke = matches!(edit, FaceEdit::Paint { .. }).then(|| edit.label());
@@ -134,7 +134,17 @@ fn start_lasso(model: &mut Model, lasso: Lasso, take: bool) {
     if let Some((mesh, picker)) = model.picker.clone() {
         model.spawn("lasso", move |_| {
             let faces = faces_in_lasso(&mesh, &picker, &lasso);
-            Done::Lasso(FaceEdit::LassoResult { mesh, faces, take })
+            Done::Faces(FaceEdit::Found { mesh, faces, take })
         });
     }
+}
+
+/// Finds the faces with a flaw in the background.
+fn find_flaws(model: &mut Model, flaw: Flaw) {
+    let mesh = Arc::clone(&model.document.mesh);
+    model.spawn("flawed faces", move |_| {
+        let faces = face_list(&flawed_faces(&mesh, flaw));
+        let take = false;
+        Done::Faces(FaceEdit::Found { mesh, faces, take })
+    });
 }

@@ -69,7 +69,7 @@ fn finish(model: &mut Model, done: Done) {
                 model.picker = Some((mesh, picker));
             }
         }
-        Done::Lasso(edit) => select::update(model, SelectAction::Faces(edit)),
+        Done::Faces(edit) => select::update(model, SelectAction::Faces(edit)),
         Done::PathChosen(purpose, path, waited) => {
             files::path_chosen(model, purpose, path, waited);
         }
