@@ -16,7 +16,7 @@ use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
 use crate::ops::Operation;
 use crate::runner::RunSettings;
 use crate::solver::{RejectReason, StepRecord};
-pub use handle::{RunEvent, RunHandle, RunState, StateView, state_key};
+pub use handle::{Figures, RunEvent, RunHandle, RunState, StateView, state_key};
 pub use refinement::method_name;
 
 /// Maximum size of each timeline, bytes.
@@ -186,7 +186,8 @@ impl Run {
                 side.handle.pause();
             }
         }
-        if paused || (self.playing && self.ended()) {
+        // stored states may still be replayed after the end
+        if paused || (self.playing && self.ended() && !self.scrubbed()) {
             self.playing = false;
         }
         messages
@@ -304,6 +305,20 @@ impl RunVariant {
     /// The shown state; `None` before the first.
     pub fn state(&self) -> Option<RunState> {
         self.handle.state(self.shown.unwrap_or(usize::MAX))
+    }
+
+    /// The figures of the shown state. Only the newest state has an end and an activity.
+    pub fn figures(&self) -> Vec<Figures> {
+        let mut rows = self.handle.figures(self.state().as_ref());
+        if self.shown.is_some() {
+            for row in &mut rows {
+                row.end = None;
+                // states of refinements do not store it
+                row.relative_tau = row.relative_tau.filter(|_| row.level.is_none());
+                "earlier state".clone_into(&mut row.doing);
+            }
+        }
+        rows
     }
 }
 

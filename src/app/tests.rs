@@ -54,7 +54,7 @@ pub(super) fn model() -> Model {
 }
 
 /// Lets the background work go on until `done`.
-pub(super) fn until(model: &mut Model, done: impl Fn(&Model) -> bool) {
+pub(super) fn until(model: &mut Model, mut done: impl FnMut(&Model) -> bool) {
     let begun = Instant::now();
     while !done(model) {
         tick(model, Instant::now());
@@ -235,8 +235,7 @@ fn pause_step_scrub_and_replay() {
     assert_eq!(settle(&mut m), paused + 1, "one step, then it waits");
     act(&mut m, RunAction::Scrub(Some(1)));
     let run = m.run.as_ref().expect("still there");
-    let shown = run.sides[0].state().expect("a state");
-    let figures = run.sides[0].handle.figures(Some(&shown));
+    let figures = run.sides[0].figures();
     assert!(run.scrubbed() && figures[0].step == Some(1));
     // play: the kept states first, then the flow itself
     act(&mut m, RunAction::Pace(240.0));
@@ -244,7 +243,39 @@ fn pause_step_scrub_and_replay() {
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(super::run::Run::ended)
     });
-    assert!(!m.run.as_ref().expect("still there").scrubbed());
+    let run = m.run.as_ref().expect("still there");
+    assert!(!run.scrubbed());
+    let last = run.sides[0].figures();
+    assert!(matches!(last[0].end, Some(Ok(_))));
+    // an earlier state has its own figures and no end
+    act(&mut m, RunAction::Scrub(Some(2)));
+    let side = |m: &Model| {
+        m.run.as_ref().expect("still there").sides[0]
+            .figures()
+            .remove(0)
+    };
+    let earlier = side(&m);
+    assert!(earlier.end.is_none() && earlier.step == Some(2));
+    assert!(earlier.residual > last[0].residual && earlier.relative_tau != last[0].relative_tau);
+    // play after the end: the stored states, from the shown one or from the first
+    for from_end in [false, true] {
+        if from_end {
+            assert!(!m.run.as_ref().expect("still there").scrubbed());
+        }
+        act(&mut m, RunAction::PlayPause);
+        let mut steps = Vec::new();
+        until(&mut m, |m| {
+            steps.extend(side(m).step);
+            m.run.as_ref().is_some_and(|run| !run.playing)
+        });
+        steps.dedup();
+        let first = if from_end { 0 } else { 2 };
+        let all: Vec<usize> = (first..=last[0].step.expect("a step")).collect();
+        assert!(
+            steps.len() > 2 && all.ends_with(&steps[1..]),
+            "{steps:?} of {all:?}"
+        );
+    }
     // a scrubbed state is what accept takes
     act(&mut m, RunAction::Scrub(Some(2)));
     let positions = m

@@ -378,11 +378,7 @@ struct Patches {
 const ROOM: f64 = 1e-9;
 
 impl Patches {
-    fn new(
-        context: FillContext<'_>,
-        group: usize,
-        (topology, positions): &Surface,
-    ) -> Self {
+    fn new(context: FillContext<'_>, group: usize, (topology, positions): &Surface) -> Self {
         let counts = topology.holes.iter().map(|hole| hole.triangles.len());
         let mut end = 0;
         let ends = counts.map(|count| {

@@ -143,7 +143,7 @@ pub struct Figures {
     pub level: Option<usize>,
     /// Accepted steps at the shown state.
     pub step: Option<usize>,
-    /// Time step divided by the natural time.
+    /// Time step that led to the shown state, divided by the natural time.
     pub relative_tau: Option<f64>,
     /// Energy of the shown state.
     pub energy: Option<f64>,
@@ -153,7 +153,7 @@ pub struct Figures {
     pub rejected: usize,
     /// Smallest triangle angle in degrees.
     pub angle: Option<f64>,
-    /// How the flow ended.
+    /// How the flow ended, if the shown state is its last.
     pub end: Option<Result<End, String>>,
     /// The current activity.
     pub doing: String,

@@ -125,7 +125,7 @@ impl WindowProcess for RefineProcess {
             step: shown.map(|s| s.step),
             relative_tau: status.relative_tau,
             energy: shown.map(|s| s.energy).filter(|e| e.is_finite()),
-            residual: shown.and_then(|s| s.residual).or(status.residual),
+            residual: shown.and_then(|s| s.residual),
             rejected: status.rejected,
             angle: None,
             end,

@@ -204,8 +204,7 @@ fn side_name(run: &Run, s: usize) -> String {
 }
 
 fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &RunVariant) {
-    let state = side.state();
-    let rows = side.handle.figures(state.as_ref());
+    let rows = side.figures();
     if rows.is_empty() {
         ui.label(if side.handle.ended() {
             "no flow: the patches have no new vertices"

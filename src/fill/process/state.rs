@@ -21,6 +21,8 @@ pub struct GroupState {
     pub energy: f64,
     /// Residual of the step; `None` before the first.
     pub residual: Option<f64>,
+    /// Its time step; `None` before the first.
+    pub tau: Option<f64>,
     /// Smallest angle of a triangle of the patches, in degrees.
     pub worst_angle: f64,
     pub(in crate::fill) patches: Arc<PatchTopology>,
