@@ -85,6 +85,14 @@ pub enum Warning {
         /// One of the places.
         at: DVec3,
     },
+    /// Vertices of the surface are far from the rim: outside a cube about the box of the rim and the
+    /// faces around it whose edges are twice the diagonal of that box.
+    Escaped {
+        /// Their number.
+        vertices: usize,
+        /// One of the places.
+        at: DVec3,
+    },
     /// The surface model gave an unsound surface; another model replaced it.
     Replaced {
         /// The hole.
@@ -95,6 +103,8 @@ pub enum Warning {
         by: String,
         /// Pairs of intersecting triangles of the first.
         pairs: usize,
+        /// Vertices of the first that are far from the rim.
+        escaped: usize,
         /// Folded edges of the first.
         folds: usize,
     },
@@ -135,6 +145,7 @@ impl Warning {
             Self::Unreached { .. } => "unreached",
             Self::SelfIntersection { .. } => "self-intersection",
             Self::Folded { .. } => "folded",
+            Self::Escaped { .. } => "escaped",
             Self::Replaced { .. } => "surface-replaced",
             Self::IntersectingResult { .. } => "intersecting-result",
             Self::ChangeRefused { .. } => "change-refused",
@@ -165,6 +176,7 @@ impl Warning {
                 "use another energy, add tension, or join fewer rims at a time"
             }
             Self::IntersectingResult { .. } => "increase the tension",
+            Self::Escaped { .. } => "use another surface model or energy, or add tension",
             Self::Folded { .. } => {
                 "check whether the rim is folded there, or erase the faces there"
             }
@@ -244,17 +256,30 @@ impl fmt::Display for Warning {
                  {edges} edges, near {}",
                 Place(*at)
             ),
+            Self::Escaped { vertices, at } => write!(
+                f,
+                "vertices of the surface far from the rim, beyond twice its size: {vertices}, one \
+                 near {}",
+                Place(*at)
+            ),
             Self::Replaced {
                 hole,
                 model,
                 by,
                 pairs,
+                escaped,
                 folds,
-            } => write!(
-                f,
-                "the surface of hole {hole} by {model} has {pairs} pairs of intersecting triangles \
-                 and {folds} folded edges; it was replaced by {by}"
-            ),
+            } => {
+                let far = match escaped {
+                    0 => String::new(),
+                    _ => format!(", {escaped} vertices far from the rim"),
+                };
+                write!(
+                    f,
+                    "the surface of hole {hole} by {model} has {pairs} pairs of intersecting \
+                     triangles{far} and {folds} folded edges; it was replaced by {by}"
+                )
+            }
             Self::SelfIntersection {
                 pairs,
                 at,
@@ -398,6 +423,7 @@ mod tests {
                 at,
                 kept_step: Some(6),
             },
+            Warning::Escaped { vertices: 4, at },
             Warning::IntersectingResult {
                 pairs: 2,
                 of_input: 1,

@@ -1,4 +1,5 @@
-//! Sound patches: no triangle crosses another one or has no area, and no edge is folded.
+//! Sound patches: no triangle crosses another one or has no area, no edge is folded, and no vertex is
+//! far from the rim.
 
 use std::collections::BTreeSet;
 
@@ -13,7 +14,7 @@ use crate::fill::prediction::Candidate;
 use crate::fill::region;
 use crate::fill::self_intersection::{CompactTriangles, Obstacles, intersections, place};
 use crate::fill::warm_start::warm_start_of;
-use crate::mesh::{DVec3, Mesh, TriangleIntersections, VertexId};
+use crate::mesh::{DVec3, FaceId, Mesh, TriangleIntersections, VertexId};
 use crate::patch::{self, OtherPatches, Patch, PatchOptions};
 use crate::solver::{Flow, Mode, SurfaceModel, Tau};
 use crate::warning::{MAX_PAIRS, Warning, Warnings};
@@ -76,12 +77,13 @@ pub(super) fn make_sound(
             patches = Patches::new(context, group, &present);
             left = better.defects;
             is_replaced = true;
-            let (pairs, folds) = found.severity();
+            let [pairs, escaped, folds] = found.severity();
             warnings.push(Warning::Replaced {
                 hole: hole.rims.id(),
                 model: Candidate::new(options.flow.surface, options.flow.tension).words(),
                 by: better.words,
                 pairs,
+                escaped,
                 folds,
             });
         }
@@ -106,7 +108,8 @@ pub(super) fn make_patch_sound(
         let new = patch.new_points();
         let part = (&rims.vertices[..], &patch.triangles[..], new.len());
         let own = appended_triangles(mesh.vertex_count(), [part]);
-        defects(mesh, obstacles, rims, &own, &[], new)
+        let room = Room::around(mesh, rims, &[]);
+        defects(mesh, obstacles, rims, room, &own, &[], new)
     };
     if rims.is_blend() || !patch.new_points().is_empty() {
         return Warnings::default();
@@ -183,7 +186,7 @@ impl Replacement {
 
 /// The least unsound surface of a search.
 struct Best {
-    severity: (usize, usize),
+    severity: [usize; 3],
     replacement: Option<Replacement>,
 }
 
@@ -197,7 +200,7 @@ impl Best {
         }
         self.severity = severity;
         self.replacement = Some(next);
-        severity == (0, 0)
+        severity == SOUND
     }
 }
 
@@ -334,7 +337,9 @@ impl HoleOfGroup<'_> {
         let (mesh, obstacles) = (self.context.mesh, &self.context.plan.obstacles);
         let others = patches.near(mesh, self.number, positions);
         let own = patches.of(self.number);
-        defects(mesh, obstacles, self.rims, own, &others, positions)
+        let support = &self.context.plan.groups[self.group].support[self.number];
+        let room = Room::around(mesh, self.rims, support);
+        defects(mesh, obstacles, self.rims, room, own, &others, positions)
     }
 }
 
@@ -343,15 +348,17 @@ impl HoleOfGroup<'_> {
 struct Defects {
     /// Pairs of triangles that cross, [`MAX_PAIRS`] at most, and one of the places.
     pub crossings: Option<(usize, DVec3)>,
+    /// New vertices outside the [`Room`] of the hole, and one of the places.
+    pub escaped: Option<(usize, DVec3)>,
     /// Folded edges and triangles without area, and one of the places.
     pub folds: Option<(usize, DVec3)>,
 }
 
 impl Defects {
-    /// How bad they are: crossings first, then folds.
-    pub fn severity(&self) -> (usize, usize) {
-        let count = |found: Option<(usize, DVec3)>| found.map_or(0, |found| found.0);
-        (count(self.crossings), count(self.folds))
+    /// How bad they are: crossings first, then vertices that escaped, then folds.
+    pub fn severity(&self) -> [usize; 3] {
+        let all = [self.crossings, self.escaped, self.folds];
+        all.map(|found| found.map_or(0, |found| found.0))
     }
 
     /// The warnings of a result that has these defects.
@@ -361,9 +368,56 @@ impl Defects {
             at,
             kept_step: None,
         });
-        let fold = self.folds.map(|(edges, at)| Warning::Folded { edges, at });
-        crossing.into_iter().chain(fold)
+        let escape = |(vertices, at)| Warning::Escaped { vertices, at };
+        let fold = |(edges, at)| Warning::Folded { edges, at };
+        let others = [self.escaped.map(escape), self.folds.map(fold)];
+        crossing.into_iter().chain(others.into_iter().flatten())
     }
+}
+
+/// The severity of no defects.
+const SOUND: [usize; 3] = [0; 3];
+
+/// A cube about a hole that a patch should not leave. Its centre is that of the box of the rims and the
+/// faces around them, and its edges are twice the diagonal of that box. The complement of a cap of a
+/// sphere fits into it while the cap is a ninth of the sphere or more.
+#[derive(Clone, Copy, Debug)]
+struct Room {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Room {
+    fn around(mesh: &Mesh, rims: &HoleRims, support: &[FaceId]) -> Self {
+        let faces = support.iter().flat_map(|&f| mesh.topology.face_vertices(f));
+        let points = faces.chain(rims.vertices.iter().copied());
+        let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = points
+            .map(|v| mesh.position(v))
+            .fold(nothing, |(low, high), p| (low.min(p), high.max(p)));
+        let (centre, reach) = (low.midpoint(high), low.distance(high));
+        Self {
+            low: centre - reach,
+            high: centre + reach,
+        }
+    }
+
+    fn contains(&self, p: DVec3) -> bool {
+        self.low.cmple(p).all() && p.cmple(self.high).all()
+    }
+}
+
+/// Places of the new vertices of `triangles` outside a room.
+fn escaped(mesh: &Mesh, room: Room, triangles: &[[u32; 3]], positions: &[DVec3]) -> Vec<DVec3> {
+    let first = mesh.vertex_count() as u32;
+    let new: BTreeSet<u32> = triangles
+        .iter()
+        .flatten()
+        .copied()
+        .filter(|&v| v >= first)
+        .collect();
+    let places = new.into_iter().map(|v| place(mesh, positions, v));
+    places.filter(|&p| !room.contains(p)).collect()
 }
 
 /// The patches of a group, each with a box around it.
@@ -426,28 +480,30 @@ impl Patches {
 }
 
 /// The severity of the defects of a patch.
-fn severity(defects: &Option<Defects>) -> (usize, usize) {
-    defects.map_or((0, 0), |defects| defects.severity())
+fn severity(defects: &Option<Defects>) -> [usize; 3] {
+    defects.map_or(SOUND, |defects| defects.severity())
 }
 
-/// The defects of a patch of the triangles `own` beside those of `others`, both
+/// The defects of a patch in `room` of the triangles `own` beside those of `others`, both
 /// [appended](appended_triangles) to the mesh with new vertices at `positions`; `None` if it is
 /// sound.
 fn defects(
     mesh: &Mesh,
     obstacles: &Obstacles,
     rims: &HoleRims,
+    room: Room,
     own: &[[u32; 3]],
     others: &[[u32; 3]],
     positions: &[DVec3],
 ) -> Option<Defects> {
-    let places = intersections(mesh, obstacles, own, others, positions, MAX_PAIRS);
-    let folds = folds(mesh, rims, own, positions);
+    let counted = |places: Vec<DVec3>| places.first().map(|&at| (places.len(), at));
+    let crossings = intersections(mesh, obstacles, own, others, positions, MAX_PAIRS);
     let found = Defects {
-        crossings: places.first().map(|&at| (places.len(), at)),
-        folds: folds.first().map(|&at| (folds.len(), at)),
+        crossings: counted(crossings),
+        escaped: counted(escaped(mesh, room, own, positions)),
+        folds: counted(folds(mesh, rims, own, positions)),
     };
-    (found.severity() != (0, 0)).then_some(found)
+    (found.severity() != SOUND).then_some(found)
 }
 
 /// Places of folded edges, those of the rims included, and of triangles without area.
@@ -503,7 +559,7 @@ mod tests {
     }
 
     #[test]
-    fn crossings_folds_and_triangles_without_area_are_found() {
+    fn crossings_escapes_folds_and_triangles_without_area_are_found() {
         let mesh = cap();
         let loops = boundary_loops(&mesh);
         let plan = prepare(&mesh, &[vec![&loops[0]]], &FillOptions::default());
@@ -528,6 +584,13 @@ mod tests {
         crossing[0] = DVec3::new(0.1, 0.2, -2.0);
         let found = defects(&crossing).expect("defects");
         assert!(found.crossings.is_some());
+        // a vertex pulled far out
+        let mut far = start.clone();
+        far[0] = DVec3::new(0.0, 0.0, 2.5);
+        assert_eq!(defects(&far).and_then(|found| found.escaped), None);
+        far[0] = DVec3::new(0.1, 0.0, 4.0);
+        let found = defects(&far).expect("defects").escaped;
+        assert_eq!(found, Some((1, far[0])));
         // a vertex on another one: the triangles between have no area
         let t = topology.holes[0].triangles.iter();
         let rim = plan.holes()[0].rims.vertices.len() as u32;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use meniscus::Fill;
 use meniscus::fill::{FillOptions, LoopChoice, fill_rim_sets};
 use meniscus::io::{self, Format};
 use meniscus::mesh::{
@@ -54,13 +55,60 @@ proptest! {
     }
 }
 
+fn read(bytes: &[u8]) -> Mesh {
+    let soup = io::read(Format::Obj, bytes, Path::new("in.obj")).expect("a mesh");
+    mesh::build(&soup).expect("a mesh").0
+}
+
+/// The surfaces that the energy gives for the outer rims leave a box of several times their size.
+#[test]
+fn no_patch_leaves_the_surroundings_of_its_rim_without_a_warning() {
+    for bytes in [
+        &include_bytes!("../data/terrain.obj")[..],
+        include_bytes!("../data/two_holes.obj"),
+    ] {
+        let given = read(bytes);
+        let size = |positions: &[DVec3]| {
+            let [low, high] = [DVec3::min, DVec3::max].map(|f| positions.iter().copied().reduce(f));
+            low.zip(high).map(|(low, high)| low.distance(high))
+        };
+        let fill = Fill::new(&given).loops(LoopChoice::All).energy("H^2");
+        let filled = fill.expect("an energy").run().expect("filled");
+        let groups: Vec<_> = filled.groups.iter().flatten().collect();
+        let mut warnings = groups
+            .iter()
+            .flat_map(|group| group.outcome.warnings.iter());
+        let is_said = warnings.any(|warning| warning.code() == "escaped");
+        assert!(is_said || size(&filled.mesh.positions) < size(&given.positions).map(|d| 3.0 * d));
+    }
+}
+
+/// Most of a sphere is far from the rim without a defect.
+#[test]
+fn a_large_cap_does_not_count_as_escaped() {
+    let (positions, triangles) = shapes::cut_where(&shapes::sphere(4000, 1), |p| p.z > -0.6);
+    let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
+    let filled = Fill::new(&mesh)
+        .loops(LoopChoice::All)
+        .run()
+        .expect("filled");
+    let group = filled.groups[0].as_ref().expect("a flow");
+    let codes: Vec<&str> = group.outcome.warnings.iter().map(|w| w.code()).collect();
+    assert_eq!(codes, [""; 0]);
+    let top = filled
+        .mesh
+        .positions
+        .iter()
+        .map(|p| p.z)
+        .fold(0.0, f64::max);
+    assert!((top - 1.0).abs() < 0.05, "{top}");
+}
+
 /// A ball with one triangle that stands beside a narrow crack in the rim of its hole.
 #[test]
 fn a_triangle_beside_a_crack_does_not_deform_the_patch() {
-    let bytes = include_bytes!("../data/ear.obj");
-    let soup = io::read(Format::Obj, bytes, Path::new("ear.obj")).expect("a mesh");
-    let (ball, _) = mesh::build(&soup).expect("a mesh");
-    let filled = meniscus::Fill::new(&ball).loops(LoopChoice::All).run();
+    let ball = read(include_bytes!("../data/ear.obj"));
+    let filled = Fill::new(&ball).loops(LoopChoice::All).run();
     let mesh = filled.expect("filled").mesh;
     let new = &mesh.positions[ball.vertex_count()..];
     assert!(new.len() > 20);
