@@ -43,7 +43,8 @@ pub(super) struct Checked {
 
 /// Checks the patches of a group with new vertices at `positions`, filled with `options`. An unsound
 /// patch is replaced by the first sound surface of [other models](SAFER) or of
-/// [other triangulations](other_patches), or else by the least unsound.
+/// [other triangulations](other_patches), or else by the least unsound. The other patches of its group
+/// are then solved again beside it.
 pub(super) fn make_sound(
     context: FillContext<'_>,
     group: usize,
@@ -52,33 +53,37 @@ pub(super) fn make_sound(
     options: &FillOptions,
 ) -> Checked {
     let mut present = (topology.clone(), positions);
-    let mut warnings = Warnings::default();
     let mut is_replaced = false;
-    let mut patches = Patches::new(context, group, &present);
-    for (k, hole) in context.plan.holes_of(group).enumerate() {
-        let hole = HoleOfGroup {
+    let holes = context.plan.holes_of(group).enumerate();
+    let holes: Vec<HoleOfGroup<'_>> = holes
+        .map(|(number, hole)| HoleOfGroup {
             context,
             group,
-            number: k,
+            number,
             rims: &hole.rims,
-        };
-        let Some(found) = hole.defects_among(&patches, &present.1) else {
-            continue;
-        };
-        let mut left = Some(found);
+        })
+        .collect();
+    let mut patches = Patches::new(context, group, &present);
+    let mut warnings: Vec<Warnings> = Vec::new();
+    for hole in &holes {
+        let mut own = Warnings::default();
+        let found = hole.defects_among(&patches, &present.1);
+        let mut left = found;
         if hole.rims.is_blend() {
             // intersections of blends are watched during the flow
             left = left.map(|defects| Defects {
                 crossings: None,
                 ..defects
             });
-        } else if let Some(better) = hole.better(&present, found, options) {
+        } else if let Some(found) = found
+            && let Some(better) = hole.better(&present, found, options)
+        {
             present = better.surface;
             patches = Patches::new(context, group, &present);
             left = better.defects;
             is_replaced = true;
             let [pairs, escaped, folds] = found.severity();
-            warnings.push(Warning::Replaced {
+            own.push(Warning::Replaced {
                 hole: hole.rims.id(),
                 model: Candidate::new(options.flow.surface, options.flow.tension).words(),
                 by: better.words,
@@ -87,12 +92,74 @@ pub(super) fn make_sound(
                 folds,
             });
         }
-        warnings.extend(left.iter().flat_map(Defects::warnings));
+        own.extend(left.iter().flat_map(Defects::warnings));
+        warnings.push(own);
+    }
+    let single = holes.iter().filter(|hole| !hole.rims.is_blend());
+    let (sound, unsound): (Vec<_>, Vec<_>) =
+        single.partition(|hole| warnings[hole.number].is_empty());
+    if holes.len() > 1 && !unsound.is_empty() {
+        let alone = unsound.into_iter().map(|hole| vec![hole]);
+        for some in std::iter::once(sound).chain(alone) {
+            if let Some(surface) = solved_again(&some, &present, options) {
+                present = surface;
+                is_replaced = true;
+                some.iter()
+                    .for_each(|hole| warnings[hole.number] = Warnings::default());
+            }
+        }
     }
     Checked {
         replaced: is_replaced.then_some(present),
-        warnings,
+        warnings: warnings.into_iter().flatten().collect(),
     }
+}
+
+/// Some holes of a group, filled by the chosen model from their first patches with the other patches
+/// fixed. `None` if that fails or one of them is not sound.
+fn solved_again(
+    holes: &[&HoleOfGroup<'_>],
+    present: &Surface,
+    options: &FillOptions,
+) -> Option<Surface> {
+    let mut start = present.clone();
+    for hole in holes {
+        start = hole.at_first_patch(&start, options);
+    }
+    let numbers: Vec<usize> = holes.iter().map(|hole| hole.number).collect();
+    let chosen = Candidate::new(options.flow.surface, options.flow.tension);
+    let one = holes.first()?;
+    let surface = solved(one.context, one.group, &numbers, &start, chosen, options)?;
+    let patches = Patches::new(one.context, one.group, &surface);
+    let is_sound = |hole: &&HoleOfGroup<'_>| hole.defects_among(&patches, &surface.1).is_none();
+    holes.iter().all(is_sound).then_some(surface)
+}
+
+/// A group with the holes of these numbers filled by a surface model from their warm start, the
+/// others fixed. `None` if that fails.
+fn solved(
+    context: FillContext<'_>,
+    group: usize,
+    numbers: &[usize],
+    (topology, positions): &Surface,
+    model: Candidate,
+    options: &FillOptions,
+) -> Option<Surface> {
+    let problem = region::problem(context, group, topology, positions, options).ok()?;
+    let parts: Vec<&[u32]> = topology
+        .split(problem.interior())
+        .map(|part| part.1)
+        .collect();
+    let own: Vec<u32> = numbers.iter().flat_map(|&k| parts[k]).copied().collect();
+    let start = warm_start_of(problem.clone(), &own).ok()?;
+    let mut flow = options.flow.clone();
+    flow.surface = model.surface;
+    flow.tension = model.tension;
+    flow.mode = Mode::Fast;
+    flow.tau = Tau::Auto;
+    let mut flow = Flow::new(start.moving_only(&own).ok()?, flow).ok()?;
+    flow.run(|_, _| true).ok()?;
+    Some((topology.clone(), problem.to_world(flow.positions())))
 }
 
 /// Replaces an unsound patch without new vertices, which no flow changes, by a sound or less unsound
@@ -295,6 +362,19 @@ impl HoleOfGroup<'_> {
         )
     }
 
+    /// The group with the first patch of the hole, remeshed if the present one has other triangles.
+    fn at_first_patch(&self, present: &Surface, options: &FillOptions) -> Surface {
+        let hole = self.context.plan.holes_of(self.group).nth(self.number);
+        let Some(hole) = hole else {
+            return present.clone();
+        };
+        let first = self.with(present, &hole.patch);
+        if first.0.holes[self.number] == present.0.holes[self.number] {
+            return first;
+        }
+        self.remeshed(&first, options)
+    }
+
     /// The group with another first patch of the hole.
     fn with(&self, (topology, positions): &Surface, patch: &Patch) -> Surface {
         let mut parts: Vec<&[DVec3]> = topology.split(positions).map(|(_, own)| own).collect();
@@ -306,24 +386,15 @@ impl HoleOfGroup<'_> {
 
     /// The group with the hole filled by another surface model, from its warm start. `None` if that
     /// fails.
-    fn by(
-        &self,
-        (topology, positions): &Surface,
-        model: Candidate,
-        options: &FillOptions,
-    ) -> Option<Surface> {
-        let problem =
-            region::problem(self.context, self.group, topology, positions, options).ok()?;
-        let (_, own) = topology.split(problem.interior()).nth(self.number)?;
-        let start = warm_start_of(problem.clone(), own).ok()?;
-        let mut flow = options.flow.clone();
-        flow.surface = model.surface;
-        flow.tension = model.tension;
-        flow.mode = Mode::Fast;
-        flow.tau = Tau::Auto;
-        let mut flow = Flow::new(start.moving_only(own).ok()?, flow).ok()?;
-        flow.run(|_, _| true).ok()?;
-        Some((topology.clone(), problem.to_world(flow.positions())))
+    fn by(&self, start: &Surface, model: Candidate, options: &FillOptions) -> Option<Surface> {
+        solved(
+            self.context,
+            self.group,
+            &[self.number],
+            start,
+            model,
+            options,
+        )
     }
 
     /// The defects of its patch; `None` if it is sound.

@@ -83,6 +83,35 @@ fn no_patch_leaves_the_surroundings_of_its_rim_without_a_warning() {
     }
 }
 
+/// Beside a rim without a sound surface, a small hole gets the surface it has alone.
+#[test]
+fn a_hole_that_fails_spoils_no_neighbour() {
+    let given = read(include_bytes!("../data/two_holes.obj"));
+    let loops = boundary_loops(&given);
+    let small = loops.iter().find(|l| l.edges() == 8).expect("a hole").id;
+    let new = |choice: LoopChoice| {
+        let fill = Fill::new(&given).loops(choice).energy("H^2");
+        let filled = fill.expect("an energy").run().expect("filled");
+        let holes = filled.holes.iter();
+        let own: Vec<_> = holes.filter(|hole| hole.id() == small).collect();
+        let [hole] = own[..] else {
+            panic!("{} holes", own.len())
+        };
+        let groups = filled.groups.len();
+        (
+            filled.mesh.positions[hole.vertices.clone()].to_vec(),
+            groups,
+        )
+    };
+    let (alone, _) = new(LoopChoice::Listed(vec![small]));
+    let (beside, groups) = new(LoopChoice::All);
+    assert_eq!((groups, alone.len()), (1, beside.len()));
+    let radius = loops[small.index()].radius;
+    for (a, b) in alone.iter().zip(&beside) {
+        assert!(a.distance(*b) < 0.1 * radius, "{a} {b}");
+    }
+}
+
 /// Most of a sphere is far from the rim without a defect.
 #[test]
 fn a_large_cap_does_not_count_as_escaped() {
