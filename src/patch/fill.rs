@@ -1,5 +1,6 @@
 //! The first patch over a hole.
 
+use std::cell::RefCell;
 use std::collections::HashSet;
 
 use super::data::{Patch, PatchOptions, Rim};
@@ -89,6 +90,14 @@ const ATTEMPTS: usize = 12;
 
 /// The soundest triangulation, with the fewest intersections of its triangles among [`ATTEMPTS`]: each attempt excludes the larger triangle of each intersecting pair of those before.
 fn without_intersections(rim: &Rim, excluded: &impl Fn([u32; 3]) -> bool) -> Vec<[u32; 3]> {
+    // the attempts ask for the same triangles
+    let n = rim.points.len();
+    let answers = RefCell::new(vec![None; n * n * n]);
+    let excluded = |t: [u32; 3]| {
+        let at = t.iter().fold(0, |at, &v| at * n + v as usize);
+        let known = answers.borrow()[at];
+        known.unwrap_or_else(|| *answers.borrow_mut()[at].insert(excluded(t)))
+    };
     let mut intersecting: HashSet<[u32; 3]> = HashSet::new();
     let mut best: Option<(usize, Vec<[u32; 3]>)> = None;
     for _ in 0..ATTEMPTS {
