@@ -4,8 +4,11 @@ use rayon::prelude::*;
 use robust::{Coord, Coord3D};
 use rustc_hash::FxHashMap;
 
+use super::spatial::boxes_overlap;
 use super::{DVec3, Topology, TriangleBvh};
 
+/// Rounding that the distance of a box from a plane is safe from, relative to the lengths involved.
+const ROUNDING: f64 = 1e-9;
 /// Triangle queries between two checks of the limit.
 const BLOCK: usize = 1 << 14;
 
@@ -95,8 +98,22 @@ impl<'a> TriangleIntersections<'a> {
 
     /// Whether any triangle meets `t`, which is not one of them.
     pub fn any(&self, t: [u32; 3]) -> bool {
+        let [a, b, c] = t.map(|v| self.positions[v as usize]);
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let normal = (b - a).cross(c - a);
+        let slack = ROUNDING * (b - a).length() * (c - a).length();
+        // a box that the plane of `t` does not cut cannot meet it
+        let overlaps = |below: DVec3, above: DVec3| {
+            let (middle, half) = (below.midpoint(above) - a, 0.5 * (above - below));
+            boxes_overlap(low, high, below, above)
+                && normal.dot(middle).abs()
+                    <= normal.abs().dot(half) + slack * (middle.length() + half.length())
+        };
         let mut any = false;
-        self.for_each(t, |_| true, |_| any = true);
+        self.bvh.search(overlaps, |g| {
+            any = pair_meets(self.positions, &self.same, t, self.triangles[g as usize]);
+            !any
+        });
         any
     }
 }
@@ -346,6 +363,25 @@ mod tests {
     }
 
     const UNIT: [DVec3; 3] = [DVec3::ZERO, DVec3::X, DVec3::Y];
+
+    #[test]
+    fn any_finds_what_a_search_of_all_finds() {
+        let mut random = SplitMix::new(5);
+        for far in [0.0, 1e4] {
+            let mut points: Vec<DVec3> = Vec::new();
+            for _ in 0..100 {
+                let at = far * DVec3::ONE + random.direction();
+                points.extend([0; 3].map(|_| at + 0.2 * random.direction()));
+            }
+            let all: Vec<[u32; 3]> = (0..100).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+            let search = TriangleIntersections::new(&points, &all[..50]);
+            let found = all[50..].iter().map(|&t| search.any(t));
+            let meets = |t| (0..50).any(|f| pair_meets(&points, &search.same, t, all[f]));
+            let expected: Vec<bool> = all[50..].iter().map(|&t| meets(t)).collect();
+            assert!(expected.contains(&true) && expected.contains(&false));
+            assert!(found.eq(expected));
+        }
+    }
 
     #[test]
     fn known_pairs_without_common_vertices() {

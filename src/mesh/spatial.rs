@@ -145,13 +145,27 @@ impl TriangleBvh {
     /// Calls `visit` with every triangle whose bounding box meets the closed box `low..=high`,
     /// in a fixed order.
     pub fn for_each_overlapping(&self, low: DVec3, high: DVec3, mut visit: impl FnMut(u32)) {
+        let overlaps = |a, b| boxes_overlap(low, high, a, b);
+        self.search(overlaps, |f| {
+            visit(f);
+            true
+        });
+    }
+
+    /// Calls `visit` with every triangle whose bounding box, and each box around it, is accepted by
+    /// `overlaps`, in a fixed order, until it returns false.
+    pub fn search(
+        &self,
+        overlaps: impl Fn(DVec3, DVec3) -> bool,
+        mut visit: impl FnMut(u32) -> bool,
+    ) {
         let mut stack = DepthStack::default();
         if !self.nodes.is_empty() {
             stack.push((0, 0.0));
         }
         while let Some((index, _)) = stack.pop() {
             let node = &self.nodes[index as usize];
-            if !boxes_overlap(low, high, node.low, node.high) {
+            if !overlaps(node.low, node.high) {
                 continue;
             }
             if node.count == 0 {
@@ -161,8 +175,9 @@ impl TriangleBvh {
             }
             for slot in node.first as usize..(node.first + node.count) as usize {
                 let [a, b, c] = self.corners[slot];
-                if boxes_overlap(low, high, a.min(b).min(c), a.max(b).max(c)) {
-                    visit(self.faces[slot]);
+                let is_near = overlaps(a.min(b).min(c), a.max(b).max(c));
+                if is_near && !visit(self.faces[slot]) {
+                    return;
                 }
             }
         }
@@ -222,7 +237,7 @@ fn longest_axis(extent: DVec3) -> usize {
     }
 }
 
-fn boxes_overlap(low: DVec3, high: DVec3, other_low: DVec3, other_high: DVec3) -> bool {
+pub(super) fn boxes_overlap(low: DVec3, high: DVec3, other_low: DVec3, other_high: DVec3) -> bool {
     low.cmple(other_high).all() && other_low.cmple(high).all()
 }
 
