@@ -242,7 +242,9 @@ impl CompactTriangles {
                 points.len() as u32 - 1
             })
         };
-        triangles.iter_mut().for_each(|t| *t = t.map(&mut number));
+        for t in &mut triangles {
+            *t = t.map(&mut number);
+        }
         Self {
             numbers,
             points,

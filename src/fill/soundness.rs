@@ -104,8 +104,9 @@ pub(super) fn make_sound(
             if let Some(surface) = solved_again(&some, &present, options) {
                 present = surface;
                 is_replaced = true;
-                some.iter()
-                    .for_each(|hole| warnings[hole.number] = Warnings::default());
+                for hole in some {
+                    warnings[hole.number] = Warnings::default();
+                }
             }
         }
     }
@@ -186,7 +187,7 @@ pub(super) fn make_patch_sound(
     if let Some(OtherPatches { relaxed, flat }) = others {
         for other in std::iter::once(relaxed).chain(flat) {
             let after = defects(&other);
-            if severity(&after) < severity(&left) {
+            if severity(after) < severity(left) {
                 left = after;
                 *patch = other;
             }
@@ -261,7 +262,7 @@ impl Best {
     /// Keeps a surface if it is less unsound than those before. Returns whether it is sound.
     fn keep(&mut self, next: Option<Replacement>) -> bool {
         let Some(next) = next else { return false };
-        let severity = severity(&next.defects);
+        let severity = severity(next.defects);
         if severity >= self.severity {
             return false;
         }
@@ -551,7 +552,7 @@ impl Patches {
 }
 
 /// The severity of the defects of a patch.
-fn severity(defects: &Option<Defects>) -> [usize; 3] {
+fn severity(defects: Option<Defects>) -> [usize; 3] {
     defects.map_or(SOUND, |defects| defects.severity())
 }
 
