@@ -8,7 +8,7 @@ use crate::cli::options::OptionArguments;
 use crate::cli::parse::point;
 use crate::cli::print::{print, save};
 use crate::cli::selection::SelectionArguments;
-use crate::fill::nearest_loop;
+use crate::fill::{bridge_warning, nearest_loop};
 use crate::io::Opened;
 use crate::mesh::{DVec3, LoopId, Mesh, boundary_loops};
 use crate::ops::{BridgeSpec, CleanSpec, EraseSpec, FlipSpec, Operation, StitchSpec};
@@ -113,6 +113,9 @@ pub fn bridge(args: &BridgeArguments) -> Result<()> {
         width: args.width,
     };
     let mesh = done(&args.files, &opened, &Operation::Bridge(spec))?;
+    if let Some(warning) = bridge_warning(before, &mesh) {
+        eprintln!("warning: {warning}");
+    }
     report(
         &args.files,
         &format!(

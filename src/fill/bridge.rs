@@ -3,8 +3,10 @@
 use crate::fill::hermite::{RimFrame, hermite_between, length, pieces};
 use crate::fill::select::nearest_loop;
 use crate::mesh::{
-    BoundaryLoop, DVec3, LoopId, Mesh, Topology, TopologyError, color_steps, round_color,
+    BoundaryLoop, DVec3, FaceId, LoopId, Mesh, Topology, TopologyError, color_steps, round_color,
+    self_intersections,
 };
+use crate::warning::{MAX_PAIRS, Warning};
 
 /// Consecutive edges of a rim, in the direction of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,6 +155,20 @@ pub fn bridge(
     })
 }
 
+/// The warning that a [`bridge`] intersects itself or the mesh `before` it; `None` if it does not.
+pub fn bridge_warning(before: &Mesh, bridged: &Mesh) -> Option<Warning> {
+    let faces: Vec<[u32; 3]> = bridged.topology.triangles().collect();
+    let new: Vec<u32> = (before.face_count() as u32..faces.len() as u32).collect();
+    let pairs = self_intersections(&bridged.positions, &faces, Some(&new), MAX_PAIRS);
+    let corners = |&[f, g]: &[u32; 2]| [f, g].map(|f| bridged.corners(FaceId(f)));
+    let all = pairs.first().map(corners)?;
+    Some(Warning::SelfIntersection {
+        pairs: pairs.len(),
+        at: all.iter().flatten().sum::<DVec3>() / 6.0,
+        kept_step: None,
+    })
+}
+
 fn check(loops: &[BoundaryLoop], from: RimSegment, to: RimSegment) -> Result<(), BridgeError> {
     for segment in [from, to] {
         if segment.hole.index() >= loops.len() {
@@ -181,7 +197,7 @@ fn check(loops: &[BoundaryLoop], from: RimSegment, to: RimSegment) -> Result<(),
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{boundary_loops, check_mesh, self_intersections};
+    use crate::mesh::{boundary_loops, check_mesh};
     use crate::shapes;
 
     fn holed() -> Mesh {
@@ -213,6 +229,31 @@ mod tests {
             assert!(off < 0.03, "{off}");
             let joined = bridge(&mesh, &loops, at(1.0, 0.7, width), at(1.0, -0.8, width));
             assert_eq!(joined.expect("a bridge").topology.boundary_loops().len(), 1);
+        }
+    }
+
+    #[test]
+    fn a_bridge_through_a_plate_is_said() {
+        for (height, is_crossing) in [(0.0, true), (2.0, false)] {
+            // a triangle in the plane of x = 0 above the hole
+            let (mut positions, mut triangles) =
+                shapes::cut_where(&shapes::sphere(2000, 7), |p| p.z > 0.7);
+            let first = positions.len() as u32;
+            let plate = [(-0.5, 0.9), (0.5, 0.9), (0.0, 1.5)];
+            positions.extend(plate.map(|(y, z)| DVec3::new(0.0, y, z + height)));
+            triangles.push([first, first + 1, first + 2]);
+            let mesh = Mesh::from_triangles(positions, &triangles).expect("manifold");
+            let loops = boundary_loops(&mesh);
+            let [from, to] = [-1.0, 1.0]
+                .map(|x| segment_at(&mesh, &loops, DVec3::new(x, 0.0, 0.7), 2).expect("loops"));
+            let bridged = bridge(&mesh, &loops, from, to).expect("a bridge");
+            let warning = bridge_warning(&mesh, &bridged);
+            assert_eq!(warning.is_some(), is_crossing);
+            let at = warning.map(|warning| match warning {
+                Warning::SelfIntersection { at, .. } => at,
+                other => panic!("{other}"),
+            });
+            assert!(at.is_none_or(|at| at.distance(DVec3::Z) < 0.3), "{at:?}");
         }
     }
 

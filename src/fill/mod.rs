@@ -37,7 +37,7 @@ mod sheets;
 mod soundness;
 mod warm_start;
 
-pub use bridge::{BridgeError, RimSegment, bridge, segment_at};
+pub use bridge::{BridgeError, RimSegment, bridge, bridge_warning, segment_at};
 pub use controls::{Controls, ControlsError, Linear, LoopLimits};
 pub use islands::with_islands;
 pub use options::{Continuity, FillOptions, Surface};

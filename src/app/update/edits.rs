@@ -7,6 +7,7 @@ use super::runs::accept;
 use crate::app::action::EditAction;
 use crate::app::document::AppliedOperation;
 use crate::app::model::Model;
+use crate::fill::bridge_warning;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId};
 use crate::ops::{BridgeSpec, CleanSpec, EraseSpec, FlipSpec, Operation, Outcome, StitchSpec};
 
@@ -136,8 +137,12 @@ fn bridge(model: &mut Model, ends: [DVec3; 2], width: usize) {
     if model.run.is_some() {
         return;
     }
+    let before = Arc::clone(&model.document.mesh);
     if apply(model, Operation::Bridge(BridgeSpec { ends, width })) {
         model.view.bridging = None;
+        if let Some(warning) = bridge_warning(&before, &model.document.mesh) {
+            model.log.warning(warning.to_string());
+        }
     }
 }
 
