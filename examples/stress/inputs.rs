@@ -54,13 +54,8 @@ pub struct Input {
 pub fn input(seed: u64) -> Option<Input> {
     let mut rng = SplitMix::new(seed);
     let damage = Damage::ALL[(seed % Damage::ALL.len() as u64) as usize];
-    let mut body = body(&mut rng);
-    let edge = mean_edge(&body);
-    // log-uniform from 0.01 to 0.5 edge lengths
-    let noise = edge * 0.01 * 50f64.powf(rng.unit());
-    for p in &mut body.0 {
-        *p += noise * rng.unit() * rng.direction();
-    }
+    let vertices = 300 + rng.below(1500);
+    let (body, edge) = noisy_body(vertices, &mut rng);
     let mut cut = damaged(&body, damage, edge, &mut rng);
     if rng.below(5) == 0 {
         let scale = DVec3::from_array([0; 3].map(|_| 100f64.powf(rng.unit())));
@@ -74,8 +69,20 @@ pub fn input(seed: u64) -> Option<Input> {
     (!mesh::boundary_loops(&mesh).is_empty()).then_some(Input { damage, mesh })
 }
 
-fn body(rng: &mut SplitMix) -> TriangleMesh {
-    let (seed, vertices) = (rng.next_u64(), 300 + rng.below(1500));
+/// A body of about so many vertices with noise, and its mean edge length.
+pub fn noisy_body(vertices: usize, rng: &mut SplitMix) -> (TriangleMesh, f64) {
+    let mut body = body(vertices, rng);
+    let edge = mean_edge(&body);
+    // log-uniform from 0.01 to 0.5 edge lengths
+    let noise = edge * 0.01 * 50f64.powf(rng.unit());
+    for p in &mut body.0 {
+        *p += noise * rng.unit() * rng.direction();
+    }
+    (body, edge)
+}
+
+fn body(vertices: usize, rng: &mut SplitMix) -> TriangleMesh {
+    let (seed, cells) = (rng.next_u64(), (vertices as f64).sqrt().round() as usize);
     match rng.below(6) {
         0 | 1 => shapes::sphere(vertices, seed),
         2 => {
@@ -85,11 +92,11 @@ fn body(rng: &mut SplitMix) -> TriangleMesh {
         3 => shapes::torus(1.0, rng.range(0.3, 0.7), vertices, seed),
         4 => {
             let (a, k) = (rng.range(0.0, 0.3), rng.range(1.0, 6.0));
-            shapes::graph(2.0, 30, |x, y| a * (k * x).sin() * (k * y).cos(), seed)
+            shapes::graph(2.0, cells, |x, y| a * (k * x).sin() * (k * y).cos(), seed)
         }
         _ => {
             let slope = rng.range(0.5, 3.0);
-            shapes::graph(2.0, 30, |x, _| slope * x.abs(), seed)
+            shapes::graph(2.0, cells, |x, _| slope * x.abs(), seed)
         }
     }
 }
@@ -257,7 +264,7 @@ fn mean_edge((positions, triangles): &TriangleMesh) -> f64 {
     lengths.sum::<f64>() / triangles.len() as f64
 }
 
-fn soup((positions, triangles): TriangleMesh) -> Soup {
+pub fn soup((positions, triangles): TriangleMesh) -> Soup {
     Soup {
         positions,
         offsets: (0..=triangles.len() as u32).map(|k| 3 * k).collect(),

@@ -1,13 +1,15 @@
-//! Fills random holes of many kinds and counts what is wrong with the results:
-//! `cargo run --release --example stress -- [COUNT] [FIRST_SEED] [--write FOLDER]`.
+//! Applies Meniscus to random inputs of many kinds and counts what is wrong with the results:
+//! `cargo run --example stress -- [KIND] [COUNT] [FIRST_SEED] [--write FOLDER]`.
 //!
-//! Each seed gives one input and its options. A hole is *sound* if its patch has no intersection, no
-//! edge folded by more than 150° and no face without area. It is *said* if it is not sound and a
-//! warning says so, and *failed* if an error names it. Everything else is a fault of the program;
-//! its seed is printed, and the program ends with status 1. `--write` saves every input that is not
-//! sound.
+//! The kinds are `fills`, `blends`, `refills`, `refinements` and `bridges`; without one, a few inputs
+//! of each. Each seed gives one input and its options. A hole is *sound* if its patch has no
+//! intersection, no edge folded by more than 150° and no face without area. It is *said* if it is not
+//! sound and a warning says so, and *failed* if an error names it. Everything else is a fault of the
+//! program; its seed is printed, and the program ends with status 1. `--write` saves every input that
+//! is not sound.
 
 mod inputs;
+mod operations;
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -22,8 +24,14 @@ use meniscus::random::SplitMix;
 use meniscus::solver::{End, SurfaceModel};
 use meniscus::warning::Warning;
 
-/// Number of inputs without arguments.
-const COUNT: u64 = 60;
+/// The kinds of inputs, and their number without arguments.
+const KINDS: [(&str, u64); 5] = [
+    ("fills", 22),
+    ("blends", 4),
+    ("refills", 6),
+    ("refinements", 6),
+    ("bridges", 10),
+];
 /// Angle between the normals of neighbours beyond which their edge is folded.
 const FOLDED: f64 = 5.0 / 6.0 * std::f64::consts::PI;
 /// Intersecting pairs that are counted.
@@ -52,30 +60,48 @@ struct Counts {
     slowest: f64,
 }
 
+impl Counts {
+    fn add(&mut self, verdict: Verdict, is_clean: bool) {
+        self.holes.entry(verdict).or_default()[usize::from(!is_clean)] += 1;
+    }
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut numbers = vec![COUNT, 0];
+    let mut given = Vec::new();
     let mut folder = None;
-    let mut arguments = std::env::args().skip(1);
-    let mut given = 0;
+    let mut arguments = std::env::args().skip(1).peekable();
+    let kind = arguments.next_if(|word| KINDS.iter().any(|kind| kind.0 == word));
     while let Some(argument) = arguments.next() {
         if argument == "--write" {
-            folder = arguments.next().map(PathBuf::from);
+            folder = Some(PathBuf::from(
+                arguments.next().ok_or("--write needs a folder")?,
+            ));
         } else {
-            *numbers.get_mut(given).ok_or("at most two numbers")? = argument.parse()?;
-            given += 1;
+            let wrong = |_| format!("`{argument}` is neither a kind nor a number");
+            given.push(argument.parse::<u64>().map_err(wrong)?);
         }
+    }
+    if given.len() > 2 {
+        return Err("at most two numbers".into());
     }
     let mut all: BTreeMap<String, Counts> = BTreeMap::new();
     let mut is_faulty = false;
-    for seed in numbers[1]..numbers[1] + numbers[0] {
-        let Some(input) = input(seed) else { continue };
-        let counts = all.entry(format!("{:?}", input.damage)).or_default();
-        let worst = judge(seed, &input, counts);
-        is_faulty |= worst >= Verdict::Silent;
-        if worst > Verdict::Sound {
-            println!("seed {seed}: {:?}, {worst:?}", input.damage);
-            if let Some(folder) = &folder {
-                write(folder, seed, &input.mesh)?;
+    for (name, count) in KINDS {
+        if kind.as_ref().is_some_and(|kind| kind != name) {
+            continue;
+        }
+        let count = given.first().copied().unwrap_or(count);
+        let first = given.get(1).copied().unwrap_or_default();
+        for seed in first..first + count {
+            let Some((row, mesh, worst)) = tried(name, seed, &mut all) else {
+                continue;
+            };
+            is_faulty |= worst >= Verdict::Silent;
+            if worst > Verdict::Sound {
+                println!("{name}, seed {seed}: {row}, {worst:?}");
+                if let Some(folder) = &folder {
+                    write(folder, name, seed, &mesh)?;
+                }
             }
         }
     }
@@ -84,6 +110,32 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("some results are faulty".into());
     }
     Ok(())
+}
+
+/// Counts the results for a seed of a kind. Returns the row of the table, the input and the worst
+/// verdict; `None` if the seed gives no input.
+fn tried(
+    kind: &str,
+    seed: u64,
+    all: &mut BTreeMap<String, Counts>,
+) -> Option<(String, Mesh, Verdict)> {
+    if kind == "fills" {
+        let input = input(seed)?;
+        let row = format!("{:?}", input.damage);
+        let worst = judge(seed, &input, all.entry(row.clone()).or_default());
+        return Some((row, input.mesh, worst));
+    }
+    let case = operations::case(kind, seed)?;
+    let counts = all.entry(case.row.clone()).or_default();
+    let start = Instant::now();
+    let run = std::panic::AssertUnwindSafe(|| case.operation.run(&case.mesh, seed));
+    let results = std::panic::catch_unwind(run).unwrap_or_else(|_| vec![(Verdict::Panic, true)]);
+    counts.slowest = counts.slowest.max(start.elapsed().as_secs_f64());
+    for &(verdict, is_clean) in &results {
+        counts.add(verdict, is_clean);
+    }
+    let worst = results.into_iter().map(|(verdict, _)| verdict).max();
+    Some((case.row, case.mesh, worst.unwrap_or(Verdict::Sound)))
 }
 
 /// Random options: the defaults for half of the seeds.
@@ -128,7 +180,7 @@ fn judge(seed: u64, input: &Input, counts: &mut Counts) -> Verdict {
     let filled = std::panic::catch_unwind(fill);
     counts.slowest = counts.slowest.max(start.elapsed().as_secs_f64());
     let mut count = |verdict, is_clean: bool| {
-        counts.holes.entry(verdict).or_default()[usize::from(!is_clean)] += 1;
+        counts.add(verdict, is_clean);
         verdict
     };
     let filled = match filled {
@@ -139,7 +191,7 @@ fn judge(seed: u64, input: &Input, counts: &mut Counts) -> Verdict {
         }
         Ok(Ok(filled)) => filled,
     };
-    if let Err(fault) = check(mesh, &filled) {
+    if let Err(fault) = check(mesh, &filled.mesh) {
         println!("seed {seed}: {fault}");
         return count(Verdict::Broken, true);
     }
@@ -174,16 +226,16 @@ fn judge(seed: u64, input: &Input, counts: &mut Counts) -> Verdict {
 }
 
 /// The mesh is valid, and vertices and faces of the input are unchanged.
-fn check(before: &Mesh, filled: &Filled) -> Result<(), String> {
-    mesh::check_mesh(&filled.mesh)?;
+fn check(before: &Mesh, after: &Mesh) -> Result<(), String> {
+    mesh::check_mesh(after)?;
     let bits = |mesh: &Mesh| -> Vec<[u64; 3]> {
         let kept = mesh.positions.iter().take(before.vertex_count());
         kept.map(|p| p.to_array().map(f64::to_bits)).collect()
     };
-    if bits(before) != bits(&filled.mesh) {
+    if bits(before) != bits(after) {
         return Err("a vertex of the input was moved".into());
     }
-    let kept = filled.mesh.topology.triangles().take(before.face_count());
+    let kept = after.topology.triangles().take(before.face_count());
     if !kept.eq(before.topology.triangles()) {
         return Err("a face of the input was changed".into());
     }
@@ -263,9 +315,9 @@ fn is_said(filled: &Filled, hole: &FilledHole) -> bool {
         })
 }
 
-fn write(folder: &Path, seed: u64, mesh: &Mesh) -> Result<(), Box<dyn Error>> {
+fn write(folder: &Path, kind: &str, seed: u64, mesh: &Mesh) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
-    meniscus::io::save_mesh(&folder.join(format!("{seed}.obj")), mesh, &[])?;
+    meniscus::io::save_mesh(&folder.join(format!("{kind}-{seed}.obj")), mesh, &[])?;
     Ok(())
 }
 
@@ -279,13 +331,13 @@ fn table(all: &BTreeMap<String, Counts>) {
         Verdict::Panic,
     ];
     println!("\nHoles whose surroundings are free of intersections + others, groups, seconds");
-    print!("{:<10}", "damage");
+    print!("{:<14}", "");
     verdicts
         .iter()
         .for_each(|v| print!("{:>12}", format!("{v:?}")));
     println!("{:>12}{:>8}{:>10}", "unconverged", "raised", "slowest");
     for (damage, counts) in all {
-        print!("{damage:<10}");
+        print!("{damage:<14}");
         for verdict in verdicts {
             let [clean, other] = counts.holes.get(&verdict).copied().unwrap_or_default();
             print!("{:>12}", format!("{clean} + {other}"));
