@@ -1,6 +1,6 @@
 //! Random inputs: bodies, noise, and holes of many kinds.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use meniscus::mesh::{self, DVec3, Mesh, Soup};
 use meniscus::random::SplitMix;
@@ -191,9 +191,9 @@ fn damaged(body: &TriangleMesh, damage: Damage, edge: f64, rng: &mut SplitMix) -
 /// The boundary vertices and the directed boundary edges.
 fn rim((_, triangles): &TriangleMesh) -> (Vec<u32>, Vec<[u32; 2]>) {
     let edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    let all: HashMap<[u32; 2], ()> = triangles.iter().flat_map(edges).map(|e| (e, ())).collect();
+    let all: HashSet<[u32; 2]> = triangles.iter().flat_map(edges).collect();
     let open = triangles.iter().flat_map(edges);
-    let open: Vec<[u32; 2]> = open.filter(|&[a, b]| !all.contains_key(&[b, a])).collect();
+    let open: Vec<[u32; 2]> = open.filter(|&[a, b]| !all.contains(&[b, a])).collect();
     let mut vertices: Vec<u32> = open.iter().map(|e| e[0]).collect();
     vertices.sort_unstable();
     vertices.dedup();
@@ -234,7 +234,7 @@ fn with_ears(body: &TriangleMesh, mut cut: TriangleMesh, rng: &mut SplitMix) -> 
     let kept: HashMap<[u64; 3], u32> = cut.0.iter().map(bits).zip(0..).collect();
     let index: Vec<Option<&u32>> = body.0.iter().map(|p| kept.get(&bits(p))).collect();
     let (_, edges) = rim(&cut);
-    let open: HashMap<[u32; 2], ()> = edges.into_iter().map(|e| (e, ())).collect();
+    let open: HashSet<[u32; 2]> = edges.into_iter().collect();
     let mut used: Vec<u32> = Vec::new();
     for t in &body.1 {
         for k in 0..3 {
@@ -244,7 +244,7 @@ fn with_ears(body: &TriangleMesh, mut cut: TriangleMesh, rng: &mut SplitMix) -> 
                 continue;
             };
             let is_free = !used.contains(&a) && !used.contains(&b);
-            if !open.contains_key(&[b, a]) || !is_free || rng.below(8) > 0 {
+            if !open.contains(&[b, a]) || !is_free || rng.below(8) > 0 {
                 continue;
             }
             let [p, q] = [a, b].map(|v| cut.0[v as usize]);

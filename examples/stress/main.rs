@@ -332,9 +332,9 @@ fn table(all: &BTreeMap<String, Counts>) {
     ];
     println!("\nHoles whose surroundings are free of intersections + others, groups, seconds");
     print!("{:<14}", "");
-    verdicts
-        .iter()
-        .for_each(|v| print!("{:>12}", format!("{v:?}")));
+    for verdict in verdicts {
+        print!("{:>12}", format!("{verdict:?}"));
+    }
     println!("{:>12}{:>8}{:>10}", "unconverged", "raised", "slowest");
     for (damage, counts) in all {
         print!("{damage:<14}");
