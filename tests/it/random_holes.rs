@@ -9,6 +9,7 @@ use meniscus::mesh::{
     self, BoundaryLoop, DVec3, Mesh, boundary_loops, check_filled, self_intersections,
 };
 use meniscus::shapes::{self, Hole, HoleShape};
+use meniscus::warning::Warning;
 use proptest::prelude::*;
 
 fn hole_shape() -> impl Strategy<Value = HoleShape> {
@@ -122,7 +123,7 @@ fn a_large_cap_does_not_count_as_escaped() {
         .run()
         .expect("filled");
     let group = filled.groups[0].as_ref().expect("a flow");
-    let codes: Vec<&str> = group.outcome.warnings.iter().map(|w| w.code()).collect();
+    let codes: Vec<&str> = group.outcome.warnings.iter().map(Warning::code).collect();
     assert_eq!(codes, [""; 0]);
     let top = filled
         .mesh
