@@ -270,14 +270,25 @@ impl fmt::Display for Warning {
                 escaped,
                 folds,
             } => {
-                let far = match escaped {
-                    0 => String::new(),
-                    _ => format!(", {escaped} vertices far from the rim"),
-                };
+                let defects = [
+                    (*pairs, counted_pairs(*pairs)),
+                    (
+                        *escaped,
+                        counted(
+                            *escaped,
+                            "vertex far from the rim",
+                            "vertices far from the rim",
+                        ),
+                    ),
+                    (*folds, counted(*folds, "folded edge", "folded edges")),
+                ];
+                let defects = defects.into_iter().filter(|defect| defect.0 > 0);
+                let defects: Vec<String> = defects.map(|defect| defect.1).collect();
+                let defects = defects.join(", ");
                 write!(
                     f,
-                    "the surface of hole {hole} by {model} has {pairs} pairs of intersecting \
-                     triangles{far} and {folds} folded edges; it was replaced by {by}"
+                    "the surface of hole {hole} by {model} was replaced by {by}, because it has \
+                     {defects}"
                 )
             }
             Self::SelfIntersection {
@@ -312,10 +323,20 @@ impl fmt::Display for Warning {
 
 /// The number of pairs and one of the places, in words.
 pub fn pairs_near(pairs: usize, at: DVec3) -> String {
-    let more = if pairs < MAX_PAIRS { "" } else { " or more" };
-    let noun = if pairs == 1 { "pair" } else { "pairs" };
-    let at = Place(at);
-    format!("{pairs}{more} {noun} of intersecting triangles, one near {at}")
+    format!("{}, one near {}", counted_pairs(pairs), Place(at))
+}
+
+/// A number of pairs, which are counted up to [`MAX_PAIRS`].
+fn counted_pairs(pairs: usize) -> String {
+    let more = if pairs < MAX_PAIRS { "" } else { "or more " };
+    let [one, many] =
+        ["pair", "pairs"].map(|noun| format!("{more}{noun} of intersecting triangles"));
+    counted(pairs, &one, &many)
+}
+
+/// A number with its noun.
+fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
 }
 
 struct Place(DVec3);
@@ -444,6 +465,29 @@ mod tests {
             let kebab = |c: char| c.is_ascii_lowercase() || c == '-';
             assert!(code.chars().all(kebab), "{code}");
         }
+    }
+
+    #[test]
+    fn a_replacement_names_the_defects_there_were() {
+        let text = |pairs, escaped, folds| {
+            let (model, by) = ("g2".into(), "diffusion".into());
+            let hole = LoopId::from(3);
+            Warning::Replaced {
+                hole,
+                model,
+                by,
+                pairs,
+                escaped,
+                folds,
+            }
+            .to_string()
+        };
+        let ends = |text: String, end: &str| assert!(text.ends_with(end), "{text}");
+        ends(text(0, 0, 1), "diffusion, because it has 1 folded edge");
+        ends(
+            text(MAX_PAIRS, 2, 0),
+            "100 or more pairs of intersecting triangles, 2 vertices far from the rim",
+        );
     }
 
     /// Messages and hints contain no option of the command line and no run of blanks.
