@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 
 use crate::fill::context::FillContext;
 use crate::fill::patch_topology::PatchTopology;
-use crate::mesh::{DVec3, FaceId, Mesh, TriangleBvh, self_intersections};
+use crate::mesh::{DVec3, FaceId, Mesh, TriangleBvh, bounds, boxes_overlap, self_intersections};
 use crate::warning::{MAX_PAIRS, pairs_near};
 
 /// Maximum number of accepted steps between two checks.
@@ -195,19 +195,11 @@ pub(super) fn intersections(
     limit: usize,
 ) -> Vec<DVec3> {
     let place = |v: u32| place(mesh, new, v);
-    let span = |t: [u32; 3]| {
-        let [a, b, c] = t.map(place);
-        (a.min(b).min(c), a.max(b).max(c))
-    };
-    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let (low, high) = own.iter().fold(nothing, |(low, high), &t| {
-        let (a, b) = span(t);
-        (low.min(a), high.max(b))
-    });
+    let (low, high) = bounds(own.iter().flatten().map(|&v| place(v)));
     let mut all = own.to_vec();
-    all.extend(others.iter().copied().filter(|&t| {
-        let (a, b) = span(t);
-        a.cmple(high).all() && b.cmpge(low).all()
+    all.extend(others.iter().filter(|t| {
+        let (other_low, other_high) = bounds(t.iter().map(|&v| place(v)));
+        boxes_overlap(low, high, other_low, other_high)
     }));
     all.extend(obstacles.overlapping(mesh, low, high));
     let all = CompactTriangles::new(all, place);

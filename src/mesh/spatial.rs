@@ -221,7 +221,8 @@ fn centre([a, b, c]: &[DVec3; 3]) -> DVec3 {
     (*a + *b + *c) / 3.0
 }
 
-fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+/// The corners of the bounding box of points: the smallest and the largest coordinates.
+pub fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
         (low.min(p), high.max(p))
     })
@@ -237,7 +238,8 @@ fn longest_axis(extent: DVec3) -> usize {
     }
 }
 
-pub(super) fn boxes_overlap(low: DVec3, high: DVec3, other_low: DVec3, other_high: DVec3) -> bool {
+/// Whether two boxes, given by their corners, have a point in common.
+pub fn boxes_overlap(low: DVec3, high: DVec3, other_low: DVec3, other_high: DVec3) -> bool {
     low.cmple(other_high).all() && other_low.cmple(high).all()
 }
 

@@ -1,6 +1,6 @@
 //! Which vertices have the same position.
 
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, bounds};
 
 /// How far two vertices may be apart to count as one. The vertex that comes first in the file stands
 /// for both; no other vertex is moved.
@@ -28,11 +28,7 @@ impl Weld {
         if let Self::Within(length) = self {
             return length;
         }
-        let (low, high) = positions
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| {
-                (low.min(p), high.max(p))
-            });
+        let (low, high) = bounds(positions.iter().copied());
         let is_single = |p: &DVec3| p.as_vec3().as_dvec3() == *p;
         let unit = if exploded || positions.iter().all(is_single) {
             f64::from(f32::EPSILON)
