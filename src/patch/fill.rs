@@ -37,7 +37,7 @@ pub fn fill(rim: &Rim, options: PatchOptions) -> Result<Patch, PatchError> {
     let frame = Frame::around(rim.points.iter().copied());
     let local = frame.local(rim);
     let triangles = triangulate(&local);
-    let patch = refined(local, &triangles, options.density);
+    let patch = refined(&local, &triangles, options.density);
     Ok(frame.world(patch, rim.points.iter().copied()))
 }
 
@@ -73,11 +73,11 @@ pub(crate) fn fill_excluding(
         .iter()
         .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     let flat = (!edges.any(is_forbidden)).then(|| {
-        let mut surface = triangulated(local.clone(), &triangles, options.density);
+        let mut surface = triangulated(&local, &triangles, options.density);
         subdivide(&mut surface);
         surface.compact()
     });
-    let relaxed = refined(local, &triangles, options.density);
+    let relaxed = refined(&local, &triangles, options.density);
     let world = |patch| frame.world(patch, rim.points.iter().copied());
     Some(OtherPatches {
         relaxed: world(relaxed),
@@ -120,21 +120,18 @@ fn without_intersections(rim: &Rim, excluded: &impl Fn([u32; 3]) -> bool) -> Vec
 }
 
 /// A triangulation of the rim with the wanted edge lengths.
-fn triangulated(rim: Rim, triangles: &[[u32; 3]], density: f64) -> Surface {
+fn triangulated(rim: &Rim, triangles: &[[u32; 3]], density: f64) -> Surface {
     let n = rim.points.len();
     let size = rim_sizes(&rim.points, density * fineness(n));
-    Surface::new(rim.points, size, n, triangles)
+    Surface::new(rim.points.clone(), size, n, triangles)
 }
 
 /// A triangulation of the rim, refined to the rim's density and relaxed.
-fn refined(rim: Rim, triangles: &[[u32; 3]], density: f64) -> Patch {
-    let loose = loose_angles(&rim);
-    let curvature = mean_curvature(&rim);
-    let forbidden = rim.forbidden.clone();
+fn refined(rim: &Rim, triangles: &[[u32; 3]], density: f64) -> Patch {
     let mut surface = triangulated(rim, triangles, density);
-    let wanted = rim_valences(&surface, &loose);
-    split_chords(&mut surface, &forbidden);
-    remesh(&mut surface, &wanted, curvature);
+    let wanted = rim_valences(&surface, &loose_angles(rim));
+    split_chords(&mut surface, &rim.forbidden);
+    remesh(&mut surface, &wanted, mean_curvature(rim));
     surface.compact()
 }
 
