@@ -105,8 +105,7 @@ impl GroupFlow {
             let predict = || Arc::new(Prediction::new(context, group, &options.flow));
             let prediction = self.prediction.get_or_insert_with(predict);
             if let Some((chosen, _)) = prediction.chosen() {
-                resolved.flow.surface = chosen.surface;
-                resolved.flow.tension = chosen.tension;
+                chosen.apply(&mut resolved.flow);
             }
         }
         resolved
@@ -117,7 +116,7 @@ impl GroupFlow {
         let flow = &self.options.flow;
         let is_predicted = self.options.predicts_surface;
         GroupSurface {
-            model: Candidate::new(flow.surface, flow.tension),
+            model: Candidate::of(flow),
             prediction: self.prediction.clone().filter(|_| is_predicted),
         }
     }

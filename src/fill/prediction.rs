@@ -14,7 +14,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::fill::context::FillContext;
 use crate::fill::hole::PlannedHole;
-use crate::mesh::{DVec3, Mesh, Neighbourhood, VertexId, rms_distance};
+use crate::mesh::{DVec3, Mesh, Neighbourhood, VertexId, bounds, rms_distance};
 use crate::options::Choice;
 use crate::solver::{
     FlowOptions, FlowProblem, G2_RINGS, LocalG2, Mode, SUPPORT_RINGS, StepRequest, SurfaceModel,
@@ -33,6 +33,16 @@ pub struct Candidate {
 impl Candidate {
     pub(super) const fn new(surface: SurfaceModel, tension: f64) -> Self {
         Self { surface, tension }
+    }
+
+    /// The model of a flow.
+    pub(super) fn of(flow: &FlowOptions) -> Self {
+        Self::new(flow.surface, flow.tension)
+    }
+
+    /// Makes it the model of a flow.
+    pub(super) fn apply(self, flow: &mut FlowOptions) {
+        (flow.surface, flow.tension) = (self.surface, self.tension);
     }
 
     /// The model by name, with its tension if there is one.
@@ -410,9 +420,7 @@ fn disc_at(mesh: &Mesh, v: VertexId, size: f64, blocked: &FxHashSet<VertexId>) -
 
 /// Sorts vertices along the longest side of their bounding box.
 fn sort_along(mesh: &Mesh, vertices: &mut [VertexId]) {
-    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let points = vertices.iter().map(|&v| mesh.position(v));
-    let (low, high) = points.fold(nothing, |(low, high), p| (low.min(p), high.max(p)));
+    let (low, high) = bounds(vertices.iter().map(|&v| mesh.position(v)));
     let axis = (high - low).max_position();
     vertices.sort_by(|&v, &w| {
         let [p, q] = [v, w].map(|v| mesh.position(v)[axis]);
