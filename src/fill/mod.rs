@@ -10,6 +10,7 @@ mod blend;
 mod bridge;
 mod context;
 mod controls;
+mod defects;
 mod fairing;
 mod group;
 mod group_flow;

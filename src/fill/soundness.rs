@@ -1,27 +1,19 @@
-//! Sound patches: no triangle crosses another one or has no area, no edge is folded, and no vertex is
-//! far from the rim.
-
-use std::collections::BTreeSet;
-
-use rustc_hash::FxHashMap;
+//! Replacement of unsound patches by sound surfaces: by other models, and on other triangulations.
 
 use crate::fill::assemble::appended_triangles;
 use crate::fill::context::FillContext;
+use crate::fill::defects::{Defects, Patches, Room, SOUND, defects, severity};
 use crate::fill::hole::HoleRims;
 use crate::fill::options::FillOptions;
 use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::fill::prediction::Candidate;
 use crate::fill::region;
-use crate::fill::self_intersection::{CompactTriangles, Obstacles, intersections, place};
+use crate::fill::self_intersection::{CompactTriangles, Obstacles};
 use crate::fill::warm_start::warm_start_of;
-use crate::mesh::{DVec3, FaceId, Mesh, TriangleIntersections, VertexId};
+use crate::mesh::{DVec3, Mesh, TriangleIntersections, VertexId, bounds};
 use crate::patch::{self, OtherPatches, Patch, PatchOptions};
 use crate::solver::{Flow, Mode, SurfaceModel, Tau};
-use crate::warning::{MAX_PAIRS, Warning, Warnings};
-
-/// Cosine of the angle between the normals of neighbours beyond which their edge counts as folded
-/// (150°).
-const FOLDED: f64 = -0.866_025_403_784_438_6;
+use crate::warning::{Warning, Warnings};
 
 /// Surface models for patches that are unsound by another one, in the order in which they are
 /// tried: each next one is nearer to a membrane.
@@ -63,7 +55,7 @@ pub(super) fn make_sound(
             rims: &hole.rims,
         })
         .collect();
-    let mut patches = Patches::new(context, group, &present);
+    let mut patches = Patches::new(context, group, &present.0, &present.1);
     let mut warnings: Vec<Warnings> = Vec::new();
     for hole in &holes {
         let mut own = Warnings::default();
@@ -79,13 +71,13 @@ pub(super) fn make_sound(
             && let Some(better) = hole.better(&present, found, options)
         {
             present = better.surface;
-            patches = Patches::new(context, group, &present);
+            patches = Patches::new(context, group, &present.0, &present.1);
             left = better.defects;
             is_replaced = true;
             let [pairs, escaped, folds] = found.severity();
             own.push(Warning::Replaced {
                 hole: hole.rims.id(),
-                model: Candidate::new(options.flow.surface, options.flow.tension).words(),
+                model: Candidate::of(&options.flow).words(),
                 by: better.words,
                 pairs,
                 escaped,
@@ -128,10 +120,10 @@ fn solved_again(
         start = hole.at_first_patch(&start, options);
     }
     let numbers: Vec<usize> = holes.iter().map(|hole| hole.number).collect();
-    let chosen = Candidate::new(options.flow.surface, options.flow.tension);
+    let chosen = Candidate::of(&options.flow);
     let one = holes.first()?;
     let surface = solved(one.context, one.group, &numbers, &start, chosen, options)?;
-    let patches = Patches::new(one.context, one.group, &surface);
+    let patches = Patches::new(one.context, one.group, &surface.0, &surface.1);
     let is_sound = |hole: &&HoleOfGroup<'_>| hole.defects_among(&patches, &surface.1).is_none();
     holes.iter().all(is_sound).then_some(surface)
 }
@@ -154,8 +146,7 @@ fn solved(
     let own: Vec<u32> = numbers.iter().flat_map(|&k| parts[k]).copied().collect();
     let start = warm_start_of(problem.clone(), &own).ok()?;
     let mut flow = options.flow.clone();
-    flow.surface = model.surface;
-    flow.tension = model.tension;
+    model.apply(&mut flow);
     flow.mode = Mode::Fast;
     flow.tau = Tau::Auto;
     let mut flow = Flow::new(start.moving_only(&own).ok()?, flow).ok()?;
@@ -210,8 +201,7 @@ fn other_patches(
     let [rim] = &rims.geometry.rims[..] else {
         return None;
     };
-    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let (low, high) = (rim.points.iter()).fold(nothing, |(a, b), &p| (a.min(p), b.max(p)));
+    let (low, high) = bounds(rim.points.iter().copied());
     let near = obstacles.overlapping(mesh, low, high);
     let all = CompactTriangles::new(near, |v| mesh.position(VertexId(v)));
     let given = TriangleIntersections::new(&all.points, &all.triangles);
@@ -291,7 +281,7 @@ impl HoleOfGroup<'_> {
         found: Defects,
         options: &FillOptions,
     ) -> Option<Replacement> {
-        let chosen = Candidate::new(options.flow.surface, options.flow.tension);
+        let chosen = Candidate::of(&options.flow);
         let others = SAFER.into_iter().filter(|&model| model != chosen);
         let all = || std::iter::once(chosen).chain(others.clone());
         let by = |start: &Surface, model: Candidate, on: &str| {
@@ -399,9 +389,9 @@ impl HoleOfGroup<'_> {
     }
 
     /// The defects of its patch; `None` if it is sound.
-    fn defects(&self, surface: &Surface) -> Option<Defects> {
-        let patches = Patches::new(self.context, self.group, surface);
-        self.defects_among(&patches, &surface.1)
+    fn defects(&self, (topology, positions): &Surface) -> Option<Defects> {
+        let patches = Patches::new(self.context, self.group, topology, positions);
+        self.defects_among(&patches, positions)
     }
 
     /// The same for patches with new vertices at `positions`.
@@ -415,271 +405,12 @@ impl HoleOfGroup<'_> {
     }
 }
 
-/// What is wrong with a patch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Defects {
-    /// Pairs of triangles that cross, [`MAX_PAIRS`] at most, and one of the places.
-    pub crossings: Option<(usize, DVec3)>,
-    /// New vertices outside the [`Room`] of the hole, and one of the places.
-    pub escaped: Option<(usize, DVec3)>,
-    /// Folded edges and triangles without area, and one of the places.
-    pub folds: Option<(usize, DVec3)>,
-}
-
-impl Defects {
-    /// How bad they are: crossings first, then vertices that escaped, then folds.
-    pub fn severity(&self) -> [usize; 3] {
-        let all = [self.crossings, self.escaped, self.folds];
-        all.map(|found| found.map_or(0, |found| found.0))
-    }
-
-    /// The warnings of a result that has these defects.
-    pub fn warnings(&self) -> impl Iterator<Item = Warning> {
-        let crossing = self.crossings.map(|(pairs, at)| Warning::SelfIntersection {
-            pairs,
-            at,
-            kept_step: None,
-        });
-        let escape = |(vertices, at)| Warning::Escaped { vertices, at };
-        let fold = |(edges, at)| Warning::Folded { edges, at };
-        let others = [self.escaped.map(escape), self.folds.map(fold)];
-        crossing.into_iter().chain(others.into_iter().flatten())
-    }
-}
-
-/// The severity of no defects.
-const SOUND: [usize; 3] = [0; 3];
-
-/// A cube about a hole that a patch should not leave. Its centre is that of the box of the rims and the
-/// faces around them, and its edges are twice the diagonal of that box. The complement of a cap of a
-/// sphere fits into it while the cap is a ninth of the sphere or more.
-#[derive(Clone, Copy, Debug)]
-struct Room {
-    low: DVec3,
-    high: DVec3,
-}
-
-impl Room {
-    fn around(mesh: &Mesh, rims: &HoleRims, support: &[FaceId]) -> Self {
-        let faces = support.iter().flat_map(|&f| mesh.topology.face_vertices(f));
-        let points = faces.chain(rims.vertices.iter().copied());
-        let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = points
-            .map(|v| mesh.position(v))
-            .fold(nothing, |(low, high), p| (low.min(p), high.max(p)));
-        let (centre, reach) = (low.midpoint(high), low.distance(high));
-        Self {
-            low: centre - reach,
-            high: centre + reach,
-        }
-    }
-
-    fn contains(&self, p: DVec3) -> bool {
-        self.low.cmple(p).all() && p.cmple(self.high).all()
-    }
-}
-
-/// Places of the new vertices of `triangles` outside a room.
-fn escaped(mesh: &Mesh, room: Room, triangles: &[[u32; 3]], positions: &[DVec3]) -> Vec<DVec3> {
-    let first = mesh.vertex_count() as u32;
-    let new: BTreeSet<u32> = triangles
-        .iter()
-        .flatten()
-        .copied()
-        .filter(|&v| v >= first)
-        .collect();
-    let places = new.into_iter().map(|v| place(mesh, positions, v));
-    places.filter(|&p| !room.contains(p)).collect()
-}
-
-/// The patches of a group, each with a box around it.
-struct Patches {
-    triangles: Vec<[u32; 3]>,
-    /// End of each patch in `triangles`.
-    ends: Vec<usize>,
-    boxes: Vec<(DVec3, DVec3)>,
-}
-
-/// What the box of a patch exceeds it by, relative to the coordinates: more than their rounding.
-const ROOM: f64 = 1e-9;
-
-impl Patches {
-    fn new(context: FillContext<'_>, group: usize, (topology, positions): &Surface) -> Self {
-        let counts = topology.holes.iter().map(|hole| hole.triangles.len());
-        let mut end = 0;
-        let ends = counts.map(|count| {
-            end += count;
-            end
-        });
-        let mut patches = Self {
-            triangles: context.patch_triangles(group, topology),
-            ends: ends.collect(),
-            boxes: vec![(DVec3::ZERO, DVec3::ZERO); topology.holes.len()],
-        };
-        for k in 0..patches.boxes.len() {
-            patches.boxes[k] = patches.around(context.mesh, k, positions);
-        }
-        patches
-    }
-
-    /// The triangles of a patch.
-    fn of(&self, k: usize) -> &[[u32; 3]] {
-        let begin = if k == 0 { 0 } else { self.ends[k - 1] };
-        &self.triangles[begin..self.ends[k]]
-    }
-
-    /// The box around a patch with new vertices at `positions`.
-    fn around(&self, mesh: &Mesh, k: usize, positions: &[DVec3]) -> (DVec3, DVec3) {
-        let points = self.of(k).iter().flatten();
-        let points = points.map(|&v| place(mesh, positions, v));
-        let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = points.fold(nothing, |(low, high), p| (low.min(p), high.max(p)));
-        let room = ROOM * low.abs().max(high.abs());
-        (low - room, high + room)
-    }
-
-    /// The triangles of the other patches whose boxes overlap that of a patch with new vertices at
-    /// `positions`.
-    fn near(&self, mesh: &Mesh, k: usize, positions: &[DVec3]) -> Vec<[u32; 3]> {
-        let (low, high) = self.around(mesh, k, positions);
-        let is_near = |j: &usize| {
-            let (other_low, other_high) = self.boxes[*j];
-            *j != k && other_low.cmple(high).all() && other_high.cmpge(low).all()
-        };
-        let near = (0..self.boxes.len()).filter(is_near);
-        near.flat_map(|j| self.of(j).iter().copied()).collect()
-    }
-}
-
-/// The severity of the defects of a patch.
-fn severity(defects: Option<Defects>) -> [usize; 3] {
-    defects.map_or(SOUND, |defects| defects.severity())
-}
-
-/// The defects of a patch in `room` of the triangles `own` beside those of `others`, both
-/// [appended](appended_triangles) to the mesh with new vertices at `positions`; `None` if it is
-/// sound.
-fn defects(
-    mesh: &Mesh,
-    obstacles: &Obstacles,
-    rims: &HoleRims,
-    room: Room,
-    own: &[[u32; 3]],
-    others: &[[u32; 3]],
-    positions: &[DVec3],
-) -> Option<Defects> {
-    let counted = |places: Vec<DVec3>| places.first().map(|&at| (places.len(), at));
-    let crossings = intersections(mesh, obstacles, own, others, positions, MAX_PAIRS);
-    let found = Defects {
-        crossings: counted(crossings),
-        escaped: counted(escaped(mesh, room, own, positions)),
-        folds: counted(folds(mesh, rims, own, positions)),
-    };
-    (found.severity() != SOUND).then_some(found)
-}
-
-/// Places of folded edges, those of the rims included, and of triangles without area.
-fn folds(mesh: &Mesh, rims: &HoleRims, triangles: &[[u32; 3]], positions: &[DVec3]) -> Vec<DVec3> {
-    let corners = |t: [u32; 3]| t.map(|v| place(mesh, positions, v));
-    let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize_or_zero();
-    // unit normal of the face to the left of each directed edge
-    let mut left: FxHashMap<[u32; 2], DVec3> = FxHashMap::default();
-    let halfedges = rims.loops.iter().flat_map(|l| &l.halfedges);
-    for h in halfedges.map(|h| h.twin()) {
-        let t = mesh.topology.face_vertices(mesh.topology.face(h));
-        let edge = [mesh.topology.origin(h).0, mesh.topology.target(h).0];
-        left.insert(edge, normal(corners(t.map(|v| v.0))));
-    }
-    let mut found = Vec::new();
-    for &t in triangles {
-        let normal = normal(corners(t));
-        if normal == DVec3::ZERO {
-            found.push(corners(t).iter().sum::<DVec3>() / 3.0);
-        }
-        for k in 0..3 {
-            left.insert([t[k], t[(k + 1) % 3]], normal);
-        }
-    }
-    let mut folded = BTreeSet::new();
-    for t in triangles {
-        for k in 0..3 {
-            let (a, b) = (t[k], t[(k + 1) % 3]);
-            let (Some(own), Some(other)) = (left.get(&[a, b]), left.get(&[b, a])) else {
-                continue;
-            };
-            if own.dot(*other) < FOLDED {
-                folded.insert([a.min(b), a.max(b)]);
-            }
-        }
-    }
-    let middle = |[a, b]: [u32; 2]| place(mesh, positions, a).midpoint(place(mesh, positions, b));
-    found.extend(folded.into_iter().map(middle));
-    found
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fill::prepare::prepare;
     use crate::fill::{RimSet, fill_rim_sets};
     use crate::mesh::{boundary_loops, self_intersections};
     use crate::shapes;
-
-    fn cap() -> Mesh {
-        let (positions, triangles) = shapes::cut_where(&shapes::sphere(1000, 1), |p| p.z > 0.8);
-        Mesh::from_triangles(positions, &triangles).expect("a manifold")
-    }
-
-    #[test]
-    fn crossings_escapes_folds_and_triangles_without_area_are_found() {
-        let mesh = cap();
-        let loops = boundary_loops(&mesh);
-        let plan = prepare(&mesh, &[vec![&loops[0]]], &FillOptions::default());
-        let context = FillContext {
-            mesh: &mesh,
-            plan: &plan,
-        };
-        let topology = &plan.groups[0].topology;
-        let start = plan.start_positions(&mesh, 0);
-        let hole = HoleOfGroup {
-            context,
-            group: 0,
-            number: 0,
-            rims: &plan.holes()[0].rims,
-        };
-        let defects = |positions: &[DVec3]| {
-            hole.defects(&(PatchTopology::clone(topology), positions.to_vec()))
-        };
-        assert_eq!(defects(&start), None);
-        // a vertex pulled through the opposite side of the sphere
-        let mut crossing = start.clone();
-        crossing[0] = DVec3::new(0.1, 0.2, -2.0);
-        let found = defects(&crossing).expect("defects");
-        assert!(found.crossings.is_some());
-        // a vertex pulled far out
-        let mut far = start.clone();
-        far[0] = DVec3::new(0.0, 0.0, 2.5);
-        assert_eq!(defects(&far).and_then(|found| found.escaped), None);
-        far[0] = DVec3::new(0.1, 0.0, 4.0);
-        let found = defects(&far).expect("defects").escaped;
-        assert_eq!(found, Some((1, far[0])));
-        // a vertex on another one: the triangles between have no area
-        let t = topology.holes[0].triangles.iter();
-        let rim = plan.holes()[0].rims.vertices.len() as u32;
-        let inner = t
-            .copied()
-            .find(|t| t.iter().all(|&v| v >= rim))
-            .expect("an inner triangle");
-        let mut flat = start.clone();
-        flat[(inner[0] - rim) as usize] = flat[(inner[1] - rim) as usize];
-        assert!(defects(&flat).expect("defects").folds.is_some());
-        // a vertex reflected across its neighbours: folded edges
-        let mut folded = start.clone();
-        let across = folded[(inner[1] - rim) as usize].midpoint(folded[(inner[2] - rim) as usize]);
-        let v = &mut folded[(inner[0] - rim) as usize];
-        *v = across + 1.5 * (across - *v);
-        assert!(defects(&folded).expect("defects").folds.is_some());
-    }
 
     #[test]
     fn an_unsound_patch_is_replaced_with_a_warning() {
