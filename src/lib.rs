@@ -54,6 +54,7 @@ pub mod shapes;
 pub mod solver;
 pub mod subdivision;
 pub mod surface;
+pub mod symmetry;
 pub mod warning;
 
 pub use api::{Fill, fill};

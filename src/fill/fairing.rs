@@ -1,6 +1,6 @@
 //! The plan of a fairing: vertices of the mesh flow, and its triangles do not change.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::fill::group::Group;
 use crate::fill::plan::{Domain, Plan};
@@ -31,6 +31,7 @@ pub(super) fn plan_fairing(mesh: &Mesh, selected: &[bool]) -> Result<Plan, Refil
         failed: Vec::new(),
         loose: Vec::new(),
         obstacles: Obstacles::new(0),
+        symmetries: OnceLock::new(),
         groups: vec![Group {
             holes: Vec::new(),
             topology: Arc::default(),

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use crate::energy::Order;
 use crate::fill::context::{ChangeError, FillContext};
+use crate::fill::counterpart::{Counterpart, Following};
 use crate::fill::hole::PlannedHole;
 use crate::fill::noise::roughened;
 use crate::fill::options::{Continuity, FillOptions};
@@ -40,6 +41,7 @@ pub(super) struct GroupFlow {
     /// Accepted and rejected steps if there is no flow.
     counts_before: (usize, usize),
     remeshing: RemeshPolicy,
+    following: Following,
     intersection: SelfIntersectionMonitor,
     energy_start: Option<f64>,
     warnings: Warnings,
@@ -85,6 +87,7 @@ impl GroupFlow {
             failed: None,
             counts_before: (0, 0),
             remeshing: RemeshPolicy::default(),
+            following: Following::default(),
             intersection: SelfIntersectionMonitor::default(),
             energy_start: None,
             warnings: Warnings::default(),
@@ -100,9 +103,20 @@ impl GroupFlow {
         let is_predictable =
             |hole: &PlannedHole| !hole.rims.is_blend() && hole.rims.loops.iter().all(is_smooth);
         let is_patched = matches!(context.plan.domain, Domain::Holes(_));
-        if options.predicts_surface && is_patched && holes.all(is_predictable) {
+        resolved.predicts_surface &= is_patched && holes.all(is_predictable);
+        if options.symmetry != self.options.symmetry {
+            self.prediction = None;
+        }
+        if resolved.predicts_surface {
             let group = self.group;
-            let predict = || Arc::new(Prediction::new(context, group, &options.flow));
+            let predict = || {
+                Arc::new(Prediction::new(
+                    context,
+                    group,
+                    &options.flow,
+                    options.symmetry,
+                ))
+            };
             let prediction = self.prediction.get_or_insert_with(predict);
             if let Some((chosen, _)) = prediction.chosen() {
                 chosen.apply(&mut resolved.flow);
@@ -116,8 +130,33 @@ impl GroupFlow {
         let flow = &self.options.flow;
         let is_predicted = self.options.predicts_surface;
         GroupSurface {
-            model: Candidate::of(flow),
+            model: Candidate {
+                symmetric: self.counterparts().is_some(),
+                ..Candidate::of(flow)
+            },
             prediction: self.prediction.clone().filter(|_| is_predicted),
+        }
+    }
+
+    /// The counterparts of the holes, if the symmetric model was chosen.
+    fn counterparts(&self) -> Option<&[Option<Counterpart>]> {
+        let prediction = self.prediction.as_ref();
+        let prediction = prediction.filter(|_| self.options.predicts_surface)?;
+        let (chosen, _) = prediction.chosen()?;
+        chosen.symmetric.then_some(&prediction.counterparts[..])
+    }
+
+    /// Lets a flow that has converged follow the counterparts of the holes.
+    fn follow_counterparts(&mut self, context: FillContext<'_>) {
+        if self.end() != Some(End::Converged) {
+            return;
+        }
+        let Some(counterparts) = self.counterparts().map(<[_]>::to_vec) else {
+            return;
+        };
+        if let Some(flow) = &mut self.flow {
+            self.following
+                .update(context, flow, &self.topology, &counterparts);
         }
     }
 
@@ -187,6 +226,7 @@ impl GroupFlow {
             Ok(record) => {
                 if record.as_ref().is_some_and(|record| !record.is_rejected()) {
                     self.remesh_if_degraded(context);
+                    self.follow_counterparts(context);
                     self.check_self_intersection(context);
                     self.make_sound(context);
                 }
@@ -290,6 +330,7 @@ impl GroupFlow {
             self.group,
             &self.topology,
             positions,
+            self.counterparts(),
             &self.options,
         );
         self.warnings.extend(checked.warnings);
@@ -386,6 +427,7 @@ impl GroupFlow {
     ) -> Result<(), ChangeError> {
         let options = &self.resolved(context, options);
         let (_, rejected) = self.step_counts();
+        self.following = Following::default();
         let flow = self.build(context, topology, positions, options, steps, rejected)?;
         self.install(Arc::clone(topology), positions.to_vec(), flow);
         self.intersection.restart();
@@ -402,7 +444,14 @@ impl GroupFlow {
         steps: usize,
         rejected: usize,
     ) -> Result<Option<Flow>, SolverError> {
-        let problem = region::problem(context, self.group, topology, positions, options)?;
+        let mut problem = region::problem(context, self.group, topology, positions, options)?;
+        if self.following.has_begun()
+            && let Some(counterparts) = self.counterparts()
+        {
+            let positions = problem.positions();
+            let references = context.references(&problem, topology, positions, counterparts);
+            problem = problem.with_references(references);
+        }
         let flow = Self::flow_of(problem, options)?;
         Ok(flow.map(|flow| flow.counting_from(steps, rejected)))
     }

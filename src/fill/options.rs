@@ -51,6 +51,18 @@ impl Surface {
     }
 }
 
+/// Whether approximate symmetries of the mesh help to fill its holes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Symmetry {
+    /// Where prediction expects less error.
+    #[default]
+    Auto,
+    /// Never.
+    Off,
+}
+
+choices!(Symmetry: Auto "auto", Off "off");
+
 /// The options of a fill.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -63,6 +75,8 @@ pub struct FillOptions {
     pub flow: FlowOptions,
     /// Whether prediction replaces surface model and tension of the flow.
     pub predicts_surface: bool,
+    /// Whether prediction tries symmetries of the mesh.
+    pub symmetry: Symmetry,
     /// Continuity of the patches and the mesh.
     pub continuity: Continuity,
     /// Continuity at single loops.
@@ -79,6 +93,7 @@ impl Default for FillOptions {
             noise: 0.0,
             flow: FlowOptions::new(Energy::preset(Preset::H2)),
             predicts_surface: true,
+            symmetry: Symmetry::default(),
             continuity: Continuity::default(),
             loop_continuity: BTreeMap::new(),
             label_patches: false,

@@ -30,6 +30,11 @@ pub(super) struct PatchTopology {
 }
 
 impl PatchTopology {
+    /// Number of new vertices of all holes.
+    pub fn new_vertices(&self) -> usize {
+        self.holes.iter().map(|hole| hole.new_vertices).sum()
+    }
+
     /// Size of the triangles in bytes.
     pub fn bytes(&self) -> usize {
         let triangles: usize = self.holes.iter().map(|h| h.triangles.len()).sum();

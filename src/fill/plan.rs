@@ -1,5 +1,7 @@
 //! The plan of a fill: first patches, and the groups to be solved together.
 
+use std::sync::{Arc, OnceLock};
+
 use crate::fill::group::{Group, groups};
 use crate::fill::hole::{DraftHole, PlannedHole};
 use crate::fill::result::FillError;
@@ -7,6 +9,7 @@ use crate::fill::self_intersection::Obstacles;
 use crate::fill::soundness::make_patch_sound;
 use crate::mesh::{DVec3, LoopId, Mesh, VertexId};
 use crate::patch::PatchOptions;
+use crate::symmetry::Isometry;
 
 /// The vertices that flow.
 #[derive(Clone, Debug)]
@@ -28,6 +31,8 @@ pub(crate) struct Plan {
     pub loose: Vec<usize>,
     /// The triangles of the mesh that patches must not intersect.
     pub obstacles: Obstacles,
+    /// The approximate symmetries of the mesh, found when they are first needed.
+    pub symmetries: OnceLock<Arc<Vec<Isometry>>>,
 }
 
 impl Plan {
@@ -55,6 +60,7 @@ impl Plan {
             loose: (0..holes.len()).filter(is_loose).collect(),
             groups: groups(mesh, &holes),
             obstacles,
+            symmetries: OnceLock::new(),
             domain: Domain::Holes(holes),
             failed,
         }

@@ -10,14 +10,17 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
 use crate::fill::context::FillContext;
-use crate::fill::hole::PlannedHole;
-use crate::mesh::{DVec3, Mesh, Neighbourhood, VertexId, bounds, rms_distance};
+use crate::fill::counterpart::Counterpart;
+use crate::fill::options::Symmetry;
+use crate::fill::pseudo_hole::{Disc, discs};
+use crate::fill::symmetric_errors::SymmetricErrors;
+use crate::mesh::{DVec3, Mesh, Neighbourhood, VertexId};
 use crate::options::Choice;
 use crate::solver::{
-    FlowOptions, FlowProblem, G2_RINGS, LocalG2, Mode, SUPPORT_RINGS, StepRequest, SurfaceModel,
+    FlowOptions, FlowProblem, LocalG2, Mode, SUPPORT_RINGS, StepRequest, SurfaceModel,
     scheme_stepper,
 };
 
@@ -28,11 +31,17 @@ pub struct Candidate {
     pub surface: SurfaceModel,
     /// Its tension.
     pub tension: f64,
+    /// Whether it follows the counterparts of the holes under a symmetry of the mesh.
+    pub symmetric: bool,
 }
 
 impl Candidate {
     pub(super) const fn new(surface: SurfaceModel, tension: f64) -> Self {
-        Self { surface, tension }
+        Self {
+            surface,
+            tension,
+            symmetric: false,
+        }
     }
 
     /// The model of a flow.
@@ -47,10 +56,14 @@ impl Candidate {
 
     /// The model by name, with its tension if there is one.
     pub fn words(&self) -> String {
-        match self.tension {
-            0.0 => self.surface.name().to_owned(),
-            tension => format!("{} with tension {tension}", self.surface.name()),
+        let mut words = self.surface.name().to_owned();
+        if self.tension != 0.0 {
+            words += &format!(" with tension {}", self.tension);
         }
+        if self.symmetric {
+            words += " and symmetry";
+        }
+        words
     }
 }
 
@@ -91,22 +104,10 @@ pub struct Prediction {
     pub errors: Vec<(Candidate, f64)>,
     /// Number of pseudo-holes that were computed.
     pub discs: usize,
+    /// What fills each hole by symmetry, if the symmetric candidate is chosen.
+    pub(super) counterparts: Vec<Option<Counterpart>>,
 }
 
-/// Radius of a pseudo-hole, in hole radii. On scans with known truth 0.8 chose better than 0.5 and
-/// 1.0 (measured on `real/`).
-const SIZE: f64 = 0.8;
-/// Distance from the centre of the hole, in hole radii, within which pseudo-holes lie. 2.5 chose
-/// better than 4; the larger ones are for holes without enough surroundings.
-const REACH: [f64; 3] = [2.5, 4.0, 8.0];
-/// Number of pseudo-holes of a hole, and the least number before the reach is enlarged.
-const DISCS: [usize; 2] = [20, 5];
-/// Rings of known vertices between a pseudo-hole and the nearest boundary.
-const MARGIN: usize = 3;
-/// Most vertices of a pseudo-hole, and of all of a hole.
-const MOST_VERTICES: [usize; 2] = [150, 3000];
-/// Most vertices among which the pseudo-holes of a hole are found.
-const MOST_NEAR: usize = 12_000;
 /// Number of pseudo-holes on which `energy`, the most expensive candidate, is tried first of all. If
 /// it is not chosen, its error on all is estimated by the ratio to the best other candidate on
 /// these.
@@ -118,8 +119,12 @@ const SMOOTH: f64 = 1e-2;
 /// Error of the best other candidate on the first pseudo-holes above which `energy` is not tried. Where
 /// `energy` is chosen, the others have errors below a third of [`SMOOTH`] (measured on `analytic/`).
 const HOPELESS: f64 = 2.0 * SMOOTH;
+/// Error of `energy` up to which no symmetry is looked for.
+const EXACT: f64 = 1e-3;
+/// Part of the error without symmetry up to which a counterpart is used.
+pub(super) const WORTH: f64 = 0.9;
 /// Tensions of the candidates `G2`.
-const TENSIONS: [f64; 4] = [100.0, 30.0, 10.0, 0.0];
+pub(super) const TENSIONS: [f64; 4] = [100.0, 30.0, 10.0, 0.0];
 
 /// The candidates: `G2` by [`TENSIONS`], then `Energy`.
 fn candidates() -> impl Iterator<Item = Candidate> {
@@ -131,30 +136,67 @@ fn candidates() -> impl Iterator<Item = Candidate> {
 impl Prediction {
     /// Predicts for the holes of a group. `flow` has the energy of the candidate `Energy`. Without
     /// candidates if there is no room for a pseudo-hole around any of the holes.
-    pub(super) fn new(context: FillContext<'_>, group: usize, flow: &FlowOptions) -> Self {
+    pub(super) fn new(
+        context: FillContext<'_>,
+        group: usize,
+        flow: &FlowOptions,
+        symmetry: Symmetry,
+    ) -> Self {
         // squared errors in the unit of the mesh, weighted by the new vertices of the holes
         let mut sums = [0.0; TENSIONS.len() + 1];
+        let mut symmetric_sums = [0.0; TENSIONS.len()];
         let (mut extent, mut count) = (0.0, 0);
         let alone = context.plan.groups[group].holes.len() == 1;
+        let mut found = Vec::new();
         for hole in context.plan.holes_of(group) {
-            let discs = discs(context.mesh, hole);
+            let (near, discs) = discs(context.mesh, &hole.rims);
             if discs.is_empty() {
+                found.push(None);
                 continue;
             }
             let (errors, computed) = mean_squares(context.mesh, &discs, flow, alone);
             count += computed;
+            let is_exact = errors[TENSIONS.len()] <= EXACT * EXACT;
+            let symmetric = (symmetry == Symmetry::Auto && !is_exact)
+                .then(|| SymmetricErrors::least(context, &hole.rims, &near, &discs))
+                .flatten();
             let radius = hole.rims.radius();
             let weight = hole.patch.new_points().len() as f64 * radius * radius;
             extent += weight;
             for (sum, error) in sums.iter_mut().zip(errors) {
                 *sum += weight * error;
             }
+            for (k, sum) in symmetric_sums.iter_mut().enumerate() {
+                *sum += weight * errors[k] * symmetric.as_ref().map_or(1.0, |s| s.ratio(k));
+            }
+            found.push(symmetric);
         }
-        let relative = sums.iter().map(|sum| (sum / extent).sqrt());
-        let errors = candidates().zip(relative);
+        let root = |sum: f64| (sum / extent).sqrt();
+        let errors = candidates().zip(sums.map(root));
+        let mut errors: Vec<_> = errors.filter(|e| e.1.is_finite()).collect();
+        let mut counterparts = vec![None; found.len()];
+        // the tension is that of the fill without symmetry: holes of the group may have no counterpart
+        let best = (0..TENSIONS.len())
+            .min_by(|&i, &j| sums[i].total_cmp(&sums[j]))
+            .filter(|&k| {
+                found
+                    .iter()
+                    .flatten()
+                    .any(|one| one.counterpart(k).is_some())
+            });
+        if let Some(k) = best {
+            let candidate = Candidate {
+                symmetric: true,
+                ..Candidate::new(SurfaceModel::G2, TENSIONS[k])
+            };
+            errors.push((candidate, root(symmetric_sums[k])));
+            let counterpart = |s: SymmetricErrors| s.counterpart(k);
+            counterparts = found.into_iter().map(|s| s.and_then(counterpart)).collect();
+        }
         Self {
-            errors: errors.filter(|e| e.1.is_finite()).collect(),
+            errors,
             discs: count,
+            counterparts,
         }
     }
 
@@ -162,21 +204,17 @@ impl Prediction {
     pub fn chosen(&self) -> Option<(Candidate, f64)> {
         let better = |a: &&(Candidate, f64), b: &&(Candidate, f64)| a.1.total_cmp(&b.1);
         let is_energy = |e: &&(Candidate, f64)| e.0.surface == SurfaceModel::Energy;
-        let others = self.errors.iter().filter(|e| !is_energy(e)).min_by(better);
+        let is_plain = |e: &&(Candidate, f64)| !is_energy(e) && !e.0.symmetric;
+        let others = self.errors.iter().filter(is_plain).min_by(better);
         let energy = self.errors.iter().find(is_energy);
         let energy = energy.filter(|e| e.1 <= SMOOTH);
-        energy.or(others).copied()
+        let plain = energy.or(others)?;
+        // the same flow as without symmetry, or another one that must be clearly better
+        let limit = if is_energy(&plain) { WORTH } else { 1.0 };
+        let symmetric = self.errors.iter().find(|e| e.0.symmetric);
+        let symmetric = symmetric.filter(|e| e.1 <= limit * plain.1);
+        symmetric.or(Some(plain)).copied()
     }
-}
-
-/// A pseudo-hole.
-struct Disc {
-    /// Its vertices, which are ring 0, and the rings around them.
-    region: Neighbourhood,
-    /// Unit normals at its vertices.
-    normals: Vec<DVec3>,
-    /// RMS distance of its rim from the mean of the rim.
-    radius: f64,
 }
 
 /// Mean over the discs, at least one, of the squared error of each candidate, and the number of discs
@@ -230,10 +268,10 @@ const FAILED: f64 = 1.0;
 impl Disc {
     /// Squared errors of `G2` by [`TENSIONS`], relative to the radius.
     fn g2_errors(&self, mesh: &Mesh) -> [f64; TENSIONS.len()] {
-        let local = LocalG2::new(mesh, &self.region);
+        let local = LocalG2::new(mesh, &self.region, &[&self.positions(mesh)]);
         TENSIONS.map(|tension| {
-            let shift = local.step(tension / (self.radius * self.radius));
-            shift.map_or(FAILED, |shift| self.square(shift))
+            let steps = local.steps(tension / (self.radius * self.radius));
+            steps.map_or(FAILED, |steps| self.square(steps.into_iter().flatten()))
         })
     }
 
@@ -290,144 +328,6 @@ impl Disc {
 /// Time step of a prediction over the natural time: practically stationary.
 const LONG: f64 = 1e9;
 
-/// The pseudo-holes of a hole.
-fn discs(mesh: &Mesh, hole: &PlannedHole) -> Vec<Disc> {
-    let rim = &hole.rims.vertices;
-    let centre = hole.rims.loops[0].centroid;
-    let radius = hole.rims.radius();
-    let mut best = Vec::new();
-    for reach in REACH {
-        let near = connected(mesh, rim.iter().copied(), MOST_NEAR, |p| {
-            p.distance(centre) < reach * radius
-        });
-        let found = discs_at(mesh, &near, centre, SIZE * radius);
-        if found.len() > best.len() {
-            best = found;
-        }
-        if best.len() >= DISCS[1] {
-            break;
-        }
-    }
-    best
-}
-
-/// Pseudo-holes around some of the vertices `near`: the one nearest to `centre`, then each time the
-/// one farthest from those before.
-fn discs_at(mesh: &Mesh, near: &[VertexId], centre: DVec3, size: f64) -> Vec<Disc> {
-    let topology = &mesh.topology;
-    let boundary = near
-        .iter()
-        .copied()
-        .filter(|&v| topology.is_boundary_vertex(v));
-    let blocked = Neighbourhood::without_faces(topology, boundary, MARGIN - 1);
-    let blocked: FxHashSet<VertexId> = blocked.vertices().iter().copied().collect();
-    let near: Vec<VertexId> = near
-        .iter()
-        .copied()
-        .filter(|v| !blocked.contains(v))
-        .collect();
-    let mut out: Vec<Disc> = Vec::new();
-    let mut total = 0;
-    let mut apart: Vec<f64> = vec![f64::INFINITY; near.len()];
-    let nearest = |&i: &usize, &j: &usize| {
-        let d = |k: usize| mesh.position(near[k]).distance_squared(centre);
-        d(i).total_cmp(&d(j))
-    };
-    let mut next = (0..near.len()).min_by(nearest);
-    for _ in 0..3 * DISCS[0] {
-        let Some(i) = next else { break };
-        let at = mesh.position(near[i]);
-        if let Some(disc) = disc_at(mesh, near[i], size, &blocked) {
-            total += disc.normals.len();
-            out.push(disc);
-        }
-        if out.len() >= DISCS[0] || total > MOST_VERTICES[1] {
-            break;
-        }
-        for (d, &v) in apart.iter_mut().zip(&near) {
-            *d = d.min(mesh.position(v).distance_squared(at));
-        }
-        let farthest = |&i: &usize, &j: &usize| apart[i].total_cmp(&apart[j]);
-        next = (0..near.len()).max_by(farthest).filter(|&k| apart[k] > 0.0);
-    }
-    out
-}
-
-/// Vertices connected to `seeds` through vertices that are `inside`, in the order of a search that
-/// ends once there are `most`.
-fn connected(
-    mesh: &Mesh,
-    seeds: impl Iterator<Item = VertexId>,
-    most: usize,
-    inside: impl Fn(DVec3) -> bool,
-) -> Vec<VertexId> {
-    let mut found: Vec<VertexId> = seeds.collect();
-    let mut seen: FxHashSet<VertexId> = found.iter().copied().collect();
-    let mut next = 0;
-    while next < found.len() && found.len() < most {
-        for w in mesh.topology.neighbours(found[next]) {
-            if inside(mesh.position(w)) && seen.insert(w) {
-                found.push(w);
-            }
-        }
-        next += 1;
-    }
-    found
-}
-
-/// The pseudo-hole of the vertices within `size` of a vertex. `None` if it has fewer than three
-/// vertices or lies too near to a boundary; `blocked` are vertices known to.
-fn disc_at(mesh: &Mesh, v: VertexId, size: f64, blocked: &FxHashSet<VertexId>) -> Option<Disc> {
-    let at = mesh.position(v);
-    let is_inside = |p: DVec3| p.distance(at) < size;
-    let mut inside = connected(mesh, std::iter::once(v), MOST_VERTICES[0], is_inside);
-    inside.truncate(MOST_VERTICES[0]);
-    if inside.len() < 3 || inside.iter().any(|v| blocked.contains(v)) {
-        return None;
-    }
-    sort_along(mesh, &mut inside);
-    let region = Neighbourhood::without_faces(&mesh.topology, inside.iter().copied(), G2_RINGS);
-    let is_boundary = |&v: &VertexId| mesh.topology.is_boundary_vertex(v);
-    if region.rings().take(MARGIN).flatten().any(is_boundary) {
-        return None;
-    }
-    let rim: Vec<DVec3> = region
-        .rings()
-        .nth(1)?
-        .iter()
-        .map(|&v| mesh.position(v))
-        .collect();
-    let middle = rim.iter().sum::<DVec3>() / rim.len() as f64;
-    let radius = rms_distance(rim.iter().copied(), middle);
-    if !(radius.is_finite() && radius > 0.0) {
-        return None;
-    }
-    let normal = |&v: &VertexId| {
-        let topology = &mesh.topology;
-        let faces = topology.outgoing(v).map(|h| topology.face(h));
-        let area = faces.map(|f| {
-            let [a, b, c] = topology.face_vertices(f).map(|v| mesh.position(v));
-            (b - a).cross(c - a)
-        });
-        area.sum::<DVec3>().normalize_or_zero()
-    };
-    Some(Disc {
-        normals: inside.iter().map(normal).collect(),
-        region,
-        radius,
-    })
-}
-
-/// Sorts vertices along the longest side of their bounding box.
-fn sort_along(mesh: &Mesh, vertices: &mut [VertexId]) {
-    let (low, high) = bounds(vertices.iter().map(|&v| mesh.position(v)));
-    let axis = (high - low).max_position();
-    vertices.sort_by(|&v, &w| {
-        let [p, q] = [v, w].map(|v| mesh.position(v)[axis]);
-        p.total_cmp(&q).then(v.cmp(&w))
-    });
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -482,7 +382,7 @@ mod tests {
         let (surface, _) = filled(&sphere, &FillOptions::default());
         assert_ne!(surface.model.surface, SurfaceModel::Energy);
         let prediction = surface.prediction.as_deref().expect("a prediction");
-        assert!(prediction.discs >= DISCS[1]);
+        assert!(prediction.discs >= 5);
         // the others are so bad that the energy is not tried
         let is_energy = |e: &(Candidate, f64)| e.0.surface == SurfaceModel::Energy;
         assert!(!prediction.errors.iter().any(is_energy));
@@ -511,7 +411,11 @@ mod tests {
                 (Candidate::new(SurfaceModel::G2, 0.0), g2),
                 (Candidate::new(SurfaceModel::Energy, 0.0), energy),
             ];
-            let prediction = Prediction { errors, discs: 9 };
+            let prediction = Prediction {
+                errors,
+                discs: 9,
+                counterparts: Vec::new(),
+            };
             prediction.chosen().map(|c| c.0.surface)
         };
         assert_eq!(chosen(1e-4, 9e-3), Some(SurfaceModel::Energy));

@@ -161,6 +161,14 @@ impl Obstacles {
         Self { holes, bvh }
     }
 
+    /// The search tree of the triangles, built when it is first needed.
+    pub fn bvh(&self, mesh: &Mesh) -> &TriangleBvh {
+        self.bvh.get_or_init(|| {
+            let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+            Arc::new(TriangleBvh::new(&mesh.positions, &triangles))
+        })
+    }
+
     /// The triangles that overlap a box, in the order of the mesh.
     pub fn overlapping(&self, mesh: &Mesh, low: DVec3, high: DVec3) -> Vec<[u32; 3]> {
         if self.holes < MANY_HOLES {
@@ -171,12 +179,9 @@ impl Obstacles {
                 |t: &[u32; 3]| t.iter().fold(!0, |all, &v| all & beyond[v as usize]) == 0;
             return mesh.topology.triangles().filter(overlaps).collect();
         }
-        let bvh = self.bvh.get_or_init(|| {
-            let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
-            Arc::new(TriangleBvh::new(&mesh.positions, &triangles))
-        });
         let mut faces = Vec::new();
-        bvh.for_each_overlapping(low, high, |f| faces.push(FaceId(f)));
+        self.bvh(mesh)
+            .for_each_overlapping(low, high, |f| faces.push(FaceId(f)));
         faces.sort_unstable();
         let corners = |f: FaceId| mesh.topology.face_vertices(f).map(|v| v.0);
         faces.into_iter().map(corners).collect()

@@ -2,6 +2,7 @@
 
 use crate::fill::assemble::appended_triangles;
 use crate::fill::context::FillContext;
+use crate::fill::counterpart::{Counterpart, Following};
 use crate::fill::defects::{Defects, Patches, Room, SOUND, defects, severity};
 use crate::fill::hole::HoleRims;
 use crate::fill::options::FillOptions;
@@ -12,7 +13,7 @@ use crate::fill::self_intersection::{CompactTriangles, Obstacles};
 use crate::fill::warm_start::warm_start_of;
 use crate::mesh::{DVec3, Mesh, TriangleIntersections, VertexId, bounds};
 use crate::patch::{self, OtherPatches, Patch, PatchOptions};
-use crate::solver::{Flow, Mode, SurfaceModel, Tau};
+use crate::solver::{End, Flow, Mode, SurfaceModel, Tau};
 use crate::warning::{Warning, Warnings};
 
 /// Surface models for patches that are unsound by another one, in the order in which they are
@@ -42,8 +43,13 @@ pub(super) fn make_sound(
     group: usize,
     topology: &PatchTopology,
     positions: Vec<DVec3>,
+    counterparts: Option<&[Option<Counterpart>]>,
     options: &FillOptions,
 ) -> Checked {
+    let model = Candidate {
+        symmetric: counterparts.is_some(),
+        ..Candidate::of(&options.flow)
+    };
     let mut present = (topology.clone(), positions);
     let mut is_replaced = false;
     let holes = context.plan.holes_of(group).enumerate();
@@ -68,7 +74,7 @@ pub(super) fn make_sound(
                 ..defects
             });
         } else if let Some(found) = found
-            && let Some(better) = hole.better(&present, found, options)
+            && let Some(better) = hole.better(&present, found, model, options)
         {
             present = better.surface;
             patches = Patches::new(context, group, &present.0, &present.1);
@@ -77,7 +83,7 @@ pub(super) fn make_sound(
             let [pairs, escaped, folds] = found.severity();
             own.push(Warning::Replaced {
                 hole: hole.rims.id(),
-                model: Candidate::of(&options.flow).words(),
+                model: model.words(),
                 by: better.words,
                 pairs,
                 escaped,
@@ -93,7 +99,7 @@ pub(super) fn make_sound(
     if holes.len() > 1 && !unsound.is_empty() {
         let alone = unsound.into_iter().map(|hole| vec![hole]);
         for some in std::iter::once(sound).chain(alone) {
-            if let Some(surface) = solved_again(&some, &present, options) {
+            if let Some(surface) = solved_again(&some, &present, counterparts, options) {
                 present = surface;
                 is_replaced = true;
                 for hole in some {
@@ -113,6 +119,7 @@ pub(super) fn make_sound(
 fn solved_again(
     holes: &[&HoleOfGroup<'_>],
     present: &Surface,
+    counterparts: Option<&[Option<Counterpart>]>,
     options: &FillOptions,
 ) -> Option<Surface> {
     let mut start = present.clone();
@@ -122,20 +129,35 @@ fn solved_again(
     let numbers: Vec<usize> = holes.iter().map(|hole| hole.number).collect();
     let chosen = Candidate::of(&options.flow);
     let one = holes.first()?;
-    let surface = solved(one.context, one.group, &numbers, &start, chosen, options)?;
+    let of_some = |(k, counterpart): (usize, &Option<Counterpart>)| {
+        counterpart.filter(|_| numbers.contains(&k))
+    };
+    let counterparts = counterparts.map(|all| all.iter().enumerate().map(of_some).collect());
+    let counterparts: Vec<_> = counterparts.unwrap_or_default();
+    let (context, group) = (one.context, one.group);
+    let surface = solved(
+        context,
+        group,
+        &numbers,
+        &start,
+        chosen,
+        &counterparts,
+        options,
+    )?;
     let patches = Patches::new(one.context, one.group, &surface.0, &surface.1);
     let is_sound = |hole: &&HoleOfGroup<'_>| hole.defects_among(&patches, &surface.1).is_none();
     holes.iter().all(is_sound).then_some(surface)
 }
 
 /// A group with the holes of these numbers filled by a surface model from their warm start, the
-/// others fixed. `None` if that fails.
+/// others fixed. Holes with counterparts follow these. `None` if that fails.
 fn solved(
     context: FillContext<'_>,
     group: usize,
     numbers: &[usize],
     (topology, positions): &Surface,
     model: Candidate,
+    counterparts: &[Option<Counterpart>],
     options: &FillOptions,
 ) -> Option<Surface> {
     let problem = region::problem(context, group, topology, positions, options).ok()?;
@@ -151,6 +173,13 @@ fn solved(
     flow.tau = Tau::Auto;
     let mut flow = Flow::new(start.moving_only(&own).ok()?, flow).ok()?;
     flow.run(|_, _| true).ok()?;
+    let mut following = Following::default();
+    while counterparts.iter().any(Option::is_some)
+        && flow.end() == Some(End::Converged)
+        && following.update(context, &mut flow, topology, counterparts)
+    {
+        flow.run(|_, _| true).ok()?;
+    }
     Some((topology.clone(), problem.to_world(flow.positions())))
 }
 
@@ -279,11 +308,14 @@ impl HoleOfGroup<'_> {
         &self,
         present: &Surface,
         found: Defects,
+        model: Candidate,
         options: &FillOptions,
     ) -> Option<Replacement> {
         let chosen = Candidate::of(&options.flow);
-        let others = SAFER.into_iter().filter(|&model| model != chosen);
-        let all = || std::iter::once(chosen).chain(others.clone());
+        let all = || {
+            let safer = SAFER.into_iter().filter(move |&safer| safer != chosen);
+            std::iter::once(chosen).chain(safer)
+        };
         let by = |start: &Surface, model: Candidate, on: &str| {
             let surface = self.by(start, model, options)?;
             Some(self.replacement(surface, format!("{}{on}", model.words())))
@@ -292,10 +324,8 @@ impl HoleOfGroup<'_> {
             severity: found.severity(),
             replacement: None,
         };
-        if others
-            .clone()
-            .any(|model| best.keep(by(present, model, "")))
-        {
+        let mut others = all().filter(|&other| other != model);
+        if others.any(|other| best.keep(by(present, other, ""))) {
             return best.replacement;
         }
         let (mesh, obstacles) = (self.context.mesh, &self.context.plan.obstacles);
@@ -384,6 +414,7 @@ impl HoleOfGroup<'_> {
             &[self.number],
             start,
             model,
+            &[],
             options,
         )
     }

@@ -1,11 +1,26 @@
 //! Measures of points and polygons.
 
-use super::DVec3;
+use super::{DVec3, Topology, VertexId};
 
 /// Root of the mean squared distance of points from `centre`; not a number without points.
 pub fn rms_distance(points: impl ExactSizeIterator<Item = DVec3>, centre: DVec3) -> f64 {
     let count = points.len() as f64;
     (points.map(|p| p.distance_squared(centre)).sum::<f64>() / count).sqrt()
+}
+
+/// Unit normal at a vertex: the mean of those of its faces, weighted by area. `place` gives positions.
+/// `None` if the faces have no area.
+pub fn vertex_normal(
+    topology: &Topology,
+    v: VertexId,
+    place: impl Fn(VertexId) -> DVec3,
+) -> Option<DVec3> {
+    let faces = topology.outgoing(v).map(|h| topology.face(h));
+    let areas = faces.filter(|f| f.is_some()).map(|f| {
+        let [a, b, c] = topology.face_vertices(f).map(&place);
+        (b - a).cross(c - a)
+    });
+    areas.sum::<DVec3>().try_normalize()
 }
 
 /// Length of a closed polygon.

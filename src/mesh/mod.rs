@@ -39,7 +39,7 @@ pub use intersect::{
     TriangleIntersections, dihedral_angle, folded_edges, self_intersections, triangles_meet,
 };
 pub use loose::{LooseParts, loose_parts};
-pub use measures::{perimeter, rms_distance, vector_area};
+pub use measures::{perimeter, rms_distance, vector_area, vertex_normal};
 pub use neighbourhood::{Neighbourhood, NeighbourhoodSearch, faces_around};
 pub use selection::{
     connected_faces, face_flags, face_list, faces_in_ball, faces_near, grow, inner_vertices,

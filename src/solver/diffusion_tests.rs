@@ -236,3 +236,84 @@ fn flow_mode_takes_many_small_steps_to_the_same_surface() {
         );
     }
 }
+
+/// A bumpy height field, and the positions of the same field shifted.
+fn bumpy() -> (Vec<DVec3>, Vec<[u32; 3]>, Vec<DVec3>) {
+    let (points, triangles) = lattice(|x, y| 0.1 * (9.0 * x).sin() * (7.0 * y + 1.0).cos());
+    let shifted = points.iter().map(|&p| p + DVec3::new(5.0, -3.0, 2.0));
+    let shifted = shifted.collect();
+    (points, triangles, shifted)
+}
+
+/// The result with the reference `shape` of all vertices for which `is_known`.
+fn with_reference(
+    start: &[DVec3],
+    triangles: &[[u32; 3]],
+    shape: &[DVec3],
+    share: f64,
+    is_known: impl Fn(usize) -> bool,
+) -> Vec<DVec3> {
+    let interior = middle(start);
+    let problem = FlowProblem::new(start, triangles, &interior, 0.4).expect("a problem");
+    let at = |(v, &p): (usize, &DVec3)| (v as u32, is_known(v).then_some(p));
+    let positions = shape.iter().enumerate().map(at).collect();
+    let problem = problem.with_references(vec![Reference { positions, share }]);
+    let mut flow = Flow::new(problem, options(SurfaceModel::G2)).expect("a flow");
+    flow.run(|_, _| true).expect("steps");
+    let centre = flow.problem().centre();
+    flow.positions().iter().map(|&p| p + centre).collect()
+}
+
+#[test]
+fn a_shifted_copy_as_reference_restores_the_surface() {
+    let (points, triangles, shifted) = bumpy();
+    let interior = middle(&points);
+    let mut start = points.clone();
+    for &v in &interior {
+        start[v as usize].z = 0.3;
+    }
+    let (plain, _) = run(&start, &triangles, &interior, options(SurfaceModel::G2));
+    assert!(distance(&plain, &points) > 0.05);
+    let whole = with_reference(&start, &triangles, &shifted, 1.0, |_| true);
+    // the metric of the result is that of a nearby surface, which does not matter
+    assert!(
+        distance(&whole, &points) < 1e-6,
+        "{}",
+        distance(&whole, &points)
+    );
+    // no share, no effect
+    let none = with_reference(&start, &triangles, &shifted, 0.0, |_| true);
+    assert!(distance(&none, &plain) < 1e-9);
+    // a reference without positions says nothing
+    let nothing = with_reference(&start, &triangles, &shifted, 1.0, |_| false);
+    assert!(distance(&nothing, &plain) < 1e-6);
+}
+
+#[test]
+fn a_part_of_a_reference_restores_that_part() {
+    let (points, triangles, shifted) = bumpy();
+    let interior = middle(&points);
+    let mut start = points.clone();
+    for &v in &interior {
+        start[v as usize].z = 0.0;
+    }
+    let is_known = |v: usize| points[v].x < 0.15;
+    let part = with_reference(&start, &triangles, &shifted, 1.0, is_known);
+    let (plain, _) = run(&start, &triangles, &interior, options(SurfaceModel::G2));
+    let known = || {
+        interior
+            .iter()
+            .map(|&v| v as usize)
+            .filter(|&v| points[v].x < -0.05)
+    };
+    let farthest = |from: &[DVec3]| {
+        let distances = known().map(|v| from[v].distance(points[v]));
+        distances.fold(0.0, f64::max)
+    };
+    assert!(
+        farthest(&part) < 0.1 * farthest(&plain),
+        "{} {}",
+        farthest(&part),
+        farthest(&plain)
+    );
+}

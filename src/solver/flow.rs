@@ -16,7 +16,7 @@ use crate::solver::record::{End, Outcome, StepRecord};
 use crate::solver::relax::Relaxation;
 use crate::solver::stepper::{StepRequest, Stepper};
 use crate::solver::unknowns::Unknowns;
-use crate::solver::{FlowProblem, SolverError};
+use crate::solver::{FlowProblem, Reference, SolverError};
 use crate::subdivision::Rule;
 use crate::surface::{SurfaceStats, sample_surface};
 use crate::warning::{Warning, Warnings};
@@ -228,6 +228,14 @@ impl Flow {
         self.energy = energy;
         self.make = make;
         Ok(())
+    }
+
+    /// Continues a flow that has converged, with other reference shapes of the problem.
+    pub fn set_references(&mut self, references: Vec<Reference>) {
+        self.problem = self.problem.clone().with_references(references);
+        self.stepper.set_references(&self.problem);
+        self.stagnation = StagnationTest::default();
+        self.end = None;
     }
 
     /// Attempts one step. Does nothing and returns `None` once the flow has ended.

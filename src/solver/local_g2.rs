@@ -11,13 +11,14 @@ use crate::solver::diffusion::{LEAST_AREA, edge_weight, half_cotangent};
 /// Number of rings around the moving vertices that the system depends on.
 pub const G2_RINGS: usize = 3;
 
-/// The energy of `g2` around given positions: matrix and gradient for the moving vertices.
+/// The energy of `g2` in the metric of given positions: its matrix for the moving vertices, and its
+/// gradients at some shapes.
 pub struct LocalG2 {
     envelope: Envelope,
     /// Matrices of `½∫|∇h|²` and `½∫|h|²`.
     matrices: [Vec<f64>; 2],
-    /// Gradients of both.
-    gradients: [Vec<DVec3>; 2],
+    /// Gradients of both at each shape.
+    gradients: Vec<[Vec<DVec3>; 2]>,
 }
 
 /// The discrete Laplacian at some vertices, numbered within a region.
@@ -72,19 +73,26 @@ impl Laplacian {
 impl LocalG2 {
     /// For the vertices of ring 0 of a neighbourhood with [`G2_RINGS`] rings; no vertex of the rings
     /// before the last may lie on a boundary. Vertices that lie near each other should follow each
-    /// other, so that the envelope is small.
-    pub fn new(mesh: &Mesh, region: &Neighbourhood) -> Self {
+    /// other, so that the envelope is small. `shapes` are positions of the vertices of the neighbourhood;
+    /// where one is unknown, its shape contributes nothing to the gradients.
+    pub fn new(mesh: &Mesh, region: &Neighbourhood, shapes: &[&[Option<DVec3>]]) -> Self {
         let vertices = region.vertices();
         let count = |rings: usize| region.rings().take(rings).map(<[_]>::len).sum();
         let (moving, near, inner) = (count(1), count(2), count(3));
         let laplacian = Laplacian::new(mesh, vertices, inner);
         // curvature vectors, and for rings 0 and 1 their derivatives by the moving vertices
-        let at = |i: usize| mesh.position(vertices[i]);
-        let curvature = |i: usize| {
+        let curvature = |x: &[Option<DVec3>], i: usize| {
+            let own = x[i]?;
             let edges = laplacian.edges(i).iter();
-            edges.map(|&(j, w)| w * (at(j) - at(i))).sum::<DVec3>() / laplacian.mass[i]
+            let sum = edges
+                .map(|&(j, w)| Some(w * (x[j]? - own)))
+                .sum::<Option<DVec3>>()?;
+            Some(sum / laplacian.mass[i])
         };
-        let h: Vec<DVec3> = (0..inner).map(curvature).collect();
+        let curvatures = shapes
+            .iter()
+            .map(|x| (0..inner).map(|i| curvature(x, i)).collect());
+        let curvatures: Vec<Vec<Option<DVec3>>> = curvatures.collect();
         let (mut start, mut derivatives) = (vec![0], Vec::new());
         for i in 0..near {
             let edges = laplacian.edges(i);
@@ -109,13 +117,13 @@ impl LocalG2 {
         }
         let envelope = Envelope::new(first);
         let mut matrices = [(); 2].map(|()| envelope.zeros());
-        let mut gradients = [(); 2].map(|()| vec![DVec3::ZERO; moving]);
+        let zero = || vec![DVec3::ZERO; moving];
+        let mut gradients: Vec<[Vec<DVec3>; 2]> = shapes.iter().map(|_| [zero(), zero()]).collect();
         // Σ_e w_e (h_i − h_j), derived by the moving vertices, of which it depends on `used`
         let mut stiffness = vec![0.0; moving];
         let mut used = Vec::new();
         let mut used_by = vec![usize::MAX; moving];
         for i in 0..near {
-            let mut force = DVec3::ZERO;
             let mut add = |entries: &[(usize, f64)], factor: f64| {
                 for &(v, d) in entries {
                     if used_by[v] != i {
@@ -127,7 +135,6 @@ impl LocalG2 {
                 }
             };
             for &(j, w) in laplacian.edges(i) {
-                force += w * (h[i] - h[j]);
                 add(derivatives(j), -w);
             }
             let own = derivatives(i);
@@ -137,8 +144,15 @@ impl LocalG2 {
                 let entries = used.iter().map(|&u| (u, stiffness[u]));
                 envelope.add_to_row(&mut matrices[0], v, d, entries);
                 envelope.add_to_row(&mut matrices[1], v, mass * d, own.iter().copied());
-                gradients[0][v] += d * force;
-                gradients[1][v] += mass * d * h[i];
+            }
+            for (h, [stiff, bending]) in curvatures.iter().zip(&mut gradients) {
+                let Some(hi) = h[i] else { continue };
+                let edges = laplacian.edges(i).iter();
+                let force: DVec3 = edges.filter_map(|&(j, w)| Some(w * (hi - h[j]?))).sum();
+                for &(v, d) in own {
+                    stiff[v] += d * force;
+                    bending[v] += mass * d * hi;
+                }
             }
             used.clear();
         }
@@ -149,21 +163,23 @@ impl LocalG2 {
         }
     }
 
-    /// Displacements of the moving vertices to the minimum of the energy, with the tension over the
-    /// squared radius.
+    /// Displacements of the moving vertices from each shape to the minimum of the energy, with the
+    /// tension over the squared radius.
     ///
     /// # Errors
     /// [`LinearError::NotPositiveDefinite`].
-    pub fn step(&self, tension: f64) -> Result<Vec<DVec3>, LinearError> {
+    pub fn steps(&self, tension: f64) -> Result<Vec<Vec<DVec3>>, LinearError> {
         let [stiffness, bending] = &self.matrices;
         let pairs = stiffness.iter().zip(bending);
         let mut matrix: Vec<f64> = pairs.map(|(a, b)| a + tension * b).collect();
         self.envelope.factorize(&mut matrix)?;
-        let [a, b] = &self.gradients;
-        let pairs = a.iter().zip(b);
-        let mut shift: Vec<DVec3> = pairs.map(|(a, b)| -(*a + tension * *b)).collect();
-        self.envelope.solve_in_place(&matrix, &mut shift);
-        Ok(shift)
+        let step = |[a, b]: &[Vec<DVec3>; 2]| {
+            let pairs = a.iter().zip(b);
+            let mut shift: Vec<DVec3> = pairs.map(|(a, b)| -(*a + tension * *b)).collect();
+            self.envelope.solve_in_place(&matrix, &mut shift);
+            shift
+        };
+        Ok(self.gradients.iter().map(step).collect())
     }
 }
 
@@ -186,7 +202,9 @@ mod tests {
         let moving: Vec<VertexId> = vertices.filter(|&v| mesh.position(v).z > 0.9).collect();
         assert!(moving.len() > 20);
         let region = Neighbourhood::without_faces(&mesh.topology, moving.iter().copied(), G2_RINGS);
-        let local = LocalG2::new(&mesh, &region);
+        let shape = region.vertices().iter().map(|&v| Some(mesh.position(v)));
+        let shape: Vec<Option<DVec3>> = shape.collect();
+        let local = LocalG2::new(&mesh, &region, &[&shape]);
         let interior: Vec<u32> = moving.iter().map(|v| v.0).collect();
         let (radius, tau) = (0.4, 1e9);
         let problem = FlowProblem::new(&mesh.positions, &triangles, &interior, radius);
@@ -201,9 +219,9 @@ mod tests {
                 may_freeze: false,
             });
             assert!(attempt.is_accepted());
-            let steps = local.step(tension / (radius * radius)).expect("a step");
+            let steps = local.steps(tension / (radius * radius)).expect("a step");
             let mut longest = 0.0f64;
-            for (&v, step) in interior.iter().zip(steps) {
+            for (&v, step) in interior.iter().zip(&steps[0]) {
                 let v = v as usize;
                 let expected = flow.state().positions[v] - problem.positions()[v];
                 assert!(step.distance(expected) < 1e-9, "{step} {expected}");

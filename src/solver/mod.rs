@@ -40,7 +40,7 @@ pub(crate) use fold_guard::FoldGuard;
 pub(crate) use local_g2::{G2_RINGS, LocalG2};
 pub use mixed::{LinearSolver, MixedFlow};
 pub use options::{FlowOptions, Scheme, SurfaceModel};
-pub use problem::{FlowProblem, SUPPORT_RINGS};
+pub use problem::{FlowProblem, Reference, SUPPORT_RINGS};
 pub use record::{End, Outcome, RejectReason, StepRecord};
 pub use relax::sharpest_cosine;
 pub use stepper::{StepRequest, Stepper};

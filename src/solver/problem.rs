@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rustc_hash::FxHashMap;
+
 use crate::mesh::{DVec3, FaceId, Neighbourhood, Topology, VertexId};
 use crate::solver::SolverError;
 use crate::solver::discretization::Discretization;
@@ -12,6 +14,17 @@ use crate::surface::Interpolation;
 /// corners up to ring 2 whose one-rings reach ring 3; the fixed curvatures of scheme A reach ring
 /// 4.
 pub const SUPPORT_RINGS: u8 = 4;
+
+/// A shape that a part of the surface resembles. The flow of `g2` lowers the variation of the difference
+/// `h − s h'` of the curvature vectors of both instead of that of its own.
+#[derive(Clone, Debug, Default)]
+pub struct Reference {
+    /// Positions of the shape for the vertices of that part, relative to the centre of the problem,
+    /// where they are known.
+    pub positions: FxHashMap<u32, Option<DVec3>>,
+    /// Its share s, from 0 to 1.
+    pub share: f64,
+}
 
 /// A local mesh whose interior vertices move while all others stay.
 ///
@@ -26,6 +39,7 @@ pub struct FlowProblem {
     radius: f64,
     creases: Vec<u32>,
     interpolation: Option<Arc<Interpolation>>,
+    references: Arc<[Reference]>,
 }
 
 impl FlowProblem {
@@ -77,6 +91,7 @@ impl FlowProblem {
             radius,
             creases: Vec::new(),
             interpolation: None,
+            references: Arc::default(),
         })
     }
 
@@ -172,6 +187,18 @@ impl FlowProblem {
             let topology = Arc::clone(self.topology());
             self.discretization = Arc::new(Discretization::new(topology, active));
         }
+    }
+
+    /// The same problem with reference shapes. A vertex belongs to the first that contains it.
+    #[must_use]
+    pub fn with_references(mut self, references: Vec<Reference>) -> Self {
+        self.references = references.into();
+        self
+    }
+
+    /// The reference shapes.
+    pub fn references(&self) -> &Arc<[Reference]> {
+        &self.references
     }
 
     /// Connectivity of the region.

@@ -1,6 +1,7 @@
 //! The interface between a flow and the method that computes its steps.
 
 use crate::mesh::DVec3;
+use crate::solver::FlowProblem;
 use crate::solver::assembly::EnergySum;
 use crate::solver::control::Attempt;
 use crate::solver::evaluator::State;
@@ -34,6 +35,9 @@ pub trait Stepper: Send + Sync {
 
     /// The first time step of a flow in true time; `tau_ref` is the natural time of the hole.
     fn first_tau(&self, tau_ref: f64) -> f64;
+
+    /// Takes the reference shapes of a problem that differs from that of the stepper in nothing else.
+    fn set_references(&mut self, _: &FlowProblem) {}
 
     /// Vertices that are frozen because their step would fold the surface.
     fn frozen(&self) -> usize {

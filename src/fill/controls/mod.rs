@@ -9,7 +9,7 @@ mod tests;
 use std::collections::BTreeMap;
 
 use crate::energy::{Energy, ExprError};
-use crate::fill::options::{Continuity, FillOptions, Surface};
+use crate::fill::options::{Continuity, FillOptions, Surface, Symmetry};
 use crate::mesh::LoopId;
 use crate::options::{choices, options, text_keys};
 use crate::patch::PatchOptions;
@@ -43,6 +43,9 @@ options! {
         /// diffusion, `g2` continues curvatures across the rim, `auto` chooses by prediction of the
         /// surroundings (`energy` if an option of the energy is given).
         surface: Surface = Surface::default(),
+        /// Whether `auto` may fill holes after their counterparts under an approximate symmetry of the
+        /// mesh: `auto` where prediction expects less error, `off` never.
+        symmetry: Symmetry = Symmetry::default(),
         /// Method: `normal` is the fast linearly implicit normal flow, `mixed` the paper's mixed
         /// finite elements, `mixed-corrected` the same matrix with the exact gradient.
         scheme: Scheme = Scheme::default(),
@@ -144,6 +147,7 @@ impl Controls {
             noise: self.noise,
             flow,
             predicts_surface: self.predicts_surface(),
+            symmetry: self.symmetry,
             continuity: self.continuity,
             loop_continuity: self.loop_continuity.clone(),
             label_patches: self.label_patches,

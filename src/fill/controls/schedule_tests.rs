@@ -10,6 +10,7 @@ fn changed() -> Controls {
         energy: "max(H,-H)^2 + a*K^2".into(),
         param: [("a".into(), 1.0 / 3.0), ("b".into(), -1e-300)].into(),
         surface: Surface::G2,
+        symmetry: Symmetry::Off,
         scheme: Scheme::Mixed,
         mode: Mode::Flow,
         linear: Linear::Lu,

@@ -1,0 +1,210 @@
+//! Fills by symmetry: what is missing at a hole may exist elsewhere.
+//!
+//! The *counterpart* of a hole is the part of the mesh to which an approximate
+//! [symmetry](crate::symmetry) takes the surroundings of the hole. Its shape, taken back to the hole, is
+//! the [`Reference`] of the patch: the flow of `g2` keeps its variation of curvature and bends it
+//! smoothly to fit the rim. The *share* of a counterpart scales the reference: 0 gives the fill without
+//! it, 1 the whole counterpart. The share is the one of least error on the pseudo-holes of the hole.
+
+use std::sync::Arc;
+
+use crate::fill::context::FillContext;
+use crate::fill::patch_topology::PatchTopology;
+use crate::mesh::{DVec3, Neighbourhood, VertexId, vertex_normal};
+use crate::solver::{Flow, FlowProblem, G2_RINGS, Reference};
+use crate::symmetry::{Isometry, Sample, nearest_inside, symmetries};
+
+/// Most vertices around a hole by which a symmetry is fitted, the share of them that counts, and rounds of
+/// fitting.
+const SHARE: f64 = 0.7;
+const FITTED: usize = 100;
+const ROUNDS: usize = 8;
+
+/// What fills a hole by symmetry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Counterpart {
+    /// Takes the surroundings of the hole to the counterpart.
+    pub isometry: Isometry,
+    /// Its share in the shape of the patch, above 0 and at most 1.
+    pub share: f64,
+}
+
+impl FillContext<'_> {
+    /// The point of the mesh nearest to a sample; see [`nearest_inside`].
+    fn nearest(&self, to: &Sample) -> Option<Sample> {
+        nearest_inside(self.mesh, self.plan.obstacles.bvh(self.mesh), to)
+    }
+
+    /// The symmetries of the mesh.
+    pub fn symmetries(&self) -> &[Isometry] {
+        let all = &self.plan.symmetries;
+        all.get_or_init(|| Arc::new(symmetries(self.mesh)))
+    }
+
+    /// A symmetry fitted to some vertices of the mesh, and the median distance of their counterparts
+    /// from them along the normals. `None` if fewer than half have a counterpart.
+    pub fn fitted(&self, symmetry: &Isometry, vertices: &[VertexId]) -> Option<(Isometry, f64)> {
+        let step = vertices.len().div_ceil(FITTED).max(1);
+        let vertices = vertices.iter().step_by(step);
+        let samples = vertices.filter_map(|&v| Sample::of_vertex(self.mesh, v));
+        let samples: Vec<Sample> = samples.collect();
+        let nearest = |sample: &Sample| self.nearest(sample);
+        let fit = symmetry.fitted(&samples, SHARE, ROUNDS, nearest)?;
+        Some((fit, fit.median(&samples, nearest)?))
+    }
+
+    /// Where a sample would lie on its counterpart, taken back to it. `None` if the mesh has none.
+    pub fn counterpart(&self, isometry: &Isometry, of: &Sample) -> Option<DVec3> {
+        let image = Sample {
+            point: isometry.apply(of.point),
+            normal: isometry.turn(of.normal),
+        };
+        Some(isometry.invert(self.nearest(&image)?.point))
+    }
+
+    /// The references of the patches of `topology` that have a counterpart, with the region at
+    /// `positions` (relative to the centre of the problem).
+    pub fn references(
+        &self,
+        problem: &FlowProblem,
+        topology: &PatchTopology,
+        positions: &[DVec3],
+        counterparts: &[Option<Counterpart>],
+    ) -> Vec<Reference> {
+        let all: Vec<u32> = (0..topology.new_vertices() as u32).collect();
+        let own = topology.split(&all).map(|part| part.1);
+        let pairs = own.zip(counterparts);
+        let pairs = pairs.filter_map(|(own, counterpart)| Some((own, counterpart.as_ref()?)));
+        pairs
+            .map(|(own, counterpart)| self.reference(problem, positions, own, counterpart))
+            .collect()
+    }
+
+    /// The reference of the patch whose new vertices are `own`, with the region at `positions`
+    /// (relative to the centre of the problem).
+    fn reference(
+        &self,
+        problem: &FlowProblem,
+        positions: &[DVec3],
+        own: &[u32],
+        counterpart: &Counterpart,
+    ) -> Reference {
+        let topology = problem.topology();
+        let seeds = own.iter().map(|&v| VertexId(v));
+        let near = Neighbourhood::small(topology, seeds, G2_RINGS);
+        let at = |v: VertexId| {
+            let normal = vertex_normal(topology, v, |v| positions[v.index()])?;
+            let point = positions[v.index()] + problem.centre();
+            let there = self.counterpart(&counterpart.isometry, &Sample { point, normal })?;
+            Some(there - problem.centre())
+        };
+        Reference {
+            positions: near.vertices().iter().map(|&v| (v.0, at(v))).collect(),
+            share: counterpart.share,
+        }
+    }
+}
+
+/// Movement of a vertex, relative to the hole radius, below which the references are not updated again,
+/// and how often they are updated at most.
+const SETTLED: f64 = 1e-3;
+const UPDATES: usize = 5;
+
+/// Updates of the references while a flow follows the counterparts of its holes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Following {
+    /// The positions at the last update.
+    before: Vec<DVec3>,
+    updates: usize,
+}
+
+impl Following {
+    /// Whether a flow has references.
+    pub fn has_begun(&self) -> bool {
+        self.updates > 0
+    }
+
+    /// Lets a flow that has converged continue with references for its present shape. Returns false if
+    /// they would be practically the same as before.
+    pub fn update(
+        &mut self,
+        context: FillContext<'_>,
+        flow: &mut Flow,
+        topology: &PatchTopology,
+        counterparts: &[Option<Counterpart>],
+    ) -> bool {
+        let positions = flow.positions();
+        let pairs = positions.iter().zip(&self.before);
+        let moved = pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+        let is_settled =
+            positions.len() == self.before.len() && moved < SETTLED * flow.problem().radius();
+        if is_settled || self.updates == UPDATES {
+            return false;
+        }
+        self.before = positions.to_vec();
+        self.updates += 1;
+        let references = context.references(flow.problem(), topology, positions, counterparts);
+        flow.set_references(references);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fill::{FillOptions, FillResult, RimSet, Symmetry, fill_rim_sets};
+    use crate::mesh::{Mesh, TriangleBvh, boundary_loops};
+    use crate::shapes;
+
+    /// A body with bumps, symmetric to the plane x = 0, with and without a hole on one side.
+    fn bodies() -> (Mesh, Mesh) {
+        let (mut positions, triangles) = shapes::sphere(4000, 3);
+        let is_missing = |p: DVec3| p.distance(DVec3::new(0.8, 0.4, 0.4).normalize()) < 0.35;
+        let missing: Vec<bool> = positions.iter().map(|&p| is_missing(p)).collect();
+        for p in &mut positions {
+            let x = p.x.abs();
+            let bumps =
+                0.1 * (9.0 * p.y + 2.0 * x).sin() * (8.0 * x).cos() + 0.06 * (7.0 * p.z).sin();
+            *p *= DVec3::new(1.0, 1.2, 1.5) * (1.0 + bumps);
+        }
+        let whole = Mesh::from_triangles(positions.clone(), &triangles).expect("a closed mesh");
+        let keeps = |t: &&[u32; 3]| t.iter().all(|&v| !missing[v as usize]);
+        let kept: Vec<[u32; 3]> = triangles.iter().filter(keeps).copied().collect();
+        (
+            whole,
+            Mesh::from_triangles(positions, &kept).expect("a manifold"),
+        )
+    }
+
+    fn filled(mesh: &Mesh, symmetry: Symmetry) -> FillResult {
+        let loops = boundary_loops(mesh);
+        let chosen: Vec<RimSet<'_>> = loops.iter().map(|l| vec![l]).collect();
+        let options = FillOptions {
+            symmetry,
+            ..FillOptions::default()
+        };
+        fill_rim_sets(mesh, &chosen, &options, &|_, _| true).expect("filled")
+    }
+
+    #[test]
+    fn what_is_missing_is_taken_from_the_other_side() {
+        let (whole, broken) = bodies();
+        let triangles: Vec<[u32; 3]> = whole.topology.triangles().collect();
+        let truth = TriangleBvh::new(&whole.positions, &triangles);
+        let error = |result: &FillResult| {
+            let new = &result.mesh.positions[broken.vertex_count()..];
+            let distances = new.iter().filter_map(|&p| truth.closest_point(p));
+            (distances.map(|c| c.distance.powi(2)).sum::<f64>() / new.len() as f64).sqrt()
+        };
+        let [with, without] = [Symmetry::Auto, Symmetry::Off].map(|s| filled(&broken, s));
+        let surface = |result: &FillResult| {
+            let group = result.groups[0].as_ref().expect("a flow");
+            group.surface.clone()
+        };
+        assert!(surface(&with).model.symmetric);
+        assert!(!surface(&without).model.symmetric);
+        assert!(surface(&with).expected_error() < surface(&without).expected_error());
+        let [with, without] = [&with, &without].map(error);
+        assert!(with < 0.2 * without, "{with} {without}");
+    }
+}

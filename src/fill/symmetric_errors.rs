@@ -1,0 +1,247 @@
+//! Errors of pseudo-holes that are filled with the help of a symmetry of the mesh.
+
+use rayon::prelude::*;
+
+use crate::fill::context::FillContext;
+use crate::fill::counterpart::Counterpart;
+use crate::fill::hole::HoleRims;
+use crate::fill::prediction::{TENSIONS, WORTH};
+use crate::fill::pseudo_hole::Disc;
+use crate::mesh::{DVec3, VertexId};
+use crate::solver::LocalG2;
+use crate::symmetry::{Isometry, Sample};
+
+/// Vertices around a hole to which a symmetry is fitted, over those of its rim: about six rings.
+const FITTED: usize = 6;
+/// Most pseudo-holes of a hole on which a symmetry is tried.
+const DISCS: usize = 16;
+/// Least share of the vertices in and around a pseudo-hole that have a counterpart, for the errors and
+/// for the comparison of single pseudo-holes.
+const COVERED: [f64; 2] = [0.3, 0.6];
+/// Least part of the pseudo-holes that must gain by a whole counterpart: where a few large errors
+/// become smaller and most of the others larger, the hole itself rarely gains.
+const MAJORITY: f64 = 0.5;
+
+/// Squared errors of `g2` with and without the counterparts under a symmetry, on pseudo-holes.
+pub(super) struct SymmetricErrors {
+    isometry: Isometry,
+    /// Median distance of the counterpart from the surroundings of the hole, over the hole radius.
+    distance: f64,
+    /// Of all pseudo-holes, by [`TENSIONS`].
+    moments: [Moments; TENSIONS.len()],
+    /// Part of the pseudo-holes that gain by a whole counterpart, by [`TENSIONS`].
+    gaining: [f64; TENSIONS.len()],
+}
+
+/// Mean squares of the errors s without a counterpart and of the effects u of a whole one, relative to
+/// the radius.
+#[derive(Clone, Copy, Default)]
+struct Moments {
+    ss: f64,
+    su: f64,
+    uu: f64,
+    /// Share of the vertices in and around the pseudo-holes that have a counterpart.
+    known: f64,
+}
+
+impl Moments {
+    /// Sum of the squared errors with a share of the counterpart, `Σ (s + share u)²`.
+    fn error(&self, share: f64) -> f64 {
+        self.ss + share * (2.0 * self.su + share * self.uu)
+    }
+
+    /// The share of least error.
+    fn share(&self) -> f64 {
+        let share = -self.su / self.uu;
+        // no effect: any share would do
+        if share.is_finite() {
+            share.clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// Squared error with the best share, relative to that without a counterpart.
+    fn ratio(&self) -> f64 {
+        let ratio = self.error(self.share()) / self.ss;
+        if ratio.is_finite() {
+            ratio.max(0.0)
+        } else {
+            1.0
+        }
+    }
+}
+
+impl SymmetricErrors {
+    /// Those of the symmetry with the least error. `near` are the vertices around a hole, from its rim
+    /// outwards, and `discs` its pseudo-holes. `None` if no symmetry is worth while.
+    pub fn least(
+        context: FillContext<'_>,
+        rims: &HoleRims,
+        near: &[VertexId],
+        discs: &[Disc],
+    ) -> Option<Self> {
+        let near = &near[..near.len().min(FITTED * rims.vertices.len())];
+        let discs = &discs[..discs.len().min(DISCS)];
+        let symmetries = context.symmetries().iter();
+        let all = symmetries.filter_map(|symmetry| {
+            let (isometry, distance) = context.fitted(symmetry, near)?;
+            Self::on(context, isometry, distance / rims.radius(), discs)
+        });
+        let least = |one: &Self| {
+            let ratios = (0..TENSIONS.len()).filter(|&k| one.is_worth(k));
+            ratios.map(|k| one.ratio(k)).fold(f64::INFINITY, f64::min)
+        };
+        all.map(|one| (least(&one), one))
+            .filter(|one| one.0 < 1.0)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|one| one.1)
+    }
+
+    /// On those of some pseudo-holes that have a counterpart. `None` if fewer than a third have one.
+    fn on(
+        context: FillContext<'_>,
+        isometry: Isometry,
+        distance: f64,
+        discs: &[Disc],
+    ) -> Option<Self> {
+        let found = discs
+            .par_iter()
+            .map(|disc| moments(context, disc, &isometry));
+        let found: Vec<_> = found.collect::<Vec<_>>().into_iter().flatten().collect();
+        if found.is_empty() || 3 * found.len() < discs.len() {
+            return None;
+        }
+        let mut sums = [Moments::default(); TENSIONS.len()];
+        let mut gaining = [0.0; TENSIONS.len()];
+        let is_comparable = |one: &&[Moments; TENSIONS.len()]| one[0].known >= COVERED[1];
+        let comparable = found.iter().filter(is_comparable).count();
+        let total: f64 = found.iter().map(|one| one[0].known * one[0].known).sum();
+        for k in 0..TENSIONS.len() {
+            let gains = |one: &&[Moments; TENSIONS.len()]| one[k].error(1.0) < one[k].ss;
+            let count = found.iter().filter(is_comparable).filter(gains).count();
+            gaining[k] = count as f64 / comparable.max(1) as f64;
+            for Moments { ss, su, uu, known } in found.iter().map(|one| one[k]) {
+                // pseudo-holes with a whole counterpart say most about a whole counterpart
+                let weight = known * known / total;
+                sums[k].ss += weight * ss;
+                sums[k].su += weight * su;
+                sums[k].uu += weight * uu;
+                sums[k].known += known / found.len() as f64;
+            }
+        }
+        Some(Self {
+            isometry,
+            distance,
+            moments: sums,
+            gaining,
+        })
+    }
+
+    /// Squared error to expect of the hole, relative to that without a counterpart: the error is
+    /// lower in the part of the hole that has one.
+    pub fn ratio(&self, tension: usize) -> f64 {
+        let moments = self.moments[tension];
+        if self.is_worth(tension) {
+            1.0 - moments.known * (1.0 - moments.ratio())
+        } else {
+            1.0
+        }
+    }
+
+    /// Whether the counterpart is to be used: the error with it is less, most pseudo-holes gain, and it
+    /// fits the surroundings of the hole itself better than the error without it.
+    fn is_worth(&self, tension: usize) -> bool {
+        let moments = &self.moments[tension];
+        moments.ratio() <= WORTH * WORTH
+            && self.gaining[tension] >= MAJORITY
+            && self.distance * self.distance <= moments.ss
+    }
+
+    /// What fills the hole by symmetry. `None` if the counterpart is not worth while.
+    pub fn counterpart(&self, tension: usize) -> Option<Counterpart> {
+        self.is_worth(tension).then(|| Counterpart {
+            isometry: self.isometry,
+            share: self.moments[tension].share(),
+        })
+    }
+}
+
+/// Errors of a pseudo-hole by [`TENSIONS`], relative to its radius, where it has a counterpart. The
+/// symmetry is fitted to its surroundings. `None` if too much of the counterpart is missing.
+fn moments(
+    context: FillContext<'_>,
+    disc: &Disc,
+    symmetry: &Isometry,
+) -> Option<[Moments; TENSIONS.len()]> {
+    let mesh = context.mesh;
+    let vertices = disc.region.vertices();
+    let (isometry, _) = context.fitted(symmetry, &vertices[disc.normals.len()..])?;
+    let there = vertices.iter().map(|&v| {
+        let sample = Sample::of_vertex(mesh, v)?;
+        context.counterpart(&isometry, &sample)
+    });
+    let there: Vec<Option<DVec3>> = there.collect();
+    let known = there.iter().flatten().count() as f64 / there.len() as f64;
+    if known < COVERED[0] {
+        return None;
+    }
+    let local = LocalG2::new(mesh, &disc.region, &[&disc.positions(mesh), &there]);
+    let scale = 1.0 / (disc.normals.len() as f64 * disc.radius * disc.radius);
+    let moments = TENSIONS.map(|tension| {
+        let steps = local.steps(tension / (disc.radius * disc.radius)).ok()?;
+        let [without, reference] = &steps[..] else {
+            return None;
+        };
+        let mut sum = Moments {
+            known,
+            ..Moments::default()
+        };
+        let steps = without.iter().zip(reference).zip(&disc.normals);
+        for (((step, step_of_reference), n), there) in steps.zip(&there) {
+            if there.is_some() {
+                // the step towards the minimum of the energy of x − share y, by shares
+                let (s, u) = (step.dot(*n), -step_of_reference.dot(*n));
+                sum.ss += scale * s * s;
+                sum.su += scale * s * u;
+                sum.uu += scale * u * u;
+            }
+        }
+        Some(sum)
+    });
+    let moments: Option<Vec<Moments>> = moments.into_iter().collect();
+    moments?.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_share_has_the_least_error() {
+        let moments = Moments {
+            ss: 4.0,
+            su: -2.0,
+            uu: 1.6,
+            known: 1.0,
+        };
+        assert_eq!(moments.share(), 1.0);
+        let moments = Moments { uu: 4.0, ..moments };
+        assert_eq!(moments.share(), 0.5);
+        assert_eq!(moments.ratio(), 0.75);
+        for share in [0.4, 0.6] {
+            assert!(moments.error(share) > moments.error(0.5));
+        }
+        // an effect in the wrong direction, and none
+        assert_eq!(Moments { su: 1.0, ..moments }.share(), 0.0);
+        assert_eq!(
+            Moments {
+                su: 0.0,
+                uu: 0.0,
+                ..moments
+            }
+            .ratio(),
+            1.0
+        );
+    }
+}

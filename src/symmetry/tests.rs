@@ -1,0 +1,89 @@
+//! Symmetries of bodies with known ones, under motions, and of bodies without any.
+
+use glam::DQuat;
+
+use super::*;
+use crate::shapes;
+
+/// A bumpy body, symmetric to the plane x = 0 only if `symmetric`, after a motion.
+fn body(symmetric: bool, motion: &Isometry) -> Mesh {
+    let (mut positions, triangles) = shapes::icosphere(20);
+    for p in &mut positions {
+        let x = if symmetric { p.x.abs() } else { p.x };
+        let bumps = 0.1 * (5.0 * p.y + 3.0 * x * x).sin() + 0.08 * (4.0 * p.z + x * x + 1.0).sin();
+        let skew = if symmetric {
+            0.0
+        } else {
+            0.4 * p.x * (3.0 * p.y).sin()
+        };
+        *p *= DVec3::new(1.0, 1.3, 1.7) * (1.0 + bumps + skew);
+        *p = motion.apply(*p);
+    }
+    Mesh::from_triangles(positions, &triangles).expect("a closed mesh")
+}
+
+fn motion() -> Isometry {
+    let turn = DQuat::from_scaled_axis(DVec3::new(0.4, -0.9, 1.3));
+    Isometry::about(DVec3::new(3.0, -2.0, 7.0), DMat3::from_quat(turn))
+}
+
+#[test]
+fn the_reflection_of_a_symmetric_body_is_found_wherever_it_lies() {
+    let at_rest = Isometry::about(DVec3::ZERO, DMat3::IDENTITY);
+    for motion in [at_rest, motion()] {
+        let found = symmetries(&body(true, &motion));
+        assert_eq!(found.len(), 1);
+        for p in [DVec3::X, DVec3::new(-0.3, 1.1, 0.2), DVec3::Z] {
+            let mirrored = motion.apply(p * DVec3::new(-1.0, 1.0, 1.0));
+            let image = found[0].apply(motion.apply(p));
+            // the points are vertices of two different triangulations
+            assert!(image.distance(mirrored) < 0.01, "{image} {mirrored}");
+            assert!(found[0].invert(image).distance(motion.apply(p)) < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn bodies_without_symmetry_or_area_have_none() {
+    assert_eq!(symmetries(&body(false, &motion())), []);
+    let line = [DVec3::ZERO, DVec3::X, 2.0 * DVec3::X];
+    let mesh = Mesh::from_triangles(line.to_vec(), &[[0, 1, 2]]).expect("a manifold");
+    assert_eq!(symmetries(&mesh), []);
+}
+
+#[test]
+fn a_fit_restores_a_motion_exactly() {
+    let mesh = body(false, &motion());
+    let all = Target::coarse(&mesh, usize::MAX);
+    let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.01, -0.02, 0.015)));
+    let start = Isometry::about(DVec3::new(2.5, -2.0, 7.5), turn);
+    let samples = all.some(300);
+    let fit = start.fitted(&samples, 0.7, 30, |sample| all.nearest(sample));
+    let fit = fit.expect("pairs");
+    // the identity is the only symmetry
+    for sample in &samples {
+        assert!(fit.apply(sample.point).distance(sample.point) < 1e-4);
+        assert!(start.apply(sample.point).distance(sample.point) > 1e-3);
+    }
+    let distance = fit.median(&samples, |sample| all.nearest(sample));
+    assert!(distance.expect("pairs") < 1e-5);
+    // nothing is near
+    assert_eq!(start.fitted(&samples, 0.7, 30, |_| None), None);
+}
+
+#[test]
+fn beyond_a_boundary_nothing_is_nearest() {
+    let square = [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
+    let mesh = Mesh::from_triangles(square.to_vec(), &[[0, 1, 2], [0, 2, 3]]).expect("a square");
+    let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+    let bvh = crate::mesh::TriangleBvh::new(&mesh.positions, &triangles);
+    let look = |x: f64, y: f64, normal: DVec3| {
+        let point = DVec3::new(x, y, 0.3);
+        nearest_inside(&mesh, &bvh, &Sample { point, normal }).map(|found| found.point)
+    };
+    assert_eq!(look(0.5, 0.25, DVec3::Z), Some(DVec3::new(0.5, 0.25, 0.0)));
+    // on the edge between the triangles, beyond the rim, on the other side
+    assert_eq!(look(0.5, 0.5, DVec3::Z), Some(DVec3::new(0.5, 0.5, 0.0)));
+    assert_eq!(look(0.5, -0.1, DVec3::Z), None);
+    assert_eq!(look(0.5, 0.25, -DVec3::Z), None);
+}
