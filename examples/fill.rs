@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("some holes are open or did not converge");
     }
     if let Some(output) = files.get(1) {
-        io::save_mesh(Path::new(output), &filled.mesh, &[])?;
+        io::save_mesh(Path::new(output), &filled.mesh)?;
     }
     Ok(())
 }

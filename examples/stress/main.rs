@@ -317,7 +317,7 @@ fn is_said(filled: &Filled, hole: &FilledHole) -> bool {
 
 fn write(folder: &Path, kind: &str, seed: u64, mesh: &Mesh) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
-    meniscus::io::save_mesh(&folder.join(format!("{kind}-{seed}.obj")), mesh, &[])?;
+    meniscus::io::save_mesh(&folder.join(format!("{kind}-{seed}.obj")), mesh)?;
     Ok(())
 }
 

@@ -10,7 +10,9 @@ use serde::{Deserialize, Serialize};
 use super::run::RunState;
 use crate::fill::{Controls, LoopChoice, choose};
 use crate::io::Opened;
-use crate::mesh::{BoundaryLoop, DVec3, LoadReport, LoopId, Mesh, Topology, boundary_loops};
+use crate::mesh::{
+    BoundaryLoop, DVec3, FaceData, LoadReport, LoopId, Mesh, Topology, boundary_loops,
+};
 use crate::ops::Operation;
 use crate::render::Bounds;
 
@@ -38,8 +40,6 @@ pub struct Origin {
     pub source: Source,
     /// Counts and repairs.
     pub report: LoadReport,
-    /// Material libraries, written again when the mesh is saved.
-    pub material_libraries: Vec<String>,
     /// The bounding box of the opened mesh.
     pub bounds: Bounds,
 }
@@ -114,7 +114,6 @@ impl Document {
             origin: Arc::new(Origin {
                 source,
                 report: opened.report,
-                material_libraries: opened.material_libraries,
                 bounds: bounds_of(&mesh),
             }),
             first_patch_face: mesh.face_count(),
@@ -133,7 +132,6 @@ impl Document {
         let nothing = Opened {
             mesh: Mesh::new(Vec::new(), Topology::default()),
             report: LoadReport::default(),
-            material_libraries: Vec::new(),
         };
         Self::new(nothing, Source::Embedded)
     }
@@ -221,14 +219,12 @@ impl Document {
             }
         }
         let mut positions = Vec::new();
-        let mut colors = Vec::new();
+        let mut vertices = Vec::new();
         for (v, slot) in new_index.iter_mut().enumerate() {
             if *slot == 0 {
                 *slot = positions.len() as u32;
                 positions.push(self.mesh.positions[v]);
-                if let Some(&c) = self.mesh.colors.get(v) {
-                    colors.push(c);
-                }
+                vertices.push(v as u32);
             }
         }
         let local: Vec<[u32; 3]> = triangles
@@ -236,7 +232,9 @@ impl Document {
             .map(|t| t.map(|v| new_index[v as usize]))
             .collect();
         let mut patches = Mesh::from_triangles(positions, &local).ok()?;
-        patches.colors = colors;
+        let faces: Vec<u32> = (first as u32..self.mesh.face_count() as u32).collect();
+        patches.attributes = self.mesh.attributes.picked(&vertices, &faces);
+        patches.attributes.non_orientable = FaceData::default();
         Some(patches)
     }
 }

@@ -129,7 +129,7 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
         text.push_str(MESH);
         text.push('\n');
         let mut bytes = Vec::new();
-        io::with_output(&document.mesh, &origin.material_libraries, |output| {
+        io::with_output(&document.mesh, |output| {
             // writing to a vector cannot fail
             io::write(Format::Obj, output, &mut bytes).ok();
         });

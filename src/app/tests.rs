@@ -391,7 +391,7 @@ fn what_a_format_cannot_keep_is_logged() {
 fn files_are_saved_reopened_and_never_overwritten() {
     let folder = tempfile::tempdir().expect("a folder");
     let source = folder.path().join("in.obj");
-    io::save_mesh(&source, &opened().mesh, &[]).expect("written");
+    io::save_mesh(&source, &opened().mesh).expect("written");
     let bytes = std::fs::read(&source).expect("there");
     let mut m = model();
     act(&mut m, FileAction::Open(source.clone()));

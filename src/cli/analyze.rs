@@ -133,11 +133,15 @@ pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
     if args.json {
         return print(&report_json(&input, Some(&opened.report), &analysis)?);
     }
-    print(&text(&input, &analysis)?)
+    print(&text(&input, &opened.report.attributes, &analysis)?)
 }
 
 /// The report as plain text.
-fn text(input: &str, analysis: &Analysis) -> Result<String, std::fmt::Error> {
+fn text(
+    input: &str,
+    attributes: &[String],
+    analysis: &Analysis,
+) -> Result<String, std::fmt::Error> {
     let mut out = String::new();
     let (s, q) = (&analysis.shape, &analysis.quality);
     writeln!(out, "{input}")?;
@@ -146,6 +150,9 @@ fn text(input: &str, analysis: &Analysis) -> Result<String, std::fmt::Error> {
         "  {} vertices, {} faces, {} edges; {} components, {} boundary loops, Euler number {}, genus {}",
         s.vertices, s.faces, s.edges, s.components, s.boundary_loops, s.euler, s.genus
     )?;
+    for line in attributes {
+        writeln!(out, "  {line}")?;
+    }
     writeln!(
         out,
         "  triangles: area {:.6e}{}; limit surface: area {:.6e}{}",

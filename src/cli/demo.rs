@@ -31,7 +31,7 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
     let (positions, triangles) = shapes::demo();
     let holed = args.out.join("holed.obj");
     // OBJ keeps all data of the sample
-    save_mesh(&holed, &Mesh::from_triangles(positions, &triangles)?, &[])?;
+    save_mesh(&holed, &Mesh::from_triangles(positions, &triangles)?)?;
     if !args.quiet {
         print(&format!("{}: the sample with its holes\n", holed.display()))?;
     }

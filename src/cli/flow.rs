@@ -224,7 +224,7 @@ impl<'a> Task<'a> {
             opened,
             flow,
         } = self;
-        save(&files.output, &filled.mesh, opened, files.quiet)?;
+        save(&files.output, &filled.mesh, files.quiet)?;
         let first = filled.mesh.face_count() - filled.faces_added();
         args.picture.save(&filled.mesh, first, creases)?;
         let holes = hole_reports(filled);

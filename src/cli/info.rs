@@ -109,6 +109,9 @@ fn text(info: &Info<'_>) -> Result<String, std::fmt::Error> {
             c.faces, c.vertices, c.loops, c.euler
         )?;
     }
+    for line in &r.attributes {
+        writeln!(out, "  {line}")?;
+    }
     for note in &r.notes {
         writeln!(out, "  {note}")?;
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use crate::io::{Opened, save_mesh};
+use crate::io::save_mesh;
 use crate::mesh::Mesh;
 
 /// Writes text to standard output. A closed pipe (`meniscus info … | head`) is not an error; any
@@ -20,10 +20,9 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Writes a mesh with the material libraries of the input. Unless `quiet`, prints to standard error
-/// what the format cannot store.
-pub fn save(path: &Path, mesh: &Mesh, input: &Opened, quiet: bool) -> Result<()> {
-    let losses = save_mesh(path, mesh, &input.material_libraries)?;
+/// Writes a mesh. Unless `quiet`, prints to standard error what the format cannot store.
+pub fn save(path: &Path, mesh: &Mesh, quiet: bool) -> Result<()> {
+    let losses = save_mesh(path, mesh)?;
     for loss in losses.iter().filter(|_| !quiet) {
         eprintln!("{}: {loss}", path.display());
     }

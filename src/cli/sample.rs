@@ -32,6 +32,6 @@ pub fn sample(args: &SampleArguments) -> Result<()> {
     let sample = args.sample;
     io::check_target(&args.output)?;
     let opened = io::from_soup(sample.soup(), Path::new(sample.name))?;
-    save(&args.output, &opened.mesh, &opened, false)?;
+    save(&args.output, &opened.mesh, false)?;
     print(&format!("{}: {}\n", args.output.display(), sample.title))
 }

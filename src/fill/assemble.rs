@@ -6,13 +6,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::fill::attributes::filled_attributes;
 use crate::fill::hole::HoleRims;
 use crate::fill::patch_topology::PatchTopology;
 use crate::fill::plan::Plan;
 use crate::fill::result::FilledHole;
-use crate::mesh::{
-    DVec3, FaceTag, Mesh, Topology, TopologyError, VertexId, color_steps, round_color,
-};
+use crate::mesh::{DVec3, FaceId, FaceTag, Mesh, Topology, TopologyError, VertexId};
 
 /// The triangulation of one patch: its rim vertices in the mesh, its triangles in patch numbers,
 /// and its number of new vertices.
@@ -81,7 +80,7 @@ impl Assembly {
         }
         let (mut vertices, mut faces) = (mesh.vertex_count(), mesh.face_count());
         let mut holes = Vec::with_capacity(parts.len());
-        let mut tags = mesh.tags.clone();
+        let mut tags = mesh.attributes.tags.clone();
         if labels && tags.is_empty() {
             tags.push(FaceTag::default());
         }
@@ -90,7 +89,9 @@ impl Assembly {
             let (first_vertex, first_face) = (vertices, faces);
             vertices += new_vertices;
             faces += triangles.len();
-            let mut tag = tag_of(mesh, &hole.rims);
+            let like = face_beside(mesh, &hole.rims);
+            let of_faces = &mesh.attributes.faces.tags;
+            let mut tag = of_faces.get(like.index()).copied().unwrap_or(0);
             if labels {
                 patch += 1;
                 tags.push(tags[tag as usize].in_patch(patch));
@@ -106,7 +107,7 @@ impl Assembly {
                 patch_ms: hole.patch_ms,
                 warnings: hole.warnings.clone(),
                 tag,
-                color: mean_color(mesh, rim),
+                like,
             });
         }
         let mut triangles = Vec::with_capacity(faces);
@@ -175,32 +176,15 @@ impl Assembly {
         positions
     }
 
-    /// The filled mesh. New vertices have the mean colour of their rims, new faces the tag of the
-    /// face across the first edge of the first rim.
+    /// The filled mesh with the attributes of [`filled_attributes`].
     pub fn mesh<'a>(&self, mesh: &Mesh, groups: impl IntoIterator<Item = &'a [DVec3]>) -> Mesh {
-        let (mut colors, mut face_tags) = (mesh.colors.clone(), mesh.face_tags.clone());
-        let mut non_orientable_tags = mesh.non_orientable_tags.clone();
-        let has_tags = !self.tags.is_empty();
-        if has_tags {
-            face_tags.resize(self.given_faces, 0);
-            non_orientable_tags.resize(mesh.non_orientable.len(), 0);
-        }
-        for hole in &self.holes {
-            if !mesh.colors.is_empty() {
-                colors.extend(std::iter::repeat_n(hole.color, hole.vertices.len()));
-            }
-            if has_tags {
-                face_tags.extend(std::iter::repeat_n(hole.tag, hole.faces.len()));
-            }
-        }
+        let positions = self.positions(mesh, groups);
+        let (holes, tags) = (&self.holes, &self.tags);
         Mesh {
-            positions: self.positions(mesh, groups),
+            attributes: filled_attributes(mesh, holes, tags, &self.topology, &positions),
+            positions,
             topology: (*self.topology).clone(),
-            colors,
-            face_tags,
-            tags: self.tags.clone(),
             non_orientable: mesh.non_orientable.clone(),
-            non_orientable_tags,
         }
     }
 
@@ -216,26 +200,7 @@ impl Assembly {
     }
 }
 
-/// The tag of the face across the first edge of the first rim.
-fn tag_of(mesh: &Mesh, rims: &HoleRims) -> u32 {
-    let face = mesh.topology.face(rims.loops[0].halfedges[0].twin());
-    mesh.face_tags.get(face.index()).copied().unwrap_or(0)
-}
-
-/// The mean colour of the rim vertices, in the type of their colours.
-fn mean_color(mesh: &Mesh, rim: &[VertexId]) -> [f32; 4] {
-    let mut mean = [0.0; 4];
-    if mesh.colors.is_empty() {
-        return mean;
-    }
-    let mut rim = rim.to_vec();
-    rim.sort_unstable();
-    rim.dedup();
-    let colors: Vec<[f32; 4]> = rim.iter().map(|v| mesh.colors[v.index()]).collect();
-    for color in &colors {
-        for (sum, part) in mean.iter_mut().zip(color) {
-            *sum += part / rim.len() as f32;
-        }
-    }
-    round_color(mean, color_steps(&colors))
+/// The face across the first edge of the first rim.
+fn face_beside(mesh: &Mesh, rims: &HoleRims) -> FaceId {
+    mesh.topology.face(rims.loops[0].halfedges[0].twin())
 }

@@ -3,8 +3,7 @@
 use crate::fill::hermite::{RimFrame, hermite_between, length, pieces};
 use crate::fill::select::nearest_loop;
 use crate::mesh::{
-    BoundaryLoop, DVec3, FaceId, LoopId, Mesh, Topology, TopologyError, color_steps, round_color,
-    self_intersections,
+    BoundaryLoop, DVec3, FaceId, LoopId, Mesh, Topology, TopologyError, self_intersections,
 };
 use crate::warning::{MAX_PAIRS, Warning};
 
@@ -106,19 +105,12 @@ pub fn bridge(
 
     let first = mesh.vertex_count();
     let mut positions = mesh.positions.clone();
-    let mut colors = mesh.colors.clone();
-    let steps = color_steps(&colors);
+    let mut ends = Vec::new();
     for row in 1..rows {
         let t = row as f64 / rows as f64;
         for k in 0..=width {
             positions.push(curve(k, t));
-            if let (Some(a), Some(b)) = (
-                mesh.colors.get(near.vertices[at(k)].index()),
-                mesh.colors.get(far.vertices[across(k)].index()),
-            ) {
-                let mix = |c: usize| a[c] + (b[c] - a[c]) * t as f32;
-                colors.push(round_color([0, 1, 2, 3].map(mix), steps));
-            }
+            ends.push(([near.vertices[at(k)], far.vertices[across(k)]], t));
         }
     }
     let vertex = |row: usize, k: usize| -> u32 {
@@ -141,16 +133,15 @@ pub fn bridge(
             }
         }
     }
-    let mut face_tags = mesh.face_tags.clone();
-    if !face_tags.is_empty() {
-        let beside = mesh.topology.face(near.halfedges[from.start].twin());
-        face_tags.resize(faces.len(), mesh.face_tags[beside.index()]);
-    }
+    let given = mesh.face_count();
+    let beside = mesh.topology.face(near.halfedges[from.start].twin());
+    let mut attributes = mesh.attributes.clone();
+    attributes.append_vertices(first, &ends);
+    attributes.append_triangles(given, beside.index(), None, &faces[given..]);
     Ok(Mesh {
         topology: Topology::from_triangles(positions.len(), &faces)?,
         positions,
-        colors,
-        face_tags,
+        attributes,
         ..mesh.clone()
     })
 }

@@ -6,6 +6,7 @@
 //! [`fill_rim_sets`] does all of it, with the groups in parallel.
 
 mod assemble;
+mod attributes;
 mod blend;
 mod bridge;
 mod context;
@@ -15,6 +16,7 @@ mod defects;
 mod fairing;
 mod group;
 mod group_flow;
+mod harmonic;
 mod hermite;
 mod hole;
 mod islands;

@@ -56,7 +56,7 @@ pub fn fill_part(
     let chord = chord(mesh, hole, from, to, options.patch.density);
     let along: Vec<usize> = (0..edges).map(|k| (from + k) % n).collect();
     let rim = part_of_rim(mesh, hole, &along, to, &chord);
-    let longer = with_vertices(mesh, &chord, hole.vertices[to])?;
+    let longer = with_vertices(mesh, &chord, [to, from].map(|i| hole.vertices[i]))?;
     let part = part_of_loop(mesh, hole, &along, to, &rim);
     let patch = patch::fill(&rim, options.patch);
     let draft = DraftHole {
@@ -150,13 +150,15 @@ fn part_of_loop(
     }
 }
 
-/// The mesh with additional vertices, which have no faces yet and the colour of `like`.
-fn with_vertices(mesh: &Mesh, new: &[DVec3], like: VertexId) -> Result<Mesh, FillError> {
+/// The mesh with additional vertices between two of its own, which have no faces yet.
+fn with_vertices(mesh: &Mesh, new: &[DVec3], ends: [VertexId; 2]) -> Result<Mesh, FillError> {
     let mut longer = mesh.clone();
     longer.positions.extend_from_slice(new);
-    if let Some(&color) = mesh.colors.get(like.index()) {
-        longer.colors.resize(longer.positions.len(), color);
-    }
+    let ratio = |i: usize| (i + 1) as f64 / (new.len() + 1) as f64;
+    let between: Vec<_> = (0..new.len()).map(|i| (ends, ratio(i))).collect();
+    longer
+        .attributes
+        .append_vertices(mesh.vertex_count(), &between);
     let faces: Vec<[u32; 3]> = mesh.topology.triangles().collect();
     longer.topology = Topology::from_triangles(longer.positions.len(), &faces)?;
     Ok(longer)

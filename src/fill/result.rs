@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::fill::prediction::GroupSurface;
 use crate::fill::select::NoSuchLoop;
-use crate::mesh::{LoopId, Mesh, TopologyError, VertexId};
+use crate::mesh::{FaceId, LoopId, Mesh, TopologyError, VertexId};
 use crate::patch::PatchError;
 use crate::solver::{End, Outcome, SolverError, StepRecord};
 use crate::warning::Warnings;
@@ -128,8 +128,8 @@ pub struct FilledHole {
     pub warnings: Warnings,
     /// Tag of its faces.
     pub(super) tag: u32,
-    /// Colour of its new vertices.
-    pub(super) color: [f32; 4],
+    /// The face beside the rim whose data its faces have.
+    pub(super) like: FaceId,
 }
 
 impl FilledHole {

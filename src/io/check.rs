@@ -1,7 +1,7 @@
 //! Checks of a mesh for a format, and losses of a format.
 
 use super::{Format, MeshFault, OutputMesh};
-use crate::mesh::{DVec3, FaceTag};
+use crate::mesh::{Colors, Column, DVec3, FaceTag, NO_VALUE, NumberType, row_count};
 
 /// Checks that `mesh` can be written in `format`: finite coordinates, indices in range, attribute
 /// arrays of the right length.
@@ -37,12 +37,24 @@ pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
             }
         }
     }
-    let lengths = [
-        ("vertex colours", mesh.colors.len(), vertices),
-        ("face tags", mesh.face_tags.len(), triangles),
+    let all = mesh.attributes;
+    let column = |what, column: &Column, wanted| (what, column.numbers.len(), wanted);
+    let of_vertices = all.vertices.iter();
+    let of_faces = all.faces.columns.iter();
+    let lists = [
+        ("face tags", all.faces.tags.len(), triangles),
+        (
+            "texture coordinates of corners",
+            all.faces.texture.len(),
+            3 * triangles,
+        ),
+        ("normals of corners", all.faces.normals.len(), 3 * triangles),
     ];
+    let lengths = (lists.into_iter().filter(|list| list.1 != 0))
+        .chain(of_vertices.map(|c| column("vertex properties", c, vertices)))
+        .chain(of_faces.map(|c| column("face properties", c, triangles)));
     for (what, found, wanted) in lengths {
-        if found != 0 && found != wanted {
+        if found != wanted {
             return Err(MeshFault::Attribute {
                 what,
                 found,
@@ -50,13 +62,24 @@ pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
             });
         }
     }
-    let wanted = mesh.tags.len();
-    if let Some(&tag) = mesh.face_tags.iter().find(|&&tag| tag as usize >= wanted) {
-        return Err(MeshFault::Attribute {
-            what: "face tag index",
-            found: tag as usize,
-            wanted,
-        });
+    let references = [
+        ("face tag index", &all.faces.tags, all.tags.len()),
+        (
+            "texture coordinate index",
+            &all.faces.texture,
+            row_count(&all.texture),
+        ),
+        ("normal index", &all.faces.normals, row_count(&all.normals)),
+    ];
+    for (what, list, wanted) in references {
+        let is_wrong = |&&index: &&u32| index as usize >= wanted && index != NO_VALUE;
+        if let Some(&index) = list.iter().find(is_wrong) {
+            return Err(MeshFault::Attribute {
+                what,
+                found: index as usize,
+                wanted,
+            });
+        }
     }
     Ok(())
 }
@@ -64,20 +87,71 @@ pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
 /// The attributes of `mesh` that a file in `format` cannot store, as messages for the user.
 pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
     let mut lost = Vec::new();
-    let colored = !mesh.colors.is_empty();
-    match format {
-        Format::Obj if mesh.colors.iter().any(|c| c[3] != 1.0) => {
-            lost.push("OBJ cannot store transparency".to_owned());
+    let all = mesh.attributes;
+    let colors = Colors::of(&all.vertices);
+    let name = match format {
+        Format::Obj => "OBJ",
+        Format::Ply => "PLY",
+        Format::Stl => "STL",
+    };
+    if format == Format::Stl && colors.is_some() {
+        lost.push("STL cannot store colours".to_owned());
+    }
+    let is_color = |k: usize| colors.is_some_and(|c| c.channels.contains(&k) || c.alpha == Some(k));
+    let is_lost = |(k, column): &(usize, &Column)| match format {
+        Format::Obj => !is_color(*k) && (column.is_typed || column.name != "w"),
+        Format::Ply => false,
+        Format::Stl => !is_color(*k),
+    };
+    let columns = all.vertices.iter().enumerate().filter(is_lost);
+    let names: Vec<&str> = columns.map(|(_, column)| column.name.as_str()).collect();
+    if !names.is_empty() {
+        lost.push(format!(
+            "{name} cannot store vertex properties: {}",
+            names.join(", ")
+        ));
+    }
+    if let (Format::Obj, Some(alpha)) = (format, colors.and_then(|c| c.alpha))
+        && all.vertices[alpha].is_typed
+        && all.vertex_colors().iter().any(|c| c[3] != 1.0)
+    {
+        lost.push("OBJ cannot store transparency".to_owned());
+    }
+    let is_lost = |column: &&Column| match format {
+        Format::Obj => true,
+        Format::Ply => false,
+        Format::Stl => !is_stl_attribute(column),
+    };
+    let columns = all.faces.columns.iter().filter(is_lost);
+    let names: Vec<&str> = columns.map(|column| column.name.as_str()).collect();
+    if !names.is_empty() {
+        lost.push(format!(
+            "{name} cannot store face properties: {}",
+            names.join(", ")
+        ));
+    }
+    if format != Format::Obj && !all.faces.normals.is_empty() {
+        lost.push(format!("{name} cannot store normals of corners"));
+    }
+    if !all.faces.texture.is_empty() {
+        match format {
+            Format::Stl => lost.push("STL cannot store texture coordinates".to_owned()),
+            Format::Ply if all.texture.len() > 2 => {
+                lost.push("PLY cannot store the third texture coordinate".to_owned());
+            }
+            _ => {}
         }
-        Format::Stl if colored => lost.push("STL cannot store colours".to_owned()),
-        _ => {}
+    }
+    if format != Format::Ply && all.texture_files().next().is_some() {
+        lost.push(format!("{name} cannot store names of texture files"));
     }
     // PLY stores the groups of patches
     let is_stored = |tag: &FaceTag| {
         let group = tag.group.is_empty() || tag.patch().is_some();
-        format == Format::Ply && group && tag.object.is_empty() && tag.material.is_empty()
+        let others = [&tag.object, &tag.material, &tag.smoothing];
+        format == Format::Ply && group && others.iter().all(|name| name.is_empty())
     };
-    let mut tags = mesh.face_tags.iter().map(|&tag| &mesh.tags[tag as usize]);
+    let mut tags = all.faces.tags.iter().map(|&tag| &all.tags[tag as usize]);
     if format != Format::Obj && !tags.all(is_stored) {
         lost.push("only OBJ can store groups and materials".to_owned());
     }
@@ -100,4 +174,9 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         }
     }
     lost
+}
+
+/// Whether a column has the attribute bytes of an STL file.
+pub(super) fn is_stl_attribute(column: &Column) -> bool {
+    column.name == "attribute" && column.numbers.kind() == NumberType::U16
 }

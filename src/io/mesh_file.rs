@@ -12,8 +12,6 @@ pub struct Opened {
     pub mesh: Mesh,
     /// The load report.
     pub report: LoadReport,
-    /// Names of material libraries in the file, which are written to the output.
-    pub material_libraries: Vec<String>,
 }
 
 /// Why a mesh file cannot be opened.
@@ -62,43 +60,26 @@ fn repaired(soup: Soup, path: &Path, weld: Weld) -> Result<Opened, OpenError> {
         path: path.to_owned(),
         source,
     })?;
-    Ok(Opened {
-        mesh,
-        report,
-        material_libraries: soup.material_libraries,
-    })
+    Ok(Opened { mesh, report })
 }
 
 /// Writes a mesh atomically in the format of the extension. Returns the [`losses`].
 ///
 /// # Errors
 /// As [`save`].
-pub fn save_mesh(
-    path: &Path,
-    mesh: &Mesh,
-    material_libraries: &[String],
-) -> Result<Vec<String>, SaveError> {
-    with_output(mesh, material_libraries, |output| {
+pub fn save_mesh(path: &Path, mesh: &Mesh) -> Result<Vec<String>, SaveError> {
+    with_output(mesh, |output| {
         save(path, output)?;
         Ok(Format::from_path(path).map_or_else(Vec::new, |format| losses(format, output)))
     })
 }
 
-/// Calls `write` with the stored attributes of a mesh.
-pub fn with_output<T>(
-    mesh: &Mesh,
-    material_libraries: &[String],
-    write: impl FnOnce(&OutputMesh<'_>) -> T,
-) -> T {
-    let triangles: Vec<[u32; 3]> = mesh.all_triangles().collect();
-    let mut face_tags = mesh.face_tags.clone();
-    face_tags.extend_from_slice(&mesh.non_orientable_tags);
+/// Calls `write` with the lists of a file of a mesh.
+pub fn with_output<T>(mesh: &Mesh, write: impl FnOnce(&OutputMesh<'_>) -> T) -> T {
+    let written = mesh.written();
     write(&OutputMesh {
-        positions: &mesh.positions,
-        triangles: &triangles,
-        colors: &mesh.colors,
-        face_tags: &face_tags,
-        tags: &mesh.tags,
-        material_libraries,
+        positions: &written.positions,
+        triangles: &written.triangles,
+        attributes: &written.attributes,
     })
 }

@@ -16,7 +16,7 @@
 //! let mesh = OutputMesh {
 //!     positions: &soup.positions,
 //!     triangles: &triangles,
-//!     colors: &soup.colors,
+//!     attributes: &soup.attributes,
 //!     ..OutputMesh::default()
 //! };
 //! io::save("copy.ply".as_ref(), &mesh)?;
@@ -39,6 +39,7 @@ mod text_scanner;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
+use std::sync::LazyLock;
 
 pub use atomic::abandon_unfinished;
 pub use check::{check, losses};
@@ -48,7 +49,7 @@ pub use error::{
 };
 pub use mesh_file::{OpenError, Opened, from_soup, open, open_welded, save_mesh, with_output};
 
-use crate::mesh::{DVec3, FaceTag, Soup};
+use crate::mesh::{Attributes, DVec3, Soup};
 
 /// A mesh file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -98,21 +99,26 @@ fn unknown_format(path: &Path) -> UnknownFormat {
 }
 
 /// A triangle mesh to write, borrowed, in file order.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct OutputMesh<'a> {
     /// Vertex positions.
     pub positions: &'a [DVec3],
     /// Vertex indices of each triangle.
     pub triangles: &'a [[u32; 3]],
-    /// Red, green, blue, alpha in 0..=1 per vertex, or empty. OBJ has no alpha, STL no colours.
-    pub colors: &'a [[f32; 4]],
-    /// The index in `tags` of each triangle, or empty. OBJ stores them; PLY stores the numbers of the
-    /// groups of patches.
-    pub face_tags: &'a [u32],
-    /// Groups, objects and materials.
-    pub tags: &'a [FaceTag],
-    /// `mtllib` names, written unchanged. Only OBJ stores them.
-    pub material_libraries: &'a [String],
+    /// Everything else. Rows of the vertex columns are vertices, and faces are the triangles. [`losses`]
+    /// are the parts that a format cannot store.
+    pub attributes: &'a Attributes,
+}
+
+impl Default for OutputMesh<'_> {
+    fn default() -> Self {
+        static NOTHING: LazyLock<Attributes> = LazyLock::new(Attributes::default);
+        Self {
+            positions: &[],
+            triangles: &[],
+            attributes: &NOTHING,
+        }
+    }
 }
 
 /// Reads the mesh file at `path`.
@@ -142,6 +148,7 @@ pub fn load(path: &Path) -> Result<Soup, LoadError> {
     }
     let bytes = fs::read(path).map_err(failed)?;
     let mut soup = read(format, &bytes, path)?;
+    soup.attributes.folder = path.parent().map(Path::to_owned);
     obj::look_up(path, &mut soup);
     Ok(soup)
 }

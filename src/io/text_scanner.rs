@@ -146,20 +146,20 @@ impl<'a> Scanner<'a> {
         Some(if negative { -value } else { value })
     }
 
-    /// Skips the `/vt/vn` part of a corner; `false` if the corner does not end as it should.
+    /// Reads a corner of an OBJ face, `v`, `v/vt`, `v//vn` or `v/vt/vn`; `None` if it is none.
     #[inline]
-    pub fn skip_corner_rest(&mut self) -> bool {
-        let mut slashes = 0;
-        while let Some(&byte) = self.bytes.get(self.at) {
-            match byte {
-                b'0'..=b'9' | b'-' if slashes > 0 => {}
-                b'/' if slashes < 2 => slashes += 1,
-                b if ends_token(b) => return true,
-                _ => return false,
+    pub fn corner(&mut self) -> Option<(i64, [Option<i64>; 2])> {
+        let vertex = self.integer()?;
+        let mut values = [None; 2];
+        for value in &mut values {
+            if self.bytes.get(self.at) != Some(&b'/') {
+                break;
             }
             self.at += 1;
+            *value = self.integer();
         }
-        true
+        let is_over = self.bytes.get(self.at).is_none_or(|&b| ends_token(b));
+        is_over.then_some((vertex, values))
     }
 }
 
@@ -300,10 +300,16 @@ mod tests {
     }
 
     #[test]
-    fn integers_stop_at_the_slash() {
-        let mut scanner = Scanner::new(b"-12/3//4 7", 0, 1);
-        assert_eq!(scanner.integer(), Some(-12));
-        assert!(!scanner.skip_corner_rest());
+    fn corners_have_up_to_three_integers() {
+        let corner = |text: &str| Scanner::new(text.as_bytes(), 0, 1).corner();
+        assert_eq!(corner("-12 7"), Some((-12, [None, None])));
+        assert_eq!(corner("1/2"), Some((1, [Some(2), None])));
+        assert_eq!(corner("1//-3\n"), Some((1, [None, Some(-3)])));
+        assert_eq!(corner("1/2/3"), Some((1, [Some(2), Some(3)])));
+        assert_eq!(corner("1/2/"), Some((1, [Some(2), None])));
+        for text in ["-12/3//4 7", "1/2/3/4", "/2", "1/x", "1.5", ""] {
+            assert_eq!(corner(text), None, "{text}");
+        }
         assert_eq!(Scanner::new(b"9999999999999999999", 0, 1).integer(), None);
         assert_eq!(Scanner::new(b"-", 0, 1).integer(), None);
     }

@@ -1,6 +1,6 @@
 //! The mesh type: an oriented manifold with positions and the attributes of its file.
 
-use super::{DVec3, FaceId, FaceTag, HalfedgeId, Topology, TopologyError, VertexId};
+use super::{Attributes, DVec3, FaceId, HalfedgeId, Topology, TopologyError, VertexId};
 
 /// An oriented manifold triangle mesh, possibly with boundary, as [`build`](super::build()) builds
 /// it from a [`Soup`](super::Soup).
@@ -13,17 +13,11 @@ pub struct Mesh {
     pub positions: Vec<DVec3>,
     /// Connectivity.
     pub topology: Topology,
-    /// Red, green, blue, alpha per vertex (0..=1); empty if the file has no colours.
-    pub colors: Vec<[f32; 4]>,
-    /// For each face the index of its tag in `tags`; empty if the file has no groups.
-    pub face_tags: Vec<u32>,
-    /// Groups, objects and materials that occur.
-    pub tags: Vec<FaceTag>,
+    /// What the file holds besides, such as colours and groups.
+    pub attributes: Attributes,
     /// Triangles of non-orientable components (Moebius strips), which cannot be part of
     /// `topology`. They are never changed, and are written back after the others.
     pub non_orientable: Vec<[u32; 3]>,
-    /// Tags of `non_orientable`, as `face_tags`.
-    pub non_orientable_tags: Vec<u32>,
 }
 
 impl Mesh {
@@ -36,11 +30,8 @@ impl Mesh {
         Self {
             positions,
             topology,
-            colors: Vec::new(),
-            face_tags: Vec::new(),
-            tags: Vec::new(),
+            attributes: Attributes::default(),
             non_orientable: Vec::new(),
-            non_orientable_tags: Vec::new(),
         }
     }
 
@@ -79,8 +70,15 @@ impl Mesh {
             .collect();
         let topology = Topology::from_triangles(self.positions.len(), &faces)
             .expect("an oriented manifold stays one when whole components are flipped");
+        let mut attributes = self.attributes.clone();
+        for (face, part) in parts.of_face.iter().enumerate() {
+            if flipped.contains(part) {
+                attributes.faces.flip(face);
+            }
+        }
         Self {
             topology,
+            attributes,
             ..self.clone()
         }
     }

@@ -45,15 +45,13 @@ pub fn erase(mesh: &Mesh, selected: &[bool]) -> Erased {
             Err(defect) => unreachable!("a part of a manifold: {defect}"),
         };
         let one_sided = mesh.non_orientable.iter().copied();
+        let at = |v: u32| mesh.positions[v as usize];
         return Erased {
             mesh: Mesh {
-                positions: picked(&mesh.positions, &old_vertex),
+                positions: old_vertex.iter().map(|&v| at(v)).collect(),
                 topology,
-                colors: picked(&mesh.colors, &old_vertex),
-                face_tags: picked(&mesh.face_tags, &old_face),
-                tags: mesh.tags.clone(),
+                attributes: mesh.attributes.picked(&old_vertex, &old_face),
                 non_orientable: one_sided.map(renumbered).collect(),
-                non_orientable_tags: mesh.non_orientable_tags.clone(),
             },
             old_vertex,
             old_face,
@@ -76,14 +74,6 @@ fn remaining(topology: &Topology, gone: &[bool]) -> (Vec<u32>, Vec<u32>) {
         vertices.map(|v| v.0).collect(),
         faces.map(|f| f.0).collect(),
     )
-}
-
-/// Entries at `indices`; none of a list that is empty because the mesh has no such attribute.
-fn picked<T: Copy>(all: &[T], indices: &[u32]) -> Vec<T> {
-    if all.is_empty() {
-        return Vec::new();
-    }
-    indices.iter().map(|&i| all[i as usize]).collect()
 }
 
 /// Where the remaining faces around one of the `waiting` vertices form several fans, erases all but
@@ -128,7 +118,7 @@ fn loose_faces(ring: &[Option<FaceId>]) -> Vec<FaceId> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{DVec3, Soup, build, check_mesh, faces_in_ball};
+    use crate::mesh::{Column, DVec3, Soup, build, check_mesh, faces_in_ball};
     use crate::random::SplitMix;
     use crate::shapes;
 
@@ -136,8 +126,9 @@ mod tests {
     fn what_is_left_is_a_manifold_in_order() {
         let (positions, triangles) = shapes::sphere(800, 3);
         let mut mesh = Mesh::from_triangles(positions, &triangles).expect("closed");
-        mesh.colors = (0..mesh.vertex_count()).map(|v| [v as f32; 4]).collect();
-        mesh.face_tags = (0..mesh.face_count() as u32).collect();
+        let labels = (0..mesh.vertex_count()).map(|v| v as f64).collect();
+        mesh.attributes.vertices = vec![Column::decimals("label", labels)];
+        mesh.attributes.faces.tags = (0..mesh.face_count() as u32).collect();
         let mut random = SplitMix::new(1);
         for share in [3, 10, 60] {
             let mut selected = faces_in_ball(&mesh, DVec3::X, 0.8);
@@ -149,11 +140,12 @@ mod tests {
             assert!(left.old_vertex.is_sorted() && left.old_face.is_sorted());
             for (v, &old) in left.old_vertex.iter().enumerate() {
                 assert_eq!(left.mesh.positions[v], mesh.positions[old as usize]);
-                assert_eq!(left.mesh.colors[v][0], old as f32);
+                let label = left.mesh.attributes.vertices[0].numbers.get(v);
+                assert_eq!(label, f64::from(old));
             }
             for (f, &old) in left.old_face.iter().enumerate() {
                 assert!(!selected[old as usize]);
-                assert_eq!(left.mesh.face_tags[f], old);
+                assert_eq!(left.mesh.attributes.faces.tags[f], old);
             }
             let lonely = |v| !left.mesh.topology.has_faces(VertexId::from(v));
             assert!(!(0..left.mesh.vertex_count()).any(lonely));

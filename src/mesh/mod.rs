@@ -1,9 +1,9 @@
 //! Triangle meshes: connectivity without coordinates, and positions in `f64`.
 
+mod attributes;
 mod boundary;
 mod build;
 mod check;
-mod colors;
 mod cut;
 mod data;
 mod erase;
@@ -22,13 +22,16 @@ mod submesh;
 mod topology;
 pub(crate) mod union_find;
 
+pub use attributes::{
+    Attributes, Colors, Column, FaceData, NO_VALUE, NumberType, Numbers, Written, color_columns,
+    color_steps, colors, columns_named, row_count,
+};
 pub use boundary::{BoundaryLoop, boundary_loops};
 pub use build::{
     BuildError, ComponentReport, Defect, DefectKind, LoadReport, Weld, build, build_welded, stitch,
     stitching_tolerance,
 };
 pub use check::{check_filled, check_mesh, check_topology};
-pub use colors::{color_steps, round_color};
 pub use cut::{CutOpen, cut_open, edge_between, edge_flags};
 pub use data::{Components, Mesh, components};
 pub use erase::{Erased, erase};

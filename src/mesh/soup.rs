@@ -1,8 +1,8 @@
 //! Polygons as read from a file, before any repair.
 
-use super::DVec3;
+use super::{Attributes, DVec3};
 
-/// Positions and polygons in file order, with the attributes that survive a fill.
+/// Positions and polygons in file order, with everything else that the file holds.
 ///
 /// Nothing is checked beyond index ranges and finite coordinates: faces may be degenerate,
 /// duplicated, inconsistently oriented or unconnected (STL).
@@ -14,15 +14,8 @@ pub struct Soup {
     pub corners: Vec<u32>,
     /// The start of each polygon in `corners`, and the end; empty without polygons.
     pub offsets: Vec<u32>,
-    /// Red, green, blue (and alpha, 1 where the file has none) per vertex, in the file's own scale
-    /// brought to 0..=1; empty if the file has no colours.
-    pub colors: Vec<[f32; 4]>,
-    /// The index in `tags` of the tag of each polygon; empty if the file has no groups.
-    pub face_tags: Vec<u32>,
-    /// Groups, objects and materials that occur, in order of first use.
-    pub tags: Vec<FaceTag>,
-    /// `mtllib` names of an OBJ file, as written there (relative to the file), in order.
-    pub material_libraries: Vec<String>,
+    /// What the file holds besides; its faces are the polygons.
+    pub attributes: Attributes,
     /// Whether positions are repeated for every face (STL), so that equal positions mean the same
     /// vertex.
     pub exploded: bool,
@@ -30,7 +23,7 @@ pub struct Soup {
     pub notes: Vec<String>,
 }
 
-/// Group, object and material of a run of faces in an OBJ file.
+/// Group, object, material and smoothing group of a run of faces in an OBJ file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct FaceTag {
     /// `o` name, empty if none.
@@ -39,6 +32,8 @@ pub struct FaceTag {
     pub group: String,
     /// `usemtl` name, empty if none.
     pub material: String,
+    /// `s` value, empty if none.
+    pub smoothing: String,
 }
 
 impl FaceTag {

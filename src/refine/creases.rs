@@ -9,8 +9,8 @@
 use std::sync::Arc;
 
 use crate::mesh::{
-    DVec3, FaceId, HalfedgeId, Mesh, Split, Topology, TopologyError, VertexId, cut_open,
-    dihedral_angle, edge_between, split_faces,
+    Attributes, DVec3, FaceId, HalfedgeId, Mesh, Split, Topology, TopologyError, VertexId,
+    cut_open, dihedral_angle, edge_between, split_faces,
 };
 use crate::refine::boundary::BoundaryCurves;
 use crate::refine::options::{RefineError, RefineOptions};
@@ -90,6 +90,12 @@ impl Weld {
             of_whole[w as usize] = value;
         }
         of_whole
+    }
+
+    /// The attributes of the whole mesh, from those of the cut one.
+    pub fn welded_attributes(&self, of_cut: &Attributes) -> Attributes {
+        let own: Vec<u32> = (0..self.to_whole.len() as u32).collect();
+        of_cut.with_vertices(&self.welded(&own))
     }
 
     /// Advances to the meshes after a split of the faces `chosen` and their neighbours.
@@ -212,6 +218,14 @@ impl Features {
                 weld.to_whole.iter().map(of).collect()
             }
             _ => of_whole.to_vec(),
+        }
+    }
+
+    /// The attributes of the cut mesh, from those of the whole mesh.
+    pub fn opened_attributes(&self, of_whole: &Attributes) -> Attributes {
+        match &self.weld {
+            Some(weld) => of_whole.with_vertices(&weld.to_whole),
+            None => of_whole.clone(),
         }
     }
 

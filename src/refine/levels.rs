@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::memory::peak_memory;
-use crate::mesh::{DVec3, Mesh, Split, Topology, VertexId, color_steps, round_color};
+use crate::mesh::{Attributes, DVec3, Mesh, Split, Topology, VertexId};
 use crate::refine::creases::{Features, Weld};
 use crate::refine::level_flow::LevelFlow;
 use crate::refine::measures::{radius, surface_energy};
@@ -37,8 +37,8 @@ pub struct Refinement {
     control: Vec<DVec3>,
     /// The refined mesh: points of the limit surface (of the scheme).
     points: Vec<DVec3>,
-    colors: Vec<[f32; 4]>,
-    face_tags: Vec<u32>,
+    /// Attributes of the mesh that is cut open.
+    attributes: Attributes,
     features: Features,
     region: Option<Region>,
     current: Option<LevelFlow>,
@@ -78,8 +78,7 @@ impl Refinement {
             topology: Arc::new(topology),
             control,
             points,
-            colors: features.opened(&mesh.colors),
-            face_tags: mesh.face_tags.clone(),
+            attributes: features.opened_attributes(&mesh.attributes),
             features,
             region: region.map(Region::new),
             current: None,
@@ -123,14 +122,9 @@ impl Refinement {
         }
     }
 
-    /// Colours of the current mesh's vertices; empty if it has none.
-    pub fn colors(&self) -> &[[f32; 4]] {
-        &self.colors
-    }
-
-    /// Tags of the current mesh's faces; empty if it has none.
-    pub fn face_tags(&self) -> &[u32] {
-        &self.face_tags
+    /// Attributes of the current mesh, cut open along creases.
+    pub fn attributes(&self) -> &Attributes {
+        &self.attributes
     }
 
     /// The flow of the current level.
@@ -207,8 +201,13 @@ impl Refinement {
     /// The current mesh.
     pub fn result(&self) -> Refined {
         let part = |weld, positions: &[DVec3]| {
-            let (colors, tags) = (&self.colors, &self.face_tags);
-            refined_mesh(&self.input, &self.topology, weld, positions, colors, tags)
+            refined_mesh(
+                &self.input,
+                &self.topology,
+                weld,
+                positions,
+                &self.attributes,
+            )
         };
         Refined {
             mesh: part(self.weld().map(Arc::as_ref), &self.points()),
@@ -228,7 +227,7 @@ impl Refinement {
         let split = (self.features.split(&old, &chosen)).map_err(SolverError::from)?;
         let count = split.vertex_count(&old);
         let new = Topology::from_triangles(count, &split.triangles).map_err(SolverError::from)?;
-        self.inherit(&old, &split);
+        self.attributes.split(&old, &split);
         if self.controls.method == Method::Pde {
             self.control = nested_step(&old, &self.control, &split, &[], self.region.as_ref());
         } else {
@@ -303,21 +302,6 @@ impl Refinement {
             }
         }
         (free, held)
-    }
-
-    fn inherit(&mut self, old: &Topology, split: &Split) {
-        if !self.colors.is_empty() {
-            let steps = color_steps(&self.colors);
-            for &h in &split.edges {
-                let [a, b] = [old.origin(h), old.target(h)].map(|v| self.colors[v.index()]);
-                let middle = std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
-                self.colors.push(round_color(middle, steps));
-            }
-        }
-        if !self.face_tags.is_empty() {
-            let tags = split.parent.iter().map(|&f| self.face_tags[f as usize]);
-            self.face_tags = tags.collect();
-        }
     }
 
     fn control_of(&self, running: &LevelFlow) -> Vec<DVec3> {

@@ -1,6 +1,6 @@
 //! The result of a refinement.
 
-use crate::mesh::{DVec3, Mesh, Topology};
+use crate::mesh::{Attributes, DVec3, Mesh, Topology};
 use crate::refine::{LevelReport, Weld};
 
 /// The result of a refinement.
@@ -18,28 +18,24 @@ pub struct Refined {
     pub levels: Vec<LevelReport>,
 }
 
-/// Builds the refined mesh with the attributes of the input mesh, and welds it if it was cut.
-/// `colors` and `face_tags` may be empty.
+/// Builds the refined mesh of the mesh `given`, and welds it if it was cut. `attributes` are those of
+/// the mesh that is cut open.
 pub fn refined_mesh(
     given: &Mesh,
     topology: &Topology,
     weld: Option<&Weld>,
     points: &[DVec3],
-    colors: &[[f32; 4]],
-    face_tags: &[u32],
+    attributes: &Attributes,
 ) -> Mesh {
     let mut mesh = match weld {
         Some(weld) => Mesh::new(weld.welded(points), weld.topology.clone()),
         None => Mesh::new(points.to_vec(), topology.clone()),
     };
-    mesh.colors = match weld {
-        Some(weld) if !colors.is_empty() => weld.welded(colors),
-        _ => colors.to_vec(),
+    mesh.attributes = match weld {
+        Some(weld) => weld.welded_attributes(attributes),
+        None => attributes.clone(),
     };
-    mesh.face_tags = face_tags.to_vec();
-    mesh.tags.clone_from(&given.tags);
+    mesh.attributes.number_rows(mesh.topology.triangles());
     mesh.non_orientable.clone_from(&given.non_orientable);
-    mesh.non_orientable_tags
-        .clone_from(&given.non_orientable_tags);
     mesh
 }

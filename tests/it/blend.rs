@@ -45,7 +45,7 @@ fn joins_get_smoother_with_density() {
         let (positions, triangles) = meniscus::shapes::four_cylinders(around);
         let mesh = Mesh::from_triangles(positions, &triangles).expect("tubes");
         let desk = Desk::new();
-        save_mesh(&desk.path("in.obj"), &mesh, &[]).expect("written");
+        save_mesh(&desk.path("in.obj"), &mesh).expect("written");
         desk.runs(&["blend", "in.obj", "-o", "out.obj"]);
         verdict(&desk, Keep::Everything).rim_angle
     };
@@ -174,7 +174,7 @@ fn where_each_piece_has_one_rim_nothing_else_can_be_meant() {
     }
     let mesh = Mesh::from_triangles(points, &faces).expect("two bowls");
     assert!(boundary_loops(&mesh).iter().all(|l| l.is_outer_boundary));
-    save_mesh(&desk.path("in.obj"), &mesh, &[]).expect("written");
+    save_mesh(&desk.path("in.obj"), &mesh).expect("written");
     desk.runs(&["blend", "in.obj", "-o", "out.obj"]);
     let verdict = verdict(&desk, Keep::Everything);
     assert_eq!((verdict.loops_left, verdict.components), (0, 1));

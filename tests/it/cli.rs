@@ -753,8 +753,9 @@ fn colours_and_groups_survive() {
     for name in ["out.obj", "out.ply"] {
         desk.run(&["fill", "in.obj", "-o", name]).ends(0);
         let out = io::load(&desk.path(name)).expect("loads");
-        assert_eq!(out.colors.len(), out.positions.len());
-        for (i, c) in out.colors.iter().enumerate() {
+        let colors = out.attributes.vertex_colors();
+        assert_eq!(colors.len(), out.positions.len());
+        for (i, c) in colors.iter().enumerate() {
             if i < shape.0.len() {
                 assert!(
                     (f64::from(c[0]) - (i % 256) as f64 / 255.0).abs() < 1e-6,
@@ -778,8 +779,15 @@ fn colours_and_groups_survive() {
         assert!(out.lines().any(|l| l == line), "{line}");
     }
     let soup = io::load(&desk.path("out.obj")).expect("loads");
-    for (f, &tag) in soup.face_tags.iter().enumerate().take(shape.1.len()) {
-        let group = &soup.tags[tag as usize].group;
+    for (f, &tag) in soup
+        .attributes
+        .faces
+        .tags
+        .iter()
+        .enumerate()
+        .take(shape.1.len())
+    {
+        let group = &soup.attributes.tags[tag as usize].group;
         assert_eq!(group, if f < 100 { "front" } else { "back" });
     }
 }

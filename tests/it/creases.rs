@@ -382,7 +382,7 @@ fn the_command_keeps_sharp_edges() {
         command.output().expect("it starts")
     };
     let cube = cube();
-    io::save_mesh(&folder.path().join("cube.obj"), &cube, &[]).expect("written");
+    io::save_mesh(&folder.path().join("cube.obj"), &cube).expect("written");
     let out = run("refine cube.obj -o angle.obj --levels 2 --crease-angle 40 --control open.obj");
     assert!(
         out.status.success(),

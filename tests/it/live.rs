@@ -336,7 +336,7 @@ fn the_command_line_repeats_a_run_to_the_byte() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
     let (given, loops) = mesh();
-    save_mesh(&at("in.obj"), &given, &[]).expect("written");
+    save_mesh(&at("in.obj"), &given).expect("written");
     let opened = open(&at("in.obj")).expect("read back");
     assert_eq!(boundary_loops(&opened.mesh), loops);
     let (mesh, controls) = (Arc::new(opened.mesh), flow());
@@ -355,7 +355,7 @@ fn the_command_line_repeats_a_run_to_the_byte() {
     live.steps(4);
     let state = live.latest();
     let filled = state.mesh();
-    save_mesh(&at("live.obj"), &filled, &[]).expect("written");
+    save_mesh(&at("live.obj"), &filled).expect("written");
     std::fs::write(at("s.csv"), state.schedule().to_csv()).expect("written");
     let wanted = std::fs::read(at("live.obj")).expect("there");
     for threads in ["1", "2"] {

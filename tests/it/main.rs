@@ -3,6 +3,7 @@
 
 mod common;
 
+mod attributes;
 mod continuity;
 mod dependencies;
 mod fuzz;

@@ -210,7 +210,7 @@ fn a_finished_one_goes_on_to_another_level() {
 fn changes_and_rewinds_are_repeated_to_the_bit() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
-    save_mesh(&at("in.obj"), &mesh(), &[]).expect("written");
+    save_mesh(&at("in.obj"), &mesh()).expect("written");
     let read = open(&at("in.obj")).expect("read back").mesh;
     assert_eq!(read.positions, mesh().positions);
     let mut start = controls(Method::Pde);
@@ -263,7 +263,7 @@ fn changes_and_rewinds_are_repeated_to_the_bit() {
             assert_eq!(state.control[..], again.control.positions[..]);
         }
     }
-    save_mesh(&at("live.obj"), &last.mesh(), &[]).expect("written");
+    save_mesh(&at("live.obj"), &last.mesh()).expect("written");
     std::fs::write(at("s.csv"), last.schedule().to_csv()).expect("written");
     command(&start, &at("in.obj"), &at("out.obj"), &at("s.csv"))
         .assert()

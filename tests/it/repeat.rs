@@ -49,7 +49,6 @@ fn scan(path: &Path) {
     io::save_mesh(
         path,
         &Mesh::from_triangles(positions, &triangles).expect("a sphere"),
-        &[],
     )
     .expect("written");
 }
@@ -215,7 +214,7 @@ fn cleaning_is_repeated_too() {
     positions.extend([DVec3::X, DVec3::Y, DVec3::Z].map(|p| 9.0 * p));
     triangles.insert(3, [16, 17, 18]);
     let mesh = Mesh::from_triangles(positions, &triangles).expect("three parts");
-    io::save_mesh(&input, &mesh, &[]).expect("written");
+    io::save_mesh(&input, &mesh).expect("written");
     let mut m = opened(input);
     act(&mut m, EditAction::Stitch);
     assert_eq!(m.document.mesh.vertex_count(), 15);
@@ -272,7 +271,6 @@ fn refinements_are_repeated_too() {
     io::save_mesh(
         &input,
         &Mesh::from_triangles(positions, &triangles).expect("a sphere"),
-        &[],
     )
     .expect("written");
     let mut m = opened(input);
@@ -299,7 +297,6 @@ fn sharp_edges_are_repeated_too() {
         io::save_mesh(
             &input,
             &Mesh::from_triangles(positions, &triangles).expect("a sphere"),
-            &[],
         )
         .expect("written");
         let mut m = opened(input);

@@ -281,9 +281,16 @@ fn patches_are_labelled() {
 /// The number of the patch of each face, 0 for none.
 fn labels(desk: &Desk, name: &str) -> Vec<u32> {
     let opened = meniscus::io::open(&desk.path(name)).expect("a mesh");
-    let tags = &opened.mesh.tags;
+    let tags = &opened.mesh.attributes.tags;
     let number = |&tag: &u32| tags[tag as usize].patch().unwrap_or(0);
-    opened.mesh.face_tags.iter().map(number).collect()
+    opened
+        .mesh
+        .attributes
+        .faces
+        .tags
+        .iter()
+        .map(number)
+        .collect()
 }
 
 /// A sphere with one vertex pulled through the opposite side is erased there and filled.

@@ -111,7 +111,7 @@ fn model(folder: &Path) -> (PathBuf, Mesh) {
     let (positions, triangles) = cut_holes(&sphere(900, 3), &[hole(towards, 1), hole(-towards, 2)]);
     let mesh = Mesh::from_triangles(positions, &triangles).expect("a sphere");
     let path = folder.join("holes.obj");
-    io::save_mesh(&path, &mesh, &[]).expect("written");
+    io::save_mesh(&path, &mesh).expect("written");
     (path, mesh)
 }
 

@@ -221,7 +221,7 @@ fn distances_to_a_reference_are_measured_and_drawn() {
     let (positions, triangles) = icosphere(12);
     let larger = positions.iter().map(|p| 1.1 * *p).collect();
     let larger = Mesh::from_triangles(larger, &triangles).expect("closed");
-    io::save_mesh(&path, &larger, &[]).expect("written");
+    io::save_mesh(&path, &larger).expect("written");
 
     let mut m = model();
     let choose = ReportAction::Reference;
@@ -319,7 +319,7 @@ fn a_section_follows_the_flow_and_places_are_looked_at_from_outside() {
 fn reports_are_copied_and_saved_as_on_the_command_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let source = folder.path().join("in.obj");
-    io::save_mesh(&source, &opened().mesh, &[]).expect("written");
+    io::save_mesh(&source, &opened().mesh).expect("written");
     let mut m = model();
     act(&mut m, ReportAction::Copy(ReportFile::Json));
     assert!(last_message(&m).contains("nothing was measured"));
@@ -390,7 +390,7 @@ fn stripes_lines_and_the_report_come_back_with_the_project() {
     let path = folder.path().join("a.meniscus");
     // the sample of the tests is none of the program's: its mesh goes into the file
     let mut mesh = Vec::new();
-    io::with_output(&m.document.mesh, &[], |output| {
+    io::with_output(&m.document.mesh, |output| {
         io::write(io::Format::Obj, output, &mut mesh).expect("a vector takes everything");
     });
     let text = text + "#--- mesh (OBJ) ---\n" + &String::from_utf8_lossy(&mesh);

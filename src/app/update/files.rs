@@ -386,7 +386,7 @@ fn save(model: &mut Model, path: &Path) {
             let folder = path.parent().unwrap_or(Path::new("."));
             io::save_text(path, &project::write(&document, &view, folder)).map(|()| Vec::new())
         } else {
-            io::save_mesh(path, &document.mesh, &document.origin.material_libraries)
+            io::save_mesh(path, &document.mesh)
         };
         result.map_err(|e| e.to_string())
     });
@@ -401,6 +401,6 @@ fn export_patch(model: &mut Model, path: PathBuf) {
         return;
     };
     save_as(model, path, SavedWhat::Patch, move |path| {
-        io::save_mesh(path, &patches, &[]).map_err(|e| e.to_string())
+        io::save_mesh(path, &patches).map_err(|e| e.to_string())
     });
 }

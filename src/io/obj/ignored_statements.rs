@@ -5,10 +5,7 @@ use super::super::error::excerpt;
 /// Counts collected while a file is read.
 #[derive(Default)]
 pub(super) struct IgnoredStatements {
-    pub texture: bool,
-    pub normals: bool,
     pub lines: bool,
-    pub smoothing: bool,
     /// Vertices with a weight other than 1.
     pub weighted: usize,
     /// Line and first word of the first unknown statement.
@@ -34,19 +31,8 @@ impl IgnoredStatements {
 
     /// Writes the notes; `last_line` is the number of the last line.
     pub fn write(&self, notes: &mut Vec<String>, last_line: usize) {
-        let kinds = [
-            ("texture coordinates", self.texture),
-            ("normals", self.normals),
-            ("lines and points", self.lines),
-            ("smoothing groups", self.smoothing),
-        ];
-        let lost: Vec<&str> = kinds
-            .iter()
-            .filter(|kind| kind.1)
-            .map(|kind| kind.0)
-            .collect();
-        if !lost.is_empty() {
-            notes.push(format!("not kept: {}", lost.join(", ")));
+        if self.lines {
+            notes.push("not kept: lines and points".to_owned());
         }
         if self.weighted > 0 {
             notes.push(format!(

@@ -14,7 +14,7 @@ const LONGEST: u64 = 1 << 24;
 pub(in super::super) fn look_up(path: &Path, soup: &mut Soup) {
     let directory = path.parent().unwrap_or(Path::new(""));
     let mut defined = BTreeSet::new();
-    for entry in &soup.material_libraries {
+    for entry in &soup.attributes.material_libraries {
         for name in library_names(directory, entry) {
             match read_library(&directory.join(&name)) {
                 Some(bytes) => defined.extend(material_names(&bytes)),
@@ -25,7 +25,8 @@ pub(in super::super) fn look_up(path: &Path, soup: &mut Soup) {
             }
         }
     }
-    let used: BTreeSet<&str> = soup.tags.iter().map(|tag| tag.material.as_str()).collect();
+    let tags = &soup.attributes.tags;
+    let used: BTreeSet<&str> = tags.iter().map(|tag| tag.material.as_str()).collect();
     let unknown: Vec<String> = used
         .into_iter()
         .filter(|name| !name.is_empty() && !defined.contains(*name))

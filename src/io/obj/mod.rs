@@ -1,6 +1,7 @@
 //! Wavefront OBJ.
 
-mod colors;
+mod corners;
+mod extras;
 mod ignored_statements;
 mod materials;
 mod read;

@@ -1,10 +1,11 @@
-//! The OBJ reader: the vertex list of the file, polygons, vertex colours, groups and materials.
+//! The OBJ reader: the lists of the file, polygons, groups and materials.
 
 use std::borrow::Cow;
 
 use super::super::error::{ParseError, ParseErrorKind, at_line, excerpt, in_file};
 use super::super::text_scanner::{Scanner, unix_lines, without_mark};
-use super::colors::Colors;
+use super::corners::Corners;
+use super::extras::Extras;
 use super::ignored_statements::IgnoredStatements;
 use super::tags::TagRuns;
 use crate::mesh::{DVec3, Soup};
@@ -40,7 +41,8 @@ pub(in super::super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
 struct Reader<'a> {
     text: Scanner<'a>,
     soup: Soup,
-    colors: Colors,
+    extras: Extras,
+    corners: Corners,
     tags: TagRuns,
     ignored: IgnoredStatements,
     /// Increasing maxima of corners that refer to a later vertex: line, face, vertex.
@@ -61,7 +63,8 @@ impl<'a> Reader<'a> {
         Self {
             text: Scanner::new(bytes, without_mark(bytes), 1),
             soup,
-            colors: Colors::default(),
+            extras: Extras::default(),
+            corners: Corners::default(),
             tags: TagRuns::default(),
             ignored: IgnoredStatements::new(bytes),
             ahead: Vec::new(),
@@ -76,10 +79,13 @@ impl<'a> Reader<'a> {
         match self.text.token() {
             b"v" => return self.vertex(),
             b"f" | b"fo" => return self.face(),
-            b"vt" => self.ignored.texture = true,
-            b"vn" => self.ignored.normals = true,
+            b"vt" => return self.value(false),
+            b"vn" => return self.value(true),
             b"l" | b"p" => self.ignored.lines = true,
-            b"s" => self.ignored.smoothing = true,
+            b"s" => {
+                let name = self.text.name();
+                self.tags.change(|tag| tag.smoothing = name);
+            }
             b"o" => {
                 let name = self.text.name();
                 self.tags.change(|tag| tag.object = name);
@@ -94,8 +100,9 @@ impl<'a> Reader<'a> {
             }
             b"mtllib" => {
                 let library = self.text.name();
-                if !library.is_empty() && !self.soup.material_libraries.contains(&library) {
-                    self.soup.material_libraries.push(library);
+                let libraries = &mut self.soup.attributes.material_libraries;
+                if !library.is_empty() && !libraries.contains(&library) {
+                    libraries.push(library);
                 }
             }
             word => return self.other(word, line),
@@ -152,13 +159,36 @@ impl<'a> Reader<'a> {
             return Err(self.vertex_numbers(count));
         }
         let extra = &numbers[3..count];
-        if !self.colors.vertex(&mut self.soup, extra) {
+        if !self.extras.vertex(self.soup.positions.len(), extra) {
             return Err(self.vertex_numbers(count));
         }
         if extra.len() == 1 && extra[0] != 1.0 {
             self.ignored.weighted += 1;
         }
         self.soup.positions.push(DVec3::from_slice(&numbers));
+        Ok(())
+    }
+
+    /// A texture coordinate or a normal.
+    #[inline]
+    fn value(&mut self, is_normal: bool) -> Result<(), ParseError> {
+        let mut numbers = [0.0; 3];
+        let mut count = 0;
+        while count < 3 {
+            self.text.skip_blanks();
+            if self.text.statement_over() {
+                break;
+            }
+            let Some(number) = self.text.float() else {
+                return Err(self.no_value(is_normal));
+            };
+            numbers[count] = number;
+            count += 1;
+        }
+        if count == 0 || (is_normal && count < 3) {
+            return Err(self.no_value(is_normal));
+        }
+        self.corners.value(is_normal, numbers, count);
         Ok(())
     }
 
@@ -173,9 +203,10 @@ impl<'a> Reader<'a> {
                 break;
             }
             let start = self.text.at();
-            let Some(index) = self.text.integer().filter(|_| self.text.skip_corner_rest()) else {
+            let Some((index, values)) = self.text.corner() else {
                 return Err(self.bad_corner(start));
             };
+            self.corners.corner(self.soup.corners.len(), values);
             let Some(vertex) = vertex_of(index, vertices) else {
                 return Err(self.bad_index(index));
             };
@@ -241,7 +272,8 @@ impl<'a> Reader<'a> {
                 cut: self.ignored.cut,
             }));
         }
-        self.colors.settle(&mut self.soup);
+        self.extras.settle(&mut self.soup);
+        self.corners.settle(&mut self.soup);
         self.ignored.write(&mut self.soup.notes, self.text.line());
         Ok(self.soup)
     }
@@ -256,8 +288,22 @@ impl<'a> Reader<'a> {
         self.here(ParseErrorKind::VertexNumbers {
             vertex,
             found,
-            wanted: self.colors.wanted(),
+            wanted: self.extras.wanted(),
         })
+    }
+
+    #[cold]
+    fn no_value(&self, is_normal: bool) -> ParseError {
+        let (what, wanted) = if is_normal {
+            ("a normal", "three numbers")
+        } else {
+            ("a texture coordinate", "one to three numbers")
+        };
+        let found = excerpt(self.text.token_at(self.text.at()));
+        self.here(ParseErrorKind::syntax(
+            format!("{what} needs {wanted}"),
+            found,
+        ))
     }
 
     #[cold]

@@ -1,4 +1,4 @@
-//! Objects, groups and materials: the tags of faces.
+//! Objects, groups, materials and smoothing groups: the tags of faces.
 
 use std::collections::HashMap;
 
@@ -29,7 +29,7 @@ impl TagRuns {
             self.look_up(soup);
         }
         if self.used {
-            soup.face_tags.push(self.index);
+            soup.attributes.faces.tags.push(self.index);
         }
     }
 
@@ -38,14 +38,15 @@ impl TagRuns {
         let before = soup.face_count() - 1;
         if !self.used && before > 0 {
             self.known.insert(FaceTag::default(), 0);
-            soup.tags.push(FaceTag::default());
-            soup.face_tags.resize(before, 0);
+            soup.attributes.tags.push(FaceTag::default());
+            soup.attributes.faces.tags.resize(before, 0);
         }
         self.used = true;
-        let next = soup.tags.len() as u32;
+        let tags = &mut soup.attributes.tags;
+        let next = tags.len() as u32;
         self.index = self.known.get(&self.current).copied().unwrap_or(next);
         if self.index == next {
-            soup.tags.push(self.current.clone());
+            tags.push(self.current.clone());
             self.known.insert(self.current.clone(), next);
         }
     }

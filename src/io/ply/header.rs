@@ -1,6 +1,7 @@
 //! The header of a PLY file: the elements and their encoding.
 
 use super::super::error::{ParseError, ParseErrorKind, at_line, excerpt, in_file};
+use crate::mesh::NumberType;
 
 /// The encoding of the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,53 +11,25 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// The type of a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Scalar {
-    fn from_name(name: &[u8]) -> Option<Self> {
-        Some(match name {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"float" | b"float32" => Self::F32,
-            b"double" | b"float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    /// Bytes in a binary file.
-    pub fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
-    }
-
-    pub fn is_integer(self) -> bool {
-        !matches!(self, Self::F32 | Self::F64)
-    }
+/// The type with a PLY name.
+fn type_of_name(name: &[u8]) -> Option<NumberType> {
+    Some(match name {
+        b"char" | b"int8" => NumberType::I8,
+        b"uchar" | b"uint8" => NumberType::U8,
+        b"short" | b"int16" => NumberType::I16,
+        b"ushort" | b"uint16" => NumberType::U16,
+        b"int" | b"int32" => NumberType::I32,
+        b"uint" | b"uint32" => NumberType::U32,
+        b"float" | b"float32" => NumberType::F32,
+        b"double" | b"float64" => NumberType::F64,
+        _ => return None,
+    })
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    Number(Scalar),
-    List { count: Scalar, item: Scalar },
+    Number(NumberType),
+    List { count: NumberType, item: NumberType },
 }
 
 #[derive(Clone, Debug)]
@@ -90,6 +63,8 @@ impl Element {
 pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
+    /// The lines `comment` and `obj_info`.
+    pub comments: Vec<String>,
     /// First byte after the header.
     pub end: usize,
     /// Number of the line after the header.
@@ -105,6 +80,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, ParseError> {
     let mut number = 0;
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
+    let mut comments = Vec::new();
     loop {
         number += 1;
         let Some(length) = bytes[at..].iter().position(|&b| b == b'\n') else {
@@ -136,7 +112,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, ParseError> {
             )
         };
         match words.next() {
-            None | Some(b"comment" | b"obj_info") => {}
+            None => {}
+            Some(b"comment" | b"obj_info") => comments.push(text(line)),
             Some(b"format") => {
                 encoding = match words.next() {
                     Some(b"ascii") => Some(Encoding::Ascii),
@@ -174,6 +151,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, ParseError> {
     Ok(Header {
         encoding,
         elements,
+        comments,
         end: at,
         next_line: number + 1,
     })
@@ -204,13 +182,13 @@ fn element<'a>(words: &mut impl Iterator<Item = &'a [u8]>) -> Option<Element> {
 fn property<'a>(words: &mut impl Iterator<Item = &'a [u8]>) -> Option<Property> {
     let kind = match words.next()? {
         b"list" => {
-            let count = Scalar::from_name(words.next()?).filter(|c| c.is_integer())?;
+            let count = type_of_name(words.next()?).filter(|c| c.is_integer())?;
             Kind::List {
                 count,
-                item: Scalar::from_name(words.next()?)?,
+                item: type_of_name(words.next()?)?,
             }
         }
-        name => Kind::Number(Scalar::from_name(name)?),
+        name => Kind::Number(type_of_name(name)?),
     };
     Some(Property {
         name: text(words.next()?),

@@ -1,5 +1,6 @@
 //! Stanford PLY.
 
+mod columns;
 mod header;
 mod read;
 mod source;

@@ -1,12 +1,14 @@
-//! The PLY reader: positions, colours, polygons and triangle strips. Other elements are skipped.
+//! The PLY reader: vertices, polygons and triangle strips. Other elements are skipped.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::super::error::{ParseError, ParseErrorKind, in_file};
-use super::header::{self, Element, Encoding, Header, Kind, Property, Scalar};
+use super::columns::{Target, Targets};
+use super::header::{self, Element, Encoding, Header, Kind, Property};
 use super::source::{Binary, Source, Text, What};
 use super::vertices;
-use crate::mesh::{FaceTag, Soup};
+use crate::mesh::{Column, FaceTag, NO_VALUE, NumberType, Numbers, Soup};
 
 /// Reads PLY.
 pub(in super::super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
@@ -42,7 +44,9 @@ fn body(header: &Header, mut source: impl Source) -> Result<Soup, ParseError> {
         offsets: vec![0],
         ..Soup::default()
     };
+    soup.attributes.comments.clone_from(&header.comments);
     let (mut faces, mut strips) = (false, false);
+    let mut skipped: Vec<&str> = Vec::new();
     for element in header
         .elements
         .iter()
@@ -59,13 +63,17 @@ fn body(header: &Header, mut source: impl Source) -> Result<Soup, ParseError> {
             "tristrips" if !std::mem::replace(&mut strips, true) => {
                 read_strips(element, &mut source, &mut soup, count)?;
             }
-            _ => skip(element, &mut source)?,
+            name => {
+                skip(element, &mut source)?;
+                skipped.push(name);
+            }
         }
     }
-    if !soup.face_tags.is_empty() {
-        // triangle strips have no patches
-        soup.face_tags.resize(soup.face_count(), 0);
+    if !skipped.is_empty() {
+        soup.notes
+            .push(format!("elements not kept: {}", skipped.join(", ")));
     }
+    pad_strips(&mut soup);
     if soup.positions.is_empty() {
         return Err(in_file(ParseErrorKind::NoVertices));
     }
@@ -126,6 +134,11 @@ fn corners_property(element: &Element) -> Result<usize, ParseError> {
         })
 }
 
+/// The list of the corners' vertices among what [`read_faces`] reads itself.
+const CORNERS: usize = 0;
+/// The list of the corners' texture coordinates.
+const TEXTURE: usize = 1;
+
 fn read_faces(
     element: &Element,
     source: &mut impl Source,
@@ -133,62 +146,160 @@ fn read_faces(
     vertices: usize,
 ) -> Result<(), ParseError> {
     let corners = corners_property(element)?;
-    let patches = element.properties.iter().position(is_patch);
+    let texture = element.properties.iter().position(is_texture);
+    let mut targets = Targets::new(element, |property| {
+        let is = |k: usize| std::ptr::eq(property, &raw const element.properties[k]);
+        match texture {
+            _ if is(corners) => Some(CORNERS),
+            Some(k) if is(k) => Some(TEXTURE),
+            _ => None,
+        }
+    });
     // check_size has bounded the count by the size of the file.
     let count = element.count as usize;
     soup.offsets.reserve_exact(count);
     // Most faces are triangles, and there are never more corners than bytes.
     soup.corners.reserve((3 * count).min(source.remaining()));
-    let mut labels = Vec::new();
+    let kind = texture.map_or(NumberType::F32, |k| match element.properties[k].kind {
+        Kind::List { item, .. } | Kind::Number(item) => item,
+    });
+    let mut coordinates = TextureLists {
+        numbers: [(); 2].map(|()| Numbers::with_capacity(kind, 0)),
+        of_corner: Vec::new(),
+        wrong: 0,
+    };
+    let mut row = Vec::new();
     for face in 0..count {
         let what = || format!("face {} of {count}", face + 1);
         source.begin_row(&what)?;
+        let first = soup.corners.len();
+        row.clear();
         for (k, property) in element.properties.iter().enumerate() {
-            match property.kind {
-                Kind::List { count, item } if k == corners => {
+            match (targets.of_property[k], property.kind) {
+                (Target::Own(CORNERS), Kind::List { count, item }) => {
                     read_corners(count, item, source, soup, vertices)?;
                 }
-                Kind::Number(scalar) if Some(k) == patches => {
-                    labels.push(u32::try_from(source.integer(scalar, &what)?).unwrap_or(0));
+                (Target::Own(TEXTURE), Kind::List { count, item }) => {
+                    for _ in 0..list_length(count, source, &what)? {
+                        row.push(source.number(item, &what)?);
+                    }
                 }
-                _ => skip_property(property, source, &what)?,
+                (target, _) => targets.read(target, property, source, &what)?,
             }
         }
         source.end_row();
+        if texture.is_some() {
+            coordinates.face(&row, soup.corners.len() - first);
+        }
     }
-    tag_patches(soup, &labels);
-    if element.properties.len() > 1 + usize::from(patches.is_some()) {
-        soup.notes
-            .push("face properties other than the corners are not kept".into());
-    }
+    targets.note_lost(element, "face", &mut soup.notes);
+    soup.attributes.faces.columns = targets.columns;
+    coordinates.settle(soup);
+    tag_patches(soup, count);
     Ok(())
 }
 
-/// Whether a property has the number of the patch of a face, as this program writes it.
-fn is_patch(property: &Property) -> bool {
-    property.name == "patch" && matches!(property.kind, Kind::Number(kind) if kind.is_integer())
+/// Texture coordinates of corners, as MeshLab and others write them: for each face a list of u and v
+/// of each corner.
+struct TextureLists {
+    numbers: [Numbers; 2],
+    of_corner: Vec<u32>,
+    /// Faces with another number of coordinates than twice their corners.
+    wrong: usize,
 }
 
-/// Tags the last faces by the numbers of their patches; 0 is no patch.
-fn tag_patches(soup: &mut Soup, labels: &[u32]) {
-    if labels.iter().all(|&label| label == 0) {
+impl TextureLists {
+    fn face(&mut self, row: &[f64], corners: usize) {
+        if row.len() == 2 * corners {
+            for pair in row.chunks_exact(2) {
+                self.of_corner.push(self.numbers[0].len() as u32);
+                for (list, number) in self.numbers.iter_mut().zip(pair) {
+                    list.push(*number);
+                }
+            }
+        } else {
+            self.wrong += usize::from(!row.is_empty());
+            self.of_corner
+                .resize(self.of_corner.len() + corners, NO_VALUE);
+        }
+    }
+
+    fn settle(self, soup: &mut Soup) {
+        if self.wrong > 0 {
+            soup.notes.push(format!(
+                "{} faces have texture coordinates that do not fit their corners: not kept",
+                self.wrong
+            ));
+        }
+        if self.numbers[0].is_empty() {
+            return;
+        }
+        let column = |(name, numbers): (&str, Numbers)| Column {
+            name: name.to_owned(),
+            numbers,
+            is_typed: true,
+        };
+        let columns = ["u", "v"].into_iter().zip(self.numbers).map(column);
+        soup.attributes.texture = Arc::new(columns.collect());
+        let before = soup.corners.len() - self.of_corner.len();
+        let list = &mut soup.attributes.faces.texture;
+        list.resize(before, NO_VALUE);
+        list.extend(self.of_corner);
+    }
+}
+
+/// Whether a property is the list of the texture coordinates of corners.
+fn is_texture(property: &Property) -> bool {
+    property.name == "texcoord"
+        && matches!(property.kind, Kind::List { item, .. } if !item.is_integer())
+}
+
+/// Gives triangles of strips the data that other faces have: zeros, and no texture coordinates.
+fn pad_strips(soup: &mut Soup) {
+    let (faces, corners) = (soup.face_count(), soup.corners.len());
+    let data = &mut soup.attributes.faces;
+    if !data.tags.is_empty() {
+        data.tags.resize(faces, 0);
+    }
+    if !data.texture.is_empty() {
+        data.texture.resize(corners, NO_VALUE);
+    }
+    for column in &mut data.columns {
+        column.numbers.pad(faces);
+    }
+}
+
+/// Tags the last `count` faces by the numbers of their patches in the column `patch`, as this program
+/// writes it; 0 is no patch.
+fn tag_patches(soup: &mut Soup, count: usize) {
+    let data = &mut soup.attributes.faces;
+    let is_patch = |column: &Column| column.name == "patch";
+    let Some(k) = data.columns.iter().position(is_patch) else {
+        return;
+    };
+    let Numbers::I32(labels) = &data.columns[k].numbers else {
+        return;
+    };
+    if labels.iter().any(|&label| label < 0) || labels.iter().all(|&label| label == 0) {
         return;
     }
     let mut tag_of = BTreeMap::from([(0, 0)]);
-    soup.tags.push(FaceTag::default());
-    soup.face_tags.resize(soup.face_count() - labels.len(), 0);
+    let tags = &mut soup.attributes.tags;
+    tags.push(FaceTag::default());
+    data.tags.resize(soup.offsets.len() - 1 - count, 0);
     for &label in labels {
         let tag = *tag_of.entry(label).or_insert_with(|| {
-            soup.tags.push(FaceTag::default().in_patch(label));
-            soup.tags.len() as u32 - 1
+            tags.push(FaceTag::default().in_patch(label.unsigned_abs()));
+            tags.len() as u32 - 1
         });
-        soup.face_tags.push(tag);
+        data.tags.push(tag);
     }
+    data.columns.remove(k);
 }
 
 fn read_corners(
-    count: Scalar,
-    item: Scalar,
+    count: NumberType,
+    item: NumberType,
     source: &mut impl Source,
     soup: &mut Soup,
     vertices: usize,
@@ -283,7 +394,7 @@ fn push_offset(soup: &mut Soup) -> Result<(), ParseError> {
 }
 
 fn list_length(
-    count: Scalar,
+    count: NumberType,
     source: &mut impl Source,
     what: What<'_>,
 ) -> Result<usize, ParseError> {

@@ -2,7 +2,7 @@
 
 use super::super::error::{ParseError, ParseErrorKind, Place, excerpt};
 use super::super::text_scanner::Scanner;
-use super::header::Scalar;
+use crate::mesh::NumberType;
 
 /// A function that describes a row or number for a message.
 pub(super) type What<'a> = &'a dyn Fn() -> String;
@@ -12,9 +12,9 @@ pub(super) trait Source {
     /// Moves to the start of a row.
     fn begin_row(&mut self, what: What<'_>) -> Result<(), ParseError>;
     /// The next number of the row.
-    fn number(&mut self, scalar: Scalar, what: What<'_>) -> Result<f64, ParseError>;
+    fn number(&mut self, scalar: NumberType, what: What<'_>) -> Result<f64, ParseError>;
     /// The next number of the row, of an integer type.
-    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, ParseError>;
+    fn integer(&mut self, scalar: NumberType, what: What<'_>) -> Result<i64, ParseError>;
     /// Ends the row. What it has beyond the properties is skipped and counted.
     fn end_row(&mut self);
     /// Number of remaining bytes.
@@ -66,7 +66,7 @@ impl Source for Text<'_> {
         Ok(())
     }
 
-    fn number(&mut self, _: Scalar, what: What<'_>) -> Result<f64, ParseError> {
+    fn number(&mut self, _: NumberType, what: What<'_>) -> Result<f64, ParseError> {
         self.scanner.skip_blanks();
         if self.scanner.line_over() {
             let kind = ParseErrorKind::truncated(format!("{} has too few numbers", what()));
@@ -81,7 +81,7 @@ impl Source for Text<'_> {
         })
     }
 
-    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, ParseError> {
+    fn integer(&mut self, scalar: NumberType, what: What<'_>) -> Result<i64, ParseError> {
         let value = self.number(scalar, what)?;
         if value == value.trunc() {
             return Ok(value as i64);
@@ -159,21 +159,21 @@ impl<const BIG: bool> Source for Binary<'_, BIG> {
     }
 
     #[inline]
-    fn number(&mut self, scalar: Scalar, what: What<'_>) -> Result<f64, ParseError> {
+    fn number(&mut self, scalar: NumberType, what: What<'_>) -> Result<f64, ParseError> {
         Ok(match scalar {
-            Scalar::I8 => f64::from(i8::from_le_bytes(self.take(what)?)),
-            Scalar::U8 => f64::from(u8::from_le_bytes(self.take(what)?)),
-            Scalar::I16 => f64::from(i16::from_le_bytes(self.take(what)?)),
-            Scalar::U16 => f64::from(u16::from_le_bytes(self.take(what)?)),
-            Scalar::I32 => f64::from(i32::from_le_bytes(self.take(what)?)),
-            Scalar::U32 => f64::from(u32::from_le_bytes(self.take(what)?)),
-            Scalar::F32 => f64::from(f32::from_le_bytes(self.take(what)?)),
-            Scalar::F64 => f64::from_le_bytes(self.take(what)?),
+            NumberType::I8 => f64::from(i8::from_le_bytes(self.take(what)?)),
+            NumberType::U8 => f64::from(u8::from_le_bytes(self.take(what)?)),
+            NumberType::I16 => f64::from(i16::from_le_bytes(self.take(what)?)),
+            NumberType::U16 => f64::from(u16::from_le_bytes(self.take(what)?)),
+            NumberType::I32 => f64::from(i32::from_le_bytes(self.take(what)?)),
+            NumberType::U32 => f64::from(u32::from_le_bytes(self.take(what)?)),
+            NumberType::F32 => f64::from(f32::from_le_bytes(self.take(what)?)),
+            NumberType::F64 => f64::from_le_bytes(self.take(what)?),
         })
     }
 
     #[inline]
-    fn integer(&mut self, scalar: Scalar, what: What<'_>) -> Result<i64, ParseError> {
+    fn integer(&mut self, scalar: NumberType, what: What<'_>) -> Result<i64, ParseError> {
         // Exact: the integer types have 32 bits at most.
         self.number(scalar, what).map(|value| value as i64)
     }

@@ -52,8 +52,9 @@ impl Reader<'_> {
             b"endfacet" if word.len() == 8 => {
                 self.expect_corners(3, word)?;
                 close_face(&mut self.soup)?;
-                if let Some(last) = self.soup.tags.len().checked_sub(1) {
-                    self.soup.face_tags.push(last as u32);
+                let all = &mut self.soup.attributes;
+                if let Some(last) = all.tags.len().checked_sub(1) {
+                    all.faces.tags.push(last as u32);
                 }
                 Ok(())
             }
@@ -146,18 +147,19 @@ impl Reader<'_> {
     /// A solid with a name becomes an object.
     fn start_solid(&mut self) {
         let object = self.text.name();
-        let soup = &mut self.soup;
-        if soup.tags.is_empty() {
+        let faces = self.soup.face_count();
+        let all = &mut self.soup.attributes;
+        if all.tags.is_empty() {
             if object.is_empty() {
                 return;
             }
-            if soup.face_count() > 0 {
-                soup.tags.push(FaceTag::default());
-                soup.face_tags.resize(soup.face_count(), 0);
+            if faces > 0 {
+                all.tags.push(FaceTag::default());
+                all.faces.tags.resize(faces, 0);
             }
         }
-        if soup.tags.last().is_none_or(|tag| tag.object != object) {
-            soup.tags.push(FaceTag {
+        if all.tags.last().is_none_or(|tag| tag.object != object) {
+            all.tags.push(FaceTag {
                 object,
                 ..FaceTag::default()
             });

@@ -1,12 +1,13 @@
 //! Binary STL: 80 bytes of header, the number of faces, then 50 bytes per face: normal, three
-//! points, two unused bytes.
+//! points, two attribute bytes.
 
 use std::io::{self, Write};
 
 use super::super::OutputMesh;
+use super::super::check::is_stl_attribute;
 use super::super::error::{ParseError, ParseErrorKind, at_byte, in_file};
 use super::{close_face, with_room};
-use crate::mesh::{DVec3, Soup};
+use crate::mesh::{Column, DVec3, Numbers, Soup};
 
 const HEADER: usize = 84;
 const FACE: usize = 50;
@@ -40,6 +41,8 @@ pub(super) fn read(bytes: &[u8], declared: u32) -> Result<Soup, ParseError> {
     }
     let faces = declared as usize;
     let mut soup = with_room(faces);
+    soup.attributes.stl_header = bytes.first_chunk().copied();
+    let mut attributes = Vec::new();
     for (face, record) in bytes[HEADER..].chunks_exact(FACE).take(faces).enumerate() {
         let points = &record[NORMAL..NORMAL + 3 * POINT];
         for (corner, point) in points.chunks_exact(POINT).enumerate() {
@@ -70,6 +73,19 @@ pub(super) fn read(bytes: &[u8], declared: u32) -> Result<Soup, ParseError> {
             soup.positions.push(DVec3::from_array(position));
         }
         close_face(&mut soup)?;
+        let attribute = u16::from_le_bytes([record[FACE - 2], record[FACE - 1]]);
+        if attribute != 0 {
+            // files without attributes have no column
+            attributes.resize(faces, 0);
+            attributes[face] = attribute;
+        }
+    }
+    if !attributes.is_empty() {
+        soup.attributes.faces.columns.push(Column {
+            name: "attribute".to_owned(),
+            numbers: Numbers::U16(attributes),
+            is_typed: true,
+        });
     }
     let rest = bytes.len() as u64 - needed;
     if rest > 0 {
@@ -86,9 +102,18 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
     let title = b"binary STL written by meniscus";
     let mut header = [b' '; HEADER];
     header[..title.len()].copy_from_slice(title);
+    if let Some(given) = &mesh.attributes.stl_header {
+        header[..80].copy_from_slice(given);
+    }
+    let attributes = mesh
+        .attributes
+        .faces
+        .columns
+        .iter()
+        .find(|c| is_stl_attribute(c));
     header[80..].copy_from_slice(&(mesh.triangles.len() as u32).to_le_bytes());
     out.write_all(&header)?;
-    for triangle in mesh.triangles {
+    for (face, triangle) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let mut record = [0_u8; FACE];
@@ -96,6 +121,10 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
             for (raw, x) in slot.chunks_exact_mut(4).zip(point.to_array()) {
                 raw.copy_from_slice(&(x as f32).to_le_bytes());
             }
+        }
+        if let Some(column) = attributes {
+            let attribute = column.numbers.get(face) as u16;
+            record[FACE - 2..].copy_from_slice(&attribute.to_le_bytes());
         }
         out.write_all(&record)?;
     }

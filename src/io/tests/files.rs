@@ -238,5 +238,6 @@ fn material_libraries_are_looked_up() {
         notes.contains("materials without a definition, names kept: 'green'"),
         "{notes}"
     );
-    assert_eq!(soup.material_libraries, ["one.mtl two.mtl", "my own.mtl"]);
+    let libraries = &soup.attributes.material_libraries;
+    assert_eq!(*libraries, ["one.mtl two.mtl", "my own.mtl"]);
 }

@@ -9,7 +9,7 @@ mod syntax;
 use std::path::Path;
 
 use super::{Format, read};
-use crate::mesh::Soup;
+use crate::mesh::{Attributes, Column, NO_VALUE, Soup, color_columns, row_count};
 
 /// Reads text or bytes that must be sound.
 fn good(format: Format, bytes: impl AsRef<[u8]>) -> Soup {
@@ -47,11 +47,38 @@ fn assert_sound(soup: &Soup) {
             .all(|&v| (v as usize) < soup.positions.len())
     );
     assert!(soup.positions.iter().all(|p| p.is_finite()));
-    assert!(soup.colors.is_empty() || soup.colors.len() == soup.positions.len());
-    assert!(soup.face_tags.is_empty() || soup.face_tags.len() == soup.face_count());
-    assert!(
-        soup.face_tags
-            .iter()
-            .all(|&t| (t as usize) < soup.tags.len())
-    );
+    let all = &soup.attributes;
+    let has = |columns: &[Column], rows: usize| columns.iter().all(|c| c.numbers.len() == rows);
+    assert!(has(&all.vertices, soup.positions.len()));
+    assert!(has(&all.faces.columns, soup.face_count()));
+    for columns in [&all.texture, &all.normals] {
+        assert!(has(columns, row_count(columns)));
+    }
+    for (list, wanted, rows) in [
+        (&all.faces.tags, soup.face_count(), all.tags.len()),
+        (
+            &all.faces.texture,
+            soup.corners.len(),
+            row_count(&all.texture),
+        ),
+        (
+            &all.faces.normals,
+            soup.corners.len(),
+            row_count(&all.normals),
+        ),
+    ] {
+        assert!(list.is_empty() || list.len() == wanted);
+        assert!(
+            list.iter()
+                .all(|&row| row == NO_VALUE || (row as usize) < rows)
+        );
+    }
+}
+
+/// Attributes with these colours.
+fn colored(colors: &[[f32; 4]]) -> Attributes {
+    Attributes {
+        vertices: color_columns(colors),
+        ..Attributes::default()
+    }
 }

@@ -6,7 +6,7 @@ use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Property};
 
 use super::super::{Format, OutputMesh, write};
-use super::good;
+use super::{colored, good};
 use crate::mesh::DVec3;
 
 /// A patch of a paraboloid with coordinates of all lengths, coloured.
@@ -41,8 +41,7 @@ impl Sample {
         let mesh = OutputMesh {
             positions: &self.positions,
             triangles: &self.triangles,
-            colors: &self.colors,
-            ..OutputMesh::default()
+            attributes: &colored(&self.colors),
         };
         let mut bytes = Vec::new();
         write(format, &mesh, &mut bytes).expect("a Vec takes everything");
@@ -75,7 +74,7 @@ fn tobj_sees_the_same_mesh() {
     assert_eq!(corner_points(&flat, &ours.corners), theirs);
     // tobj renumbers by first use; ours is the list of the file.
     assert_eq!(ours.positions, sample().positions);
-    for (v, color) in ours.colors.iter().enumerate() {
+    for (v, color) in ours.attributes.vertex_colors().iter().enumerate() {
         let corner = ours
             .corners
             .iter()

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 
 use super::super::{Format, MeshFault, OutputMesh, check, losses, write};
-use super::good;
-use crate::mesh::{DVec3, FaceTag, Soup};
+use super::{colored, good};
+use crate::mesh::{Attributes, DVec3, FaceData, FaceTag, NO_VALUE, Soup, color_columns};
 
 fn written(format: Format, mesh: &OutputMesh<'_>) -> Vec<u8> {
     assert_eq!(check(format, mesh), Ok(()));
@@ -64,7 +64,8 @@ fn hard_coordinates_are_exact() {
         let soup = good(format, written(format, &mesh));
         assert_eq!(bits(&soup.positions), bits(&positions));
         assert_eq!(triangles(&soup), mesh.triangles);
-        assert!(soup.notes.is_empty() && soup.colors.is_empty() && soup.tags.is_empty());
+        let all = &soup.attributes;
+        assert!(soup.notes.is_empty() && all.vertices.is_empty() && all.tags.is_empty());
     }
 }
 
@@ -88,26 +89,23 @@ fn colors_survive() {
         [7.0 / 65535.0, 0.0, 0.0, 1.0],
     ];
     let cases = [
-        (in_bytes, false, "uchar"),
-        (in_words, false, "ushort"),
-        (in_floats, false, "float"),
-        (with_alpha, true, "uchar"),
+        (in_bytes, "uchar"),
+        (in_words, "ushort"),
+        (in_floats, "float"),
+        (with_alpha, "uchar"),
     ];
-    for (colors, alpha, kind) in cases {
+    for (colors, kind) in cases {
         let mesh = OutputMesh {
             positions,
             triangles: &[[0, 1, 2]],
-            colors: &colors,
-            ..OutputMesh::default()
+            attributes: &colored(&colors),
         };
         let ply = written(Format::Ply, &mesh);
         let header = String::from_utf8_lossy(&ply);
         assert!(header.contains(&format!("property {kind} red")), "{kind}");
-        assert_eq!(good(Format::Ply, &ply).colors, colors);
+        assert_eq!(good(Format::Ply, &ply).attributes.vertex_colors(), colors);
         let obj = good(Format::Obj, written(Format::Obj, &mesh));
-        if !alpha {
-            assert_eq!(obj.colors, colors);
-        }
+        assert_eq!(obj.attributes.vertex_colors(), colors);
         assert_eq!(bits(&obj.positions), bits(positions));
     }
 }
@@ -118,6 +116,7 @@ fn groups_and_materials_survive() {
         object: object.into(),
         group: group.into(),
         material: material.into(),
+        smoothing: String::new(),
     };
     let tags = [
         tag("", "", ""),
@@ -127,30 +126,41 @@ fn groups_and_materials_survive() {
     let positions = &hard_positions()[..3];
     let faces = [[0, 1, 2]; 5];
     let libraries = ["a b.mtl".to_owned()];
+    let tagged = |list: &[u32], tags: &[FaceTag]| Attributes {
+        faces: FaceData {
+            tags: list.to_vec(),
+            ..FaceData::default()
+        },
+        tags: tags.to_vec(),
+        material_libraries: libraries.to_vec(),
+        ..Attributes::default()
+    };
+    let given = tagged(&[0, 1, 1, 2, 1], &tags);
     let mesh = OutputMesh {
         positions,
         triangles: &faces,
-        face_tags: &[0, 1, 1, 2, 1],
-        tags: &tags,
-        material_libraries: &libraries,
-        ..OutputMesh::default()
+        attributes: &given,
     };
     let soup = good(Format::Obj, written(Format::Obj, &mesh));
-    assert_eq!(soup.tags, tags);
-    assert_eq!(soup.face_tags, mesh.face_tags);
-    assert_eq!(soup.material_libraries, libraries);
+    let folder = soup.attributes.folder.clone();
+    assert_eq!(
+        soup.attributes,
+        Attributes {
+            folder,
+            ..given.clone()
+        }
+    );
     // OBJ has no way back to nothing.
     let back = OutputMesh {
-        face_tags: &[1, 1, 1, 1, 0],
+        attributes: &tagged(&[1, 1, 1, 1, 0], &tags),
         ..mesh
     };
     let soup = good(Format::Obj, written(Format::Obj, &back));
-    assert_eq!(soup.tags[1], tag("default", "default", "None"));
+    assert_eq!(soup.attributes.tags[1], tag("default", "default", "None"));
     // A name cannot smuggle a statement in.
     let evil = [tag("a\nv 1 2 3", "", "")];
     let smuggled = OutputMesh {
-        face_tags: &[0; 5],
-        tags: &evil,
+        attributes: &tagged(&[0; 5], &evil),
         ..mesh
     };
     assert_eq!(
@@ -202,22 +212,30 @@ fn what_a_format_leaves_out_is_said() {
         ..mesh
     };
     assert!(losses(Format::Stl, &exact).is_empty());
-    let tags = [FaceTag::default().in_patch(7)];
+    let tagged = |tag: FaceTag| Attributes {
+        faces: FaceData {
+            tags: vec![0],
+            ..FaceData::default()
+        },
+        tags: vec![tag],
+        ..Attributes::default()
+    };
     let patch = OutputMesh {
-        face_tags: &[0],
-        tags: &tags,
+        attributes: &tagged(FaceTag::default().in_patch(7)),
         ..mesh
     };
     assert!(losses(Format::Ply, &patch).is_empty());
     assert_eq!(losses(Format::Stl, &patch).len(), 3);
-    let tags = [FaceTag {
+    let mut all = tagged(FaceTag {
         object: "door".into(),
         ..FaceTag::default()
-    }];
+    });
+    all.vertices = color_columns(&[[0.5; 4]; 3]);
+    for column in &mut all.vertices {
+        column.is_typed = true;
+    }
     let full = OutputMesh {
-        colors: &[[0.5; 4]; 3],
-        face_tags: &[0],
-        tags: &tags,
+        attributes: &all,
         ..mesh
     };
     assert_eq!(Format::ALL.map(|f| losses(f, &full).len()), [1, 1, 4]);
@@ -237,6 +255,20 @@ fn unsound_meshes_are_not_written() {
         Err(MeshFault::BeyondSingle { vertex: 2, .. })
     ));
     let nan = [DVec3::NAN];
+    let with_tags = |list: &[u32]| Attributes {
+        faces: FaceData {
+            tags: list.to_vec(),
+            ..FaceData::default()
+        },
+        ..Attributes::default()
+    };
+    let with_texture = |list: &[u32]| Attributes {
+        faces: FaceData {
+            texture: list.to_vec(),
+            ..FaceData::default()
+        },
+        ..Attributes::default()
+    };
     let faults = [
         OutputMesh {
             positions: &nan,
@@ -248,15 +280,23 @@ fn unsound_meshes_are_not_written() {
             ..mesh
         },
         OutputMesh {
-            colors: &[[0.0; 4]],
+            attributes: &colored(&[[0.0; 4]]),
             ..mesh
         },
         OutputMesh {
-            face_tags: &[0],
+            attributes: &with_tags(&[0]),
             ..mesh
         },
         OutputMesh {
-            face_tags: &[0, 0],
+            attributes: &with_tags(&[0, 0]),
+            ..mesh
+        },
+        OutputMesh {
+            attributes: &with_texture(&[0; 3]),
+            ..mesh
+        },
+        OutputMesh {
+            attributes: &with_texture(&[NO_VALUE; 2]),
             ..mesh
         },
     ];

@@ -2,7 +2,7 @@
 
 use super::super::Format::{Obj, Ply, Stl};
 use super::good;
-use crate::mesh::DVec3;
+use crate::mesh::{Attributes, Column, DVec3, NO_VALUE};
 
 const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
 
@@ -11,7 +11,7 @@ fn obj_variants_read_as_the_plain_file() {
     let plain = good(Obj, TETRAHEDRON);
     assert_eq!(plain.corners, [0, 2, 1, 0, 1, 3, 0, 3, 2]);
     assert_eq!(plain.offsets, [0, 3, 6, 9]);
-    assert!(plain.notes.is_empty() && plain.tags.is_empty() && plain.colors.is_empty());
+    assert!(plain.notes.is_empty() && plain.attributes == Attributes::default());
     for text in [
         TETRAHEDRON.replace('\n', "\r\n"),
         TETRAHEDRON.replace('\n', "\r"),
@@ -54,26 +54,31 @@ fn obj_attributes_colors_and_groups() {
         o thing\nf 3 4 1\ng rim left\nl 1 2\n";
     let soup = good(Obj, text);
     assert_eq!(soup.offsets, [0, 4, 7, 10, 13]);
-    assert_eq!(soup.colors[1], [0.0, 1.0, 0.0, 1.0]);
-    assert_eq!(soup.colors[3], [1.0; 4]);
-    assert_eq!(soup.face_tags, [0, 1, 1, 2]);
-    assert_eq!(soup.tags[0].material, "");
+    assert_eq!(soup.attributes.vertex_colors()[1], [0.0, 1.0, 0.0, 1.0]);
+    assert_eq!(soup.attributes.vertex_colors()[3], [1.0; 4]);
+    assert_eq!(soup.attributes.faces.tags, [0, 1, 1, 2]);
+    assert_eq!(soup.attributes.tags[0].material, "");
     assert_eq!(
-        (soup.tags[1].group.as_str(), soup.tags[1].material.as_str()),
+        (
+            soup.attributes.tags[1].group.as_str(),
+            soup.attributes.tags[1].material.as_str()
+        ),
         ("rim left", "red")
     );
     assert_eq!(
-        (soup.tags[2].object.as_str(), soup.tags[2].group.as_str()),
+        (
+            soup.attributes.tags[2].object.as_str(),
+            soup.attributes.tags[2].group.as_str()
+        ),
         ("thing", "rim left")
     );
-    assert_eq!(soup.material_libraries, ["a b.mtl", "other.mtl"]);
+    assert_eq!(soup.attributes.material_libraries, ["a b.mtl", "other.mtl"]);
+    let faces = &soup.attributes.faces;
+    assert_eq!(faces.texture[..5], [0, NO_VALUE, 0, NO_VALUE, NO_VALUE]);
+    assert_eq!(faces.normals[..5], [0, 0, NO_VALUE, NO_VALUE, NO_VALUE]);
+    assert_eq!(soup.attributes.tags[0].smoothing, "off");
     let notes = soup.notes.join("; ");
-    for part in [
-        "texture coordinates",
-        "normals",
-        "lines and points",
-        "1 vertices without a colour",
-    ] {
+    for part in ["lines and points", "1 vertices without a colour"] {
         assert!(notes.contains(part), "{notes}");
     }
 }
@@ -87,14 +92,17 @@ fn obj_seven_numbers_are_weight_and_color_or_color_and_alpha() {
         )
     };
     let weighted = good(Obj, file(["1.0 .5 .25 0", "1 0 0 0", "1 0 0 0"]));
-    assert_eq!(weighted.colors[0], [0.5, 0.25, 0.0, 1.0]);
+    assert_eq!(
+        weighted.attributes.vertex_colors()[0],
+        [0.5, 0.25, 0.0, 1.0]
+    );
     let alpha = good(Obj, file(["1.0 .5 .25 0", "0 0 0 1", "1 0 0 0"]));
-    assert_eq!(alpha.colors[0], [1.0, 0.5, 0.25, 0.0]);
+    assert_eq!(alpha.attributes.vertex_colors()[0], [1.0, 0.5, 0.25, 0.0]);
     let bytes = good(
         Obj,
         "v 0 0 0 255 51 0\nv 1 0 0 0 0 0\nv 0 1 0 0 0 0\nf 1 2 3\n",
     );
-    assert_eq!(bytes.colors[0], [1.0, 0.2, 0.0, 1.0]);
+    assert_eq!(bytes.attributes.vertex_colors()[0], [1.0, 0.2, 0.0, 1.0]);
 }
 
 #[test]
@@ -119,13 +127,24 @@ fn ply_ascii_with_everything_that_is_skipped() {
         1 0 1e-3 0 0 0 0 0\r\n0 3 0 1 2\r\n1 4 0 1 2 3\r\n5\r\n";
     let soup = good(Ply, text);
     assert_eq!(soup.positions[1].x, 0.1);
-    assert_eq!(soup.colors[1], [0.0, 0.0, 0.2, 1.0]);
+    assert_eq!(soup.attributes.vertex_colors()[1], [0.0, 0.0, 0.2, 1.0]);
     assert_eq!(soup.corners, [0, 1, 2, 0, 1, 2, 3]);
     let notes = soup.notes.join("; ");
     assert!(
-        notes.contains("nx, neighbours") && notes.contains("face properties"),
+        notes.contains("vertex lists not kept: neighbours"),
         "{notes}"
     );
+    assert!(notes.contains("elements not kept: camera, edge"), "{notes}");
+    let all = &soup.attributes;
+    assert_eq!(all.comments, ["comment c", "obj_info o"]);
+    let numbers = |columns: &[Column], name: &str| -> Vec<f64> {
+        let column = columns.iter().find(|c| c.name == name).expect(name);
+        (0..column.numbers.len())
+            .map(|row| column.numbers.get(row))
+            .collect()
+    };
+    assert_eq!(numbers(&all.vertices, "nx"), [1.0; 4]);
+    assert_eq!(numbers(&all.faces.columns, "flags"), [0.0, 1.0]);
 }
 
 #[test]
@@ -203,7 +222,7 @@ fn ply_binary_in_both_byte_orders() {
             soup.positions[1],
             DVec3::new(1.0, f64::from(0.1_f32), 1.0 / 3.0)
         );
-        assert_eq!(soup.colors[2], [1.0, 0.0, 0.2, 0.5]);
+        assert_eq!(soup.attributes.vertex_colors()[2], [1.0, 0.0, 0.2, 0.5]);
         assert_eq!(soup.corners, [2, 0, 1]);
     }
 }
@@ -219,10 +238,10 @@ fn stl_ascii_with_two_solids() {
     assert!(soup.exploded);
     assert_eq!(soup.positions.len(), 9);
     assert_eq!(soup.positions[8].y, 0.1);
-    assert_eq!(soup.face_tags, [0, 0, 1]);
-    assert_eq!(soup.tags[1].object, "two");
+    assert_eq!(soup.attributes.faces.tags, [0, 0, 1]);
+    assert_eq!(soup.attributes.tags[1].object, "two");
     let open = good(Stl, format!("solid\r\n{}", facet.replace('\n', "\r\n")));
-    assert!(open.tags.is_empty() && open.notes[0].contains("endsolid"));
+    assert!(open.attributes.tags.is_empty() && open.notes[0].contains("endsolid"));
 }
 
 /// A binary STL of one face, with any header.

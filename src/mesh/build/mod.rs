@@ -16,7 +16,10 @@ pub use report::{ComponentReport, Defect, DefectKind, LoadReport};
 pub use stitch::{stitch, stitching_tolerance};
 pub use weld::Weld;
 
-use super::{Mesh, Soup, Topology, TopologyError};
+use rustc_hash::FxHashMap;
+
+use super::attributes::picked_rows;
+use super::{Attributes, FaceData, Mesh, Soup, Topology, TopologyError};
 use repair::{Faces, Repaired, repair};
 use summary::summarize;
 use triangulate::{Triangles, triangulate};
@@ -164,29 +167,112 @@ fn validate(soup: &Soup) -> Result<(), BuildError> {
 
 /// Transfers positions and attributes to the repaired connectivity.
 fn assemble(soup: &Soup, triangles: &Triangles, topology: Topology, repaired: &Repaired) -> Mesh {
-    let pick = |faces: &Faces| -> Vec<u32> {
-        if soup.face_tags.is_empty() {
-            return Vec::new();
-        }
-        (0..faces.len())
-            .map(|i| soup.face_tags[triangles.file_face(faces.origin(i)) as usize])
-            .collect()
+    let given = &soup.attributes;
+    let mut attributes = Attributes {
+        faces: face_data(&given.faces, triangles, repaired, &repaired.triangles),
+        non_orientable: face_data(&given.faces, triangles, repaired, &repaired.non_orientable),
+        tags: given.tags.clone(),
+        texture: given.texture.clone(),
+        normals: given.normals.clone(),
+        material_libraries: given.material_libraries.clone(),
+        comments: given.comments.clone(),
+        stl_header: given.stl_header,
+        folder: given.folder.clone(),
+        ..Attributes::default()
     };
+    vertex_data(soup, triangles, repaired, &mut attributes);
     Mesh {
         positions: match &repaired.source {
             None => soup.positions.clone(),
             Some(of) => of.iter().map(|&v| soup.positions[v as usize]).collect(),
         },
         topology,
-        colors: match &repaired.source {
-            Some(of) if !soup.colors.is_empty() => {
-                of.iter().map(|&v| soup.colors[v as usize]).collect()
-            }
-            _ => soup.colors.clone(),
-        },
-        face_tags: pick(&repaired.triangles),
-        tags: soup.tags.clone(),
+        attributes,
         non_orientable: repaired.non_orientable.corners.clone(),
-        non_orientable_tags: pick(&repaired.non_orientable),
     }
+}
+
+/// The places of the corners of a repaired face in the file's list of corners.
+fn file_corners(triangles: &Triangles, repaired: &Repaired, origin: usize) -> [u32; 3] {
+    let [a, b, c] = triangles.file_corners(origin);
+    if repaired.flipped.binary_search(&(origin as u32)).is_ok() {
+        [a, c, b]
+    } else {
+        [a, b, c]
+    }
+}
+
+/// The data of repaired faces, from that of the polygons.
+fn face_data(
+    given: &FaceData,
+    triangles: &Triangles,
+    repaired: &Repaired,
+    faces: &Faces,
+) -> FaceData {
+    if *given == FaceData::default() {
+        return FaceData::default();
+    }
+    let origins = || (0..faces.len()).map(|i| faces.origin(i));
+    let of_file: Vec<u32> = origins().map(|t| triangles.file_face(t)).collect();
+    let corners = (0..faces.len()).flat_map(|i| file_corners(triangles, repaired, faces.origin(i)));
+    given.picked(&of_file, corners)
+}
+
+/// Transfers the columns of the vertices. If welded vertices differ in them, every vertex of the file
+/// keeps its row.
+fn vertex_data(
+    soup: &Soup,
+    triangles: &Triangles,
+    repaired: &Repaired,
+    attributes: &mut Attributes,
+) {
+    let columns = &soup.attributes.vertices;
+    if columns.is_empty() {
+        return;
+    }
+    let Some(source) = &repaired.source else {
+        attributes.vertices.clone_from(columns);
+        return;
+    };
+    let all_faces = [&repaired.triangles, &repaired.non_orientable];
+    // the vertex of the file and that of the mesh at each corner
+    let corners = |faces: &Faces| -> Vec<[u32; 2]> {
+        let corners = faces.corners.iter().enumerate().flat_map(|(i, t)| {
+            let of_file = file_corners(triangles, repaired, faces.origin(i));
+            of_file.into_iter().zip(t)
+        });
+        corners
+            .map(|(corner, &vertex)| [soup.corners[corner as usize], vertex])
+            .collect()
+    };
+    let kept = |v: usize| repaired.file_to_mesh.as_ref().map_or(v as u32, |of| of[v]);
+    let differs = |[of_file, vertex]: [u32; 2]| {
+        let (own, first) = (of_file as usize, source[vertex as usize] as usize);
+        own != first && columns.iter().any(|c| !c.numbers.are_same(own, first))
+    };
+    let mut vertices = (0..soup.positions.len()).map(|v| [v as u32, kept(v)]);
+    let corners = all_faces.map(corners);
+    if !vertices.any(differs) && !corners.iter().flatten().any(|&pair| differs(pair)) {
+        attributes.vertices = picked_rows(columns, source);
+        return;
+    }
+    // the rows of the file, then those of vertices that the repair separated
+    let mut vertex_of_row: Vec<u32> = (0..soup.positions.len()).map(kept).collect();
+    let mut rows: Vec<u32> = (0..soup.positions.len() as u32).collect();
+    let mut other_rows = FxHashMap::default();
+    let mut row = |[of_file, vertex]: [u32; 2]| {
+        if vertex_of_row[of_file as usize] == vertex {
+            return of_file;
+        }
+        *other_rows.entry([of_file, vertex]).or_insert_with(|| {
+            vertex_of_row.push(vertex);
+            rows.push(of_file);
+            rows.len() as u32 - 1
+        })
+    };
+    let [faces, aside] = corners.map(|pairs| pairs.into_iter().map(&mut row).collect());
+    attributes.faces.rows = faces;
+    attributes.non_orientable.rows = aside;
+    attributes.vertices = picked_rows(columns, &rows);
+    attributes.vertex_of_row = vertex_of_row;
 }

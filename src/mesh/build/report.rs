@@ -46,6 +46,10 @@ pub struct LoadReport {
     pub components: Vec<ComponentReport>,
     /// The defects, at most [`Defect::LIMIT`] of each kind.
     pub defects: Vec<Defect>,
+    /// What the file holds besides positions and faces, as [`Attributes::summary`] lists it.
+    ///
+    /// [`Attributes::summary`]: crate::mesh::Attributes::summary
+    pub attributes: Vec<String>,
     /// Notes for the user. Those of the reader come first.
     pub notes: Vec<String>,
     /// The mesh index of each file vertex; empty if the indices are equal.

@@ -22,14 +22,13 @@ pub fn stitching_tolerance(mesh: &Mesh) -> f64 {
 /// # Errors
 /// The mesh has no faces.
 pub fn stitch(mesh: &Mesh, tolerance: f64) -> Result<Mesh, BuildError> {
-    let corners: Vec<u32> = mesh.all_triangles().flatten().collect();
+    let written = mesh.written();
+    let corners = written.triangles.into_flattened();
     let soup = Soup {
-        positions: mesh.positions.clone(),
+        positions: written.positions.into_owned(),
         offsets: (0..=corners.len() as u32).step_by(3).collect(),
         corners,
-        colors: mesh.colors.clone(),
-        face_tags: [&mesh.face_tags[..], &mesh.non_orientable_tags].concat(),
-        tags: mesh.tags.clone(),
+        attributes: written.attributes.into_owned(),
         ..Soup::default()
     };
     Ok(build_welded(&soup, Weld::Within(tolerance))?.0)

@@ -135,6 +135,7 @@ pub(super) fn summarize(
         non_orientable_faces: mesh.non_orientable.len(),
         components: parts,
         defects: defects.list,
+        attributes: mesh.attributes.summary(),
         notes,
         file_to_mesh: repaired.file_to_mesh.clone(),
     }

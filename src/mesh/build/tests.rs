@@ -1,7 +1,9 @@
 //! Each kind of bad input, made here, and invariants over random soups.
 
 use super::*;
-use crate::mesh::{DVec3, FaceTag, Topology, boundary_loops, check_mesh};
+use crate::mesh::{
+    Column, DVec3, FaceTag, Topology, boundary_loops, check_mesh, color_columns, row_count,
+};
 use crate::random::SplitMix;
 
 /// An octahedron subdivided three times and projected to the unit sphere, 258 vertices.
@@ -593,12 +595,12 @@ fn non_orientable_surfaces_are_left_alone() {
     let mut both = moebius.clone();
     both.extend(t.iter().map(|t| t.map(|v| v + strip.len() as u32)));
     let mut input = soup([strip.clone(), p].concat(), &both);
-    input.face_tags = (0..both.len() as u32).map(|f| f % 2).collect();
-    input.tags = vec![FaceTag::default(); 2];
+    input.attributes.faces.tags = (0..both.len() as u32).map(|f| f % 2).collect();
+    input.attributes.tags = vec![FaceTag::default(); 2];
     let (mesh, report) = sound(&input);
     assert_eq!(mesh.non_orientable, moebius);
-    assert_eq!(mesh.non_orientable_tags.len(), moebius.len());
-    assert_eq!(mesh.face_tags.len(), t.len());
+    assert_eq!(mesh.attributes.non_orientable.tags.len(), moebius.len());
+    assert_eq!(mesh.attributes.faces.tags.len(), t.len());
     assert_eq!(mesh.all_triangles().count(), both.len());
     assert_eq!(
         (report.non_orientable_faces, report.isolated_vertices),
@@ -622,23 +624,69 @@ fn attributes_follow_their_vertices_and_faces() {
     let (p, t) = open_sphere();
     let mut input = explode(&p, &t);
     let shade = |q: &DVec3| [q.x.abs() as f32, q.y.abs() as f32, q.z.abs() as f32, 1.0];
-    input.colors = input.positions.iter().map(shade).collect();
+    let shades = |positions: &[DVec3]| -> Vec<[f32; 4]> { positions.iter().map(shade).collect() };
+    input.attributes.vertices = color_columns(&shades(&input.positions));
     input.corners.extend([0, 0, 1]);
     input.offsets.push(input.corners.len() as u32);
-    input.face_tags = (0..=t.len() as u32).map(|f| f % 3).collect();
-    input.tags = vec![FaceTag::default(); 3];
+    input.attributes.faces.tags = (0..=t.len() as u32).map(|f| f % 3).collect();
+    input.attributes.tags = vec![FaceTag::default(); 3];
     let (mesh, report) = sound(&input);
     assert_eq!(report.degenerate_faces, 1);
-    assert_eq!(
-        mesh.colors,
-        mesh.positions.iter().map(shade).collect::<Vec<_>>()
-    );
+    assert_eq!(mesh.colors(), shades(&mesh.positions));
     assert!(
-        mesh.face_tags
+        mesh.attributes
+            .faces
+            .tags
             .iter()
             .copied()
             .eq((0..t.len() as u32).map(|f| f % 3))
     );
+}
+
+/// The corners of every triangle refer to the values they had in the file, also where vertices are
+/// welded, polygons triangulated, faces flipped and edges cut; writing separates the vertices again.
+#[test]
+fn corners_keep_their_values() {
+    let mut random = SplitMix::new(5);
+    let mut separate = 0;
+    for round in 0..2000 {
+        let places = if round % 2 == 0 { 2 } else { 3 };
+        let positions: Vec<DVec3> = (0..6 + random.below(9))
+            .map(|_| DVec3::from([(); 3].map(|()| random.below(places) as f64)))
+            .collect();
+        let mut input = Soup {
+            offsets: vec![0],
+            ..Soup::default()
+        };
+        for _ in 0..1 + random.below(20) {
+            for _ in 0..3 + random.below(3) {
+                input.corners.push(random.below(positions.len()) as u32);
+            }
+            input.offsets.push(input.corners.len() as u32);
+        }
+        let corners = input.corners.len() as u32;
+        // the value of a corner says which it is; that of a vertex, its place
+        input.attributes.faces.texture = (0..corners).collect();
+        let label = |v: usize| (v / (1 + round % 3)) as f64;
+        let labels = (0..positions.len()).map(label).collect();
+        input.attributes.vertices = vec![Column::decimals("label", labels)];
+        input.positions = positions;
+        let Ok((mesh, _)) = build(&input) else {
+            continue;
+        };
+        separate += usize::from(!mesh.attributes.vertex_of_row.is_empty());
+        let written = mesh.written();
+        let columns = &written.attributes.vertices;
+        assert_eq!(row_count(columns), written.positions.len());
+        let texture = &written.attributes.faces.texture;
+        for (&v, &corner) in written.triangles.as_flattened().iter().zip(texture) {
+            let of_file = input.corners[corner as usize] as usize;
+            let at = written.positions[v as usize];
+            assert_eq!(at, input.positions[of_file], "round {round}");
+            assert_eq!(columns[0].numbers.get(v as usize), label(of_file));
+        }
+    }
+    assert!(separate > 300, "{separate}");
 }
 
 /// Few vertices at few places, many faces: every defect there is, all at once.

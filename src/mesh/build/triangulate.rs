@@ -9,6 +9,9 @@ pub(super) struct Triangles {
     pub corners: Vec<[u32; 3]>,
     /// The polygon of each triangle; empty if the numbers are equal.
     pub file_face: Option<Vec<u32>>,
+    /// The place of each corner in the list of corners of the polygons; empty if the numbers are
+    /// equal.
+    pub file_corners: Option<Vec<[u32; 3]>>,
     /// Number of polygons with more than three corners.
     pub polygons: usize,
     /// Polygons with fewer than three different corners, which have no triangles.
@@ -16,6 +19,14 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
+    /// The places of a triangle's corners in the list of corners of the polygons.
+    pub fn file_corners(&self, triangle: usize) -> [u32; 3] {
+        let t = triangle as u32;
+        self.file_corners
+            .as_ref()
+            .map_or([3 * t, 3 * t + 1, 3 * t + 2], |of| of[triangle])
+    }
+
     /// The polygon of a triangle.
     pub fn file_face(&self, triangle: usize) -> u32 {
         self.file_face
@@ -47,6 +58,7 @@ pub(super) fn triangulate(soup: &Soup) -> Triangles {
                 .map(|t| [t[0], t[1], t[2]])
                 .collect(),
             file_face: None,
+            file_corners: None,
             polygons: 0,
             degenerate: Vec::new(),
         };
@@ -54,35 +66,41 @@ pub(super) fn triangulate(soup: &Soup) -> Triangles {
     let mut out = Triangles {
         corners: Vec::with_capacity(soup.corners.len()),
         file_face: None,
+        file_corners: None,
         polygons: 0,
         degenerate: Vec::new(),
     };
+    let mut file_corners = Vec::with_capacity(soup.corners.len());
     let mut file_face = Vec::with_capacity(soup.corners.len());
-    let mut ring = Vec::new();
+    // the corners of a polygon: places in the list of all corners
+    let mut ring: Vec<u32> = Vec::new();
+    let vertex = |corner: u32| soup.corners[corner as usize];
     let mut points = Vec::new();
     let mut local = Vec::new();
     for f in 0..soup.face_count() {
         ring.clear();
-        ring.extend_from_slice(soup.face(f));
-        ring.dedup();
-        while ring.len() > 1 && ring.first() == ring.last() {
+        ring.extend(soup.offsets[f]..soup.offsets[f + 1]);
+        ring.dedup_by_key(|corner| vertex(*corner));
+        while ring.len() > 1 && vertex(ring[0]) == vertex(ring[ring.len() - 1]) {
             ring.pop();
         }
         let before = out.corners.len();
         out.polygons += usize::from(ring.len() > 3);
+        local.clear();
         if ring.len() == 3 {
-            out.corners.push([ring[0], ring[1], ring[2]]);
+            local.push([0, 1, 2]);
         } else if ring.len() > 3 {
             points.clear();
-            points.extend(ring.iter().map(|&v| soup.positions[v as usize]));
-            local.clear();
+            points.extend(ring.iter().map(|&c| soup.positions[vertex(c) as usize]));
             cut_polygon(&points, &mut local);
-            out.corners.extend(
-                local
-                    .iter()
-                    .map(|t| t.map(|i| ring[i as usize]))
-                    .filter(|t| different(t[0], t[1], t[2])),
-            );
+        }
+        for triangle in &local {
+            let corners = triangle.map(|i| ring[i as usize]);
+            let [a, b, c] = corners.map(vertex);
+            if different(a, b, c) {
+                out.corners.push([a, b, c]);
+                file_corners.push(corners);
+            }
         }
         if out.corners.len() == before {
             out.degenerate.push(f as u32);
@@ -90,6 +108,7 @@ pub(super) fn triangulate(soup: &Soup) -> Triangles {
         file_face.resize(out.corners.len(), f as u32);
     }
     out.file_face = Some(file_face);
+    out.file_corners = Some(file_corners);
     out
 }
 
@@ -402,5 +421,6 @@ mod tests {
         assert_eq!(t.corners, [[0, 1, 2], [1, 3, 2]]);
         assert_eq!(t.degenerate, [0, 3]);
         assert_eq!(t.file_face, Some(vec![1, 2]));
+        assert_eq!(t.file_corners, Some(vec![[3, 4, 5], [7, 8, 9]]));
     }
 }

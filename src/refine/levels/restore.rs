@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::Refinement;
-use crate::mesh::{DVec3, Topology};
+use crate::mesh::{Attributes, DVec3, Topology};
 use crate::refine::creases::Features;
 use crate::refine::level_flow::LevelFlow;
 use crate::refine::progress::LevelReport;
@@ -19,8 +19,7 @@ pub(in crate::refine) struct SavedLevel {
     topology: Arc<Topology>,
     /// Points of the previous level, while the level's flow runs.
     previous: Vec<DVec3>,
-    colors: Vec<[f32; 4]>,
-    face_tags: Vec<u32>,
+    attributes: Attributes,
     features: Features,
     region: Option<Region>,
     flow: Option<SavedFlow>,
@@ -61,8 +60,7 @@ impl Refinement {
             level: self.level,
             topology: Arc::clone(&self.topology),
             previous: self.points.clone(),
-            colors: self.colors.clone(),
-            face_tags: self.face_tags.clone(),
+            attributes: self.attributes.clone(),
             features: self.features.clone(),
             region: self.region.clone(),
             reports: self.levels.clone(),
@@ -107,8 +105,7 @@ impl Refinement {
             Some(_) => saved.previous.clone(),
             None => to.points.to_vec(),
         };
-        self.colors.clone_from(&saved.colors);
-        self.face_tags.clone_from(&saved.face_tags);
+        self.attributes.clone_from(&saved.attributes);
         self.features = saved.features.clone();
         self.region.clone_from(&saved.region);
         self.levels.clone_from(&saved.reports);

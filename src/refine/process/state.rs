@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::mesh::{DVec3, Mesh, Topology};
+use crate::mesh::{Attributes, DVec3, Mesh, Topology};
 use crate::refine::levels::{Refinement, SavedLevel};
 use crate::refine::refined::refined_mesh;
 use crate::refine::{Method, Weld};
@@ -19,10 +19,8 @@ pub struct LevelFrame {
     pub topology: Arc<Topology>,
     /// The map to the welded mesh, if the mesh is cut.
     pub weld: Option<Arc<Weld>>,
-    /// Colours of the vertices; empty if the mesh has none.
-    pub colors: Vec<[f32; 4]>,
-    /// Tags of the faces, as in [`Mesh::face_tags`].
-    pub face_tags: Vec<u32>,
+    /// Attributes of the mesh that is cut open.
+    pub attributes: Attributes,
     /// Whether `control` of the states is the control mesh of a smooth limit surface. It is not for
     /// Butterfly, which has no such surface.
     pub has_limit: bool,
@@ -56,8 +54,7 @@ impl LevelFrame {
             level: refinement.level(),
             topology: Arc::clone(refinement.topology()),
             weld: refinement.weld().cloned(),
-            colors: refinement.colors().to_vec(),
-            face_tags: refinement.face_tags().to_vec(),
+            attributes: refinement.attributes().clone(),
             has_limit: refinement.method() != Method::Butterfly,
             given: Arc::clone(given),
             saved: refinement.save_level(),
@@ -102,8 +99,13 @@ impl RefineState {
 
     fn with(&self, weld: Option<&Weld>, positions: &[DVec3]) -> Mesh {
         let frame = &self.frame;
-        let (colors, tags) = (&frame.colors, &frame.face_tags);
-        refined_mesh(&frame.given, &frame.topology, weld, positions, colors, tags)
+        refined_mesh(
+            &frame.given,
+            &frame.topology,
+            weld,
+            positions,
+            &frame.attributes,
+        )
     }
 }
 
@@ -115,7 +117,7 @@ impl TimelineState for RefineState {
             let frame = &self.frame;
             let weld = frame.weld.as_ref();
             let weld = weld.map_or(0, |w| w.topology.bytes() + 4 * w.to_whole.len());
-            let attributes = frame.colors.len() * 16 + frame.face_tags.len() * 4;
+            let attributes = frame.attributes.bytes();
             frame.topology.bytes() + weld + attributes + frame.saved.bytes()
         };
         let mut positions = self.points.len();

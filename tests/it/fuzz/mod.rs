@@ -10,6 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 use meniscus::io::{self, Format, OutputMesh};
+use meniscus::mesh::{Attributes, color_columns};
 use meniscus::random::SplitMix;
 use meniscus::shapes;
 
@@ -55,10 +56,14 @@ fn mesh_files(format: Format) -> Vec<Vec<u8>> {
         .iter()
         .map(|(positions, triangles)| {
             let colors = vec![[0.5, 0.25, 1.0, 1.0]; positions.len()];
+            let attributes = Attributes {
+                vertices: color_columns(&colors),
+                ..Attributes::default()
+            };
             let mesh = OutputMesh {
                 positions,
                 triangles,
-                colors: if format == Format::Stl { &[] } else { &colors },
+                attributes: &attributes,
                 ..OutputMesh::default()
             };
             let mut bytes = Vec::new();

@@ -1,0 +1,212 @@
+//! What a mesh file holds besides positions and faces.
+//!
+//! Numbers are in named [`Column`]s in the type that the file declares. There are four tables: one
+//! row for each vertex, one for each face, and the rows of texture coordinates and of normals, to
+//! which corners refer by number. Given rows are never changed; new ones follow.
+
+mod colors;
+mod column;
+mod faces;
+mod mixing;
+mod split;
+mod summary;
+mod written;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::{FaceTag, Mesh, VertexId};
+
+pub use colors::{Colors, color_columns, color_steps, colors};
+pub use column::{Column, NumberType, Numbers, columns_named, picked_rows, row_count};
+pub use faces::{FaceData, NO_VALUE};
+pub use mixing::{append_between, append_interpolated};
+pub use written::Written;
+
+/// What a mesh file holds besides positions and faces. Lists are empty if it has no such data.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Attributes {
+    /// Columns with a number for each vertex, such as colours.
+    pub vertices: Vec<Column>,
+    /// If the file has vertices at one place with different numbers, which the mesh joins: the vertex
+    /// of each row of `vertices`. Corners then refer to rows by [`FaceData::rows`], and writing
+    /// separates the vertices again.
+    pub vertex_of_row: Vec<u32>,
+    /// Data of the faces.
+    pub faces: FaceData,
+    /// Data of [`Mesh::non_orientable`].
+    pub non_orientable: FaceData,
+    /// Groups, objects and materials, in order of first use.
+    pub tags: Vec<FaceTag>,
+    /// Texture coordinates: the columns `u`, `v` and perhaps `w`.
+    pub texture: Arc<Vec<Column>>,
+    /// Normals of corners: the columns `nx`, `ny` and `nz`.
+    pub normals: Arc<Vec<Column>>,
+    /// `mtllib` names of an OBJ file, as written there (relative to the file), in order.
+    pub material_libraries: Vec<String>,
+    /// The lines `comment` and `obj_info` of a PLY header.
+    pub comments: Vec<String>,
+    /// The header of a binary STL file.
+    pub stl_header: Option<[u8; 80]>,
+    /// The folder of the file, to which names of other files are relative, if they are known to be.
+    pub folder: Option<PathBuf>,
+}
+
+impl Attributes {
+    /// Red, green, blue and opacity in 0..=1 for each vertex; empty if the vertices have no colour.
+    pub fn vertex_colors(&self) -> Vec<[f32; 4]> {
+        let of_rows = colors(&self.vertices);
+        if self.vertex_of_row.is_empty() || of_rows.is_empty() {
+            return of_rows;
+        }
+        let first = self.first_rows();
+        first.iter().map(|&row| of_rows[row as usize]).collect()
+    }
+
+    /// The first row of each vertex, if rows are not vertices.
+    fn first_rows(&self) -> Vec<u32> {
+        let vertices = self
+            .vertex_of_row
+            .iter()
+            .max()
+            .map_or(0, |&v| v as usize + 1);
+        let mut first = vec![NO_VALUE; vertices];
+        for (row, &vertex) in self.vertex_of_row.iter().enumerate().rev() {
+            first[vertex as usize] = row as u32;
+        }
+        first
+    }
+
+    /// The row of a vertex, for each vertex of a list.
+    pub(crate) fn rows_of(&self, vertices: impl Iterator<Item = VertexId>) -> Vec<u32> {
+        if self.vertex_of_row.is_empty() {
+            return vertices.map(|v| v.0).collect();
+        }
+        let first = self.first_rows();
+        vertices.map(|v| first[v.index()]).collect()
+    }
+
+    /// Whether vertices have numbers.
+    pub fn has_vertex_columns(&self) -> bool {
+        !self.vertices.is_empty()
+    }
+
+    /// Appends the numbers of new vertices, which follow the `given` ones: each is at `t` of the way
+    /// from one vertex to another, as in [`append_between`].
+    pub fn append_vertices(&mut self, given: usize, pairs: &[([VertexId; 2], f64)]) {
+        if self.vertices.is_empty() {
+            return;
+        }
+        let ends = self.rows_of(pairs.iter().flat_map(|(ends, _)| *ends));
+        let ends = ends.chunks_exact(2).map(|e| [e[0], e[1]]);
+        let ratios = pairs.iter().map(|(_, t)| *t);
+        append_between(&mut self.vertices, ends.zip(ratios));
+        self.number_new_rows(given, pairs.len());
+    }
+
+    /// Appends the numbers of new vertices, which follow the `given` ones, as
+    /// [`append_interpolated`] does from those of the vertices `known`.
+    pub fn append_interpolated(
+        &mut self,
+        given: usize,
+        known: &[VertexId],
+        nearest: &[VertexId],
+        interpolate: impl FnMut(&[f64]) -> Vec<f64>,
+    ) {
+        if self.vertices.is_empty() {
+            return;
+        }
+        let known = self.rows_of(known.iter().copied());
+        let rows = self.rows_of(nearest.iter().copied());
+        append_interpolated(&mut self.vertices, &known, &rows, interpolate);
+        self.number_new_rows(given, nearest.len());
+    }
+
+    fn number_new_rows(&mut self, given: usize, count: usize) {
+        if !self.vertex_of_row.is_empty() {
+            let new = given..given + count;
+            self.vertex_of_row.extend(new.map(|v| v as u32));
+        }
+    }
+
+    /// Appends the data of new triangles, which follow the `given` ones: that of face `like`, with
+    /// another tag if `tag` is given. Their corners have the first rows of their vertices, and no
+    /// texture coordinates and normals.
+    ///
+    /// All new vertices must have been appended.
+    pub fn append_triangles(
+        &mut self,
+        given: usize,
+        like: usize,
+        tag: Option<u32>,
+        triangles: &[[u32; 3]],
+    ) {
+        self.faces.append_like(given, like, triangles.len());
+        if let Some(tag) = tag {
+            self.faces.tags[given..].fill(tag);
+        }
+        if !self.faces.rows.is_empty() {
+            let corners = triangles.as_flattened().iter().map(|&v| VertexId(v));
+            let rows = self.rows_of(corners);
+            self.faces.rows[3 * given..].copy_from_slice(&rows);
+        }
+    }
+
+    /// The attributes of a part of a mesh: of these vertices and faces, in ascending order.
+    #[must_use]
+    pub fn picked(&self, vertices: &[u32], faces: &[u32]) -> Self {
+        let mut part = Self {
+            vertices: Vec::new(),
+            vertex_of_row: Vec::new(),
+            faces: self.faces.picked_triangles(faces),
+            ..self.clone()
+        };
+        if self.vertex_of_row.is_empty() {
+            part.vertices = picked_rows(&self.vertices, vertices);
+            return part;
+        }
+        let mut rows = Vec::new();
+        let mut new_row = vec![NO_VALUE; self.vertex_of_row.len()];
+        for (row, vertex) in self.vertex_of_row.iter().enumerate() {
+            if let Ok(vertex) = vertices.binary_search(vertex) {
+                new_row[row] = rows.len() as u32;
+                rows.push(row as u32);
+                part.vertex_of_row.push(vertex as u32);
+            }
+        }
+        part.vertices = picked_rows(&self.vertices, &rows);
+        let lists = [&mut part.faces.rows, &mut part.non_orientable.rows];
+        for row in lists.into_iter().flatten() {
+            *row = new_row[*row as usize];
+        }
+        part
+    }
+
+    /// The attributes of a mesh with the same faces whose vertices have the numbers of these vertices.
+    #[must_use]
+    pub fn with_vertices(&self, vertices: &[u32]) -> Self {
+        if !self.vertex_of_row.is_empty() {
+            // corners refer to rows, which stay
+            return self.clone();
+        }
+        Self {
+            vertices: picked_rows(&self.vertices, vertices),
+            ..self.clone()
+        }
+    }
+
+    /// Size in bytes of what changes with a refinement.
+    pub fn bytes(&self) -> usize {
+        let tables = [&self.vertices, &*self.texture, &*self.normals];
+        let columns = tables.into_iter().flatten();
+        let columns: usize = columns.map(|column| column.numbers.bytes()).sum();
+        columns + 4 * self.vertex_of_row.len() + self.faces.bytes() + self.non_orientable.bytes()
+    }
+}
+
+impl Mesh {
+    /// Red, green, blue and opacity in 0..=1 for each vertex; empty if the mesh has no colours.
+    pub fn colors(&self) -> Vec<[f32; 4]> {
+        self.attributes.vertex_colors()
+    }
+}

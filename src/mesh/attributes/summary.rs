@@ -1,0 +1,69 @@
+//! A list of what a file holds.
+
+use super::{Attributes, Column, NumberType, row_count};
+
+impl Attributes {
+    /// What the file holds besides positions and faces, one line for each kind; empty for nothing.
+    pub fn summary(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        let mut list = |what: &str, columns: &[Column]| {
+            if !columns.is_empty() {
+                let names: Vec<String> = columns.iter().map(described).collect();
+                lines.push(format!("{what}: {}", names.join(", ")));
+            }
+        };
+        list("vertex properties", &self.vertices);
+        list("face properties", &self.faces.columns);
+        let mut count = |what: &str, count: usize| {
+            if count > 0 {
+                lines.push(format!("{what}: {count}"));
+            }
+        };
+        count("texture coordinates", row_count(&self.texture));
+        count("normals of corners", row_count(&self.normals));
+        for (what, name) in [
+            (
+                "objects",
+                (|tag| &tag.object) as fn(&super::FaceTag) -> &String,
+            ),
+            ("groups", |tag| &tag.group),
+            ("materials", |tag| &tag.material),
+            ("smoothing groups", |tag| &tag.smoothing),
+        ] {
+            let mut names: Vec<&str> = self.tags.iter().map(|tag| name(tag).as_str()).collect();
+            names.sort_unstable();
+            names.dedup();
+            count(what, names.iter().filter(|name| !name.is_empty()).count());
+        }
+        if !self.material_libraries.is_empty() {
+            let names = self.material_libraries.join(", ");
+            lines.push(format!("material libraries: {names}"));
+        }
+        for name in self.texture_files() {
+            lines.push(format!("texture file: {name}"));
+        }
+        lines
+    }
+
+    /// Names of texture images in the comments of a PLY header.
+    pub fn texture_files(&self) -> impl Iterator<Item = &str> {
+        self.comments
+            .iter()
+            .filter_map(|line| line.strip_prefix("comment TextureFile ").map(str::trim))
+    }
+}
+
+fn described(column: &Column) -> String {
+    let kind = match column.numbers.kind() {
+        _ if !column.is_typed => return column.name.clone(),
+        NumberType::I8 => "char",
+        NumberType::U8 => "uchar",
+        NumberType::I16 => "short",
+        NumberType::U16 => "ushort",
+        NumberType::I32 => "int",
+        NumberType::U32 => "uint",
+        NumberType::F32 => "float",
+        NumberType::F64 => "double",
+    };
+    format!("{} ({kind})", column.name)
+}

@@ -1,0 +1,599 @@
+//! What a file holds besides its geometry stays through every operation, to the bit. The files imitate
+//! the exports of programs that make or treat scans.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+
+use meniscus::fill::Controls;
+use meniscus::io;
+use meniscus::mesh::{Column, FaceTag, LoopId, NO_VALUE, Soup, boundary_loops, row_count};
+use meniscus::ops::{
+    BridgeSpec, CleanSpec, EraseSpec, FacesSpec, FillSpec, FlipSpec, Operation, RefineSpec,
+    StitchSpec,
+};
+use meniscus::refine::RefineControls;
+use meniscus::runner::Schedule;
+
+/// Cells along each side of the sheet.
+const N: usize = 8;
+
+/// A wavy sheet with a square hole in the middle, as triangles over (N + 1)² points.
+fn sheet() -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
+    let point = |k: usize| {
+        let (x, y) = (
+            (k % (N + 1)) as f64 / N as f64,
+            (k / (N + 1)) as f64 / N as f64,
+        );
+        [x, y, 0.1 * (3.0 * x).sin() * (2.0 * y).cos()]
+    };
+    let mut triangles = Vec::new();
+    for cell in 0..N * N {
+        let (i, j) = (cell % N, cell / N);
+        if (3..5).contains(&i) && (3..5).contains(&j) {
+            continue;
+        }
+        let a = j * (N + 1) + i;
+        triangles.extend([[a, a + 1, a + N + 2], [a, a + N + 2, a + N + 1]]);
+    }
+    ((0..(N + 1) * (N + 1)).map(point).collect(), triangles)
+}
+
+/// Whether a triangle lies in the right half, whose texture is elsewhere in the image.
+fn is_right(triangle: &[usize; 3]) -> bool {
+    triangle.iter().map(|v| v % (N + 1)).sum::<usize>() > 3 * N / 2
+}
+
+/// An OBJ file with groups and materials, a chart of texture coordinates for each half, and normals.
+fn obj(head: &str, decimals: usize, colors: bool, normals: bool, smooth: &str) -> String {
+    let (points, triangles) = sheet();
+    let mut text = head.to_owned();
+    for (k, [x, y, z]) in points.iter().enumerate() {
+        if normals && colors {
+            // MeshLab writes the normal of a vertex before it
+            writeln!(text, "vn {:.6} {:.6} {:.6}", -z, 0.1 * y, 0.99).expect("text");
+        }
+        write!(text, "v {x:.decimals$} {y:.decimals$} {z:.decimals$}").expect("text");
+        if colors {
+            let c = |m: usize| (k * m % 256) as f64 / 255.0;
+            write!(text, " {:.6} {:.6} {:.6}", c(3), c(5), c(7)).expect("text");
+        }
+        text.push('\n');
+    }
+    for (k, [x, y, z]) in points.iter().enumerate() {
+        writeln!(text, "vt {:.6} {:.6}", 0.4 * x, 0.9 * y).expect("text");
+        writeln!(text, "vt {:.6} {:.6}", 0.5 + 0.4 * x, 0.9 * y).expect("text");
+        if normals && !colors {
+            writeln!(text, "vn {:.4} {:.4} {:.4}", -z, k as f64 / 999.0, 0.9).expect("text");
+        }
+    }
+    for right in [false, true] {
+        let side = if right { "right" } else { "left" };
+        writeln!(text, "g {side} side\nusemtl {side}.001\n{smooth}").expect("text");
+        for t in triangles.iter().filter(|t| is_right(t) == right) {
+            let corner = t.map(|v| {
+                let texture = 2 * v + 1 + usize::from(right);
+                if normals {
+                    format!("{}/{texture}/{}", v + 1, v + 1)
+                } else {
+                    format!("{}/{texture}", v + 1)
+                }
+            });
+            writeln!(text, "f {} {} {}", corner[0], corner[1], corner[2]).expect("text");
+        }
+    }
+    text
+}
+
+/// A PLY file with these properties of vertices and faces, whose values count up.
+fn ply(head: &str, vertex: &[&str], face: &[&str], double_seam: bool) -> String {
+    let (mut points, mut triangles) = sheet();
+    if double_seam {
+        // each half has its own vertices, as programs write them that have one texture coordinate each
+        let count = points.len();
+        points.extend_from_within(..);
+        for t in triangles.iter_mut().filter(|t| is_right(t)) {
+            *t = t.map(|v| v + count);
+        }
+        let mut used = vec![false; 2 * count];
+        triangles.iter().flatten().for_each(|&v| used[v] = true);
+        let mut place = 0;
+        let places: Vec<usize> = used
+            .iter()
+            .map(|&is| {
+                place += usize::from(is);
+                place - usize::from(is)
+            })
+            .collect();
+        let mut flags = used.iter();
+        points.retain(|_| *flags.next().expect("a flag for each point"));
+        for t in &mut triangles {
+            *t = t.map(|v| places[v]);
+        }
+    }
+    let mut text = format!(
+        "ply\nformat ascii 1.0\n{head}element vertex {}\n",
+        points.len()
+    );
+    for property in ["float x", "float y", "float z"].iter().chain(vertex) {
+        writeln!(text, "property {property}").expect("text");
+    }
+    writeln!(text, "element face {}", triangles.len()).expect("text");
+    for property in ["list uchar int vertex_indices"].iter().chain(face) {
+        writeln!(text, "property {property}").expect("text");
+    }
+    text.push_str("end_header\n");
+    let value = |property: &str, k: usize, m: usize| match property.split(' ').next() {
+        Some("uchar") => ((k * (m + 3)) % 256).to_string(),
+        Some("char") => ((k % 200) as i32 - 100).to_string(),
+        Some("int" | "short" | "uint" | "ushort") => (7 * k + m).to_string(),
+        Some("list") => (0..6).fold("6".to_owned(), |text, c| {
+            format!("{text} {}", 0.001 * (6 * k + c) as f64)
+        }),
+        _ => format!("{:.7}", (k as f64 + 0.3).sqrt() / (m + 1) as f64),
+    };
+    for (k, [x, y, z]) in points.iter().enumerate() {
+        write!(text, "{x} {y} {}", *z as f32).expect("text");
+        for (m, property) in vertex.iter().enumerate() {
+            write!(text, " {}", value(property, k, m)).expect("text");
+        }
+        text.push('\n');
+    }
+    for (k, [a, b, c]) in triangles.iter().enumerate() {
+        write!(text, "3 {a} {b} {c}").expect("text");
+        for (m, property) in face.iter().enumerate() {
+            write!(text, " {}", value(property, k, m)).expect("text");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// A binary STL file with a header and attributes as Materialise writes them.
+fn stl() -> Vec<u8> {
+    let (points, triangles) = sheet();
+    let mut bytes = b"COLOR=\xff\x80\x00\xff,MATERIAL=".to_vec();
+    bytes.resize(80, 7);
+    bytes.extend((triangles.len() as u32).to_le_bytes());
+    for (k, t) in triangles.iter().enumerate() {
+        bytes.extend([0; 12]);
+        let corners = t.iter().flat_map(|&v| points[v]);
+        bytes.extend(corners.flat_map(|x| (x as f32).to_le_bytes()));
+        bytes.extend((0x8000 + 31 * k as u16).to_le_bytes());
+    }
+    bytes
+}
+
+/// Small files as programs export them.
+fn exports() -> Vec<(&'static str, Vec<u8>)> {
+    let colors = ["uchar red", "uchar green", "uchar blue"];
+    let with = |more: &[&'static str]| [&colors[..], more].concat();
+    let files = [
+        (
+            "blender.obj",
+            obj(
+                "# Blender 4.1.1\n# www.blender.org\nmtllib scan.mtl\no Sheet.001\n",
+                6,
+                false,
+                true,
+                "s 1",
+            ),
+        ),
+        (
+            "meshlab.obj",
+            obj(
+                "####\n#\n# OBJ File Generated by Meshlab\n#\n####\nmtllib ./scan.obj.mtl\n\n",
+                6,
+                true,
+                true,
+                "",
+            ),
+        ),
+        (
+            "metashape.obj",
+            obj(
+                "# Alias OBJ Model File\n# Exported from Agisoft Metashape\n\nmtllib scan.mtl\n\n",
+                8,
+                false,
+                true,
+                "s off",
+            ),
+        ),
+        (
+            "realitycapture.obj",
+            obj(
+                "# Capturing Reality\nmtllib scan.mtl\n",
+                7,
+                false,
+                false,
+                "",
+            ),
+        ),
+        (
+            "polycam.obj",
+            obj("mtllib material.mtl\no mesh\n", 15, false, true, "s 0"),
+        ),
+        (
+            "cloudcompare.ply",
+            ply(
+                "comment Created by CloudCompare v2.13.1\nobj_info Generated by CloudCompare!\n",
+                &with(&[
+                    "float nx",
+                    "float ny",
+                    "float nz",
+                    "float scalar_Distance",
+                    "int label",
+                ]),
+                &[],
+                false,
+            ),
+        ),
+        (
+            "meshlab.ply",
+            ply(
+                "comment VCGLIB generated\ncomment TextureFile scan.png\n",
+                &[
+                    "float nx",
+                    "float ny",
+                    "float nz",
+                    "int flags",
+                    "uchar red",
+                    "uchar green",
+                    "uchar blue",
+                    "uchar alpha",
+                    "double quality",
+                ],
+                &[
+                    "list uchar float texcoord",
+                    "int texnumber",
+                    "uchar red",
+                    "uchar green",
+                    "uchar blue",
+                    "uchar alpha",
+                    "float quality",
+                    "int flags",
+                ],
+                false,
+            ),
+        ),
+        (
+            "blender.ply",
+            ply(
+                "comment Created in Blender version 4.1.1\n",
+                &["float nx", "float ny", "float nz", "float s", "float t"],
+                &[],
+                true,
+            ),
+        ),
+        (
+            "metashape.ply",
+            ply(
+                "",
+                &with(&["uchar confidence", "ushort class"]),
+                &["char side"],
+                false,
+            ),
+        ),
+        (
+            "polycam.ply",
+            ply(
+                "comment Polycam\n",
+                &[
+                    "double u",
+                    "double v",
+                    "float red",
+                    "float green",
+                    "float blue",
+                    "short id",
+                ],
+                &["uint part"],
+                true,
+            ),
+        ),
+    ];
+    let text = files
+        .into_iter()
+        .map(|(name, text)| (name, text.into_bytes()));
+    text.chain([("materialise.stl", stl())]).collect()
+}
+
+fn bits(column: &Column, rows: usize) -> Vec<u64> {
+    (0..rows)
+        .map(|row| column.numbers.get(row).to_bits())
+        .collect()
+}
+
+/// The columns of `new` begin with the rows of `old`, in the same types.
+fn assert_begins(old: &[Column], new: &[Column], what: &str) {
+    let heads = |columns: &[Column]| -> Vec<_> {
+        columns
+            .iter()
+            .map(|c| (c.name.clone(), c.numbers.kind(), c.is_typed))
+            .collect()
+    };
+    assert_eq!(heads(old), heads(new), "{what}");
+    for (a, b) in old.iter().zip(new) {
+        let rows = a.numbers.len();
+        assert!(b.numbers.len() >= rows, "{what}");
+        assert!(bits(a, rows) == bits(b, rows), "{what}: {}", a.name);
+    }
+}
+
+/// The lists of a file come first in that of the result.
+fn assert_lists_kept(old: &Soup, new: &Soup, what: &str) {
+    let (a, b) = (&old.attributes, &new.attributes);
+    assert_begins(&a.vertices, &b.vertices, what);
+    // PLY has no list of texture coordinates: each face has its own
+    if a.texture.iter().all(|column| !column.is_typed) {
+        assert_begins(&a.texture, &b.texture, what);
+    }
+    assert_begins(&a.normals, &b.normals, what);
+    assert_eq!(a.material_libraries, b.material_libraries, "{what}");
+    assert!(
+        a.comments.iter().all(|line| b.comments.contains(line)),
+        "{what}"
+    );
+    assert_eq!(a.stl_header, b.stl_header, "{what}");
+    if !old.exploded {
+        let count = old.positions.len();
+        assert_eq!(new.positions[..count], old.positions, "{what}");
+    }
+}
+
+/// The faces of a file come first in the result, with all their data.
+fn assert_faces_kept(old: &Soup, new: &Soup, what: &str) {
+    assert_lists_kept(old, new, what);
+    let corners = old.corners.len();
+    let at = |soup: &Soup, c: usize| soup.positions[soup.corners[c] as usize];
+    for c in 0..corners {
+        assert_eq!(at(old, c), at(new, c), "{what}");
+    }
+    assert_begins(&old.attributes.texture, &new.attributes.texture, what);
+    let (a, b) = (&old.attributes.faces, &new.attributes.faces);
+    assert_begins(&a.columns, &b.columns, what);
+    for (a, b) in [(&a.texture, &b.texture), (&a.normals, &b.normals)] {
+        assert_eq!(a[..], b[..a.len()], "{what}");
+        assert!(a.is_empty() || a.len() == corners);
+    }
+    let tag = |soup: &Soup, f: usize| -> Option<FaceTag> {
+        let index = soup.attributes.faces.tags.get(f)?;
+        Some(soup.attributes.tags[*index as usize].clone())
+    };
+    for f in 0..old.face_count() {
+        assert_eq!(tag(old, f), tag(new, f), "{what}");
+    }
+}
+
+fn loops(path: &Path) -> Vec<(LoopId, usize)> {
+    let mesh = io::open(path).expect("opened").mesh;
+    boundary_loops(&mesh)
+        .iter()
+        .map(|l| (l.id, l.edges()))
+        .collect()
+}
+
+/// The result of an operation on a file, written and read again.
+fn after(operation: &Operation, from: &Path) -> Soup {
+    let mesh = io::open(from).expect("opened").mesh;
+    let new = operation
+        .run(&mesh, &|_, _| true)
+        .expect("an operation that fits")
+        .into_mesh();
+    let name = format!(
+        "{}-{}",
+        operation.command_name(),
+        from.file_name().expect("a name").display()
+    );
+    let to = from.with_file_name(name);
+    let lost = io::save_mesh(&to, &new).expect("written");
+    assert!(
+        lost.iter().all(|loss| loss.starts_with("STL coord")),
+        "{lost:?}"
+    );
+    io::load(&to).expect("read")
+}
+
+fn folder_with_exports() -> (tempfile::TempDir, Vec<std::path::PathBuf>) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let paths = exports().into_iter().map(|(name, bytes)| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).expect("written");
+        path
+    });
+    let paths = paths.collect();
+    (folder, paths)
+}
+
+#[test]
+fn files_come_back_as_they_were() {
+    let (_folder, paths) = folder_with_exports();
+    for path in paths {
+        let what = path.display().to_string();
+        let given = io::load(&path).expect("read");
+        let nothing = Operation::Clean(CleanSpec::default());
+        let new = after(&nothing, &path);
+        assert_faces_kept(&given, &new, &what);
+        assert_eq!(new.positions.len(), given.positions.len(), "{what}");
+        assert_eq!(new.corners.len(), given.corners.len(), "{what}");
+        // a joint of nothing changes nothing either
+        let stitched = after(
+            &Operation::Stitch(StitchSpec {
+                tolerance: Some(0.0),
+            }),
+            &path,
+        );
+        assert_faces_kept(&given, &stitched, &what);
+    }
+}
+
+#[test]
+fn fills_and_bridges_keep_what_was_there() {
+    let (_folder, paths) = folder_with_exports();
+    for path in paths {
+        let what = path.display().to_string();
+        let given = io::load(&path).expect("read");
+        let hole = loops(&path)
+            .into_iter()
+            .find(|l| l.1 == 8)
+            .expect("the hole");
+        let fill = Operation::Fill(FillSpec {
+            loops: vec![hole.0],
+            islands: true,
+            flow: Controls::default().into(),
+        });
+        let new = after(&fill, &path);
+        assert_faces_kept(&given, &new, &what);
+        assert!(new.face_count() > given.face_count());
+        let bridge = Operation::Bridge(BridgeSpec {
+            ends: [[0.375, 0.5, 0.0], [0.625, 0.5, 0.0]].map(Into::into),
+            width: 2,
+        });
+        let new = after(&bridge, &path);
+        assert_faces_kept(&given, &new, &what);
+        assert!(new.face_count() > given.face_count());
+    }
+}
+
+#[test]
+fn flips_take_the_corners_along() {
+    let (_folder, paths) = folder_with_exports();
+    for path in paths {
+        let what = path.display().to_string();
+        let given = io::load(&path).expect("read");
+        let flip = Operation::Flip(FlipSpec {
+            loops: vec![loops(&path)[0].0],
+        });
+        let new = after(&flip, &path);
+        assert_lists_kept(&given, &new, &what);
+        for f in 0..given.face_count() {
+            for (k, l) in [(0, 0), (1, 2), (2, 1)] {
+                let (a, b) = (corner_data(&given, 3 * f + k), corner_data(&new, 3 * f + l));
+                assert_eq!(a, b, "{what}");
+            }
+        }
+    }
+}
+
+/// The numbers of a corner and of its vertex, instead of references.
+fn corner_data(soup: &Soup, corner: usize) -> Vec<u64> {
+    let all = &soup.attributes;
+    let v = soup.corners[corner] as usize;
+    let mut data = soup.positions[v].to_array().map(f64::to_bits).to_vec();
+    data.extend(
+        all.vertices
+            .iter()
+            .map(|column| column.numbers.get(v).to_bits()),
+    );
+    for (list, columns) in [
+        (&all.faces.texture, &all.texture),
+        (&all.faces.normals, &all.normals),
+    ] {
+        let row = list.get(corner).copied().unwrap_or(NO_VALUE) as usize;
+        if row != NO_VALUE as usize {
+            data.extend(
+                columns
+                    .iter()
+                    .map(|column| column.numbers.get(row).to_bits()),
+            );
+        }
+    }
+    data
+}
+
+/// The numbers of a face and its corners.
+fn data_of(soup: &Soup, face: usize) -> Vec<u64> {
+    let columns = soup.attributes.faces.columns.iter();
+    let mut data: Vec<u64> = columns.map(|c| c.numbers.get(face).to_bits()).collect();
+    for corner in 3 * face..3 * face + 3 {
+        data.extend(corner_data(soup, corner));
+    }
+    data
+}
+
+#[test]
+fn erased_and_refilled_meshes_keep_the_other_faces() {
+    let (_folder, paths) = folder_with_exports();
+    for path in paths {
+        let what = path.display().to_string();
+        let given = io::load(&path).expect("read");
+        // the two faces of a cell
+        let is_erased = |&f: &usize| {
+            let corners = given.face(f).iter().map(|&v| given.positions[v as usize]);
+            let centre = corners.sum::<meniscus::mesh::DVec3>() / 3.0;
+            [centre.x, centre.y]
+                .iter()
+                .all(|x| (0.125..0.25).contains(x))
+        };
+        let (faces, others): (Vec<usize>, Vec<usize>) =
+            (0..given.face_count()).partition(is_erased);
+        assert_eq!(faces.len(), 2, "{what}");
+        let faces = Arc::new(faces.iter().map(|&f| f as u32).collect::<Vec<u32>>());
+        let left: Vec<Vec<u64>> = others.iter().map(|&f| data_of(&given, f)).collect();
+        let erase = Operation::Erase(EraseSpec {
+            faces: Arc::clone(&faces),
+        });
+        let refill = Operation::Refill(FacesSpec {
+            faces,
+            flow: Controls::default().into(),
+        });
+        for operation in [erase, refill] {
+            let new = after(&operation, &path);
+            for (f, data) in left.iter().enumerate() {
+                assert_eq!(*data, data_of(&new, f), "{what}: {operation:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn refined_meshes_interpolate_linearly() {
+    let (_folder, paths) = folder_with_exports();
+    for path in paths {
+        let what = path.display().to_string();
+        let given = io::load(&path).expect("read");
+        for crease_angle in [None, Some(1.0)] {
+            let refine = Operation::Refine(RefineSpec {
+                controls: RefineControls {
+                    levels: 1,
+                    steps: 2,
+                    crease_angle,
+                    ..RefineControls::default()
+                },
+                creases: Vec::new(),
+                faces: Arc::default(),
+                schedule: Schedule::default(),
+            });
+            let new = after(&refine, &path);
+            assert_lists_kept(&given, &new, &what);
+            assert_eq!(new.face_count(), 4 * given.face_count());
+            // the middle triangle of a face has the means of its corners
+            let (a, b) = (&given.attributes, &new.attributes);
+            for f in 0..given.face_count() {
+                let middle = 3 * (4 * f + 3);
+                for k in 0..3 {
+                    let ends = [3 * f + k, 3 * f + (k + 1) % 3];
+                    let mean = |columns: &[Column], list: &[u32], column: usize| {
+                        let number = |c: usize| columns[column].numbers.get(list[c] as usize);
+                        0.5 * (number(ends[0]) + number(ends[1]))
+                    };
+                    let has_texture = !a.faces.texture.is_empty();
+                    for column in 0..if has_texture { a.texture.len() } else { 0 } {
+                        let row = b.faces.texture[middle + k] as usize;
+                        let found = b.texture[column].numbers.get(row);
+                        let wanted = mean(&a.texture, &a.faces.texture, column);
+                        assert!((found - wanted).abs() < 1e-6, "{what}");
+                    }
+                    for (column, numbers) in a.vertices.iter().enumerate() {
+                        if ["s", "t", "u", "v", "quality"].contains(&numbers.name.as_str()) {
+                            let row = new.corners[middle + k] as usize;
+                            let found = b.vertices[column].numbers.get(row);
+                            let wanted = mean(&a.vertices, &given.corners, column);
+                            assert!((found - wanted).abs() < 1e-6, "{what}: {}", numbers.name);
+                        }
+                    }
+                }
+            }
+            assert!(row_count(&b.vertices) == 0 || row_count(&b.vertices) == new.positions.len());
+        }
+    }
+}
