@@ -8,7 +8,7 @@ use clap::Args;
 use crate::cli::fill::{FillArguments, fill};
 use crate::cli::flow::{FlowArguments, LoopArguments, MeshFiles};
 use crate::cli::options::OptionArguments;
-use crate::cli::print::print;
+use crate::cli::print::{Textures, print};
 use crate::io::save_mesh;
 use crate::mesh::{Mesh, Weld};
 use crate::shapes;
@@ -37,6 +37,7 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
     }
     fill(&FillArguments {
         files: MeshFiles {
+            textures: Textures::Keep,
             input: holed,
             output: args.out.join("filled.obj"),
             weld: Weld::Auto,

@@ -171,7 +171,7 @@ pub fn stitch(args: &StitchArguments) -> Result<()> {
 /// Runs an operation without a flow and writes the new mesh.
 fn done(files: &MeshFiles, opened: &Opened, operation: &Operation) -> Result<Mesh> {
     let mesh = operation.run(&opened.mesh, &|_, _| true)?.into_mesh();
-    save(&files.output, &mesh, files.quiet)?;
+    save(&files.output, &mesh, files.textures, files.quiet)?;
     Ok(mesh)
 }
 

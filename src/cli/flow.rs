@@ -8,7 +8,7 @@ use clap::Args;
 use crate::cli::UsageError;
 use crate::cli::hints::{invalid_energy, print_warnings};
 use crate::cli::options::OptionArguments;
-use crate::cli::print::{print, save};
+use crate::cli::print::{Textures, print, save};
 use crate::cli::progress::{Progress, Work};
 use crate::cli::report::{FailedHole, FillReport, SkippedLoop, hole_reports, totals};
 use crate::cli::result_picture::ResultPicture;
@@ -40,6 +40,10 @@ pub struct MeshFiles {
     /// length.
     #[arg(long, value_name = "WELD", default_value = "auto", display_order = 999)]
     pub weld: Weld,
+    /// What to do with material libraries and images if OUT is in another folder: copy them beside it,
+    /// or keep them where they are.
+    #[arg(long, value_enum, default_value_t, display_order = 999)]
+    pub textures: Textures,
     /// Print only errors.
     #[arg(short, long, display_order = 1000)]
     pub quiet: bool,
@@ -224,7 +228,7 @@ impl<'a> Task<'a> {
             opened,
             flow,
         } = self;
-        save(&files.output, &filled.mesh, files.quiet)?;
+        save(&files.output, &filled.mesh, files.textures, files.quiet)?;
         let first = filled.mesh.face_count() - filled.faces_added();
         args.picture.save(&filled.mesh, first, creases)?;
         let holes = hole_reports(filled);

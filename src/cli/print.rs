@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use crate::io::save_mesh;
+use crate::io::{copy_companions, save_mesh};
 use crate::mesh::Mesh;
 
 /// Writes text to standard output. A closed pipe (`meniscus info … | head`) is not an error; any
@@ -20,11 +20,25 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Writes a mesh. Unless `quiet`, prints to standard error what the format cannot store.
-pub fn save(path: &Path, mesh: &Mesh, quiet: bool) -> Result<()> {
-    let losses = save_mesh(path, mesh)?;
-    for loss in losses.iter().filter(|_| !quiet) {
-        eprintln!("{}: {loss}", path.display());
+/// What happens to the material libraries and images of a mesh that is written to another folder.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Textures {
+    /// They are copied.
+    #[default]
+    Copy,
+    /// They stay where they are.
+    Keep,
+}
+
+/// Writes a mesh, and copies the files that it refers to. Unless `quiet`, prints to standard error
+/// what was copied and what the format cannot store.
+pub fn save(path: &Path, mesh: &Mesh, textures: Textures, quiet: bool) -> Result<()> {
+    let mut messages = save_mesh(path, mesh)?;
+    if textures == Textures::Copy {
+        messages.extend(copy_companions(path, &mesh.attributes));
+    }
+    for message in messages.iter().filter(|_| !quiet) {
+        eprintln!("{}: {message}", path.display());
     }
     Ok(())
 }

@@ -98,7 +98,7 @@ struct FairReport<'a> {
 
 fn save_faired(args: &RefillArguments, task: &Task<'_>, faces: usize, new: &Filled) -> Result<()> {
     let files = &args.files;
-    save(&files.output, &new.mesh, files.quiet)?;
+    save(&files.output, &new.mesh, files.textures, files.quiet)?;
     let Some(Ok(group)) = new.groups.first() else {
         let error = new.groups.iter().find_map(|g| g.as_ref().err());
         let why = error.map_or_else(String::new, ToString::to_string);

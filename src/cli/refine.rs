@@ -156,9 +156,9 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     progress.finish();
     let seconds = start.elapsed().as_secs_f64();
     let files = &args.files;
-    save(&files.output, &refined.mesh, files.quiet)?;
+    save(&files.output, &refined.mesh, files.textures, files.quiet)?;
     if let Some(path) = &args.control {
-        save(path, &refined.control, files.quiet)?;
+        save(path, &refined.control, files.textures, files.quiet)?;
     }
     let mut report = report(args, &opened, &refined, seconds, &flow);
     let refused = refused.into_iter().map(|change| change.text);

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use crate::cli::print::{print, save};
+use crate::cli::print::{Textures, print, save};
 use crate::io;
 use crate::shapes::{SAMPLES, Sample};
 
@@ -32,6 +32,6 @@ pub fn sample(args: &SampleArguments) -> Result<()> {
     let sample = args.sample;
     io::check_target(&args.output)?;
     let opened = io::from_soup(sample.soup(), Path::new(sample.name))?;
-    save(&args.output, &opened.mesh, false)?;
+    save(&args.output, &opened.mesh, Textures::Keep, false)?;
     print(&format!("{}: {}\n", args.output.display(), sample.title))
 }

@@ -26,6 +26,7 @@
 
 mod atomic;
 mod check;
+mod companions;
 mod error;
 mod mesh_file;
 mod number;
@@ -43,6 +44,7 @@ use std::sync::LazyLock;
 
 pub use atomic::abandon_unfinished;
 pub use check::{check, losses};
+pub use companions::copy_companions;
 pub use error::{
     LoadError, LoadErrorKind, MeshFault, ParseError, ParseErrorKind, Place, SaveError,
     SaveErrorKind, UnknownFormat,

@@ -597,3 +597,47 @@ fn refined_meshes_interpolate_linearly() {
         }
     }
 }
+
+/// A library and its images go with a mesh to another folder, and replace nothing there.
+#[test]
+fn libraries_and_images_go_along() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    std::fs::create_dir_all(at("in/maps")).expect("made");
+    std::fs::create_dir_all(at("out")).expect("made");
+    let library = "newmtl a\nmap_Kd -s 1 1 1 -blendu on maps/my image.png\nbump -bm 0.5 maps/b.png\n\
+        map_Ks missing.png\nmap_d ../outside.png\n";
+    std::fs::write(at("in/scan.mtl"), library).expect("written");
+    for name in ["in/maps/my image.png", "in/maps/b.png", "outside.png"] {
+        std::fs::write(at(name), name).expect("written");
+    }
+    std::fs::write(
+        at("in/mesh.obj"),
+        obj("mtllib scan.mtl\n", 6, false, false, ""),
+    )
+    .expect("written");
+    let mesh = io::open(&at("in/mesh.obj")).expect("opened").mesh;
+    assert!(io::copy_companions(&at("in/other.obj"), &mesh.attributes).is_empty());
+    std::fs::create_dir_all(at("out/maps")).expect("made");
+    std::fs::write(at("out/maps/b.png"), "another").expect("written");
+    let messages = io::copy_companions(&at("out/mesh.obj"), &mesh.attributes);
+    let read = |name: &str| std::fs::read_to_string(at(name)).expect("there");
+    assert_eq!(read("out/scan.mtl"), library);
+    assert_eq!(read("out/maps/my image.png"), "in/maps/my image.png");
+    assert_eq!(read("out/maps/b.png"), "another");
+    let text = messages.join("\n");
+    for part in [
+        "copied from",
+        "'maps/my image.png', 'scan.mtl'",
+        "'maps/b.png' was not copied",
+        "'../outside.png' was not copied",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    // nothing is left to copy
+    assert!(
+        !io::copy_companions(&at("out/mesh.obj"), &mesh.attributes)
+            .join("")
+            .contains("copied from")
+    );
+}

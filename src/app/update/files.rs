@@ -386,7 +386,10 @@ fn save(model: &mut Model, path: &Path) {
             let folder = path.parent().unwrap_or(Path::new("."));
             io::save_text(path, &project::write(&document, &view, folder)).map(|()| Vec::new())
         } else {
-            io::save_mesh(path, &document.mesh)
+            io::save_mesh(path, &document.mesh).map(|mut messages| {
+                messages.extend(io::copy_companions(path, &document.mesh.attributes));
+                messages
+            })
         };
         result.map_err(|e| e.to_string())
     });

@@ -1,11 +1,11 @@
-//! Notes about material libraries for the load report. Their names are kept; their contents are not
-//! read.
+//! Material libraries: notes for the load report, and the files that they refer to. Their names are
+//! kept and their contents are not changed.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::mesh::Soup;
+use crate::mesh::{Attributes, Soup};
 
 /// Maximum size of a material library in bytes. A library usually has a few kilobytes.
 const LONGEST: u64 = 1 << 24;
@@ -38,6 +38,53 @@ pub(in super::super) fn look_up(path: &Path, soup: &mut Soup) {
             "materials without a definition, names kept: {names}"
         ));
     }
+}
+
+/// Names of the material libraries of a file in `folder`, and of the images that these refer to.
+pub(in super::super) fn companions(folder: &Path, attributes: &Attributes) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for entry in &attributes.material_libraries {
+        for library in library_names(folder, entry) {
+            let path = folder.join(&library);
+            if let Some(bytes) = read_library(&path) {
+                // images are relative to the library
+                let beside = Path::new(&library).parent().unwrap_or(Path::new(""));
+                let images = image_names(&bytes);
+                names.extend(images.map(|name| beside.join(name).to_string_lossy().into_owned()));
+                names.insert(library);
+            }
+        }
+    }
+    names
+}
+
+/// The names of images in a material library: what follows the options of a `map_` statement.
+fn image_names(bytes: &[u8]) -> impl Iterator<Item = String> {
+    const KEYWORDS: [&str; 5] = ["bump", "disp", "decal", "norm", "refl"];
+    let text = String::from_utf8_lossy(bytes).into_owned();
+    let name = |line: &str| {
+        let (keyword, mut rest) = line.trim().split_once(char::is_whitespace)?;
+        let keyword = keyword.to_ascii_lowercase();
+        if !keyword.starts_with("map_") && !KEYWORDS.contains(&keyword.as_str()) {
+            return None;
+        }
+        rest = rest.trim_start();
+        while rest.starts_with('-') {
+            // an option, and its values: numbers, `on` or `off`, or one word
+            let (_, after) = rest.split_once(char::is_whitespace)?;
+            let (first, mut after) = after.trim_start().split_once(char::is_whitespace)?;
+            while first.parse::<f64>().is_ok()
+                && let Some((word, others)) = after.trim_start().split_once(char::is_whitespace)
+                && word.parse::<f64>().is_ok()
+            {
+                after = others;
+            }
+            rest = after.trim_start();
+        }
+        Some(rest.to_owned())
+    };
+    let names: Vec<String> = text.lines().filter_map(name).collect();
+    names.into_iter()
 }
 
 /// An entry is one name that contains blanks, or several names.

@@ -1,0 +1,77 @@
+//! Files that a mesh file refers to: material libraries and texture images.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use super::{Format, obj};
+use crate::mesh::Attributes;
+
+/// Copies the material libraries of an OBJ file and the texture images of an OBJ or PLY file beside
+/// `path`, where a mesh with these attributes was written, so that its references stay valid. Files in
+/// the folder of `path` are never replaced. Returns messages for the user: what was copied and what
+/// could not be copied.
+///
+/// Nothing is copied if the mesh was read from that folder, or if its folder is unknown.
+pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
+    let Some(from) = &attributes.folder else {
+        return Vec::new();
+    };
+    let to = path.parent().unwrap_or(Path::new(""));
+    let resolved = |folder: &Path| {
+        let folder = if folder.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            folder
+        };
+        fs::canonicalize(folder).ok()
+    };
+    if resolved(from) == resolved(to) {
+        return Vec::new();
+    }
+    let names: BTreeSet<String> = match Format::from_path(path) {
+        Some(Format::Obj) => obj::companions(from, attributes),
+        Some(Format::Ply) => attributes.texture_files().map(str::to_owned).collect(),
+        _ => BTreeSet::new(),
+    };
+    let mut copied = Vec::new();
+    let mut messages = Vec::new();
+    for name in names {
+        match copy(&from.join(&name), to, Path::new(&name)) {
+            Ok(true) => copied.push(name),
+            Ok(false) => {}
+            Err(reason) => messages.push(format!("'{name}' was not copied: {reason}")),
+        }
+    }
+    if !copied.is_empty() {
+        let names = copied.join("', '");
+        messages.insert(0, format!("copied from {}: '{names}'", from.display()));
+    }
+    messages
+}
+
+/// Copies a file into a folder, under a name relative to it. Returns whether it had to be copied.
+fn copy(source: &Path, folder: &Path, name: &Path) -> Result<bool, String> {
+    let is_inside = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
+    if !name.components().all(is_inside) {
+        return Err("its path leaves the folder of the mesh; copy it by hand".to_owned());
+    }
+    let contents = match fs::read(source) {
+        Ok(contents) => contents,
+        // a missing file was missing before
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
+        Err(error) => return Err(error.to_string()),
+    };
+    let target: PathBuf = folder.join(name);
+    match fs::read(&target) {
+        Ok(there) if there == contents => return Ok(false),
+        Ok(_) => return Err("another file of this name is there and was not changed".to_owned()),
+        Err(_) => {}
+    }
+    if let Some(parent) = target.parent() {
+        fs::create_dir_all(parent).map_err(|error| error.to_string())?;
+    }
+    super::save_with(&target, |out| out.write_all(&contents))
+        .map_err(|error| error.kind.to_string())?;
+    Ok(true)
+}
