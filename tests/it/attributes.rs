@@ -444,6 +444,9 @@ fn fills_and_bridges_keep_what_was_there() {
         let new = after(&fill, &path);
         assert_faces_kept(&given, &new, &what);
         assert!(new.face_count() > given.face_count());
+        // the hole crosses the seam of the texture
+        let patch = new.attributes.faces.texture.get(given.corners.len()..);
+        assert!(patch.is_none_or(|rows| rows.iter().all(|&row| row == NO_VALUE)));
         let bridge = Operation::Bridge(BridgeSpec {
             ends: [[0.375, 0.5, 0.0], [0.625, 0.5, 0.0]].map(Into::into),
             width: 2,
@@ -541,6 +544,11 @@ fn erased_and_refilled_meshes_keep_the_other_faces() {
             for (f, data) in left.iter().enumerate() {
                 assert_eq!(*data, data_of(&new, f), "{what}: {operation:?}");
             }
+            // the cell is inside one chart of the OBJ files; faces of meshlab.ply have no chart
+            let patch = new.attributes.faces.texture.get(3 * left.len()..);
+            let has_chart = what.ends_with(".obj");
+            let mut rows = patch.unwrap_or_default().iter();
+            assert!(rows.all(|&row| (row != NO_VALUE) == has_chart), "{what}");
         }
     }
 }
