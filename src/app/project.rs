@@ -175,7 +175,7 @@ fn parse(text: &str, path: &Path) -> Result<(Document, Project), String> {
     let mesh_path = project.mesh.as_ref().map(|p| folder.join(p));
     let (opened, source) = if let Some(body) = body {
         let soup = io::read(Format::Obj, body.as_bytes(), path).map_err(|e| e.to_string())?;
-        let opened = io::from_soup(soup, path).map_err(|e| e.to_string())?;
+        let opened = io::from_soup(&soup, path).map_err(|e| e.to_string())?;
         let source = match (&mesh_path, &project.sample) {
             // the mesh was stored although nothing has changed it
             _ if project.fills.is_empty() => Source::Embedded,
@@ -245,7 +245,7 @@ pub fn title(path: &Path) -> String {
 /// No sample has this name.
 pub fn sample_of(name: &str) -> Result<Opened, String> {
     let sample = Sample::named(name).ok_or_else(|| format!("unknown sample `{name}`"))?;
-    io::from_soup(sample.soup(), Path::new(name)).map_err(|e| e.to_string())
+    io::from_soup(&sample.soup(), Path::new(name)).map_err(|e| e.to_string())
 }
 
 fn restore(opened: Opened, source: Source, project: &Project) -> Result<Document, String> {

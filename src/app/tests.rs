@@ -40,7 +40,7 @@ pub(super) fn opened() -> io::Opened {
         corners: triangles.into_iter().flatten().collect(),
         ..Soup::default()
     };
-    io::from_soup(soup, Path::new("test")).expect("sound")
+    io::from_soup(&soup, Path::new("test")).expect("sound")
 }
 
 pub(super) fn model() -> Model {

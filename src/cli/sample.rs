@@ -31,7 +31,7 @@ fn samples() -> impl TypedValueParser<Value = &'static Sample> {
 pub fn sample(args: &SampleArguments) -> Result<()> {
     let sample = args.sample;
     io::check_target(&args.output)?;
-    let opened = io::from_soup(sample.soup(), Path::new(sample.name))?;
+    let opened = io::from_soup(&sample.soup(), Path::new(sample.name))?;
     save(&args.output, &opened.mesh, Textures::Keep, false)?;
     print(&format!("{}: {}\n", args.output.display(), sample.title))
 }

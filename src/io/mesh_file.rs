@@ -44,19 +44,19 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
 /// # Errors
 /// [`OpenError`].
 pub fn open_welded(path: &Path, weld: Weld) -> Result<Opened, OpenError> {
-    repaired(load(path)?, path, weld)
+    repaired(&load(path)?, path, weld)
 }
 
 /// Repairs a polygon soup. Messages contain `path`.
 ///
 /// # Errors
 /// [`OpenError::Build`].
-pub fn from_soup(soup: Soup, path: &Path) -> Result<Opened, OpenError> {
+pub fn from_soup(soup: &Soup, path: &Path) -> Result<Opened, OpenError> {
     repaired(soup, path, Weld::Auto)
 }
 
-fn repaired(soup: Soup, path: &Path, weld: Weld) -> Result<Opened, OpenError> {
-    let (mesh, report) = mesh::build_welded(&soup, weld).map_err(|source| OpenError::Build {
+fn repaired(soup: &Soup, path: &Path, weld: Weld) -> Result<Opened, OpenError> {
+    let (mesh, report) = mesh::build_welded(soup, weld).map_err(|source| OpenError::Build {
         path: path.to_owned(),
         source,
     })?;

@@ -33,7 +33,7 @@ fn document() -> Document {
         corners: triangles.into_iter().flatten().collect(),
         ..Soup::default()
     };
-    let opened = io::from_soup(soup, Path::new("sphere")).expect("sound");
+    let opened = io::from_soup(&soup, Path::new("sphere")).expect("sound");
     Document::new(opened, Source::Sample("sphere".into()))
 }
 

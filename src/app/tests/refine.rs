@@ -29,7 +29,7 @@ fn on_mesh((positions, triangles): TriangleMesh, refining: Refining) -> Model {
         corners: triangles.into_iter().flatten().collect(),
         ..Soup::default()
     };
-    let opened = io::from_soup(soup, Path::new("test")).expect("sound");
+    let opened = io::from_soup(&soup, Path::new("test")).expect("sound");
     let document = Document::new(opened, Source::Sample("test".into()));
     let wake: crate::app::jobs::Wake = Arc::new(|| ());
     let mut m = Model::new(document, Settings::default(), Autosave::off(), wake);

@@ -199,7 +199,7 @@ fn read_faces(
     Ok(())
 }
 
-/// Texture coordinates of corners, as MeshLab and others write them: for each face a list of u and v
+/// Texture coordinates of corners, as many programs write them: for each face a list of u and v
 /// of each corner.
 struct TextureLists {
     numbers: [Numbers; 2],

@@ -141,12 +141,12 @@ fn decimal_colors(columns: &[Column]) -> Option<Vec<Column>> {
 /// The numbers of the first two columns of texture coordinates; zeros if there is one only.
 fn coordinates(columns: &[Column]) -> [Numbers; 2] {
     let count = row_count(columns);
-    [0, 1].map(|k| match columns.get(k) {
-        Some(column) => column.numbers.clone(),
-        None => {
-            let mut zeros = Numbers::with_capacity(columns[0].numbers.kind(), count);
-            zeros.pad(count);
-            zeros
+    [0, 1].map(|k| {
+        if let Some(column) = columns.get(k) {
+            return column.numbers.clone();
         }
+        let mut zeros = Numbers::with_capacity(columns[0].numbers.kind(), count);
+        zeros.pad(count);
+        zeros
     })
 }

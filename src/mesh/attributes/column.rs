@@ -102,6 +102,7 @@ impl Numbers {
 
     /// The number at an index; exact.
     #[inline]
+    #[allow(clippy::useless_conversion)] // of one of the types
     pub fn get(&self, index: usize) -> f64 {
         of_any_type!(self, list => list[index].into())
     }

@@ -33,7 +33,11 @@ impl FaceData {
 
     /// The data of these faces, whose corners are these.
     #[must_use]
-    pub(crate) fn picked(&self, faces: &[u32], corners: impl Iterator<Item = u32> + Clone) -> Self {
+    pub(crate) fn picked(
+        &self,
+        faces: &[u32],
+        corners: &(impl Iterator<Item = u32> + Clone),
+    ) -> Self {
         let of_corners = |list: &Vec<u32>| -> Vec<u32> {
             if list.is_empty() {
                 return Vec::new();
@@ -54,7 +58,7 @@ impl FaceData {
     #[must_use]
     pub fn picked_triangles(&self, faces: &[u32]) -> Self {
         let corners = faces.iter().flat_map(|&f| 3 * f..3 * f + 3);
-        self.picked(faces, corners)
+        self.picked(faces, &corners)
     }
 
     /// Exchanges the second and the third corner of a triangle.

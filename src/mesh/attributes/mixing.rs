@@ -73,7 +73,7 @@ fn decimal_steps(columns: &[Column], colors: &Colors) -> Option<f64> {
 /// normals get length 1.
 pub fn append_between(
     columns: &mut [Column],
-    pairs: impl Iterator<Item = ([u32; 2], f64)> + Clone,
+    pairs: &(impl Iterator<Item = ([u32; 2], f64)> + Clone),
 ) {
     let first = super::row_count(columns);
     let rules = Rule::of(columns);
@@ -161,7 +161,7 @@ mod tests {
             column("ny", Numbers::F32(vec![0.0, 1.0])),
             column("nz", Numbers::F32(vec![0.0, 0.0])),
         ];
-        append_between(&mut columns, [([0, 1], 0.5), ([0, 1], 0.75)].into_iter());
+        append_between(&mut columns, &[([0, 1], 0.5), ([0, 1], 0.75)].into_iter());
         append_interpolated(&mut columns, &[0, 1], &[1], |q| vec![0.5 * (q[0] + q[1])]);
         let row = |row: usize| -> Vec<f64> { columns.iter().map(|c| c.numbers.get(row)).collect() };
         let half = f64::from(0.5_f64.sqrt() as f32);

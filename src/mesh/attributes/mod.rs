@@ -100,7 +100,7 @@ impl Attributes {
         let ends = self.rows_of(pairs.iter().flat_map(|(ends, _)| *ends));
         let ends = ends.chunks_exact(2).map(|e| [e[0], e[1]]);
         let ratios = pairs.iter().map(|(_, t)| *t);
-        append_between(&mut self.vertices, ends.zip(ratios));
+        append_between(&mut self.vertices, &ends.zip(ratios));
         self.number_new_rows(given, pairs.len());
     }
 

@@ -17,7 +17,7 @@ impl Attributes {
         if self.vertex_of_row.is_empty() {
             let ends = split.edges.iter();
             let ends = ends.map(|&h| ([old.origin(h).0, old.target(h).0], 0.5));
-            append_between(&mut self.vertices, ends);
+            append_between(&mut self.vertices, &ends);
         } else {
             self.faces.rows = halved(&mut self.vertices, &self.faces.rows, old, split);
         }
@@ -82,6 +82,6 @@ fn halved(columns: &mut [Column], rows: &[u32], old: &Topology, split: &Split) -
             }));
         }
     }
-    append_between(columns, middles.iter().copied());
+    append_between(columns, &middles.iter().copied());
     new
 }

@@ -215,7 +215,7 @@ fn face_data(
     let origins = || (0..faces.len()).map(|i| faces.origin(i));
     let of_file: Vec<u32> = origins().map(|t| triangles.file_face(t)).collect();
     let corners = (0..faces.len()).flat_map(|i| file_corners(triangles, repaired, faces.origin(i)));
-    given.picked(&of_file, corners)
+    given.picked(&of_file, &corners)
 }
 
 /// Transfers the columns of the vertices. If welded vertices differ in them, every vertex of the file

@@ -658,7 +658,7 @@ fn corners_keep_their_values() {
             offsets: vec![0],
             ..Soup::default()
         };
-        for _ in 0..1 + random.below(20) {
+        for _ in 0..=random.below(20) {
             for _ in 0..3 + random.below(3) {
                 input.corners.push(random.below(positions.len()) as u32);
             }

@@ -41,7 +41,7 @@ fn mesh_file(format: Format, bytes: &[u8]) {
         soup.offsets.last().map_or(0, |&n| n as usize),
         soup.corners.len()
     );
-    let Ok(opened) = io::from_soup(soup, name) else {
+    let Ok(opened) = io::from_soup(&soup, name) else {
         return;
     };
     let built = &opened.mesh;
