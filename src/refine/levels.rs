@@ -38,7 +38,7 @@ pub struct Refinement {
     /// The refined mesh: points of the limit surface (of the scheme).
     points: Vec<DVec3>,
     /// Attributes of the mesh that is cut open.
-    attributes: Attributes,
+    attributes: Arc<Attributes>,
     features: Features,
     region: Option<Region>,
     current: Option<LevelFlow>,
@@ -78,7 +78,7 @@ impl Refinement {
             topology: Arc::new(topology),
             control,
             points,
-            attributes: features.opened_attributes(&mesh.attributes),
+            attributes: Arc::new(features.opened_attributes(&mesh.attributes)),
             features,
             region: region.map(Region::new),
             current: None,
@@ -123,7 +123,7 @@ impl Refinement {
     }
 
     /// Attributes of the current mesh, cut open along creases.
-    pub fn attributes(&self) -> &Attributes {
+    pub fn attributes(&self) -> &Arc<Attributes> {
         &self.attributes
     }
 
@@ -227,7 +227,7 @@ impl Refinement {
         let split = (self.features.split(&old, &chosen)).map_err(SolverError::from)?;
         let count = split.vertex_count(&old);
         let new = Topology::from_triangles(count, &split.triangles).map_err(SolverError::from)?;
-        self.attributes.split(&old, &split);
+        Arc::make_mut(&mut self.attributes).split(&old, &split);
         if self.controls.method == Method::Pde {
             self.control = nested_step(&old, &self.control, &split, &[], self.region.as_ref());
         } else {

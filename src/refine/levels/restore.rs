@@ -19,7 +19,7 @@ pub(in crate::refine) struct SavedLevel {
     topology: Arc<Topology>,
     /// Points of the previous level, while the level's flow runs.
     previous: Vec<DVec3>,
-    attributes: Attributes,
+    attributes: Arc<Attributes>,
     features: Features,
     region: Option<Region>,
     flow: Option<SavedFlow>,
@@ -60,7 +60,7 @@ impl Refinement {
             level: self.level,
             topology: Arc::clone(&self.topology),
             previous: self.points.clone(),
-            attributes: self.attributes.clone(),
+            attributes: Arc::clone(&self.attributes),
             features: self.features.clone(),
             region: self.region.clone(),
             reports: self.levels.clone(),
@@ -105,7 +105,7 @@ impl Refinement {
             Some(_) => saved.previous.clone(),
             None => to.points.to_vec(),
         };
-        self.attributes.clone_from(&saved.attributes);
+        self.attributes = Arc::clone(&saved.attributes);
         self.features = saved.features.clone();
         self.region.clone_from(&saved.region);
         self.levels.clone_from(&saved.reports);

@@ -20,7 +20,7 @@ pub struct LevelFrame {
     /// The map to the welded mesh, if the mesh is cut.
     pub weld: Option<Arc<Weld>>,
     /// Attributes of the mesh that is cut open.
-    pub attributes: Attributes,
+    pub attributes: Arc<Attributes>,
     /// Whether `control` of the states is the control mesh of a smooth limit surface. It is not for
     /// Butterfly, which has no such surface.
     pub has_limit: bool,
@@ -54,7 +54,7 @@ impl LevelFrame {
             level: refinement.level(),
             topology: Arc::clone(refinement.topology()),
             weld: refinement.weld().cloned(),
-            attributes: refinement.attributes().clone(),
+            attributes: Arc::clone(refinement.attributes()),
             has_limit: refinement.method() != Method::Butterfly,
             given: Arc::clone(given),
             saved: refinement.save_level(),
