@@ -49,13 +49,30 @@ fn files(c: &mut Criterion) {
     for [a, b, c] in &triangles {
         writeln!(short, "f {} {} {}", a + 1, b + 1, c + 1).expect("text");
     }
+    let mut textured = String::new();
+    for p in &positions {
+        writeln!(textured, "v {:.9} {:.9} {:.9}", p.x, p.y, p.z).expect("text");
+        writeln!(textured, "vt {:.6} {:.6}", p.x, p.y).expect("text");
+        writeln!(textured, "vn {:.4} {:.4} {:.4}", p.z, p.y, p.x).expect("text");
+    }
+    for t in &triangles {
+        let [a, b, c] = t.map(|v| v + 1);
+        writeln!(textured, "f {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c}").expect("text");
+    }
     std::fs::write(path("short.obj"), short).expect("written");
+    std::fs::write(path("textured.obj"), textured).expect("written");
     for name in ["full.obj", "sheet.ply", "sheet.stl"] {
         io::save(&path(name), &mesh).expect("written");
     }
     let mut group = c.benchmark_group("1M triangles");
     group.sample_size(10);
-    for name in ["short.obj", "full.obj", "sheet.ply", "sheet.stl"] {
+    for name in [
+        "short.obj",
+        "textured.obj",
+        "full.obj",
+        "sheet.ply",
+        "sheet.stl",
+    ] {
         let file = path(name);
         group.bench_function(format!("load {name}"), |b| {
             b.iter(|| black_box(io::load(&file)).expect("readable"));

@@ -2,6 +2,8 @@
 
 use std::io::Write;
 
+use crate::mesh::Numbers;
+
 /// Appends `x` with the fewest digits that parse to the same `f64`. Very large and very small
 /// magnitudes have an exponent instead of many zeros.
 pub(super) fn push_f64(text: &mut Vec<u8>, x: f64) {
@@ -17,6 +19,14 @@ pub(super) fn push_f64(text: &mut Vec<u8>, x: f64) {
 /// As [`push_f64`], for `f32`.
 pub(super) fn push_f32(text: &mut Vec<u8>, x: f32) {
     write!(text, "{x}").expect("writing to a Vec does not fail");
+}
+
+/// Appends a number of a column with the fewest digits that parse to the same bits of its type.
+pub(super) fn push_number(text: &mut Vec<u8>, numbers: &Numbers, row: usize) {
+    match numbers {
+        Numbers::F32(list) => push_f32(text, list[row]),
+        _ => push_f64(text, numbers.get(row)),
+    }
 }
 
 /// Appends a whole number.

@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 
 use super::super::OutputMesh;
-use super::super::number::{push_f32, push_f64, push_index};
+use super::super::number::{push_f32, push_f64, push_index, push_number};
 use crate::mesh::{Colors, Column, FaceTag, NO_VALUE, Numbers, row_count};
 
 /// Buffer size in bytes.
@@ -108,7 +108,8 @@ fn extras(columns: &[Column]) -> Vec<Extra<'_>> {
     let colors = Colors::of(columns);
     // before a colour, a weight other than 1 would be read as a part of the colour
     let is_one = |c: &Column| (0..c.numbers.len()).all(|row| c.numbers.get(row) == 1.0);
-    let is_weight = |c: &&Column| c.name == "w" && !c.is_typed && (colors.is_none() || is_one(c));
+    let fits = |c: &Column| colors.is_none_or(|colors| colors.alpha.is_none() && is_one(c));
+    let is_weight = |c: &&Column| c.name == "w" && !c.is_typed && fits(c);
     let weight = columns.iter().find(is_weight);
     let mut extras: Vec<Extra<'_>> = weight.map(Extra::plain).into_iter().collect();
     let Some(colors) = colors else {
@@ -126,14 +127,6 @@ fn extras(columns: &[Column]) -> Vec<Extra<'_>> {
     let named = colors.channels.into_iter().chain(colors.alpha);
     extras.extend(named.map(|k| Extra::plain(&columns[k])));
     extras
-}
-
-/// Writes a number with the fewest digits that parse to the same bits of its type.
-fn push_number(text: &mut Vec<u8>, numbers: &Numbers, row: usize) {
-    match numbers {
-        Numbers::F32(list) => push_f32(text, list[row]),
-        _ => push_f64(text, numbers.get(row)),
-    }
 }
 
 fn flush(text: &mut Vec<u8>, out: &mut dyn Write, limit: usize) -> io::Result<()> {
