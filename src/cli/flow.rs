@@ -30,10 +30,10 @@ use super::parse::point;
 /// The files of a command that changes a mesh.
 #[derive(Debug, Args)]
 pub struct MeshFiles {
-    /// The mesh to read (.obj, .ply, .stl).
+    /// The mesh to read (.obj, .ply, .stl, .off).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
-    /// The mesh to write (.obj, .ply, .stl).
+    /// The mesh to write (.obj, .ply, .stl, .off).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The distance within which vertices of IN count as one: auto (the rounding of its numbers) or a

@@ -1,6 +1,6 @@
 //! Checks of a mesh for a format, and losses of a format.
 
-use super::{Format, MeshFault, OutputMesh};
+use super::{Format, MeshFault, OutputMesh, off};
 use crate::mesh::{Colors, Column, DVec3, FaceTag, NO_VALUE, NumberType, row_count};
 
 /// Checks that `mesh` can be written in `format`: finite coordinates, indices in range, attribute
@@ -93,6 +93,7 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         Format::Obj => "OBJ",
         Format::Ply => "PLY",
         Format::Stl => "STL",
+        Format::Off => "OFF",
     };
     if format == Format::Stl && colors.is_some() {
         lost.push("STL cannot store colours".to_owned());
@@ -102,6 +103,7 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         Format::Obj => !is_color(*k) && (column.is_typed || column.name != "w"),
         Format::Ply => false,
         Format::Stl => !is_color(*k),
+        Format::Off => !is_color(*k) && !off::VERTEX_NUMBERS.contains(&column.name.as_str()),
     };
     let columns = all.vertices.iter().enumerate().filter(is_lost);
     let names: Vec<&str> = columns.map(|(_, column)| column.name.as_str()).collect();
@@ -117,10 +119,12 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
     {
         lost.push("OBJ cannot store transparency".to_owned());
     }
+    let off_colors = off::face_columns(&all.faces.columns);
     let is_lost = |column: &&Column| match format {
         Format::Obj => true,
         Format::Ply => false,
         Format::Stl => !is_stl_attribute(column),
+        Format::Off => !off_colors.iter().any(|color| std::ptr::eq(*color, *column)),
     };
     let columns = all.faces.columns.iter().filter(is_lost);
     let names: Vec<&str> = columns.map(|column| column.name.as_str()).collect();
@@ -135,7 +139,11 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
     }
     if !all.faces.texture.is_empty() {
         match format {
-            Format::Stl => lost.push("STL cannot store texture coordinates".to_owned()),
+            Format::Stl | Format::Off => {
+                lost.push(format!(
+                    "{name} cannot store texture coordinates of corners"
+                ));
+            }
             Format::Ply if all.texture.len() > 2 => {
                 lost.push("PLY cannot store the third texture coordinate".to_owned());
             }

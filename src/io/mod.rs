@@ -1,7 +1,7 @@
-//! Mesh files: OBJ, PLY and STL, read and written. The extension determines the format.
+//! Mesh files: OBJ, PLY, STL and OFF, read and written. The extension determines the format.
 //!
 //! Reading takes one pass over the bytes. It returns the vertices of the file in the order of the
-//! file, with coordinates rounded to the nearest `f64`. Writing is atomic and exact (OBJ: the
+//! file, with coordinates rounded to the nearest `f64`. Writing is atomic and exact (OBJ and OFF: the
 //! shortest decimals that parse to the same bits; PLY: binary doubles), except for STL, whose
 //! coordinates are `f32`. Errors contain the place in the file, what was found there, and the
 //! remedy.
@@ -31,6 +31,7 @@ mod error;
 mod mesh_file;
 mod number;
 mod obj;
+mod off;
 mod ply;
 mod stl;
 #[cfg(test)]
@@ -62,11 +63,13 @@ pub enum Format {
     Ply,
     /// STL; text and binary are read, binary is written.
     Stl,
+    /// OFF, text.
+    Off,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 3] = [Self::Obj, Self::Ply, Self::Stl];
+    pub const ALL: [Self; 4] = [Self::Obj, Self::Ply, Self::Stl, Self::Off];
 
     /// The file extension, without the dot.
     pub fn extension(self) -> &'static str {
@@ -74,6 +77,7 @@ impl Format {
             Self::Obj => "obj",
             Self::Ply => "ply",
             Self::Stl => "stl",
+            Self::Off => "off",
         }
     }
 
@@ -164,6 +168,7 @@ pub fn read(format: Format, bytes: &[u8], name: &Path) -> Result<Soup, LoadError
         Format::Obj => obj::read(bytes),
         Format::Ply => ply::read(bytes),
         Format::Stl => stl::read(bytes),
+        Format::Off => off::read(bytes),
     };
     soup.map_err(|error| LoadErrorKind::Content(error).of(name))
 }
@@ -230,6 +235,7 @@ pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std:
         Format::Obj => obj::write(mesh, out),
         Format::Ply => ply::write(mesh, out),
         Format::Stl => stl::write(mesh, out),
+        Format::Off => off::write(mesh, out),
     }
 }
 

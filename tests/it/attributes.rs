@@ -125,7 +125,7 @@ fn ply(head: &str, vertex: &[&str], face: &[&str], double_seam: bool) -> String 
     text.push_str("end_header\n");
     let value = |property: &str, k: usize, m: usize| match property.split(' ').next() {
         Some("uchar") => ((k * (m + 3)) % 256).to_string(),
-        Some("char") => ((k % 200) as i32 - 100).to_string(),
+        Some("char") => format!("-{}", k % 100),
         Some("int" | "short" | "uint" | "ushort") => (7 * k + m).to_string(),
         Some("list") => (0..6).fold("6".to_owned(), |text, c| {
             format!("{text} {}", 0.001 * (6 * k + c) as f64)
@@ -145,6 +145,20 @@ fn ply(head: &str, vertex: &[&str], face: &[&str], double_seam: bool) -> String 
             write!(text, " {}", value(property, k, m)).expect("text");
         }
         text.push('\n');
+    }
+    text
+}
+
+/// An OFF file with colours of vertices, as programs for scans write it.
+fn off() -> String {
+    let (points, triangles) = sheet();
+    let mut text = format!("COFF\n{} {} 0\n", points.len(), triangles.len());
+    for (k, [x, y, z]) in points.iter().enumerate() {
+        let c = |m: usize| k * m % 256;
+        writeln!(text, "{x:.6} {y:.6} {z:.6} {} {} {} 255 ", c(3), c(5), c(7)).expect("text");
+    }
+    for [a, b, c] in &triangles {
+        writeln!(text, "3 {a} {b} {c} ").expect("text");
     }
     text
 }
@@ -294,7 +308,11 @@ fn exports() -> Vec<(&'static str, Vec<u8>)> {
     let text = files
         .into_iter()
         .map(|(name, text)| (name, text.into_bytes()));
-    text.chain([("materialise.stl", stl())]).collect()
+    text.chain([
+        ("meshlab.off", off().into_bytes()),
+        ("materialise.stl", stl()),
+    ])
+    .collect()
 }
 
 fn bits(column: &Column, rows: usize) -> Vec<u64> {
@@ -546,7 +564,7 @@ fn erased_and_refilled_meshes_keep_the_other_faces() {
             }
             // the cell is inside one chart of the OBJ files; faces of meshlab.ply have no chart
             let patch = new.attributes.faces.texture.get(3 * left.len()..);
-            let has_chart = what.ends_with(".obj");
+            let has_chart = path.extension().is_some_and(|e| e == "obj");
             let mut rows = patch.unwrap_or_default().iter();
             assert!(rows.all(|&row| (row != NO_VALUE) == has_chart), "{what}");
         }

@@ -106,12 +106,12 @@ pub(super) fn ask(model: &mut Model, purpose: PathUse) {
         if let Some(folder) = start.as_ref().and_then(|p| p.parent()) {
             dialog = dialog.set_directory(folder);
         }
-        let meshes = ["obj", "ply", "stl"];
+        let meshes = ["obj", "ply", "stl", "off"];
         let path = match purpose {
             PathUse::Open => dialog
                 .add_filter(
                     "Meshes and projects",
-                    &["obj", "ply", "stl", project::EXTENSION],
+                    &["obj", "ply", "stl", "off", project::EXTENSION],
                 )
                 .pick_file(),
             PathUse::SaveAs => dialog

@@ -1,6 +1,6 @@
 //! The legal variety of each format.
 
-use super::super::Format::{Obj, Ply, Stl};
+use super::super::Format::{Obj, Off, Ply, Stl};
 use super::good;
 use crate::mesh::{Attributes, Column, DVec3, NO_VALUE};
 
@@ -267,4 +267,76 @@ fn stl_is_binary_for_any_header_text() {
     }
     let longer = good(Stl, binary_stl(b"x", 1, &[face; 2]));
     assert!(longer.notes[0].contains("50 bytes"));
+}
+
+#[test]
+fn off_with_everything() {
+    let text = "\u{feff}# made by hand\nSTCNOFF 4 2 0\n\n0 0 0  0 0 1  255 0 51 255  0 0\n\
+        1 0 0  0 0 1  0 255 0 255  .5 0 # corner\n1 1 0  0 0 1  0 0 255 128  .5 .5\n\
+        0 .1 0  0 0 1  9 9 9 255  0 .5\n3 0 1 2 255 0 0\n4 0 1 2 3 0 0 255\nmore\n";
+    let soup = good(Off, text);
+    assert_eq!(soup.positions[3], DVec3::new(0.0, 0.1, 0.0));
+    assert_eq!(soup.offsets, [0, 3, 7]);
+    assert_eq!(soup.corners, [0, 1, 2, 0, 1, 2, 3]);
+    let all = &soup.attributes;
+    let names =
+        |columns: &[Column]| -> Vec<String> { columns.iter().map(|c| c.name.clone()).collect() };
+    let vertex = ["nx", "ny", "nz", "red", "green", "blue", "alpha", "s", "t"];
+    assert_eq!(names(&all.vertices), vertex);
+    assert_eq!(all.vertex_colors()[0], [1.0, 0.0, 0.2, 1.0]);
+    assert_eq!(all.vertices[7].numbers.get(1), 0.5);
+    assert_eq!(names(&all.faces.columns), ["red", "green", "blue"]);
+    assert_eq!(all.faces.columns[2].numbers.get(1), 255.0);
+    assert!(soup.notes[0].contains("line 10"), "{:?}", soup.notes);
+    let plain = good(
+        Off,
+        "OFF\n3 1\n0 0 0 1 0 0\n1 0 0 0 1 0\n0 1 0 0 0 1\n3 0 1 2 7",
+    );
+    assert_eq!(plain.attributes.vertex_colors()[1], [0.0, 1.0, 0.0, 1.0]);
+    assert_eq!(names(&plain.attributes.faces.columns), ["color"]);
+    let mixed = good(
+        Off,
+        "OFF 3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 1 0 0\n3 2 1 0\n",
+    );
+    assert!(mixed.attributes.faces.columns.is_empty() && mixed.notes[0].contains("face colours"));
+}
+
+#[test]
+fn off_is_refused_with_place_and_remedy() {
+    let points = "0 0 0\n1 0 0\n0 1 0\n";
+    for (text, words) in [
+        ("", "empty"),
+        ("solid x\n", "'solid' instead of 'OFF'"),
+        ("4OFF\n3 1 0\n", "four or more dimensions"),
+        ("OFF BINARY\n", "binary OFF"),
+        ("OFF\nx 1 0\n", "line 2: the number of vertices"),
+        ("OFF\n3000000000 1 0\n", "at least 18000000008 bytes"),
+        ("OFF\n0 1 0\n00000000", "no vertices"),
+        (&format!("OFF\n3 0 0\n{points}"), "no faces"),
+        (
+            &format!("OFF\n3 1 0\n{points}2 0 1 9\n"),
+            "line 6: face 1 has 2",
+        ),
+        (&format!("OFF\n3 1 0\n{points}3 0 1 3\n"), "line 6: face 1"),
+        (
+            &format!("OFF\n3 1 0\n{points}3 0 1 x\n"),
+            "a vertex of face 1",
+        ),
+        (
+            &format!("OFF\n3 1 0\n{points}3 0 1 2 1 1 1 1 1\n"),
+            "more than 4 numbers",
+        ),
+        (
+            "OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n",
+            "vertex 2 of 3 needs 3 numbers",
+        ),
+        ("OFF\n3 1 0\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n", "vertex 2"),
+        (
+            "OFF\n3 1 0\n0 0 0\n1 0 0\n# 0 0 0 0 0\n",
+            "it ends before vertex 3",
+        ),
+    ] {
+        let message = super::bad(Off, text);
+        assert!(message.contains(words), "{text:?}: {message}");
+    }
 }

@@ -64,7 +64,6 @@ fn mesh_files(format: Format) -> Vec<Vec<u8>> {
                 positions,
                 triangles,
                 attributes: &attributes,
-                ..OutputMesh::default()
             };
             let mut bytes = Vec::new();
             io::write(format, &mesh, &mut bytes).expect("a vector takes everything");
@@ -83,10 +82,13 @@ fn obj() {
     let texts = [
         "mtllib a.mtl\no one\nv 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0\nv 1 1 1e-3\nvt 0 0\nvn 0 0 1\n\
          g left\nusemtl red\nf 1/1/1 2/1/1 3/1/1\ng right\nf -1 -2 -3\nf 1 2 4 3\n",
+        "v 0 0 0 2\nv 1 0 0 1\nv 0 1 0\nv 0 1 0\nvt 0\nvt 1 0 0\nvn 0 0 1\ns 1\nf 1/1 2/2 3/1\ns off\n\
+         f 1//1 4/-1/-1 2/9/0\n",
         "v 0 0 0 \\\n\nv 1.5 0 0\r\nv 0 1 0 # end\ng \\ \nf 1 2 3\nl 1 2\np 1\ns off\n",
     ];
     let words = [
-        "v ", "f ", "vn ", "g ", "o ", "usemtl ", "mtllib ", "\\\n", "/", "-", "#", "\t",
+        "v ", "f ", "vt ", "vn ", "s ", "g ", "o ", "usemtl ", "mtllib ", "\\\n", "/", "-", "#",
+        "\t",
     ];
     fuzz(
         "obj",
@@ -103,6 +105,11 @@ fn ply() {
          y\nproperty double z\nproperty uchar red\nproperty uchar green\nproperty uchar \
          blue\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0 255 0 \
          0\n1 0 0 0 255 0\n0 1 0 0 0 255\n1 1 0 9 9 9\n3 0 1 2\n3 1 3 2\n",
+        "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 6\nproperty float x\nproperty \
+         float y\nproperty float z\nproperty float s\nproperty float t\nproperty short label\nelement \
+         face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\nproperty \
+         int patch\nproperty char part\nend_header\n0 0 0 0 0 1\n1 0 0 1 0 1\n0 1 0 0 1 2\n1 0 0 .5 0 \
+         3\n0 1 0 .5 1 4\n1 1 0 .9 1 5\n3 0 1 2 6 0 0 1 0 0 1 1 -3\n3 3 5 4 0 0 7\n",
         "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty float \
          y\nproperty float z\nelement tristrips 1\nproperty list int int \
          vertex_indices\nend_header\n\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x01\0\0\0\0",
@@ -123,6 +130,8 @@ fn ply() {
         "vertex_index",
         "tristrips",
         "comment ",
+        "texcoord",
+        "patch",
     ];
     fuzz(
         "ply",
@@ -152,6 +161,24 @@ fn stl() {
         "stl",
         targets::stl,
         &with_texts(mesh_files(Format::Stl), &texts),
+        &words,
+    );
+}
+
+#[test]
+fn off() {
+    let texts = [
+        "STCNOFF 4 2 0\n0 0 0 0 0 1 1 0 0 1 0 0\n1 0 0 0 0 1 0 1 0 1 .5 0\n1 1 0 0 0 1 0 0 1 1 .5 .5\n\
+         0 1 0 0 0 1 0 0 0 1 0 .5\n3 0 1 2 255 0 0\n4 0 1 2 3 0 0 255\n",
+        "OFF\n# a comment\n4 2\n0 0 0\n1 0 0\n1 1e-3 0\n0 1 0\n3 0 1 2 1\n3 0 2 3 2\n",
+    ];
+    let words = [
+        "OFF", "COFF", "NOFF", "STOFF", "BINARY", "#", "3 ", "4 ", "\n",
+    ];
+    fuzz(
+        "off",
+        targets::off,
+        &with_texts(mesh_files(Format::Off), &texts),
         &words,
     );
 }

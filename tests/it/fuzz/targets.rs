@@ -25,6 +25,10 @@ pub fn stl(bytes: &[u8]) {
     mesh_file(Format::Stl, bytes);
 }
 
+pub fn off(bytes: &[u8]) {
+    mesh_file(Format::Off, bytes);
+}
+
 /// A reader refuses a file or gives a sound soup; building refuses the soup or gives a valid mesh; a
 /// mesh that is written reads back with the same bits.
 fn mesh_file(format: Format, bytes: &[u8]) {
@@ -47,7 +51,7 @@ fn mesh_file(format: Format, bytes: &[u8]) {
     let built = &opened.mesh;
     assert_eq!(check_mesh(built), Ok(()));
     io::with_output(built, |output| {
-        for exact in [Format::Obj, Format::Ply] {
+        for exact in [Format::Obj, Format::Ply, Format::Off] {
             assert_eq!(io::check(exact, output), Ok(()));
             let mut written = Vec::new();
             io::write(exact, output, &mut written).expect("a vector takes everything");
