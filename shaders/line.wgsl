@@ -1,6 +1,8 @@
 // Lines and markers: a quad for each segment, expanded in pixels and clipped to a capsule. A marker
 // is a segment of length 0. Colours are premultiplied.
 
+// Colour of the lines where patches join the mesh.
+const SEAM = vec4(0.78, 0.40, 0.05, 0.85);
 // Width of the dark casing on each side of a line in pixels.
 const CASING = 1.5;
 
@@ -90,6 +92,15 @@ fn vs_wire(
     @builtin(vertex_index) corner: u32,
 ) -> LinePoint {
     return expand(start, end, frame.wire, 0.5 * frame.size.z, 0.0, corner);
+}
+
+@vertex
+fn vs_seam(
+    @location(0) start: vec3<f32>,
+    @location(1) end: vec3<f32>,
+    @builtin(vertex_index) corner: u32,
+) -> LinePoint {
+    return expand(start, end, SEAM, 0.8 * frame.size.z, 0.0, corner);
 }
 
 // Fraction of a pixel within `reach` of the segment.

@@ -93,16 +93,19 @@ fn colormap(t: f32) -> vec3<f32> {
     return mix(map[i], map[i + 1u], at - f32(i));
 }
 
-// Linear light on a surface of unit colour: a key and a fill light that move with the camera, and
-// ambient light, stronger from above.
-fn light(n: vec3<f32>, towards_eye: vec3<f32>) -> vec2<f32> {
+// Linear light on a surface of unit colour, and its gloss in w. The light is soft and moves with the
+// camera: sky above and ground below, a broad key light, and a rim light along the outline.
+fn light(n: vec3<f32>, towards_eye: vec3<f32>) -> vec4<f32> {
+    let sky = 0.5 + 0.5 * dot(n, frame.up.xyz);
+    let around = mix(vec3(0.20, 0.18, 0.17), vec3(0.36, 0.38, 0.42), sky);
     let key = normalize(-0.45 * frame.right.xyz + 0.65 * frame.up.xyz + 0.75 * frame.back.xyz);
-    let fill = normalize(0.8 * frame.right.xyz - 0.1 * frame.up.xyz + 0.5 * frame.back.xyz);
-    let around = 0.30 + 0.10 * dot(n, frame.up.xyz);
-    let diffuse = 0.62 * max(dot(n, key), 0.0) + 0.18 * max(dot(n, fill), 0.0) + around;
+    let wrapped = 0.5 + 0.5 * dot(n, key);
+    let diffuse = vec3(0.60, 0.59, 0.57) * wrapped * wrapped;
+    let outline = 1.0 - max(dot(n, towards_eye), 0.0);
+    let rim = vec3(0.20, 0.22, 0.26) * sky * outline * outline * outline;
     let half_way = normalize(key + towards_eye);
-    let gloss = 0.16 * pow(max(dot(n, half_way), 0.0), 40.0);
-    return vec2(diffuse, gloss);
+    let gloss = 0.10 * pow(max(dot(n, half_way), 0.0), 32.0);
+    return vec4(around + diffuse + rim, gloss);
 }
 
 @fragment
@@ -115,6 +118,7 @@ fn fs_surface(
     let n = select(-outward, outward, front);
     let sight = select(frame.back.xyz, normalize(frame.eye.xyz - p.position), frame.back.w > 0.5);
     let lit = light(n, sight);
+    let brightness = min(dot(lit.rgb, vec3(0.2126, 0.7152, 0.0722)), 1.1);
     let mode = frame.choice.x;
     let stripes = frame.light.w;
 
@@ -129,25 +133,25 @@ fn fs_surface(
     let selected = (p.flags & SELECTED) != 0u;
     var base = select(vec3(0.44, 0.33, 0.40), vec3(0.70, 0.73, 0.77), front);
     if in_patch {
-        base = select(vec3(0.45, 0.24, 0.10), vec3(0.93, 0.58, 0.20), front);
+        base = select(vec3(0.45, 0.33, 0.20), vec3(0.94, 0.82, 0.60), front);
     }
     if selected {
         base = mix(base, vec3(0.20, 0.45, 0.95), 0.5);
     }
     var colour = vec3(0.0);
     if mode == SHADED {
-        colour = linear_from_srgb(base) * lit.x + lit.y;
+        colour = linear_from_srgb(base) * lit.rgb + lit.w;
     } else if mode == ISOPHOTES || mode == ZEBRA {
         // light bands have the brightened colour of the surface, dark ones the same hue
         let bright = mix(vec3(1.0), base, select(0.75, 0.35, front && !in_patch && !selected));
         let dark = base * select(0.15, 0.24, in_patch);
         let stripe = mix(linear_from_srgb(dark), linear_from_srgb(bright), band);
-        colour = stripe * mix(1.0, min(lit.x, 1.1), 0.45);
+        colour = stripe * mix(1.0, brightness, 0.5);
     } else {
         let unknown = vec3(0.55);
         let mapped = mix(unknown, colormap(p.value.x), step(0.999, p.value.y));
-        // the colour must stay legible: weak light, and a darker back
-        colour = linear_from_srgb(mapped) * mix(1.0, min(lit.x, 1.05), 0.35) * select(0.55, 1.0, front);
+        // the colour must stay legible: half of the light, and a darker back
+        colour = linear_from_srgb(mapped) * mix(1.0, brightness, 0.5) * select(0.55, 1.0, front);
     }
     if selected {
         // also on dark bands and maps

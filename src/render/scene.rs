@@ -59,6 +59,8 @@ pub struct Geometry {
     pub triangles: Vec<[u32; 3]>,
     /// Segments of the wireframe: edges of the control mesh on the drawn surface.
     pub edges: Vec<[u32; 2]>,
+    /// Segments of the lines where patches join the mesh.
+    pub seam: Vec<[u32; 2]>,
     /// Whether a vertex belongs to a patch.
     has_patch: bool,
 }
@@ -72,6 +74,7 @@ impl Geometry {
             vertices,
             triangles,
             edges,
+            seam: Vec::new(),
         }
     }
 
@@ -282,7 +285,7 @@ pub struct ViewStyle {
     pub light_follows_view: bool,
     /// Whether the edges of the control mesh are drawn.
     pub wireframe: bool,
-    /// Whether patches have a different colour.
+    /// Whether patches have a different colour and a line around them.
     pub tint_patch: bool,
     /// Whether the surface is hatched where the flow is ill-posed.
     pub show_ill_posed: bool,

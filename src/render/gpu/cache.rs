@@ -25,8 +25,12 @@ pub struct Surface {
     pub vertices: wgpu::Buffer,
     pub triangles: wgpu::Buffer,
     pub corners: u32,
-    wire: Option<(wgpu::Buffer, u32)>,
+    wire: Option<Segments>,
+    seam: Option<Segments>,
 }
+
+/// Segments and their number.
+type Segments = (wgpu::Buffer, u32);
 
 /// Segments of an [`Overlay`], by style.
 pub struct Lines {
@@ -53,7 +57,7 @@ impl Cache {
         self.lines.get(&id)?.as_ref()
     }
 
-    /// Loads a surface, with its wireframe if requested.
+    /// Loads a surface with its seams, and with its wireframe if requested.
     pub fn load_surface(
         &mut self,
         device: &wgpu::Device,
@@ -69,6 +73,7 @@ impl Cache {
                     triangles: buffer(device, &geometry.triangles, wgpu::BufferUsages::INDEX)?,
                     corners: 3 * geometry.triangles.len() as u32,
                     wire: None,
+                    seam: wire_segments(device, geometry, &geometry.seam)?,
                 })
             };
             place.insert(surface);
@@ -76,15 +81,8 @@ impl Cache {
         if let Some(Some(surface)) = self.surfaces.get_mut(&geometry.id)
             && wire
             && surface.wire.is_none()
-            && !geometry.edges.is_empty()
         {
-            let at = |v: u32| geometry.vertices[v as usize].position;
-            let segments: Vec<WireSegment> = geometry.edges.iter().map(|e| e.map(at)).collect();
-            let count = segments.len() as u32;
-            surface.wire = Some((
-                buffer(device, &segments, wgpu::BufferUsages::VERTEX)?,
-                count,
-            ));
+            surface.wire = wire_segments(device, geometry, &geometry.edges)?;
         }
         Ok(())
     }
@@ -118,10 +116,30 @@ impl Cache {
 }
 
 impl Surface {
-    /// The wireframe and its number of segments, once loaded.
-    pub fn wire(&self) -> Option<(&wgpu::Buffer, u32)> {
-        self.wire.as_ref().map(|(b, n)| (b, *n))
+    /// The wireframe, once loaded.
+    pub fn wire(&self) -> Option<&Segments> {
+        self.wire.as_ref()
     }
+
+    /// The seams of patches.
+    pub fn seam(&self) -> Option<&Segments> {
+        self.seam.as_ref()
+    }
+}
+
+/// The segments between some vertices of a geometry, if there are any.
+fn wire_segments(
+    device: &wgpu::Device,
+    geometry: &Geometry,
+    ends: &[[u32; 2]],
+) -> Result<Option<Segments>, RenderError> {
+    if ends.is_empty() {
+        return Ok(None);
+    }
+    let at = |v: u32| geometry.vertices[v as usize].position;
+    let segments: Vec<WireSegment> = ends.iter().map(|e| e.map(at)).collect();
+    let copy = buffer(device, &segments, wgpu::BufferUsages::VERTEX)?;
+    Ok(Some((copy, segments.len() as u32)))
 }
 
 /// All segments of an overlay, sorted by style, and the end of each style.

@@ -219,7 +219,7 @@ impl Renderer {
     }
 }
 
-/// Draws background, surfaces, wireframe and lines.
+/// Draws background, surfaces, wireframe, seams and lines.
 fn passes(
     pipelines: &Pipelines,
     cache: &Cache,
@@ -240,7 +240,14 @@ fn passes(
         pass.set_pipeline(&pipelines.wire);
         for (wire, count) in surfaces().filter_map(cache::Surface::wire) {
             pass.set_vertex_buffer(0, wire.slice(..));
-            pass.draw(0..4, 0..count);
+            pass.draw(0..4, 0..*count);
+        }
+    }
+    if style.tint_patch {
+        pass.set_pipeline(&pipelines.seam);
+        for (seam, count) in surfaces().filter_map(cache::Surface::seam) {
+            pass.set_vertex_buffer(0, seam.slice(..));
+            pass.draw(0..4, 0..*count);
         }
     }
     if !style.show_overlays {

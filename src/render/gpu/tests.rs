@@ -25,6 +25,7 @@ fn shaders_are_valid() {
             "fs_surface",
             "vs_line",
             "vs_wire",
+            "vs_seam",
             "fs_casing",
             "fs_core",
             "fs_hidden"

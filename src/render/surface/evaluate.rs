@@ -54,7 +54,9 @@ impl DynamicSurface {
             .zip(&of.flags_of)
             .map(vertex)
             .collect();
-        Geometry::new(vertices, of.triangles.clone(), of.edges.clone())
+        let mut geometry = Geometry::new(vertices, of.triangles.clone(), of.edges.clone());
+        geometry.seam.clone_from(&of.seam);
+        geometry
     }
 
     /// Lumped L2 projection of the curvatures at quadrature points, per vertex of the cut mesh; NaN

@@ -2,7 +2,8 @@
 
 use super::SurfaceOptions;
 use super::cut::Cut;
-use crate::mesh::{FaceId, Topology, VertexId};
+use crate::mesh::{FaceId, HalfedgeId, Topology, VertexId};
+use crate::render::Vertex;
 use crate::subdivision::{Elements, Rule};
 
 /// Mark of a sample without a number.
@@ -76,14 +77,17 @@ pub(super) struct Samples {
     sample_triangles: Vec<[u32; 3]>,
     /// Segments of the wireframe, between samples.
     sample_edges: Vec<[u32; 2]>,
+    /// Segments of the seams of patches, between samples.
+    sample_seam: Vec<[u32; 2]>,
     triangles_per_face: usize,
     /// The sample of each vertex.
     pub(super) sample_of: Vec<u32>,
     /// The flags of each vertex.
     pub(super) flags_of: Vec<u32>,
-    /// Triangles and wireframe between vertices.
+    /// Triangles, wireframe and seams between vertices.
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) edges: Vec<[u32; 2]>,
+    pub(super) seam: Vec<[u32; 2]>,
 }
 
 impl Samples {
@@ -105,6 +109,7 @@ impl Samples {
         let mut samples = Self {
             triangles_per_face: (lattice.pieces * lattice.pieces) as usize,
             sample_edges: numbering.wireframe(&cut.faces),
+            sample_seam: numbering.seam(&cut.faces, &options.flags),
             corners: numbering.corners,
             inner: numbering.inner,
             sample_triangles,
@@ -112,6 +117,7 @@ impl Samples {
             flags_of: Vec::new(),
             triangles: Vec::new(),
             edges: Vec::new(),
+            seam: Vec::new(),
         };
         samples.set_flags(&options.flags);
         samples
@@ -159,6 +165,7 @@ impl Samples {
             .collect();
         let any = |s: u32| first[s as usize];
         self.edges = self.sample_edges.iter().map(|e| e.map(any)).collect();
+        self.seam = self.sample_seam.iter().map(|e| e.map(any)).collect();
     }
 }
 
@@ -299,20 +306,42 @@ impl<'a> Numbering<'a> {
         let mut segments = Vec::new();
         for &f in faces {
             for h in self.topology.face_halfedges(f) {
-                if std::mem::replace(&mut done[h.edge()], true) {
-                    continue;
+                if !std::mem::replace(&mut done[h.edge()], true) {
+                    self.add_edge(h, &mut segments);
                 }
-                let even = if h.0 % 2 == 0 { h } else { h.twin() };
-                let end = |v: VertexId| self.corner_sample[v.index()];
-                let mut last = end(self.topology.origin(even));
-                for t in 1..self.lattice.pieces {
-                    let here = self.edge_sample[h.edge()] + t - 1;
-                    segments.push([last, here]);
-                    last = here;
-                }
-                segments.push([last, end(self.topology.target(even))]);
             }
         }
         segments
+    }
+
+    /// The edges of patches whose other side is not drawn or belongs to no patch.
+    fn seam(&self, faces: &[FaceId], flags: &[u32]) -> Vec<[u32; 2]> {
+        let mut in_patch = vec![false; self.listed.len()];
+        for (f, flags) in faces.iter().zip(flags) {
+            in_patch[f.index()] = flags & Vertex::PATCH != 0;
+        }
+        let mut segments = Vec::new();
+        for &f in faces.iter().filter(|f| in_patch[f.index()]) {
+            for h in self.topology.face_halfedges(f) {
+                let beyond = self.topology.face(h.twin());
+                if !beyond.is_some() || !in_patch[beyond.index()] {
+                    self.add_edge(h, &mut segments);
+                }
+            }
+        }
+        segments
+    }
+
+    /// Adds the chain of samples of an edge.
+    fn add_edge(&self, h: HalfedgeId, segments: &mut Vec<[u32; 2]>) {
+        let even = if h.0 % 2 == 0 { h } else { h.twin() };
+        let end = |v: VertexId| self.corner_sample[v.index()];
+        let mut last = end(self.topology.origin(even));
+        for t in 1..self.lattice.pieces {
+            let here = self.edge_sample[h.edge()] + t - 1;
+            segments.push([last, here]);
+            last = here;
+        }
+        segments.push([last, end(self.topology.target(even))]);
     }
 }

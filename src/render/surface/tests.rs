@@ -336,3 +336,35 @@ fn odd_meshes_give_finite_vertices() {
         }
     }
 }
+
+/// The line around a patch runs along its border once, on the drawn surface, whatever lies beyond.
+#[test]
+fn a_patch_has_a_seam_along_its_border() {
+    let shape = shapes::icosphere(8);
+    let (topology, positions) = mesh(&shape);
+    let centre = VertexId(100);
+    let star: Vec<FaceId> = topology
+        .outgoing(centre)
+        .map(|h| topology.face(h))
+        .collect();
+    let others: Vec<FaceId> = topology.faces().filter(|f| !star.contains(f)).collect();
+    let whole = [star.clone(), others].concat();
+    for faces in [&whole, &star] {
+        let flag = |f: &FaceId| u32::from(star.contains(f)) * Vertex::PATCH;
+        let options = SurfaceOptions {
+            flags: faces.iter().map(flag).collect(),
+            ..options(3)
+        };
+        let surface = DynamicSurface::new(&topology, faces, &options);
+        let geometry = surface.evaluate(positions, DVec3::ZERO, true, None);
+        assert_eq!(geometry.seam.len(), 3 * star.len());
+        for &v in geometry.seam.iter().flatten() {
+            let place = wide(geometry.vertices[v as usize].position);
+            let far = place.distance(positions[centre.index()]);
+            assert!((0.1..0.2).contains(&far), "{far}");
+        }
+    }
+    let plain = DynamicSurface::new(&topology, &whole, &options(3));
+    let plain = plain.evaluate(positions, DVec3::ZERO, true, None);
+    assert!(plain.seam.is_empty());
+}
