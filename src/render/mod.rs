@@ -16,6 +16,7 @@ mod export;
 mod gpu;
 mod headless;
 mod picking;
+mod probe;
 mod rims;
 mod scene;
 mod surface;
@@ -30,6 +31,7 @@ pub use export::{SequenceEnd, SequenceFormat, save_png, turntable, write_sequenc
 pub use gpu::{Renderer, Tile};
 pub use headless::{Gpu, MAX_SIDE, picture};
 pub use picking::{Hit, Picker, Projector};
+pub use probe::value_on_line;
 pub use rims::rim_points;
 pub use scene::{
     Background, Geometry, LineStyle, Marker, Overlay, Polyline, Scene, Vertex, ViewMode, ViewStyle,

@@ -334,7 +334,7 @@ impl<'a> Numbering<'a> {
 
     /// Adds the chain of samples of an edge.
     fn add_edge(&self, h: HalfedgeId, segments: &mut Vec<[u32; 2]>) {
-        let even = if h.0 % 2 == 0 { h } else { h.twin() };
+        let even = if h.0.is_multiple_of(2) { h } else { h.twin() };
         let end = |v: VertexId| self.corner_sample[v.index()];
         let mut last = end(self.topology.origin(even));
         for t in 1..self.lattice.pieces {
