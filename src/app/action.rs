@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use super::faces::FaceEdit;
 use super::report::ReportAction;
-use super::view_state::{Bridging, Modal, Navigation, PictureSettings, Refining, Selecting, Task};
+use super::view_state::{
+    Bridging, Modal, Navigation, PathUse, PictureSettings, Refining, Selecting, Task,
+};
 use crate::fill::{Controls, LoopLimits};
 use crate::mesh::{DVec3, LoopId};
 use crate::render::{Camera, StandardView, ViewMode, ViewStyle};
@@ -76,6 +78,8 @@ pub enum FileAction {
     AskSaveAs,
     /// Save the mesh, or the project if the path has its extension.
     SaveAs(PathBuf),
+    /// Use a path that was chosen for this purpose.
+    UsePath(PathUse, PathBuf),
     /// Choose where to write the patches.
     AskExportPatch,
     /// Write only the patches.
@@ -231,13 +235,19 @@ pub enum Switch {
     Settings,
     /// Measures of the surface.
     Analysis,
+    /// The left panel: task and loops.
+    LeftPanel,
+    /// The right panel: controls or report.
+    RightPanel,
+    /// Numbers and plots of the run.
+    Details,
 }
 
 /// Camera, style, appearance.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ViewAction {
-    /// The cursor is over a loop.
-    Hover(Option<LoopId>),
+    /// The cursor is over these loops, in the view or in a list.
+    Hover(Vec<LoopId>),
     /// Another camera.
     Camera(Camera),
     /// A standard view.

@@ -141,6 +141,7 @@ impl App {
             let info = state.adapter.get_info();
             app.ui.adapter = format!("{} ({:?})", info.name, info.backend);
         }
+        ui::theme::install(ctx);
         app.apply_theme(ctx);
         app
     }
@@ -208,6 +209,18 @@ impl App {
         }
     }
 
+    /// Stores the size of the window and of its panels.
+    fn remember_layout(&mut self) {
+        let settings = &mut self.model.settings;
+        let sizes = &self.ui.sizes;
+        let layout = &mut settings.layout;
+        layout.window = self.model.view.window.map(|x| x * settings.ui_scale);
+        layout.left_width = sizes.left_width.or(layout.left_width);
+        layout.right_width = sizes.right_width.or(layout.right_width);
+        layout.bottom_height = sizes.bottom_height.or(layout.bottom_height);
+        settings.save();
+    }
+
     fn write_diagnostics(&self) {
         let Some(path) = &self.diagnostics else {
             return;
@@ -253,6 +266,7 @@ impl eframe::App for App {
         for action in actions {
             act(&mut self.model, action);
         }
+        self.model.view.window = ctx.content_rect().size().into();
         let rect = self.ui.viewport;
         let points = ctx.pixels_per_point();
         self.model.view.viewport_px = [
@@ -280,6 +294,7 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self) {
+        self.remember_layout();
         self.model.run = None;
         self.model.autosave.discard();
         self.write_diagnostics();
@@ -305,6 +320,18 @@ fn no_display(error: &eframe::Error) -> String {
     }
 }
 
+/// The icon of the program; an empty one if it cannot be decoded.
+fn icon() -> egui::IconData {
+    image::load_from_memory(ui::theme::ICON).map_or_else(
+        |_| egui::IconData::default(),
+        |icon| egui::IconData {
+            width: icon.width(),
+            height: icon.height(),
+            rgba: icon.into_rgba8().into_raw(),
+        },
+    )
+}
+
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors
@@ -323,7 +350,8 @@ pub fn run(startup: Startup) -> Result<(), WindowError> {
         viewport: egui::ViewportBuilder::default()
             .with_title("Meniscus")
             .with_app_id("meniscus")
-            .with_inner_size([1360.0, 860.0])
+            .with_inner_size(settings.layout.window)
+            .with_icon(icon())
             .with_min_inner_size([760.0, 480.0])
             .with_drag_and_drop(true),
         renderer: eframe::Renderer::Wgpu,

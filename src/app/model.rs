@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::autosave::Autosave;
 use super::cached::{Cached, ParsedEnergy, SharedKey};
 use super::display::DisplayWorker;
-use super::document::{Document, Source};
+use super::document::{Document, Source, file_name};
 use super::faces::FaceEdit;
 use super::history::History;
 use super::jobs::{Job, Reporter, Wake};
@@ -17,7 +17,7 @@ use super::report::Report;
 use super::run::Run;
 use super::settings::Settings;
 use super::view_state::{AfterUnsaved, PathUse, ViewState};
-use crate::mesh::{DVec3, LoopId, Mesh, VertexId};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
 use crate::options::Choice;
 use crate::render::{Background, Bounds, Gpu, Picker, ViewMode, ViewStyle};
 
@@ -63,12 +63,12 @@ pub enum Done {
 }
 
 /// The content of a written file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub enum SavedWhat {
-    /// The whole mesh, at this revision.
-    Mesh(u64),
-    /// The project, at this revision.
-    Project(u64),
+    /// The whole mesh.
+    Mesh(Arc<Mesh>),
+    /// The project with this mesh.
+    Project(Arc<Mesh>),
     /// Only the patches.
     Patch,
     /// A report.
@@ -104,10 +104,11 @@ pub struct Model {
     pub picker: Option<(Arc<Mesh>, Arc<Picker>)>,
     /// The path of the last save.
     pub saved_to: Option<PathBuf>,
-    /// Number of changes of the mesh; compared with the saved revision.
+    /// Number of changes of the mesh.
     pub revision: u64,
-    /// Revision of the last save.
-    pub saved_revision: u64,
+    /// The mesh of the last save or of the opened file; `None` if it is stored nowhere, as after a
+    /// recovery.
+    pub saved_mesh: Option<Arc<Mesh>>,
     /// The action that continues after the running save.
     pub after_save: Option<AfterUnsaved>,
     /// Writes the recovery file.
@@ -138,7 +139,6 @@ impl Model {
     pub fn new(document: Document, settings: Settings, autosave: Autosave, wake: Wake) -> Self {
         let style = ViewStyle {
             background: Background::of_theme(settings.dark),
-            mode: ViewMode::Isophotes,
             ..ViewStyle::default()
         };
         let mut view = ViewState::new(&document.origin.bounds, style);
@@ -156,7 +156,7 @@ impl Model {
             picker: None,
             saved_to: None,
             revision: 0,
-            saved_revision: 0,
+            saved_mesh: Some(Arc::clone(&document.mesh)),
             after_save: None,
             autosave,
             report: Report::default(),
@@ -178,9 +178,16 @@ impl Model {
         self.jobs.push(Job::spawn(what, &self.wake, work));
     }
 
-    /// Whether there are unsaved changes.
+    /// Whether there are unsaved changes of the mesh. After an undo of all changes there are none.
     pub fn is_dirty(&self) -> bool {
-        self.revision != self.saved_revision
+        let saved = self.saved_mesh.as_ref();
+        !saved.is_some_and(|saved| Arc::ptr_eq(saved, &self.document.mesh))
+    }
+
+    /// The name of the saved file, or else of the opened one.
+    pub fn name(&self) -> String {
+        let saved = self.saved_to.as_deref().map(file_name);
+        saved.unwrap_or_else(|| self.document.origin.name())
     }
 
     /// Whether vertices of the document's mesh are drawn at their limit positions instead of their
@@ -192,6 +199,25 @@ impl Model {
     /// The origin of drawn positions.
     pub fn centre(&self) -> DVec3 {
         self.document.origin.bounds.centre()
+    }
+
+    /// A loop of the run's mesh, or of the document.
+    pub fn shown_loop(&self, id: LoopId) -> Option<&BoundaryLoop> {
+        match self.erased_run() {
+            Some(run) => run.loops.iter().find(|l| l.id == id),
+            None => self.document.loop_of(id),
+        }
+    }
+
+    /// The mesh that [`Self::shown_loop`] refers to.
+    pub fn looped_mesh(&self) -> &Arc<Mesh> {
+        let erased = self.erased_run();
+        erased.map_or(&self.document.mesh, |run| &run.base)
+    }
+
+    /// The run, if its mesh is that of the document without some faces.
+    fn erased_run(&self) -> Option<&Run> {
+        self.run.as_ref().filter(|run| run.kept.is_some())
     }
 
     /// The available view modes.
@@ -216,7 +242,7 @@ impl Model {
     /// The title of the window.
     pub fn title(&self) -> String {
         let star = if self.is_dirty() { "*" } else { "" };
-        format!("{}{star} - Meniscus", self.document.origin.name())
+        format!("{}{star} - Meniscus", self.name())
     }
 
     /// The path of the source, as the default for saving.

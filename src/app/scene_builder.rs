@@ -32,7 +32,7 @@ const MAX_MARKERS: usize = 3000;
 pub(crate) struct OverlayCache {
     rims: Cached<RimKey<bool>, Arc<Overlay>>,
     selection: Cached<RimKey<Vec<LoopId>>, Arc<Overlay>>,
-    hover: Cached<RimKey<LoopId>, Arc<Overlay>>,
+    hover: Cached<RimKey<Vec<LoopId>>, Arc<Overlay>>,
     crossing: Cached<DVec3, Arc<Overlay>>,
     given: Cached<SharedKey<Mesh>, Arc<Overlay>>,
     report: ReportOverlays,
@@ -64,7 +64,7 @@ pub(crate) fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -
     overlays.extend(given_vertices(model, cache));
     overlays.extend(crossing(model, side, cache));
     overlays.extend(selected_rims(model, cache));
-    overlays.extend(hovered_rim(model, cache));
+    overlays.extend(hovered_rims(model, cache));
     if side == 0 {
         overlays.extend(cache.report.of(model));
         bounds = cache.report.around(bounds);
@@ -84,11 +84,16 @@ fn rims(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
         cache.rims.get(rim_key(model, running), || {
             let document = &model.document;
             let shown = |l: &&BoundaryLoop| !(running && document.selection.contains(&l.id));
-            rim_lines(model, document.loops.iter().filter(shown), |l| LineLook {
-                color: if l.is_outer_boundary { OUTER } else { HOLE },
-                width_px: 2.0,
-                style: LineStyle::OnTopFaintWhenHidden,
-            })
+            rim_lines(
+                model,
+                &document.mesh,
+                document.loops.iter().filter(shown),
+                |l| LineLook {
+                    color: if l.is_outer_boundary { OUTER } else { HOLE },
+                    width_px: 2.0,
+                    style: LineStyle::OnTopFaintWhenHidden,
+                },
+            )
         })
     })
 }
@@ -97,22 +102,33 @@ fn selected_rims(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>
     let selected: Vec<LoopId> = model.document.selection.iter().copied().collect();
     model.run.is_none().then(|| {
         cache.selection.get(rim_key(model, selected), || {
-            rim_lines(model, model.document.selected(), |_| LineLook {
+            let document = &model.document;
+            rim_lines(model, &document.mesh, document.selected(), |_| LineLook {
                 color: SELECTED,
                 width_px: 3.5,
-                style: LineStyle::OnTop,
+                style: LineStyle::OnTopFaintWhenHidden,
             })
         })
     })
 }
 
-fn hovered_rim(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
-    let l = model.document.loop_of(model.view.hover?)?;
-    Some(cache.hover.get(rim_key(model, l.id), || {
-        rim_lines(model, [l], |_| LineLook {
+fn hovered_rims(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
+    let hover = &model.view.hover;
+    if hover.is_empty() {
+        return None;
+    }
+    let mesh = model.looped_mesh();
+    let key = RimKey {
+        mesh: SharedKey::of(mesh),
+        limit: model.draws_limit_of_mesh(),
+        rims: hover.clone(),
+    };
+    Some(cache.hover.get(key, || {
+        let hovered = hover.iter().filter_map(|&id| model.shown_loop(id));
+        rim_lines(model, mesh, hovered, |_| LineLook {
             color: HOVER,
             width_px: 5.0,
-            style: LineStyle::OnTop,
+            style: LineStyle::OnTopFaintWhenHidden,
         })
     }))
 }
@@ -134,10 +150,10 @@ struct LineLook {
 
 fn rim_lines<'a>(
     model: &Model,
+    mesh: &Mesh,
     rims: impl IntoIterator<Item = &'a BoundaryLoop>,
     look: impl Fn(&BoundaryLoop) -> LineLook,
 ) -> Arc<Overlay> {
-    let mesh = &model.document.mesh;
     let (centre, limit) = (model.centre(), model.draws_limit_of_mesh());
     let lines = rims.into_iter().map(|l| {
         let look = look(l);

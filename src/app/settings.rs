@@ -6,9 +6,54 @@ use serde::{Deserialize, Serialize};
 
 use super::view_state::Navigation;
 use crate::io;
+use crate::render::ViewMode;
 
 /// Length of the list of recent files.
 const RECENT: usize = 12;
+
+/// Size of the window and of its panels in points, and which panels are open.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Layout {
+    /// Size of the window.
+    pub window: [f32; 2],
+    /// Whether the left panel is open.
+    pub left: bool,
+    /// Whether the right panel is open.
+    pub right: bool,
+    /// Whether numbers and plots of the run are open; `None` opens them in a high window.
+    pub details: Option<bool>,
+    /// Width of the left panel.
+    pub left_width: Option<f32>,
+    /// Width of the right panel.
+    pub right_width: Option<f32>,
+    /// Height of the bottom panel with numbers and plots.
+    pub bottom_height: Option<f32>,
+}
+
+impl Default for Layout {
+    fn default() -> Self {
+        Self {
+            window: [1360.0, 860.0],
+            left: true,
+            right: true,
+            details: None,
+            left_width: None,
+            right_width: None,
+            bottom_height: None,
+        }
+    }
+}
+
+/// Height of the window from which numbers and plots are open by default.
+const HIGH: f32 = 720.0;
+
+impl Layout {
+    /// Whether numbers and plots are open in a window of this height.
+    pub fn shows_details(&self, height: f32) -> bool {
+        self.details.unwrap_or(height >= HIGH)
+    }
+}
 
 /// The settings file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,6 +67,10 @@ pub struct Settings {
     pub z_up: bool,
     /// The mouse controls of the camera.
     pub navigation: Navigation,
+    /// The last view mode that was chosen; `None` before the first choice.
+    pub view_mode: Option<ViewMode>,
+    /// Sizes and panels of the window.
+    pub layout: Layout,
     /// Recently opened files, newest first.
     pub recent: Vec<PathBuf>,
     /// Folder of the settings file; `None` (tests) stores nothing.
@@ -36,6 +85,8 @@ impl Default for Settings {
             ui_scale: 1.0,
             z_up: false,
             navigation: Navigation::default(),
+            view_mode: None,
+            layout: Layout::default(),
             recent: Vec::new(),
             folder: None,
         }
@@ -87,6 +138,14 @@ impl Settings {
             settings.ui_scale = 1.0;
         }
         settings.ui_scale = settings.ui_scale.clamp(0.5, 3.0);
+        if !settings
+            .layout
+            .window
+            .iter()
+            .all(|x| (100.0..1e5).contains(x))
+        {
+            settings.layout.window = Layout::default().window;
+        }
         settings.folder = Some(folder.to_owned());
         (settings, message)
     }
@@ -122,6 +181,10 @@ mod tests {
         assert_eq!((settings.recent.len(), message), (0, None));
         settings.dark = false;
         settings.navigation = Navigation::Blender;
+        settings.view_mode = Some(ViewMode::Zebra);
+        settings.layout.window = [900.0, 600.0];
+        settings.layout.details = Some(false);
+        settings.layout.left_width = Some(240.0);
         for i in 0..20 {
             settings.remember(Path::new(&format!("/meshes/{i}.obj")));
         }

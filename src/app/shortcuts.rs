@@ -1,13 +1,13 @@
 //! Keys: one table for key handling, tooltips and the shortcut sheet.
 
-use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers};
+use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers, Popup};
 
 use super::action::{
     Action, EditAction, FileAction, PictureAction, RunAction, SelectAction, Switch, TaskAction,
     ViewAction,
 };
 use super::view_state::Task;
-use crate::render::StandardView;
+use crate::render::{StandardView, ViewMode};
 
 /// The keys of an action.
 pub(crate) struct Shortcut {
@@ -69,6 +69,10 @@ pub(crate) static SHORTCUTS: &[Shortcut] = shortcuts! {
     View(ViewAction::Toggle(Switch::Projection)) [NONE Num5] "Perspective or parallel";
     View(ViewAction::PreviousMode) [SHIFT V] "Previous view mode";
     View(ViewAction::NextMode) [NONE V] "Next view mode";
+    View(ViewAction::Mode(ViewMode::Shaded)) [NONE S] "Shaded";
+    View(ViewAction::Mode(ViewMode::Isophotes)) [NONE B] "Isophotes (bands)";
+    View(ViewAction::Mode(ViewMode::Zebra)) [NONE Z] "Zebra";
+    View(ViewAction::Mode(ViewMode::Mean)) [NONE H] "Mean curvature H";
     View(ViewAction::MoreStripes) [NONE CloseBracket] "More stripes";
     View(ViewAction::FewerStripes) [NONE OpenBracket] "Fewer stripes";
     View(ViewAction::Toggle(Switch::Wireframe)) [NONE W] "Wireframe";
@@ -82,19 +86,87 @@ pub(crate) static SHORTCUTS: &[Shortcut] = shortcuts! {
     Picture(PictureAction::Copy) [CTRL_SHIFT P] "Copy a picture of the view";
     Picture(PictureAction::Ask) [CTRL P] "Write a picture or a sequence";
     File(FileAction::CopyCommand) [CTRL K] "Copy the command line that repeats the work";
+    View(ViewAction::Mode(ViewMode::Gauss)) [NONE K] "Gaussian curvature K";
+    View(ViewAction::Toggle(Switch::LeftPanel)) [NONE F6] "Left panel: task and loops";
+    View(ViewAction::Toggle(Switch::Details)) [NONE F7] "Numbers and plots of the run";
+    View(ViewAction::Toggle(Switch::RightPanel)) [NONE F8] "Right panel: controls or report";
     View(ViewAction::Toggle(Switch::Diagnostics)) [CTRL F1] "Frame times and memory";
     View(ViewAction::Toggle(Switch::Help)) [NONE F1] "This sheet";
 };
 
-/// The actions whose keys were pressed; none while the user types text.
+impl Shortcut {
+    /// The heading under which the shortcut sheet lists it.
+    pub(crate) fn group(&self) -> &'static str {
+        match &self.action {
+            Action::File(_) | Action::Picture(_) => "Files and pictures",
+            Action::Edit(_) | Action::Select(_) | Action::Escape => "Edit and select",
+            Action::Task(_) | Action::Run(_) => "Tasks and runs",
+            Action::View(ViewAction::Standard(_) | ViewAction::FitAll) => "Camera",
+            Action::View(ViewAction::Toggle(switch)) => match switch {
+                Switch::Projection => "Camera",
+                Switch::Wireframe
+                | Switch::Tint
+                | Switch::LimitSurface
+                | Switch::Original
+                | Switch::Rims => "Display",
+                _ => "Panels and windows",
+            },
+            _ => "Display",
+        }
+    }
+
+    /// Its keys in words, such as `Ctrl+Shift+Z or Ctrl+Y`.
+    pub(crate) fn keys_text(&self, ctx: &Context) -> String {
+        let names: Vec<String> = self.keys.iter().map(|k| key_name(ctx, k)).collect();
+        names.join(" or ")
+    }
+}
+
+/// The groups of the shortcut sheet, in order.
+pub(crate) const GROUPS: [&str; 6] = [
+    "Tasks and runs",
+    "Edit and select",
+    "Camera",
+    "Display",
+    "Panels and windows",
+    "Files and pictures",
+];
+
+/// A key as it is printed on keyboards.
+fn key_name(ctx: &Context, key: &KeyboardShortcut) -> String {
+    let words = ctx.format_shortcut(key);
+    for (name, printed) in [
+        ("Escape", "Esc"),
+        ("OpenBracket", "["),
+        ("CloseBracket", "]"),
+        ("Comma", ","),
+        ("Period", "."),
+    ] {
+        if let Some(before) = words.strip_suffix(name) {
+            return format!("{before}{printed}");
+        }
+    }
+    words
+}
+
+/// The actions whose keys were pressed; none while the user types text or a menu is open. A focused
+/// widget gets the keys that press it.
 pub(crate) fn pressed(ctx: &Context) -> Vec<Action> {
+    if Popup::is_any_open(ctx) {
+        return Vec::new();
+    }
     let typing = ctx.egui_wants_keyboard_input();
+    let focused = ctx.memory(|memory| memory.focused().is_some());
+    let presses = |k: &KeyboardShortcut| {
+        k.modifiers == NONE && matches!(k.logical_key, Key::Space | Key::Enter)
+    };
     let help: Action = ViewAction::Toggle(Switch::Help).into();
     ctx.input_mut(|input| {
         SHORTCUTS
             .iter()
             // Esc leaves a text field and must not also stop the run; the help opens from anywhere
             .filter(|shortcut| !typing || shortcut.action == help)
+            .filter(|shortcut| !focused || !shortcut.keys.iter().any(presses))
             .filter(|shortcut| shortcut.keys.iter().any(|k| input.consume_shortcut(k)))
             .map(|shortcut| shortcut.action.clone())
             .collect()
@@ -104,7 +176,7 @@ pub(crate) fn pressed(ctx: &Context) -> Vec<Action> {
 /// The key of an action, if it has one.
 pub(crate) fn key_text(ctx: &Context, action: &Action) -> Option<String> {
     let found = SHORTCUTS.iter().find(|s| s.action == *action)?;
-    Some(ctx.format_shortcut(&found.keys[0]))
+    Some(key_name(ctx, &found.keys[0]))
 }
 
 /// The key as a suffix of a tooltip, such as ` (Ctrl+O)`.
@@ -115,6 +187,19 @@ pub(crate) fn hint(ctx: &Context, action: impl Into<Action>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_shortcut_is_in_a_group_and_keys_have_their_printed_names() {
+        let ctx = Context::default();
+        for shortcut in SHORTCUTS {
+            assert!(GROUPS.contains(&shortcut.group()), "{}", shortcut.about);
+        }
+        let text = |action: &Action| key_text(&ctx, action).expect("a key");
+        assert_eq!(text(&Action::Escape), "Esc");
+        assert_eq!(text(&RunAction::StepBack.into()), ",");
+        assert_eq!(text(&RunAction::Finish.into()), "Ctrl+.");
+        assert_eq!(text(&ViewAction::MoreStripes.into()), "]");
+    }
 
     /// If two rows had the same key, the second could not be reached. A row before the same key
     /// with more modifiers would match those keys too, because egui ignores extra modifiers.

@@ -15,10 +15,11 @@ use super::model::{Effect, Model};
 use super::project;
 use super::settings::Settings;
 use super::update::{act, replace, tick};
-use super::view_state::{AfterUnsaved, Modal, Task};
+use super::view_state::{AfterUnsaved, Modal, PathUse, Task, Windows};
 use crate::fill::LoopLimits;
 use crate::io;
 use crate::mesh::{DVec3, LoopId, Soup, check_mesh, components};
+use crate::render::ViewMode;
 use crate::shapes::{Hole, HoleShape, cut_holes, sphere};
 use crate::solver::Mode;
 
@@ -110,6 +111,28 @@ fn selection_by_click_keys_and_lists() {
     act(&mut m, EditAction::Redo);
     assert_eq!(m.document.selection.len(), 2);
     assert!(!m.is_dirty() || m.document.accepted.is_empty());
+}
+
+/// Isophotes would show the noise of a scan; a generated sample is smooth. A chosen mode stays.
+#[test]
+fn files_open_shaded_samples_with_isophotes_and_a_chosen_mode_stays() {
+    let mut m = model();
+    assert_eq!(m.view.style.mode, ViewMode::Shaded);
+    let open = |m: &mut Model, source: Source| replace(m, Document::new(opened(), source));
+    let (sample, file) = (Source::Sample("a".into()), Source::File("a.obj".into()));
+    open(&mut m, sample.clone());
+    assert_eq!(m.view.style.mode, ViewMode::Isophotes);
+    open(&mut m, file.clone());
+    assert_eq!(m.view.style.mode, ViewMode::Shaded);
+    act(&mut m, ViewAction::Mode(ViewMode::Mean));
+    for source in [sample, file] {
+        open(&mut m, source);
+        assert_eq!(m.view.style.mode, ViewMode::Mean);
+    }
+    // a mode that needs data of one document is not kept for the next
+    act(&mut m, ViewAction::Mode(ViewMode::Deviation));
+    open(&mut m, Source::Sample("b".into()));
+    assert_eq!(m.view.style.mode, ViewMode::Mean);
 }
 
 /// A large mesh is looked at long before its surfaces are made.
@@ -377,6 +400,104 @@ fn compared_energies_keep_their_own_parameters_when_a_control_is_changed() {
     }
     assert_eq!(run.sides[1].controls.param.get("H0"), Some(&0.0));
     assert_eq!(m.document.controls.relaxation, 0.5);
+}
+
+#[test]
+fn an_undo_of_all_changes_leaves_nothing_to_save() {
+    let mut m = model();
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    filled(&mut m);
+    act(&mut m, RunAction::Accept(0));
+    assert!(m.is_dirty() && m.title().contains('*'));
+    act(&mut m, EditAction::Undo);
+    assert!(!m.is_dirty() && !m.title().contains('*'));
+    act(&mut m, EditAction::Redo);
+    assert!(m.is_dirty());
+}
+
+#[test]
+fn saved_files_get_an_extension_and_enter_the_title_and_the_recent_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut m = model();
+    for (typed, written) in [
+        ("out", "out.obj"),
+        ("b.ply", "b.ply"),
+        ("c.meniscus", "c.meniscus"),
+    ] {
+        let (typed, written) = (folder.path().join(typed), folder.path().join(written));
+        act(&mut m, FileAction::UsePath(PathUse::SaveAs, typed));
+        until(&mut m, |m| m.saved_to.as_ref() == Some(&written));
+        assert!(written.exists());
+        let name = written
+            .file_name()
+            .and_then(|n| n.to_str())
+            .expect("a name");
+        assert_eq!(m.title(), format!("{name} - Meniscus"));
+        assert_eq!(m.settings.recent[0], written);
+    }
+}
+
+#[test]
+fn unsaved_work_is_asked_about_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("other.obj");
+    io::save_mesh(&path, &opened().mesh, &[]).expect("written");
+    let mut m = model();
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    filled(&mut m);
+    act(&mut m, RunAction::Accept(0));
+    act(&mut m, FileAction::AskOpen);
+    assert_eq!(m.view.modal, Modal::Unsaved(AfterUnsaved::AskOpen));
+    act(&mut m, FileAction::DiscardAndContinue);
+    // the path that is chosen after the answer
+    act(&mut m, FileAction::UsePath(PathUse::Open, path.clone()));
+    assert!(!matches!(m.view.modal, Modal::Unsaved(_)));
+    until(&mut m, |m| {
+        m.document.origin.source == Source::File(path.clone())
+    });
+}
+
+#[test]
+fn escape_closes_the_windows_over_the_view_one_by_one() {
+    let mut m = model();
+    act(&mut m, SelectAction::All);
+    let windows = [
+        Switch::Report,
+        Switch::Log,
+        Switch::Settings,
+        Switch::Diagnostics,
+        Switch::Help,
+    ];
+    for switch in windows {
+        act(&mut m, ViewAction::Toggle(switch));
+    }
+    for _ in windows {
+        assert_ne!(m.view.windows, Windows::default());
+        act(&mut m, Action::Escape);
+    }
+    assert_eq!(m.view.windows, Windows::default());
+    assert_eq!(m.document.selection.len(), 2, "not before the windows");
+    act(&mut m, Action::Escape);
+    assert!(m.document.selection.is_empty());
+}
+
+#[test]
+fn panels_are_opened_and_closed_and_the_report_opens_its_panel() {
+    let mut m = model();
+    act(&mut m, ViewAction::Toggle(Switch::LeftPanel));
+    act(&mut m, ViewAction::Toggle(Switch::RightPanel));
+    assert!(!m.settings.layout.left && !m.settings.layout.right);
+    act(&mut m, ViewAction::Toggle(Switch::Analysis));
+    assert!(m.settings.layout.right && m.view.windows.analysis);
+    act(&mut m, ViewAction::Toggle(Switch::Analysis));
+    assert!(m.settings.layout.right && !m.view.windows.analysis);
+    for (height, open) in [(600.0, false), (1000.0, true)] {
+        m.view.window[1] = height;
+        m.settings.layout.details = None;
+        assert_eq!(m.settings.layout.shows_details(height), open);
+        act(&mut m, ViewAction::Toggle(Switch::Details));
+        assert_eq!(m.settings.layout.shows_details(height), !open);
+    }
 }
 
 #[test]

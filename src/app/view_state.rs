@@ -248,6 +248,21 @@ pub struct Windows {
     pub analysis: bool,
 }
 
+impl Windows {
+    /// Closes one of the windows over the view, if one is open.
+    pub fn close_one(&mut self) -> bool {
+        let all = [
+            &mut self.help,
+            &mut self.settings,
+            &mut self.diagnostics,
+            &mut self.log,
+            &mut self.report,
+        ];
+        let open = all.into_iter().find(|is_open| **is_open);
+        open.map(|is_open| *is_open = false).is_some()
+    }
+}
+
 /// The view.
 #[derive(Clone, Debug)]
 pub struct ViewState {
@@ -271,8 +286,8 @@ pub struct ViewState {
     pub show_original: bool,
     /// Whether rims are outlined.
     pub show_rims: bool,
-    /// Loop under the cursor, in the view or in the list.
-    pub hover: Option<LoopId>,
+    /// Loops under the cursor, in the view or in a list.
+    pub hover: Vec<LoopId>,
     /// The typed energy, which may be invalid.
     pub energy_text: String,
     /// Energy of the second side of a comparison; `None` without comparison.
@@ -289,6 +304,8 @@ pub struct ViewState {
     pub fit: bool,
     /// Size of the viewport at the last frame in physical pixels.
     pub viewport_px: [f64; 2],
+    /// Size of the window at the last frame in points.
+    pub window: [f32; 2],
 }
 
 impl ViewState {
@@ -305,7 +322,7 @@ impl ViewState {
             limit_surface: true,
             show_original: true,
             show_rims: true,
-            hover: None,
+            hover: Vec::new(),
             energy_text: "H^2".into(),
             compare_energy: None,
             pace: 12.0,
@@ -314,6 +331,7 @@ impl ViewState {
             windows: Windows::default(),
             fit: true,
             viewport_px: [1280.0, 800.0],
+            window: [1360.0, 860.0],
         }
     }
 }

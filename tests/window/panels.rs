@@ -38,14 +38,22 @@ fn document() -> Document {
 }
 
 fn window() -> Harness<'static, App> {
+    window_of([900.0, 600.0], true)
+}
+
+fn window_of(size: [f32; 2], dark: bool) -> Harness<'static, App> {
     let mut harness = Harness::builder()
-        .with_size([900.0, 600.0])
+        .with_size(size)
         .with_max_steps(40)
         .wgpu()
         .build_eframe(|cc| {
             let ctx = cc.egui_ctx.clone();
             let wake = Arc::new(move || ctx.request_repaint());
-            let model = Model::new(document(), Settings::default(), Autosave::off(), wake);
+            let settings = Settings {
+                dark,
+                ..Settings::default()
+            };
+            let model = Model::new(document(), settings, Autosave::off(), wake);
             App::new(model, &cc.egui_ctx, cc.wgpu_render_state.as_ref())
         });
     until(&mut harness, |app| {
@@ -85,7 +93,7 @@ fn the_hole_under_the_cursor_is_the_one_that_is_picked() {
     let at = middle(&harness);
     harness.hover_at(at);
     harness.run_steps(3);
-    assert_eq!(harness.state().model.view.hover, Some(i));
+    assert_eq!(harness.state().model.view.hover, [i]);
     harness.drag_at(at);
     harness.step();
     harness.drop_at(at);
@@ -112,6 +120,35 @@ fn the_hole_under_the_cursor_is_the_one_that_is_picked() {
     harness.get_by_label(&name).click();
     harness.run_steps(3);
     assert_eq!(harness.state().model.document.selection, [other].into());
+}
+
+/// A row of any list highlights its loop in the view, and leaving the row ends that.
+#[test]
+fn hovered_rows_are_highlighted_in_the_view() {
+    let mut harness = window();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(2);
+    harness.get_by_label("Each rim").click();
+    harness.run_steps(20);
+    let hovered = |harness: &Harness<'_, App>| harness.state().model.view.hover.clone();
+    for i in [0, 1] {
+        let l = &harness.state().model.document.loops[i];
+        let rows = [
+            format!("loop {}, {} edges", l.id, l.edges()),
+            format!("loop {}", l.id),
+        ];
+        let id = l.id;
+        for row in rows {
+            let at = harness.get_by_label(&row).rect().center();
+            harness.hover_at(at);
+            harness.run_steps(3);
+            assert_eq!(hovered(&harness), [id], "{row}");
+            let heading = harness.get_by_label("Flow").rect().center();
+            harness.hover_at(heading);
+            harness.run_steps(3);
+            assert!(hovered(&harness).is_empty(), "{row}");
+        }
+    }
 }
 
 #[test]
@@ -268,6 +305,92 @@ fn pictures_of_the_window() {
     let figures = run.sides[0].handle.figures(None);
     assert!(figures.iter().all(|f| matches!(f.end, Some(Ok(_)))));
     harness.snapshot_options("window_filled", &options);
+}
+
+/// A larger window in the light theme, with numbers and plots.
+#[test]
+fn pictures_of_a_larger_window_in_the_light_theme() {
+    let mut harness = window_of([1280.0, 720.0], false);
+    let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(60);
+    harness.key_press(Key::B);
+    harness.remove_cursor();
+    harness.run_steps(3);
+    harness.snapshot_options("window_light", &options);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.state_mut().model.view.pace = 240.0;
+    harness.key_press(Key::Enter);
+    until(&mut harness, ended);
+    harness.key_press(Key::S);
+    harness.run_steps(5);
+    harness.get_by_label("Accept (Enter)");
+    harness.snapshot_options("window_light_filled", &options);
+}
+
+/// Menus open with F10, close with Esc, and neither key reaches the view.
+#[test]
+fn menus_open_and_close_with_keys() {
+    let mut harness = window();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(2);
+    assert!(harness.query_by_label_contains("Save as…").is_none());
+    harness.key_press(Key::F10);
+    harness.run_steps(3);
+    harness.get_by_label_contains("Save as…");
+    harness.key_press(Key::Escape);
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains("Save as…").is_none());
+    assert_eq!(harness.state().model.document.selection.len(), 2);
+}
+
+/// The controls stay where they are when the view mode changes, and the panels leave their place
+/// to the view when they are closed.
+#[test]
+fn controls_do_not_jump_and_panels_can_be_closed() {
+    let mut harness = window();
+    let places = |harness: &Harness<'_, App>| {
+        ["Wireframe", "Rims", "view"].map(|name| harness.get_by_label(name).rect())
+    };
+    let before = places(&harness);
+    for mode in ["Isophotes", "H", "Zebra", "Shaded"] {
+        harness.get_by_label(mode).click();
+        harness.run_steps(3);
+        assert_eq!(places(&harness), before, "{mode}");
+    }
+    for key in [Key::F6, Key::F8] {
+        let width = harness.get_by_label("view").rect().width();
+        harness.key_press(key);
+        harness.run_steps(30);
+        assert!(harness.get_by_label("view").rect().width() > width + 200.0);
+    }
+}
+
+/// Rows of the shortcut sheet are found by what they do and by their keys.
+#[test]
+fn the_shortcut_sheet_is_searched() {
+    let mut harness = window();
+    harness.key_press(Key::F1);
+    harness.run_steps(20);
+    harness.get_by_label("Camera");
+    let search = |harness: &mut Harness<'_, App>, text: &str| {
+        let field = harness
+            .get_all_by_label("Search")
+            .find(|n| n.value().is_some())
+            .expect("a field")
+            .rect()
+            .center();
+        harness.drag_at(field);
+        harness.drop_at(field);
+        harness.run_steps(2);
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        harness.event(egui::Event::Text(text.into()));
+        harness.run_steps(3);
+    };
+    search(&mut harness, "undo");
+    harness.get_by_label("Undo (also during a run)");
+    assert!(harness.query_by_label("Camera").is_none());
+    search(&mut harness, "ctrl+p");
+    harness.get_by_label("Write a picture or a sequence");
+    assert!(harness.query_by_label("Undo (also during a run)").is_none());
 }
 
 /// The report beside a filled sphere, with a section.

@@ -1,9 +1,10 @@
 //! The right panel: energy, scheme, time step, patch.
 
-use eframe::egui::{self, RichText, Ui};
+use std::ops::RangeInclusive;
 
-use super::format::format_number;
-use super::widgets::{choice, named};
+use eframe::egui::{self, RichText, Slider, Ui};
+
+use super::widgets::{Asks, choice, row, slider_row};
 use crate::app::action::{Action, ControlsAction};
 use crate::app::document::window_controls;
 use crate::app::model::Model;
@@ -35,7 +36,7 @@ pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>)
         tau_ui(ui, model, &mut next);
         ui.separator();
         ui.heading(if refining { "Surface" } else { "Patch" });
-        patch_ui(ui, model, &mut next, refining);
+        patch_ui(ui, model, &mut next, refining, actions);
         if next != model.document.controls {
             actions.push(ControlsAction::Set(Box::new(next)).into());
         }
@@ -86,7 +87,9 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let rows = sides.flat_map(|side| side.handle.figures(None));
     for row in rows.filter(|row| !row.surface.is_empty()).take(MOST_MODELS) {
         let holes: Vec<String> = row.holes.iter().map(LoopId::to_string).collect();
-        ui.weak(format!("{}: {}", holes.join(", "), row.surface));
+        let words = format!("{}: {}", holes.join(", "), row.surface);
+        ui.add(egui::Label::new(RichText::new(words).weak()).truncate())
+            .hovers(&row.holes, actions);
     }
     if next.surface != model.document.controls.surface {
         actions.push(ControlsAction::Set(Box::new(next)).into());
@@ -124,18 +127,9 @@ fn scheme_ui(ui: &mut Ui, next: &mut Controls, refining: bool) {
     choice(ui, "Mode", &mut next.mode, modes);
 }
 
-/// A logarithmic slider with its name.
-fn slider(
-    ui: &mut Ui,
-    name: &str,
-    tip: &str,
-    value: &mut f64,
-    range: std::ops::RangeInclusive<f64>,
-) -> bool {
-    let slider = egui::Slider::new(value, range)
-        .logarithmic(true)
-        .custom_formatter(|x, _| format_number(x));
-    named(ui, name, slider).on_hover_text(tip).changed()
+/// A logarithmic slider.
+fn log(value: &mut f64, range: RangeInclusive<f64>) -> Slider<'_> {
+    Slider::new(value, range).logarithmic(true)
 }
 
 fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
@@ -159,78 +153,68 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
         _ => {}
     }
     if let Tau::Fixed(tau) = next.tau {
-        ui.horizontal_wrapped(|ui| {
-            let mut relative = tau / unit;
-            let name = if reference.is_some() {
-                "τ / τ_ref"
-            } else {
-                "τ"
-            };
-            let tip = format!("τ = {tau:.3e} length² / unit of f");
-            if slider(ui, name, &tip, &mut relative, 1e-8..=1e4) {
-                next.tau = Tau::Fixed(relative * unit);
-            }
-        });
+        let mut relative = tau / unit;
+        let name = if reference.is_some() {
+            "τ / τ_ref"
+        } else {
+            "τ"
+        };
+        let tip = format!("τ = {tau:.3e} length² / unit of f");
+        if slider_row(ui, name, &tip, &mut relative, 1e-2, |x| log(x, 1e-8..=1e4)) {
+            next.tau = Tau::Fixed(relative * unit);
+        }
     } else if next.mode == Mode::Flow {
-        ui.horizontal_wrapped(|ui| {
-            let mut growth = next.growth.unwrap_or(FLOW_GROWTH);
-            let tip = "factor of τ after an accepted step; closer to 1 gives more states";
-            if slider(ui, "Growth", tip, &mut growth, 1.0..=10.0) {
-                next.growth = Some(growth);
-            }
-        });
+        let mut growth = next.growth.unwrap_or(FLOW_GROWTH);
+        let tip = "factor of τ after an accepted step; closer to 1 gives more states";
+        if slider_row(ui, "Growth", tip, &mut growth, FLOW_GROWTH, |x| {
+            log(x, 1.0..=10.0)
+        }) {
+            next.growth = Some(growth);
+        }
     }
-    ui.horizontal_wrapped(|ui| {
+    let tip = "maximum number of steps; the flow then ends, converged or not";
+    row(ui, "Most steps", tip, |ui, label| {
         let steps = egui::DragValue::new(&mut next.steps).range(1..=100_000);
-        let tip = "maximum number of steps; the flow then ends, converged or not";
-        named(ui, "Most steps", steps).on_hover_text(tip);
+        ui.add(steps).labelled_by(label).on_hover_text(tip);
     });
-    ui.horizontal_wrapped(|ui| {
-        let weight = egui::Slider::new(&mut next.relaxation, 0.0..=1.0).max_decimals(2);
-        let tip = "tangential relaxation: evens out the triangles after each step";
-        named(ui, "Relaxation", weight).on_hover_text(tip);
+    let tip = "tangential relaxation: evens out the triangles after each step";
+    let none = window_controls().relaxation;
+    slider_row(ui, "Relaxation", tip, &mut next.relaxation, none, |x| {
+        Slider::new(x, 0.0..=1.0)
     });
 }
 
-fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
+fn patch_ui(
+    ui: &mut Ui,
+    model: &Model,
+    next: &mut Controls,
+    refining: bool,
+    actions: &mut Vec<Action>,
+) {
+    let defaults = window_controls();
     if !refining {
-        ui.horizontal_wrapped(|ui| {
-            let tip = "density relative to the rim: 2 halves the edge length";
-            slider(ui, "Density", tip, &mut next.density, 0.25..=4.0);
+        let tip = "density relative to the rim: 2 halves the edge length";
+        let value = &mut next.density;
+        slider_row(ui, "Density", tip, value, defaults.density, |x| {
+            log(x, 0.25..=4.0)
         });
     }
     let own_energy = refining && model.view.refining.controls.energy.is_none();
-    for (name, tip, value, range) in [
-        (
-            "Tension",
-            "weight of the area beside the energy, in units of 1/r²; a larger weight pulls the \
-             surface together",
-            &mut next.tension,
-            0.0..=100.0,
-        ),
-        (
-            "Bulge",
-            "spontaneous curvature in units of 1/r, positive along the normals: 0.5 favours tubes of \
-             the hole's radius, 1 spheres of that radius; caps are highest at 0.5",
-            &mut next.bulge,
-            -2.0..=2.0,
-        ),
-        (
-            "Noise",
-            "noise on the start surface of the next run, in mean edge lengths",
-            &mut next.noise,
-            0.0..=1.0,
-        ),
-    ] {
-        if refining && name == "Noise" {
-            continue;
-        }
-        let used = !(own_energy && name == "Tension");
-        ui.horizontal_wrapped(|ui| {
-            let label = ui.label(name);
-            ui.add_enabled(used, egui::Slider::new(value, range).max_decimals(3))
-                .labelled_by(label.id)
-                .on_hover_text(tip);
+    ui.add_enabled_ui(!own_energy, |ui| {
+        let tip = "weight of the area beside the energy, in units of 1/r²; a larger weight pulls the \
+                   surface together";
+        let value = &mut next.tension;
+        slider_row(ui, "Tension", tip, value, defaults.tension, |x| log(x, 0.0..=100.0));
+    });
+    let tip = "spontaneous curvature in units of 1/r, positive along the normals: 0.5 favours tubes \
+               of the hole's radius, 1 spheres of that radius; caps are highest at 0.5";
+    slider_row(ui, "Bulge", tip, &mut next.bulge, defaults.bulge, |x| {
+        Slider::new(x, -2.0..=2.0)
+    });
+    if !refining {
+        let tip = "noise on the start surface of the next run, in mean edge lengths";
+        slider_row(ui, "Noise", tip, &mut next.noise, defaults.noise, |x| {
+            Slider::new(x, 0.0..=1.0)
         });
     }
     if refining {
@@ -252,7 +236,7 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
     if selected.len() > 1 {
         ui.collapsing("Each rim", |ui| {
             for l in selected {
-                ui.horizontal_wrapped(|ui| {
+                let row = ui.horizontal_wrapped(|ui| {
                     ui.label(RichText::new(format!("loop {}", l.id)));
                     let mut own = next.continuity_at(l.id);
                     let before = own;
@@ -266,6 +250,7 @@ fn patch_ui(ui: &mut Ui, model: &Model, next: &mut Controls, refining: bool) {
                         }
                     }
                 });
+                row.response.hovers(&[l.id], actions);
             }
         });
     }

@@ -1,12 +1,11 @@
 //! Dialogs over the window.
 
-use eframe::egui::{self, Context, Key, Modal as Over, RichText, Ui};
+use eframe::egui::{self, Context, Key, Modal as Over, Ui};
 
 use crate::app::action::{Action, FileAction, PictureAction, RunAction};
 use crate::app::model::Model;
 use crate::app::project;
-use crate::app::report::ReportAction;
-use crate::app::ui::widgets::{Asks, named};
+use crate::app::ui::widgets::{Asks, named, primary};
 use crate::app::view_state::{Modal, PathPrompt, PathUse, PictureKind, PictureSettings};
 use crate::render::{MAX_SIDE, SequenceFormat};
 
@@ -58,17 +57,11 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
         })));
     }
     ui.horizontal(|ui| {
-        let done = ui.button("OK").clicked() || entered;
+        let done = ui.add(primary(ui, "OK")).clicked() || entered;
         if done && !text.trim().is_empty() {
             let path = expand(text.trim());
             actions.push(Action::Modal(Modal::None));
-            actions.push(match prompt.purpose {
-                PathUse::Open => FileAction::Open(path).into(),
-                PathUse::SaveAs => FileAction::SaveAs(path).into(),
-                PathUse::ExportPatch => FileAction::ExportPatch(path).into(),
-                PathUse::Reference => ReportAction::Reference(path).into(),
-                PathUse::Report(file) => ReportAction::Save(file, path).into(),
-            });
+            actions.push(FileAction::UsePath(prompt.purpose, path).into());
         }
         ui.button("Cancel").asks(Action::Escape, actions);
     });
@@ -88,7 +81,7 @@ fn unsaved_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.label("A patch is not accepted.");
     }
     ui.horizontal(|ui| {
-        if ui.button(RichText::new("Save").strong()).clicked() {
+        if ui.add(primary(ui, "Save")).clicked() {
             if model.run.is_some() {
                 actions.push(RunAction::Accept(0).into());
             }
@@ -109,7 +102,7 @@ fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Actio
             .and_then(|m| m.modified())
             .ok()
             .and_then(|t| t.elapsed().ok())
-            .map_or_else(String::new, |d| format!("{} minutes old", d.as_secs() / 60));
+            .map_or_else(String::new, |d| age(d.as_secs() / 60));
         let name = project::title(path);
         ui.button(format!("Recover {name}, {when}"))
             .asks(FileAction::Recover(path.clone()), actions);
@@ -119,6 +112,17 @@ fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Actio
             .asks(Action::Modal(Modal::None), actions);
         ui.button("Delete").asks(FileAction::DropRecovery, actions);
     });
+}
+
+/// The age of a file in words.
+fn age(minutes: u64) -> String {
+    match minutes {
+        0 => "less than a minute old".into(),
+        1 => "1 minute old".into(),
+        2..120 => format!("{minutes} minutes old"),
+        120..2880 => format!("{} hours old", minutes / 60),
+        _ => format!("{} days old", minutes / 1440),
+    }
 }
 
 fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &mut Vec<Action>) {
@@ -175,7 +179,7 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
         actions.push(Action::Modal(Modal::Picture(next.clone())));
     }
     ui.horizontal(|ui| {
-        ui.button(RichText::new("Write").strong())
+        ui.add(primary(ui, "Write"))
             .asks(PictureAction::Make(Box::new(next)), actions);
         if ui.button("Copy to the clipboard").clicked() {
             actions.push(PictureAction::Copy.into());

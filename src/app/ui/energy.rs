@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use eframe::egui::{self, RichText, Ui};
 
+use super::theme;
 use crate::app::action::{Action, ControlsAction};
 use crate::app::cached::ParsedEnergy;
 use crate::app::model::Model;
-use crate::app::ui::widgets::named;
+use crate::app::ui::widgets::{named, row, slider_row};
 use crate::app::update::params_for;
 use crate::app::view_state::Task;
 use crate::energy::{Energy, ExprError, Preset};
@@ -34,8 +35,7 @@ fn about(preset: Preset) -> &'static str {
 /// Choice and expression.
 pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let view = &model.view;
-    ui.horizontal(|ui| {
-        let label = ui.label("Preset");
+    row(ui, "Preset", "", |ui, label| {
         let params = &model.document.controls.param;
         let energy = parsed(ui, "preset", &view.energy_text, params);
         let current = Result::as_ref(&energy).ok().and_then(Energy::as_preset);
@@ -55,7 +55,7 @@ pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 }
             })
             .response
-            .labelled_by(label.id);
+            .labelled_by(label);
     });
     let parsed = expression_ui(
         ui,
@@ -138,7 +138,7 @@ fn parsed(
 
 /// The carets under the characters, and the message.
 fn error_ui(ui: &mut Ui, error: &ExprError) {
-    let color = super::error_color(ui);
+    let color = ui.visuals().error_fg_color;
     let Some(syntax) = error.syntax() else {
         ui.label(RichText::new(error.to_string()).color(color));
         return;
@@ -160,26 +160,41 @@ fn error_ui(ui: &mut Ui, error: &ExprError) {
 fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let controls = &model.document.controls;
     for (name, &value) in &controls.param {
-        ui.horizontal(|ui| {
-            let mut value = value;
-            let label = ui.monospace(name);
-            // typed values may exceed the range of the slider
-            let reach = (4.0 * value.abs()).max(1.0).log2().ceil().exp2();
-            let slider = egui::Slider::new(&mut value, -reach..=reach)
-                .clamping(egui::SliderClamping::Never)
-                .logarithmic(true)
-                .smallest_positive(1e-3);
-            let slider = ui
-                .add(slider)
-                .labelled_by(label.id)
-                .on_hover_text("drag or type; applies to the next step");
-            if slider.changed() {
-                let mut next = controls.clone();
-                next.param.insert(name.clone(), value);
-                actions.push(ControlsAction::Set(Box::new(next)).into());
-            }
+        let mut next = value;
+        let default = default_of(&controls.energy, name);
+        let reach = drag_reach(ui, name, value);
+        let tip = "drag or type; applies to the next step";
+        // a typed value may exceed the range
+        let changed = slider_row(ui, name, tip, &mut next, default, |x| {
+            egui::Slider::new(x, -reach..=reach).clamping(egui::SliderClamping::Never)
         });
+        if changed {
+            let mut controls = controls.clone();
+            controls.param.insert(name.clone(), next);
+            actions.push(ControlsAction::Set(Box::new(controls)).into());
+        }
     }
+}
+
+/// The initial value of a parameter.
+fn default_of(energy: &str, name: &str) -> f64 {
+    let known = params_for(energy, &BTreeMap::new());
+    known.get(name).copied().unwrap_or(1.0)
+}
+
+/// The end of the slider of a parameter: four times the value at the start of a drag, so that the
+/// value can change its sign but not grow without bound.
+fn drag_reach(ui: &Ui, name: &str, value: f64) -> f64 {
+    let id = egui::Id::unique(("reach", name));
+    let reach = if value == 0.0 { 1.0 } else { 4.0 * value.abs() };
+    let dragging = ui.ctx().dragged_id().is_some();
+    ui.ctx().data_mut(|data| {
+        let kept = data.get_temp_mut_or(id, reach);
+        if !dragging {
+            *kept = reach;
+        }
+        *kept
+    })
 }
 
 /// The well-posedness of the flow on the shown surface.
@@ -193,13 +208,13 @@ fn badge_ui(ui: &mut Ui, model: &Model) {
     let (text, color, tip) = if scan.undefined > 0 {
         (
             "undefined in places",
-            super::error_color(ui),
+            ui.visuals().error_fg_color,
             "the energy has no finite second derivatives at some curvatures of the surface",
         )
     } else if scan.ill_posed > 0 {
         (
             "ill-posed in places",
-            super::error_color(ui),
+            ui.visuals().error_fg_color,
             "short wavelengths grow instead of decaying where the patch is hatched",
         )
     } else if 1000 * scan.degenerate > scan.samples {
@@ -217,12 +232,11 @@ fn badge_ui(ui: &mut Ui, model: &Model) {
     } else {
         (
             "well-posed",
-            super::success_color(ui),
+            theme::success(ui),
             "the flow is strictly parabolic on the whole surface",
         )
     };
-    ui.horizontal(|ui| {
-        ui.label("Flow:");
+    row(ui, "This flow is", "", |ui, _| {
         ui.label(RichText::new(text).color(color).strong())
             .on_hover_text(tip);
     });

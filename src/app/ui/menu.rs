@@ -2,6 +2,8 @@
 
 use eframe::egui::{self, Button, Ui};
 
+use super::icons::{Icon, icon_button};
+use super::widgets::Asks;
 use crate::app::action::{
     Action, EditAction, FileAction, PictureAction, SelectAction, Switch, ViewAction,
 };
@@ -9,8 +11,7 @@ use crate::app::document::file_name;
 use crate::app::model::Model;
 use crate::app::report::{Across, Pick, ReportAction};
 use crate::app::shortcuts::key_text;
-use crate::app::ui::widgets::Asks;
-use crate::app::view_state::Navigation;
+use crate::app::view_state::{Modal, Navigation};
 use crate::options::Choice;
 use crate::render::StandardView;
 use crate::shapes::SAMPLES;
@@ -39,7 +40,11 @@ fn entry_with_key_of(ui: &mut Ui, text: &str, action: &Action) -> bool {
 /// The menu bar.
 pub(crate) fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     egui::MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| file_ui(ui, model, actions));
+        let file = ui.menu_button("File", |ui| file_ui(ui, model, actions));
+        if menu_key(ui.ctx()) && model.view.modal == Modal::None {
+            file.response.request_focus();
+            egui::Popup::open_id(ui.ctx(), egui::Popup::default_response_id(&file.response));
+        }
         ui.menu_button("Edit", |ui| edit_ui(ui, model, actions));
         ui.menu_button("Select", |ui| {
             entry(ui, "All holes", SelectAction::All, actions);
@@ -89,7 +94,58 @@ pub(crate) fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             ui.separator();
             ui.label(concat!("Meniscus ", env!("CARGO_PKG_VERSION")));
         });
+        panels_ui(ui, model, actions);
     });
+}
+
+/// Buttons that open and close panels, at the right end.
+fn panels_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let layout = &model.settings.layout;
+    let details = layout.shows_details(model.view.window[1]);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for (icon, name, switch, on) in [
+            (
+                Icon::RightPanel,
+                "Right panel",
+                Switch::RightPanel,
+                layout.right,
+            ),
+            (Icon::BottomPanel, "Bottom panel", Switch::Details, details),
+            (
+                Icon::LeftPanel,
+                "Left panel",
+                Switch::LeftPanel,
+                layout.left,
+            ),
+        ] {
+            icon_button(ui, icon, name, on).asks_with_key(
+                name,
+                ViewAction::Toggle(switch),
+                actions,
+            );
+        }
+    });
+}
+
+/// Whether F10 was pressed, or Alt was pressed and released without another key.
+fn menu_key(ctx: &egui::Context) -> bool {
+    use egui::{Event, Key};
+    // whether Alt was down, and alone
+    let id = egui::Id::unique("alt");
+    let (was_down, was_alone) = ctx.data(|data| data.get_temp(id).unwrap_or((false, false)));
+    let (f10, down, others) = ctx.input(|i| {
+        let is_other = |event: &Event| match event {
+            Event::Key { key, .. } => !matches!(key, Key::AltLeft | Key::AltRight),
+            Event::PointerButton { .. } | Event::MouseWheel { .. } => true,
+            _ => false,
+        };
+        let others = i.events.iter().any(is_other) || i.pointer.any_down();
+        (i.key_pressed(Key::F10), i.modifiers.alt, others)
+    });
+    let alone = !others && (was_alone || !was_down);
+    ctx.data_mut(|data| data.insert_temp(id, (down, down && alone)));
+    f10 || (was_down && !down && was_alone && !others)
 }
 
 fn file_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -130,11 +186,11 @@ fn file_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 
 fn edit_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let undo = match model.history.next_undo() {
-        Some(label) => format!("Undo {label}"),
+        Some(label) => format!("Undo: {label}"),
         None => "Undo".into(),
     };
     let redo = match model.history.next_redo() {
-        Some(label) => format!("Redo {label}"),
+        Some(label) => format!("Redo: {label}"),
         None => "Redo".into(),
     };
     entry(ui, &undo, EditAction::Undo, actions);
@@ -157,6 +213,12 @@ fn view_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             view.camera.orthographic,
         ),
         ("Z is up", Switch::ZUp, view.camera.z_up),
+        ("Left panel", Switch::LeftPanel, model.settings.layout.left),
+        (
+            "Right panel",
+            Switch::RightPanel,
+            model.settings.layout.right,
+        ),
         ("Limit surface", Switch::LimitSurface, view.limit_surface),
         ("Opened mesh", Switch::Original, view.show_original),
         ("Rims", Switch::Rims, view.show_rims),
@@ -205,7 +267,7 @@ fn analyze_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     }
     let show_report = ViewAction::Toggle(Switch::Analysis);
     if !chosen.is_empty() && !model.view.windows.analysis {
-        actions.push(show_report.into());
+        actions.push(show_report.clone().into());
     }
     actions.append(&mut chosen);
     ui.separator();

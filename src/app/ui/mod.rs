@@ -5,6 +5,7 @@ mod controls;
 mod dialogs;
 mod energy;
 mod format;
+mod icons;
 mod legend;
 mod menu;
 mod navigation;
@@ -13,6 +14,7 @@ mod repair;
 mod report;
 mod side;
 mod status;
+pub(crate) mod theme;
 mod toasts;
 mod toolbar;
 mod transport;
@@ -25,6 +27,7 @@ use eframe::egui;
 use super::action::{Action, ControlsAction, FileAction, Switch, ViewAction};
 use super::model::{MAX_SIDES, Model};
 use super::scene_builder::OverlayCache;
+use super::settings::Layout;
 use super::shortcuts;
 use super::view_state::Modal;
 use widgets::Asks;
@@ -47,6 +50,8 @@ pub(crate) struct UiState {
     pub(crate) views: egui::Rect,
     /// The area of the first view in points.
     pub(crate) viewport: egui::Rect,
+    /// Sizes of the panels.
+    pub(crate) sizes: Layout,
     /// Whether a slider is being dragged.
     pub(crate) dragging: bool,
     /// Name and size of the graphics adapter, for the diagnostics.
@@ -64,6 +69,7 @@ impl Default for UiState {
             frames: windows::FrameStats::default(),
             views: egui::Rect::ZERO,
             viewport: egui::Rect::ZERO,
+            sizes: Layout::default(),
             dragging: false,
             adapter: String::new(),
         }
@@ -86,37 +92,7 @@ pub(crate) fn window_ui(
         toolbar::toolbar_ui(ui, model, range, &mut actions);
     });
     egui::Panel::bottom("status").show(ui, |ui| status::status_ui(ui, model, &mut actions));
-    if model.run.is_some() {
-        egui::Panel::bottom("transport")
-            .resizable(true)
-            .default_size(230.0)
-            .min_size(140.0)
-            .show(ui, |ui| transport::transport_ui(ui, model, &mut actions));
-    }
-    egui::Panel::left("loops")
-        .resizable(true)
-        .default_size(270.0)
-        .min_size(200.0)
-        .show(ui, |ui| side::side_ui(ui, model, &mut actions));
-    if model.view.windows.analysis {
-        egui::Panel::right("report")
-            .resizable(true)
-            .default_size(330.0)
-            .min_size(300.0)
-            .show(ui, |ui| {
-                tabs(ui, model, &mut actions);
-                report::report_ui(ui, model, &mut actions);
-            });
-    } else {
-        egui::Panel::right("controls")
-            .resizable(true)
-            .default_size(290.0)
-            .min_size(240.0)
-            .show(ui, |ui| {
-                tabs(ui, model, &mut actions);
-                controls::controls_ui(ui, model, &mut actions);
-            });
-    }
+    panels_ui(ui, model, state, &mut actions);
     egui::CentralPanel::default()
         .frame(egui::Frame::NONE)
         .show(ui, |ui| {
@@ -126,6 +102,7 @@ pub(crate) fn window_ui(
     dialogs::dialogs_ui(ui.ctx(), model, &mut actions);
     toasts::toasts_ui(ui.ctx(), model, state.views, &mut actions);
 
+    settle_hover(model, &mut actions);
     // releasing a slider ends its undo entry
     let dragging = ui.ctx().dragged_id().is_some();
     if state.dragging && !dragging {
@@ -133,6 +110,87 @@ pub(crate) fn window_ui(
     }
     state.dragging = dragging;
     actions
+}
+
+/// Width of the window below which side panels are narrow by default.
+const NARROW: f32 = 1100.0;
+
+/// The panels around the views. Each can be resized and closed.
+fn panels_ui(ui: &mut egui::Ui, model: &Model, state: &mut UiState, actions: &mut Vec<Action>) {
+    let window = ui.ctx().content_rect();
+    let layout = &model.settings.layout;
+    if let Some(run) = &model.run {
+        let details = layout.shows_details(window.height());
+        let panel = if details {
+            egui::Panel::bottom("details")
+                .resizable(true)
+                .default_size(layout.bottom_height.unwrap_or(210.0))
+                .min_size(130.0)
+                .max_size(0.5 * window.height())
+        } else {
+            egui::Panel::bottom("transport")
+        };
+        let shown = panel.show(ui, |ui| {
+            transport::transport_ui(ui, model, run, details, actions);
+        });
+        if details {
+            state.sizes.bottom_height = Some(shown.response.rect.height());
+        }
+    }
+    let narrow = window.width() < NARROW;
+    let width = layout.left_width;
+    let default = if narrow { 236.0 } else { 270.0 };
+    let mut open = layout.left;
+    let shown = egui::Panel::left("loops")
+        .resizable(true)
+        .default_size(width.unwrap_or(default))
+        .min_size(220.0)
+        .max_size((0.28 * window.width()).max(230.0))
+        .show_collapsible(ui, &mut open, |ui| side::side_ui(ui, model, actions));
+    if let Some(shown) = shown.filter(|_| open) {
+        state.sizes.left_width = Some(shown.response.rect.width());
+    }
+    if open != layout.left {
+        actions.push(ViewAction::Toggle(Switch::LeftPanel).into());
+    }
+    let width = layout.right_width;
+    let default = if narrow { 260.0 } else { 290.0 };
+    let mut open = layout.right;
+    let shown = egui::Panel::right("controls")
+        .resizable(true)
+        .default_size(width.unwrap_or(default))
+        .min_size(250.0)
+        .max_size((0.3 * window.width()).max(260.0))
+        .show_collapsible(ui, &mut open, |ui| {
+            tabs(ui, model, actions);
+            if model.view.windows.analysis {
+                report::report_ui(ui, model, actions);
+            } else {
+                controls::controls_ui(ui, model, actions);
+            }
+        });
+    if let Some(shown) = shown.filter(|_| open) {
+        state.sizes.right_width = Some(shown.response.rect.width());
+    }
+    if open != layout.right {
+        actions.push(ViewAction::Toggle(Switch::RightPanel).into());
+    }
+}
+
+/// The view and the lists request the loops under the cursor in every frame. Keeps that request only
+/// if it is new, and clears the loops if there is none.
+fn settle_hover(model: &Model, actions: &mut Vec<Action>) {
+    let mut hovered = Vec::new();
+    actions.retain(|action| match action {
+        Action::View(ViewAction::Hover(loops)) => {
+            hovered.clone_from(loops);
+            false
+        }
+        _ => true,
+    });
+    if hovered != model.view.hover {
+        actions.push(ViewAction::Hover(hovered).into());
+    }
 }
 
 /// The choice of the right panel.
@@ -153,24 +211,6 @@ fn tabs(ui: &mut egui::Ui, model: &Model, actions: &mut Vec<Action>) {
             }
         }
     });
-}
-
-/// Colour of errors, readable on the theme's background.
-fn error_color(ui: &egui::Ui) -> egui::Color32 {
-    if ui.visuals().dark_mode {
-        egui::Color32::from_rgb(255, 120, 110)
-    } else {
-        egui::Color32::from_rgb(185, 25, 25)
-    }
-}
-
-/// Colour of success.
-fn success_color(ui: &egui::Ui) -> egui::Color32 {
-    if ui.visuals().dark_mode {
-        egui::Color32::from_rgb(95, 190, 115)
-    } else {
-        egui::Color32::from_rgb(25, 120, 50)
-    }
 }
 
 fn keys(ctx: &egui::Context, model: &Model, actions: &mut Vec<Action>) {

@@ -1,11 +1,11 @@
 //! The panel of refinements.
 
-use eframe::egui::{self, RichText, Ui};
+use eframe::egui::{self, Ui};
 
 use crate::app::action::{Action, RunAction, TaskAction};
 use crate::app::model::Model;
 use crate::app::run::method_name;
-use crate::app::ui::widgets::{Asks, angle_limit, choice, named, pick_edges};
+use crate::app::ui::widgets::{Asks, angle_limit, choice, pick_edges, row, wide_primary};
 use crate::app::view_state::Refining;
 use crate::refine::{BoundaryRule, Hold, Method};
 
@@ -37,8 +37,7 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         levels_ui(ui, model, &mut next);
         let methods = METHODS.map(|(method, tip)| (method, method_name(method), tip));
         choice(ui, "Method", &mut next.controls.method, methods);
-        ui.horizontal_wrapped(|ui| {
-            ui.label("Beside it");
+        row(ui, "Beside it", "methods to compare with", |ui, _| {
             for (method, tip) in METHODS
                 .into_iter()
                 .filter(|(m, _)| *m != next.controls.method)
@@ -76,7 +75,7 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         next.controls.energy = (!own_energy).then(|| document.controls.energy.clone());
         choice(
             ui,
-            "Later levels keep",
+            "Levels keep",
             &mut next.controls.hold,
             [
                 (
@@ -128,12 +127,10 @@ fn levels_ui(ui: &mut Ui, model: &Model, next: &mut Refining) {
     } else {
         model.document.mesh.face_count()
     };
-    ui.horizontal(|ui| {
+    let tip = "number of levels; each splits every triangle into four";
+    row(ui, "Levels", tip, |ui, label| {
         let levels = egui::Slider::new(&mut next.controls.levels, 1..=6);
-        named(ui, "Levels", levels).on_hover_text(
-            "number of levels; each splits every triangle \
-                   into four",
-        );
+        ui.add(levels).labelled_by(label).on_hover_text(tip);
     });
     let after = (faces as u64) << (2 * next.controls.levels);
     ui.weak(format!("{after} faces afterwards"));
@@ -174,8 +171,7 @@ fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<A
 
 /// The button that starts the refinement.
 pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    let wide = egui::vec2(ui.available_width(), 28.0);
-    let button = egui::Button::new(RichText::new("Refine the mesh").strong()).min_size(wide);
+    let button = wide_primary(ui, "Refine the mesh");
     let some = model.document.mesh.face_count() > 0;
     ui.add_enabled(some, button)
         .key_tip(

@@ -1,11 +1,11 @@
 //! Selection of faces: the panel, and the tools in the view.
 
 use eframe::egui::{
-    self, Color32, Modifiers, PointerButton, Pos2, Rect, Response, RichText, Slider, Stroke, Ui,
+    self, Color32, Modifiers, PointerButton, Pos2, Rect, Response, Slider, Stroke, Ui,
 };
 
 use super::navigation::CLICK;
-use super::widgets::Asks;
+use super::widgets::{Asks, row, wide_primary};
 use crate::app::action::{Action, ControlsAction, EditAction, RunAction, SelectAction, TaskAction};
 use crate::app::faces::{BrushStamp, FaceEdit, Lasso};
 use crate::app::model::Model;
@@ -58,13 +58,13 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
     match selecting.tool {
         Tool::Brush => {
-            ui.add(
-                Slider::new(&mut selecting.brush, 3.0..=150.0)
-                    .logarithmic(true)
-                    .fixed_decimals(0)
-                    .text("brush radius"),
-            )
-            .on_hover_text("in screen points: zoom in for finer strokes");
+            let tip = "in screen points: zoom in for finer strokes";
+            row(ui, "Brush radius", tip, |ui, label| {
+                let radius = Slider::new(&mut selecting.brush, 3.0..=150.0);
+                ui.add(radius.logarithmic(true).fixed_decimals(0))
+                    .labelled_by(label)
+                    .on_hover_text(tip);
+            });
         }
         Tool::Lasso => {
             ui.checkbox(&mut selecting.through, "hidden faces too")
@@ -145,19 +145,19 @@ fn quality_ui(ui: &mut Ui, model: &Model, selecting: &mut Selecting, actions: &m
 /// The buttons that start an operation on the selection.
 pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let some = !model.document.faces.is_empty();
-    let wide = egui::vec2(ui.available_width(), 28.0);
-    let strong = |text: &str| egui::Button::new(RichText::new(text).strong()).min_size(wide);
+    let wide = egui::vec2(ui.available_width(), 26.0);
     let refill = "erase the selected faces and fill the hole with a smooth patch";
-    ui.add_enabled(some, strong("Erase and refill"))
+    let main = wide_primary(ui, "Erase and refill");
+    ui.add_enabled(some, main)
         .key_tip(refill, RunAction::Proceed)
         .asks(RunAction::Start, actions);
     let fair = "keep the triangles and move the vertices inside the selection; those on its border \
                 do not move";
-    ui.add_enabled(some, strong("Fair in place"))
+    ui.add_enabled(some, egui::Button::new("Fair in place").min_size(wide))
         .on_hover_text(fair)
         .asks(RunAction::Fair, actions);
     let erase = "erase the selected faces and leave a hole";
-    ui.add_enabled(some, egui::Button::new("Erase only"))
+    ui.add_enabled(some, egui::Button::new("Erase only").min_size(wide))
         .asks_with_key(erase, EditAction::Erase, actions);
 }
 

@@ -4,7 +4,8 @@ use eframe::egui::{self, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
 use super::format::format_number;
-use super::widgets::Asks;
+use super::icons::{self, Icon};
+use super::widgets::{Asks, primary, wide_primary};
 use crate::app::action::{
     Action, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
 };
@@ -16,38 +17,7 @@ use crate::mesh::BoundaryLoop;
 pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let document = &model.document;
     ui.add_space(4.0);
-    ui.horizontal_wrapped(|ui| {
-        for (task, title, tip) in [
-            (
-                Task::Fill,
-                "Fill",
-                "each selected hole gets a separate patch",
-            ),
-            (
-                Task::Blend,
-                "Blend",
-                "one patch joins all selected rims, of one or more components",
-            ),
-            (
-                Task::Repair,
-                "Repair",
-                "selected faces are erased and refilled, or faired in place",
-            ),
-            (
-                Task::Refine,
-                "Refine",
-                "every triangle is split into four, on a smooth surface through all vertices",
-            ),
-        ] {
-            let chosen = model.view.task == task;
-            let button = egui::Button::selectable(chosen, RichText::new(title).strong());
-            ui.add_enabled(model.run.is_none(), button).asks_with_key(
-                tip,
-                TaskAction::Choose(task),
-                actions,
-            );
-        }
-    });
+    tasks_ui(ui, model, actions);
     if model.view.task == Task::Repair {
         super::repair::repair_ui(ui, model, actions);
         run_ui(ui, model, actions);
@@ -103,6 +73,74 @@ pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         return;
     }
     loops_ui(ui, model, actions);
+}
+
+/// The tasks as a row of equal buttons.
+fn tasks_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let tasks = [
+        (
+            Task::Fill,
+            "Fill",
+            "each selected hole gets a separate patch",
+        ),
+        (
+            Task::Blend,
+            "Blend",
+            "one patch joins all selected rims, of one or more components",
+        ),
+        (
+            Task::Repair,
+            "Repair",
+            "selected faces are erased and refilled, or faired in place",
+        ),
+        (
+            Task::Refine,
+            "Refine",
+            "every triangle is split into four, on a smooth surface through all vertices",
+        ),
+    ];
+    ui.add_enabled_ui(model.run.is_none(), |ui| {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            let width = ((ui.available_width() - 12.0) / 4.0).floor();
+            for (task, title, tip) in tasks {
+                let chosen = model.view.task == task;
+                task_button(ui, task, title, chosen, width).asks_with_key(
+                    tip,
+                    TaskAction::Choose(task),
+                    actions,
+                );
+            }
+        });
+    });
+    ui.add_space(2.0);
+}
+
+/// A button with an icon above its title.
+fn task_button(ui: &mut Ui, task: Task, title: &str, on: bool, width: f32) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(width, 46.0), egui::Sense::click());
+    let enabled = ui.is_enabled();
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, enabled, on, title));
+    let look = ui.style().interact_selectable(&response, on);
+    let painter = ui.painter();
+    painter.rect(
+        rect,
+        look.corner_radius,
+        look.weak_bg_fill,
+        look.bg_stroke,
+        egui::StrokeKind::Inside,
+    );
+    let icon =
+        egui::Rect::from_center_size(rect.center_top() + egui::vec2(0.0, 16.0), [18.0; 2].into());
+    icons::draw(painter, icon, Icon::Task(task), look.text_color());
+    painter.text(
+        rect.center_bottom() - egui::vec2(0.0, 5.0),
+        egui::Align2::CENTER_BOTTOM,
+        title,
+        egui::TextStyle::Small.resolve(ui.style()),
+        look.text_color(),
+    );
+    response
 }
 
 /// Limits of the holes that are selected together.
@@ -168,8 +206,7 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             (Task::Blend, n) => format!("Blend {n} rims"),
             (_, n) => format!("Fill {n} holes"),
         };
-        let button = egui::Button::new(RichText::new(text).strong())
-            .min_size(egui::vec2(ui.available_width(), 28.0));
+        let button = wide_primary(ui, &text);
         ui.add_enabled(!model.document.loops.is_empty(), button)
             .key_tip(
                 "fill the selected loops with smooth patches",
@@ -178,68 +215,75 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .asks(RunAction::Start, actions);
         return;
     };
-    ui.horizontal_wrapped(|ui| {
-        for (i, name) in run.names().into_iter().enumerate() {
+    // apart, so that one is not clicked instead of the other
+    let names = run.names();
+    ui.horizontal(|ui| {
+        let width = (ui.available_width() - 90.0) / names.len() as f32 - 6.0;
+        for (i, name) in names.into_iter().enumerate() {
             let name = format!("Accept {name}");
-            ui.button(RichText::new(name.trim_end()).strong())
-                .key_tip("accept the patch as shown", RunAction::Accept(0))
+            let button = primary(ui, name.trim_end()).truncate();
+            ui.add_sized([width, 30.0], button)
+                .key_tip("accept the patch as shown", RunAction::Accept(i))
                 .asks(RunAction::Accept(i), actions);
         }
-        ui.button("Reject")
-            .on_hover_text("discard the patch; the mesh is unchanged")
-            .asks(RunAction::Reject, actions);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.add_sized([68.0, 30.0], egui::Button::new("Reject"))
+                .on_hover_text("discard the patch; the mesh is unchanged")
+                .asks(RunAction::Reject, actions);
+        });
     });
 }
 
 fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let loops = &model.document.loops;
-    let mut hovered = None;
     TableBuilder::new(ui)
         .striped(true)
         .sense(egui::Sense::click())
-        .column(Column::auto().at_least(26.0))
-        .column(Column::auto().at_least(40.0))
-        .column(Column::auto().at_least(60.0))
-        .column(Column::remainder())
+        .auto_shrink([false, false])
+        .max_scroll_height(f32::INFINITY)
+        .column(Column::exact(26.0))
+        .column(Column::exact(40.0))
+        .columns(Column::exact(54.0), 2)
+        .column(Column::remainder().clip(true))
         .header(18.0, |mut header| {
             for (title, tip) in [
                 ("#", "number on the command line"),
                 ("edges", "edges of the rim"),
                 ("length", "perimeter, in units of the file"),
                 ("width", "diameter, in units of the file"),
+                (
+                    "kind",
+                    "outer: classified as an outer boundary, which is not filled unless it is \
+                     selected",
+                ),
             ] {
                 header.col(|ui| {
-                    ui.strong(title).on_hover_text(tip);
+                    ui.add(egui::Label::new(RichText::new(title).strong()).truncate())
+                        .on_hover_text(tip);
                 });
             }
         })
         .body(|body| {
-            body.rows(18.0, loops.len(), |mut row| {
+            body.rows(20.0, loops.len(), |mut row| {
                 let l = &loops[row.index()];
                 let is_selected = model.document.selection.contains(&l.id);
                 row.set_selected(is_selected);
-                row.set_hovered(model.view.hover == Some(l.id));
-                row.col(|ui| {
-                    let mut text = RichText::new(l.id.to_string());
-                    if l.is_outer_boundary {
-                        text = text.weak();
-                    }
-                    ui.label(text);
-                });
-                row.col(|ui| {
-                    ui.label(l.edges().to_string());
-                });
-                row.col(|ui| {
-                    ui.label(format_number(l.perimeter));
-                });
-                row.col(|ui| {
-                    let rim = if l.is_outer_boundary {
-                        "  outer boundary"
-                    } else {
-                        ""
-                    };
-                    ui.label(format!("{}{rim}", format_number(l.diameter)));
-                });
+                row.set_hovered(model.view.hover.contains(&l.id));
+                for text in [
+                    l.id.to_string(),
+                    l.edges().to_string(),
+                    format_number(l.perimeter),
+                    format_number(l.diameter),
+                    if l.is_outer_boundary { "outer" } else { "hole" }.into(),
+                ] {
+                    row.col(|ui| {
+                        let mut text = RichText::new(text);
+                        if l.is_outer_boundary {
+                            text = text.weak();
+                        }
+                        ui.add(egui::Label::new(text).truncate().selectable(false));
+                    });
+                }
                 let mut response = row.response();
                 if l.is_outer_boundary {
                     response = response
@@ -249,8 +293,9 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     let name = format!("loop {}, {} edges", l.id, l.edges());
                     egui::WidgetInfo::selected(egui::Role::Button, true, is_selected, name)
                 });
+                show_focus(&response);
                 if response.hovered() {
-                    hovered = Some(l.id);
+                    actions.push(ViewAction::Hover(vec![l.id]).into());
                 }
                 response.context_menu(|ui| {
                     let idle = model.run.is_none();
@@ -274,8 +319,14 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 }
             });
         });
-    if hovered.is_some() && hovered != model.view.hover {
-        actions.push(ViewAction::Hover(hovered).into());
+}
+
+/// Draws a frame around a row that has the keyboard focus.
+fn show_focus(row: &egui::Response) {
+    if row.has_focus() {
+        let stroke = row.ctx.global_style().visuals.selection.stroke;
+        let painter = row.ctx.layer_painter(row.layer_id);
+        painter.rect_stroke(row.rect, 3.0, stroke, egui::StrokeKind::Inside);
     }
 }
 

@@ -15,13 +15,20 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let star = if model.is_dirty() { " *" } else { "" };
         let words = format!(
             "{}{star}   {} vertices   {} faces   {}",
-            document.origin.name(),
+            model.name(),
             document.mesh.vertex_count(),
             document.mesh.face_count(),
             document.loop_count()
         );
-        ui.add(egui::Label::new(words).sense(egui::Sense::click()))
-            .asks_with_key("load report", ViewAction::Toggle(Switch::Report), actions);
+        let half = egui::vec2(0.5 * ui.available_width(), ui.spacing().interact_size.y);
+        ui.allocate_ui_with_layout(half, *ui.layout(), |ui| {
+            let label = egui::Label::new(words).truncate();
+            ui.add(label.sense(egui::Sense::click())).asks_with_key(
+                "load report",
+                ViewAction::Toggle(Switch::Report),
+                actions,
+            );
+        });
         for job in &model.jobs {
             // the picker is ready quickly, and a dialog is visible
             if matches!(job.what.as_str(), "picking" | "file dialog") {

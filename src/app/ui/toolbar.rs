@@ -3,7 +3,7 @@
 use eframe::egui::{self, Ui};
 
 use super::format::{format_number, mode_words};
-use super::widgets::{Asks, named};
+use super::widgets::{Asks, row};
 use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::model::Model;
 use crate::mesh::DVec3;
@@ -18,19 +18,29 @@ pub(crate) fn toolbar_ui(
 ) {
     let view = &model.view;
     ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
         for mode in model.view_modes() {
             let (title, about) = mode_words(mode);
             ui.selectable_label(view.style.mode == mode, title)
-                .key_tip(about, ViewAction::NextMode)
+                .key_tip(about, ViewAction::Mode(mode))
                 .asks(ViewAction::Mode(mode), actions);
         }
-        if matches!(view.style.mode, ViewMode::Isophotes | ViewMode::Zebra) {
-            ui.separator();
-            stripes_ui(ui, model, actions);
-        } else if view.style.mode.is_map() {
-            ui.separator();
-            range_ui(ui, model, range.unwrap_or([-1.0, 1.0]), actions);
-        }
+        // in a menu of its own, so that the row stays the same in every mode
+        let has_options = view.style.mode != ViewMode::Shaded;
+        ui.add_enabled_ui(has_options, |ui| {
+            let menu = egui::containers::menu::MenuConfig::new()
+                .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
+            let button = egui::containers::menu::MenuButton::new("Options").config(menu);
+            let (button, _) = button.ui(ui, |ui| {
+                ui.set_min_width(250.0);
+                if view.style.mode.is_map() {
+                    range_ui(ui, model, range.unwrap_or([-1.0, 1.0]), actions);
+                } else {
+                    stripes_ui(ui, model, actions);
+                }
+            });
+            button.on_hover_text("stripes and light, or the range of the colour map");
+        });
         ui.separator();
         for (title, about, switch, on) in [
             (
@@ -74,23 +84,22 @@ pub(crate) fn toolbar_ui(
 fn range_ui(ui: &mut Ui, model: &Model, shown: [f32; 2], actions: &mut Vec<Action>) {
     let mut style = model.view.style;
     let mut fixed = style.range.is_some();
-    let label = ui.label("Range");
-    let mut changed = ui
-        .checkbox(&mut fixed, "fixed")
-        .labelled_by(label.id)
-        .on_hover_text("off: from -m to m, where m is the 98 % quantile of the magnitudes")
-        .changed();
     let [mut low, mut high] = style.range.unwrap_or(shown);
     let speed = 0.01 * f64::from(high - low).max(1e-9);
-    for value in [&mut low, &mut high] {
-        let drag = egui::DragValue::new(value)
-            .speed(speed)
-            .custom_formatter(|x, _| format_number(x));
-        let drag = ui
-            .add_enabled(fixed, drag)
-            .labelled_by(label.id)
-            .on_hover_text("values at the ends of the colour map");
-        changed |= drag.changed();
+    let tip = "off: from -m to m, where m is the 98 % quantile of the magnitudes";
+    let mut changed = row(ui, "Range", tip, |ui, label| {
+        let fixed = ui.checkbox(&mut fixed, "fixed").labelled_by(label);
+        fixed.on_hover_text(tip).changed()
+    });
+    for (name, value) in [("Low end", &mut low), ("High end", &mut high)] {
+        let tip = "value at an end of the colour map";
+        changed |= row(ui, name, tip, |ui, label| {
+            let drag = egui::DragValue::new(value)
+                .speed(speed)
+                .custom_formatter(|x, _| format_number(x));
+            let drag = ui.add_enabled(fixed, drag).labelled_by(label);
+            drag.on_hover_text(tip).changed()
+        });
     }
     if changed && (!fixed || low < high) {
         style.range = fixed.then_some([low, high]);
@@ -107,40 +116,55 @@ fn degrees(value: &mut f64) -> egui::DragValue<'_> {
 
 fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let mut style = model.view.style;
-    // the row must fit on a small screen
-    ui.spacing_mut().slider_width = 56.0;
-    let slider = egui::Slider::new(&mut style.stripes, 2..=60).logarithmic(true);
-    let slider = named(ui, "Stripes", slider);
-    let slider = slider.key_tip("number of pairs of bands", ViewAction::MoreStripes);
-    let mut changed = slider.changed();
+    let mut changed = row(ui, "Stripes", "number of pairs of bands", |ui, label| {
+        let slider = egui::Slider::new(&mut style.stripes, 2..=60).logarithmic(true);
+        let slider = ui.add(slider).labelled_by(label);
+        slider
+            .key_tip("number of pairs of bands", ViewAction::MoreStripes)
+            .changed()
+    });
     if style.mode == ViewMode::Isophotes {
         let d = style.light.normalize_or(DVec3::Y);
         let mut around = d.z.atan2(d.x).to_degrees();
         let mut above = d.y.clamp(-1.0, 1.0).asin().to_degrees();
-        let label = ui.label("Light");
-        let a = ui
-            .add(degrees(&mut around))
-            .labelled_by(label.id)
-            .on_hover_text("azimuth of the light around the vertical axis");
-        let b = ui
-            .add(degrees(&mut above).range(-90.0..=90.0))
-            .labelled_by(label.id)
-            .on_hover_text("elevation of the light above the horizon");
-        if a.changed() || b.changed() {
+        let mut turned = false;
+        for (name, tip, angle) in [
+            (
+                "Azimuth",
+                "azimuth of the light around the vertical axis",
+                degrees(&mut around),
+            ),
+            (
+                "Elevation",
+                "elevation of the light above the horizon",
+                degrees(&mut above).range(-90.0..=90.0),
+            ),
+        ] {
+            turned |= row(ui, name, tip, |ui, label| {
+                ui.add(angle)
+                    .labelled_by(label)
+                    .on_hover_text(tip)
+                    .changed()
+            });
+        }
+        if turned {
             let (s, c) = around.to_radians().sin_cos();
             let (up, flat) = above.to_radians().sin_cos();
             style.light = DVec3::new(flat * c, up, flat * s);
             changed = true;
         }
-        changed |= ui
-            .checkbox(&mut style.light_follows_view, "with the view")
-            .on_hover_text("the light moves with the camera")
-            .changed();
+        changed |= row(ui, "Light", "", |ui, _| {
+            ui.checkbox(&mut style.light_follows_view, "moves with the view")
+                .on_hover_text("the light moves with the camera")
+                .changed()
+        });
     }
     if style.mode == ViewMode::Zebra {
         let tip = "rotation of the reflected lines around the line of sight";
         let turn = degrees(&mut style.zebra_turn).range(-180.0..=180.0);
-        changed |= named(ui, "Turned", turn).on_hover_text(tip).changed();
+        changed |= row(ui, "Turned", tip, |ui, label| {
+            ui.add(turn).labelled_by(label).on_hover_text(tip).changed()
+        });
     }
     if changed {
         actions.push(ViewAction::Style(style).into());

@@ -1,89 +1,138 @@
 //! The bottom panel of a run: playback buttons, timeline, numbers, plots.
 
 use eframe::egui::{self, RichText, Ui};
+use egui_extras::{Column, TableBody, TableBuilder, TableRow};
 use egui_plot::{Legend, Line, Plot, PlotPoints, VLine};
 
 use super::format::format_number;
-use super::widgets::{Asks, named};
-use crate::app::action::{Action, RunAction};
+use super::icons::{Icon, icon_button};
+use super::theme;
+use super::widgets::Asks;
+use crate::app::action::{Action, RunAction, Switch, ViewAction};
 use crate::app::model::Model;
-use crate::app::run::{Run, RunVariant};
+use crate::app::run::{Figures, Run, RunVariant};
 use crate::app::seam::Seam;
 use crate::mesh::LoopId;
 use crate::ops::Operation;
 use crate::solver::End;
 
-/// The panel of a run.
-pub(crate) fn transport_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    let Some(run) = &model.run else { return };
+/// The panel of a run: the transport bar, and numbers and plots if they are open.
+pub(crate) fn transport_ui(
+    ui: &mut Ui,
+    model: &Model,
+    run: &Run,
+    details: bool,
+    actions: &mut Vec<Action>,
+) {
+    bar_ui(ui, model, run, details, actions);
+    if !details {
+        return;
+    }
+    ui.separator();
     // the height of the panel does not depend on its content
     ui.take_available_height();
-    ui.add_space(2.0);
-    buttons_ui(ui, model, run, actions);
-    timeline_ui(ui, run, actions);
-    ui.columns(2, |columns| {
-        numbers_ui(&mut columns[0], model, run);
-        plots_ui(&mut columns[1], run);
+    let width = ui.available_width();
+    ui.horizontal_top(|ui| {
+        let height = ui.available_height();
+        let numbers = egui::vec2((0.56 * width).min(720.0), height);
+        let layout = egui::Layout::top_down(egui::Align::Min);
+        ui.allocate_ui_with_layout(numbers, layout, |ui| {
+            ui.set_min_size(numbers);
+            numbers_ui(ui, model, run, actions);
+        });
+        plots_ui(ui, run);
     });
 }
 
-fn buttons_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) {
-    ui.horizontal_wrapped(|ui| {
+/// Buttons, timeline and pace in one row.
+fn bar_ui(ui: &mut Ui, model: &Model, run: &Run, details: bool, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
         let ended = run.ended();
-        let play = if run.playing { "Pause" } else { "Play" };
-        let tip = if ended {
-            "replay the stored states"
+        let playing = run.playing;
+        let (icon, play) = if playing {
+            (Icon::Pause, "Pause")
         } else {
-            "continue or pause"
+            (Icon::Play, "Play")
         };
-        for (text, tip, action, enabled) in [
+        let tip = match (playing, ended) {
+            (true, _) => "pause",
+            (false, true) => "replay the stored states",
+            (false, false) => "continue the flow",
+        };
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for (icon, name, tip, action, enabled) in [
             (
+                Icon::Rewind,
                 "Rewind",
                 "show the first state",
                 RunAction::Scrub(Some(0)),
                 true,
             ),
-            (play, tip, RunAction::PlayPause, true),
+            (icon, play, tip, RunAction::PlayPause, true),
             (
+                Icon::Step,
                 "Step",
                 "take one step, then pause",
                 RunAction::Step,
                 !ended || run.scrubbed(),
             ),
             (
+                Icon::Finish,
                 "Finish",
                 "continue to the converged shape in fast mode",
                 RunAction::Finish,
                 !ended,
             ),
-            ("Stop", "end the flow here", RunAction::Stop, !ended),
+            (
+                Icon::Stop,
+                "Stop",
+                "end the flow here",
+                RunAction::Stop,
+                !ended,
+            ),
+            (
+                Icon::Continue,
+                "Continue from here",
+                "continue the flow from the shown state with the current controls",
+                RunAction::ContinueFromShown,
+                run.scrubbed(),
+            ),
         ] {
             let key = match action {
                 RunAction::Stop => Action::Escape,
                 _ => action.into(),
             };
-            ui.add_enabled(enabled, egui::Button::new(text))
-                .key_tip(tip, key)
+            let button = ui.add_enabled_ui(enabled, |ui| icon_button(ui, icon, name, false));
+            button
+                .inner
+                .key_tip(&format!("{name}: {tip}"), key)
                 .asks(action, actions);
         }
-        if run.scrubbed() {
-            ui.button("Continue from here")
-                .on_hover_text("continue the flow from the shown state with the current controls")
-                .asks(RunAction::ContinueFromShown, actions);
-        }
+        ui.spacing_mut().item_spacing.x = 6.0;
         ui.separator();
-        let mut pace = model.view.pace;
-        let value = egui::DragValue::new(&mut pace).range(1.0..=240.0);
-        let value = named(ui, "Pace", value.speed(0.5).suffix(" states/s"));
-        if value
-            .on_hover_text("maximum number of states per second")
-            .changed()
-        {
-            actions.push(RunAction::Pace(pace).into());
-        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            icon_button(ui, Icon::BottomPanel, "Numbers and plots", details).asks_with_key(
+                "numbers and plots of the run",
+                ViewAction::Toggle(Switch::Details),
+                actions,
+            );
+            let mut pace = model.view.pace;
+            let value = egui::DragValue::new(&mut pace).range(1.0..=240.0);
+            let value = value.speed(0.5).suffix(" states/s");
+            if ui
+                .add_sized([96.0, 20.0], value)
+                .on_hover_text("maximum number of states per second")
+                .changed()
+            {
+                actions.push(RunAction::Pace(pace).into());
+            }
+            ui.separator();
+            timeline_ui(ui, run, actions);
+        });
     });
 }
 
+/// The timeline, from right to left.
 fn timeline_ui(ui: &mut Ui, run: &Run, actions: &mut Vec<Action>) {
     let count = run.state_count();
     let last = count.saturating_sub(1);
@@ -93,19 +142,22 @@ fn timeline_ui(ui: &mut Ui, run: &Run, actions: &mut Vec<Action>) {
         .filter_map(|s| s.shown)
         .min()
         .unwrap_or(last);
-    ui.horizontal(|ui| {
-        let label = ui.label("Timeline");
-        ui.spacing_mut().slider_width = (ui.available_width() - 170.0).max(80.0);
-        let slider = egui::Slider::new(&mut at, 0..=last.max(1)).show_value(false);
-        let slider = ui
-            .add_enabled(last > 0, slider)
-            .labelled_by(label.id)
-            .on_hover_text("stored states of the flow");
-        if slider.changed() {
-            actions.push(RunAction::Scrub((at < last).then_some(at)).into());
-        }
-        ui.weak(format!("state {} of {count}", (at + 1).min(count)));
+    let words = format!("state {} of {count}", (at + 1).min(count));
+    let size = egui::vec2(112.0, ui.spacing().interact_size.y);
+    let label = ui.allocate_ui_with_layout(size, *ui.layout(), |ui| {
+        ui.set_min_width(size.x);
+        ui.add(egui::Label::new(RichText::new(words).weak()).truncate())
     });
+    ui.spacing_mut().slider_width = (ui.available_width() - 8.0).max(40.0);
+    let slider = egui::Slider::new(&mut at, 0..=last.max(1)).show_value(false);
+    let slider = ui
+        .add_enabled(last > 0, slider)
+        .labelled_by(label.inner.id)
+        .on_hover_text("stored states of the flow");
+    slider.widget_info(|| egui::WidgetInfo::slider(last > 0, at as f64, "Timeline"));
+    if slider.changed() {
+        actions.push(RunAction::Scrub((at < last).then_some(at)).into());
+    }
 }
 
 /// How a flow ended, in words.
@@ -120,40 +172,59 @@ fn end_words(end: End) -> &'static str {
     }
 }
 
-fn numbers_ui(ui: &mut Ui, model: &Model, run: &Run) {
+/// The columns of the table: title, width, tooltip. The status has the remaining width.
+const COLUMNS: [(&str, f32, &str); 8] = [
+    (
+        "holes",
+        76.0,
+        "holes are solved together if their surroundings overlap",
+    ),
+    ("step", 40.0, "accepted steps"),
+    (
+        "τ/τ_ref",
+        64.0,
+        "time step divided by the natural time of the hole",
+    ),
+    (
+        "energy",
+        74.0,
+        "integral of f over the patch and its support region",
+    ),
+    (
+        "residual",
+        62.0,
+        "predicted remaining motion divided by the hole radius; converged below 1e-6",
+    ),
+    ("rejected", 58.0, "rejected steps"),
+    ("angle", 42.0, "smallest angle of the patch's triangles"),
+    ("status", 120.0, "how the flow ended"),
+];
+
+fn numbers_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) {
     egui::ScrollArea::both().id_salt("numbers").show(ui, |ui| {
-        egui::Grid::new("groups")
+        let mut table = TableBuilder::new(ui)
             .striped(true)
-            .num_columns(8)
-            .show(ui, |ui| {
-                for (title, tip) in [
-                    (
-                        "holes",
-                        "holes are solved together if their surroundings overlap",
-                    ),
-                    ("step", "accepted steps"),
-                    (
-                        "τ/τ_ref",
-                        "time step divided by the natural time of the hole",
-                    ),
-                    (
-                        "energy",
-                        "integral of f over the patch and its support region",
-                    ),
-                    (
-                        "residual",
-                        "predicted remaining motion divided by the hole radius; converged below \
-                         1e-6",
-                    ),
-                    ("rejected", "rejected steps"),
-                    ("angle", "smallest angle of the patch's triangles"),
-                    ("", ""),
-                ] {
-                    ui.strong(title).on_hover_text(tip);
+            .vscroll(false)
+            .sense(egui::Sense::hover());
+        for (i, (_, width, _)) in COLUMNS.into_iter().enumerate() {
+            let column = if i + 1 < COLUMNS.len() {
+                Column::exact(width)
+            } else {
+                Column::remainder().at_least(width)
+            };
+            table = table.column(column.clip(true));
+        }
+        table
+            .header(18.0, |mut header| {
+                for (title, _, tip) in COLUMNS {
+                    header.col(|ui| {
+                        ui.strong(title).on_hover_text(tip);
+                    });
                 }
-                ui.end_row();
+            })
+            .body(|mut body| {
                 for (s, side) in run.sides.iter().enumerate() {
-                    groups_ui(ui, run, s, side);
+                    groups_ui(&mut body, run, s, side, actions);
                 }
             });
         for (s, display) in model.displays.iter().take(run.sides.len()).enumerate() {
@@ -203,55 +274,105 @@ fn side_name(run: &Run, s: usize) -> String {
     }
 }
 
-fn groups_ui(ui: &mut Ui, run: &Run, s: usize, side: &RunVariant) {
+fn groups_ui(
+    body: &mut TableBody<'_>,
+    run: &Run,
+    s: usize,
+    side: &RunVariant,
+    actions: &mut Vec<Action>,
+) {
     let rows = side.figures();
     if rows.is_empty() {
-        ui.label(if side.handle.ended() {
+        let words = if side.handle.ended() {
             "no flow: the patches have no new vertices"
         } else {
             "first patches…"
+        };
+        body.row(18.0, |mut row| {
+            for _ in 1..COLUMNS.len() {
+                row.col(|_| {});
+            }
+            row.col(|ui| {
+                cell(ui, RichText::new(words).weak(), words);
+            });
         });
-        ui.end_row();
     }
-    for (g, row) in rows.into_iter().enumerate() {
-        let numbers = |holes: &[LoopId], between| {
-            let words: Vec<String> = holes.iter().map(LoopId::to_string).collect();
-            words.join(between)
-        };
-        let what = match &run.operation {
-            Operation::Blend(spec) => numbers(&spec.loops, "+"),
-            Operation::Fair(spec) => format!("{} faces", spec.faces.len()),
-            Operation::Refine(_) => row.level.map_or_else(String::new, |n| format!("level {n}")),
-            _ => numbers(&row.holes, ", "),
-        };
-        let text = |value: Option<String>| value.unwrap_or_default();
-        ui.label(format!("{}{what}", side_name(run, s)));
-        ui.label(text(row.step.map(|n| n.to_string())));
-        ui.label(text(row.relative_tau.map(format_number)));
-        ui.label(text(row.energy.map(|e| format!("{:.6}", Sig(e)))));
-        ui.label(text(row.residual.map(|r| format!("{r:.1e}"))));
-        let rejected = ui.label(row.rejected.to_string());
-        if let Some(reason) = side.curves.get(g).and_then(|c| c.rejection.as_ref()) {
-            rejected.on_hover_text(format!("reason of the last one: {reason}"));
-        }
-        ui.label(text(row.angle.map(|a| format!("{a:.0}°"))));
-        match row.end {
-            Some(Err(text)) => {
-                ui.label(RichText::new("failed").color(super::error_color(ui)))
-                    .on_hover_text(text);
-            }
-            Some(Ok(End::Converged)) => {
-                ui.label(RichText::new("converged").color(super::success_color(ui)));
-            }
-            Some(Ok(end)) => {
-                ui.label(RichText::new(end_words(end)).color(ui.visuals().warn_fg_color));
-            }
-            None => {
-                ui.weak(row.doing);
-            }
-        }
-        ui.end_row();
+    for (g, figures) in rows.into_iter().enumerate() {
+        body.row(18.0, |mut row| {
+            group_ui(&mut row, run, s, side, g, &figures);
+            row.response().hovers(&figures.holes, actions);
+        });
     }
+}
+
+/// Text that is elided to the width of its column, with the whole text as a tooltip.
+fn cell(ui: &mut Ui, text: impl Into<egui::WidgetText>, whole: &str) {
+    let label = ui.add(egui::Label::new(text).truncate());
+    if !whole.is_empty() {
+        label.on_hover_text(whole);
+    }
+}
+
+/// The holes of a row.
+fn holes_words(run: &Run, figures: &Figures) -> String {
+    let numbers = |holes: &[LoopId], between| {
+        let words: Vec<String> = holes.iter().map(LoopId::to_string).collect();
+        words.join(between)
+    };
+    match &run.operation {
+        Operation::Blend(spec) => numbers(&spec.loops, "+"),
+        Operation::Fair(spec) => format!("{} faces", spec.faces.len()),
+        Operation::Refine(_) => figures
+            .level
+            .map_or_else(String::new, |n| format!("level {n}")),
+        _ => numbers(&figures.holes, ", "),
+    }
+}
+
+fn group_ui(
+    row: &mut TableRow<'_, '_>,
+    run: &Run,
+    s: usize,
+    side: &RunVariant,
+    g: usize,
+    figures: &Figures,
+) {
+    let holes = format!("{}{}", side_name(run, s), holes_words(run, figures));
+    let numbers = [
+        figures.step.map(|n| n.to_string()),
+        figures.relative_tau.map(format_number),
+        figures.energy.map(|e| Sig(e).to_string()),
+        figures.residual.map(|r| format!("{r:.1e}")),
+    ];
+    row.col(|ui| cell(ui, holes.as_str(), &holes));
+    for number in numbers {
+        row.col(|ui| cell(ui, number.unwrap_or_default(), ""));
+    }
+    row.col(|ui| {
+        let reason = side.curves.get(g).and_then(|c| c.rejection.as_ref());
+        let reason = reason.map_or_else(String::new, |r| format!("reason of the last one: {r}"));
+        cell(ui, figures.rejected.to_string(), &reason);
+    });
+    row.col(|ui| {
+        let angle = figures.angle.map(|a| format!("{a:.0}°"));
+        cell(ui, angle.unwrap_or_default(), "");
+    });
+    row.col(|ui| match &figures.end {
+        Some(Err(text)) => cell(
+            ui,
+            RichText::new("failed").color(ui.visuals().error_fg_color),
+            text,
+        ),
+        Some(Ok(End::Converged)) => {
+            cell(ui, RichText::new("converged").color(theme::success(ui)), "");
+        }
+        Some(Ok(end)) => {
+            let words = end_words(*end);
+            let color = ui.visuals().warn_fg_color;
+            cell(ui, RichText::new(words).color(color), words);
+        }
+        None => cell(ui, RichText::new(&figures.doing).weak(), &figures.doing),
+    });
 }
 
 /// A number with six significant digits.

@@ -10,9 +10,13 @@ use super::legend::{legend, shared_range};
 use super::navigation::{CLICK, navigate};
 use super::repair;
 use super::side::how;
-use crate::app::action::{Action, EditAction, SelectAction, SelectHow, TaskAction, ViewAction};
+use super::widgets::{Asks, primary};
+use crate::app::action::{
+    Action, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
+};
 use crate::app::model::Model;
 use crate::app::report::Pick;
+use crate::app::run::Run;
 use crate::app::scene_builder;
 use crate::app::view_state::{Bridging, Task, Tool};
 use crate::mesh::DVec3;
@@ -41,6 +45,9 @@ pub(crate) fn viewports_ui(
             rect.max.x = rect.min.x + width - if side + 1 < sides { 1.0 } else { 0.0 };
         }
         viewport_ui(ui, model, state, format, side, rect, actions);
+        if let Some(run) = model.run.as_ref().filter(|run| run.ended()) {
+            decide_ui(ui, run, side, rect, actions);
+        }
         if let Some(run) = model.run.as_ref().filter(|r| r.sides.len() > 1) {
             let title = match run.operation {
                 Operation::Refine(_) => run.sides[side].name.to_owned(),
@@ -58,11 +65,44 @@ pub(crate) fn viewports_ui(
     ui.advance_cursor_after_rect(whole);
 }
 
+/// The buttons that end a finished run, with their keys. A rejection rejects all sides.
+fn decide_ui(ui: &mut Ui, run: &Run, side: usize, rect: Rect, actions: &mut Vec<Action>) {
+    let first = side == 0;
+    let name = run.names()[side];
+    let key = if first { "(Enter)" } else { "" };
+    let words = format!("Accept {name} {key}");
+    let words: Vec<&str> = words.split_whitespace().collect();
+    let accept = egui::vec2(132.0, 30.0);
+    let reject = egui::vec2(100.0, 30.0);
+    let gap = 16.0;
+    let width = accept.x + if first { gap + reject.x } else { 0.0 };
+    if rect.width() < width + 16.0 {
+        return;
+    }
+    let left = rect.center_bottom() - egui::vec2(0.5 * width, 14.0 + accept.y);
+    let button = primary(ui, &words.join(" "));
+    ui.put(Rect::from_min_size(left, accept), button)
+        .on_hover_text("accept the patch as shown")
+        .asks(RunAction::Accept(side), actions);
+    if first {
+        let left = left + egui::vec2(accept.x + gap, 0.0);
+        ui.put(
+            Rect::from_min_size(left, reject),
+            egui::Button::new("Reject (Esc)"),
+        )
+        .on_hover_text("discard the patch; the mesh is unchanged")
+        .asks(RunAction::Reject, actions);
+    }
+}
+
 /// Text that is legible on any background.
 fn text(ui: &Ui, at: Pos2, align: Align2, text: &str, size: f32) -> Rect {
     let painter = ui.painter();
     let font = FontId::proportional(size);
-    let galley = painter.layout_no_wrap(text.to_owned(), font, ui.visuals().strong_text_color());
+    let ink = ui.visuals().strong_text_color();
+    // in the view, of which it may be the longest line
+    let width = (ui.clip_rect().width() - 20.0).max(80.0);
+    let galley = painter.layout(text.to_owned(), font, ink, width);
     let rect = align.anchor_size(at, galley.size());
     let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.72);
     painter.rect_filled(rect.expand2(egui::vec2(5.0, 2.0)), 4.0, ground);
@@ -197,20 +237,12 @@ fn pick(
             .view
             .bridging
             .and_then(|_| picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH)));
-        let over = if picks_loops(model)
+        let picks = picks_loops(model)
             && model.view.bridging.is_none()
-            && model.view.report.pick == Pick::Holes
-        {
-            picker.pick_loop(camera, size, place(at), f64::from(REACH))
-        } else {
-            None
-        };
-        if over != model.view.hover {
-            actions.push(ViewAction::Hover(over).into());
+            && model.view.report.pick == Pick::Holes;
+        if picks && let Some(over) = picker.pick_loop(camera, size, place(at), f64::from(REACH)) {
+            actions.push(ViewAction::Hover(vec![over]).into());
         }
-    } else if !response.contains_pointer() && pointer_in_no_list(ctx) && model.view.hover.is_some()
-    {
-        actions.push(ViewAction::Hover(None).into());
     }
     let Some(at) = response.interact_pointer_pos() else {
         return;
@@ -255,14 +287,6 @@ fn pick(
     }
 }
 
-/// The loop under the cursor. The list of loops sets it while the pointer is over the list.
-fn pointer_in_no_list(ctx: &egui::Context) -> bool {
-    ctx.pointer_latest_pos().is_none_or(|p| {
-        ctx.layer_id_at(p)
-            .is_none_or(|l| l.order != egui::Order::Background)
-    })
-}
-
 /// The selected rims of a blend, numbered.
 fn rim_numbers(ui: &Ui, model: &Model, rect: Rect) {
     if model.view.task != Task::Blend || model.run.is_some() {
@@ -288,7 +312,10 @@ pub(crate) fn on_screen(model: &Model, rect: Rect, point: DVec3) -> Option<Pos2>
 
 /// The measures of the loop under the cursor, beside its centre.
 fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
-    let Some(l) = model.view.hover.and_then(|id| model.document.loop_of(id)) else {
+    let [id] = model.view.hover[..] else {
+        return;
+    };
+    let Some(l) = model.shown_loop(id) else {
         return;
     };
     let Some(at) = on_screen(model, rect, l.centroid) else {

@@ -1,10 +1,17 @@
 //! Widgets shared by several panels.
 
-use eframe::egui::{Button, DragValue, Response, Ui, Widget};
+use eframe::egui::{
+    Align, Atom, Button, Color32, DragValue, Id, Label, Layout, Response, RichText, Slider, Ui,
+    Widget, vec2,
+};
 
-use crate::app::action::Action;
+use super::format::format_number;
+use super::theme;
+
+use crate::app::action::{Action, ViewAction};
 use crate::app::report::{Pick, ReportAction};
 use crate::app::shortcuts::hint;
+use crate::mesh::LoopId;
 
 /// Default minimum angle of sharp edges in degrees.
 const SHARP: f64 = 40.0;
@@ -16,6 +23,9 @@ pub(crate) trait Asks {
 
     /// Requests an action when the widget is clicked.
     fn asks(&self, action: impl Into<Action>, actions: &mut Vec<Action>);
+
+    /// Highlights loops in the view while the cursor is over the widget.
+    fn hovers(&self, loops: &[LoopId], actions: &mut Vec<Action>);
 
     /// As [`Self::asks`], with a tooltip that contains the key of the action.
     fn asks_with_key(self, tip: &str, action: impl Into<Action>, actions: &mut Vec<Action>);
@@ -33,6 +43,12 @@ impl Asks for Response {
         }
     }
 
+    fn hovers(&self, loops: &[LoopId], actions: &mut Vec<Action>) {
+        if self.contains_pointer() {
+            actions.push(ViewAction::Hover(loops.to_vec()).into());
+        }
+    }
+
     fn asks_with_key(self, tip: &str, action: impl Into<Action>, actions: &mut Vec<Action>) {
         let action = action.into();
         self.key_tip(tip, action.clone()).asks(action, actions);
@@ -45,6 +61,92 @@ pub(crate) fn named(ui: &mut Ui, name: &str, widget: impl Widget) -> Response {
     ui.add(widget).labelled_by(label.id)
 }
 
+/// Width of the column of names.
+const NAMES: f32 = 84.0;
+/// Width of the number beside a slider, and of the button behind it.
+const NUMBER: f32 = 56.0;
+const RESET: f32 = 20.0;
+
+/// A row with its name in the left column and widgets in the right one, which get the id of the
+/// name.
+pub(crate) fn row<R>(
+    ui: &mut Ui,
+    name: &str,
+    tip: &str,
+    widgets: impl FnOnce(&mut Ui, Id) -> R,
+) -> R {
+    ui.horizontal(|ui| {
+        let size = vec2(NAMES, ui.spacing().interact_size.y);
+        let layout = Layout::left_to_right(Align::Center);
+        let label = ui.allocate_ui_with_layout(size, layout, |ui| {
+            ui.set_min_width(NAMES);
+            let label = ui.add(Label::new(name).truncate());
+            if tip.is_empty() {
+                label
+            } else {
+                label.on_hover_text(tip)
+            }
+        });
+        widgets(ui, label.inner.id)
+    })
+    .inner
+}
+
+/// A slider with typed entry in a row, and a button that restores the default.
+pub(crate) fn slider_row(
+    ui: &mut Ui,
+    name: &str,
+    tip: &str,
+    value: &mut f64,
+    default: f64,
+    slider: impl FnOnce(&mut f64) -> Slider<'_>,
+) -> bool {
+    row(ui, name, tip, |ui, label| {
+        let width = ui.available_width();
+        let spacing = ui.spacing_mut();
+        spacing.interact_size.x = NUMBER;
+        let beside = NUMBER + RESET + 2.0 * spacing.item_spacing.x;
+        spacing.slider_width = (width - beside).max(40.0);
+        let slider = slider(value)
+            .smallest_positive(1e-3)
+            .custom_formatter(|x, _| format_number(x));
+        let mut changed = ui
+            .add(slider)
+            .labelled_by(label)
+            .on_hover_text(tip)
+            .changed();
+        #[expect(clippy::float_cmp, reason = "any other value can be reset")]
+        let is_other = *value != default;
+        if is_other && reset_button(ui, name).clicked() {
+            *value = default;
+            changed = true;
+        }
+        changed
+    })
+}
+
+/// The small button that restores a default.
+pub(crate) fn reset_button(ui: &mut Ui, name: &str) -> Response {
+    let button = ui.add_sized([RESET, RESET], Button::new("×").frame(false).small());
+    button.widget_info(|| {
+        let label = format!("Reset {name}");
+        eframe::egui::WidgetInfo::labeled(eframe::egui::Role::Button, true, label)
+    });
+    button.on_hover_text("back to the default")
+}
+
+/// The main button of a panel.
+pub(crate) fn primary(ui: &Ui, text: &str) -> Button<'static> {
+    let text = RichText::new(text).family(theme::strong());
+    let text = text.color(Color32::WHITE);
+    Button::new((Atom::grow(), text, Atom::grow())).fill(theme::accent(ui))
+}
+
+/// [`primary`] over the whole width.
+pub(crate) fn wide_primary(ui: &Ui, text: &str) -> Button<'static> {
+    primary(ui, text).min_size(vec2(ui.available_width(), 30.0))
+}
+
 /// A choice between values, with its name before them. Each value has a title and a tooltip.
 pub(crate) fn choice<T: PartialEq, const N: usize>(
     ui: &mut Ui,
@@ -52,11 +154,15 @@ pub(crate) fn choice<T: PartialEq, const N: usize>(
     value: &mut T,
     choices: [(T, &str, &str); N],
 ) {
-    ui.horizontal_wrapped(|ui| {
-        ui.label(name);
-        for (one, title, tip) in choices {
-            ui.selectable_value(value, one, title).on_hover_text(tip);
-        }
+    row(ui, name, "", |ui, _| {
+        ui.horizontal_wrapped(|ui| {
+            let spacing = ui.spacing_mut();
+            spacing.item_spacing.x = 2.0;
+            spacing.button_padding.x = 6.0;
+            for (one, title, tip) in choices {
+                ui.selectable_value(value, one, title).on_hover_text(tip);
+            }
+        });
     });
 }
 

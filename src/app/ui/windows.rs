@@ -9,7 +9,7 @@ use super::widgets::{Asks, named};
 use crate::app::action::{Action, EditAction, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
-use crate::app::shortcuts::{SHORTCUTS, Shortcut};
+use crate::app::shortcuts::{GROUPS, SHORTCUTS};
 use crate::memory::peak_memory;
 
 /// Frame times without the time of the graphics card.
@@ -234,27 +234,66 @@ fn log_ui(ui: &mut Ui, model: &Model) {
 
 fn help_ui(ui: &mut Ui, model: &Model) {
     let navigation = model.settings.navigation;
-    ui.label(format!(
-        "Mouse ({}): {}",
-        navigation.title(),
-        navigation.about()
-    ));
-    ui.label("Click selects a hole, Shift adds, Ctrl toggles; double click sets the pivot.");
-    ui.separator();
-    ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
-        Grid::new("keys")
-            .striped(true)
-            .num_columns(2)
-            .show(ui, |ui| {
-                for Shortcut { keys, about, .. } in SHORTCUTS {
-                    let names: Vec<String> =
-                        keys.iter().map(|k| ui.ctx().format_shortcut(k)).collect();
-                    ui.monospace(names.join(" or "));
-                    ui.label(*about);
-                    ui.end_row();
-                }
-            });
+    let id = ui.scope_id().with("search");
+    let mut sought = ui.data(|data| data.get_temp::<String>(id).unwrap_or_default());
+    let field = egui::TextEdit::singleline(&mut sought)
+        .hint_text("Search, for example undo or Ctrl")
+        .desired_width(f32::INFINITY);
+    if named(ui, "Search", field).changed() {
+        ui.data_mut(|data| data.insert_temp(id, sought.clone()));
+    }
+    let sought = sought.trim().to_lowercase();
+    let found = |about: &str, keys: &str| {
+        let text = format!("{about} {keys}").to_lowercase();
+        sought.split_whitespace().all(|word| text.contains(word))
+    };
+    let mouse = [
+        (navigation.about(), navigation.title()),
+        ("select a hole", "Click"),
+        ("add a hole to the selection", "Shift+click"),
+        ("add or remove a hole", "Ctrl+click"),
+        ("set the pivot of rotations", "Double-click"),
+        ("open the menus; arrow keys move in them", "F10 or Alt"),
+    ];
+    ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
+        ui.set_min_width(ui.available_width());
+        let rows = mouse.map(|(about, keys)| (about, keys.to_owned()));
+        help_group(ui, "Mouse and menus", rows.into_iter(), &found);
+        for group in GROUPS {
+            let rows = SHORTCUTS.iter().filter(|s| s.group() == group);
+            let ctx = ui.ctx().clone();
+            let rows = rows.map(|s| (s.about, s.keys_text(&ctx)));
+            help_group(ui, group, rows, &found);
+        }
     });
+}
+
+/// The rows of a group that were found, under its heading.
+fn help_group<'a>(
+    ui: &mut Ui,
+    title: &str,
+    rows: impl Iterator<Item = (&'a str, String)>,
+    found: &dyn Fn(&str, &str) -> bool,
+) {
+    let rows: Vec<_> = rows.filter(|(about, keys)| found(about, keys)).collect();
+    if rows.is_empty() {
+        return;
+    }
+    ui.add_space(4.0);
+    ui.heading(title);
+    Grid::new(title)
+        .striped(true)
+        .num_columns(2)
+        .show(ui, |ui| {
+            for (about, keys) in rows {
+                ui.add_sized(
+                    [150.0, 18.0],
+                    egui::Label::new(RichText::new(keys).strong()),
+                );
+                ui.add(egui::Label::new(about).wrap());
+                ui.end_row();
+            }
+        });
 }
 
 fn settings_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {

@@ -51,7 +51,7 @@ fn after_travel(model: &mut Model, message: &str) {
         .view
         .energy_text
         .clone_from(&model.document.controls.energy);
-    model.view.hover = None;
+    model.view.hover.clear();
     model.log.info(message);
 }
 
@@ -102,7 +102,7 @@ fn apply(model: &mut Model, operation: Operation) -> bool {
     };
     model.document.accept(mesh, kept.as_deref(), done);
     model.revision += 1;
-    model.view.hover = None;
+    model.view.hover.clear();
     model.log.info(match (removed, joined) {
         (0, 0) => label,
         (0, vertices) => format!("{label}: {vertices} vertices joined"),

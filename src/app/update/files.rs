@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::{report, report_files};
+use super::{report, report_files, view};
 use crate::app::action::FileAction;
 use crate::app::autosave;
 use crate::app::display::DisplayWorker;
@@ -32,6 +33,7 @@ pub(crate) fn update(model: &mut Model, action: FileAction) {
         },
         FileAction::AskSaveAs => ask(model, PathUse::SaveAs),
         FileAction::SaveAs(path) => save(model, &path),
+        FileAction::UsePath(purpose, path) => use_path(model, purpose, path),
         FileAction::AskExportPatch => {
             if model.document.is_changed() {
                 ask(model, PathUse::ExportPatch);
@@ -86,7 +88,7 @@ fn resume(model: &mut Model, next: AfterUnsaved) {
         AfterUnsaved::Close => {
             // the user has decided; do not ask again
             model.run = None;
-            model.saved_revision = model.revision;
+            model.saved_mesh = Some(Arc::clone(&model.document.mesh));
             model.autosave.discard();
             model.effects.push(Effect::Close);
         }
@@ -167,8 +169,18 @@ pub(super) fn path_chosen(
     }
 }
 
-/// Uses a path for its purpose.
-fn use_path(model: &mut Model, purpose: PathUse, path: PathBuf) {
+/// Uses a path for its purpose. A file to write gets an extension if it has none.
+fn use_path(model: &mut Model, purpose: PathUse, mut path: PathBuf) {
+    let extension = match purpose {
+        PathUse::Open | PathUse::Reference => None,
+        PathUse::SaveAs | PathUse::ExportPatch => Some("obj"),
+        PathUse::Report(file) => Some(file.extension()),
+    };
+    if let Some(extension) = extension
+        && path.extension().is_none()
+    {
+        path.set_extension(extension);
+    }
     match purpose {
         PathUse::Open => load(model, path),
         PathUse::SaveAs => save(model, &path),
@@ -196,6 +208,7 @@ pub(super) fn loaded(model: &mut Model, path: &Path, result: Result<Loaded, Stri
             if recovered {
                 // the recovery file is removed once the work is saved
                 model.revision += 1;
+                model.saved_mesh = None;
                 autosave::remove(path);
                 model.log.info("recovered: save it to keep it");
             } else {
@@ -235,13 +248,11 @@ pub(super) fn saved(
     for loss in losses {
         model.log.warning(loss);
     }
-    let (SavedWhat::Mesh(revision) | SavedWhat::Project(revision)) = what else {
+    let (SavedWhat::Mesh(mesh) | SavedWhat::Project(mesh)) = what else {
         return;
     };
-    model.saved_revision = revision;
-    if matches!(what, SavedWhat::Project(_)) {
-        model.settings.remember(&path);
-    }
+    model.saved_mesh = Some(mesh);
+    model.settings.remember(&path);
     model.saved_to = Some(path);
     if !model.is_dirty() {
         model.autosave.discard();
@@ -261,14 +272,16 @@ pub(in crate::app) fn replace(model: &mut Model, document: Document) {
     view.camera.home();
     view.camera.fit_to(&document.origin.bounds);
     view.fit = true;
-    view.hover = None;
+    view.hover.clear();
     view.report.forget();
     view.energy_text.clone_from(&document.controls.energy);
     view.compare_energy = None;
+    let is_sample = matches!(document.origin.source, Source::Sample(_));
     model.document = document;
+    view::first_mode(model, is_sample);
     model.saved_to = None;
     model.revision += 1;
-    model.saved_revision = model.revision;
+    model.saved_mesh = Some(Arc::clone(&model.document.mesh));
     model.autosave.discard();
     announce(model);
 }
@@ -376,10 +389,11 @@ fn save(model: &mut Model, path: &Path) {
     }
     let (document, view) = (model.document.clone(), model.view.clone());
     let is_project = is_project(path);
+    let mesh = Arc::clone(&document.mesh);
     let what = if is_project {
-        SavedWhat::Project(model.revision)
+        SavedWhat::Project(mesh)
     } else {
-        SavedWhat::Mesh(model.revision)
+        SavedWhat::Mesh(mesh)
     };
     save_as(model, path.to_owned(), what, move |path| {
         let result = if is_project {

@@ -45,9 +45,12 @@ fn escape(model: &mut Model) {
     if model.view.modal != Modal::None {
         model.view.modal = Modal::None;
         model.after_save = None;
-    } else if model.view.windows.help {
-        model.view.windows.help = false;
-    } else if model.view.report.pick != Pick::Holes {
+        return;
+    }
+    if model.view.windows.close_one() {
+        return;
+    }
+    if model.view.report.pick != Pick::Holes {
         model.view.report.pick = Pick::Holes;
     } else if let Some(run) = &model.run {
         let ended = run.ended();

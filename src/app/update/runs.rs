@@ -266,6 +266,6 @@ pub(super) fn accept(model: &mut Model, index: usize) {
     };
     model.run = None;
     model.revision += 1;
-    model.view.hover = None;
+    model.view.hover.clear();
     model.log.info(format!("{label} accepted"));
 }

@@ -17,7 +17,7 @@ pub(crate) fn update_task(model: &mut Model, action: TaskAction) {
             if !refuse_while_running(model, "changing the selection") {
                 model.view.task = task;
                 model.view.bridging = None;
-                model.view.hover = None;
+                model.view.hover.clear();
             }
         }
         TaskAction::Bridging(bridging) => {

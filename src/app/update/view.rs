@@ -2,6 +2,7 @@
 
 use crate::app::action::{Switch, ViewAction};
 use crate::app::model::{Effect, Model};
+use crate::app::settings::Layout;
 use crate::mesh::{DVec3, LoopId};
 use crate::render::{Background, Bounds, ViewMode};
 
@@ -15,9 +16,9 @@ pub(crate) fn update(model: &mut Model, action: ViewAction) {
         ViewAction::FlyToLoop(id) => fly_to_loop(model, id),
         ViewAction::FlyTo(place) => fly_to(model, place),
         ViewAction::Style(other) => *style = other,
-        ViewAction::Mode(mode) => set_mode(model, mode),
-        ViewAction::NextMode => set_mode(model, other_mode(model, 1)),
-        ViewAction::PreviousMode => set_mode(model, other_mode(model, -1)),
+        ViewAction::Mode(mode) => choose_mode(model, mode),
+        ViewAction::NextMode => choose_mode(model, other_mode(model, 1)),
+        ViewAction::PreviousMode => choose_mode(model, other_mode(model, -1)),
         ViewAction::MoreStripes => style.stripes = (style.stripes + 2).min(60),
         ViewAction::FewerStripes => style.stripes = style.stripes.saturating_sub(2).max(2),
         ViewAction::Toggle(switch) => toggle(model, switch),
@@ -45,6 +46,26 @@ fn other_mode(model: &Model, places: isize) -> ViewMode {
     let at = all.iter().position(|m| *m == model.view.style.mode);
     let next = (at.unwrap_or(0) + all.len()).saturating_add_signed(places);
     all[next % all.len()]
+}
+
+/// Changes the view mode and remembers it, unless it needs data that the next document lacks.
+fn choose_mode(model: &mut Model, mode: ViewMode) {
+    set_mode(model, mode);
+    if !matches!(mode, ViewMode::Deviation | ViewMode::Distance) {
+        model.settings.view_mode = Some(mode);
+        model.settings.save();
+    }
+}
+
+/// The view mode of an opened document: the last one that was chosen. At first, samples are smooth
+/// and show isophotes; scans have noise, which isophotes would exaggerate.
+pub(super) fn first_mode(model: &mut Model, is_sample: bool) {
+    let first = if is_sample {
+        ViewMode::Isophotes
+    } else {
+        ViewMode::Shaded
+    };
+    set_mode(model, model.settings.view_mode.unwrap_or(first));
 }
 
 /// Changes the view mode, which also resets the range.
@@ -100,6 +121,12 @@ fn turn_up(model: &mut Model) {
     model.view.camera.home();
 }
 
+/// Opens or closes a panel.
+fn switch_panel(model: &mut Model, switch: impl Fn(&mut Layout)) {
+    switch(&mut model.settings.layout);
+    model.settings.save();
+}
+
 fn toggle(model: &mut Model, switch: Switch) {
     let view = &mut model.view;
     let flag = match switch {
@@ -115,7 +142,19 @@ fn toggle(model: &mut Model, switch: Switch) {
         Switch::Help => &mut view.windows.help,
         Switch::Diagnostics => &mut view.windows.diagnostics,
         Switch::Settings => &mut view.windows.settings,
-        Switch::Analysis => &mut view.windows.analysis,
+        // its panel may be closed
+        Switch::Analysis => {
+            let shown = view.windows.analysis && model.settings.layout.right;
+            model.settings.layout.right = true;
+            view.windows.analysis = !shown;
+            return;
+        }
+        Switch::LeftPanel => return switch_panel(model, |layout| layout.left = !layout.left),
+        Switch::RightPanel => return switch_panel(model, |layout| layout.right = !layout.right),
+        Switch::Details => {
+            let shown = model.settings.layout.shows_details(model.view.window[1]);
+            return switch_panel(model, |layout| layout.details = Some(!shown));
+        }
     };
     *flag = !*flag;
 }
