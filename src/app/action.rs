@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::faces::FaceEdit;
 use super::report::ReportAction;
 use super::view_state::{
-    Bridging, Modal, Navigation, PathUse, PictureSettings, Refining, Selecting, Task,
+    Bridging, LoopList, Modal, Navigation, PathUse, PictureSettings, Refining, Selecting, Task,
 };
 use crate::fill::{Controls, LoopLimits};
 use crate::mesh::{DVec3, LoopId};
@@ -133,6 +133,10 @@ pub enum SelectHow {
 pub enum SelectAction {
     /// Click on a loop.
     Loop(LoopId, SelectHow),
+    /// Add these loops.
+    Several(Vec<LoopId>),
+    /// Add all loops of the same kind and about the same size.
+    Similar(LoopId),
     /// All loops that are not classified as outer boundaries.
     All,
     /// All loops but the largest.
@@ -154,6 +158,8 @@ pub enum TaskAction {
     Refining(Box<Refining>),
     /// Limits of the holes that are selected together.
     Limits(LoopLimits),
+    /// Order and content of the list of loops.
+    List(LoopList),
     /// Start, change or cancel a bridge.
     Bridging(Option<Bridging>),
 }
@@ -182,6 +188,8 @@ pub enum RunAction {
     Proceed,
     /// Start the task: fill the selected holes, blend the rims, refill the selected faces, refine.
     Start,
+    /// Start a refinement of any size.
+    StartLarge,
     /// Fair the selected faces: keep their triangles, move their inner vertices.
     Fair,
     /// Play or pause.

@@ -1,5 +1,6 @@
 //! A run: its flows, the shown states, and its operations.
 
+mod divergence;
 mod fill_handle;
 mod handle;
 mod refine_handle;
@@ -11,11 +12,12 @@ use std::time::{Duration, Instant};
 use super::document::{Document, left_of};
 use super::jobs::Wake;
 use super::log::Level;
-use crate::fill::{Controls, ErasedRegion, FillTask, LiveFill, open_selection};
+use crate::fill::{Controls, ErasedRegion, FillTask, LiveFill, Surface, open_selection};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
 use crate::ops::Operation;
 use crate::runner::RunSettings;
-use crate::solver::{RejectReason, StepRecord};
+use crate::solver::{End, RejectReason, StepRecord};
+use divergence::{Limits, SENSIBLE_FALL, falls_without_bound, has_fallen};
 pub use handle::{Figures, RunEvent, RunHandle, RunState, StateView, state_key};
 pub use refinement::method_name;
 
@@ -36,10 +38,21 @@ pub struct RunVariant {
     pub shown: Option<usize>,
     /// Energy and residual of each accepted step, one pair of curves per group.
     pub curves: Vec<Curve>,
-    /// A point of the first self-intersection, if there is one.
-    pub crossing: Option<DVec3>,
+    /// The first self-intersection, if there is one.
+    pub crossing: Option<Since<DVec3>>,
     /// Warnings without duplicates.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Since<String>>,
+    /// Whether the surface grew without bound, so that the run was paused.
+    pub diverged: bool,
+}
+
+/// A fact about all states from one of them on.
+#[derive(Clone, Debug)]
+pub struct Since<T> {
+    /// Attempts before the first of these states.
+    pub attempt: usize,
+    /// The fact.
+    pub what: T,
 }
 
 /// Points of the plots of one group: `[attempt, value]`.
@@ -71,8 +84,14 @@ pub struct Run {
     pub sides: Vec<RunVariant>,
     /// Whether the flow, or the replay of stored states, is playing.
     pub playing: bool,
+    /// Whether the user has stopped the run. A step that is being computed may still end.
+    pub stopped: bool,
     /// The time at which the replay shows the next state.
     next_frame: Option<Instant>,
+    /// What a sensible surface does not exceed.
+    limits: Option<Limits>,
+    /// Whether the message about the end of the run was given.
+    summarised: bool,
 }
 
 impl Run {
@@ -140,13 +159,16 @@ impl Run {
             .collect::<Result<_, String>>()?;
         Ok(Self {
             operation: operation.clone(),
+            limits: Limits::new(&base, &loops),
             base,
             first_patch_face,
             kept,
             loops,
             sides,
             playing: true,
+            stopped: false,
             next_frame: None,
+            summarised: false,
         })
     }
 
@@ -161,23 +183,36 @@ impl Run {
     pub fn poll(&mut self) -> Vec<(Level, String)> {
         let mut messages = Vec::new();
         let mut paused = false;
+        let mut good = None;
         for side in &mut self.sides {
+            let mut stepped = false;
             for event in side.handle.poll() {
+                let attempt = side.handle.state(usize::MAX).map_or(0, |s| s.attempt());
                 match event {
-                    RunEvent::Step(group, record) => side.record(group, &record),
+                    RunEvent::Step(group, record) => {
+                        side.record(group, &record);
+                        stepped = true;
+                    }
                     RunEvent::SelfIntersection { text, place } => {
-                        side.crossing = Some(place);
+                        let what = place;
+                        side.crossing = Some(Since { attempt, what });
                         messages.push((Level::Warning, text));
                     }
                     RunEvent::Paused => paused = true,
                     RunEvent::Note(text) => messages.push((Level::Info, text)),
                     RunEvent::Error(text) => messages.push((Level::Error, text)),
-                    RunEvent::Warning(text) if side.warnings.contains(&text) => {}
+                    RunEvent::Warning(text) if side.warnings.iter().any(|w| w.what == text) => {}
                     RunEvent::Warning(text) => {
                         messages.push((Level::Warning, text.clone()));
-                        side.warnings.push(text);
+                        let what = text;
+                        side.warnings.push(Since { attempt, what });
                     }
                 }
+            }
+            if stepped && !side.diverged && side.exceeds(self.limits.as_ref()) {
+                side.diverged = true;
+                paused = true;
+                good = Some(side.last_within(self.limits.as_ref()));
             }
         }
         if paused {
@@ -186,6 +221,14 @@ impl Run {
                 side.handle.pause();
             }
         }
+        if good.is_some() {
+            self.scrub(good);
+        }
+        let ended = self.sides.iter().all(|s| s.handle.ended());
+        if ended && !self.summarised {
+            messages.extend(self.summary().map(|text| (Level::Info, text)));
+        }
+        self.summarised = ended;
         // stored states may still be replayed after the end
         if paused || (self.playing && self.ended() && !self.scrubbed()) {
             self.playing = false;
@@ -201,9 +244,53 @@ impl Run {
         }
     }
 
-    /// Whether every flow has ended.
+    /// Whether every flow has ended or was stopped by the user.
     pub fn ended(&self) -> bool {
-        self.sides.iter().all(|s| s.handle.ended())
+        self.stopped || self.sides.iter().all(|s| s.handle.ended())
+    }
+
+    /// The progress of a running fill of several holes in words.
+    pub fn progress(&self) -> Option<String> {
+        let rows = self.sides.first()?.handle.figures(None);
+        let all: usize = rows.iter().map(|row| row.holes.len()).sum();
+        if all < 2 || self.ended() || !matches!(self.operation, Operation::Fill(_)) {
+            return None;
+        }
+        let ended = rows.iter().filter(|row| row.end.is_some());
+        let done: usize = ended.map(|row| row.holes.len()).sum();
+        let eta = rows.iter().filter_map(|row| row.eta).fold(0.0, f64::max);
+        let eta = match eta.ceil() {
+            0.0 => String::new(),
+            seconds => format!(", about {seconds} s"),
+        };
+        Some(format!("{done} of {all} holes done{eta}"))
+    }
+
+    /// The results of a fill that has ended in one line.
+    fn summary(&self) -> Option<String> {
+        if !matches!(self.operation, Operation::Fill(_)) {
+            return None;
+        }
+        let mut counts = [0; 3];
+        for row in self.sides.first()?.handle.figures(None) {
+            let kind = match row.end? {
+                Ok(End::Converged) => 0,
+                Ok(_) => 1,
+                Err(_) => 2,
+            };
+            counts[kind] += row.holes.len();
+        }
+        let kinds = ["converged", "ended early", "failed"];
+        let parts = counts.iter().zip(kinds).filter(|(n, _)| **n > 0);
+        let parts: Vec<String> = parts.map(|(n, kind)| format!("{n} {kind}")).collect();
+        let all: usize = counts.iter().sum();
+        let noun = if all == 1 { "hole" } else { "holes" };
+        (all > 0).then(|| format!("{all} {noun} filled: {}", parts.join(", ")))
+    }
+
+    /// Whether a surface grew without bound.
+    pub fn diverged(&self) -> bool {
+        self.sides.iter().any(|s| s.diverged)
     }
 
     /// Whether the newest state is not the shown one.
@@ -270,7 +357,62 @@ impl RunVariant {
             curves: Vec::new(),
             crossing: None,
             warnings: Vec::new(),
+            diverged: false,
         }
+    }
+
+    /// Whether the newest state or its energy is beyond the limits.
+    fn exceeds(&self, limits: Option<&Limits>) -> bool {
+        let newest = self.handle.state(usize::MAX);
+        let outside = limits
+            .zip(newest.as_ref())
+            .is_some_and(|(limits, state)| !limits.hold(state));
+        // the other surface models minimise no energy
+        let minimises = self.controls.surface == Surface::Energy;
+        outside || (minimises && self.curves.iter().any(falls_without_bound))
+    }
+
+    /// Index of the newest state within the limits, before the newest one.
+    fn last_within(&self, limits: Option<&Limits>) -> usize {
+        let within = |i: &usize| {
+            let state = self.handle.state(*i);
+            let inside = limits
+                .zip(state.as_ref())
+                .is_none_or(|(limits, state)| limits.hold(state));
+            let rows = self.handle.figures(state.as_ref());
+            let fallen = rows.iter().zip(&self.curves).any(|(row, curve)| {
+                let energy = row.energy;
+                energy.is_some_and(|energy| has_fallen(curve, energy, SENSIBLE_FALL))
+            });
+            inside && !fallen
+        };
+        let newest = self.state_count().saturating_sub(1);
+        (0..newest).rev().find(within).unwrap_or(0)
+    }
+
+    /// Forgets the facts about states after an attempt, because the flow continues there.
+    pub fn forget_after(&mut self, attempt: usize) {
+        self.warnings.retain(|w| w.attempt <= attempt);
+        self.crossing = self.crossing.take().filter(|c| c.attempt <= attempt);
+        self.diverged = false;
+    }
+
+    /// The warnings about the shown state.
+    pub fn shown_warnings(&self) -> impl Iterator<Item = &str> {
+        let at = self.shown_attempt();
+        let warnings = self.warnings.iter().filter(move |w| w.attempt <= at);
+        warnings.map(|w| w.what.as_str())
+    }
+
+    /// The self-intersection of the shown state.
+    pub fn shown_crossing(&self) -> Option<DVec3> {
+        let at = self.shown_attempt();
+        let crossing = self.crossing.as_ref().filter(|c| c.attempt <= at);
+        crossing.map(|c| c.what)
+    }
+
+    fn shown_attempt(&self) -> usize {
+        self.state().map_or(0, |state| state.attempt())
     }
 
     /// Restarts the energy curve after a change of the energy.

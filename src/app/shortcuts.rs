@@ -117,7 +117,7 @@ impl Shortcut {
 
     /// Its keys in words, such as `Ctrl+Shift+Z or Ctrl+Y`.
     pub(crate) fn keys_text(&self, ctx: &Context) -> String {
-        let names: Vec<String> = self.keys.iter().map(|k| key_name(ctx, k)).collect();
+        let names: Vec<String> = self.keys.iter().map(|&k| key_name(ctx, k)).collect();
         names.join(" or ")
     }
 }
@@ -133,8 +133,8 @@ pub(crate) const GROUPS: [&str; 6] = [
 ];
 
 /// A key as it is printed on keyboards.
-fn key_name(ctx: &Context, key: &KeyboardShortcut) -> String {
-    let words = ctx.format_shortcut(key);
+fn key_name(ctx: &Context, key: KeyboardShortcut) -> String {
+    let words = ctx.format_shortcut(&key);
     for (name, printed) in [
         ("Escape", "Esc"),
         ("OpenBracket", "["),
@@ -176,7 +176,7 @@ pub(crate) fn pressed(ctx: &Context) -> Vec<Action> {
 /// The key of an action, if it has one.
 pub(crate) fn key_text(ctx: &Context, action: &Action) -> Option<String> {
     let found = SHORTCUTS.iter().find(|s| s.action == *action)?;
-    Some(key_name(ctx, &found.keys[0]))
+    Some(key_name(ctx, found.keys[0]))
 }
 
 /// The key as a suffix of a tooltip, such as ` (Ctrl+O)`.

@@ -15,13 +15,15 @@ use super::model::{Effect, Model};
 use super::project;
 use super::settings::Settings;
 use super::update::{act, replace, tick};
-use super::view_state::{AfterUnsaved, Modal, PathUse, Task, Windows};
+use super::view_state::{
+    AfterUnsaved, LoopColumn, LoopKind, LoopList, Modal, PathUse, Task, Windows,
+};
 use crate::fill::LoopLimits;
 use crate::io;
 use crate::mesh::{DVec3, LoopId, Soup, check_mesh, components};
 use crate::render::ViewMode;
 use crate::shapes::{Hole, HoleShape, cut_holes, sphere};
-use crate::solver::Mode;
+use crate::solver::{End, Mode};
 
 mod refine;
 mod repair;
@@ -498,6 +500,139 @@ fn panels_are_opened_and_closed_and_the_report_opens_its_panel() {
         act(&mut m, ViewAction::Toggle(Switch::Details));
         assert_eq!(m.settings.layout.shows_details(height), !open);
     }
+}
+
+/// The negative of the Willmore energy has no minimum.
+#[test]
+fn a_flow_without_bound_is_paused_at_a_sensible_shape() {
+    let mut m = model();
+    act(&mut m, ControlsAction::EnergyText("0-H^2".into()));
+    act(&mut m, ControlsAction::ApplyEnergy);
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    act(&mut m, RunAction::Pace(240.0));
+    act(&mut m, RunAction::Start);
+    until(&mut m, |m| {
+        let run = m.run.as_ref().expect("it runs");
+        assert!(!run.ended(), "it ended instead");
+        run.diverged()
+    });
+    let run = m.run.as_ref().expect("it waits");
+    assert!(!run.playing && run.scrubbed());
+    let state = run.sides[0].state().expect("a state");
+    for p in state.positions(false) {
+        assert!(p.length() < 1.5, "{p} is far from the sphere");
+    }
+    // another energy goes on from there
+    act(&mut m, ControlsAction::EnergyText("H^2".into()));
+    act(&mut m, ControlsAction::ApplyEnergy);
+    act(&mut m, RunAction::ContinueFromShown);
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(super::run::Run::ended)
+    });
+    let run = m.run.as_ref().expect("it waits");
+    assert!(!run.diverged());
+    let rows = run.sides[0].figures();
+    assert!(matches!(rows[0].end, Some(Ok(End::Converged))), "{rows:?}");
+    let warnings: Vec<&str> = run.sides[0].shown_warnings().collect();
+    assert!(warnings.is_empty(), "of the former energy: {warnings:?}");
+}
+
+/// Esc does not wait for the step that is being computed.
+#[test]
+fn a_stopped_run_has_ended_at_once() {
+    let mut m = model();
+    act(&mut m, SelectAction::All);
+    act(&mut m, RunAction::Start);
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(|r| r.state_count() > 2)
+    });
+    act(&mut m, RunAction::Scrub(Some(1)));
+    act(&mut m, Action::Escape);
+    let run = m.run.as_ref().expect("it waits");
+    assert!(run.ended() && !run.playing);
+    assert_eq!(run.sides[0].shown, Some(1), "the shown state stays");
+    act(&mut m, Action::Escape);
+    assert!(m.run.is_none());
+}
+
+/// What is known about a state does not hold for earlier ones, nor after the flow went on from one.
+#[test]
+fn warnings_are_those_of_the_shown_state() {
+    let mut m = model();
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    let mut controls = m.document.controls.clone();
+    controls.steps = 5;
+    act(&mut m, ControlsAction::Set(Box::new(controls.clone())));
+    filled(&mut m);
+    let warnings = |m: &Model| {
+        let side = &m.run.as_ref().expect("it waits").sides[0];
+        side.shown_warnings().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let is_limit = |text: &String| text.contains("maximum number of steps");
+    assert!(warnings(&m).iter().any(is_limit), "{:?}", warnings(&m));
+    act(&mut m, RunAction::Scrub(Some(1)));
+    assert!(!warnings(&m).iter().any(is_limit), "{:?}", warnings(&m));
+    act(&mut m, RunAction::Scrub(None));
+    assert!(warnings(&m).iter().any(is_limit));
+    // the cause goes
+    controls.steps = 200;
+    act(&mut m, ControlsAction::Set(Box::new(controls)));
+    assert!(!warnings(&m).iter().any(is_limit));
+    until(&mut m, |m| {
+        m.run.as_ref().is_some_and(super::run::Run::ended)
+    });
+    assert!(!warnings(&m).iter().any(is_limit), "{:?}", warnings(&m));
+}
+
+#[test]
+fn a_fill_is_summarised_in_one_line() {
+    let mut m = model();
+    act(&mut m, SelectAction::All);
+    filled(&mut m);
+    let told = |m: &Model| {
+        let entries = m.log.entries().iter();
+        let lines = entries.filter(|e| e.text == "2 holes filled: 2 converged");
+        lines.count()
+    };
+    assert_eq!(told(&m), 1, "{}", last_message(&m));
+    act(&mut m, RunAction::PlayPause);
+    for _ in 0..5 {
+        tick(&mut m, Instant::now());
+    }
+    assert_eq!(told(&m), 1, "a replay is no fill");
+}
+
+#[test]
+fn loops_are_listed_in_order_and_selected_by_range_and_likeness() {
+    let mut m = model();
+    let widths = |list: &LoopList, m: &Model| {
+        let listed = list.listed(&m.document.loops);
+        listed.iter().map(|l| l.diameter).collect::<Vec<_>>()
+    };
+    let mut list = LoopList {
+        sort: LoopColumn::Width,
+        descending: true,
+        ..LoopList::default()
+    };
+    assert!(widths(&list, &m).is_sorted_by(|a, b| a >= b));
+    list.descending = false;
+    assert!(widths(&list, &m).is_sorted());
+    list.least_edges = usize::MAX;
+    assert!(widths(&list, &m).is_empty());
+    list.least_edges = 0;
+    list.kind = LoopKind::Outer;
+    assert!(
+        list.listed(&m.document.loops)
+            .iter()
+            .all(|l| l.is_outer_boundary)
+    );
+    let both = vec![0.into(), 1.into(), 9.into()];
+    act(&mut m, SelectAction::Several(both));
+    assert_eq!(m.document.selection, loops([0, 1]));
+    act(&mut m, SelectAction::None);
+    // both holes have the same size
+    act(&mut m, SelectAction::Similar(1.into()));
+    assert_eq!(m.document.selection, loops([0, 1]));
 }
 
 #[test]

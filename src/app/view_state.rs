@@ -2,7 +2,7 @@
 
 use super::report::{ReportFile, ReportView};
 use crate::fill::LoopLimits;
-use crate::mesh::{DVec3, LoopId};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId};
 use crate::refine::{Method, RefineControls};
 use crate::render::{Camera, SequenceFormat, ViewStyle};
 
@@ -116,6 +116,19 @@ pub struct Selecting {
     pub longer_than: f64,
 }
 
+impl Refining {
+    /// Number of faces after the refinement of a mesh, without those that are split to match.
+    pub fn faces_after(&self, all: usize, selected: usize) -> u64 {
+        let (refined, others) = if self.selected_only {
+            (selected, all - selected.min(all))
+        } else {
+            (all, 0)
+        };
+        let each = 1u64 << (2 * self.controls.levels.min(24));
+        (refined as u64).saturating_mul(each) + others as u64
+    }
+}
+
 impl Default for Selecting {
     fn default() -> Self {
         Self {
@@ -142,6 +155,8 @@ pub enum Modal {
     Recover(Vec<std::path::PathBuf>),
     /// Settings of a picture.
     Picture(PictureSettings),
+    /// Asks whether to start a refinement to this many faces.
+    Large(u64),
 }
 
 /// The purpose of a path.
@@ -263,6 +278,77 @@ impl Windows {
     }
 }
 
+/// A column of the list of loops.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LoopColumn {
+    /// The number.
+    #[default]
+    Number,
+    /// Number of edges.
+    Edges,
+    /// Perimeter.
+    Length,
+    /// Diameter.
+    Width,
+    /// Hole or outer boundary.
+    Kind,
+}
+
+/// The kind of loops that the list shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LoopKind {
+    /// All loops.
+    #[default]
+    All,
+    /// Loops that are not classified as outer boundaries.
+    Holes,
+    /// Outer boundaries.
+    Outer,
+}
+
+/// Order and content of the list of loops.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoopList {
+    /// The column that the list is sorted by.
+    pub sort: LoopColumn,
+    /// Whether the largest comes first.
+    pub descending: bool,
+    /// The kind of the listed loops.
+    pub kind: LoopKind,
+    /// Minimum number of edges of the listed loops.
+    pub least_edges: usize,
+}
+
+impl LoopList {
+    /// The listed loops in order.
+    pub fn listed<'a>(&self, loops: &'a [BoundaryLoop]) -> Vec<&'a BoundaryLoop> {
+        let is_listed = |l: &&BoundaryLoop| {
+            let kind = match self.kind {
+                LoopKind::All => true,
+                LoopKind::Holes => !l.is_outer_boundary,
+                LoopKind::Outer => l.is_outer_boundary,
+            };
+            kind && l.edges() >= self.least_edges
+        };
+        let mut listed: Vec<&BoundaryLoop> = loops.iter().filter(is_listed).collect();
+        listed.sort_by(|a, b| {
+            let order = match self.sort {
+                LoopColumn::Number => a.id.cmp(&b.id),
+                LoopColumn::Edges => a.edges().cmp(&b.edges()),
+                LoopColumn::Length => a.perimeter.total_cmp(&b.perimeter),
+                LoopColumn::Width => a.diameter.total_cmp(&b.diameter),
+                LoopColumn::Kind => a.is_outer_boundary.cmp(&b.is_outer_boundary),
+            };
+            if self.descending {
+                order.reverse()
+            } else {
+                order
+            }
+        });
+        listed
+    }
+}
+
 /// The view.
 #[derive(Clone, Debug)]
 pub struct ViewState {
@@ -280,6 +366,8 @@ pub struct ViewState {
     pub refining: Refining,
     /// Limits of the holes that are selected together.
     pub limits: LoopLimits,
+    /// Order and content of the list of loops.
+    pub list: LoopList,
     /// Whether the limit surface is drawn instead of the control mesh.
     pub limit_surface: bool,
     /// Whether the opened mesh is drawn in addition to the patches.
@@ -319,6 +407,7 @@ impl ViewState {
             selecting: Selecting::default(),
             refining: Refining::default(),
             limits: LoopLimits::default(),
+            list: LoopList::default(),
             limit_surface: true,
             show_original: true,
             show_rims: true,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::wait::wait_for;
-use eframe::egui::{self, Key, Modifiers, Pos2};
+use eframe::egui::{self, Key, Modifiers, Pos2, Theme};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
 use meniscus::app::{App, Autosave, Document, Model, Run, Settings, Source};
@@ -44,6 +44,7 @@ fn window() -> Harness<'static, App> {
 fn window_of(size: [f32; 2], dark: bool) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size(size)
+        .with_theme(if dark { Theme::Dark } else { Theme::Light })
         .with_max_steps(40)
         .wgpu()
         .build_eframe(|cc| {
@@ -68,6 +69,15 @@ fn until(harness: &mut Harness<'_, App>, done: impl Fn(&App) -> bool) {
         harness.step();
         done(harness.state()).then_some(())
     });
+    harness.run_steps(3);
+}
+
+/// Closes the toasts, which would be at other moments of their fading.
+fn dismiss_toasts(harness: &mut Harness<'_, App>) {
+    let log = &mut harness.state_mut().model.log;
+    for toast in log.toasts(Instant::now()) {
+        log.dismiss(toast);
+    }
     harness.run_steps(3);
 }
 
@@ -125,7 +135,8 @@ fn the_hole_under_the_cursor_is_the_one_that_is_picked() {
 /// A row of any list highlights its loop in the view, and leaving the row ends that.
 #[test]
 fn hovered_rows_are_highlighted_in_the_view() {
-    let mut harness = window();
+    // the controls are visible without scrolling
+    let mut harness = window_of([1280.0, 1000.0], true);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
     harness.run_steps(2);
     harness.get_by_label("Each rim").click();
@@ -299,11 +310,12 @@ fn pictures_of_the_window() {
     harness.state_mut().model.view.pace = 240.0;
     harness.key_press(Key::Enter);
     until(&mut harness, ended);
-    harness.get_by_label("H").click();
+    harness.key_press(Key::H);
     harness.run_steps(5);
     let run = harness.state().model.run.as_ref().expect("there");
     let figures = run.sides[0].handle.figures(None);
     assert!(figures.iter().all(|f| matches!(f.end, Some(Ok(_)))));
+    dismiss_toasts(&mut harness);
     harness.snapshot_options("window_filled", &options);
 }
 
@@ -323,6 +335,7 @@ fn pictures_of_a_larger_window_in_the_light_theme() {
     harness.key_press(Key::S);
     harness.run_steps(5);
     harness.get_by_label("Accept (Enter)");
+    dismiss_toasts(&mut harness);
     harness.snapshot_options("window_light_filled", &options);
 }
 
@@ -427,12 +440,7 @@ fn picture_of_the_report() {
     assert!(section.curves[0].closed);
     harness.get_by_label("rim 1").rect();
     harness.remove_cursor();
-    // toasts would be at other moments of their fading
-    let log = &mut harness.state_mut().model.log;
-    for toast in log.toasts(Instant::now()) {
-        log.dismiss(toast);
-    }
-    harness.run_steps(3);
+    dismiss_toasts(&mut harness);
     let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(60);
     harness.snapshot_options("window_report", &options);
 }

@@ -107,6 +107,7 @@ impl ReportView {
     /// Clears the settings that belong to the previous mesh.
     pub fn forget(&mut self) {
         self.chains.clear();
+        self.reference = None;
         self.cut = None;
         self.mark = None;
         self.pick = Pick::Holes;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::handle::{Figures, RunEvent, StateView, WindowProcess, with_hint};
+use super::handle::{Figures, RunEvent, StateView, WindowProcess, warning_event};
 use crate::fill::{Controls, FillEvent, FillProcess, FillSnapshot, FillTimeline, GroupStatus};
 use crate::mesh::{DVec3, Mesh, Topology};
 use crate::runner::{Runner, Schedule};
@@ -71,12 +71,10 @@ impl WindowProcess for FillProcess {
                 let text = format!("the surface intersects itself or the mesh: {text}{back}");
                 vec![RunEvent::SelfIntersection { text, place }]
             }
-            FillEvent::Finished { outcome, .. } => outcome
-                .warnings
-                .iter()
-                .map(|warning| RunEvent::Warning(with_hint(warning)))
-                .collect(),
-            FillEvent::Warned(warning) => vec![RunEvent::Warning(with_hint(&warning))],
+            FillEvent::Finished { outcome, .. } => {
+                outcome.warnings.iter().filter_map(warning_event).collect()
+            }
+            FillEvent::Warned(warning) => warning_event(&warning).into_iter().collect(),
             FillEvent::Failed { text, .. } => vec![RunEvent::Error(text)],
         }
     }
@@ -100,7 +98,7 @@ impl WindowProcess for FillProcess {
             let iterations = group.iterations;
             let iterations = iterations.map_or_else(String::new, |n| format!("GMRES {n}  "));
             let eta = group.eta;
-            let eta = eta.map_or_else(String::new, |s| format!("about {} s left", s.ceil()));
+            let words = eta.map_or_else(String::new, |s| format!("about {} s left", s.ceil()));
             Figures {
                 holes: group.holes.clone(),
                 level: None,
@@ -112,7 +110,8 @@ impl WindowProcess for FillProcess {
                 angle: at.map(|s| s.worst_angle),
                 end,
                 surface: group.surface.words(),
-                doing: iterations + &eta,
+                eta: eta.filter(|_| group.end.is_none()),
+                doing: iterations + &words,
             }
         };
         groups.map(row).collect()

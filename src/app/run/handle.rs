@@ -155,6 +155,8 @@ pub struct Figures {
     pub angle: Option<f64>,
     /// How the flow ended, if the shown state is its last.
     pub end: Option<Result<End, String>>,
+    /// Estimated time to the end in seconds.
+    pub eta: Option<f64>,
     /// The current activity.
     pub doing: String,
     /// The surface model, with the error to expect; empty for a refinement.
@@ -281,6 +283,13 @@ where
         let shown = shown.and_then(|state| (&**state as &dyn Any).downcast_ref());
         P::figures(self, shown)
     }
+}
+
+/// The message about a warning, with its remedy in the window. There is none about ill-posed points:
+/// the controls and the hatching show those of the shown state and of the current energy.
+pub(super) fn warning_event(warning: &Warning) -> Option<RunEvent> {
+    let shown = matches!(warning, Warning::NotParabolic { .. });
+    (!shown).then(|| RunEvent::Warning(with_hint(warning)))
 }
 
 /// A warning with its remedy in the window.

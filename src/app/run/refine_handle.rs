@@ -130,6 +130,7 @@ impl WindowProcess for RefineProcess {
             angle: None,
             end,
             surface: String::new(),
+            eta: None,
             doing: format!(
                 "level {} of {}, {} vertices",
                 status.level, status.levels, status.vertices

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::divergence::Limits;
 use super::refine_handle::with_controls;
 use super::{Run, RunVariant, settings};
 use crate::analysis::patch_rims;
@@ -61,12 +62,15 @@ impl Run {
             .collect::<Result<Vec<RunVariant>, String>>()?;
         Ok(Self {
             operation: sides[0].operation.clone(),
+            limits: Limits::new(&base, &[]),
             first_patch_face: base.face_count(),
             base,
             kept: None,
             loops: Vec::new(),
             sides,
             playing: true,
+            stopped: false,
+            summarised: false,
             next_frame: None,
         })
     }

@@ -225,3 +225,24 @@ fn a_crease_that_is_none_is_said() {
     act(&mut m, RunAction::Start);
     assert!(m.run.is_none() && last_message(&m).contains("single edge"));
 }
+
+/// A refinement to millions of faces is not started by mistake.
+#[test]
+fn a_large_refinement_is_asked_about() {
+    let mut refining = Refining::default();
+    refining.controls.levels = 9;
+    let mut m = on_icosahedron(refining);
+    act(&mut m, RunAction::Proceed);
+    assert_eq!(m.view.modal, Modal::Large(20 << 18));
+    assert!(m.run.is_none());
+    act(&mut m, Action::Escape);
+    assert!(m.run.is_none() && m.view.modal == Modal::None);
+    m.view.refining.controls.levels = 1;
+    act(&mut m, RunAction::Proceed);
+    assert!(m.run.is_some() && m.view.modal == Modal::None);
+    // the answer starts what was asked about
+    act(&mut m, RunAction::Reject);
+    m.view.modal = Modal::Large(80);
+    act(&mut m, RunAction::StartLarge);
+    assert!(m.run.is_some() && m.view.modal == Modal::None);
+}

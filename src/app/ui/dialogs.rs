@@ -5,6 +5,7 @@ use eframe::egui::{self, Context, Key, Modal as Over, Ui};
 use crate::app::action::{Action, FileAction, PictureAction, RunAction};
 use crate::app::model::Model;
 use crate::app::project;
+use crate::app::ui::format::format_number;
 use crate::app::ui::widgets::{Asks, named, primary};
 use crate::app::view_state::{Modal, PathPrompt, PathUse, PictureKind, PictureSettings};
 use crate::render::{MAX_SIDE, SequenceFormat};
@@ -16,6 +17,7 @@ pub(crate) fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>
         Modal::Path(prompt) => over(ctx, |ui| path_ui(ui, prompt, actions)),
         Modal::Unsaved(_) => over(ctx, |ui| unsaved_ui(ui, model, actions)),
         Modal::Recover(paths) => over(ctx, |ui| recover_ui(ui, paths, actions)),
+        Modal::Large(faces) => over(ctx, |ui| large_ui(ui, *faces, actions)),
         Modal::Picture(settings) => over(ctx, |ui| picture_ui(ui, model, settings, actions)),
     };
     // a click outside the dialog must not discard a recovery file
@@ -111,6 +113,21 @@ fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Actio
         ui.button("Keep for later")
             .asks(Action::Modal(Modal::None), actions);
         ui.button("Delete").asks(FileAction::DropRecovery, actions);
+    });
+}
+
+fn large_ui(ui: &mut Ui, faces: u64, actions: &mut Vec<Action>) {
+    ui.heading("This is a large refinement");
+    ui.label(format!(
+        "The result has about {} million faces. Computing it can take minutes and several gigabytes \
+         of memory. Fewer levels give a smaller result.",
+        format_number(faces as f64 / 1e6)
+    ));
+    ui.horizontal(|ui| {
+        ui.add(primary(ui, "Refine"))
+            .asks(RunAction::StartLarge, actions);
+        ui.button("Cancel")
+            .asks(Action::Modal(Modal::None), actions);
     });
 }
 

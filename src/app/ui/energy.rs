@@ -15,20 +15,32 @@ use crate::app::view_state::Task;
 use crate::energy::{Energy, ExprError, Preset};
 use crate::fill::Controls;
 
-/// A description of a preset.
-fn about(preset: Preset) -> &'static str {
+/// The name of a preset, and a sentence about it.
+fn about(preset: Preset) -> (&'static str, &'static str) {
     match preset {
-        Preset::One => "area: soap films; a second-order flow",
-        Preset::H2 => "Willmore energy: round surfaces, the default",
-        Preset::K2 => "squared Gaussian curvature: smooths flat directions weakly",
-        Preset::H2PlusK2 => "mixes units: the result depends on the size of the model",
-        Preset::H2K2 => "ill-posed on parts of saddles: fine oscillations occur",
-        Preset::K1P4PlusK2P4 => "penalises strong curvature",
-        Preset::K => "Gauss-Bonnet: every surface is stationary",
-        Preset::HMinusH0Squared => "Helfrich energy: favours the mean curvature H0",
-        Preset::K1SqPlusK2Sq => "bending energy of a thin plate",
-        Preset::K1MinusK2Squared => "favours umbilics: spheres",
-        Preset::CurvatureNorm => "curvature norm: keeps sharp edges and flat sides",
+        Preset::One => ("Area", "soap films; a second-order flow"),
+        Preset::H2 => ("Willmore energy", "round surfaces; the default"),
+        Preset::K2 => (
+            "Squared Gaussian curvature",
+            "smooths flat directions weakly",
+        ),
+        Preset::H2PlusK2 => (
+            "Sum of squares",
+            "mixes units: the result depends on the size of the model",
+        ),
+        Preset::H2K2 => (
+            "Product of squares",
+            "ill-posed on parts of saddles: fine oscillations occur",
+        ),
+        Preset::K1P4PlusK2P4 => ("Fourth powers", "penalises strong curvature"),
+        Preset::K => (
+            "Total curvature",
+            "every surface is stationary (Gauss-Bonnet)",
+        ),
+        Preset::HMinusH0Squared => ("Helfrich energy", "favours the mean curvature H0"),
+        Preset::K1SqPlusK2Sq => ("Bending energy", "of a thin plate"),
+        Preset::K1MinusK2Squared => ("Difference of curvatures", "favours umbilics: spheres"),
+        Preset::CurvatureNorm => ("Curvature norm", "keeps sharp edges and flat sides"),
     }
 }
 
@@ -40,15 +52,19 @@ pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let energy = parsed(ui, "preset", &view.energy_text, params);
         let current = Result::as_ref(&energy).ok().and_then(Energy::as_preset);
         egui::ComboBox::from_id_salt("preset")
-            .selected_text(current.map_or("typed", Preset::text))
+            .selected_text(current.map_or("typed", |preset| about(preset).0))
             .width(ui.available_width())
+            .height(420.0)
+            .truncate()
             .show_ui(ui, |ui| {
+                ui.set_min_width(330.0);
                 for preset in Preset::ALL {
-                    if ui
-                        .selectable_label(current == Some(preset), preset.text())
-                        .on_hover_text(about(preset))
-                        .clicked()
-                    {
+                    let (name, sentence) = about(preset);
+                    let text = RichText::new(preset.text()).weak();
+                    let atoms = (name, egui::Atom::grow(), text);
+                    let row = egui::Button::selectable(current == Some(preset), atoms);
+                    let row = row.min_size(egui::vec2(ui.available_width(), 0.0));
+                    if ui.add(row).on_hover_text(sentence).clicked() {
                         actions.push(ControlsAction::EnergyText(preset.text().into()).into());
                         actions.push(ControlsAction::ApplyEnergy.into());
                     }
@@ -69,7 +85,10 @@ pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     if parsed {
         parameters_ui(ui, model, actions);
     }
-    badge_ui(ui, model);
+    // it is about the energy in use, not about the one that is being typed
+    if parsed && view.energy_text.trim() == model.document.controls.energy {
+        badge_ui(ui, model);
+    }
     if model.view.task != Task::Refine {
         compare_ui(ui, model, actions);
     }

@@ -39,9 +39,28 @@ pub(crate) fn format_number(x: f64) -> String {
     }
 }
 
+/// A round number without trailing zeros.
+pub(crate) fn trimmed(x: f64) -> String {
+    let text = format_number(x);
+    let (digits, exponent) = text.split_at(text.find('e').unwrap_or(text.len()));
+    if digits.contains('.') {
+        let digits = digits.trim_end_matches('0').trim_end_matches('.');
+        format!("{digits}{exponent}")
+    } else {
+        text
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::format_number;
+    use super::{format_number, trimmed};
+
+    #[test]
+    fn round_numbers_have_no_trailing_zeros() {
+        for (x, text) in [(0.0, "0"), (0.5, "0.5"), (20.0, "20"), (-1e-5, "-1e-5")] {
+            assert_eq!(trimmed(x), text);
+        }
+    }
 
     #[test]
     fn numbers_in_four_digits() {

@@ -76,7 +76,7 @@ pub(crate) fn draw(painter: &Painter, rect: Rect, icon: Icon, ink: Color32) {
             bar(-0.9, 0.25);
             right(-0.35, 1.2);
         }
-        Icon::Task(task) => task_icon(painter, task, side, stroke, &at, &line),
+        Icon::Task(task) => task_icon(painter, task, side, stroke, at, line),
         Icon::LeftPanel | Icon::BottomPanel | Icon::RightPanel => {
             let frame = Rect::from_two_pos(at(-0.9, -0.75), at(0.9, 0.75));
             painter.rect_stroke(frame, 2.0, stroke, StrokeKind::Middle);
@@ -95,8 +95,8 @@ fn task_icon(
     task: Task,
     side: f32,
     stroke: Stroke,
-    at: &dyn Fn(f32, f32) -> Pos2,
-    line: &dyn Fn(&[(f32, f32)]),
+    at: impl Fn(f32, f32) -> Pos2,
+    line: impl Fn(&[(f32, f32)]),
 ) {
     match task {
         // a closed hole

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Ui};
 
-use super::format::format_number;
+use super::format::{format_number, trimmed};
 use crate::app::cached::Cached;
 use crate::app::model::Model;
 use crate::render::{Scene, ViewMode, colormap, legend_ticks, robust_range};
@@ -44,7 +44,7 @@ pub(crate) fn shared_range(
 pub(crate) fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
     let height = (rect.height() * 0.4).clamp(80.0, 260.0);
     let bar = Rect::from_min_size(
-        Pos2::new(rect.right() - 92.0, rect.bottom() - height - 40.0),
+        Pos2::new(rect.right() - 104.0, rect.bottom() - height - 40.0),
         egui::vec2(16.0, height),
     );
     let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.72);
@@ -55,12 +55,17 @@ pub(crate) fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
     let painter = ui.painter();
     painter.rect_filled(around, 6.0, ground);
     let (name, _) = super::format::mode_words(mode);
+    let unit = match mode {
+        ViewMode::Gauss => "1/unit²",
+        ViewMode::Deviation | ViewMode::Distance => "units",
+        _ => "1/unit",
+    };
     let font = FontId::proportional(13.0);
     let ink = ui.visuals().strong_text_color();
     painter.text(
         Pos2::new(bar.left(), bar.top() - 8.0),
         Align2::LEFT_BOTTOM,
-        name,
+        format!("{name}, {unit}"),
         font.clone(),
         ink,
     );
@@ -80,18 +85,23 @@ pub(crate) fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
         }
     }
     painter.add(mesh);
-    for tick in legend_ticks(range) {
-        let t = (tick - range[0]) / (range[1] - range[0]);
-        let y = bar.bottom() - t * bar.height();
+    // the ends, and the round numbers that are not too near
+    let part = |value: f32| (value - range[0]) / (range[1] - range[0]);
+    let ticks = legend_ticks(range).into_iter();
+    let apart = 15.0 / bar.height();
+    let ticks = ticks.filter(|&tick| (apart..1.0 - apart).contains(&part(tick)));
+    let labels = range.into_iter().map(|end| (end, false));
+    for (tick, is_round) in labels.chain(ticks.map(|tick| (tick, true))) {
+        let y = bar.bottom() - part(tick) * bar.height();
         painter.hline(
             bar.right()..=bar.right() + 4.0,
             y,
             egui::Stroke::new(1.0, ink),
         );
-        let words = if tick == 0.0 {
-            "0".into()
-        } else {
+        let words = if is_round {
             trimmed(f64::from(tick))
+        } else {
+            format_number(f64::from(tick))
         };
         painter.text(
             Pos2::new(bar.right() + 7.0, y),
@@ -100,15 +110,5 @@ pub(crate) fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
             font.clone(),
             ink,
         );
-    }
-}
-
-/// A round number without trailing zeros.
-fn trimmed(x: f64) -> String {
-    let text = format_number(x);
-    if text.contains('.') && !text.contains('e') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
     }
 }

@@ -5,6 +5,7 @@ mod controls;
 mod dialogs;
 mod energy;
 mod format;
+mod gizmo;
 mod icons;
 mod legend;
 mod menu;
@@ -139,13 +140,13 @@ fn panels_ui(ui: &mut egui::Ui, model: &Model, state: &mut UiState, actions: &mu
     }
     let narrow = window.width() < NARROW;
     let width = layout.left_width;
-    let default = if narrow { 236.0 } else { 270.0 };
+    let default = if narrow { 244.0 } else { 270.0 };
     let mut open = layout.left;
     let shown = egui::Panel::left("loops")
         .resizable(true)
         .default_size(width.unwrap_or(default))
         .min_size(220.0)
-        .max_size((0.28 * window.width()).max(230.0))
+        .max_size((0.28 * window.width()).max(244.0))
         .show_collapsible(ui, &mut open, |ui| side::side_ui(ui, model, actions));
     if let Some(shown) = shown.filter(|_| open) {
         state.sizes.left_width = Some(shown.response.rect.width());
@@ -153,24 +154,31 @@ fn panels_ui(ui: &mut egui::Ui, model: &Model, state: &mut UiState, actions: &mu
     if open != layout.left {
         actions.push(ViewAction::Toggle(Switch::LeftPanel).into());
     }
-    let width = layout.right_width;
-    let default = if narrow { 260.0 } else { 290.0 };
     let mut open = layout.right;
-    let shown = egui::Panel::right("controls")
-        .resizable(true)
-        .default_size(width.unwrap_or(default))
-        .min_size(250.0)
-        .max_size((0.3 * window.width()).max(260.0))
-        .show_collapsible(ui, &mut open, |ui| {
-            tabs(ui, model, actions);
-            if model.view.windows.analysis {
+    if model.view.windows.analysis {
+        egui::Panel::right("report")
+            .resizable(true)
+            .default_size(330.0)
+            .min_size(310.0)
+            .show_collapsible(ui, &mut open, |ui| {
+                tabs(ui, model, actions);
                 report::report_ui(ui, model, actions);
-            } else {
+            });
+    } else {
+        let width = layout.right_width;
+        let default = if narrow { 260.0 } else { 290.0 };
+        let shown = egui::Panel::right("controls")
+            .resizable(true)
+            .default_size(width.unwrap_or(default))
+            .min_size(250.0)
+            .max_size((0.3 * window.width()).max(260.0))
+            .show_collapsible(ui, &mut open, |ui| {
+                tabs(ui, model, actions);
                 controls::controls_ui(ui, model, actions);
-            }
-        });
-    if let Some(shown) = shown.filter(|_| open) {
-        state.sizes.right_width = Some(shown.response.rect.width());
+            });
+        if let Some(shown) = shown.filter(|_| open) {
+            state.sizes.right_width = Some(shown.response.rect.width());
+        }
     }
     if open != layout.right {
         actions.push(ViewAction::Toggle(Switch::RightPanel).into());

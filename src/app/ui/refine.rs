@@ -122,17 +122,13 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 }
 
 fn levels_ui(ui: &mut Ui, model: &Model, next: &mut Refining) {
-    let faces = if next.selected_only {
-        model.document.faces.len()
-    } else {
-        model.document.mesh.face_count()
-    };
     let tip = "number of levels; each splits every triangle into four";
     row(ui, "Levels", tip, |ui, label| {
         let levels = egui::Slider::new(&mut next.controls.levels, 1..=6);
         ui.add(levels).labelled_by(label).on_hover_text(tip);
     });
-    let after = (faces as u64) << (2 * next.controls.levels);
+    let document = &model.document;
+    let after = next.faces_after(document.mesh.face_count(), document.faces.len());
     ui.weak(format!("{after} faces afterwards"));
 }
 

@@ -5,7 +5,7 @@ use eframe::egui::{
 };
 
 use super::navigation::CLICK;
-use super::widgets::{Asks, row, wide_primary};
+use super::widgets::{Asks, row, wide_button, wide_primary};
 use crate::app::action::{Action, ControlsAction, EditAction, RunAction, SelectAction, TaskAction};
 use crate::app::faces::{BrushStamp, FaceEdit, Lasso};
 use crate::app::model::Model;
@@ -79,6 +79,9 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         actions.push(TaskAction::Selecting(selecting).into());
     }
     ui.horizontal_wrapped(|ui| {
+        let spacing = ui.spacing_mut();
+        spacing.item_spacing.x = 3.0;
+        spacing.button_padding.x = 5.0;
         for (name, tip, edit) in [
             ("Grow", "add one ring of faces", FaceEdit::Grow),
             ("Shrink", "remove one ring of faces", FaceEdit::Shrink),
@@ -145,7 +148,6 @@ fn quality_ui(ui: &mut Ui, model: &Model, selecting: &mut Selecting, actions: &m
 /// The buttons that start an operation on the selection.
 pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let some = !model.document.faces.is_empty();
-    let wide = egui::vec2(ui.available_width(), 26.0);
     let refill = "erase the selected faces and fill the hole with a smooth patch";
     let main = wide_primary(ui, "Erase and refill");
     ui.add_enabled(some, main)
@@ -153,11 +155,13 @@ pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         .asks(RunAction::Start, actions);
     let fair = "keep the triangles and move the vertices inside the selection; those on its border \
                 do not move";
-    ui.add_enabled(some, egui::Button::new("Fair in place").min_size(wide))
+    let button = wide_button(ui, "Fair in place");
+    ui.add_enabled(some, button)
         .on_hover_text(fair)
         .asks(RunAction::Fair, actions);
     let erase = "erase the selected faces and leave a hole";
-    ui.add_enabled(some, egui::Button::new("Erase only").min_size(wide))
+    let button = wide_button(ui, "Erase only");
+    ui.add_enabled(some, button)
         .asks_with_key(erase, EditAction::Erase, actions);
 }
 

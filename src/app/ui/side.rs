@@ -10,8 +10,11 @@ use crate::app::action::{
     Action, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
 };
 use crate::app::model::Model;
-use crate::app::view_state::Task;
-use crate::mesh::BoundaryLoop;
+use crate::app::view_state::{LoopColumn, LoopKind, LoopList, Task};
+use crate::mesh::{BoundaryLoop, LoopId};
+
+/// Number of loops from which the list can be filtered.
+const MANY: usize = 8;
 
 /// The task, the loops and the start button.
 pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -234,38 +237,97 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
 }
 
+/// The choice of the listed loops, if there are many.
+fn filter_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    if model.document.loops.len() < MANY {
+        return;
+    }
+    let mut next = model.view.list.clone();
+    ui.horizontal(|ui| {
+        for (kind, title) in [
+            (LoopKind::All, "all"),
+            (LoopKind::Holes, "holes"),
+            (LoopKind::Outer, "outer"),
+        ] {
+            ui.selectable_value(&mut next.kind, kind, title)
+                .on_hover_text("the loops that are listed");
+        }
+        let least = egui::DragValue::new(&mut next.least_edges)
+            .range(0..=1_000_000)
+            .prefix("from ")
+            .suffix(" edges");
+        ui.add(least)
+            .on_hover_text("list only loops with at least this many edges");
+    });
+    if next != model.view.list {
+        actions.push(TaskAction::List(next).into());
+    }
+}
+
 fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    let loops = &model.document.loops;
+    let list = &model.view.list;
+    filter_ui(ui, model, actions);
+    let loops = list.listed(&model.document.loops);
+    // where a range begins
+    let anchor = ui.scope_id().with("anchor");
     TableBuilder::new(ui)
         .striped(true)
         .sense(egui::Sense::click())
         .auto_shrink([false, false])
         .max_scroll_height(f32::INFINITY)
-        .column(Column::exact(26.0))
+        .column(Column::exact(22.0))
         .column(Column::exact(40.0))
-        .columns(Column::exact(54.0), 2)
+        .columns(Column::exact(50.0), 2)
         .column(Column::remainder().clip(true))
         .header(18.0, |mut header| {
-            for (title, tip) in [
-                ("#", "number on the command line"),
-                ("edges", "edges of the rim"),
-                ("length", "perimeter, in units of the file"),
-                ("width", "diameter, in units of the file"),
+            for (column, title, tip) in [
+                (LoopColumn::Number, "#", "number on the command line"),
+                (LoopColumn::Edges, "edges", "edges of the rim"),
                 (
+                    LoopColumn::Length,
+                    "length",
+                    "perimeter, in units of the file",
+                ),
+                (LoopColumn::Width, "width", "diameter, in units of the file"),
+                (
+                    LoopColumn::Kind,
                     "kind",
                     "outer: classified as an outer boundary, which is not filled unless it is \
                      selected",
                 ),
             ] {
                 header.col(|ui| {
-                    ui.add(egui::Label::new(RichText::new(title).strong()).truncate())
-                        .on_hover_text(tip);
+                    let sorted = list.sort == column;
+                    let arrow = match (sorted, list.descending) {
+                        (false, _) => "",
+                        (true, false) => "↑",
+                        (true, true) => "↓",
+                    };
+                    let text = RichText::new(format!("{title}{arrow}")).strong();
+                    let label = egui::Label::new(text).truncate().selectable(false);
+                    let label = ui.add(label.sense(egui::Sense::click()));
+                    label.widget_info(|| {
+                        let name = format!("Sort by {title}");
+                        egui::WidgetInfo::labeled(egui::Role::Button, true, name)
+                    });
+                    if label
+                        .on_hover_text(format!("{tip}; click to sort"))
+                        .clicked()
+                    {
+                        let next = LoopList {
+                            sort: column,
+                            descending: sorted && !list.descending,
+                            ..list.clone()
+                        };
+                        actions.push(TaskAction::List(next).into());
+                    }
                 });
             }
         })
         .body(|body| {
             body.rows(20.0, loops.len(), |mut row| {
-                let l = &loops[row.index()];
+                let at = row.index();
+                let l = loops[at];
                 let is_selected = model.document.selection.contains(&l.id);
                 row.set_selected(is_selected);
                 row.set_hovered(model.view.hover.contains(&l.id));
@@ -306,6 +368,12 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                         actions.push(EditAction::Flip(l.id).into());
                         ui.close();
                     }
+                    let button = egui::Button::new("Select similar");
+                    let tip = "add all loops of this kind and about this size";
+                    if ui.add_enabled(idle, button).on_hover_text(tip).clicked() {
+                        actions.push(SelectAction::Similar(l.id).into());
+                        ui.close();
+                    }
                     if ui.button("Zoom to it").clicked() {
                         actions.push(ViewAction::FlyToLoop(l.id).into());
                         ui.close();
@@ -315,7 +383,19 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     actions.push(ViewAction::FlyToLoop(l.id).into());
                 } else if response.clicked() {
                     let modifiers = response.ctx.input(|input| input.modifiers);
-                    actions.push(SelectAction::Loop(l.id, how(modifiers)).into());
+                    let start = response.ctx.data(|data| data.get_temp::<LoopId>(anchor));
+                    let start = start.and_then(|id| loops.iter().position(|l| l.id == id));
+                    match (how(modifiers), start) {
+                        (SelectHow::Add, Some(start)) => {
+                            let range = &loops[start.min(at)..=start.max(at)];
+                            let range = range.iter().map(|l| l.id).collect();
+                            actions.push(SelectAction::Several(range).into());
+                        }
+                        (how, _) => {
+                            response.ctx.data_mut(|data| data.insert_temp(anchor, l.id));
+                            actions.push(SelectAction::Loop(l.id, how).into());
+                        }
+                    }
                 }
             });
         });
@@ -326,6 +406,7 @@ fn show_focus(row: &egui::Response) {
     if row.has_focus() {
         let stroke = row.ctx.global_style().visuals.selection.stroke;
         let painter = row.ctx.layer_painter(row.layer_id);
+        let painter = painter.with_clip_rect(row.interact_rect);
         painter.rect_stroke(row.rect, 3.0, stroke, egui::StrokeKind::Inside);
     }
 }

@@ -184,6 +184,11 @@ fn visuals(dark: bool) -> Visuals {
         window_shadow: shadow,
         popup_shadow: shadow,
         slider_trailing_fill: true,
+        // a blinking cursor would keep the window from sleeping
+        text_cursor: egui::style::TextCursorStyle {
+            blink: false,
+            ..base.text_cursor.clone()
+        },
         ..base
     }
 }

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Order, Stroke};
 
+use super::gizmo::GIZMO;
 use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
@@ -21,11 +22,11 @@ pub(crate) fn toasts_ui(
     }
     let corner = egui::vec2(
         views.right() - ctx.content_rect().right() - 12.0,
-        views.top() + 12.0,
+        views.top() + GIZMO,
     );
     Area::new(Id::unique("toasts"))
         .order(Order::Foreground)
-        // in the corner without legend and transport
+        // below the axes
         .anchor(Align2::RIGHT_TOP, corner)
         .interactable(true)
         .show(ctx, |ui| {

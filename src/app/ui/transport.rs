@@ -2,9 +2,9 @@
 
 use eframe::egui::{self, RichText, Ui};
 use egui_extras::{Column, TableBody, TableBuilder, TableRow};
-use egui_plot::{Legend, Line, Plot, PlotPoints, VLine};
+use egui_plot::{HoverPosition, Legend, Line, Plot, PlotPoints, VLine};
 
-use super::format::format_number;
+use super::format::{format_number, trimmed};
 use super::icons::{Icon, icon_button};
 use super::theme;
 use super::widgets::Asks;
@@ -233,7 +233,7 @@ fn numbers_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
             }
         }
         for side in &run.sides {
-            for warning in &side.warnings {
+            for warning in side.shown_warnings() {
                 ui.label(
                     RichText::new(warning)
                         .small()
@@ -398,18 +398,51 @@ impl std::fmt::Display for Sig {
 fn plots_ui(ui: &mut Ui, run: &Run) {
     let height = ui.available_height().max(60.0);
     ui.columns(2, |columns| {
-        for (column, (name, title)) in columns.iter_mut().zip([
-            ("energy", "energy by attempt"),
-            ("residual", "log10 of the residual by attempt"),
-        ]) {
-            column.small(title);
-            let energy = name == "energy";
+        for (column, energy) in columns.iter_mut().zip([true, false]) {
             let curves = curves(run, energy);
-            let mut plot = Plot::new(name)
+            let relative = run.sides.iter().any(|side| side.curves.len() > 1);
+            let title = match (energy, relative) {
+                (true, false) => "energy",
+                (true, true) => "energy, relative to the start",
+                (false, _) => "residual",
+            };
+            column.small(format!("{title}, by attempt"));
+            let value = move |y: f64| {
+                if energy {
+                    format_number(y)
+                } else {
+                    format!("{:.1e}", 10f64.powf(y))
+                }
+            };
+            let mut plot = Plot::new(title)
                 .height((height - 22.0).max(40.0))
                 .allow_scroll(false)
                 .allow_drag(false)
                 .allow_zoom(false)
+                .y_axis_min_width(44.0)
+                .y_axis_formatter(move |mark, _| {
+                    if energy {
+                        trimmed(mark.value)
+                    } else {
+                        format!("1e{:.0}", mark.value)
+                    }
+                })
+                .label_formatter(move |at| match at {
+                    HoverPosition::NearDataPoint {
+                        plot_name,
+                        position,
+                        ..
+                    } => {
+                        let hole = if plot_name.is_empty() {
+                            String::new()
+                        } else {
+                            format!("{plot_name}: ")
+                        };
+                        let y = value(position.y);
+                        Some(format!("{hole}{y} at attempt {:.0}", position.x))
+                    }
+                    HoverPosition::Elsewhere { .. } => None,
+                })
                 .show_axes([true, true]);
             if (2..5).contains(&curves.len()) {
                 plot = plot.legend(Legend::default());
@@ -447,18 +480,20 @@ fn extent(curves: &[(String, Vec<[f64; 2]>)]) -> Option<[f64; 2]> {
 /// One curve with its name for each group of each side.
 fn curves(run: &Run, energy: bool) -> Vec<(String, Vec<[f64; 2]>)> {
     let mut all = Vec::new();
-    for side in &run.sides {
+    for (s, side) in run.sides.iter().enumerate() {
+        let rows = side.handle.figures(None);
         for (g, curve) in side.curves.iter().enumerate() {
             let points = if energy {
                 &curve.energy
             } else {
                 &curve.residual
             };
+            // as in the table
+            let holes = rows.get(g).map(|row| holes_words(run, row));
             let name = match (run.sides.len(), side.curves.len()) {
                 (1, 1) => String::new(),
-                (1, _) => format!("{}", g + 1),
                 (_, 1) => side.name.into(),
-                _ => format!("{}{}", side.name, g + 1),
+                _ => format!("{}{}", side_name(run, s), holes.unwrap_or_default()),
             };
             // energies of different holes share a plot, so each is relative to its start
             let scale = match (energy, side.curves.len(), points.first()) {

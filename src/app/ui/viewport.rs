@@ -12,7 +12,7 @@ use super::repair;
 use super::side::how;
 use super::widgets::{Asks, primary};
 use crate::app::action::{
-    Action, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
+    Action, ControlsAction, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
 };
 use crate::app::model::Model;
 use crate::app::report::Pick;
@@ -21,7 +21,11 @@ use crate::app::scene_builder;
 use crate::app::view_state::{Bridging, Task, Tool};
 use crate::mesh::DVec3;
 use crate::ops::Operation;
-use crate::render::{MAX_SIDE, ViewportCallback};
+use crate::render::{MAX_SIDE, Projector, Scene, ViewportCallback, value_on_line};
+
+/// The message about a surface that grows without bound.
+const DIVERGED: &str = "The surface grows without bound under this energy. The run is paused, \
+                            and the last sensible shape is shown.";
 
 /// Maximum distance of the cursor from a picked rim, in points.
 const REACH: f32 = 9.0;
@@ -45,8 +49,21 @@ pub(crate) fn viewports_ui(
             rect.max.x = rect.min.x + width - if side + 1 < sides { 1.0 } else { 0.0 };
         }
         viewport_ui(ui, model, state, format, side, rect, actions);
-        if let Some(run) = model.run.as_ref().filter(|run| run.ended()) {
-            decide_ui(ui, run, side, rect, actions);
+        if let Some(run) = model.run.as_ref() {
+            // beside the legend
+            if model.view.style.mode.is_map() {
+                rect.max.x -= 116.0;
+            }
+            if run.diverged() {
+                if side == 0 {
+                    diverged_ui(ui, run, rect, actions);
+                }
+            } else if run.ended() {
+                decide_ui(ui, run, side, rect, actions);
+            } else if let Some(words) = run.progress().filter(|_| side == 0) {
+                let at = rect.center_bottom() - egui::vec2(0.0, 16.0);
+                text(ui, at, Align2::CENTER_BOTTOM, &words, 14.0);
+            }
         }
         if let Some(run) = model.run.as_ref().filter(|r| r.sides.len() > 1) {
             let title = match run.operation {
@@ -63,6 +80,41 @@ pub(crate) fn viewports_ui(
         }
     }
     ui.advance_cursor_after_rect(whole);
+}
+
+/// What to do about a surface that grows without bound.
+fn diverged_ui(ui: &mut Ui, run: &Run, rect: Rect, actions: &mut Vec<Action>) {
+    let width = (rect.width() - 24.0).min(430.0);
+    let place = Rect::from_center_size(
+        rect.center_bottom() - egui::vec2(0.0, 62.0),
+        egui::vec2(width, 90.0),
+    );
+    let builder = egui::UiBuilder::new().max_rect(place);
+    ui.scope_builder(builder, |ui| {
+        egui::Frame::popup(ui.style()).show(ui, |ui| {
+            ui.set_width(width - 16.0);
+            ui.label(DIVERGED);
+            ui.horizontal_wrapped(|ui| {
+                // compared sides keep their energies
+                if run.sides.len() == 1
+                    && ui
+                        .add(primary(ui, "Continue with H^2"))
+                        .on_hover_text("go on from the shown shape with the Willmore energy")
+                        .clicked()
+                {
+                    actions.push(ControlsAction::EnergyText("H^2".into()).into());
+                    actions.push(ControlsAction::ApplyEnergy.into());
+                    actions.push(RunAction::ContinueFromShown.into());
+                }
+                ui.button("Back to the start")
+                    .on_hover_text("show the first shape; choose another energy on the right")
+                    .asks(RunAction::Scrub(Some(0)), actions);
+                ui.button("Reject")
+                    .on_hover_text("discard the patch; the mesh is unchanged")
+                    .asks(RunAction::Reject, actions);
+            });
+        });
+    });
 }
 
 /// The buttons that end a finished run, with their keys. A rejection rejects all sides.
@@ -164,6 +216,7 @@ fn viewport_ui(
             .unwrap_or_else(|| shared_range(model, &scene, style.mode, &mut state.range))
     });
     style.range = range;
+    let value = range.and_then(|_| value_under(model, &scene, &response, rect));
     let size = rect.size() * points;
     // egui assumes an infinite screen before the window size is known
     let drawable = size.max_elem() <= MAX_SIDE as f32 && size.min_elem() >= 1.0;
@@ -184,13 +237,31 @@ fn viewport_ui(
     if let Some(range) = range {
         legend(ui, rect, style.mode, range);
     }
+    if let (Some(value), Some(at)) = (value, response.hover_pos()) {
+        let (name, _) = super::format::mode_words(style.mode);
+        let words = format!("{name} = {}", format_number(value));
+        let at = at + egui::vec2(14.0, 18.0);
+        text(ui, at, Align2::LEFT_TOP, &words, 13.0);
+    }
     repair::draw(ui, model, state.draft.as_ref(), &response);
     if side == 0 {
+        super::gizmo::scale_bar(ui, model, rect);
+        super::gizmo::gizmo_ui(ui, model, rect, actions);
         rim_numbers(ui, model, rect);
         super::bridge::bridge_ends(ui, model, state.rim_vertex, rect);
         hover_figures(ui, model, rect);
         corner_words(ui, model, rect);
     }
+}
+
+/// The number of the colour map under the cursor.
+fn value_under(model: &Model, scene: &Scene, response: &egui::Response, rect: Rect) -> Option<f64> {
+    let down = response.ctx.input(|i| i.pointer.any_down());
+    let at = response.hover_pos().filter(|_| !down)?;
+    let size = [f64::from(rect.width()), f64::from(rect.height())];
+    let pixel = [f64::from(at.x - rect.left()), f64::from(at.y - rect.top())];
+    let (origin, direction) = Projector::new(&model.view.camera, size).line_through(pixel);
+    value_on_line(scene, model.view.style.mode, origin, direction)
 }
 
 /// Whether clicks select loops.
@@ -287,14 +358,14 @@ fn pick(
     }
 }
 
-/// The selected rims of a blend, numbered.
+/// The numbers of the selected rims of a blend.
 fn rim_numbers(ui: &Ui, model: &Model, rect: Rect) {
     if model.view.task != Task::Blend || model.run.is_some() {
         return;
     }
-    for (n, l) in model.document.selected().iter().enumerate() {
+    for l in model.document.selected() {
         if let Some(at) = on_screen(model, rect, l.centroid) {
-            text(ui, at, Align2::CENTER_CENTER, &(n + 1).to_string(), 17.0);
+            text(ui, at, Align2::CENTER_CENTER, &l.id.to_string(), 17.0);
         }
     }
 }

@@ -147,6 +147,12 @@ pub(crate) fn wide_primary(ui: &Ui, text: &str) -> Button<'static> {
     primary(ui, text).min_size(vec2(ui.available_width(), 30.0))
 }
 
+/// A button over the whole width beside a primary one.
+pub(crate) fn wide_button(ui: &Ui, text: &str) -> Button<'static> {
+    let atoms = (Atom::grow(), text.to_owned(), Atom::grow());
+    Button::new(atoms).min_size(vec2(ui.available_width(), 26.0))
+}
+
 /// A choice between values, with its name before them. Each value has a title and a tooltip.
 pub(crate) fn choice<T: PartialEq, const N: usize>(
     ui: &mut Ui,

@@ -249,11 +249,11 @@ fn help_ui(ui: &mut Ui, model: &Model) {
     };
     let mouse = [
         (navigation.about(), navigation.title()),
-        ("select a hole", "Click"),
-        ("add a hole to the selection", "Shift+click"),
-        ("add or remove a hole", "Ctrl+click"),
-        ("set the pivot of rotations", "Double-click"),
-        ("open the menus; arrow keys move in them", "F10 or Alt"),
+        ("Select a hole", "Click"),
+        ("Add a hole to the selection", "Shift+click"),
+        ("Add or remove a hole", "Ctrl+click"),
+        ("Set the pivot of rotations", "Double-click"),
+        ("Open the menus; arrow keys move in them", "F10 or Alt"),
     ];
     ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
         ui.set_min_width(ui.available_width());
@@ -286,10 +286,10 @@ fn help_group<'a>(
         .num_columns(2)
         .show(ui, |ui| {
             for (about, keys) in rows {
-                ui.add_sized(
-                    [150.0, 18.0],
-                    egui::Label::new(RichText::new(keys).strong()),
-                );
+                ui.horizontal(|ui| {
+                    ui.set_min_width(150.0);
+                    ui.strong(keys);
+                });
                 ui.add(egui::Label::new(about).wrap());
                 ui.end_row();
             }

@@ -51,6 +51,7 @@ fn set(model: &mut Model, controls: Controls) {
                 Ok(()) => {
                     if (&own.energy, &own.param) != (&side.controls.energy, &side.controls.param) {
                         side.new_energy();
+                        side.diverged = false;
                     }
                     side.controls = own;
                 }
@@ -61,9 +62,12 @@ fn set(model: &mut Model, controls: Controls) {
             }
         }
         if run.ended() {
-            // a changed control restarts a flow that has ended
+            // a changed control restarts a flow that has ended; what was said about its end no
+            // longer holds
             run.playing = true;
-            for side in &run.sides {
+            run.stopped = false;
+            for side in &mut run.sides {
+                side.warnings.retain(|w| w.attempt == 0);
                 side.handle.play();
             }
         }

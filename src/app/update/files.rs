@@ -14,6 +14,7 @@ use crate::app::history::History;
 use crate::app::model::{Done, Effect, Loaded, Model, SavedWhat};
 use crate::app::project;
 use crate::app::repeat;
+use crate::app::report::Report;
 use crate::app::view_state::{AfterUnsaved, Modal, PathPrompt, PathUse};
 use crate::io;
 use crate::shapes::SAMPLES;
@@ -274,6 +275,7 @@ pub(in crate::app) fn replace(model: &mut Model, document: Document) {
     view.fit = true;
     view.hover.clear();
     view.report.forget();
+    model.report = Report::default();
     view.energy_text.clone_from(&document.controls.energy);
     view.compare_energy = None;
     let is_sample = matches!(document.origin.source, Source::Sample(_));

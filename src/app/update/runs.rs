@@ -8,10 +8,13 @@ use crate::app::action::RunAction;
 use crate::app::document::{AppliedOperation, window_controls};
 use crate::app::model::Model;
 use crate::app::run::Run;
-use crate::app::view_state::Task;
+use crate::app::view_state::{Modal, Task};
 use crate::fill::{Controls, Surface};
 use crate::mesh::LoopId;
 use crate::ops::{BlendSpec, FacesSpec, FillSpec, FlowSpec, Operation};
+
+/// A refinement to more faces than this is started only after a question.
+const LARGE: u64 = 500_000;
 
 pub(crate) fn update(model: &mut Model, action: RunAction) {
     match action {
@@ -21,6 +24,10 @@ pub(crate) fn update(model: &mut Model, action: RunAction) {
             None => start(model),
         },
         RunAction::Start => start(model),
+        RunAction::StartLarge => {
+            model.view.modal = Modal::None;
+            refine(model);
+        }
         RunAction::Fair => {
             if let Some(faces) = edits::selected_faces(model) {
                 spawn(model, |flow| {
@@ -38,14 +45,20 @@ pub(crate) fn update(model: &mut Model, action: RunAction) {
                 run.scrub(Some(shown.unwrap_or(last).saturating_sub(1)));
             }
         }
-        RunAction::Finish => on_sides(model, |side| {
-            side.shown = None;
-            side.handle.finish();
-        }),
+        RunAction::Finish => {
+            on_sides(model, |side| {
+                side.shown = None;
+                side.handle.finish();
+            });
+            if let Some(run) = &mut model.run {
+                run.stopped = false;
+            }
+        }
         RunAction::Stop => {
             on_sides(model, |side| side.handle.stop());
             if let Some(run) = &mut model.run {
                 run.playing = false;
+                run.stopped = true;
             }
         }
         RunAction::Scrub(at) => {
@@ -86,7 +99,12 @@ fn start(model: &mut Model) {
     }
     model.view.bridging = None;
     if model.view.task == Task::Refine {
-        refine(model);
+        let document = &model.document;
+        let (all, selected) = (document.mesh.face_count(), document.faces.len());
+        match model.view.refining.faces_after(all, selected) {
+            faces if faces > LARGE => model.view.modal = Modal::Large(faces),
+            _ => refine(model),
+        }
         return;
     }
     if model.view.task == Task::Repair {
@@ -212,11 +230,12 @@ fn continue_from_shown(model: &mut Model) {
     for side in &mut run.sides {
         if let (Some(state), Some(_)) = (side.state(), side.shown.take()) {
             side.handle.rewind_to(&state);
-            side.crossing = None;
+            side.forget_after(state.attempt());
         }
         side.handle.play();
     }
     run.playing = true;
+    run.stopped = false;
 }
 
 /// Accepts the shown state of a variant.

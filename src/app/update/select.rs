@@ -28,6 +28,7 @@ pub(crate) fn update_task(model: &mut Model, action: TaskAction) {
         TaskAction::Selecting(selecting) => model.view.selecting = selecting,
         TaskAction::Refining(refining) => model.view.refining = *refining,
         TaskAction::Limits(limits) => model.view.limits = limits,
+        TaskAction::List(list) => model.view.list = list,
     }
 }
 
@@ -42,10 +43,26 @@ pub(crate) fn update(model: &mut Model, action: SelectAction) {
     let label = match action {
         SelectAction::Faces(edit) => return faces(model, edit),
         SelectAction::None if is_about_faces => return faces(model, FaceEdit::Clear),
-        SelectAction::Loop(..) | SelectAction::All | SelectAction::AllButLargest
+        SelectAction::Loop(..)
+        | SelectAction::Several(_)
+        | SelectAction::Similar(_)
+        | SelectAction::All
+        | SelectAction::AllButLargest
             if is_about_faces =>
         {
             return;
+        }
+        SelectAction::Several(ids) => {
+            selection.extend(ids.iter().filter(|&&id| document.loop_of(id).is_some()));
+            "select a range of loops"
+        }
+        SelectAction::Similar(id) => {
+            let Some(like) = document.loop_of(id) else {
+                return;
+            };
+            let alike = document.loops.iter().filter(|l| is_similar(l, like));
+            selection.extend(alike.map(|l| l.id));
+            "select similar loops"
         }
         SelectAction::Loop(id, _) if document.loop_of(id).is_none() => return,
         // rims of a blend are added one by one
@@ -83,6 +100,14 @@ pub(crate) fn update(model: &mut Model, action: SelectAction) {
         }
     };
     set_loops(model, selection, label);
+}
+
+/// Whether two loops are of the same kind and differ by at most a quarter in edges and diameter.
+fn is_similar(a: &BoundaryLoop, b: &BoundaryLoop) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= 0.25 * x.max(y);
+    a.is_outer_boundary == b.is_outer_boundary
+        && near(a.edges() as f64, b.edges() as f64)
+        && near(a.diameter, b.diameter)
 }
 
 /// The loops that do not exceed the limits.

@@ -1,0 +1,167 @@
+//! The axes in the corner of a view, which can be clicked, and the scale bar.
+
+use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, Ui, vec2};
+
+use super::format::trimmed;
+use crate::app::action::{Action, ViewAction};
+use crate::app::model::Model;
+use crate::mesh::DVec3;
+use crate::options::Choice;
+use crate::render::{Camera, StandardView};
+
+/// Distance of the balls from the centre of the axes in points.
+const ARM: f32 = 30.0;
+/// Distance of the centre from the corner of the view.
+const INSET: f32 = 46.0;
+/// Length of the scale bar in points, at most.
+const BAR: f32 = 120.0;
+
+/// Height of the axes, which messages in the same corner leave free.
+pub(crate) const GIZMO: f32 = 2.0 * INSET;
+
+/// The standard view from the positive or negative end of an axis.
+fn view_from(camera: &Camera, towards_eye: DVec3) -> Option<StandardView> {
+    let looks = |view: &StandardView| {
+        let mut camera = *camera;
+        camera.standard_view(*view);
+        -camera.forward()
+    };
+    let all = StandardView::ALL.iter().copied();
+    all.into_iter()
+        .find(|view| looks(view).dot(towards_eye) > 0.99)
+}
+
+/// The six ends of the axes, the rearmost first.
+pub(crate) fn gizmo_ui(ui: &mut Ui, model: &Model, rect: Rect, actions: &mut Vec<Action>) {
+    if rect.width() < 4.0 * INSET || rect.height() < 4.0 * INSET {
+        return;
+    }
+    let camera = &model.view.camera;
+    let centre = rect.right_top() + vec2(-INSET, INSET);
+    let colors = [
+        Color32::from_rgb(225, 75, 80),
+        Color32::from_rgb(110, 175, 60),
+        Color32::from_rgb(70, 130, 225),
+    ];
+    let mut ends: Vec<(DVec3, usize, bool)> = [DVec3::X, DVec3::Y, DVec3::Z]
+        .into_iter()
+        .enumerate()
+        .flat_map(|(i, axis)| [(axis, i, true), (-axis, i, false)])
+        .collect();
+    ends.sort_by(|a, b| {
+        let depth = |end: &(DVec3, usize, bool)| end.0.dot(camera.forward());
+        depth(b).total_cmp(&depth(a))
+    });
+    for (end, axis, positive) in ends {
+        let flat = vec2(end.dot(camera.right()) as f32, -end.dot(camera.up()) as f32);
+        let at = centre + ARM * flat;
+        let radius = if positive { 9.0 } else { 6.5 };
+        let Some(view) = view_from(camera, end) else {
+            continue;
+        };
+        let hit = Rect::from_center_size(at, vec2(18.0, 18.0));
+        let id = ui.scope_id().with(("axis", axis, positive));
+        let response = ui.interact(hit, id, Sense::click());
+        let name = format!("View from the {}", view.name());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+        let color = colors[axis];
+        let painter = ui.painter();
+        let fill = if positive || response.hovered() {
+            color
+        } else {
+            color.gamma_multiply(0.35)
+        };
+        if positive {
+            painter.line_segment([centre, at], Stroke::new(2.0, color));
+        }
+        painter.circle(at, radius, fill, Stroke::new(1.0, color));
+        if positive {
+            let font = FontId::proportional(11.0);
+            let letter = ["x", "y", "z"][axis];
+            painter.text(at, Align2::CENTER_CENTER, letter, font, Color32::WHITE);
+        }
+        if response.on_hover_text(name).clicked() {
+            actions.push(ViewAction::Standard(view).into());
+        }
+    }
+}
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above a length.
+fn round_length(most: f64) -> f64 {
+    let power = 10f64.powf(most.log10().floor());
+    let steps = [5.0, 2.0, 1.0];
+    let step = steps.into_iter().find(|s| s * power <= most);
+    step.unwrap_or(1.0) * power
+}
+
+/// A bar whose length is a round number of units at the depth of the pivot.
+pub(crate) fn scale_bar(ui: &Ui, model: &Model, rect: Rect) {
+    let point = 2.0 * model.view.camera.half_height() / f64::from(rect.height().max(1.0));
+    let most = point * f64::from(BAR.min(0.3 * rect.width()));
+    if !(most.is_finite() && most > 0.0) || rect.width() < 240.0 {
+        return;
+    }
+    let length = round_length(most);
+    let width = (length / point) as f32;
+    // above the hint or the buttons, if there is no room beside them
+    let low = model.run.is_none() && rect.width() > 800.0;
+    let lift = if low { 14.0 } else { 58.0 };
+    let left = rect.left_bottom() + vec2(14.0, -lift);
+    let ink = ui.visuals().strong_text_color();
+    let painter = ui.painter();
+    let stroke = Stroke::new(1.5, ink);
+    let right = left + vec2(width, 0.0);
+    let tick = vec2(0.0, 5.0);
+    for line in [[left, right], [left, left - tick], [right, right - tick]] {
+        painter.line_segment(line, stroke);
+    }
+    let words = format!("{} units", trimmed(length));
+    let at = Pos2::new(0.5 * (left.x + right.x), left.y - 6.0);
+    painter.text(
+        at,
+        Align2::CENTER_BOTTOM,
+        words,
+        FontId::proportional(11.0),
+        ink,
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Bounds;
+
+    #[test]
+    fn round_lengths_are_the_largest_below_the_limit() {
+        for (most, length) in [
+            (1.0, 1.0),
+            (0.99, 0.5),
+            (7.3, 5.0),
+            (4.9, 2.0),
+            (1999.0, 1000.0),
+            (0.0031, 0.002),
+        ] {
+            assert!(
+                (round_length(most) - length).abs() < 1e-12 * length,
+                "{most}"
+            );
+        }
+    }
+
+    /// A click on the end of an axis shows the model from there, whatever axis is vertical.
+    #[test]
+    fn each_end_of_an_axis_has_its_view() {
+        for z_up in [false, true] {
+            let mut camera = Camera::fit(&Bounds::new(-DVec3::ONE, DVec3::ONE));
+            camera.z_up = z_up;
+            for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                for end in [axis, -axis] {
+                    let view = view_from(&camera, end).expect("a view");
+                    let mut turned = camera;
+                    turned.standard_view(view);
+                    assert!((-turned.forward()).dot(end) > 0.999);
+                }
+            }
+        }
+    }
+}
