@@ -218,22 +218,37 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .asks(RunAction::Start, actions);
         return;
     };
-    // apart, so that one is not clicked instead of the other
+    let accept = |ui: &mut Ui, i: usize, name: &str, width: f32| {
+        let name = format!("Accept {name}");
+        let button = primary(ui, name.trim_end()).truncate();
+        ui.add_sized([width, 30.0], button)
+            .key_tip("accept the patch as shown", RunAction::Accept(i))
+            .clicked()
+            .then_some(RunAction::Accept(i))
+    };
     let names = run.names();
-    ui.horizontal(|ui| {
-        let width = (ui.available_width() - 90.0) / names.len() as f32 - 6.0;
-        for (i, name) in names.into_iter().enumerate() {
-            let name = format!("Accept {name}");
-            let button = primary(ui, name.trim_end()).truncate();
-            ui.add_sized([width, 30.0], button)
-                .key_tip("accept the patch as shown", RunAction::Accept(i))
-                .asks(RunAction::Accept(i), actions);
-        }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.add_sized([68.0, 30.0], egui::Button::new("Reject"))
-                .on_hover_text("discard the patch; the mesh is unchanged")
-                .asks(RunAction::Reject, actions);
+    // apart, so that one is not clicked instead of the other
+    if names.len() == 1 {
+        ui.horizontal(|ui| {
+            let width = ui.available_width() - 96.0;
+            actions.extend(accept(ui, 0, "", width).map(Action::from));
+            reject_ui(ui, actions);
         });
+        return;
+    }
+    for (i, name) in names.into_iter().enumerate() {
+        let width = ui.available_width();
+        actions.extend(accept(ui, i, name, width).map(Action::from));
+    }
+    ui.horizontal(|ui| reject_ui(ui, actions));
+}
+
+/// The button that discards the patches, at the right end of a row.
+fn reject_ui(ui: &mut Ui, actions: &mut Vec<Action>) {
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.add_sized([68.0, 30.0], egui::Button::new("Reject"))
+            .on_hover_text("discard the patch; the mesh is unchanged")
+            .asks(RunAction::Reject, actions);
     });
 }
 
