@@ -44,6 +44,8 @@ pub(crate) fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         if menu_key(ui.ctx()) && model.view.modal == Modal::None {
             file.response.request_focus();
             egui::Popup::open_id(ui.ctx(), egui::Popup::default_response_id(&file.response));
+            // the next frame shows the menu
+            ui.ctx().request_repaint();
         }
         ui.menu_button("Edit", |ui| edit_ui(ui, model, actions));
         ui.menu_button("Select", |ui| {
