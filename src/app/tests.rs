@@ -443,7 +443,7 @@ fn saved_files_get_an_extension_and_enter_the_title_and_the_recent_files() {
 fn unsaved_work_is_asked_about_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("other.obj");
-    io::save_mesh(&path, &opened().mesh, &[]).expect("written");
+    io::save_mesh(&path, &opened().mesh).expect("written");
     let mut m = model();
     act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
     filled(&mut m);

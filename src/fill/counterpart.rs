@@ -12,12 +12,10 @@ use crate::fill::context::FillContext;
 use crate::fill::patch_topology::PatchTopology;
 use crate::mesh::{DVec3, Neighbourhood, VertexId, vertex_normal};
 use crate::solver::{Flow, FlowProblem, G2_RINGS, Reference};
-use crate::symmetry::{Isometry, Sample, nearest_inside, symmetries};
+use crate::symmetry::{Isometry, Sample, nearest_alike, nearest_inside, symmetries};
 
-/// Most vertices around a hole by which a symmetry is fitted, the share of them that counts, and rounds of
-/// fitting.
+/// The share of the vertices around a hole that counts in the fit of a symmetry, and most rounds of fitting.
 const SHARE: f64 = 0.7;
-const FITTED: usize = 100;
 const ROUNDS: usize = 8;
 
 /// What fills a hole by symmetry.
@@ -30,9 +28,9 @@ pub(super) struct Counterpart {
 }
 
 impl FillContext<'_> {
-    /// The point of the mesh nearest to a sample; see [`nearest_inside`].
+    /// The point of the mesh nearest to a sample; see [`nearest_alike`].
     fn nearest(&self, to: &Sample) -> Option<Sample> {
-        nearest_inside(self.mesh, self.plan.obstacles.bvh(self.mesh), to)
+        nearest_alike(self.mesh, self.plan.obstacles.bvh(self.mesh), to)
     }
 
     /// The symmetries of the mesh.
@@ -41,16 +39,29 @@ impl FillContext<'_> {
         all.get_or_init(|| Arc::new(symmetries(self.mesh)))
     }
 
-    /// A symmetry fitted to some vertices of the mesh, and the median distance of their counterparts
-    /// from them along the normals. `None` if fewer than half have a counterpart.
-    pub fn fitted(&self, symmetry: &Isometry, vertices: &[VertexId]) -> Option<(Isometry, f64)> {
-        let step = vertices.len().div_ceil(FITTED).max(1);
+    /// A symmetry fitted to at most `most` of some vertices of the mesh, and the median distance of their
+    /// counterparts from them along the normals. `None` if fewer than half have a counterpart.
+    pub fn fitted(
+        &self,
+        symmetry: &Isometry,
+        vertices: &[VertexId],
+        most: usize,
+    ) -> Option<(Isometry, f64)> {
+        let step = vertices.len().div_ceil(most).max(1);
         let vertices = vertices.iter().step_by(step);
         let samples = vertices.filter_map(|&v| Sample::of_vertex(self.mesh, v));
         let samples: Vec<Sample> = samples.collect();
         let nearest = |sample: &Sample| self.nearest(sample);
         let fit = symmetry.fitted(&samples, SHARE, ROUNDS, nearest)?;
         Some((fit, fit.median(&samples, nearest)?))
+    }
+
+    /// The share of points that have a counterpart.
+    pub fn covered(&self, isometry: &Isometry, points: &[DVec3]) -> f64 {
+        let bvh = self.plan.obstacles.bvh(self.mesh);
+        let images = points.iter().map(|&p| isometry.apply(p));
+        let found = images.filter(|&p| nearest_inside(self.mesh, bvh, p).is_some());
+        found.count() as f64 / points.len().max(1) as f64
     }
 
     /// Where a sample would lie on its counterpart, taken back to it. `None` if the mesh has none.
@@ -152,7 +163,7 @@ impl Following {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fill::{FillOptions, FillResult, RimSet, Symmetry, fill_rim_sets};
+    use crate::fill::{FillOptions, Filled, RimSet, Symmetry, fill_rim_sets};
     use crate::mesh::{Mesh, TriangleBvh, boundary_loops};
     use crate::shapes;
 
@@ -176,7 +187,7 @@ mod tests {
         )
     }
 
-    fn filled(mesh: &Mesh, symmetry: Symmetry) -> FillResult {
+    fn filled(mesh: &Mesh, symmetry: Symmetry) -> Filled {
         let loops = boundary_loops(mesh);
         let chosen: Vec<RimSet<'_>> = loops.iter().map(|l| vec![l]).collect();
         let options = FillOptions {
@@ -191,13 +202,13 @@ mod tests {
         let (whole, broken) = bodies();
         let triangles: Vec<[u32; 3]> = whole.topology.triangles().collect();
         let truth = TriangleBvh::new(&whole.positions, &triangles);
-        let error = |result: &FillResult| {
+        let error = |result: &Filled| {
             let new = &result.mesh.positions[broken.vertex_count()..];
             let distances = new.iter().filter_map(|&p| truth.closest_point(p));
             (distances.map(|c| c.distance.powi(2)).sum::<f64>() / new.len() as f64).sqrt()
         };
         let [with, without] = [Symmetry::Auto, Symmetry::Off].map(|s| filled(&broken, s));
-        let surface = |result: &FillResult| {
+        let surface = |result: &Filled| {
             let group = result.groups[0].as_ref().expect("a flow");
             group.surface.clone()
         };

@@ -10,7 +10,7 @@ use crate::fill::hole::HoleRims;
 use crate::fill::patch_topology::PatchTopology;
 use crate::fill::result::FilledHole;
 use crate::fill::self_intersection::{Obstacles, intersections, place};
-use crate::mesh::{DVec3, FaceId, Mesh, VertexId, bounds, boxes_overlap, self_intersections};
+use crate::mesh::{DVec3, FaceId, Mesh, Topology, bounds, boxes_overlap, self_intersections};
 use crate::warning::{MAX_PAIRS, Warning};
 
 /// Cosine of the angle between the normals of neighbours beyond which their edge counts as folded
@@ -219,37 +219,46 @@ fn folds(mesh: &Mesh, rims: &HoleRims, triangles: &[[u32; 3]], positions: &[DVec
     found
 }
 
-/// Adds a warning to the holes whose patches cross one of another group, or one without new vertices.
-/// Each group itself is checked at the end of its flow.
-pub(super) fn warn_of_crossing_groups(filled: &Mesh, holes: &mut [FilledHole]) {
+/// Warnings about the holes, by their place in `holes`, whose patches cross one of another group or one
+/// without new vertices. Each group itself is checked at the end of its flow. `topology` and
+/// `positions` are those of the filled mesh.
+pub(super) fn crossing_groups(
+    topology: &Topology,
+    positions: &[DVec3],
+    holes: &[FilledHole],
+) -> Vec<(usize, Warning)> {
     let Some((group, first)) = holes.first().map(|hole| (hole.group, hole.faces.start)) else {
-        return;
+        return Vec::new();
     };
     if group.is_some() && holes.iter().all(|hole| hole.group == group) {
-        return;
+        return Vec::new();
     }
-    let faces: Vec<[u32; 3]> = filled.topology.triangles().skip(first).collect();
+    let faces: Vec<[u32; 3]> = topology.triangles().skip(first).collect();
     let hole_of = |face: u32| holes.partition_point(|hole| hole.faces.end <= first + face as usize);
     // pairs and one of the places, by hole
     let mut found: BTreeMap<usize, (usize, DVec3)> = BTreeMap::new();
-    for pair in self_intersections(&filled.positions, &faces, None, usize::MAX) {
+    for pair in self_intersections(positions, &faces, None, usize::MAX) {
         let [h, k] = pair.map(hole_of);
         if h == k || (holes[h].group.is_some() && holes[h].group == holes[k].group) {
             continue;
         }
-        let corners = pair.map(|f| faces[f as usize].map(|v| filled.position(VertexId(v))));
+        let corners = pair.map(|f| faces[f as usize].map(|v| positions[v as usize]));
         let at = corners.iter().flatten().sum::<DVec3>() / 6.0;
         for h in [h, k] {
             found.entry(h).or_insert((0, at)).0 += 1;
         }
     }
-    for (h, (pairs, at)) in found {
-        holes[h].warnings.push(Warning::SelfIntersection {
-            pairs: pairs.min(MAX_PAIRS),
+    let warning = |(h, (pairs, at)): (usize, (usize, DVec3))| {
+        let pairs = pairs.min(MAX_PAIRS);
+        let kept_step = None;
+        let warning = Warning::SelfIntersection {
+            pairs,
             at,
-            kept_step: None,
-        });
-    }
+            kept_step,
+        };
+        (h, warning)
+    };
+    found.into_iter().map(warning).collect()
 }
 
 #[cfg(test)]

@@ -158,7 +158,9 @@ impl Prediction {
             count += computed;
             let is_exact = errors[TENSIONS.len()] <= EXACT * EXACT;
             let symmetric = (symmetry == Symmetry::Auto && !is_exact)
-                .then(|| SymmetricErrors::least(context, &hole.rims, &near, &discs))
+                .then(|| {
+                    SymmetricErrors::least(context, hole, &near, &discs, &errors[..TENSIONS.len()])
+                })
                 .flatten();
             let radius = hole.rims.radius();
             let weight = hole.patch.new_points().len() as f64 * radius * radius;

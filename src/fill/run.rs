@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::fill::Controls;
 use crate::fill::assemble::Assembly;
 use crate::fill::context::FillContext;
-use crate::fill::defects::warn_of_crossing_groups;
+use crate::fill::defects::crossing_groups;
 use crate::fill::options::FillOptions;
 use crate::fill::plan::Plan;
 use crate::fill::prepare::prepare;
@@ -98,7 +98,10 @@ pub(super) fn run_plan(
     }
     let positions = runs.iter().map(|run| &run.positions[..]);
     let filled = assembly.mesh(mesh, positions);
-    warn_of_crossing_groups(&filled, &mut assembly.holes);
+    let warnings = crossing_groups(&filled.topology, &filled.positions, &assembly.holes);
+    for (hole, warning) in warnings {
+        assembly.holes[hole].warnings.push(warning);
+    }
     Ok(Filled {
         mesh: filled,
         holes: assembly.holes,

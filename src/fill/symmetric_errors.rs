@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::fill::context::FillContext;
 use crate::fill::counterpart::Counterpart;
-use crate::fill::hole::HoleRims;
+use crate::fill::hole::PlannedHole;
 use crate::fill::prediction::{TENSIONS, WORTH};
 use crate::fill::pseudo_hole::Disc;
 use crate::mesh::{DVec3, VertexId};
@@ -13,10 +13,12 @@ use crate::symmetry::{Isometry, Sample};
 
 /// Vertices around a hole to which a symmetry is fitted, over those of its rim: about six rings.
 const FITTED: usize = 6;
+/// Most vertices to which a symmetry is fitted around a hole, and around a pseudo-hole.
+const MOST_FITTED: [usize; 2] = [100, 40];
 /// Most pseudo-holes of a hole on which a symmetry is tried.
 const DISCS: usize = 16;
-/// Least share of the vertices in and around a pseudo-hole that have a counterpart, for the errors and
-/// for the comparison of single pseudo-holes.
+/// Least share of the vertices in a hole, or in and around a pseudo-hole, that have a counterpart, and
+/// that of pseudo-holes that are compared one by one.
 const COVERED: [f64; 2] = [0.3, 0.6];
 /// Least part of the pseudo-holes that must gain by a whole counterpart: where a few large errors
 /// become smaller and most of the others larger, the hole itself rarely gains.
@@ -27,6 +29,8 @@ pub(super) struct SymmetricErrors {
     isometry: Isometry,
     /// Median distance of the counterpart from the surroundings of the hole, over the hole radius.
     distance: f64,
+    /// Share of the new vertices of the hole that have a counterpart.
+    covered: f64,
     /// Of all pseudo-holes, by [`TENSIONS`].
     moments: [Moments; TENSIONS.len()],
     /// Part of the pseudo-holes that gain by a whole counterpart, by [`TENSIONS`].
@@ -74,19 +78,27 @@ impl Moments {
 
 impl SymmetricErrors {
     /// Those of the symmetry with the least error. `near` are the vertices around a hole, from its rim
-    /// outwards, and `discs` its pseudo-holes. `None` if no symmetry is worth while.
+    /// outwards, `discs` its pseudo-holes and `errors` their mean squared errors without symmetry, by
+    /// [`TENSIONS`]. `None` if no symmetry is worth while.
     pub fn least(
         context: FillContext<'_>,
-        rims: &HoleRims,
+        hole: &PlannedHole,
         near: &[VertexId],
         discs: &[Disc],
+        errors: &[f64],
     ) -> Option<Self> {
-        let near = &near[..near.len().min(FITTED * rims.vertices.len())];
+        let near = &near[..near.len().min(FITTED * hole.rims.vertices.len())];
         let discs = &discs[..discs.len().min(DISCS)];
         let symmetries = context.symmetries().iter();
         let all = symmetries.filter_map(|symmetry| {
-            let (isometry, distance) = context.fitted(symmetry, near)?;
-            Self::on(context, isometry, distance / rims.radius(), discs)
+            let (isometry, distance) = context.fitted(symmetry, near, MOST_FITTED[0])?;
+            let covered = context.covered(&isometry, hole.patch.new_points());
+            let distance = distance / hole.rims.radius();
+            let is_near = errors.iter().any(|error| distance * distance <= *error);
+            if covered < COVERED[0] || !is_near {
+                return None;
+            }
+            Self::on(context, isometry, [distance, covered], discs)
         });
         let least = |one: &Self| {
             let ratios = (0..TENSIONS.len()).filter(|&k| one.is_worth(k));
@@ -102,7 +114,7 @@ impl SymmetricErrors {
     fn on(
         context: FillContext<'_>,
         isometry: Isometry,
-        distance: f64,
+        [distance, covered]: [f64; 2],
         discs: &[Disc],
     ) -> Option<Self> {
         let found = discs
@@ -127,12 +139,12 @@ impl SymmetricErrors {
                 sums[k].ss += weight * ss;
                 sums[k].su += weight * su;
                 sums[k].uu += weight * uu;
-                sums[k].known += known / found.len() as f64;
             }
         }
         Some(Self {
             isometry,
             distance,
+            covered,
             moments: sums,
             gaining,
         })
@@ -143,7 +155,7 @@ impl SymmetricErrors {
     pub fn ratio(&self, tension: usize) -> f64 {
         let moments = self.moments[tension];
         if self.is_worth(tension) {
-            1.0 - moments.known * (1.0 - moments.ratio())
+            1.0 - self.covered * (1.0 - moments.ratio())
         } else {
             1.0
         }
@@ -176,7 +188,8 @@ fn moments(
 ) -> Option<[Moments; TENSIONS.len()]> {
     let mesh = context.mesh;
     let vertices = disc.region.vertices();
-    let (isometry, _) = context.fitted(symmetry, &vertices[disc.normals.len()..])?;
+    let (isometry, _) =
+        context.fitted(symmetry, &vertices[disc.normals.len()..], MOST_FITTED[1])?;
     let there = vertices.iter().map(|&v| {
         let sample = Sample::of_vertex(mesh, v)?;
         context.counterpart(&isometry, &sample)

@@ -17,7 +17,7 @@ pub struct Isometry {
 /// pairs do not, as along a plane.
 const DAMPING: f64 = 1e-6;
 /// Movement, relative to the extent of the points, below which a fit has ended.
-const SETTLED: f64 = 1e-5;
+const SETTLED: f64 = 1e-4;
 
 impl Isometry {
     /// The isometry with the orthogonal `matrix` that fixes the point `centre`.

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use crate::mesh::{DVec3, Mesh};
 pub use isometry::Isometry;
 use target::Target;
-pub use target::{Sample, nearest_inside};
+pub use target::{Sample, nearest_alike, nearest_inside};
 
 /// Largest median distance of the moved surface from itself, relative to its RMS radius, up to which
 /// an isometry counts as a symmetry. On scans (`real/`) those of the shapes have up to 0.016, others from

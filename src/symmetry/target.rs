@@ -1,6 +1,8 @@
 //! The surface to which an isometry is fitted.
 
-use crate::mesh::{DVec3, FaceId, Mesh, TriangleBvh, VertexId, vertex_normal};
+use crate::mesh::{
+    DVec3, FaceId, Mesh, TriangleBvh, VertexId, closest_point_on_segment, vertex_normal,
+};
 
 /// A point of a surface with its unit normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,28 +63,28 @@ impl Target {
     }
 }
 
-/// The point of a mesh nearest to a sample, with the normal of its face. `None` if it lies on a
-/// boundary, where the surface ends before the true nearest point, or if the normals differ.
-pub fn nearest_inside(mesh: &Mesh, bvh: &TriangleBvh, to: &Sample) -> Option<Sample> {
-    let found = bvh.closest_point(to.point)?;
+/// The point of a mesh nearest to a point, with the normal of its face. `None` if it lies on a boundary,
+/// where the surface ends before the true nearest point.
+pub fn nearest_inside(mesh: &Mesh, bvh: &TriangleBvh, to: DVec3) -> Option<Sample> {
+    let found = bvh.closest_point(to)?;
     let face = FaceId(found.face);
     let topology = &mesh.topology;
     let [a, b, c] = topology.face_vertices(face).map(|v| mesh.position(v));
-    let normal = (b - a).cross(c - a).try_normalize()?;
     let is_outside = topology.face_halfedges(face).into_iter().any(|h| {
         topology.is_boundary_edge(h) && {
             let [a, b] = [topology.origin(h), topology.target(h)].map(|v| mesh.position(v));
-            let along = (b - a).normalize_or_zero();
-            let offset = found.point - a;
-            let from_edge = (offset - offset.dot(along) * along).length();
-            from_edge <= ON_BOUNDARY * a.distance(b)
+            let nearest = closest_point_on_segment(found.point, a, b);
+            found.point.distance(nearest) <= ON_BOUNDARY * a.distance(b)
         }
     });
-    let is_inside = !is_outside && normal.dot(to.normal) >= LEAST_COSINE;
-    is_inside.then_some(Sample {
-        point: found.point,
-        normal,
-    })
+    let normal = (b - a).cross(c - a).try_normalize()?;
+    let point = found.point;
+    (!is_outside).then_some(Sample { point, normal })
+}
+
+/// [`nearest_inside`] of a sample, if the normals are similar.
+pub fn nearest_alike(mesh: &Mesh, bvh: &TriangleBvh, to: &Sample) -> Option<Sample> {
+    nearest_inside(mesh, bvh, to.point).filter(|found| found.normal.dot(to.normal) >= LEAST_COSINE)
 }
 
 /// Distance from a boundary edge, relative to its length, up to which a point lies on it.

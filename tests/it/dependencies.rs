@@ -12,7 +12,7 @@ const PICTURE: &str = "```modules\n";
 /// Crates that only the named modules use; `main` is the program.
 const CRATES: [(&str, &[&str]); 11] = [
     ("faer", &["linear"]),
-    ("nalgebra_sparse", &["linear", "solver"]),
+    ("nalgebra_sparse", &["linear", "solver", "symmetry"]),
     ("spade", &["patch"]),
     ("clap", &["cli", "main"]),
     ("anyhow", &["cli", "main"]),

@@ -9,7 +9,7 @@ use crate::app::action::{Action, ControlsAction};
 use crate::app::document::window_controls;
 use crate::app::model::Model;
 use crate::app::view_state::Task;
-use crate::fill::{Continuity, Controls, Linear, Surface};
+use crate::fill::{Continuity, Controls, Linear, Surface, Symmetry};
 use crate::mesh::LoopId;
 use crate::options::Choice;
 use crate::solver::{FLOW_GROWTH, Mode, Scheme, Tau};
@@ -80,7 +80,13 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 .on_hover_text(tip);
         }
     });
-    if next.surface == Surface::Auto && !next.predicts_surface() {
+    if next.predicts_surface() {
+        let mut uses = next.symmetry == Symmetry::Auto;
+        let tip =
+            "holes may follow their counterparts on the other side of a nearly symmetric mesh";
+        ui.checkbox(&mut uses, "Use symmetry").on_hover_text(tip);
+        next.symmetry = if uses { Symmetry::Auto } else { Symmetry::Off };
+    } else if next.surface == Surface::Auto {
         ui.weak("An option of the energy is set: auto is energy.");
     }
     let sides = model.run.iter().flat_map(|run| &run.sides);
@@ -91,7 +97,7 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.add(egui::Label::new(RichText::new(words).weak()).truncate())
             .hovers(&row.holes, actions);
     }
-    if next.surface != model.document.controls.surface {
+    if next != model.document.controls {
         actions.push(ControlsAction::Set(Box::new(next)).into());
     }
 }

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use crate::fill::assemble::Assembly;
 use crate::fill::context::FillContext;
+use crate::fill::defects::crossing_groups;
 use crate::fill::fairing::plan_fairing;
 use crate::fill::plan::Plan;
 use crate::fill::prepare::prepare;
@@ -26,7 +27,7 @@ use crate::runner::{
     Process, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline, Wake,
 };
 use crate::solver::FASTEST;
-use crate::warning::Warning;
+use crate::warning::{Warning, Warnings};
 
 pub use events::{FillEvent, GroupStatus};
 pub(super) use group::{GroupProcess, GroupProgress};
@@ -102,6 +103,8 @@ pub struct FillProcess {
     failed_holes: Vec<FillError>,
     /// Warnings about patches that no flow changes, not reported yet.
     warnings: Vec<Warning>,
+    /// Whether the patches were checked against those of other groups since the last change.
+    groups_checked: bool,
     cancelled: Arc<AtomicBool>,
 }
 
@@ -151,8 +154,21 @@ impl FillProcess {
             assembly: Arc::new(assembly),
             failed_holes,
             warnings,
+            groups_checked: false,
             cancelled,
         })
+    }
+
+    /// Warnings about patches that cross those of other groups.
+    fn crossing_groups(&mut self) -> Warnings {
+        let Ok(state) = self.state() else {
+            return Warnings::default();
+        };
+        let positions = state.groups.iter().map(|group| &group.positions[..]);
+        let positions = self.assembly.positions(&self.mesh, positions);
+        let holes = &self.assembly.holes;
+        let found = crossing_groups(&self.assembly.topology, &positions, holes);
+        found.into_iter().map(|found| found.1).collect()
     }
 
     /// Changes all groups. Groups that cannot make the change report the reason.
@@ -173,6 +189,7 @@ impl FillProcess {
             mesh: &self.mesh,
             plan: &self.plan,
         };
+        self.groups_checked = false;
         let groups = self.groups.par_iter_mut().enumerate();
         let results = groups.map(|(g, group)| (g, change(group, g, context, &options)));
         let refused = |(g, result): (usize, Result<(), String>)| {
@@ -268,6 +285,10 @@ impl Process for FillProcess {
                 holes: error.hole().into_iter().collect(),
                 text: error.to_string(),
             });
+        }
+        if self.ended() && !std::mem::replace(&mut self.groups_checked, true) {
+            let found = self.crossing_groups();
+            self.warnings.extend(found.iter().cloned());
         }
         self.warnings
             .drain(..)
