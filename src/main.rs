@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use meniscus::cli::{Arguments, UsageError, run, watch_interrupts};
+use meniscus::cli::{Arguments, UsageError, message, run, watch_interrupts};
 
 fn main() -> ExitCode {
     // wrong usage ends here with exit code 2, --help and --version with 0
@@ -28,7 +28,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("meniscus: {}", words(&error));
+            eprintln!("meniscus: {}", message(&error));
             if error.is::<UsageError>() {
                 ExitCode::from(2)
             } else {
@@ -36,15 +36,4 @@ fn main() -> ExitCode {
             }
         }
     }
-}
-
-/// The message with its causes, but for those it names itself.
-fn words(error: &anyhow::Error) -> String {
-    let mut text = error.to_string();
-    for cause in error.chain().skip(1).map(ToString::to_string) {
-        if !text.contains(&cause) {
-            text = format!("{text}: {cause}");
-        }
-    }
-    text
 }

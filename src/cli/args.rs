@@ -57,9 +57,13 @@ const EXAMPLES: &str = "Examples:
 
 Exit codes: 0 success, 1 failure with a message, 2 invalid command line, 130 or 143 interrupted.";
 
+const FILL_USAGE: &str = "meniscus fill [OPTIONS] --output <OUT> <IN>
+       meniscus fill [OPTIONS] --out-dir <FOLDER> <IN>...";
+
 const FILL_EXAMPLES: &str = "Examples:
   meniscus fill bunny.obj -o filled.obj
   meniscus fill scan.obj -o out.obj --loops all-but-largest --report report.json
+  meniscus fill a.ply b.obj scans/*.obj --out-dir filled --report report.json
   meniscus fill scan.obj -o out.obj --energy 'k1^4+k2^4' --scheme mixed --linear lu
   meniscus fill scan.obj -o out.obj --energy 'H^2 + a*K^2' --param a=0.3 --trace steps.csv
   meniscus fill scan.obj -o out.obj --mode flow --tau 1e-5 --steps 1000
@@ -112,7 +116,7 @@ pub enum Command {
     /// Fill the holes of a mesh and write the result.
     ///
     /// The vertices of IN come first in OUT, unchanged.
-    #[command(after_help = FILL_EXAMPLES)]
+    #[command(after_help = FILL_EXAMPLES, override_usage = FILL_USAGE)]
     Fill(Box<FillArguments>),
     /// Join several rims, of one or more components, by one smooth patch.
     ///

@@ -52,10 +52,9 @@ pub fn blend(args: &BlendArguments) -> Result<()> {
         );
     }
     let rims = chosen.iter().map(|id| &loops[id.index()]).collect();
-    task.fill(
-        &[rims],
-        skipped(&loops, &chosen, |l| args.loops.reason_to_skip(l)),
-    )
+    let open = skipped(&loops, &chosen, |l| args.loops.reason_to_skip(l));
+    let written = task.fill(&[rims], open)?;
+    written.conclude(args.files.options.quiet)
 }
 
 /// Whether the loops lie on different components.

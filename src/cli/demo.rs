@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 
-use crate::cli::fill::{FillArguments, fill};
-use crate::cli::flow::{FlowArguments, LoopArguments, MeshFiles};
+use crate::cli::fill::{FillArguments, FillFiles, fill};
+use crate::cli::flow::{FileOptions, FlowArguments, LoopArguments};
 use crate::cli::options::OptionArguments;
 use crate::cli::print::{Textures, print};
 use crate::io::save_mesh;
@@ -36,12 +36,15 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
         print(&format!("{}: the sample with its holes\n", holed.display()))?;
     }
     fill(&FillArguments {
-        files: MeshFiles {
-            textures: Textures::Keep,
-            input: holed,
-            output: args.out.join("filled.obj"),
-            weld: Weld::Auto,
-            quiet: args.quiet,
+        files: FillFiles {
+            inputs: vec![holed],
+            output: Some(args.out.join("filled.obj")),
+            out_dir: None,
+            options: FileOptions {
+                weld: Weld::Auto,
+                textures: Textures::Keep,
+                quiet: args.quiet,
+            },
         },
         loops: LoopArguments::default(),
         limits: OptionArguments::default(),

@@ -171,12 +171,17 @@ pub fn stitch(args: &StitchArguments) -> Result<()> {
 /// Runs an operation without a flow and writes the new mesh.
 fn done(files: &MeshFiles, opened: &Opened, operation: &Operation) -> Result<Mesh> {
     let mesh = operation.run(&opened.mesh, &|_, _| true)?.into_mesh();
-    save(&files.output, &mesh, files.textures, files.quiet)?;
+    save(
+        &files.output,
+        &mesh,
+        files.options.textures,
+        files.options.quiet,
+    )?;
     Ok(mesh)
 }
 
 fn report(files: &MeshFiles, text: &str) -> Result<()> {
-    if files.quiet {
+    if files.options.quiet {
         return Ok(());
     }
     print(&format!("{}: {text}\n", files.output.display()))

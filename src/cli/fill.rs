@@ -1,9 +1,13 @@
 //! `meniscus fill`.
 
+use std::path::PathBuf;
+
 use anyhow::Result;
 use clap::Args;
 
-use crate::cli::flow::{FlowArguments, LoopArguments, MeshFiles, Task};
+use crate::cli::UsageError;
+use crate::cli::batch::batch;
+use crate::cli::flow::{FileOptions, FlowArguments, LoopArguments, MeshFiles, Task, Written};
 use crate::cli::options::OptionArguments;
 use crate::cli::parse::point;
 use crate::cli::progress::{Progress, Work};
@@ -12,12 +16,35 @@ use crate::fill::LoopLimits;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, boundary_loops};
 use crate::ops::{FillPartSpec, FillSpec, Operation, Outcome};
 
+/// The files of `meniscus fill`.
+#[derive(Debug, Args)]
+pub struct FillFiles {
+    /// The mesh to read (.obj, .ply, .stl, .off). Several need --out-dir.
+    #[arg(value_name = "IN", required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// The mesh to write (.obj, .ply, .stl, .off).
+    #[arg(
+        short,
+        long,
+        value_name = "OUT",
+        required_unless_present = "out_dir",
+        conflicts_with = "out_dir"
+    )]
+    pub output: Option<PathBuf>,
+    /// Fill each IN and write it under its name to this folder. It is created if it does not exist.
+    #[arg(long, value_name = "FOLDER")]
+    pub out_dir: Option<PathBuf>,
+    /// How they are read and written.
+    #[command(flatten)]
+    pub options: FileOptions,
+}
+
 /// `meniscus fill`.
 #[derive(Debug, Args)]
 pub struct FillArguments {
     /// Input and output.
     #[command(flatten)]
-    pub files: MeshFiles,
+    pub files: FillFiles,
     /// The loops to fill.
     #[command(flatten)]
     pub loops: LoopArguments,
@@ -47,10 +74,33 @@ pub struct FillArguments {
 
 /// Runs `meniscus fill`.
 pub fn fill(args: &FillArguments) -> Result<()> {
-    let task = Task::new(&args.files, &args.flow)?;
+    let FillFiles {
+        inputs,
+        output,
+        out_dir,
+        options,
+    } = &args.files;
+    if let Some(folder) = out_dir {
+        return batch(args, folder);
+    }
+    let ([input], Some(output)) = (&inputs[..], output) else {
+        let message = "several meshes need --out-dir FOLDER instead of -o OUT";
+        return Err(UsageError(message.into()).into());
+    };
+    let files = MeshFiles {
+        input: input.clone(),
+        output: output.clone(),
+        options: options.clone(),
+    };
+    fill_file(args, &files, &args.flow)?.conclude(options.quiet)
+}
+
+/// Fills one file. `files` and `flow` replace those of the arguments.
+pub fn fill_file(args: &FillArguments, files: &MeshFiles, flow: &FlowArguments) -> Result<Written> {
+    let task = Task::new(files, flow)?;
     let mesh = &task.opened.mesh;
     if let [from, to] = args.part[..] {
-        let progress = Progress::new(Work::Holes(1), args.files.quiet);
+        let progress = Progress::new(Work::Holes(1), files.options.quiet);
         let operation = Operation::FillPart(FillPartSpec {
             ends: [from, to],
             controls: task.flow.controls.clone(),

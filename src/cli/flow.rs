@@ -12,7 +12,7 @@ use crate::cli::print::{Textures, print, save};
 use crate::cli::progress::{Progress, Work};
 use crate::cli::report::{FailedHole, FillReport, SkippedLoop, hole_reports, totals};
 use crate::cli::result_picture::ResultPicture;
-use crate::cli::targets::check_targets;
+use crate::cli::targets::{Named, check_targets};
 use crate::cli::trace::Trace;
 use crate::fill::{
     Continuity, Controls, ControlsError, Filled, LoopChoice, RimSet, choose, fill_rim_sets,
@@ -36,6 +36,14 @@ pub struct MeshFiles {
     /// The mesh to write (.obj, .ply, .stl, .off).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
+    /// How they are read and written.
+    #[command(flatten)]
+    pub options: FileOptions,
+}
+
+/// How meshes are read and written.
+#[derive(Clone, Debug, Args)]
+pub struct FileOptions {
     /// The distance within which vertices of IN count as one: auto (the rounding of its numbers) or a
     /// length.
     #[arg(long, value_name = "WELD", default_value = "auto", display_order = 999)]
@@ -52,17 +60,19 @@ pub struct MeshFiles {
 impl MeshFiles {
     /// Checks that OUT can be written, then opens IN.
     pub fn open(&self) -> Result<Opened> {
-        check_targets(
-            &[("IN", Some(&self.input))],
-            &[("OUT", Some(&self.output))],
-            &[],
-        )?;
+        let [input, output] = self.named();
+        check_targets(&[input], &[output], &[])?;
         Ok(self.read()?)
+    }
+
+    /// Both files with their names on the command line.
+    pub fn named(&self) -> [Named<'_>; 2] {
+        [("IN", Some(&self.input)), ("OUT", Some(&self.output))]
     }
 
     /// Opens IN.
     pub fn read(&self) -> Result<Opened, OpenError> {
-        open_welded(&self.input, self.weld)
+        open_welded(&self.input, self.options.weld)
     }
 }
 
@@ -122,7 +132,7 @@ impl LoopArguments {
 }
 
 /// The flow, and the files written beside the mesh.
-#[derive(Debug, Default, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct FlowArguments {
     /// The options of the flow.
     #[command(flatten)]
@@ -142,6 +152,14 @@ pub struct FlowArguments {
     pub picture: ResultPicture,
 }
 
+impl FlowArguments {
+    /// Checks the values that the parser of the arguments cannot check alone.
+    pub fn check(&self) -> Result<()> {
+        self.controls.0.options().map_err(|e| usage(&e))?;
+        self.picture.check()
+    }
+}
+
 /// A command whose arguments are valid.
 pub struct Task<'a> {
     files: &'a MeshFiles,
@@ -155,15 +173,12 @@ pub struct Task<'a> {
 impl<'a> Task<'a> {
     /// Checks the options and output paths, then reads the schedule and the mesh.
     pub fn new(files: &'a MeshFiles, args: &'a FlowArguments) -> Result<Self> {
+        args.check()?;
+        let [input, output] = files.named();
         let controls = args.controls.0.clone();
-        controls.options().map_err(|e| usage(&e))?;
-        args.picture.check()?;
         check_targets(
-            &[
-                ("IN", Some(&files.input)),
-                ("--schedule", args.schedule.as_deref()),
-            ],
-            &[("OUT", Some(&files.output))],
+            &[input, ("--schedule", args.schedule.as_deref())],
+            &[output],
             &[
                 ("--report", args.report.as_deref()),
                 ("--trace", args.trace.as_deref()),
@@ -185,8 +200,8 @@ impl<'a> Task<'a> {
     }
 
     /// Fills holes and writes all requested files. `skipped` are the loops left open.
-    pub fn fill(&self, rim_sets: &[RimSet<'_>], skipped: Vec<SkippedLoop>) -> Result<()> {
-        if !self.files.quiet {
+    pub fn fill(self, rim_sets: &[RimSet<'_>], skipped: Vec<SkippedLoop>) -> Result<Written> {
+        if !self.files.options.quiet {
             for note in &self.opened.report.notes {
                 eprintln!("{}: {note}", self.files.input.display());
             }
@@ -197,7 +212,7 @@ impl<'a> Task<'a> {
                 eprintln!("{}", nothing_to_do(skipped.len()));
             }
         }
-        let progress = Progress::new(Work::Holes(rim_sets.len()), self.files.quiet);
+        let progress = Progress::new(Work::Holes(rim_sets.len()), self.files.options.quiet);
         let options = self.flow.options()?;
         let filled = fill_rim_sets(&self.opened.mesh, rim_sets, options, &|group, record| {
             progress.step(group, record);
@@ -214,21 +229,26 @@ impl<'a> Task<'a> {
         self.save(&filled, skipped, creases)
     }
 
-    /// Writes the mesh and all other requested files, and prints a summary. `creases` are rim edges
-    /// whose two sides a picture draws separately.
+    /// Writes the mesh and all other requested files, and prints the warnings. `creases` are rim
+    /// edges whose two sides a picture draws separately.
     pub fn save(
-        &self,
+        self,
         filled: &Filled,
         skipped: Vec<SkippedLoop>,
         creases: Vec<[VertexId; 2]>,
-    ) -> Result<()> {
+    ) -> Result<Written> {
         let Self {
             files,
             args,
             opened,
             flow,
         } = self;
-        save(&files.output, &filled.mesh, files.textures, files.quiet)?;
+        save(
+            &files.output,
+            &filled.mesh,
+            files.options.textures,
+            files.options.quiet,
+        )?;
         let first = filled.mesh.face_count() - filled.faces_added();
         args.picture.save(&filled.mesh, first, creases)?;
         let holes = hole_reports(filled);
@@ -247,7 +267,7 @@ impl<'a> Task<'a> {
             energy: flow.controls.energy.clone(),
             scheme: flow.controls.scheme.name(),
             mode: flow.controls.mode.name(),
-            load: &opened.report,
+            load: opened.report,
             totals: totals(filled, &holes),
             holes,
             failed,
@@ -262,15 +282,36 @@ impl<'a> Task<'a> {
         if let Some(path) = &args.trace {
             write_text(path, Trace::of_fill(filled).text())?;
         }
-        if !files.quiet {
-            summary(&report)?;
+        if !files.options.quiet {
+            for hole in &report.holes {
+                print_warnings(&format!("hole {}: ", hole.id), hole.warnings.iter());
+            }
         }
-        failures(&report, filled, &files.output)
+        let failures = failures(&report, filled, &files.output);
+        Ok(Written { report, failures })
+    }
+}
+
+/// A mesh that was filled and written.
+pub struct Written {
+    /// The report.
+    pub report: FillReport,
+    /// The error if a chosen hole was not filled.
+    pub failures: Result<()>,
+}
+
+impl Written {
+    /// Prints a summary, unless `quiet`, and returns the failures.
+    pub fn conclude(self, quiet: bool) -> Result<()> {
+        if !quiet {
+            summary(&self.report)?;
+        }
+        self.failures
     }
 }
 
 /// The error if a chosen hole was not filled.
-fn failures(report: &FillReport<'_>, filled: &Filled, output: &Path) -> Result<()> {
+fn failures(report: &FillReport, filled: &Filled, output: &Path) -> Result<()> {
     if let Some(first) = report.failed.first() {
         bail!(
             "{} of {} holes could not be filled; {} contains the others. First error: {}",
@@ -291,10 +332,7 @@ fn failures(report: &FillReport<'_>, filled: &Filled, output: &Path) -> Result<(
     Ok(())
 }
 
-fn summary(report: &FillReport<'_>) -> Result<()> {
-    for hole in &report.holes {
-        print_warnings(&format!("hole {}: ", hole.id), hole.warnings.iter());
-    }
+fn summary(report: &FillReport) -> Result<()> {
     let t = &report.totals;
     let expected = report.expected_error();
     let expected = expected.map_or_else(String::new, |error| {

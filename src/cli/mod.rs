@@ -2,6 +2,7 @@
 
 mod analyze;
 mod args;
+mod batch;
 mod blend;
 mod creases;
 mod demo;
@@ -43,6 +44,17 @@ use anyhow::Result;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct UsageError(pub String);
+
+/// The message of an error with its causes, but for those it names itself.
+pub fn message(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text
+}
 
 /// Runs a command.
 ///

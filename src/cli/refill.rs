@@ -51,7 +51,7 @@ pub fn refill(args: &RefillArguments) -> Result<()> {
     } else {
         Work::Holes(1)
     };
-    let progress = Progress::new(work, args.files.quiet);
+    let progress = Progress::new(work, args.files.options.quiet);
     let outcome = operation.run(mesh, &|group, record| {
         progress.step(group, record);
         true
@@ -59,7 +59,7 @@ pub fn refill(args: &RefillArguments) -> Result<()> {
     progress.finish();
     match outcome {
         Outcome::Refilled(new) => {
-            if !args.files.quiet {
+            if !args.files.options.quiet {
                 let erased = &new.region.erased;
                 print(&format!(
                     "{}: {} faces and {} vertices erased\n",
@@ -68,7 +68,8 @@ pub fn refill(args: &RefillArguments) -> Result<()> {
                     mesh.vertex_count() - erased.old_vertex.len(),
                 ))?;
             }
-            task.save(&new.filled, Vec::new(), Vec::new())
+            let written = task.save(&new.filled, Vec::new(), Vec::new())?;
+            written.conclude(args.files.options.quiet)
         }
         Outcome::Filled(new) => save_faired(args, &task, faces, &new),
         _ => unreachable!("a refill or a fairing"),
@@ -98,7 +99,12 @@ struct FairReport<'a> {
 
 fn save_faired(args: &RefillArguments, task: &Task<'_>, faces: usize, new: &Filled) -> Result<()> {
     let files = &args.files;
-    save(&files.output, &new.mesh, files.textures, files.quiet)?;
+    save(
+        &files.output,
+        &new.mesh,
+        files.options.textures,
+        files.options.quiet,
+    )?;
     let Some(Ok(group)) = new.groups.first() else {
         let error = new.groups.iter().find_map(|g| g.as_ref().err());
         let why = error.map_or_else(String::new, ToString::to_string);
@@ -129,7 +135,7 @@ fn save_faired(args: &RefillArguments, task: &Task<'_>, faces: usize, new: &Fill
     if let Some(path) = &args.flow.trace {
         write_text(path, Trace::of_fill(new).text())?;
     }
-    if args.files.quiet {
+    if args.files.options.quiet {
         return Ok(());
     }
     print_warnings("", outcome.warnings.iter());

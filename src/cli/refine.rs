@@ -142,7 +142,7 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     let recording = spec.schedule.recording(&spec.controls)?;
     let flow = spec.controls.flow(&opened.mesh)?;
     let start = Instant::now();
-    let progress = Progress::new(Work::Refinement, args.files.quiet);
+    let progress = Progress::new(Work::Refinement, args.files.options.quiet);
     let mut trace = Trace::new("level");
     let mesh = Arc::new(opened.mesh.clone());
     let observe = &mut |event| {
@@ -156,9 +156,19 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     progress.finish();
     let seconds = start.elapsed().as_secs_f64();
     let files = &args.files;
-    save(&files.output, &refined.mesh, files.textures, files.quiet)?;
+    save(
+        &files.output,
+        &refined.mesh,
+        files.options.textures,
+        files.options.quiet,
+    )?;
     if let Some(path) = &args.control {
-        save(path, &refined.control, files.textures, files.quiet)?;
+        save(
+            path,
+            &refined.control,
+            files.options.textures,
+            files.options.quiet,
+        )?;
     }
     let mut report = report(args, &opened, &refined, seconds, &flow);
     let refused = refused.into_iter().map(|change| change.text);
@@ -171,7 +181,7 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     if let Some(path) = &args.trace {
         write_text(path, trace.text())?;
     }
-    if args.files.quiet {
+    if args.files.options.quiet {
         Ok(())
     } else {
         summary(&report)

@@ -9,7 +9,7 @@ use crate::warning::{Warning, Warnings};
 
 /// The report of a fill.
 #[derive(Debug, Serialize)]
-pub struct FillReport<'a> {
+pub struct FillReport {
     /// Program and version.
     pub version: &'static str,
     /// File read.
@@ -23,7 +23,7 @@ pub struct FillReport<'a> {
     /// Mode.
     pub mode: &'static str,
     /// Counts, repairs and the index map of the input.
-    pub load: &'a LoadReport,
+    pub load: LoadReport,
     /// Filled holes.
     pub holes: Vec<HoleReport>,
     /// Holes that could not be filled.
@@ -36,7 +36,7 @@ pub struct FillReport<'a> {
     pub peak_memory: u64,
 }
 
-impl FillReport<'_> {
+impl FillReport {
     /// RMS of the errors to expect over the new vertices of holes with a prediction.
     pub fn expected_error(&self) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0.0);

@@ -19,6 +19,8 @@ mod sphere_cap;
 #[cfg(feature = "cli")]
 mod analyze;
 #[cfg(feature = "cli")]
+mod batch;
+#[cfg(feature = "cli")]
 mod blend;
 #[cfg(feature = "cli")]
 mod cli;
