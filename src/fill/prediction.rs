@@ -58,7 +58,8 @@ impl Candidate {
     pub fn words(&self) -> String {
         let mut words = self.surface.name().to_owned();
         if self.tension != 0.0 {
-            words += &format!(" with tension {}", self.tension);
+            words += " with tension ";
+            words += &self.tension.to_string();
         }
         if self.symmetric {
             words += " and symmetry";
