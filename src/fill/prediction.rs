@@ -212,8 +212,9 @@ impl Prediction {
         let energy = self.errors.iter().find(is_energy);
         let energy = energy.filter(|e| e.1 <= SMOOTH);
         let plain = energy.or(others)?;
-        // the same flow as without symmetry, or another one that must be clearly better
-        let limit = if is_energy(&plain) { WORTH } else { 1.0 };
+        // the same flow as without symmetry, or one that must be better by far, because `energy` is exact on
+        // many smooth surfaces
+        let limit = if is_energy(&plain) { 0.5 } else { 1.0 };
         let symmetric = self.errors.iter().find(|e| e.0.symmetric);
         let symmetric = symmetric.filter(|e| e.1 <= limit * plain.1);
         symmetric.or(Some(plain)).copied()
