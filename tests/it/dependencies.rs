@@ -15,7 +15,7 @@ const CRATES: [(&str, &[&str]); 11] = [
     ("nalgebra_sparse", &["linear", "solver", "symmetry"]),
     ("spade", &["patch"]),
     ("clap", &["cli", "main"]),
-    ("anyhow", &["cli", "main"]),
+    ("anyhow", &["cli"]),
     ("indicatif", &["cli"]),
     ("toml", &["app"]),
     ("egui", &["app", "render"]),
