@@ -32,7 +32,7 @@ const SHARE: [f64; 2] = [0.7, 0.4];
 const MOST: usize = 3;
 
 /// Approximate symmetries of a mesh other than the identity, the most exact ones first, at most
-/// [`MOST`].
+/// three.
 pub fn symmetries(mesh: &Mesh) -> Vec<Isometry> {
     let Some(inertia) = Inertia::new(mesh) else {
         return Vec::new();

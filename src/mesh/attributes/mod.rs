@@ -92,7 +92,7 @@ impl Attributes {
     }
 
     /// Appends the numbers of new vertices, which follow the `given` ones: each is at `t` of the way
-    /// from one vertex to another, as in [`append_between`].
+    /// from one vertex to another, as in `append_between`.
     pub fn append_vertices(&mut self, given: usize, pairs: &[([VertexId; 2], f64)]) {
         if self.vertices.is_empty() {
             return;
@@ -105,7 +105,7 @@ impl Attributes {
     }
 
     /// Appends the numbers of new vertices, which follow the `given` ones, as
-    /// [`append_interpolated`] does from those of the vertices `known`.
+    /// `append_interpolated` does from those of the vertices `known`.
     pub fn append_interpolated(
         &mut self,
         given: usize,
