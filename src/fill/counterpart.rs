@@ -135,8 +135,8 @@ impl Following {
         self.updates > 0
     }
 
-    /// Lets a flow that has converged continue with references for its present shape. Returns false if
-    /// they would be practically the same as before.
+    /// Lets a flow that has converged continue with references for its present shape. Returns false
+    /// without counterparts, and if the references would be practically the same as before.
     pub fn update(
         &mut self,
         context: FillContext<'_>,
@@ -149,7 +149,8 @@ impl Following {
         let moved = pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
         let is_settled =
             positions.len() == self.before.len() && moved < SETTLED * flow.problem().radius();
-        if is_settled || self.updates == UPDATES {
+        let follows = counterparts.iter().any(Option::is_some);
+        if !follows || is_settled || self.updates == UPDATES {
             return false;
         }
         self.before = positions.to_vec();

@@ -131,19 +131,20 @@ impl GroupFlow {
         let is_predicted = self.options.predicts_surface;
         GroupSurface {
             model: Candidate {
-                symmetric: self.counterparts().is_some(),
+                symmetric: !self.counterparts(&self.options).is_empty(),
                 ..Candidate::of(flow)
             },
             prediction: self.prediction.clone().filter(|_| is_predicted),
         }
     }
 
-    /// The counterparts of the holes, if the symmetric model was chosen.
-    fn counterparts(&self) -> Option<&[Option<Counterpart>]> {
-        let prediction = self.prediction.as_ref();
-        let prediction = prediction.filter(|_| self.options.predicts_surface)?;
-        let (chosen, _) = prediction.chosen()?;
-        chosen.symmetric.then_some(&prediction.counterparts[..])
+    /// The counterparts that the holes follow with resolved options; none unless the symmetric model
+    /// was chosen.
+    fn counterparts(&self, options: &FillOptions) -> &[Option<Counterpart>] {
+        let prediction = self.prediction.as_deref();
+        let prediction = prediction.filter(|_| options.predicts_surface);
+        let symmetric = prediction.filter(|p| p.chosen().is_some_and(|c| c.0.symmetric));
+        symmetric.map_or(&[], |p| &p.counterparts)
     }
 
     /// Lets a flow that has converged follow the counterparts of the holes.
@@ -151,9 +152,7 @@ impl GroupFlow {
         if self.end() != Some(End::Converged) {
             return;
         }
-        let Some(counterparts) = self.counterparts().map(<[_]>::to_vec) else {
-            return;
-        };
+        let counterparts = self.counterparts(&self.options).to_vec();
         if let Some(flow) = &mut self.flow {
             self.following
                 .update(context, flow, &self.topology, &counterparts);
@@ -330,7 +329,7 @@ impl GroupFlow {
             self.group,
             &self.topology,
             positions,
-            self.counterparts(),
+            self.counterparts(&self.options),
             &self.options,
         );
         self.warnings.extend(checked.warnings);
@@ -445,10 +444,8 @@ impl GroupFlow {
         rejected: usize,
     ) -> Result<Option<Flow>, SolverError> {
         let mut problem = region::problem(context, self.group, topology, positions, options)?;
-        if self.following.has_begun()
-            && let Some(counterparts) = self.counterparts()
-        {
-            let positions = problem.positions();
+        if self.following.has_begun() {
+            let (positions, counterparts) = (problem.positions(), self.counterparts(options));
             let references = context.references(&problem, topology, positions, counterparts);
             problem = problem.with_references(references);
         }

@@ -177,24 +177,17 @@ impl Prediction {
         let root = |sum: f64| (sum / extent).sqrt();
         let errors = candidates().zip(sums.map(root));
         let mut errors: Vec<_> = errors.filter(|e| e.1.is_finite()).collect();
-        let mut counterparts = vec![None; found.len()];
         // the tension is that of the fill without symmetry: holes of the group may have no counterpart
-        let best = (0..TENSIONS.len())
-            .min_by(|&i, &j| sums[i].total_cmp(&sums[j]))
-            .filter(|&k| {
-                found
-                    .iter()
-                    .flatten()
-                    .any(|one| one.counterpart(k).is_some())
-            });
-        if let Some(k) = best {
+        let best = |&i: &usize, &j: &usize| sums[i].total_cmp(&sums[j]);
+        let best = (0..TENSIONS.len()).min_by(best).unwrap_or(0);
+        let counterpart = |one: &Option<SymmetricErrors>| one.as_ref()?.counterpart(best);
+        let counterparts: Vec<_> = found.iter().map(counterpart).collect();
+        if counterparts.iter().any(Option::is_some) {
             let candidate = Candidate {
                 symmetric: true,
-                ..Candidate::new(SurfaceModel::G2, TENSIONS[k])
+                ..Candidate::new(SurfaceModel::G2, TENSIONS[best])
             };
-            errors.push((candidate, root(symmetric_sums[k])));
-            let counterpart = |s: SymmetricErrors| s.counterpart(k);
-            counterparts = found.into_iter().map(|s| s.and_then(counterpart)).collect();
+            errors.push((candidate, root(symmetric_sums[best])));
         }
         Self {
             errors,

@@ -43,11 +43,11 @@ pub(super) fn make_sound(
     group: usize,
     topology: &PatchTopology,
     positions: Vec<DVec3>,
-    counterparts: Option<&[Option<Counterpart>]>,
+    counterparts: &[Option<Counterpart>],
     options: &FillOptions,
 ) -> Checked {
     let model = Candidate {
-        symmetric: counterparts.is_some(),
+        symmetric: !counterparts.is_empty(),
         ..Candidate::of(&options.flow)
     };
     let mut present = (topology.clone(), positions);
@@ -119,7 +119,7 @@ pub(super) fn make_sound(
 fn solved_again(
     holes: &[&HoleOfGroup<'_>],
     present: &Surface,
-    counterparts: Option<&[Option<Counterpart>]>,
+    counterparts: &[Option<Counterpart>],
     options: &FillOptions,
 ) -> Option<Surface> {
     let mut start = present.clone();
@@ -132,8 +132,7 @@ fn solved_again(
     let of_some = |(k, counterpart): (usize, &Option<Counterpart>)| {
         counterpart.filter(|_| numbers.contains(&k))
     };
-    let counterparts = counterparts.map(|all| all.iter().enumerate().map(of_some).collect());
-    let counterparts: Vec<_> = counterparts.unwrap_or_default();
+    let counterparts: Vec<_> = counterparts.iter().enumerate().map(of_some).collect();
     let (context, group) = (one.context, one.group);
     let surface = solved(
         context,
@@ -174,8 +173,7 @@ fn solved(
     let mut flow = Flow::new(start.moving_only(&own).ok()?, flow).ok()?;
     flow.run(|_, _| true).ok()?;
     let mut following = Following::default();
-    while counterparts.iter().any(Option::is_some)
-        && flow.end() == Some(End::Converged)
+    while flow.end() == Some(End::Converged)
         && following.update(context, &mut flow, topology, counterparts)
     {
         flow.run(|_, _| true).ok()?;

@@ -92,10 +92,12 @@ impl SymmetricErrors {
         let symmetries = context.symmetries().iter();
         let all = symmetries.filter_map(|symmetry| {
             let (isometry, distance) = context.fitted(symmetry, near, MOST_FITTED[0])?;
-            let covered = context.covered(&isometry, hole.patch.new_points());
             let distance = distance / hole.rims.radius();
-            let is_near = errors.iter().any(|error| distance * distance <= *error);
-            if covered < COVERED[0] || !is_near {
+            if errors.iter().all(|error| distance * distance > *error) {
+                return None;
+            }
+            let covered = context.covered(&isometry, hole.patch.new_points());
+            if covered < COVERED[0] {
                 return None;
             }
             Self::on(context, isometry, [distance, covered], discs)

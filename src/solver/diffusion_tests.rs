@@ -237,12 +237,16 @@ fn flow_mode_takes_many_small_steps_to_the_same_surface() {
     }
 }
 
-/// A bumpy height field, and the positions of the same field shifted.
-fn bumpy() -> (Vec<DVec3>, Vec<[u32; 3]>, Vec<DVec3>) {
+/// A bumpy height field, its triangles, the same field shifted, and with a flat middle at a height.
+fn bumpy(height: f64) -> (Vec<DVec3>, Vec<[u32; 3]>, Vec<DVec3>, Vec<DVec3>) {
     let (points, triangles) = lattice(|x, y| 0.1 * (9.0 * x).sin() * (7.0 * y + 1.0).cos());
     let shifted = points.iter().map(|&p| p + DVec3::new(5.0, -3.0, 2.0));
     let shifted = shifted.collect();
-    (points, triangles, shifted)
+    let mut flat = points.clone();
+    for v in middle(&points) {
+        flat[v as usize].z = height;
+    }
+    (points, triangles, shifted, flat)
 }
 
 /// The result with the reference `shape` of all vertices for which `is_known`.
@@ -266,12 +270,8 @@ fn with_reference(
 
 #[test]
 fn a_shifted_copy_as_reference_restores_the_surface() {
-    let (points, triangles, shifted) = bumpy();
+    let (points, triangles, shifted, start) = bumpy(0.3);
     let interior = middle(&points);
-    let mut start = points.clone();
-    for &v in &interior {
-        start[v as usize].z = 0.3;
-    }
     let (plain, _) = run(&start, &triangles, &interior, options(SurfaceModel::G2));
     assert!(distance(&plain, &points) > 0.05);
     let whole = with_reference(&start, &triangles, &shifted, 1.0, |_| true);
@@ -291,12 +291,8 @@ fn a_shifted_copy_as_reference_restores_the_surface() {
 
 #[test]
 fn a_part_of_a_reference_restores_that_part() {
-    let (points, triangles, shifted) = bumpy();
+    let (points, triangles, shifted, start) = bumpy(0.0);
     let interior = middle(&points);
-    let mut start = points.clone();
-    for &v in &interior {
-        start[v as usize].z = 0.0;
-    }
     let is_known = |v: usize| points[v].x < 0.15;
     let part = with_reference(&start, &triangles, &shifted, 1.0, is_known);
     let (plain, _) = run(&start, &triangles, &interior, options(SurfaceModel::G2));

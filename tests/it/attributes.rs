@@ -1,5 +1,5 @@
-//! What a file holds besides its geometry stays through every operation, to the bit. The files imitate
-//! the exports of programs that make or treat scans.
+//! Attributes of a mesh file (texture coordinates, normals, colours, columns of numbers) are bit-identical
+//! after every operation. The files have the structure of exports from programs for scans.
 
 use std::fmt::Write as _;
 use std::path::Path;

@@ -298,6 +298,14 @@ fn a_mistyped_energy_is_shown_at_its_character_and_keys_stay_text() {
     );
 }
 
+/// Fills all holes as fast as they can be shown.
+fn fill_all(harness: &mut Harness<'_, App>) {
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.state_mut().model.view.pace = 240.0;
+    harness.key_press(Key::Enter);
+    until(harness, ended);
+}
+
 #[test]
 fn pictures_of_the_window() {
     let mut harness = window();
@@ -306,10 +314,7 @@ fn pictures_of_the_window() {
     harness.remove_cursor();
     harness.run_steps(3);
     harness.snapshot_options("window_open", &options);
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.state_mut().model.view.pace = 240.0;
-    harness.key_press(Key::Enter);
-    until(&mut harness, ended);
+    fill_all(&mut harness);
     harness.key_press(Key::H);
     harness.run_steps(5);
     let run = harness.state().model.run.as_ref().expect("there");
@@ -328,10 +333,7 @@ fn pictures_of_a_larger_window_in_the_light_theme() {
     harness.remove_cursor();
     harness.run_steps(3);
     harness.snapshot_options("window_light", &options);
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.state_mut().model.view.pace = 240.0;
-    harness.key_press(Key::Enter);
-    until(&mut harness, ended);
+    fill_all(&mut harness);
     harness.key_press(Key::S);
     harness.run_steps(5);
     harness.get_by_label("Accept (Enter)");
@@ -416,10 +418,7 @@ fn the_shortcut_sheet_is_searched() {
 #[test]
 fn picture_of_the_report() {
     let mut harness = window();
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.state_mut().model.view.pace = 240.0;
-    harness.key_press(Key::Enter);
-    until(&mut harness, ended);
+    fill_all(&mut harness);
     harness.get_by_label("Accept").click();
     harness.run_steps(2);
     harness.get_by_label("Report").click();

@@ -3,9 +3,7 @@
 use std::io::{self, Write};
 
 use super::super::OutputMesh;
-use crate::mesh::{
-    Colors, Column, FaceTag, NO_VALUE, NumberType, Numbers, color_steps, colors, row_count,
-};
+use crate::mesh::{Colors, Column, FaceTag, NO_VALUE, Numbers, color_steps, colors, row_count};
 
 /// The comment that names this program.
 const MARK: &str = "comment written by meniscus";
@@ -40,7 +38,7 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
     writeln!(out, "property list uchar {index} vertex_indices")?;
     let texture = (!all.faces.texture.is_empty()).then(|| coordinates(&all.texture));
     if let Some([u, _]) = &texture {
-        writeln!(out, "property list uchar {} texcoord", type_name(u.kind()))?;
+        writeln!(out, "property list uchar {} texcoord", u.kind().ply_name())?;
     }
     let patches: Vec<Option<u32>> = all.tags.iter().map(FaceTag::patch).collect();
     let tags = &all.faces.tags;
@@ -92,22 +90,9 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
     Ok(())
 }
 
-fn type_name(kind: NumberType) -> &'static str {
-    match kind {
-        NumberType::I8 => "char",
-        NumberType::U8 => "uchar",
-        NumberType::I16 => "short",
-        NumberType::U16 => "ushort",
-        NumberType::I32 => "int",
-        NumberType::U32 => "uint",
-        NumberType::F32 => "float",
-        NumberType::F64 => "double",
-    }
-}
-
 fn declare(columns: &[Column], out: &mut dyn Write) -> io::Result<()> {
     for Column { name, numbers, .. } in columns {
-        writeln!(out, "property {} {name}", type_name(numbers.kind()))?;
+        writeln!(out, "property {} {name}", numbers.kind().ply_name())?;
     }
     Ok(())
 }

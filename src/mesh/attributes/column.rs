@@ -25,6 +25,20 @@ impl NumberType {
         }
     }
 
+    /// The name of the type in PLY files.
+    pub fn ply_name(self) -> &'static str {
+        match self {
+            Self::I8 => "char",
+            Self::U8 => "uchar",
+            Self::I16 => "short",
+            Self::U16 => "ushort",
+            Self::I32 => "int",
+            Self::U32 => "uint",
+            Self::F32 => "float",
+            Self::F64 => "double",
+        }
+    }
+
     /// Whether the numbers are whole.
     pub fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)

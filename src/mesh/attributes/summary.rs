@@ -1,6 +1,6 @@
 //! A list of what a file holds.
 
-use super::{Attributes, Column, NumberType, row_count};
+use super::{Attributes, Column, row_count};
 
 impl Attributes {
     /// What the file holds besides positions and faces, one line for each kind; empty for nothing.
@@ -54,16 +54,9 @@ impl Attributes {
 }
 
 fn described(column: &Column) -> String {
-    let kind = match column.numbers.kind() {
-        _ if !column.is_typed => return column.name.clone(),
-        NumberType::I8 => "char",
-        NumberType::U8 => "uchar",
-        NumberType::I16 => "short",
-        NumberType::U16 => "ushort",
-        NumberType::I32 => "int",
-        NumberType::U32 => "uint",
-        NumberType::F32 => "float",
-        NumberType::F64 => "double",
-    };
-    format!("{} ({kind})", column.name)
+    if column.is_typed {
+        format!("{} ({})", column.name, column.numbers.kind().ply_name())
+    } else {
+        column.name.clone()
+    }
 }
