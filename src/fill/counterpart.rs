@@ -164,6 +164,8 @@ impl Following {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fill::group_flow::GroupFlow;
+    use crate::fill::prepare::prepare;
     use crate::fill::{FillOptions, Filled, RimSet, Symmetry, fill_rim_sets};
     use crate::mesh::{Mesh, TriangleBvh, boundary_loops};
     use crate::shapes;
@@ -198,15 +200,46 @@ mod tests {
         fill_rim_sets(mesh, &chosen, &options, &|_, _| true).expect("filled")
     }
 
+    /// RMS distance of new vertices from the whole body.
+    fn error(whole: &Mesh, new: &[DVec3]) -> f64 {
+        let triangles: Vec<[u32; 3]> = whole.topology.triangles().collect();
+        let truth = TriangleBvh::new(&whole.positions, &triangles);
+        let distances = new.iter().filter_map(|&p| truth.closest_point(p));
+        (distances.map(|c| c.distance.powi(2)).sum::<f64>() / new.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn a_flow_leaves_the_counterpart_when_symmetry_is_turned_off() {
+        let (whole, broken) = bodies();
+        let loops = boundary_loops(&broken);
+        let options = FillOptions::default();
+        let plan = prepare(&broken, &[vec![&loops[0]]], &options);
+        let (mesh, plan) = (&broken, &plan);
+        let context = FillContext { mesh, plan };
+        let mut group = GroupFlow::start(context, 0, &options);
+        let mut errors = Vec::new();
+        for symmetry in [Symmetry::Auto, Symmetry::Off, Symmetry::Auto] {
+            let options = FillOptions {
+                symmetry,
+                ..options.clone()
+            };
+            group.change(context, &options).expect("accepted");
+            while group.attempt(context).is_some() {}
+            assert_eq!(group.surface().model.symmetric, symmetry == Symmetry::Auto);
+            errors.push(error(&whole, &group.positions()));
+        }
+        let [with, without, again] = errors[..] else {
+            unreachable!("three runs")
+        };
+        assert!(with < 0.2 * without && again < 0.2 * without, "{errors:?}");
+    }
+
     #[test]
     fn what_is_missing_is_taken_from_the_other_side() {
         let (whole, broken) = bodies();
-        let triangles: Vec<[u32; 3]> = whole.topology.triangles().collect();
-        let truth = TriangleBvh::new(&whole.positions, &triangles);
         let error = |result: &Filled| {
             let new = &result.mesh.positions[broken.vertex_count()..];
-            let distances = new.iter().filter_map(|&p| truth.closest_point(p));
-            (distances.map(|c| c.distance.powi(2)).sum::<f64>() / new.len() as f64).sqrt()
+            error(&whole, new)
         };
         let [with, without] = [Symmetry::Auto, Symmetry::Off].map(|s| filled(&broken, s));
         let surface = |result: &Filled| {

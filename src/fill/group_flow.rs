@@ -385,7 +385,12 @@ impl GroupFlow {
         context: FillContext<'_>,
         options: &FillOptions,
     ) -> Result<(), ChangeError> {
+        let followed = self.counterparts(&self.options).to_vec();
         let options = &self.resolved(context, options);
+        let refollowed = followed != self.counterparts(options);
+        if refollowed {
+            self.following = Following::default();
+        }
         let is_patched = matches!(context.plan.domain, Domain::Holes(_));
         let remeshed = is_patched && options.patch != self.options.patch;
         let mut loops = context
@@ -393,7 +398,7 @@ impl GroupFlow {
             .holes_of(self.group)
             .flat_map(|hole| &hole.rims.loops);
         let recut = loops.any(|l| options.continuity_at(l.id) != self.options.continuity_at(l.id));
-        if remeshed || recut || self.flow.is_none() {
+        if remeshed || recut || refollowed || self.flow.is_none() {
             let mut positions = self.positions();
             let mut topology = Arc::clone(&self.topology);
             if remeshed {
