@@ -14,9 +14,10 @@ use crate::mesh::{DVec3, Neighbourhood, VertexId, vertex_normal};
 use crate::solver::{Flow, FlowProblem, G2_RINGS, Reference};
 use crate::symmetry::{Isometry, Sample, nearest_alike, nearest_inside, symmetries};
 
-/// The share of the vertices around a hole that counts in the fit of a symmetry, and most rounds of fitting.
+/// Most vertices at which the distance of a counterpart is measured.
+const MEASURED: usize = 100;
+/// The share of the vertices around a hole that counts in the fit of a symmetry.
 const SHARE: f64 = 0.7;
-const ROUNDS: usize = 8;
 
 /// What fills a hole by symmetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,21 +40,31 @@ impl FillContext<'_> {
         all.get_or_init(|| Arc::new(symmetries(self.mesh)))
     }
 
-    /// A symmetry fitted to at most `most` of some vertices of the mesh, and the median distance of their
-    /// counterparts from them along the normals. `None` if fewer than half have a counterpart.
+    /// A symmetry fitted to at most so many of some vertices of the mesh, in at most so many rounds. `None`
+    /// if fewer than half have a counterpart.
     pub fn fitted(
         &self,
         symmetry: &Isometry,
         vertices: &[VertexId],
-        most: usize,
-    ) -> Option<(Isometry, f64)> {
+        [most, rounds]: [usize; 2],
+    ) -> Option<Isometry> {
+        let samples = self.samples(vertices, most);
+        symmetry.fitted(&samples, SHARE, rounds, |sample| self.nearest(sample))
+    }
+
+    /// The median distance of the counterparts of some vertices from them along the normals. `None` if
+    /// fewer than half have a counterpart.
+    pub fn distance(&self, isometry: &Isometry, vertices: &[VertexId]) -> Option<f64> {
+        let samples = self.samples(vertices, MEASURED);
+        isometry.median(&samples, |sample| self.nearest(sample))
+    }
+
+    /// At most `most` of some vertices of the mesh, evenly.
+    fn samples(&self, vertices: &[VertexId], most: usize) -> Vec<Sample> {
         let step = vertices.len().div_ceil(most).max(1);
         let vertices = vertices.iter().step_by(step);
         let samples = vertices.filter_map(|&v| Sample::of_vertex(self.mesh, v));
-        let samples: Vec<Sample> = samples.collect();
-        let nearest = |sample: &Sample| self.nearest(sample);
-        let fit = symmetry.fitted(&samples, SHARE, ROUNDS, nearest)?;
-        Some((fit, fit.median(&samples, nearest)?))
+        samples.collect()
     }
 
     /// The share of points that have a counterpart.

@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 use crate::fill::context::FillContext;
 use crate::fill::counterpart::Counterpart;
 use crate::fill::options::Symmetry;
-use crate::fill::pseudo_hole::{Disc, discs};
+use crate::fill::pseudo_hole::{Disc, Surroundings};
 use crate::fill::symmetric_errors::SymmetricErrors;
 use crate::mesh::{DVec3, Mesh, Neighbourhood, VertexId};
 use crate::options::Choice;
@@ -150,17 +150,18 @@ impl Prediction {
         let alone = context.plan.groups[group].holes.len() == 1;
         let mut found = Vec::new();
         for hole in context.plan.holes_of(group) {
-            let (near, discs) = discs(context.mesh, &hole.rims);
-            if discs.is_empty() {
+            let surroundings = Surroundings::new(context.mesh, &hole.rims);
+            if surroundings.discs.is_empty() {
                 found.push(None);
                 continue;
             }
-            let (errors, computed) = mean_squares(context.mesh, &discs, flow, alone);
-            count += computed;
+            let (errors, restored) = mean_squares(context.mesh, &surroundings, flow, alone);
+            count += restored.len();
             let is_exact = errors[TENSIONS.len()] <= EXACT * EXACT;
             let symmetric = (symmetry == Symmetry::Auto && !is_exact)
                 .then(|| {
-                    SymmetricErrors::least(context, hole, &near, &discs, &errors[..TENSIONS.len()])
+                    let errors = &errors[..TENSIONS.len()];
+                    SymmetricErrors::least(context, hole, &surroundings, restored, errors)
                 })
                 .flatten();
             let radius = hole.rims.radius();
@@ -214,73 +215,115 @@ impl Prediction {
     }
 }
 
-/// Mean over the discs, at least one, of the squared error of each candidate, and the number of discs
-/// that were computed: if `Energy` is good on the first ones and the hole is `alone` in its group, no
-/// others are needed. The error of a candidate that was not tried is infinite.
+/// Mean over the discs, at least one, of the squared error of each candidate, and the discs that were
+/// computed: if `Energy` is good on the first ones and the hole is `alone` in its group, no others are
+/// needed. The error of a candidate that was not tried is infinite.
 fn mean_squares(
     mesh: &Mesh,
-    discs: &[Disc],
+    surroundings: &Surroundings,
     flow: &FlowOptions,
     alone: bool,
-) -> ([f64; TENSIONS.len() + 1], usize) {
+) -> ([f64; TENSIONS.len() + 1], Vec<Restored>) {
+    let discs = &surroundings.discs;
     let (first, others) = discs.split_at(discs.len().min(ENERGY_DISCS));
-    let g2_errors = |discs: &[Disc]| -> Vec<[f64; TENSIONS.len()]> {
-        discs.par_iter().map(|disc| disc.g2_errors(mesh)).collect()
-    };
-    let mean = |errors: &[[f64; TENSIONS.len()]], k: usize| {
-        errors.iter().map(|e| e[k]).sum::<f64>() / errors.len() as f64
-    };
     let best_of =
         |means: &[f64]| (0..TENSIONS.len()).min_by(|&i, &j| means[i].total_cmp(&means[j]));
-    let mut g2 = g2_errors(first);
     let mut means = [f64::INFINITY; TENSIONS.len() + 1];
-    for k in 0..TENSIONS.len() {
-        means[k] = mean(&g2, k);
-    }
+    let average = |means: &mut [f64], restored: &[Restored]| {
+        for (k, mean) in means[..TENSIONS.len()].iter_mut().enumerate() {
+            let errors = restored
+                .iter()
+                .zip(discs)
+                .map(|(one, disc)| one.error(disc, k));
+            *mean = errors.sum::<f64>() / restored.len() as f64;
+        }
+    };
+    let mut restored = Restored::all(surroundings, first);
+    average(&mut means, &restored);
     let mut energy = f64::INFINITY;
     if best_of(&means).is_some_and(|k| means[k] <= HOPELESS * HOPELESS) {
-        let errors = first.par_iter().map(|disc| disc.energy_error(mesh, flow));
-        energy = errors.collect::<Vec<f64>>().iter().sum::<f64>() / first.len() as f64;
+        let error = |disc: &Disc| disc.energy_error(mesh, surroundings, flow);
+        let errors: Vec<f64> = first.par_iter().map(error).collect();
+        energy = errors.iter().sum::<f64>() / first.len() as f64;
         means[TENSIONS.len()] = energy;
         if alone && energy <= SMOOTH * SMOOTH {
-            return (means, first.len());
+            return (means, restored);
         }
     }
-    g2.extend(g2_errors(others));
+    restored.extend(Restored::all(surroundings, others));
     let of_first = means;
-    for k in 0..TENSIONS.len() {
-        means[k] = mean(&g2, k);
-    }
+    average(&mut means, &restored);
     if energy > SMOOTH * SMOOTH
         && let Some(k) = best_of(&means)
     {
         means[TENSIONS.len()] = means[k] / of_first[k] * energy;
     }
-    (means, discs.len())
+    (means, restored)
 }
 
 /// Squared error of a failed prediction: one radius.
 const FAILED: f64 = 1.0;
 
-impl Disc {
-    /// Squared errors of `G2` by [`TENSIONS`], relative to the radius.
-    fn g2_errors(&self, mesh: &Mesh) -> [f64; TENSIONS.len()] {
-        let local = LocalG2::new(mesh, &self.region, &[&self.positions(mesh)]);
-        TENSIONS.map(|tension| {
-            let steps = local.steps(tension / (self.radius * self.radius));
-            steps.map_or(FAILED, |steps| self.square(steps.into_iter().flatten()))
-        })
+/// A pseudo-hole as restored by `g2`.
+pub(super) struct Restored {
+    system: LocalG2<{ TENSIONS.len() }>,
+    /// Distances of the restored vertices from the true ones along the normals, by [`TENSIONS`].
+    pub errors: Vec<[f64; TENSIONS.len()]>,
+}
+
+impl Restored {
+    /// Some of the discs around a hole.
+    pub fn all(surroundings: &Surroundings, discs: &[Disc]) -> Vec<Self> {
+        let restore = |disc: &Disc| {
+            let tensions = TENSIONS.map(|tension| tension / (disc.radius * disc.radius));
+            let laplacian = &surroundings.laplacian;
+            let system = LocalG2::new(laplacian, &disc.vertices, &disc.ends, tensions);
+            let mut restored = Self {
+                system,
+                errors: Vec::new(),
+            };
+            let shape = disc
+                .vertices
+                .iter()
+                .map(|&v| surroundings.points[v as usize]);
+            let shape: Vec<Option<DVec3>> = shape.map(Some).collect();
+            restored.errors = restored.along_normals(disc, &shape);
+            restored
+        };
+        discs.par_iter().map(restore).collect()
     }
 
+    /// Displacements of the vertices along the normals from a shape of the disc and its rings to the
+    /// minimum of the energy.
+    pub fn along_normals(
+        &self,
+        disc: &Disc,
+        shape: &[Option<DVec3>],
+    ) -> Vec<[f64; TENSIONS.len()]> {
+        let steps = self.system.steps(shape).into_iter().zip(&disc.normals);
+        let along = |([x, y, z], n): ([[f64; TENSIONS.len()]; 3], &DVec3)| {
+            std::array::from_fn(|k| DVec3::new(x[k], y[k], z[k]).dot(*n))
+        };
+        steps.map(along).collect()
+    }
+
+    /// Squared error with the tension number `k`, relative to the radius.
+    fn error(&self, disc: &Disc, k: usize) -> f64 {
+        let error = disc.mean_square(self.errors.iter().map(|errors| errors[k]));
+        if error.is_finite() { error } else { FAILED }
+    }
+}
+
+impl Disc {
     /// Squared error of `Energy`, relative to the radius: that of one long step from the true
     /// positions.
-    fn energy_error(&self, mesh: &Mesh, flow: &FlowOptions) -> f64 {
+    fn energy_error(&self, mesh: &Mesh, surroundings: &Surroundings, flow: &FlowOptions) -> f64 {
         let mut options = flow.clone();
         options.surface = SurfaceModel::Energy;
         options.tension = 0.0;
         options.mode = Mode::Fast;
         let energy = options.energy_at(self.radius);
-        let Some(problem) = self.problem(mesh) else {
+        let Some(problem) = self.problem(mesh, surroundings) else {
             return FAILED;
         };
         let Ok(mut stepper) = scheme_stepper(&problem, &options, &energy) else {
@@ -296,12 +339,17 @@ impl Disc {
             return FAILED;
         }
         let pairs = stepper.state().positions.iter().zip(problem.positions());
-        self.square(pairs.map(|(reached, given)| *reached - *given))
+        let distances = pairs
+            .zip(&self.normals)
+            .map(|((reached, given), n)| (*reached - *given).dot(*n));
+        self.mean_square(distances)
     }
 
     /// The disc as a problem whose starting positions are the true ones.
-    fn problem(&self, mesh: &Mesh) -> Option<FlowProblem> {
-        let moving = self.region.rings().next()?.iter().copied();
+    fn problem(&self, mesh: &Mesh, surroundings: &Surroundings) -> Option<FlowProblem> {
+        let moving = self.vertices[..self.ends[0]]
+            .iter()
+            .map(|&v| surroundings.vertices[v as usize]);
         let rings = usize::from(SUPPORT_RINGS);
         let region = Neighbourhood::small(&mesh.topology, moving, rings);
         let numbered = region.vertices().iter().copied().zip(0..);
@@ -314,10 +362,9 @@ impl Disc {
         FlowProblem::new(&positions, &triangles, &interior, self.radius).ok()
     }
 
-    /// Mean square of the displacements of the vertices along the normals, relative to the radius.
-    fn square(&self, shift: impl IntoIterator<Item = DVec3>) -> f64 {
-        let distance = shift.into_iter().zip(&self.normals).map(|(d, n)| d.dot(*n));
-        let sum: f64 = distance.map(|d| d * d).sum();
+    /// Mean square of distances at the vertices, relative to the radius.
+    fn mean_square(&self, distances: impl Iterator<Item = f64>) -> f64 {
+        let sum: f64 = distances.map(|d| d * d).sum();
         sum / (self.normals.len() as f64 * self.radius * self.radius)
     }
 }

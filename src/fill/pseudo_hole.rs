@@ -1,10 +1,12 @@
 //! Pseudo-holes: known discs of the mesh around a hole, from which predictions are made.
 
-use rustc_hash::FxHashSet;
+use std::ops::Range;
+
+use rustc_hash::FxHashMap;
 
 use crate::fill::hole::HoleRims;
-use crate::mesh::{DVec3, Mesh, Neighbourhood, VertexId, bounds, rms_distance, vertex_normal};
-use crate::solver::G2_RINGS;
+use crate::mesh::{DVec3, Mesh, VertexId, bounds, rms_distance, vertex_normal};
+use crate::solver::{G2_RINGS, Laplacian};
 
 /// Radius of a pseudo-hole, in hole radii. On scans with known truth 0.8 chose better than 0.5 and
 /// 1.0 (measured on `real/`).
@@ -20,151 +22,287 @@ const MARGIN: usize = 3;
 const MOST_VERTICES: [usize; 2] = [150, 3000];
 /// Most vertices among which the pseudo-holes of a hole are found.
 const MOST_NEAR: usize = 12_000;
+
 /// A pseudo-hole.
 pub(super) struct Disc {
-    /// Its vertices, which are ring 0, and the rings around them.
-    pub region: Neighbourhood,
+    /// Its vertices and the rings around them, in numbers of the [`Surroundings`].
+    pub vertices: Vec<u32>,
+    /// The ends of its vertices and of each ring.
+    pub ends: [usize; G2_RINGS + 1],
     /// Unit normals at its vertices.
     pub normals: Vec<DVec3>,
     /// RMS distance of its rim from the mean of the rim.
     pub radius: f64,
 }
 
-impl Disc {
-    /// The positions of the vertices of the region.
-    pub fn positions(&self, mesh: &Mesh) -> Vec<Option<DVec3>> {
-        let vertices = self.region.vertices().iter();
-        vertices.map(|&v| Some(mesh.position(v))).collect()
-    }
+/// The vertices around a hole, in numbers of their own, and its pseudo-holes.
+pub(super) struct Surroundings {
+    /// The vertices of the mesh.
+    pub vertices: Vec<VertexId>,
+    /// Their positions.
+    pub points: Vec<DVec3>,
+    /// The vertices near the hole, from its rim outwards.
+    pub near: Vec<u32>,
+    /// The pseudo-holes.
+    pub discs: Vec<Disc>,
+    /// The Laplacian at the vertices of the discs and of all rings around them but the last.
+    pub laplacian: Laplacian,
 }
 
-/// The vertices around a hole, and its pseudo-holes among them.
-pub(super) fn discs(mesh: &Mesh, rims: &HoleRims) -> (Vec<VertexId>, Vec<Disc>) {
-    let rim = &rims.vertices;
-    let centre = rims.loops[0].centroid;
-    let radius = rims.radius();
-    let mut best = (Vec::new(), Vec::new());
-    for reach in REACH {
-        let near = connected(mesh, rim.iter().copied(), MOST_NEAR, |p| {
-            p.distance(centre) < reach * radius
-        });
-        let found = discs_at(mesh, &near, centre, SIZE * radius);
-        if found.len() > best.1.len() {
-            best = (near, found);
-        }
-        if best.1.len() >= DISCS[1] {
-            break;
-        }
-    }
-    best
-}
-
-/// Pseudo-holes around some of the vertices `near`: the one nearest to `centre`, then each time the
-/// one farthest from those before.
-fn discs_at(mesh: &Mesh, near: &[VertexId], centre: DVec3, size: f64) -> Vec<Disc> {
-    let topology = &mesh.topology;
-    let boundary = near
-        .iter()
-        .copied()
-        .filter(|&v| topology.is_boundary_vertex(v));
-    let blocked = Neighbourhood::without_faces(topology, boundary, MARGIN - 1);
-    let blocked: FxHashSet<VertexId> = blocked.vertices().iter().copied().collect();
-    let near: Vec<VertexId> = near
-        .iter()
-        .copied()
-        .filter(|v| !blocked.contains(v))
-        .collect();
-    let mut out: Vec<Disc> = Vec::new();
-    let mut total = 0;
-    let mut apart: Vec<f64> = vec![f64::INFINITY; near.len()];
-    let nearest = |&i: &usize, &j: &usize| {
-        let d = |k: usize| mesh.position(near[k]).distance_squared(centre);
-        d(i).total_cmp(&d(j))
-    };
-    let mut next = (0..near.len()).min_by(nearest);
-    for _ in 0..3 * DISCS[0] {
-        let Some(i) = next else { break };
-        let at = mesh.position(near[i]);
-        if let Some(disc) = disc_at(mesh, near[i], size, &blocked) {
-            total += disc.normals.len();
-            out.push(disc);
-        }
-        if out.len() >= DISCS[0] || total > MOST_VERTICES[1] {
-            break;
-        }
-        for (d, &v) in apart.iter_mut().zip(&near) {
-            *d = d.min(mesh.position(v).distance_squared(at));
-        }
-        let farthest = |&i: &usize, &j: &usize| apart[i].total_cmp(&apart[j]);
-        next = (0..near.len()).max_by(farthest).filter(|&k| apart[k] > 0.0);
-    }
-    out
-}
-
-/// Vertices connected to `seeds` through vertices that are `inside`, in the order of a search that
-/// ends once there are `most`.
-fn connected(
-    mesh: &Mesh,
-    seeds: impl Iterator<Item = VertexId>,
-    most: usize,
-    inside: impl Fn(DVec3) -> bool,
-) -> Vec<VertexId> {
-    let mut found: Vec<VertexId> = seeds.collect();
-    let mut seen: FxHashSet<VertexId> = found.iter().copied().collect();
-    let mut next = 0;
-    while next < found.len() && found.len() < most {
-        for w in mesh.topology.neighbours(found[next]) {
-            if inside(mesh.position(w)) && seen.insert(w) {
-                found.push(w);
+impl Surroundings {
+    /// Those of the hole with some rims.
+    pub fn new(mesh: &Mesh, rims: &HoleRims) -> Self {
+        let centre = rims.loops[0].centroid;
+        let radius = rims.radius();
+        let mut search = Search::new(mesh);
+        let rim: Vec<u32> = rims.vertices.iter().map(|&v| search.number(v)).collect();
+        let mut best = (Vec::new(), Vec::new());
+        for reach in REACH {
+            let near = search.connected(&rim, MOST_NEAR, |p| p.distance(centre) < reach * radius);
+            let found = search.discs(&near, centre, SIZE * radius);
+            if found.len() > best.1.len() {
+                best = (near, found);
+            }
+            if best.1.len() >= DISCS[1] {
+                break;
             }
         }
-        next += 1;
+        let (near, discs) = best;
+        let laplacian = search.laplacian(&discs);
+        Self {
+            vertices: search.vertices,
+            points: search.points,
+            near,
+            discs,
+            laplacian,
+        }
     }
-    found
 }
 
-/// The pseudo-hole of the vertices within `size` of a vertex. `None` if it has fewer than three
-/// vertices or lies too near to a boundary; `blocked` are vertices known to.
-fn disc_at(mesh: &Mesh, v: VertexId, size: f64, blocked: &FxHashSet<VertexId>) -> Option<Disc> {
-    let at = mesh.position(v);
-    let is_inside = |p: DVec3| p.distance(at) < size;
-    let mut inside = connected(mesh, std::iter::once(v), MOST_VERTICES[0], is_inside);
-    inside.truncate(MOST_VERTICES[0]);
-    if inside.len() < 3 || inside.iter().any(|v| blocked.contains(v)) {
-        return None;
-    }
-    sort_along(mesh, &mut inside);
-    let region = Neighbourhood::without_faces(&mesh.topology, inside.iter().copied(), G2_RINGS);
-    let is_boundary = |&v: &VertexId| mesh.topology.is_boundary_vertex(v);
-    if region.rings().take(MARGIN).flatten().any(is_boundary) {
-        return None;
-    }
-    let rim: Vec<DVec3> = region
-        .rings()
-        .nth(1)?
-        .iter()
-        .map(|&v| mesh.position(v))
-        .collect();
-    let middle = rim.iter().sum::<DVec3>() / rim.len() as f64;
-    let radius = rms_distance(rim.iter().copied(), middle);
-    if !(radius.is_finite() && radius > 0.0) {
-        return None;
-    }
-    let normal = |&v: &VertexId| vertex_normal(&mesh.topology, v, |v| mesh.position(v));
-    let normal = |v| normal(v).unwrap_or_default();
-    Some(Disc {
-        normals: inside.iter().map(normal).collect(),
-        region,
-        radius,
-    })
+/// A search in the vertices around a hole, which get numbers as they are reached.
+struct Search<'a> {
+    mesh: &'a Mesh,
+    numbers: FxHashMap<VertexId, u32>,
+    vertices: Vec<VertexId>,
+    points: Vec<DVec3>,
+    on_boundary: Vec<bool>,
+    /// Where the neighbours of each vertex are in `around`, if they were needed so far.
+    neighbours: Vec<Option<Range<usize>>>,
+    around: Vec<u32>,
+    /// The last breadth-first search that reached each vertex.
+    marks: Vec<u32>,
+    searches: u32,
 }
 
-/// Sorts vertices along the longest side of their bounding box.
-fn sort_along(mesh: &Mesh, vertices: &mut [VertexId]) {
-    let (low, high) = bounds(vertices.iter().map(|&v| mesh.position(v)));
-    let axis = (high - low).max_position();
-    vertices.sort_by(|&v, &w| {
-        let [p, q] = [v, w].map(|v| mesh.position(v)[axis]);
-        p.total_cmp(&q).then(v.cmp(&w))
-    });
+impl<'a> Search<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
+        Self {
+            mesh,
+            numbers: FxHashMap::default(),
+            vertices: Vec::new(),
+            points: Vec::new(),
+            on_boundary: Vec::new(),
+            neighbours: Vec::new(),
+            around: Vec::new(),
+            marks: Vec::new(),
+            searches: 0,
+        }
+    }
+
+    /// The number of a vertex.
+    fn number(&mut self, v: VertexId) -> u32 {
+        let next = self.vertices.len() as u32;
+        let number = *self.numbers.entry(v).or_insert(next);
+        if number == next {
+            self.vertices.push(v);
+            self.points.push(self.mesh.position(v));
+            self.on_boundary
+                .push(self.mesh.topology.is_boundary_vertex(v));
+            self.neighbours.push(None);
+            self.marks.push(0);
+        }
+        number
+    }
+
+    /// Where the neighbours of a vertex are in `around`, in cyclic order.
+    fn neighbours(&mut self, v: u32) -> Range<usize> {
+        if let Some(range) = &self.neighbours[v as usize] {
+            return range.clone();
+        }
+        let mesh = self.mesh;
+        let begin = self.around.len();
+        for w in mesh.topology.neighbours(self.vertices[v as usize]) {
+            let w = self.number(w);
+            self.around.push(w);
+        }
+        let range = begin..self.around.len();
+        self.neighbours[v as usize] = Some(range.clone());
+        range
+    }
+
+    /// Begins a breadth-first search.
+    fn begin(&mut self) {
+        self.searches += 1;
+    }
+
+    /// Whether the present search reaches a vertex for the first time.
+    fn reaches(&mut self, v: u32) -> bool {
+        let mark = &mut self.marks[v as usize];
+        std::mem::replace(mark, self.searches) != self.searches
+    }
+
+    /// Vertices connected to `seeds` through vertices that are `inside`, in the order of a search that
+    /// ends once there are `most`.
+    fn connected(
+        &mut self,
+        seeds: &[u32],
+        most: usize,
+        inside: impl Fn(DVec3) -> bool,
+    ) -> Vec<u32> {
+        self.begin();
+        let mut found = seeds.to_vec();
+        found.retain(|&v| self.reaches(v));
+        let mut next = 0;
+        while next < found.len() && found.len() < most {
+            for at in self.neighbours(found[next]) {
+                let w = self.around[at];
+                if inside(self.points[w as usize]) && self.reaches(w) {
+                    found.push(w);
+                }
+            }
+            next += 1;
+        }
+        found
+    }
+
+    /// Appends the ring of vertices around all `found` ones, of which those before `from` have no other
+    /// neighbours.
+    fn add_ring(&mut self, found: &mut Vec<u32>, from: usize) {
+        for i in from..found.len() {
+            for at in self.neighbours(found[i]) {
+                let w = self.around[at];
+                if self.reaches(w) {
+                    found.push(w);
+                }
+            }
+        }
+    }
+
+    /// Pseudo-holes around some of the vertices `near`: the one nearest to `centre`, then each time the
+    /// one farthest from those before.
+    fn discs(&mut self, near: &[u32], centre: DVec3, size: f64) -> Vec<Disc> {
+        let is_boundary = |v: &u32| self.on_boundary[*v as usize];
+        let mut blocked: Vec<u32> = near.iter().copied().filter(is_boundary).collect();
+        self.begin();
+        blocked.retain(|&v| self.reaches(v));
+        let mut from = 0;
+        for _ in 1..MARGIN {
+            let end = blocked.len();
+            self.add_ring(&mut blocked, from);
+            from = end;
+        }
+        let mut is_blocked = vec![false; self.vertices.len()];
+        for v in blocked {
+            is_blocked[v as usize] = true;
+        }
+        let is_free = |v: &u32| !is_blocked[*v as usize];
+        let near: Vec<u32> = near.iter().copied().filter(is_free).collect();
+        let mut out: Vec<Disc> = Vec::new();
+        let mut total = 0;
+        let mut apart: Vec<f64> = vec![f64::INFINITY; near.len()];
+        let from_centre = |&v: &u32| self.points[v as usize].distance_squared(centre);
+        let distances: Vec<f64> = near.iter().map(from_centre).collect();
+        let mut next = (0..near.len()).min_by(|&i, &j| distances[i].total_cmp(&distances[j]));
+        for _ in 0..3 * DISCS[0] {
+            let Some(i) = next else { break };
+            let at = self.points[near[i] as usize];
+            if let Some(disc) = self.disc(near[i], size, &is_blocked) {
+                total += disc.normals.len();
+                out.push(disc);
+            }
+            if out.len() >= DISCS[0] || total > MOST_VERTICES[1] {
+                break;
+            }
+            for (d, &v) in apart.iter_mut().zip(&near) {
+                *d = d.min(self.points[v as usize].distance_squared(at));
+            }
+            let farthest = |&i: &usize, &j: &usize| apart[i].total_cmp(&apart[j]);
+            next = (0..near.len()).max_by(farthest).filter(|&k| apart[k] > 0.0);
+        }
+        out
+    }
+
+    /// The pseudo-hole of the vertices within `size` of a vertex. `None` if it has fewer than three
+    /// vertices or lies too near to a boundary; vertices that are `blocked` are known to.
+    fn disc(&mut self, v: u32, size: f64, blocked: &[bool]) -> Option<Disc> {
+        let at = self.points[v as usize];
+        let is_inside = |p: DVec3| p.distance(at) < size;
+        let mut vertices = self.connected(&[v], MOST_VERTICES[0], is_inside);
+        vertices.truncate(MOST_VERTICES[0]);
+        let is_blocked = |v: &u32| blocked.get(*v as usize).is_some_and(|&blocked| blocked);
+        if vertices.len() < 3 || vertices.iter().any(is_blocked) {
+            return None;
+        }
+        self.sort_along(&mut vertices);
+        self.begin();
+        vertices.iter().for_each(|&v| _ = self.reaches(v));
+        let mut ends = [vertices.len(); G2_RINGS + 1];
+        for k in 1..=G2_RINGS {
+            let from = if k == 1 { 0 } else { ends[k - 2] };
+            if vertices[from..]
+                .iter()
+                .any(|&v| self.on_boundary[v as usize])
+            {
+                return None;
+            }
+            self.add_ring(&mut vertices, from);
+            ends[k] = vertices.len();
+        }
+        let rim = vertices[ends[0]..ends[1]].iter();
+        let rim: Vec<DVec3> = rim.map(|&v| self.points[v as usize]).collect();
+        let middle = rim.iter().sum::<DVec3>() / rim.len() as f64;
+        let radius = rms_distance(rim.iter().copied(), middle);
+        if !(radius.is_finite() && radius > 0.0) {
+            return None;
+        }
+        let mesh = self.mesh;
+        let normal = |&v: &u32| {
+            let v = self.vertices[v as usize];
+            vertex_normal(&mesh.topology, v, |v| mesh.position(v)).unwrap_or_default()
+        };
+        Some(Disc {
+            normals: vertices[..ends[0]].iter().map(normal).collect(),
+            vertices,
+            ends,
+            radius,
+        })
+    }
+
+    /// Sorts vertices along the longest side of their bounding box.
+    fn sort_along(&self, vertices: &mut [u32]) {
+        let point = |v: u32| self.points[v as usize];
+        let (low, high) = bounds(vertices.iter().map(|&v| point(v)));
+        let axis = (high - low).max_position();
+        vertices.sort_by(|&v, &w| {
+            let by_number = || self.vertices[v as usize].cmp(&self.vertices[w as usize]);
+            point(v)[axis]
+                .total_cmp(&point(w)[axis])
+                .then_with(by_number)
+        });
+    }
+
+    /// The Laplacian at the vertices of discs and of all rings around them but the last.
+    fn laplacian(&self, discs: &[Disc]) -> Laplacian {
+        let mut is_needed = vec![false; self.vertices.len()];
+        let inner = discs
+            .iter()
+            .flat_map(|disc| &disc.vertices[..disc.ends[G2_RINGS - 1]]);
+        for &v in inner {
+            is_needed[v as usize] = true;
+        }
+        Laplacian::new(&self.points, |i| match &self.neighbours[i] {
+            Some(range) if is_needed[i] => &self.around[range.clone()],
+            _ => &[],
+        })
+    }
 }

@@ -5,16 +5,17 @@ use rayon::prelude::*;
 use crate::fill::context::FillContext;
 use crate::fill::counterpart::Counterpart;
 use crate::fill::hole::PlannedHole;
-use crate::fill::prediction::{TENSIONS, WORTH};
-use crate::fill::pseudo_hole::Disc;
+use crate::fill::prediction::{Restored, TENSIONS, WORTH};
+use crate::fill::pseudo_hole::{Disc, Surroundings};
 use crate::mesh::{DVec3, VertexId};
-use crate::solver::LocalG2;
 use crate::symmetry::{Isometry, Sample};
 
 /// Vertices around a hole to which a symmetry is fitted, over those of its rim: about six rings.
-const FITTED: usize = 6;
-/// Most vertices to which a symmetry is fitted around a hole, and around a pseudo-hole.
-const MOST_FITTED: [usize; 2] = [100, 40];
+const NEAR: usize = 6;
+/// Most vertices to which a symmetry is fitted around a hole, and most rounds.
+const FITTED: [usize; 2] = [100, 8];
+/// Those around a pseudo-hole, where the fit to the hole is a good start.
+const FITTED_DISC: [usize; 2] = [30, 3];
 /// Most pseudo-holes of a hole on which a symmetry is tried.
 const DISCS: usize = 16;
 /// Least share of the vertices in a hole, or in and around a pseudo-hole, that have a counterpart, and
@@ -77,22 +78,24 @@ impl Moments {
 }
 
 impl SymmetricErrors {
-    /// Those of the symmetry with the least error. `near` are the vertices around a hole, from its rim
-    /// outwards, `discs` its pseudo-holes and `errors` their mean squared errors without symmetry, by
-    /// [`TENSIONS`]. `None` if no symmetry is worth while.
+    /// Those of the symmetry with the least error. `restored` are the first pseudo-holes and `errors`
+    /// their mean squared errors without symmetry, by [`TENSIONS`]. `None` if no symmetry is worth while.
     pub fn least(
         context: FillContext<'_>,
         hole: &PlannedHole,
-        near: &[VertexId],
-        discs: &[Disc],
+        surroundings: &Surroundings,
+        mut restored: Vec<Restored>,
         errors: &[f64],
     ) -> Option<Self> {
-        let near = &near[..near.len().min(FITTED * hole.rims.vertices.len())];
-        let discs = &discs[..discs.len().min(DISCS)];
+        let near = surroundings
+            .near
+            .iter()
+            .take(NEAR * hole.rims.vertices.len());
+        let near: Vec<VertexId> = near.map(|&v| surroundings.vertices[v as usize]).collect();
         let symmetries = context.symmetries().iter();
         let all = symmetries.filter_map(|symmetry| {
-            let (isometry, distance) = context.fitted(symmetry, near, MOST_FITTED[0])?;
-            let distance = distance / hole.rims.radius();
+            let isometry = context.fitted(symmetry, &near, FITTED)?;
+            let distance = context.distance(&isometry, &near)? / hole.rims.radius();
             if errors.iter().all(|error| distance * distance > *error) {
                 return None;
             }
@@ -100,7 +103,15 @@ impl SymmetricErrors {
             if covered < COVERED[0] {
                 return None;
             }
-            Self::on(context, isometry, [distance, covered], discs)
+            let discs = &surroundings.discs[..surroundings.discs.len().min(DISCS)];
+            if restored.len() < discs.len() {
+                restored.extend(Restored::all(surroundings, &discs[restored.len()..]));
+            }
+            let pairs = discs.par_iter().zip(&restored);
+            let found = pairs
+                .map(|(disc, restored)| moments(context, &isometry, surroundings, disc, restored));
+            let found: Vec<_> = found.collect();
+            Self::on(&found, isometry, [distance, covered])
         });
         let least = |one: &Self| {
             let ratios = (0..TENSIONS.len()).filter(|&k| one.is_worth(k));
@@ -112,29 +123,28 @@ impl SymmetricErrors {
             .map(|one| one.1)
     }
 
-    /// On those of some pseudo-holes that have a counterpart. `None` if fewer than a third have one.
+    /// On those pseudo-holes that have a counterpart. `None` if fewer than a third have one.
     fn on(
-        context: FillContext<'_>,
+        discs: &[Option<[Moments; TENSIONS.len()]>],
         isometry: Isometry,
         [distance, covered]: [f64; 2],
-        discs: &[Disc],
     ) -> Option<Self> {
-        let found = discs
-            .par_iter()
-            .map(|disc| moments(context, disc, &isometry));
-        let found: Vec<_> = found.collect::<Vec<_>>().into_iter().flatten().collect();
+        let found: Vec<_> = discs.iter().flatten().collect();
         if found.is_empty() || 3 * found.len() < discs.len() {
             return None;
         }
         let mut sums = [Moments::default(); TENSIONS.len()];
         let mut gaining = [0.0; TENSIONS.len()];
-        let is_comparable = |one: &&[Moments; TENSIONS.len()]| one[0].known >= COVERED[1];
-        let comparable = found.iter().filter(is_comparable).count();
+        let comparable: Vec<_> = found
+            .iter()
+            .filter(|one| one[0].known >= COVERED[1])
+            .collect();
         let total: f64 = found.iter().map(|one| one[0].known * one[0].known).sum();
         for k in 0..TENSIONS.len() {
-            let gains = |one: &&[Moments; TENSIONS.len()]| one[k].error(1.0) < one[k].ss;
-            let count = found.iter().filter(is_comparable).filter(gains).count();
-            gaining[k] = count as f64 / comparable.max(1) as f64;
+            let gains = comparable
+                .iter()
+                .filter(|one| one[k].error(1.0) < one[k].ss);
+            gaining[k] = gains.count() as f64 / comparable.len().max(1) as f64;
             for Moments { ss, su, uu, known } in found.iter().map(|one| one[k]) {
                 // pseudo-holes with a whole counterpart say most about a whole counterpart
                 let weight = known * known / total;
@@ -185,15 +195,18 @@ impl SymmetricErrors {
 /// symmetry is fitted to its surroundings. `None` if too much of the counterpart is missing.
 fn moments(
     context: FillContext<'_>,
-    disc: &Disc,
     symmetry: &Isometry,
+    surroundings: &Surroundings,
+    disc: &Disc,
+    restored: &Restored,
 ) -> Option<[Moments; TENSIONS.len()]> {
-    let mesh = context.mesh;
-    let vertices = disc.region.vertices();
-    let (isometry, _) =
-        context.fitted(symmetry, &vertices[disc.normals.len()..], MOST_FITTED[1])?;
+    let vertices = disc.vertices.iter();
+    let vertices: Vec<VertexId> = vertices
+        .map(|&v| surroundings.vertices[v as usize])
+        .collect();
+    let isometry = context.fitted(symmetry, &vertices[disc.ends[0]..], FITTED_DISC)?;
     let there = vertices.iter().map(|&v| {
-        let sample = Sample::of_vertex(mesh, v)?;
+        let sample = Sample::of_vertex(context.mesh, v)?;
         context.counterpart(&isometry, &sample)
     });
     let there: Vec<Option<DVec3>> = there.collect();
@@ -201,31 +214,24 @@ fn moments(
     if known < COVERED[0] {
         return None;
     }
-    let local = LocalG2::new(mesh, &disc.region, &[&disc.positions(mesh), &there]);
-    let scale = 1.0 / (disc.normals.len() as f64 * disc.radius * disc.radius);
-    let moments = TENSIONS.map(|tension| {
-        let steps = local.steps(tension / (disc.radius * disc.radius)).ok()?;
-        let [without, reference] = &steps[..] else {
-            return None;
-        };
-        let mut sum = Moments {
-            known,
-            ..Moments::default()
-        };
-        let steps = without.iter().zip(reference).zip(&disc.normals);
-        for (((step, step_of_reference), n), there) in steps.zip(&there) {
-            if there.is_some() {
-                // the step towards the minimum of the energy of x − share y, by shares
-                let (s, u) = (step.dot(*n), -step_of_reference.dot(*n));
-                sum.ss += scale * s * s;
-                sum.su += scale * s * u;
-                sum.uu += scale * u * u;
-            }
-        }
-        Some(sum)
+    let mut moments = [(); TENSIONS.len()].map(|()| Moments {
+        known,
+        ..Moments::default()
     });
-    let moments: Option<Vec<Moments>> = moments.into_iter().collect();
-    moments?.try_into().ok()
+    let scale = 1.0 / (disc.normals.len() as f64 * disc.radius * disc.radius);
+    let of_reference = restored.along_normals(disc, &there);
+    let pairs = restored.errors.iter().zip(&of_reference).zip(&there);
+    for ((errors, steps), _) in pairs.filter(|pair| pair.1.is_some()) {
+        for (k, sum) in moments.iter_mut().enumerate() {
+            // the step towards the minimum of the energy of x − share y, by shares
+            let (s, u) = (errors[k], -steps[k]);
+            sum.ss += scale * s * s;
+            sum.su += scale * s * u;
+            sum.uu += scale * u * u;
+        }
+    }
+    let is_finite = |one: &Moments| (one.ss + one.su + one.uu).is_finite();
+    moments.iter().all(is_finite).then_some(moments)
 }
 
 #[cfg(test)]

@@ -1,12 +1,9 @@
-//! Cholesky factorization in envelope form, for matrices of at most some hundred unknowns: no
-//! symbolic phase.
-
-use glam::DVec3;
-
-use super::LinearError;
+//! Cholesky factorization in envelope form of several matrices at once, of at most some hundred
+//! unknowns: no symbolic phase.
 
 /// Envelope of a symmetric matrix: each row of the lower triangle from its first entry to the
-/// diagonal. The factor of the matrix has the same envelope.
+/// diagonal. The factor of the matrix has the same envelope. `N` matrices with one envelope are
+/// factorized together: an entry holds the values of all of them.
 #[derive(Clone, Debug)]
 pub struct Envelope {
     /// Column of the first entry of each row.
@@ -25,13 +22,18 @@ impl Envelope {
         Self { first, start }
     }
 
-    /// The values of a matrix of zeros.
-    pub fn zeros(&self) -> Vec<f64> {
-        vec![0.0; self.start[self.first.len()]]
+    /// Number of unknowns.
+    pub fn len(&self) -> usize {
+        self.first.len()
     }
 
-    /// Adds `factor` times a vector to row `i`: `entries` are columns of the envelope, of which those
-    /// beyond the diagonal are ignored.
+    /// The values of a matrix of zeros.
+    pub fn zeros(&self) -> Vec<f64> {
+        vec![0.0; self.start[self.len()]]
+    }
+
+    /// Adds `factor` times a vector to row `i` of a matrix: `entries` are columns of the envelope, of
+    /// which those beyond the diagonal are ignored.
     pub fn add_to_row(
         &self,
         values: &mut [f64],
@@ -45,68 +47,129 @@ impl Envelope {
         }
     }
 
-    /// Replaces a matrix by its Cholesky factor.
-    ///
-    /// # Errors
-    /// [`LinearError::NotPositiveDefinite`] with the first row whose pivot is not positive.
-    pub fn factorize(&self, values: &mut [f64]) -> Result<(), LinearError> {
+    /// Replaces matrices by their Cholesky factors. The factor of a matrix that is not positive definite
+    /// has NaN on its diagonal.
+    pub fn factorize<const N: usize>(&self, values: &mut [[f64; N]]) {
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || self.factorize_here(values),
+        );
+    }
+
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "compiled once per instruction set")]
+    fn factorize_here<const N: usize>(&self, values: &mut [[f64; N]]) {
         for (i, &begin) in self.first.iter().enumerate() {
             let (above, row) = values.split_at_mut(self.start[i]);
             let row = &mut row[..=i - begin];
             for j in begin..i {
                 let other = &above[self.start[j]..self.start[j + 1]];
                 let common = begin.max(self.first[j]);
-                let own = &row[common - begin..j - begin];
-                let sum = dot(own, &other[common - self.first[j]..]);
-                row[j - begin] = (row[j - begin] - sum) / other[j - self.first[j]];
+                let sum = dot(
+                    &row[common - begin..j - begin],
+                    &other[common - self.first[j]..],
+                );
+                let diagonal = other[j - self.first[j]];
+                let entry = &mut row[j - begin];
+                for k in 0..N {
+                    entry[k] = (entry[k] - sum[k]) / diagonal[k];
+                }
             }
-            let pivot = row[i - begin] - dot(&row[..i - begin], &row[..i - begin]);
-            if pivot.is_nan() || pivot <= 0.0 {
-                return Err(LinearError::NotPositiveDefinite { index: i });
+            let sum = dot(&row[..i - begin], &row[..i - begin]);
+            let diagonal = &mut row[i - begin];
+            for k in 0..N {
+                let pivot = diagonal[k] - sum[k];
+                diagonal[k] = if pivot > 0.0 { pivot.sqrt() } else { f64::NAN };
             }
-            row[i - begin] = pivot.sqrt();
         }
-        Ok(())
     }
 
-    /// Replaces `rhs` by the solution, given the factor.
-    pub fn solve_in_place(&self, factor: &[f64], rhs: &mut [DVec3]) {
-        let row = |i: usize| factor[self.start[i]..self.start[i + 1]].split_last();
+    /// Replaces the coordinates of the right-hand sides of all matrices by the solutions, given the
+    /// factors.
+    pub fn solve_in_place<const N: usize, const D: usize>(
+        &self,
+        factors: &[[f64; N]],
+        rhs: &mut [[[f64; N]; D]],
+    ) {
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || self.solve_here(factors, rhs),
+        );
+    }
+
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "compiled once per instruction set")]
+    fn solve_here<const N: usize, const D: usize>(
+        &self,
+        factors: &[[f64; N]],
+        rhs: &mut [[[f64; N]; D]],
+    ) {
+        let row = |i: usize| factors[self.start[i]..self.start[i + 1]].split_last();
+        // value −= factor · other, or value /= factor
+        let subtract = |value: &mut [[f64; N]; D], factor: &[f64; N], other: &[[f64; N]; D]| {
+            for d in 0..D {
+                for k in 0..N {
+                    value[d][k] -= factor[k] * other[d][k];
+                }
+            }
+        };
+        let divide = |value: &mut [[f64; N]; D], factor: &[f64; N]| {
+            for d in 0..D {
+                for k in 0..N {
+                    value[d][k] /= factor[k];
+                }
+            }
+        };
         for (i, &begin) in self.first.iter().enumerate() {
             let Some((diagonal, row)) = row(i) else {
                 return;
             };
-            let pairs = row.iter().zip(&rhs[begin..i]);
-            let sum: DVec3 = pairs.map(|(l, x)| *l * *x).sum();
-            rhs[i] = (rhs[i] - sum) / *diagonal;
+            let mut own = rhs[i];
+            for (l, x) in row.iter().zip(&rhs[begin..i]) {
+                subtract(&mut own, l, x);
+            }
+            divide(&mut own, diagonal);
+            rhs[i] = own;
         }
         for (i, &begin) in self.first.iter().enumerate().rev() {
             let Some((diagonal, row)) = row(i) else {
                 return;
             };
-            let own = rhs[i] / *diagonal;
-            rhs[i] = own;
+            divide(&mut rhs[i], diagonal);
+            let own = rhs[i];
             for (l, x) in row.iter().zip(&mut rhs[begin..i]) {
-                *x -= *l * own;
+                subtract(x, l, &own);
             }
         }
     }
 }
 
-/// Scalar product of the first `a.len()` numbers, in four partial sums, which the processor adds in
+/// Scalar products of the first `a.len()` entries, in two partial sums, which the processor adds in
 /// parallel.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "compiled once per instruction set")]
+fn dot<const N: usize>(a: &[[f64; N]], b: &[[f64; N]]) -> [f64; N] {
     let b = &b[..a.len()];
-    let (fours, rest) = a.as_chunks::<4>();
-    let (other_fours, other_rest) = b.as_chunks::<4>();
-    let mut sums = [0.0; 4];
-    for (a, b) in fours.iter().zip(other_fours) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
+    let (pairs, rest) = a.as_chunks::<2>();
+    let (other_pairs, other_rest) = b.as_chunks::<2>();
+    let mut sums = [[0.0; N]; 2];
+    for (a, b) in pairs.iter().zip(other_pairs) {
+        for part in 0..2 {
+            for k in 0..N {
+                sums[part][k] += a[part][k] * b[part][k];
+            }
         }
     }
-    let rest = rest.iter().zip(other_rest).map(|(a, b)| a * b);
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest.sum::<f64>()
+    for (a, b) in rest.iter().zip(other_rest) {
+        for k in 0..N {
+            sums[0][k] += a[k] * b[k];
+        }
+    }
+    let [mut sum, other] = sums;
+    for k in 0..N {
+        sum[k] += other[k];
+    }
+    sum
 }
 
 #[cfg(test)]
@@ -132,24 +195,33 @@ mod tests {
                 let beyond = [(n, f64::NAN)];
                 envelope.add_to_row(&mut values, i, 2.0, row.into_iter().chain(beyond));
             }
-            let x: Vec<DVec3> = (0..n)
-                .map(|_| DVec3::new(rng.unit(), rng.unit(), rng.unit()))
-                .collect();
-            let product = |row: &Vec<f64>| row.iter().zip(&x).map(|(a, x)| *a * *x).sum();
-            let mut solution: Vec<DVec3> = dense.iter().map(product).collect();
-            envelope.factorize(&mut values).expect("positive definite");
-            envelope.solve_in_place(&values, &mut solution);
-            let error = solution.iter().zip(&x).map(|(a, b)| a.distance(*b));
-            assert!(error.fold(0.0, f64::max) < 1e-14);
+            // the matrix, its half and its negative
+            const SCALES: [f64; 3] = [1.0, 0.5, -1.0];
+            let mut factors: Vec<[f64; 3]> = values.iter().map(|a| SCALES.map(|s| s * a)).collect();
+            let x: Vec<f64> = (0..n).map(|_| rng.unit()).collect();
+            let product = |row: &Vec<f64>| row.iter().zip(&x).map(|(a, x)| a * x).sum();
+            let right: Vec<f64> = dense.iter().map(product).collect();
+            let mut solution: Vec<[[f64; 3]; 1]> = right.iter().map(|b| [[*b; 3]]).collect();
+            envelope.factorize(&mut factors);
+            envelope.solve_in_place(&factors, &mut solution);
+            for ([[whole, half, negative]], x) in solution.iter().zip(&x) {
+                assert!((whole - x).abs() < 1e-14 && (half - 2.0 * x).abs() < 1e-14);
+                assert!(negative.is_nan());
+            }
         }
     }
 
     #[test]
-    fn the_first_pivot_that_is_not_positive_is_named() {
+    fn pivots_that_are_not_positive_are_found() {
         let envelope = Envelope::new(vec![0, 1, 0]);
         for bad in [0.0, -1.0, f64::NAN] {
-            let found = envelope.factorize(&mut [1.0, bad, 0.0, 0.0, 1.0]);
-            assert_eq!(found, Err(LinearError::NotPositiveDefinite { index: 1 }));
+            let mut values = [1.0, bad, 0.0, 0.0, 1.0].map(|a| [a, 1.0]);
+            values[3][1] = 0.5;
+            values[2][1] = 0.5;
+            envelope.factorize(&mut values);
+            let diagonal = [values[0], values[1], values[4]];
+            assert!(diagonal.iter().any(|d| d[0].is_nan()));
+            assert!(diagonal.iter().all(|d| d[1] > 0.0));
         }
     }
 }

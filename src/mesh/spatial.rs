@@ -9,6 +9,10 @@ pub use ray::RayHit;
 /// Maximum number of triangles in a leaf. Smaller leaves need more memory, larger ones more tests.
 const LEAF: usize = 4;
 
+/// Factor by which the squared distance of a plane must exceed that of the nearest point so far to leave
+/// out its triangle: larger than the rounding errors of both.
+const MARGIN: f64 = 1.0 + 1e-9;
+
 /// A box of the hierarchy. Nodes lie depth-first: the left child of node `i` is `i + 1`.
 #[derive(Clone, Copy, Debug)]
 struct Node {
@@ -124,6 +128,11 @@ impl TriangleBvh {
             }
             for slot in node.first..node.first + node.count {
                 let [a, b, c] = self.corners[slot as usize];
+                let normal = (b - a).cross(c - a);
+                let height = (query - a).dot(normal);
+                if height * height > MARGIN * best_squared * normal.length_squared() {
+                    continue;
+                }
                 let point = closest_point_on_triangle(query, a, b, c);
                 let squared = point.distance_squared(query);
                 let face = self.faces[slot as usize];
@@ -243,30 +252,37 @@ pub fn boxes_overlap(low: DVec3, high: DVec3, other_low: DVec3, other_high: DVec
     low.cmple(other_high).all() && other_low.cmple(high).all()
 }
 
+/// Square of the sine of an angle below which the rounding errors of a normal are too large to say on
+/// which side of an edge a point lies.
+const FLAT: f64 = 1e-20;
+
 /// The point of triangle `abc` nearest to `p`; triangles of zero area (segments, points) are
 /// allowed.
 pub fn closest_point_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let normal = ab.cross(ac);
     let area = normal.length_squared();
-    if area > 0.0 {
-        // barycentric coordinates of the projection; inside, it is the answer
-        let v = ap.cross(ac).dot(normal) / area;
-        let w = ab.cross(ap).dot(normal) / area;
-        if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
-            return a + ab * v + ac * w;
+    // barycentric coordinates of the projection, times `area`
+    let v = ap.cross(ac).dot(normal);
+    let w = ab.cross(ap).dot(normal);
+    let u = area - v - w;
+    let is_outside = [w < 0.0, u < 0.0, v < 0.0];
+    let is_flat = area <= FLAT * ab.length_squared() * ac.length_squared();
+    if !is_flat && !is_outside.contains(&true) {
+        return a + ab * (v / area) + ac * (w / area);
+    }
+    // the nearest point lies on an edge that has the projection on its outer side
+    let (mut nearest, mut least) = (a, f64::INFINITY);
+    for (is_outside, [from, to]) in is_outside.into_iter().zip([[a, b], [b, c], [c, a]]) {
+        if is_outside || is_flat {
+            let point = closest_point_on_segment(p, from, to);
+            let distance = point.distance_squared(p);
+            if distance < least {
+                (nearest, least) = (point, distance);
+            }
         }
     }
-    let mut best = closest_point_on_segment(p, a, b);
-    for q in [
-        closest_point_on_segment(p, b, c),
-        closest_point_on_segment(p, c, a),
-    ] {
-        if q.distance_squared(p) < best.distance_squared(p) {
-            best = q;
-        }
-    }
-    best
+    nearest
 }
 
 /// The point of segment `ab` nearest to `p`.
@@ -327,6 +343,9 @@ mod tests {
             assert!((closest_point_on_triangle(p, a, b, c) - expected).length() < 1e-15);
         }
         let p = DVec3::new(2.0, 2.0, 0.0);
+        // a needle whose normal is rounding
+        let (near, middle) = (DVec3::new(0.9, 0.3, 0.0), DVec3::new(0.5, 1e-17, 1e-18));
+        assert!(closest_point_on_triangle(near, a, middle, b).distance(0.9 * b) < 1e-15);
         assert_eq!(closest_point_on_triangle(p, a, a, b), b);
         assert_eq!(closest_point_on_triangle(p, b, b, b), b);
     }

@@ -1,53 +1,39 @@
 //! Where the vector flow `g2` takes some vertices of a mesh from their own positions, in their
 //! metric: one linear system, without a region, elements or a symbolic factorization. For
-//! predictions, which solve many small systems.
+//! predictions, which solve many small systems on the same part of a mesh.
 
-use rustc_hash::FxHashMap;
-
-use crate::linear::{Envelope, LinearError};
-use crate::mesh::{DVec3, Mesh, Neighbourhood, VertexId};
+use crate::linear::Envelope;
+use crate::mesh::DVec3;
 use crate::solver::diffusion::{LEAST_AREA, edge_weight, half_cotangent};
 
 /// Number of rings around the moving vertices that the system depends on.
 pub const G2_RINGS: usize = 3;
 
-/// The energy of `g2` in the metric of given positions: its matrix for the moving vertices, and its
-/// gradients at some shapes.
-pub struct LocalG2 {
-    envelope: Envelope,
-    /// Matrices of `½∫|∇h|²` and `½∫|h|²`.
-    matrices: [Vec<f64>; 2],
-    /// Gradients of both at each shape.
-    gradients: Vec<[Vec<DVec3>; 2]>,
-}
-
-/// The discrete Laplacian at some vertices, numbered within a region.
-#[derive(Default)]
-struct Laplacian {
+/// The discrete Laplacian at the inner vertices of a part of a mesh, in the numbers of that part.
+#[derive(Debug, Default)]
+pub struct Laplacian {
     /// Area at each vertex.
     mass: Vec<f64>,
     /// Start of each vertex in `edges`; one more at the end.
     start: Vec<usize>,
     /// The neighbours of each vertex with the weights of the edges.
-    edges: Vec<(usize, f64)>,
+    edges: Vec<(u32, f64)>,
 }
 
 impl Laplacian {
-    /// At the first `count` vertices of a region, which are inner vertices of the mesh.
-    fn new(mesh: &Mesh, region: &[VertexId], count: usize) -> Self {
-        let number: FxHashMap<VertexId, usize> = region.iter().copied().zip(0..).collect();
-        let points: Vec<DVec3> = region.iter().map(|&v| mesh.position(v)).collect();
+    /// In the metric of `points`. `neighbours` gives the vertices around a vertex in cyclic order; none
+    /// for a vertex on a boundary, and for others at which the Laplacian is not needed.
+    pub fn new<'a>(points: &[DVec3], neighbours: impl Fn(usize) -> &'a [u32]) -> Self {
         let mut out = Self::default();
-        for (i, &v) in region[..count].iter().enumerate() {
+        for (i, point) in points.iter().enumerate() {
             let begin = out.edges.len();
             out.start.push(begin);
-            let neighbours = mesh.topology.neighbours(v);
-            out.edges.extend(neighbours.map(|w| (number[&w], 0.0)));
+            out.edges.extend(neighbours(i).iter().map(|&j| (j, 0.0)));
             let fan = &mut out.edges[begin..];
             let mut mass = 0.0;
             for k in 0..fan.len() {
                 let next = if k + 1 < fan.len() { k + 1 } else { 0 };
-                let [a, b] = [k, next].map(|k| points[fan[k].0] - points[i]);
+                let [a, b] = [k, next].map(|k| points[fan[k].0 as usize] - point);
                 let double = a.cross(b).length();
                 mass += double / 6.0;
                 fan[k].1 += half_cotangent(-b, a - b, double);
@@ -59,133 +45,165 @@ impl Laplacian {
             out.mass.push(mass);
         }
         out.start.push(out.edges.len());
+        let count = out.mass.iter().filter(|mass| **mass > 0.0).count();
         let least = LEAST_AREA * out.mass.iter().sum::<f64>() / count as f64;
         out.mass.iter_mut().for_each(|mass| *mass = mass.max(least));
         out
     }
 
     /// The neighbours of a vertex with the weights of the edges.
-    fn edges(&self, i: usize) -> &[(usize, f64)] {
+    fn edges(&self, i: usize) -> &[(u32, f64)] {
         &self.edges[self.start[i]..self.start[i + 1]]
+    }
+
+    /// The Laplacian at the first `rows` of some vertices, in their order. These contain the neighbours of
+    /// the rows.
+    fn restricted(&self, vertices: &[u32], rows: usize) -> Self {
+        let mut number = vec![u32::MAX; self.mass.len()];
+        for (&v, i) in vertices.iter().zip(0..) {
+            number[v as usize] = i;
+        }
+        let mut out = Self::default();
+        for &v in &vertices[..rows] {
+            out.mass.push(self.mass[v as usize]);
+            out.start.push(out.edges.len());
+            let edges = self.edges(v as usize).iter();
+            out.edges
+                .extend(edges.map(|&(j, w)| (number[j as usize], w)));
+        }
+        out.start.push(out.edges.len());
+        out
     }
 }
 
-impl LocalG2 {
-    /// For the vertices of ring 0 of a neighbourhood with [`G2_RINGS`] rings; no vertex of the rings
-    /// before the last may lie on a boundary. Vertices that lie near each other should follow each
-    /// other, so that the envelope is small. `shapes` are positions of the vertices of the neighbourhood;
-    /// where one is unknown, its shape contributes nothing to the gradients.
-    pub fn new(mesh: &Mesh, region: &Neighbourhood, shapes: &[&[Option<DVec3>]]) -> Self {
-        let vertices = region.vertices();
-        let count = |rings: usize| region.rings().take(rings).map(<[_]>::len).sum();
-        let (moving, near, inner) = (count(1), count(2), count(3));
-        let laplacian = Laplacian::new(mesh, vertices, inner);
-        // curvature vectors, and for rings 0 and 1 their derivatives by the moving vertices
-        let curvature = |x: &[Option<DVec3>], i: usize| {
-            let own = x[i]?;
+/// The energy of `g2` in a given metric as a function of some vertices, the moving ones, with `N`
+/// tensions.
+pub struct LocalG2<const N: usize> {
+    /// On the rings before the last, in the order of the rings.
+    laplacian: Laplacian,
+    /// Derivatives of the curvature vectors at rings 0 and 1 by the moving vertices: pairs of a moving
+    /// vertex and a factor.
+    derivatives: Vec<Vec<(usize, f64)>>,
+    tensions: [f64; N],
+    envelope: Envelope,
+    /// The Cholesky factors of the matrices.
+    factors: Vec<[f64; N]>,
+}
+
+impl<const N: usize> LocalG2<N> {
+    /// For the first of some vertices, which form [`G2_RINGS`] + 1 rings with the given `ends`; the
+    /// Laplacian is known on all rings but the last. Vertices that lie near each other should follow each
+    /// other, so that the envelope is small. The tensions are those over the squared radius.
+    pub fn new(
+        laplacian: &Laplacian,
+        vertices: &[u32],
+        ends: &[usize; G2_RINGS + 1],
+        tensions: [f64; N],
+    ) -> Self {
+        let [moving, near, inner, _] = *ends;
+        let laplacian = laplacian.restricted(vertices, inner);
+        let derivatives = |i: usize| {
             let edges = laplacian.edges(i).iter();
-            let sum = edges
-                .map(|&(j, w)| Some(w * (x[j]? - own)))
-                .sum::<Option<DVec3>>()?;
-            Some(sum / laplacian.mass[i])
-        };
-        let curvatures = shapes
-            .iter()
-            .map(|x| (0..inner).map(|i| curvature(x, i)).collect());
-        let curvatures: Vec<Vec<Option<DVec3>>> = curvatures.collect();
-        let (mut start, mut derivatives) = (vec![0], Vec::new());
-        for i in 0..near {
-            let edges = laplacian.edges(i);
-            let sum: f64 = edges.iter().map(|e| e.1).sum();
-            let own = edges.iter().copied().chain([(i, -sum)]);
+            let sum: f64 = edges.clone().map(|e| e.1).sum();
+            let own = edges.map(|&(j, w)| (j as usize, w)).chain([(i, -sum)]);
             let own = own.filter(|e| e.0 < moving);
-            derivatives.extend(own.map(|(j, w)| (j, w / laplacian.mass[i])));
-            start.push(derivatives.len());
-        }
-        let derivatives = |i: usize| match start.get(i + 1) {
-            Some(&end) => &derivatives[start[i]..end],
-            None => &[],
+            own.map(|(j, w)| (j, w / laplacian.mass[i])).collect()
         };
+        let derivatives: Vec<Vec<(usize, f64)>> = (0..near).map(derivatives).collect();
+        let of = |i: usize| derivatives.get(i).map_or(&[][..], |own| own);
         // two vertices have an entry if the curvatures at the ends of an edge depend on them
         let mut first: Vec<usize> = (0..moving).collect();
-        for i in 0..near {
-            let around = laplacian.edges(i).iter().map(|e| e.0).chain([i]);
-            let least = around.flat_map(derivatives).map(|e| e.0).min();
-            for &(v, _) in derivatives(i) {
+        for (i, own) in derivatives.iter().enumerate() {
+            let around = laplacian.edges(i).iter().map(|e| e.0 as usize).chain([i]);
+            let least = around.flat_map(of).map(|e| e.0).min();
+            for &(v, _) in own {
                 first[v] = first[v].min(least.unwrap_or(v));
             }
         }
         let envelope = Envelope::new(first);
-        let mut matrices = [(); 2].map(|()| envelope.zeros());
-        let zero = || vec![DVec3::ZERO; moving];
-        let mut gradients: Vec<[Vec<DVec3>; 2]> = shapes.iter().map(|_| [zero(), zero()]).collect();
+        let [mut stiffness, mut bending] = [(); 2].map(|()| envelope.zeros());
         // Σ_e w_e (h_i − h_j), derived by the moving vertices, of which it depends on `used`
-        let mut stiffness = vec![0.0; moving];
+        let mut differences = vec![0.0; moving];
         let mut used = Vec::new();
         let mut used_by = vec![usize::MAX; moving];
-        for i in 0..near {
+        for (i, own) in derivatives.iter().enumerate() {
             let mut add = |entries: &[(usize, f64)], factor: f64| {
                 for &(v, d) in entries {
                     if used_by[v] != i {
                         used_by[v] = i;
-                        stiffness[v] = 0.0;
+                        differences[v] = 0.0;
                         used.push(v);
                     }
-                    stiffness[v] += factor * d;
+                    differences[v] += factor * d;
                 }
             };
             for &(j, w) in laplacian.edges(i) {
-                add(derivatives(j), -w);
+                add(of(j as usize), -w);
             }
-            let own = derivatives(i);
             add(own, laplacian.edges(i).iter().map(|e| e.1).sum());
-            let mass = laplacian.mass[i];
             for &(v, d) in own {
-                let entries = used.iter().map(|&u| (u, stiffness[u]));
-                envelope.add_to_row(&mut matrices[0], v, d, entries);
-                envelope.add_to_row(&mut matrices[1], v, mass * d, own.iter().copied());
-            }
-            for (h, [stiff, bending]) in curvatures.iter().zip(&mut gradients) {
-                let Some(hi) = h[i] else { continue };
-                let edges = laplacian.edges(i).iter();
-                let force: DVec3 = edges.filter_map(|&(j, w)| Some(w * (hi - h[j]?))).sum();
-                for &(v, d) in own {
-                    stiff[v] += d * force;
-                    bending[v] += mass * d * hi;
-                }
+                let entries = used.iter().map(|&u| (u, differences[u]));
+                envelope.add_to_row(&mut stiffness, v, d, entries);
+                let mass = laplacian.mass[i];
+                envelope.add_to_row(&mut bending, v, mass * d, own.iter().copied());
             }
             used.clear();
         }
+        let pairs = stiffness.iter().zip(&bending);
+        let sums = pairs.map(|(a, b)| tensions.map(|tension| a + tension * b));
+        let mut factors: Vec<[f64; N]> = sums.collect();
+        envelope.factorize(&mut factors);
         Self {
+            laplacian,
+            derivatives,
+            tensions,
             envelope,
-            matrices,
-            gradients,
+            factors,
         }
     }
 
-    /// Displacements of the moving vertices from each shape to the minimum of the energy, with the
-    /// tension over the squared radius.
-    ///
-    /// # Errors
-    /// [`LinearError::NotPositiveDefinite`].
-    pub fn steps(&self, tension: f64) -> Result<Vec<Vec<DVec3>>, LinearError> {
-        let [stiffness, bending] = &self.matrices;
-        let pairs = stiffness.iter().zip(bending);
-        let mut matrix: Vec<f64> = pairs.map(|(a, b)| a + tension * b).collect();
-        self.envelope.factorize(&mut matrix)?;
-        let step = |[a, b]: &[Vec<DVec3>; 2]| {
-            let pairs = a.iter().zip(b);
-            let mut shift: Vec<DVec3> = pairs.map(|(a, b)| -(*a + tension * *b)).collect();
-            self.envelope.solve_in_place(&matrix, &mut shift);
-            shift
+    /// Displacements of the moving vertices from a shape of all rings to the minimum of the energy: x, y
+    /// and z, each by tension. Where the position of a vertex is unknown, the curvature vectors around it
+    /// contribute nothing. NaN where the energy has no minimum.
+    pub fn steps(&self, shape: &[Option<DVec3>]) -> Vec<[[f64; N]; 3]> {
+        let laplacian = &self.laplacian;
+        let curvature = |i: usize| {
+            let own = shape[i]?;
+            let edges = laplacian.edges(i).iter();
+            let sum = edges
+                .map(|&(j, w)| Some(w * (shape[j as usize]? - own)))
+                .sum::<Option<DVec3>>()?;
+            Some(sum / laplacian.mass[i])
         };
-        Ok(self.gradients.iter().map(step).collect())
+        let curvatures: Vec<Option<DVec3>> = (0..laplacian.mass.len()).map(curvature).collect();
+        let mut steps = vec![[[0.0; N]; 3]; self.envelope.len()];
+        for (i, derivatives) in self.derivatives.iter().enumerate() {
+            let Some(own) = curvatures[i] else { continue };
+            // derivatives of ½∫|∇h|² and ½∫|h|² by the curvature vector
+            let edges = laplacian.edges(i).iter();
+            let stiff = edges.filter_map(|&(j, w)| Some(w * (own - curvatures[j as usize]?)));
+            let stiff: [f64; 3] = stiff.sum::<DVec3>().into();
+            let bending: [f64; 3] = (laplacian.mass[i] * own).into();
+            for axis in 0..3 {
+                let force = self
+                    .tensions
+                    .map(|tension| stiff[axis] + tension * bending[axis]);
+                for &(v, d) in derivatives {
+                    for (step, force) in steps[v][axis].iter_mut().zip(force) {
+                        *step -= d * force;
+                    }
+                }
+            }
+        }
+        self.envelope.solve_in_place(&self.factors, &mut steps);
+        steps
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::{Mesh, Neighbourhood, VertexId};
     use crate::shapes;
     use crate::solver::diffusion::DiffusionFlow;
     use crate::solver::{FlowProblem, SUPPORT_RINGS, StepRequest, Stepper, SurfaceModel};
@@ -202,15 +220,28 @@ mod tests {
         let moving: Vec<VertexId> = vertices.filter(|&v| mesh.position(v).z > 0.9).collect();
         assert!(moving.len() > 20);
         let region = Neighbourhood::without_faces(&mesh.topology, moving.iter().copied(), G2_RINGS);
-        let shape = region.vertices().iter().map(|&v| Some(mesh.position(v)));
-        let shape: Vec<Option<DVec3>> = shape.collect();
-        let local = LocalG2::new(&mesh, &region, &[&shape]);
+        let around = |v: VertexId| mesh.topology.neighbours(v).map(|w| w.0).collect();
+        let around: Vec<Vec<u32>> = mesh.topology.vertices().map(around).collect();
+        let laplacian = Laplacian::new(&mesh.positions, |i| &around[i]);
+        let vertices = region.vertices().iter();
+        let shape: Vec<Option<DVec3>> = vertices.clone().map(|&v| Some(mesh.position(v))).collect();
+        let vertices: Vec<u32> = vertices.map(|v| v.0).collect();
+        let counts: Vec<usize> = region.rings().map(<[_]>::len).collect();
+        let ends = std::array::from_fn(|k| counts[..=k].iter().sum());
+        const TENSIONS: [f64; 3] = [0.0, 3.0, 100.0];
         let interior: Vec<u32> = moving.iter().map(|v| v.0).collect();
         let (radius, tau) = (0.4, 1e9);
         let problem = FlowProblem::new(&mesh.positions, &triangles, &interior, radius);
         let problem = problem.expect("a problem");
         assert!(G2_RINGS < usize::from(SUPPORT_RINGS));
-        for tension in [0.0, 3.0, 100.0] {
+        let local = LocalG2::new(
+            &laplacian,
+            &vertices,
+            &ends,
+            TENSIONS.map(|t| t / (radius * radius)),
+        );
+        let steps = local.steps(&shape);
+        for (k, tension) in TENSIONS.into_iter().enumerate() {
             let flow = DiffusionFlow::new(&problem, SurfaceModel::G2, tension);
             let mut flow = flow.expect("a flow");
             let attempt = flow.attempt(&StepRequest {
@@ -219,10 +250,10 @@ mod tests {
                 may_freeze: false,
             });
             assert!(attempt.is_accepted());
-            let steps = local.steps(tension / (radius * radius)).expect("a step");
             let mut longest = 0.0f64;
-            for (&v, step) in interior.iter().zip(&steps[0]) {
+            for (&v, step) in interior.iter().zip(&steps) {
                 let v = v as usize;
+                let step = DVec3::from_array(step.map(|by_tension| by_tension[k]));
                 let expected = flow.state().positions[v] - problem.positions()[v];
                 assert!(step.distance(expected) < 1e-9, "{step} {expected}");
                 longest = longest.max(step.length());

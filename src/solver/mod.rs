@@ -37,7 +37,7 @@ pub use evaluator::State;
 pub(crate) use evaluator::{Evaluator, PRECONDITIONER_RULE};
 pub use flow::{Flow, MakeStepper, scheme_stepper};
 pub(crate) use fold_guard::FoldGuard;
-pub(crate) use local_g2::{G2_RINGS, LocalG2};
+pub(crate) use local_g2::{G2_RINGS, Laplacian, LocalG2};
 pub use mixed::{LinearSolver, MixedFlow};
 pub use options::{FlowOptions, Scheme, SurfaceModel};
 pub use problem::{FlowProblem, Reference, SUPPORT_RINGS};

@@ -22,9 +22,9 @@ pub use target::{Sample, nearest_alike, nearest_inside};
 /// 0.033 on.
 const TOLERANCE: [f64; 2] = [0.05, 0.02];
 /// Most points of the surface to which others are moved.
-const TARGETS: usize = 4000;
+const TARGETS: usize = 2000;
 /// Number of points that are moved for the starts and for the symmetries.
-const MOVED: [usize; 2] = [100, 300];
+const MOVED: [usize; 2] = [50, 150];
 /// Most rounds of fitting the starts and the symmetries, and the share of the points that count.
 const ROUNDS: [usize; 2] = [8, 20];
 const SHARE: [f64; 2] = [0.7, 0.4];
