@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use meniscus::mesh::{DVec3, FaceId, Mesh, boundary_loops};
-use meniscus::render::{Bounds, Camera, DynamicSurface, Picker, SurfaceOptions, static_surface};
+use meniscus::render::{Bounds, Camera, DynamicSurface, Picker, SurfaceOptions};
 use meniscus::shapes;
 
 fn mesh((positions, triangles): shapes::TriangleMesh) -> Mesh {
@@ -53,8 +53,12 @@ fn surfaces(c: &mut Criterion) {
     println!("{} faces", faces.len());
     group.bench_function("static, a million triangles", |b| {
         b.iter(|| {
-            let (topology, positions) = (&large.topology, &large.positions);
-            static_surface(topology, positions, &faces, DVec3::ZERO, true, 0)
+            let options = SurfaceOptions {
+                samples_per_edge: Some(1),
+                ..SurfaceOptions::default()
+            };
+            let surface = DynamicSurface::new(&large.topology, &faces, &options);
+            surface.evaluate(&large.positions, DVec3::ZERO, true, None)
         });
     });
     let patch = &faces[..10_000];

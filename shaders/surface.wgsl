@@ -1,14 +1,15 @@
-// Surfaces: light, isophotes, zebra, maps of curvature and deviation.
+// Surfaces: light, colours of the file, isophotes, zebra, maps of curvature and deviation.
 
 const SHADED = 0u;
-const ISOPHOTES = 1u;
-const ZEBRA = 2u;
-const MEAN = 3u;
-const GAUSS = 4u;
-const K1 = 5u;
-const K2 = 6u;
-const DEVIATION = 7u;
-const DISTANCE = 8u;
+const COLOUR = 1u;
+const ISOPHOTES = 2u;
+const ZEBRA = 3u;
+const MEAN = 4u;
+const GAUSS = 5u;
+const K1 = 6u;
+const K2 = 7u;
+const DEVIATION = 8u;
+const DISTANCE = 9u;
 
 const PATCH = 1u;
 const ILL_POSED = 2u;
@@ -16,6 +17,10 @@ const SELECTED = 4u;
 const CURVATURE = 8u;
 const DEVIATION_KNOWN = 16u;
 const DISTANCE_KNOWN = 32u;
+const TEXTURED = 64u;
+
+@group(1) @binding(0) var picture: texture_2d<f32>;
+@group(1) @binding(1) var picture_sampler: sampler;
 
 struct SurfaceVertex {
     @location(0) position: vec3<f32>,
@@ -24,6 +29,10 @@ struct SurfaceVertex {
     @location(3) gauss: f32,
     @location(4) deviation: f32,
     @location(5) flags: u32,
+    // of the file (sRGB); opacity 0 if it is unknown
+    @location(6) colour: vec4<f32>,
+    // place in the picture
+    @location(7) uv: vec2<f32>,
 }
 
 struct SurfacePoint {
@@ -33,6 +42,8 @@ struct SurfacePoint {
     // mapped number, 1 if it is known, 1 if the flow is ill-posed
     @location(2) value: vec3<f32>,
     @location(3) @interpolate(flat) flags: u32,
+    @location(4) colour: vec4<f32>,
+    @location(5) uv: vec2<f32>,
 }
 
 @vertex
@@ -66,6 +77,8 @@ fn vs_surface(v: SurfaceVertex) -> SurfacePoint {
     // relative to the range, so that the exponent does not overflow
     out.value = vec3((value - frame.range.x) * frame.range.y, known, ill);
     out.flags = v.flags;
+    out.colour = v.colour;
+    out.uv = v.uv;
     return out;
 }
 
@@ -113,6 +126,7 @@ fn fs_surface(
     p: SurfacePoint,
     @builtin(front_facing) front: bool,
 ) -> @location(0) vec4<f32> {
+    let texel = textureSample(picture, picture_sampler, p.uv);
     // both sides are lit; the back has different colours
     let outward = normalize(p.normal + vec3(0.0, 0.0, 1e-20));
     let n = select(-outward, outward, front);
@@ -129,22 +143,29 @@ fn fs_surface(
     let phase = 0.5 * (select(to_light, to_sky, mode == ZEBRA) + 1.0) * stripes + 0.25;
     let band = bands(phase, change(phase));
 
-    let in_patch = (p.flags & PATCH) != 0u && frame.choice.y != 0u;
+    let textured = (p.flags & TEXTURED) != 0u;
+    let has_colour = textured || p.colour.a > 0.999;
+    let coloured = has_colour && (frame.choice.y & 2u) != 0u;
+    let in_patch = (p.flags & PATCH) != 0u && (frame.choice.y & 1u) != 0u && !coloured;
     let selected = (p.flags & SELECTED) != 0u;
     var base = select(vec3(0.44, 0.33, 0.40), vec3(0.70, 0.73, 0.77), front);
     if in_patch {
         base = select(vec3(0.45, 0.33, 0.20), vec3(0.94, 0.82, 0.60), front);
     }
+    if coloured {
+        base = select(p.colour.rgb, texel.rgb, textured) * select(0.55, 1.0, front);
+    }
     if selected {
         base = mix(base, vec3(0.20, 0.45, 0.95), 0.5);
     }
     var colour = vec3(0.0);
-    if mode == SHADED {
+    if mode == SHADED || mode == COLOUR {
         colour = linear_from_srgb(base) * lit.rgb + lit.w;
     } else if mode == ISOPHOTES || mode == ZEBRA {
         // light bands have the brightened colour of the surface, dark ones the same hue
-        let bright = mix(vec3(1.0), base, select(0.75, 0.35, front && !in_patch && !selected));
-        let dark = base * select(0.15, 0.24, in_patch);
+        let plain = front && !in_patch && !selected;
+        let bright = mix(vec3(1.0), base, select(select(0.75, 0.35, plain), 1.0, coloured));
+        let dark = base * select(select(0.15, 0.24, in_patch), 0.45, coloured);
         let stripe = mix(linear_from_srgb(dark), linear_from_srgb(bright), band);
         colour = stripe * mix(1.0, brightness, 0.5);
     } else {

@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::autosave::Autosave;
 use super::cached::{Cached, ParsedEnergy, SharedKey};
 use super::display::DisplayWorker;
-use super::document::{Document, Source, file_name};
+use super::document::{Document, Origin, Source, file_name};
 use super::faces::FaceEdit;
 use super::history::History;
 use super::jobs::{Job, Reporter, Wake};
@@ -19,7 +19,7 @@ use super::settings::Settings;
 use super::view_state::{AfterUnsaved, PathUse, ViewState};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
 use crate::options::Choice;
-use crate::render::{Background, Bounds, Gpu, Picker, ViewMode, ViewStyle};
+use crate::render::{Background, Bounds, Gpu, Picker, Textures, ViewMode, ViewStyle};
 
 /// An effect that only the window can carry out.
 #[derive(Clone, Debug)]
@@ -52,6 +52,9 @@ pub enum Done {
     Saved(PathBuf, SavedWhat, Result<Vec<String>, String>),
     /// The picker of a mesh is ready.
     Picker(Arc<Mesh>, Arc<Picker>),
+    /// The texture images of an opened mesh, for which the view had this mode, were read; with notes for
+    /// the user.
+    Textures(Arc<Origin>, ViewMode, Textures, Vec<String>),
     /// Faces to select were found.
     Faces(FaceEdit),
     /// A file dialog was closed after some time; `None` if it was cancelled or is not available.
@@ -113,6 +116,8 @@ pub struct Model {
     pub after_save: Option<AfterUnsaved>,
     /// Writes the recovery file.
     pub autosave: Autosave,
+    /// The texture images of the document.
+    pub textures: Arc<Textures>,
     /// Measures of the surface.
     pub report: Report,
     /// The picture renderer; `None` before the window has a device, and in tests without one.
@@ -159,6 +164,7 @@ impl Model {
             saved_mesh: Some(Arc::clone(&document.mesh)),
             after_save: None,
             autosave,
+            textures: Arc::default(),
             report: Report::default(),
             gpu: None,
             picker_asked: None,
@@ -220,10 +226,20 @@ impl Model {
         self.run.as_ref().filter(|run| run.kept.is_some())
     }
 
+    /// Whether the document has colours or texture images.
+    pub fn has_colors(&self) -> bool {
+        self.document.mesh.attributes.has_vertex_colors() || !self.textures.is_empty()
+    }
+
     /// The available view modes.
     pub fn view_modes(&self) -> impl Iterator<Item = ViewMode> + use<> {
         let compared = self.report.reference.is_some();
-        let shown = move |mode: &ViewMode| *mode != ViewMode::Distance || compared;
+        let colored = self.has_colors();
+        let shown = move |mode: &ViewMode| match mode {
+            ViewMode::Color => colored,
+            ViewMode::Distance => compared,
+            _ => true,
+        };
         ViewMode::ALL.iter().copied().filter(shown)
     }
 

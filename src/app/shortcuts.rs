@@ -70,6 +70,7 @@ pub(crate) static SHORTCUTS: &[Shortcut] = shortcuts! {
     View(ViewAction::PreviousMode) [SHIFT V] "Previous view mode";
     View(ViewAction::NextMode) [NONE V] "Next view mode";
     View(ViewAction::Mode(ViewMode::Shaded)) [NONE S] "Shaded";
+    View(ViewAction::Mode(ViewMode::Color)) [NONE C] "Colours of the file";
     View(ViewAction::Mode(ViewMode::Isophotes)) [NONE B] "Isophotes (bands)";
     View(ViewAction::Mode(ViewMode::Zebra)) [NONE Z] "Zebra";
     View(ViewAction::Mode(ViewMode::Mean)) [NONE H] "Mean curvature H";

@@ -21,7 +21,7 @@ use super::view_state::{
 use crate::fill::LoopLimits;
 use crate::io;
 use crate::mesh::{DVec3, LoopId, Soup, check_mesh, components};
-use crate::render::ViewMode;
+use crate::render::{Vertex, ViewMode};
 use crate::shapes::{Hole, HoleShape, cut_holes, sphere};
 use crate::solver::{End, Mode};
 
@@ -135,6 +135,86 @@ fn files_open_shaded_samples_with_isophotes_and_a_chosen_mode_stays() {
     act(&mut m, ViewAction::Mode(ViewMode::Deviation));
     open(&mut m, Source::Sample("b".into()));
     assert_eq!(m.view.style.mode, ViewMode::Mean);
+}
+
+#[test]
+fn escape_closes_the_report_before_it_clears_the_selection() {
+    let mut m = model();
+    act(&mut m, SelectAction::All);
+    act(&mut m, ViewAction::Toggle(Switch::Analysis));
+    act(&mut m, Action::Escape);
+    assert!(!m.view.windows.analysis && m.document.selection.len() == 2);
+    act(&mut m, Action::Escape);
+    assert!(m.document.selection.is_empty());
+}
+
+#[test]
+fn a_coloured_mesh_opens_in_its_colours_and_other_meshes_have_no_such_mode() {
+    let mut m = model();
+    let file = || Source::File("a.ply".into());
+    act(&mut m, ViewAction::Mode(ViewMode::Color));
+    assert_eq!(m.view.style.mode, ViewMode::Shaded, "there are no colours");
+    let mut coloured = opened();
+    let gray = vec![[0.5, 0.5, 0.5, 1.0]; coloured.mesh.vertex_count()];
+    coloured.mesh.attributes.vertices = crate::mesh::color_columns(&gray);
+    replace(&mut m, Document::new(coloured, file()));
+    assert_eq!(m.view.style.mode, ViewMode::Color);
+    until(&mut m, |m| m.displays[0].latest().is_some());
+    let display = m.displays[0].latest().expect("drawn");
+    let drawn = display.surfaces.iter().flat_map(|s| &s.vertices);
+    assert!(drawn.clone().count() > 0 && drawn.clone().all(|v| v.color == [128, 128, 128, 255]));
+    // the mode is not remembered for files without colours
+    replace(&mut m, Document::new(opened(), file()));
+    assert_eq!(m.view.style.mode, ViewMode::Shaded);
+}
+
+#[test]
+fn texture_images_are_drawn_and_missing_ones_are_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write =
+        |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect(name);
+    write(
+        "a.mtl",
+        "newmtl skin\nmap_Kd skin.png\nnewmtl lost\nmap_Kd lost.jpg\n",
+    );
+    let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+                usemtl skin\nf 1/1 2/2 3/3\nusemtl lost\nf 1/1 3/3 4/4\n";
+    write("a.obj", text);
+    let skin = image::RgbaImage::from_pixel(8, 8, image::Rgba([9, 99, 199, 255]));
+    skin.save(folder.path().join("skin.png")).expect("saved");
+    let mut m = model();
+    let path = folder.path().join("a.obj");
+    let opened = io::open_welded(&path, crate::mesh::Weld::default()).expect("sound");
+    replace(&mut m, Document::new(opened, Source::File(path)));
+    assert_eq!(m.view.style.mode, ViewMode::Shaded);
+    until(&mut m, |m| m.view.style.mode == ViewMode::Color);
+    let warnings = m
+        .log
+        .entries()
+        .iter()
+        .filter(|e| e.text.contains("lost.jpg"))
+        .count();
+    assert_eq!(warnings, 1);
+    let images = |m: &Model| {
+        let display = m.displays[0].latest()?;
+        let runs = display.surfaces.iter().flat_map(|s| &s.textures);
+        Some(
+            runs.map(|(run, image)| (run.clone(), Arc::clone(image)))
+                .collect::<Vec<_>>(),
+        )
+    };
+    until(&mut m, |m| images(m).is_some_and(|all| !all.is_empty()));
+    let all = images(&m).expect("drawn");
+    assert_eq!(all.len(), 1);
+    assert_eq!(all[0].1.pixels, skin);
+    let surface = &m.displays[0].latest().expect("drawn").surfaces[0];
+    assert_eq!(all[0].0.len(), surface.triangles.len() / 2);
+    for t in &surface.triangles[all[0].0.start as usize..all[0].0.end as usize] {
+        for v in t.map(|v| surface.vertices[v as usize]) {
+            assert!(v.flags & Vertex::TEXTURED != 0);
+            assert!((0.0..=1.0).contains(&v.uv[0]) && (0.0..=1.0).contains(&v.uv[1]));
+        }
+    }
 }
 
 /// A large mesh is looked at long before its surfaces are made.

@@ -6,11 +6,13 @@ use anyhow::Result;
 
 use crate::cli::UsageError;
 use crate::cli::picture_args::{PictureArguments, Up};
+use crate::io::materials;
 use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops, grow};
 use crate::options::Choice;
 use crate::render::{
-    self, Background, Bounds, Camera, DynamicSurface, Geometry, Gpu, LineStyle, Overlay, Polyline,
-    Scene, StandardView, SurfaceOptions, Vertex, ViewMode, ViewStyle, rim_points, static_surface,
+    self, Background, Bounds, Camera, DynamicSurface, Evaluation, Geometry, Gpu, LineStyle,
+    Overlay, Polyline, Scene, StandardView, SurfaceOptions, Textures, Vertex, ViewMode, ViewStyle,
+    rim_points,
 };
 
 /// Default size of a picture.
@@ -57,7 +59,14 @@ impl Shot {
             scene: Scene {
                 centre,
                 bounds,
-                surfaces: surfaces(mesh, first_patch_face, creases, centre, !look.control_mesh),
+                surfaces: surfaces(
+                    mesh,
+                    first_patch_face,
+                    creases,
+                    centre,
+                    !look.control_mesh,
+                    &style,
+                ),
                 overlays: rims,
             },
             style,
@@ -121,6 +130,7 @@ fn surfaces(
     creases: Vec<[VertexId; 2]>,
     centre: DVec3,
     limit: bool,
+    style: &ViewStyle,
 ) -> Vec<Arc<Geometry>> {
     let fine = around_patches(mesh, first_patch_face);
     let faces = |wanted: bool| -> Vec<FaceId> {
@@ -128,6 +138,16 @@ fn surfaces(
         chosen.map(FaceId::from).collect()
     };
     let (moving, rest) = (faces(true), faces(false));
+    let materials = if style.shows_colors() {
+        materials(&mesh.attributes)
+    } else {
+        Vec::new()
+    };
+    let (textures, notes) = Textures::read(&materials);
+    for note in notes {
+        eprintln!("{note}");
+    }
+    let textures = (!textures.is_empty()).then(|| Arc::new(textures.of_faces(mesh)));
     let flag = |f: &FaceId| {
         if f.index() >= first_patch_face {
             Vertex::PATCH
@@ -138,12 +158,25 @@ fn surfaces(
     let options = SurfaceOptions {
         creases,
         flags: moving.iter().map(flag).collect(),
+        textures: textures.clone(),
         ..SurfaceOptions::default()
     };
     let near = DynamicSurface::new(&mesh.topology, &moving, &options);
-    let near = near.evaluate(&mesh.positions, centre, limit, None);
-    let far = static_surface(&mesh.topology, &mesh.positions, &rest, centre, limit, 0);
-    vec![Arc::new(near), Arc::new(far)]
+    let coarse = SurfaceOptions {
+        samples_per_edge: Some(1),
+        textures,
+        ..SurfaceOptions::default()
+    };
+    let far = DynamicSurface::new(&mesh.topology, &rest, &coarse);
+    let evaluation = Evaluation {
+        centre,
+        limit,
+        colors: &mesh.colors(),
+        ..Evaluation::default()
+    };
+    [near, far]
+        .map(|surface| Arc::new(surface.evaluate_with(&mesh.positions, &evaluation)))
+        .into()
 }
 
 /// Flags the faces of patches and of the rings around them. All faces are flagged if the mesh is

@@ -12,7 +12,8 @@ use crate::render::{MAX_SIDE, ViewMode};
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Picture")]
 pub struct PictureArguments {
-    /// The quantity shown by colours: shaded, isophotes (the default), zebra, H, K, k1 or k2.
+    /// The quantity shown by colours: shaded, colour, isophotes (the default), zebra, H, K,
+    /// k1 or k2.
     #[arg(long, value_name = "VIEW", value_parser = view)]
     pub view: Option<ViewMode>,
     /// Width and height in pixels, at most 8192 each [default: 1280x960].
@@ -80,7 +81,7 @@ fn view(text: &str) -> Result<ViewMode, String> {
     let shown = |mode: &ViewMode| !matches!(mode, ViewMode::Deviation | ViewMode::Distance);
     ViewMode::named(text)
         .filter(shown)
-        .ok_or_else(|| "write shaded, isophotes, zebra, H, K, k1 or k2".into())
+        .ok_or_else(|| "write shaded, colour, isophotes, zebra, H, K, k1 or k2".into())
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::{Format, obj};
-use crate::mesh::Attributes;
+use crate::mesh::{Attributes, Material};
 
 /// Copies the material libraries of an OBJ file and the texture images of an OBJ or PLY file beside
 /// `path`, where a mesh with these attributes was written, so that its references stay valid. Files in
@@ -48,6 +48,21 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
         messages.insert(0, format!("copied from {}: '{names}'", from.display()));
     }
     messages
+}
+
+/// The materials of a mesh: those of the libraries of an OBJ file, and for the texture image of a PLY file
+/// one without a name, which is that of faces without a material. Empty if the folder of the file is
+/// unknown.
+pub fn materials(attributes: &Attributes) -> Vec<Material> {
+    let Some(folder) = &attributes.folder else {
+        return Vec::new();
+    };
+    let mut all = obj::materials(folder, attributes);
+    all.extend(attributes.texture_files().next().map(|name| Material {
+        image: Some(folder.join(name)),
+        ..Material::default()
+    }));
+    all
 }
 
 /// Copies a file into a folder, under a name relative to it. Returns whether it had to be copied.

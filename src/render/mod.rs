@@ -2,8 +2,7 @@
 //! document.
 //!
 //! A [`Scene`] contains [`Geometry`] and overlays of lines. [`DynamicSurface`] builds the geometry
-//! of moving surfaces, and [`static_surface`] that of static ones. A scene is drawn with a
-//! [`Camera`] and a [`ViewStyle`]: `ViewportCallback` draws it in a window (feature `window`),
+//! of surfaces. A scene is drawn with a [`Camera`] and a [`ViewStyle`]: `ViewportCallback` draws it in a window (feature `window`),
 //! [`picture`] without one.
 
 mod bounds;
@@ -20,6 +19,7 @@ mod probe;
 mod rims;
 mod scene;
 mod surface;
+mod textures;
 
 pub use bounds::Bounds;
 #[cfg(feature = "window")]
@@ -36,4 +36,5 @@ pub use rims::rim_points;
 pub use scene::{
     Background, Geometry, LineStyle, Marker, Overlay, Polyline, Scene, Vertex, ViewMode, ViewStyle,
 };
-pub use surface::{DynamicSurface, Evaluation, SurfaceOptions, static_surface};
+pub use surface::{DynamicSurface, Evaluation, SurfaceOptions};
+pub use textures::{FaceTextures, Image, Textures};

@@ -1,16 +1,17 @@
 //! The drawn scene as plain data.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::Bounds;
+use super::{Bounds, Image};
 use crate::mesh::DVec3;
 use crate::options::choices;
 
 /// A new unique number for content that is copied to the graphics card.
 static NEXT_ID: AtomicU64 = AtomicU64::new(1);
 
-fn next_id() -> u64 {
+pub(super) fn next_id() -> u64 {
     NEXT_ID.fetch_add(1, Ordering::Relaxed)
 }
 
@@ -31,6 +32,10 @@ pub struct Vertex {
     pub deviation: f32,
     /// Sum of the constants of [`Vertex`].
     pub flags: u32,
+    /// Red, green and blue of the file (sRGB), and 255; all 0 if they are unknown.
+    pub color: [u8; 4],
+    /// Place in the texture image, from 0 to 1 rightwards and downwards.
+    pub uv: [f32; 2],
 }
 
 impl Vertex {
@@ -46,6 +51,8 @@ impl Vertex {
     pub const DEVIATION: u32 = 16;
     /// `deviation` is the distance to a reference.
     pub const DISTANCE: u32 = 32;
+    /// The vertex belongs to a face with a texture image.
+    pub const TEXTURED: u32 = 64;
 }
 
 /// Triangles to draw.
@@ -61,6 +68,8 @@ pub struct Geometry {
     pub edges: Vec<[u32; 2]>,
     /// Segments of the lines where patches join the mesh.
     pub seam: Vec<[u32; 2]>,
+    /// Runs of triangles with one texture image.
+    pub textures: Vec<(Range<u32>, Arc<Image>)>,
     /// Whether a vertex belongs to a patch.
     has_patch: bool,
 }
@@ -75,6 +84,7 @@ impl Geometry {
             triangles,
             edges,
             seam: Vec::new(),
+            textures: Vec::new(),
         }
     }
 
@@ -92,7 +102,7 @@ impl Geometry {
                 t.map(|v| {
                     *index.entry(v).or_insert_with(|| {
                         let mut vertex = self.vertices[v as usize];
-                        vertex.flags |= flags;
+                        vertex.flags = vertex.flags & !Vertex::TEXTURED | flags;
                         vertices.push(vertex);
                         vertices.len() as u32 - 1
                     })
@@ -188,6 +198,8 @@ pub struct Scene {
 pub enum ViewMode {
     /// A plain material.
     Shaded,
+    /// The colours of the file.
+    Color,
     /// Bands of equal `n·l`, fixed on the surface unless the light moves with the view.
     Isophotes,
     /// Reflected stripes of the environment, which move with the view.
@@ -207,20 +219,23 @@ pub enum ViewMode {
 }
 
 choices!(
-    ViewMode: Shaded "shaded", Isophotes "isophotes", Zebra "zebra", Mean "H", Gauss "K", K1 "k1",
+    ViewMode: Shaded "shaded", Color "colour", Isophotes "isophotes", Zebra "zebra", Mean "H", Gauss "K", K1 "k1",
     K2 "k2", Deviation "deviation", Distance "distance"
 );
 
 impl ViewMode {
     /// Whether the colour represents a number, which needs a legend and a range.
     pub fn is_map(self) -> bool {
-        !matches!(self, Self::Shaded | Self::Isophotes | Self::Zebra)
+        !matches!(
+            self,
+            Self::Shaded | Self::Color | Self::Isophotes | Self::Zebra
+        )
     }
 
     /// The number shown at a vertex; `None` in modes without numbers, and if it is unknown.
     pub fn value(self, v: &Vertex) -> Option<f32> {
         let needed = match self {
-            Self::Shaded | Self::Isophotes | Self::Zebra => return None,
+            Self::Shaded | Self::Color | Self::Isophotes | Self::Zebra => return None,
             Self::Deviation => Vertex::DEVIATION,
             Self::Distance => Vertex::DISTANCE,
             _ => Vertex::CURVATURE,
@@ -283,6 +298,8 @@ pub struct ViewStyle {
     pub light: DVec3,
     /// Whether the light is fixed in camera coordinates.
     pub light_follows_view: bool,
+    /// Whether isophotes and reflected stripes are drawn on the colours of the file.
+    pub stripes_on_colors: bool,
     /// Whether the edges of the control mesh are drawn.
     pub wireframe: bool,
     /// Whether patches have a different colour and a line around them.
@@ -300,6 +317,13 @@ pub struct ViewStyle {
     pub line_scale: f32,
 }
 
+impl ViewStyle {
+    /// Whether colours of the file are drawn.
+    pub fn shows_colors(&self) -> bool {
+        self.mode == ViewMode::Color || self.stripes_on_colors
+    }
+}
+
 impl Default for ViewStyle {
     fn default() -> Self {
         Self {
@@ -308,6 +332,7 @@ impl Default for ViewStyle {
             zebra_turn: 0.0,
             light: DVec3::new(0.3, 1.0, 0.5),
             light_follows_view: false,
+            stripes_on_colors: false,
             wireframe: false,
             tint_patch: true,
             show_ill_posed: true,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use meniscus::mesh::{DVec3, FaceId, Topology};
 use meniscus::render::{
-    Background, Bounds, Camera, DynamicSurface, Geometry, Gpu, LineStyle, Marker, Overlay,
+    Background, Bounds, Camera, DynamicSurface, Geometry, Gpu, Image, LineStyle, Marker, Overlay,
     Polyline, Scene, StandardView, SurfaceOptions, Vertex, ViewMode, ViewStyle, colormap, picture,
 };
 use meniscus::shapes;
@@ -222,6 +222,92 @@ fn maps_show_the_colours_of_the_legend() {
             "{mode:?} {r} {g} {b}"
         );
     }
+}
+
+#[test]
+fn colours_of_the_file_are_drawn_with_light_and_under_stripes() {
+    let gpu = gpu();
+    let camera = front(1.0, DVec3::ZERO);
+    let mut scene = ball(1.0, DVec3::ZERO);
+    let mut geometry = (*scene.surfaces[0]).clone();
+    for v in &mut geometry.vertices {
+        v.color = if v.position[0] < 0.0 {
+            [200, 40, 40, 255]
+        } else {
+            [0; 4]
+        };
+    }
+    scene.surfaces = vec![Arc::new(geometry)];
+    let drawn = |style: &ViewStyle| {
+        let image = shoot(&gpu, &scene, &camera, style);
+        // left of the middle red, right of it the plain material
+        [SIDE / 3, 2 * SIDE / 3].map(|x| image.get_pixel(x, SIDE / 2 + 5).0)
+    };
+    let is_red = |[r, g, b, _]: [u8; 4]| r > 2 * g && r > 2 * b && r > 60;
+    for (mode, stripes_on_colors, red) in [
+        (ViewMode::Shaded, false, false),
+        (ViewMode::Color, false, true),
+        (ViewMode::Isophotes, false, false),
+        (ViewMode::Isophotes, true, true),
+        (ViewMode::Zebra, true, true),
+        (ViewMode::Mean, false, false),
+    ] {
+        let style = ViewStyle {
+            mode,
+            stripes_on_colors,
+            ..ViewStyle::default()
+        };
+        let [left, right] = drawn(&style);
+        assert_eq!(is_red(left), red, "{mode:?} {left:?}");
+        assert!(!is_red(right), "{mode:?} {right:?}");
+    }
+}
+
+#[test]
+fn texture_images_lie_where_their_coordinates_say() {
+    let gpu = gpu();
+    let camera = front(1.0, DVec3::ZERO);
+    // red, green in the upper row, blue, white in the lower one
+    let colors = [
+        [200, 0, 0, 255],
+        [0, 200, 0, 255],
+        [0, 0, 200, 255],
+        [200, 200, 200, 255],
+    ];
+    let pixels = image::RgbaImage::from_fn(64, 64, |x, y| {
+        image::Rgba(colors[(2 * (y / 32) + x / 32) as usize])
+    });
+    let corners = [[-1.0f32, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let vertices = corners.map(|[x, y]| Vertex {
+        position: [x, y, 0.0],
+        normal: [0.0, 0.0, 1.0],
+        flags: Vertex::TEXTURED,
+        uv: [0.5 + 0.5 * x, 0.5 - 0.5 * y],
+        ..Vertex::default()
+    });
+    let triangles = vec![[0, 1, 2], [0, 2, 3]];
+    let mut geometry = Geometry::new(vertices.to_vec(), triangles, Vec::new());
+    let style = ViewStyle {
+        mode: ViewMode::Color,
+        ..ViewStyle::default()
+    };
+    let drawn = |geometry: &Geometry| {
+        let scene = scene(vec![geometry.clone()], Vec::new(), 1.0, DVec3::ZERO);
+        let image = shoot(&gpu, &scene, &camera, &style);
+        [[60, 60], [140, 60], [60, 140], [140, 140]].map(|[x, y]| image.get_pixel(x, y).0)
+    };
+    geometry.textures = vec![(0..2, Arc::new(Image::new(pixels.clone())))];
+    let brightest = |p: [u8; 4]| [0, 1, 2].map(|k| p[k] > 60);
+    let [red, green, blue, white] = drawn(&geometry).map(brightest);
+    assert_eq!(red, [true, false, false]);
+    assert_eq!(green, [false, true, false]);
+    assert_eq!(blue, [false, false, true]);
+    assert_eq!(white, [true, true, true]);
+    // one of two triangles: the other one is black, because no image is bound
+    geometry = Geometry::new(geometry.vertices, geometry.triangles, Vec::new());
+    geometry.textures = vec![(1..2, Arc::new(Image::new(pixels)))];
+    let [red, _, _, white] = drawn(&geometry).map(brightest);
+    assert_eq!((red, white), ([true, false, false], [false; 3]));
 }
 
 #[test]

@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use super::{Display, Request, same_list};
-use crate::app::cached::Cached;
+use crate::app::cached::{Cached, SharedKey};
 use crate::app::report::Reference;
 use crate::app::run::RunState;
 use crate::app::seam::seam;
 use crate::energy::{WellPosed, scan_well_posedness};
 use crate::mesh::{DVec3, FaceId, Mesh, Neighbourhood, Topology, VertexId};
-use crate::render::{Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex};
+use crate::render::{
+    Bounds, DynamicSurface, Evaluation, FaceTextures, Geometry, SurfaceOptions, Textures, Vertex,
+};
 
 /// Rings of faces around a patch that are drawn as limit surface, like the patch.
 const LIMIT_RINGS: usize = 3;
@@ -24,6 +26,8 @@ const SINGLE: f64 = 1e-5;
 pub(super) struct DisplayBuilder {
     split: Option<Split>,
     still: Cached<StillKey, Arc<Geometry>>,
+    /// The colours of the vertices of the mesh.
+    colors: Cached<SharedKey<Mesh>, Arc<Vec<[f32; 4]>>>,
     /// The mesh that the distances in `still` refer to.
     reference: Option<Arc<Reference>>,
     /// The last display and its request.
@@ -37,6 +41,8 @@ struct Split {
     first_patch_face: usize,
     faired: Arc<Vec<u32>>,
     original: bool,
+    textures: Arc<Textures>,
+    of_faces: Option<Arc<FaceTextures>>,
     moving: DynamicSurface,
     moving_faces: Vec<FaceId>,
     still: Vec<FaceId>,
@@ -106,6 +112,7 @@ impl DisplayBuilder {
                 && s.first_patch_face == request.first_patch_face
                 && same_list(&s.faired, &request.faired)
                 && s.original == request.original
+                && Arc::ptr_eq(&s.textures, &request.textures)
         });
         if !fits {
             self.split = Some(Split::new(key, request));
@@ -120,6 +127,9 @@ impl DisplayBuilder {
         let distance = distance
             .as_ref()
             .map(|f| f as &(dyn Fn(DVec3) -> f64 + Sync));
+        let mesh = &request.mesh;
+        let colors = || Arc::new(mesh.colors());
+        let colors = self.colors.get(SharedKey::of(mesh), colors);
         let Some(split) = &self.split else {
             unreachable!("made above");
         };
@@ -145,6 +155,7 @@ impl DisplayBuilder {
             surfaces.push(self.still.get(key, || {
                 let options = SurfaceOptions {
                     samples_per_edge: Some(1),
+                    textures: split.of_faces.clone(),
                     ..SurfaceOptions::default()
                 };
                 let still = DynamicSurface::new(topology, &split.still, &options);
@@ -152,6 +163,7 @@ impl DisplayBuilder {
                     centre: request.centre,
                     limit,
                     distance,
+                    colors: &colors,
                     ..Evaluation::default()
                 };
                 Arc::new(still.evaluate_with(&positions, &evaluation))
@@ -175,6 +187,7 @@ impl DisplayBuilder {
                     limit,
                     start: start.as_deref(),
                     distance,
+                    colors: &colors,
                     ill_posed,
                 },
             );
@@ -241,11 +254,15 @@ impl Split {
             around(topology, &flows, LIMIT_RINGS)
         };
         let flag = |&f: &FaceId| if flows(f) && !whole { Vertex::PATCH } else { 0 };
+        // the faces of a refinement are others
+        let has_textures = !whole && !request.textures.is_empty();
+        let of_faces = has_textures.then(|| Arc::new(request.textures.of_faces(&request.mesh)));
         let options = SurfaceOptions {
             samples_per_edge: None,
             creases: request.creases.to_vec(),
             is_cut: request.state.as_ref().is_some_and(|s| s.is_cut()),
             flags: moving.iter().map(flag).collect(),
+            textures: of_faces.clone(),
         };
         Self {
             moving: DynamicSurface::new(topology, &moving, &options),
@@ -255,6 +272,8 @@ impl Split {
             first_patch_face: first,
             faired: Arc::clone(&request.faired),
             original: request.original,
+            textures: Arc::clone(&request.textures),
+            of_faces,
             topology: key,
         }
     }

@@ -11,7 +11,7 @@ use super::run::{RunState, state_key};
 use super::seam::Seam;
 use crate::energy::{Energy, WellPosedScan};
 use crate::mesh::{DVec3, Mesh, VertexId};
-use crate::render::{Bounds, Geometry};
+use crate::render::{Bounds, Geometry, Textures};
 use builder::DisplayBuilder;
 
 /// A request for a display.
@@ -43,6 +43,8 @@ pub struct Request {
     pub energy: Option<(Energy, f64)>,
     /// The reference for distances.
     pub reference: Option<Arc<Reference>>,
+    /// The texture images of the materials.
+    pub textures: Arc<Textures>,
 }
 
 impl Request {
@@ -65,6 +67,7 @@ impl Request {
             && self.original == other.original
             && self.centre == other.centre
             && self.energy == other.energy
+            && Arc::ptr_eq(&self.textures, &other.textures)
     }
 }
 

@@ -6,6 +6,7 @@ use crate::render::ViewMode;
 pub(crate) fn mode_words(mode: ViewMode) -> (&'static str, &'static str) {
     match mode {
         ViewMode::Shaded => ("Shaded", "plain material"),
+        ViewMode::Color => ("Colour", "the colours of the file"),
         ViewMode::Isophotes => (
             "Isophotes",
             "bands of equal angle to the light; they have no kinks where normals are continuous",

@@ -26,7 +26,7 @@ pub(crate) fn toolbar_ui(
                 .asks(ViewAction::Mode(mode), actions);
         }
         // in a menu of its own, so that the row stays the same in every mode
-        let has_options = view.style.mode != ViewMode::Shaded;
+        let has_options = !matches!(view.style.mode, ViewMode::Shaded | ViewMode::Color);
         ui.add_enabled_ui(has_options, |ui| {
             let menu = egui::containers::menu::MenuConfig::new()
                 .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
@@ -156,6 +156,13 @@ fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         changed |= row(ui, "Light", "", |ui, _| {
             ui.checkbox(&mut style.light_follows_view, "moves with the view")
                 .on_hover_text("the light moves with the camera")
+                .changed()
+        });
+    }
+    if model.has_colors() {
+        changed |= row(ui, "Surface", "", |ui, _| {
+            ui.checkbox(&mut style.stripes_on_colors, "colours of the file")
+                .on_hover_text("draw the stripes on the colours of the file")
                 .changed()
         });
     }

@@ -9,7 +9,7 @@ use super::{report, report_files, view};
 use crate::app::action::FileAction;
 use crate::app::autosave;
 use crate::app::display::DisplayWorker;
-use crate::app::document::{Document, Source};
+use crate::app::document::{Document, Origin, Source};
 use crate::app::history::History;
 use crate::app::model::{Done, Effect, Loaded, Model, SavedWhat};
 use crate::app::project;
@@ -17,6 +17,7 @@ use crate::app::repeat;
 use crate::app::report::Report;
 use crate::app::view_state::{AfterUnsaved, Modal, PathPrompt, PathUse};
 use crate::io;
+use crate::render::{Textures, ViewMode};
 use crate::shapes::SAMPLES;
 
 /// A dialog that returns within this time was not shown.
@@ -278,14 +279,50 @@ pub(in crate::app) fn replace(model: &mut Model, document: Document) {
     model.report = Report::default();
     view.energy_text.clone_from(&document.controls.energy);
     view.compare_energy = None;
-    let is_sample = matches!(document.origin.source, Source::Sample(_));
     model.document = document;
-    view::first_mode(model, is_sample);
+    model.textures = Arc::default();
+    view::first_mode(model);
+    read_textures(model);
     model.saved_to = None;
     model.revision += 1;
     model.saved_mesh = Some(Arc::clone(&model.document.mesh));
     model.autosave.discard();
     announce(model);
+}
+
+/// Reads the texture images of the document in the background.
+fn read_textures(model: &mut Model) {
+    let materials = io::materials(&model.document.mesh.attributes);
+    if materials.is_empty() {
+        return;
+    }
+    let origin = Arc::clone(&model.document.origin);
+    let mode = model.view.style.mode;
+    model.spawn("texture images", move |_| {
+        let (textures, notes) = Textures::read(&materials);
+        Done::Textures(origin, mode, textures, notes)
+    });
+}
+
+/// Shows the texture images of the document with this origin, in its colours if the view mode was not
+/// changed from `mode` in the meantime.
+pub(super) fn textures_read(
+    model: &mut Model,
+    origin: &Arc<Origin>,
+    mode: ViewMode,
+    textures: Textures,
+    notes: Vec<String>,
+) {
+    if !Arc::ptr_eq(origin, &model.document.origin) {
+        return;
+    }
+    for note in notes {
+        model.log.warning(note);
+    }
+    model.textures = Arc::new(textures);
+    if model.view.style.mode == mode {
+        view::first_mode(model);
+    }
 }
 
 /// Reports the opened mesh.

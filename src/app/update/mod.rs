@@ -40,7 +40,8 @@ pub fn act(model: &mut Model, action: impl Into<Action>) {
     }
 }
 
-/// Closes the topmost dialog or tool, else stops the run, else clears the selection.
+/// Closes the topmost dialog or tool, else stops the run, else closes the report, else clears the
+/// selection.
 fn escape(model: &mut Model) {
     if model.view.modal != Modal::None {
         model.view.modal = Modal::None;
@@ -62,6 +63,8 @@ fn escape(model: &mut Model) {
         runs::update(model, action);
     } else if model.view.bridging.is_some() {
         model.view.bridging = None;
+    } else if model.view.windows.analysis {
+        model.view.windows.analysis = false;
     } else {
         select::update(model, SelectAction::None);
     }

@@ -69,6 +69,9 @@ fn finish(model: &mut Model, done: Done) {
                 model.picker = Some((mesh, picker));
             }
         }
+        Done::Textures(origin, mode, textures, notes) => {
+            files::textures_read(model, &origin, mode, textures, notes);
+        }
         Done::Faces(edit) => select::update(model, SelectAction::Faces(edit)),
         Done::PathChosen(purpose, path, waited) => {
             files::path_chosen(model, purpose, path, waited);
@@ -153,6 +156,7 @@ fn request(model: &mut Model, side: usize) -> Request {
         bounds: document.origin.bounds,
         energy: energy.filter(|_| radius > 0.0).map(|e| (e, radius)),
         reference: model.report.shown_reference(model.view.style.mode),
+        textures: Arc::clone(&model.textures),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Camera, style and appearance.
 
 use crate::app::action::{Switch, ViewAction};
+use crate::app::document::Source;
 use crate::app::model::{Effect, Model};
 use crate::app::settings::Layout;
 use crate::mesh::{DVec3, LoopId};
@@ -50,17 +51,27 @@ fn other_mode(model: &Model, places: isize) -> ViewMode {
 
 /// Changes the view mode and remembers it, unless it needs data that the next document lacks.
 fn choose_mode(model: &mut Model, mode: ViewMode) {
+    if !model.view_modes().any(|available| available == mode) {
+        return;
+    }
     set_mode(model, mode);
-    if !matches!(mode, ViewMode::Deviation | ViewMode::Distance) {
+    if !matches!(
+        mode,
+        ViewMode::Color | ViewMode::Deviation | ViewMode::Distance
+    ) {
         model.settings.view_mode = Some(mode);
         model.settings.save();
     }
 }
 
-/// The view mode of an opened document: the last one that was chosen. At first, samples are smooth
-/// and show isophotes; scans have noise, which isophotes would exaggerate.
-pub(super) fn first_mode(model: &mut Model, is_sample: bool) {
-    let first = if is_sample {
+/// The view mode of an opened document: its colours if it has colours of vertices or texture images, otherwise the last mode that was
+/// chosen. At first, samples are smooth and show isophotes; scans have noise, which isophotes would
+/// exaggerate.
+pub(super) fn first_mode(model: &mut Model) {
+    if model.document.mesh.attributes.has_vertex_colors() || model.textures.has_pictures() {
+        return set_mode(model, ViewMode::Color);
+    }
+    let first = if matches!(model.document.origin.source, Source::Sample(_)) {
         ViewMode::Isophotes
     } else {
         ViewMode::Shaded

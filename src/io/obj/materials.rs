@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::mesh::{Attributes, Soup};
+use crate::mesh::{Attributes, Material, Soup};
 
 /// Maximum size of a material library in bytes. A library usually has a few kilobytes.
 const LONGEST: u64 = 1 << 24;
@@ -58,33 +58,85 @@ pub(in super::super) fn companions(folder: &Path, attributes: &Attributes) -> BT
     names
 }
 
-/// The names of images in a material library: what follows the options of a `map_` statement.
-fn image_names(bytes: &[u8]) -> impl Iterator<Item = String> {
-    const KEYWORDS: [&str; 5] = ["bump", "disp", "decal", "norm", "refl"];
-    let text = String::from_utf8_lossy(bytes).into_owned();
-    let name = |line: &str| {
-        let (keyword, mut rest) = line.trim().split_once(char::is_whitespace)?;
-        let keyword = keyword.to_ascii_lowercase();
-        if !keyword.starts_with("map_") && !KEYWORDS.contains(&keyword.as_str()) {
-            return None;
+/// The materials of the libraries of a file in `folder`; of several with one name the first.
+pub(in super::super) fn materials(folder: &Path, attributes: &Attributes) -> Vec<Material> {
+    let mut all: Vec<Material> = Vec::new();
+    for entry in &attributes.material_libraries {
+        for library in library_names(folder, entry) {
+            let path = folder.join(&library);
+            let Some(bytes) = read_library(&path) else {
+                continue;
+            };
+            // images are relative to the library
+            let beside = path.parent().unwrap_or(Path::new(""));
+            all.extend(materials_of(&String::from_utf8_lossy(&bytes), beside));
         }
-        rest = rest.trim_start();
-        while rest.starts_with('-') {
-            // an option, and its values: numbers, `on` or `off`, or one word
-            let (_, after) = rest.split_once(char::is_whitespace)?;
-            let (first, mut after) = after.trim_start().split_once(char::is_whitespace)?;
-            while first.parse::<f64>().is_ok()
-                && let Some((word, others)) = after.trim_start().split_once(char::is_whitespace)
-                && word.parse::<f64>().is_ok()
-            {
-                after = others;
+    }
+    let mut seen = BTreeSet::new();
+    all.retain(|material| seen.insert(material.name.clone()));
+    all
+}
+
+/// The materials of a library whose images are relative to `folder`.
+fn materials_of(text: &str, folder: &Path) -> Vec<Material> {
+    let mut all: Vec<Material> = Vec::new();
+    for line in text.lines() {
+        let line = line.trim();
+        let Some((keyword, rest)) = line.split_once(char::is_whitespace) else {
+            continue;
+        };
+        let rest = rest.trim();
+        match (keyword.to_ascii_lowercase().as_str(), all.last_mut()) {
+            ("newmtl", _) => all.push(Material {
+                name: rest.to_owned(),
+                ..Material::default()
+            }),
+            ("kd", Some(material)) => {
+                let numbers = rest.split_whitespace().map_while(|word| word.parse().ok());
+                let numbers: Vec<f32> = numbers.collect();
+                if let [r, g, b, ..] = numbers[..] {
+                    material.color = Some([r, g, b]);
+                }
             }
-            rest = after.trim_start();
+            ("map_kd", Some(material)) => {
+                material.image = image_name(line).map(|name| folder.join(name));
+            }
+            _ => {}
         }
-        Some(rest.to_owned())
-    };
-    let names: Vec<String> = text.lines().filter_map(name).collect();
+    }
+    all
+}
+
+/// The names of images in a material library.
+fn image_names(bytes: &[u8]) -> impl Iterator<Item = String> {
+    let text = String::from_utf8_lossy(bytes).into_owned();
+    let names: Vec<String> = text.lines().filter_map(image_name).collect();
     names.into_iter()
+}
+
+/// The name of the image in a line of a material library: what follows the options of a `map_`
+/// statement.
+fn image_name(line: &str) -> Option<String> {
+    const KEYWORDS: [&str; 5] = ["bump", "disp", "decal", "norm", "refl"];
+    let (keyword, mut rest) = line.trim().split_once(char::is_whitespace)?;
+    let keyword = keyword.to_ascii_lowercase();
+    if !keyword.starts_with("map_") && !KEYWORDS.contains(&keyword.as_str()) {
+        return None;
+    }
+    rest = rest.trim_start();
+    while rest.starts_with('-') {
+        // an option, and its values: numbers, `on` or `off`, or one word
+        let (_, after) = rest.split_once(char::is_whitespace)?;
+        let (first, mut after) = after.trim_start().split_once(char::is_whitespace)?;
+        while first.parse::<f64>().is_ok()
+            && let Some((word, others)) = after.trim_start().split_once(char::is_whitespace)
+            && word.parse::<f64>().is_ok()
+        {
+            after = others;
+        }
+        rest = after.trim_start();
+    }
+    Some(rest.to_owned())
 }
 
 /// An entry is one name that contains blanks, or several names.
@@ -106,4 +158,29 @@ fn material_names(bytes: &[u8]) -> Vec<String> {
         Some(String::from_utf8_lossy(rest.trim_ascii()).into_owned())
     };
     bytes.split(|&b| b == b'\n').filter_map(name).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_and_images_of_materials_are_found() {
+        let text = "# a library\nKd 1 1 1\nnewmtl bark\n  Kd 0.5 0.25 0.125 # brown\nKa 1 0 0\n\
+                    map_Kd -s 1 1 1 -o 0 0 -clamp on my bark.png\nmap_Bump bark_n.png\n\nnewmtl leaf\n\
+                    Kd spectral file.rfl 1\nKd 0 1 0\nnewmtl none\n";
+        let found = materials_of(text, Path::new("tree"));
+        let material = |name: &str, color, image: Option<&str>| Material {
+            name: name.into(),
+            color,
+            image: image.map(PathBuf::from),
+        };
+        let bark = Some([0.5, 0.25, 0.125]);
+        let expected = [
+            material("bark", bark, Some("tree/my bark.png")),
+            material("leaf", Some([0.0, 1.0, 0.0]), None),
+            material("none", None, None),
+        ];
+        assert_eq!(found, expected);
+    }
 }

@@ -52,6 +52,17 @@ pub struct Attributes {
     pub folder: Option<PathBuf>,
 }
 
+/// A material that faces refer to by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Material {
+    /// Its name; empty for the material of faces that name none.
+    pub name: String,
+    /// Red, green and blue in 0..=1.
+    pub color: Option<[f32; 3]>,
+    /// The file of its image.
+    pub image: Option<PathBuf>,
+}
+
 impl Attributes {
     /// Red, green, blue and opacity in 0..=1 for each vertex; empty if the vertices have no colour.
     pub fn vertex_colors(&self) -> Vec<[f32; 4]> {
@@ -84,6 +95,11 @@ impl Attributes {
         }
         let first = self.first_rows();
         vertices.map(|v| first[v.index()]).collect()
+    }
+
+    /// Whether vertices have a colour.
+    pub fn has_vertex_colors(&self) -> bool {
+        Colors::of(&self.vertices).is_some()
     }
 
     /// Whether vertices have numbers.

@@ -5,7 +5,8 @@ use std::collections::btree_map::Entry;
 
 use wgpu::util::DeviceExt as _;
 
-use crate::render::{Geometry, LineStyle, Overlay, RenderError};
+use super::images::Images;
+use crate::render::{Geometry, Image, LineStyle, Overlay, RenderError};
 
 /// A segment of a line in the layout of the graphics card.
 #[repr(C)]
@@ -44,6 +45,7 @@ pub struct Lines {
 pub struct Cache {
     surfaces: BTreeMap<u64, Option<Surface>>,
     lines: BTreeMap<u64, Option<Lines>>,
+    images: BTreeMap<u64, wgpu::BindGroup>,
 }
 
 impl Cache {
@@ -55,6 +57,23 @@ impl Cache {
     /// The buffers of an overlay, if it has any segments; they must have been loaded.
     pub fn lines(&self, id: u64) -> Option<&Lines> {
         self.lines.get(&id)?.as_ref()
+    }
+
+    /// The bind group of an image; it must have been loaded.
+    pub fn image(&self, id: u64) -> Option<&wgpu::BindGroup> {
+        self.images.get(&id)
+    }
+
+    /// Loads a texture image.
+    pub fn load_image(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        images: &Images,
+        image: &Image,
+    ) {
+        let load = || images.bind(device, queue, image);
+        self.images.entry(image.id).or_insert_with(load);
     }
 
     /// Loads a surface with its seams, and with its wireframe if requested.
@@ -112,6 +131,7 @@ impl Cache {
     pub fn retain(&mut self, used: &[u64]) {
         self.surfaces.retain(|id, _| used.contains(id));
         self.lines.retain(|id, _| used.contains(id));
+        self.images.retain(|id, _| used.contains(id));
     }
 }
 

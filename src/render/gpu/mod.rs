@@ -6,6 +6,7 @@
 
 mod cache;
 mod composite;
+mod images;
 mod pipelines;
 mod shaders;
 mod target;
@@ -14,10 +15,11 @@ mod tests;
 mod uniforms;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use wgpu::util::DeviceExt as _;
 
-use super::{Camera, RenderError, Scene, ViewStyle};
+use super::{Camera, Image, RenderError, Scene, ViewStyle};
 use cache::Cache;
 use composite::Composite;
 use pipelines::Pipelines;
@@ -118,7 +120,10 @@ impl Renderer {
             frame,
             wireframe: style.wireframe,
             overlays: style.show_overlays,
-            ids: ids.chain(scene.overlays.iter().map(|o| o.id)).collect(),
+            ids: ids
+                .chain(scene.overlays.iter().map(|o| o.id))
+                .chain(images(scene).map(|image| image.id))
+                .collect(),
         };
         self.view(device, slot, tile.size);
         if let Some(view) = self.views.get_mut(&slot) {
@@ -127,7 +132,7 @@ impl Renderer {
                 return Ok(false);
             }
         }
-        self.load(device, scene, style)?;
+        self.load(device, queue, scene, style)?;
         let Some(view) = self.views.get_mut(&slot) else {
             return Ok(false);
         };
@@ -195,9 +200,14 @@ impl Renderer {
     fn load(
         &mut self,
         device: &wgpu::Device,
+        queue: &wgpu::Queue,
         scene: &Scene,
         style: &ViewStyle,
     ) -> Result<(), RenderError> {
+        for image in images(scene) {
+            let images = &self.pipelines.images;
+            self.cache.load_image(device, queue, images, image);
+        }
         for geometry in &scene.surfaces {
             self.cache.load_surface(device, geometry, style.wireframe)?;
         }
@@ -219,6 +229,12 @@ impl Renderer {
     }
 }
 
+/// The texture images of a scene.
+fn images(scene: &Scene) -> impl Iterator<Item = &Arc<Image>> {
+    let runs = scene.surfaces.iter().flat_map(|s| &s.textures);
+    runs.map(|(_, image)| image)
+}
+
 /// Draws background, surfaces, wireframe, seams and lines.
 fn passes(
     pipelines: &Pipelines,
@@ -227,14 +243,28 @@ fn passes(
     scene: &Scene,
     style: &ViewStyle,
 ) {
+    pass.set_bind_group(1, &pipelines.images.none, &[]);
     pass.set_pipeline(&pipelines.ground);
     pass.draw(0..3, 0..1);
     let surfaces = || scene.surfaces.iter().filter_map(|s| cache.surface(s.id));
     pass.set_pipeline(&pipelines.surface);
-    for surface in surfaces() {
+    for geometry in &scene.surfaces {
+        let Some(surface) = cache.surface(geometry.id) else {
+            continue;
+        };
         pass.set_vertex_buffer(0, surface.vertices.slice(..));
         pass.set_index_buffer(surface.triangles.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..surface.corners, 0, 0..1);
+        let mut drawn = 0;
+        for (run, image) in &geometry.textures {
+            pass.draw_indexed(3 * drawn..3 * run.start, 0, 0..1);
+            if let Some(image) = cache.image(image.id) {
+                pass.set_bind_group(1, image, &[]);
+            }
+            pass.draw_indexed(3 * run.start..3 * run.end, 0, 0..1);
+            pass.set_bind_group(1, &pipelines.images.none, &[]);
+            drawn = run.end;
+        }
+        pass.draw_indexed(3 * drawn..surface.corners, 0, 0..1);
     }
     if style.wireframe {
         pass.set_pipeline(&pipelines.wire);

@@ -1,13 +1,15 @@
 //! The pipelines: shaders with their depth tests.
 
 use super::cache::{Segment, WireSegment};
+use super::images::Images;
 use super::shaders;
 use super::target::{COLOR, DEPTH};
 use super::uniforms::Frame;
 use crate::render::Vertex;
 
-pub const VERTEX: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
-    0 => Float32x3, 1 => Float32x3, 2 => Float32, 3 => Float32, 4 => Float32, 5 => Uint32
+pub const VERTEX: [wgpu::VertexAttribute; 8] = wgpu::vertex_attr_array![
+    0 => Float32x3, 1 => Float32x3, 2 => Float32, 3 => Float32, 4 => Float32, 5 => Uint32,
+    6 => Unorm8x4, 7 => Float32x2
 ];
 pub const SEGMENT: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32];
@@ -19,6 +21,7 @@ const OVER: wgpu::BlendState = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
 /// All pipelines of a scene.
 pub struct Pipelines {
     pub frame_layout: wgpu::BindGroupLayout,
+    pub images: Images,
     pub ground: wgpu::RenderPipeline,
     pub surface: wgpu::RenderPipeline,
     pub wire: wgpu::RenderPipeline,
@@ -117,6 +120,7 @@ impl Pipelines {
                 count: None,
             }],
         });
+        let images = Images::new(device);
         let maker = Maker {
             device,
             module: device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -125,7 +129,7 @@ impl Pipelines {
             }),
             layout: device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some("meniscus scene"),
-                bind_group_layouts: &[Some(&frame_layout)],
+                bind_group_layouts: &[Some(&frame_layout), Some(&images.layout)],
                 immediate_size: 0,
             }),
             samples,
@@ -166,6 +170,7 @@ impl Pipelines {
             core_on_top: line("fs_core", Depth::Ignored),
             hidden: line("fs_hidden", Depth::Behind),
             frame_layout,
+            images,
         }
     }
 }

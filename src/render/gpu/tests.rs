@@ -106,7 +106,9 @@ fn vertices_have_the_layout_of_the_shaders() {
     for (name, ours, attributes) in [
         (
             "SurfaceVertex",
-            offsets!(Vertex, position, normal, mean, gauss, deviation, flags),
+            offsets!(
+                Vertex, position, normal, mean, gauss, deviation, flags, color, uv
+            ),
             &pipelines::VERTEX[..],
         ),
         (
@@ -144,6 +146,7 @@ fn modes_and_flags_have_the_numbers_of_the_shaders() {
     let scene = module(&shaders::scene());
     for (name, mode) in [
         ("SHADED", ViewMode::Shaded),
+        ("COLOUR", ViewMode::Color),
         ("ISOPHOTES", ViewMode::Isophotes),
         ("ZEBRA", ViewMode::Zebra),
         ("MEAN", ViewMode::Mean),
@@ -162,6 +165,7 @@ fn modes_and_flags_have_the_numbers_of_the_shaders() {
         ("CURVATURE", Vertex::CURVATURE),
         ("DEVIATION_KNOWN", Vertex::DEVIATION),
         ("DISTANCE_KNOWN", Vertex::DISTANCE),
+        ("TEXTURED", Vertex::TEXTURED),
     ] {
         assert_eq!(constant(&scene, name), flag, "{name}");
     }

@@ -91,7 +91,7 @@ impl Frame {
             wire: wire(style.mode),
             choice: [
                 style.mode as u32,
-                u32::from(style.tint_patch),
+                u32::from(style.tint_patch) | u32::from(style.shows_colors()) << 1,
                 u32::from(style.show_ill_posed),
                 if camera.orthographic {
                     0

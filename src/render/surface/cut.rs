@@ -46,6 +46,13 @@ impl Cut {
         faces_around(&self.topology, &self.faces)
     }
 
+    /// The vertex of the whole mesh that a vertex corresponds to.
+    pub(super) fn whole(&self, v: u32) -> u32 {
+        self.to_whole
+            .as_ref()
+            .map_or(v, |vertices| vertices[v as usize])
+    }
+
     /// Positions of the vertices relative to `centre`, from those of the whole mesh.
     pub(super) fn positions(&self, positions: &[DVec3], centre: DVec3) -> Vec<DVec3> {
         match &self.to_whole {

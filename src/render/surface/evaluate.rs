@@ -18,6 +18,7 @@ struct Sample {
     position: DVec3,
     normal: DVec3,
     curvature: Curvature,
+    color: [u8; 4],
 }
 
 impl DynamicSurface {
@@ -30,32 +31,37 @@ impl DynamicSurface {
             .samples
             .corners
             .par_iter()
-            .map(|&v| self.corner_sample(v, &local, curvature[v as usize], what.limit))
+            .map(|&v| self.corner_sample(v, &local, curvature[v as usize], what))
             .collect();
         samples.par_extend(
             self.samples
                 .inner
                 .par_iter()
-                .map(|&at| self.inner_sample(at, &local, &curvature, what.limit)),
+                .map(|&at| self.inner_sample(at, &local, &curvature, what)),
         );
         let deviation = what.start.map(|start| {
             let start = self.cut.positions(start, what.centre);
             self.positions_at_samples(&start, what.limit)
         });
-        let vertex = |(&s, &flags): (&u32, &u32)| {
+        let vertex = |((&s, &flags), &uv): ((&u32, &u32), &[f32; 2])| {
             let sample = &samples[s as usize];
             let from = deviation.as_ref().map(|d| d[s as usize]);
-            as_vertex(sample, from, flags, what)
+            Vertex {
+                uv,
+                ..as_vertex(sample, from, flags, what)
+            }
         };
         let of = &self.samples;
         let vertices = of
             .sample_of
             .par_iter()
             .zip(&of.flags_of)
+            .zip(&of.places)
             .map(vertex)
             .collect();
         let mut geometry = Geometry::new(vertices, of.triangles.clone(), of.edges.clone());
         geometry.seam.clone_from(&of.seam);
+        geometry.textures.clone_from(&of.textures);
         geometry
     }
 
@@ -83,12 +89,34 @@ impl DynamicSurface {
             .collect()
     }
 
-    fn corner_sample(&self, v: u32, at: &[DVec3], curvature: Curvature, limit: bool) -> Sample {
+    fn corner_sample(
+        &self,
+        v: u32,
+        at: &[DVec3],
+        curvature: Curvature,
+        what: &Evaluation<'_>,
+    ) -> Sample {
         Sample {
-            position: self.corner_position(v, at, limit),
+            position: self.corner_position(v, at, what.limit),
             normal: self.corner_normal(v, at),
             curvature,
+            color: self.color(&[v], &[1.0], what.colors),
         }
+    }
+
+    /// A weighted mean of the colours of some vertices; zero if one is unknown.
+    fn color(&self, vertices: &[u32], weights: &[f64], colors: &[[f32; 4]]) -> [u8; 4] {
+        let mut sum = [0.0; 3];
+        for (&v, &weight) in vertices.iter().zip(weights) {
+            let Some([r, g, b, _]) = colors.get(self.cut.whole(v) as usize) else {
+                return [0; 4];
+            };
+            for (sum, channel) in sum.iter_mut().zip([r, g, b]) {
+                *sum += weight * f64::from(*channel);
+            }
+        }
+        let [r, g, b] = sum.map(|channel| (255.0 * channel).round() as u8);
+        [r, g, b, u8::MAX]
     }
 
     fn corner_position(&self, v: u32, at: &[DVec3], limit: bool) -> DVec3 {
@@ -124,7 +152,7 @@ impl DynamicSurface {
         inner: Inner,
         at: &[DVec3],
         curvature: &[Curvature],
-        limit: bool,
+        what: &Evaluation<'_>,
     ) -> Sample {
         let (e, q) = (inner.element as usize, inner.point as usize);
         let weights = self.weights(q);
@@ -139,7 +167,8 @@ impl DynamicSurface {
             along(1).cross(along(2))
         };
         Sample {
-            position: self.inner_position(inner, at, limit),
+            position: self.inner_position(inner, at, what.limit),
+            color: self.color(&vertices[..3], &weights, what.colors),
             normal: normal.normalize_or_zero(),
             curvature: [0, 1].map(|k| between(&|c| curvature[c as usize][k])),
         }
@@ -202,6 +231,7 @@ fn as_vertex(sample: &Sample, from: Option<DVec3>, flags: u32, what: &Evaluation
         position: narrow(sample.position),
         normal: narrow(sample.normal),
         flags,
+        color: sample.color,
         ..Vertex::default()
     };
     let [h, k] = [mean as f32, gauss as f32];

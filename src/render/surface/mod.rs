@@ -10,10 +10,13 @@ mod samples;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use crate::mesh::{DVec3, FaceId, Topology, VertexId};
 use crate::subdivision::{Elements, elements_at};
 
 use super::Geometry;
+use super::textures::{FaceTexture, FaceTextures};
 use cut::Cut;
 use samples::{Lattice, Samples};
 
@@ -30,6 +33,8 @@ pub struct SurfaceOptions {
     pub is_cut: bool,
     /// Flags of the faces ([`super::Vertex`]), one for each; empty for none.
     pub flags: Vec<u32>,
+    /// Texture images of the faces of the whole mesh.
+    pub textures: Option<Arc<FaceTextures>>,
 }
 
 /// The settings of an evaluation.
@@ -46,6 +51,9 @@ pub struct Evaluation<'a> {
     /// Signed distance of a point (in units of the file) to a reference surface, shown instead of
     /// the deviation.
     pub distance: Option<&'a (dyn Fn(DVec3) -> f64 + Sync)>,
+    /// Red, green, blue and opacity (sRGB, 0 to 1) of the first vertices of the mesh; those of the others
+    /// are unknown.
+    pub colors: &'a [[f32; 4]],
     /// Whether the flow is ill-posed at mean curvature `H` and Gaussian curvature `K`.
     pub ill_posed: Option<&'a (dyn Fn(f64, f64) -> bool + Sync)>,
 }
@@ -75,7 +83,10 @@ impl DynamicSurface {
         let lattice = Lattice::new(pieces);
         let around = cut.faces_around();
         let elements = elements_at(&cut.topology, &around, &lattice.points);
-        let samples = Samples::new(&cut, &elements, &lattice, options);
+        let textures = options.textures.as_deref();
+        let textures = faces.iter().map(|&f| textures.and_then(|all| all.of(f)));
+        let textures: Vec<Option<&FaceTexture>> = textures.collect();
+        let samples = Samples::new(&cut, &elements, &lattice, options, &textures);
         Self {
             cut,
             elements,
@@ -111,22 +122,4 @@ fn default_pieces(faces: usize) -> u32 {
         4_001..=20_000 => 2,
         _ => 1,
     }
-}
-
-/// The static part of a surface, with one vertex per mesh vertex. `flags` are those of all its
-/// faces.
-pub fn static_surface(
-    topology: &Topology,
-    positions: &[DVec3],
-    faces: &[FaceId],
-    centre: DVec3,
-    limit: bool,
-    flags: u32,
-) -> Geometry {
-    let options = SurfaceOptions {
-        samples_per_edge: Some(1),
-        flags: vec![flags; faces.len()],
-        ..SurfaceOptions::default()
-    };
-    DynamicSurface::new(topology, faces, &options).evaluate(positions, centre, limit, None)
 }

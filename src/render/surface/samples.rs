@@ -1,9 +1,13 @@
 //! Sample points of the surface, and the triangles between them.
 
+use std::ops::Range;
+use std::sync::Arc;
+
 use super::SurfaceOptions;
 use super::cut::Cut;
 use crate::mesh::{FaceId, HalfedgeId, Topology, VertexId};
-use crate::render::Vertex;
+use crate::render::textures::FaceTexture;
+use crate::render::{Image, Vertex};
 use crate::subdivision::{Elements, Rule};
 
 /// Mark of a sample without a number.
@@ -17,6 +21,8 @@ pub(super) struct Lattice {
     pub(super) points: Vec<[f64; 2]>,
     /// Number of lattice points in `points`.
     pub(super) inner: usize,
+    /// Triangles between lattice points `(i, j)`, at `v = i / pieces`, `w = j / pieces`.
+    triangles: Vec<[[u32; 2]; 3]>,
 }
 
 impl Lattice {
@@ -32,8 +38,23 @@ impl Lattice {
             pieces,
             points,
             inner,
+            triangles: triangles(pieces),
         }
     }
+}
+
+/// The triangles between the lattice points of a face.
+fn triangles(pieces: u32) -> Vec<[[u32; 2]; 3]> {
+    let mut all = Vec::new();
+    for i in 0..pieces {
+        for j in 0..pieces - i {
+            all.push([[i, j], [i + 1, j], [i, j + 1]]);
+            if i + j + 1 < pieces {
+                all.push([[i + 1, j], [i + 1, j + 1], [i, j + 1]]);
+            }
+        }
+    }
+    all
 }
 
 /// Lattice points `(i, j)`, at `v = i / pieces`, `w = j / pieces`.
@@ -84,6 +105,10 @@ pub(super) struct Samples {
     pub(super) sample_of: Vec<u32>,
     /// The flags of each vertex.
     pub(super) flags_of: Vec<u32>,
+    /// The place of each vertex in the texture image.
+    pub(super) places: Vec<[f32; 2]>,
+    /// Runs of triangles with one texture image.
+    pub(super) textures: Vec<(Range<u32>, Arc<Image>)>,
     /// Triangles, wireframe and seams between vertices.
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) edges: Vec<[u32; 2]>,
@@ -96,6 +121,7 @@ impl Samples {
         elements: &Elements,
         lattice: &Lattice,
         options: &SurfaceOptions,
+        textures: &[Option<&FaceTexture>],
     ) -> Self {
         let mut numbering = Numbering::new(cut, elements, lattice, options.is_cut);
         for &f in &cut.faces {
@@ -115,11 +141,13 @@ impl Samples {
             sample_triangles,
             sample_of: Vec::new(),
             flags_of: Vec::new(),
+            places: Vec::new(),
+            textures: Vec::new(),
             triangles: Vec::new(),
             edges: Vec::new(),
             seam: Vec::new(),
         };
-        samples.set_flags(&options.flags);
+        samples.make_vertices(&options.flags, textures, lattice);
         samples
     }
 
@@ -127,8 +155,14 @@ impl Samples {
         self.corners.len() + self.inner.len()
     }
 
-    /// Creates a vertex for each sample and each value of the flags of its faces.
-    pub(super) fn set_flags(&mut self, flags: &[u32]) {
+    /// Creates a vertex for each sample and each value of the flags and place in the texture image of its
+    /// faces.
+    fn make_vertices(
+        &mut self,
+        flags: &[u32],
+        textures: &[Option<&FaceTexture>],
+        lattice: &Lattice,
+    ) {
         let faces = self.sample_triangles.len() / self.triangles_per_face;
         assert!(
             flags.is_empty() || flags.len() == faces,
@@ -138,12 +172,11 @@ impl Samples {
         let mut first = vec![NONE; self.len()];
         // the next vertex of the same sample
         let mut next: Vec<u32> = Vec::new();
-        self.sample_of.clear();
-        self.flags_of.clear();
         let (sample_of, flags_of) = (&mut self.sample_of, &mut self.flags_of);
-        let mut vertex = |sample: u32, flags: u32| {
+        let places = &mut self.places;
+        let mut vertex = |sample: u32, flags: u32, place: [f32; 2]| {
             let mut at = first[sample as usize];
-            while at != NONE && flags_of[at as usize] != flags {
+            while at != NONE && (flags_of[at as usize], places[at as usize]) != (flags, place) {
                 at = next[at as usize];
             }
             if at == NONE {
@@ -151,6 +184,7 @@ impl Samples {
                 next.push(std::mem::replace(&mut first[sample as usize], at));
                 sample_of.push(sample);
                 flags_of.push(flags);
+                places.push(place);
             }
             at
         };
@@ -159,10 +193,31 @@ impl Samples {
             .iter()
             .enumerate()
             .map(|(i, t)| {
-                let of_face = flags.get(i / self.triangles_per_face).copied();
-                t.map(|s| vertex(s, of_face.unwrap_or(0)))
+                let (face, triangle) = (i / self.triangles_per_face, i % self.triangles_per_face);
+                let flags = flags.get(face).copied().unwrap_or(0);
+                let Some((_, corners)) = textures[face] else {
+                    return t.map(|s| vertex(s, flags, [0.0; 2]));
+                };
+                let at = lattice.triangles[triangle];
+                [0, 1, 2].map(|k| {
+                    let [v, w] = at[k].map(|i| i as f32 / lattice.pieces as f32);
+                    let place = [0, 1].map(|axis| {
+                        let [a, b, c] = corners.map(|corner| corner[axis]);
+                        a + v * (b - a) + w * (c - a)
+                    });
+                    vertex(t[k], flags | Vertex::TEXTURED, place)
+                })
             })
             .collect();
+        for (face, texture) in textures.iter().enumerate() {
+            let Some((image, _)) = texture else { continue };
+            let each = self.triangles_per_face as u32;
+            let run = each * face as u32..each * (face as u32 + 1);
+            match self.textures.last_mut() {
+                Some((last, same)) if last.end == run.start && same == image => last.end = run.end,
+                _ => self.textures.push((run, Arc::clone(image))),
+            }
+        }
         let any = |s: u32| first[s as usize];
         self.edges = self.sample_edges.iter().map(|e| e.map(any)).collect();
         self.seam = self.sample_seam.iter().map(|e| e.map(any)).collect();
@@ -287,17 +342,10 @@ impl<'a> Numbering<'a> {
         let n = self.lattice.pieces as usize;
         // row i of the lattice starts after the longer rows before it
         let start = |i: usize| i * (n + 1) - i * i.saturating_sub(1) / 2;
-        let at = |i: usize, j: usize| self.face[start(i) + j];
+        let at = |[i, j]: [u32; 2]| self.face[start(i as usize) + j as usize];
         self.triangles.clear();
-        for i in 0..n {
-            for j in 0..n - i {
-                self.triangles.push([at(i, j), at(i + 1, j), at(i, j + 1)]);
-                if i + j + 1 < n {
-                    self.triangles
-                        .push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
-                }
-            }
-        }
+        let triangles = self.lattice.triangles.iter();
+        self.triangles.extend(triangles.map(|t| t.map(at)));
     }
 
     /// The edges of the faces, each once, as chains of samples.

@@ -198,7 +198,8 @@ fn a_fine_part_meets_the_coarse_rest() {
     let (part, rest): (Vec<_>, Vec<_>) = all_faces(&topology).into_iter().partition(above);
     let fine = DynamicSurface::new(&topology, &part, &options(4));
     let fine = fine.evaluate(positions, DVec3::ZERO, true, None);
-    let coarse = static_surface(&topology, positions, &rest, DVec3::ZERO, true, 0);
+    let coarse = DynamicSurface::new(&topology, &rest, &options(1));
+    let coarse = coarse.evaluate(positions, DVec3::ZERO, true, None);
     let border = |g: &Geometry| -> Vec<[Vertex; 2]> {
         let t = Topology::from_triangles(g.vertices.len(), &g.triangles).expect("a manifold");
         let ends = |h: VertexId| g.vertices[h.index()];
@@ -367,4 +368,39 @@ fn a_patch_has_a_seam_along_its_border() {
     let plain = DynamicSurface::new(&topology, &whole, &options(3));
     let plain = plain.evaluate(positions, DVec3::ZERO, true, None);
     assert!(plain.seam.is_empty());
+}
+
+#[test]
+fn colours_are_those_of_the_vertices_and_linear_between_them() {
+    let shape = shapes::icosphere(3);
+    let (topology, positions) = mesh(&shape);
+    let faces = all_faces(&topology);
+    let color = |p: &DVec3| [0.5 + 0.5 * p.x as f32, 0.25, 1.0, 1.0];
+    let colors: Vec<[f32; 4]> = positions.iter().map(color).collect();
+    let evaluate = |faces: &[FaceId], colors: &[[f32; 4]]| {
+        let surface = DynamicSurface::new(&topology, faces, &options(4));
+        let evaluation = Evaluation {
+            colors,
+            ..Evaluation::default()
+        };
+        surface.evaluate_with(positions, &evaluation)
+    };
+    // the drawn control mesh has the colours of its points
+    let whole = evaluate(&faces, &colors);
+    for v in &whole.vertices {
+        let red = 255.0 * (0.5 + 0.5 * f64::from(v.position[0]));
+        assert!((f64::from(v.color[0]) - red).abs() < 0.51, "{v:?}");
+        assert_eq!(v.color[1..], [64, 255, 255]);
+    }
+    // a part far from the first vertices
+    let last = evaluate(&faces[faces.len() - 5..], &colors);
+    assert!(last.vertices.iter().all(|v| v.color[3] == 255));
+    // vertices without a colour, as those of a patch that grows
+    let known = positions.len() / 2;
+    let half = evaluate(&faces, &colors[..known]);
+    for (v, full) in half.vertices.iter().zip(&whole.vertices) {
+        assert!(v.color == full.color || v.color == [0; 4]);
+    }
+    let unknown = half.vertices.iter().filter(|v| v.color == [0; 4]).count();
+    assert!(unknown > half.vertices.len() / 4 && unknown < 3 * half.vertices.len() / 4);
 }
