@@ -6,6 +6,7 @@ use std::collections::HashSet;
 use super::data::{Patch, PatchOptions, Rim};
 use super::error::{PatchError, is_collinear, validate};
 use super::frame::Frame;
+use super::grading::growth;
 use super::remesh::{remesh, rim_valences, split_chords, subdivide};
 use super::slit::{stitch, with_zero_edges, without_zero_edges};
 use super::surface::Surface;
@@ -123,7 +124,9 @@ fn without_intersections(rim: &Rim, excluded: &impl Fn([u32; 3]) -> bool) -> Vec
 fn triangulated(rim: &Rim, triangles: &[[u32; 3]], density: f64) -> Surface {
     let n = rim.points.len();
     let size = rim_sizes(&rim.points, density * fineness(n));
-    Surface::new(rim.points.clone(), size, n, triangles)
+    let mut surface = Surface::new(rim.points.clone(), size, n, triangles);
+    surface.growth = growth(&surface, density);
+    surface
 }
 
 /// A triangulation of the rim, refined to the rim's density and relaxed.

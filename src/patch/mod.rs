@@ -18,6 +18,7 @@ mod error;
 mod fair;
 mod fill;
 mod frame;
+mod grading;
 mod planar;
 mod remesh;
 mod slit;

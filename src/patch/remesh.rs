@@ -197,6 +197,9 @@ fn refine(s: &mut Surface, membrane: &mut Membrane) {
             return;
         }
         flip_to_delaunay(s);
+        if s.growth > 0.0 {
+            s.grade();
+        }
         // stop if few splits remain, because every sweep visits all vertices
         if membrane.curvature != 0.0 && 5 * s.points.len() > 6 * before {
             let sweeps = COARSE_WORK / s.points.len();
@@ -390,8 +393,13 @@ fn relax_along(s: &mut Surface, sweeps: usize) {
     smooth_sizes(s, 1);
 }
 
-/// Sets wanted sizes of interior vertices to the mean of their neighbours', in place.
+/// Sets wanted sizes of interior vertices to the mean of their neighbours', in place, or to those
+/// that grow from the rim.
 fn smooth_sizes(s: &mut Surface, passes: usize) {
+    if s.growth > 0.0 {
+        s.grade();
+        return;
+    }
     for _ in 0..passes {
         for v in s.rim..s.points.len() {
             if s.out[v] != NONE {

@@ -16,6 +16,9 @@
 //! counter-clockwise, start at `out[v]` and go from `h` to `twin(prev(h))`. At a rim vertex
 //! `out[v]` is the rim edge, so that the walk covers the whole fan before it ends at [`NONE`].
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
 use super::data::Patch;
 use crate::mesh::DVec3;
 
@@ -34,6 +37,9 @@ pub(super) struct Surface {
     pub points: Vec<DVec3>,
     /// Wanted edge length at each vertex.
     pub size: Vec<f64>,
+    /// Rise of the wanted edge length with the distance from the rim, per length; 0 if it follows the
+    /// rim alone.
+    pub growth: f64,
     pub corner: Vec<u32>,
     pub twin: Vec<u32>,
     /// An outgoing half-edge of each vertex; of a rim vertex the rim edge itself, so that turning
@@ -61,6 +67,7 @@ impl Surface {
         let corner: Vec<u32> = triangles.iter().flatten().copied().collect();
         let mut s = Self {
             size,
+            growth: 0.0,
             twin: vec![NONE; corner.len()],
             out: vec![NONE; n],
             valence: vec![0; n],
@@ -407,6 +414,34 @@ impl Surface {
         self.out[d as usize] = self.keep_rim_first(d, vd);
         let leaves_c = if uc == NONE { next(cv) } else { uc };
         self.out[c as usize] = self.keep_rim_first(c, leaves_c);
+    }
+
+    /// Sets the wanted edge lengths of interior vertices to the least that the rim allows along edges:
+    /// `min (size(r) + growth · length of the path from r)` over rim vertices r (Dijkstra).
+    pub fn grade(&mut self) {
+        let interior = self.rim..self.points.len();
+        self.size[interior].fill(f64::INFINITY);
+        // lengths are not negative, so that their bits are ordered like them
+        let key = |size: f64, v: u32| Reverse((size.to_bits(), v));
+        let mut queue: BinaryHeap<_> = (0..self.rim as u32)
+            .map(|v| key(self.size[v as usize], v))
+            .collect();
+        let mut reached = Vec::new();
+        while let Some(Reverse((bits, v))) = queue.pop() {
+            let size = f64::from_bits(bits);
+            if size > self.size[v as usize] {
+                continue;
+            }
+            reached.clear();
+            self.for_neighbours(v, |w| reached.push(w));
+            for &w in &reached {
+                let longer = size + self.growth * self.point(v).distance(self.point(w));
+                if !self.is_rim(w) && longer < self.size[w as usize] {
+                    self.size[w as usize] = longer;
+                    queue.push(key(longer, w));
+                }
+            }
+        }
     }
 
     /// Renumbers vertices and triangles breadth first from the rim's first edge, the rim keeping

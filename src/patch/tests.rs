@@ -461,3 +461,28 @@ fn tangled_loops_get_a_disc_or_an_error() {
         }
     }
 }
+
+/// A rim of 2,000 edges would get half a million vertices of its own density.
+#[test]
+fn triangles_grow_inside_long_rims() {
+    let n = 2000;
+    let rim = closed_curve(n, |t| DVec3::new(t.cos(), t.sin(), 0.1 * (3.0 * t).cos()));
+    let patch = fill(&rim, PatchOptions::default()).expect("a patch");
+    let count = patch.new_points().len();
+    // near the limit of 100,000
+    assert!((50_000..140_000).contains(&count), "{count}");
+    let edge = TAU / n as f64;
+    let (mut at_rim, mut inside) = (0.0f64, 0.0f64);
+    for t in &patch.triangles {
+        let [a, b, c] = t.map(|v| patch.points[v as usize]);
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        if a.truncate().length() > 1.0 - 2.0 * edge {
+            at_rim = at_rim.max(longest);
+        } else if a.truncate().length() < 0.2 {
+            inside = inside.max(longest);
+        }
+    }
+    assert!(at_rim < 2.5 * edge, "{}", at_rim / edge);
+    assert!(inside > 3.0 * edge, "{}", inside / edge);
+    assert!(patch.sharpest_angle() > 10.0, "{}", patch.sharpest_angle());
+}

@@ -9,6 +9,7 @@ use crate::mesh::self_intersections;
 use crate::patch::data::{Patch, PatchOptions, Rim, RimGeometry};
 use crate::patch::error::validate;
 use crate::patch::frame::Frame;
+use crate::patch::grading::growth;
 use crate::patch::surface::Surface;
 
 /// Surfaces that leave the rims smoothly: lofted from one rim to the other (two rims), or joined at
@@ -39,7 +40,7 @@ pub fn lofted_candidates(geometry: &RimGeometry, options: PatchOptions) -> Vec<P
     let mut found: Vec<(f64, Patch)> = Vec::new();
     for side in sides(&curves) {
         for surface in surfaces(&curves, side, &mean) {
-            let patch = fitted(surface, &rims, &size);
+            let patch = fitted(surface, &rims, &size, options.density);
             let bending = bending(&patch.points, &patch.triangles);
             let is_clean = bending.is_finite()
                 && self_intersections(&patch.points, &patch.triangles, None, 1).is_empty();
@@ -75,13 +76,12 @@ fn surfaces(curves: &[RimCurve], side: f64, mean: &[f64]) -> Vec<Patch> {
     }
 }
 
-/// Remeshes a surface to the sizes and valences of a patch.
-fn fitted(found: Patch, rims: &[Rim], size: &[f64]) -> Patch {
+/// Remeshes a surface to the sizes and valences of a patch of this density.
+fn fitted(found: Patch, rims: &[Rim], size: &[f64], density: f64) -> Patch {
     let middle = size.iter().sum::<f64>() / size.len() as f64;
     let mut size = size.to_vec();
     size.resize(found.points.len(), middle);
-    refitted(
-        Surface::new(found.points, size, found.rim, &found.triangles),
-        rims,
-    )
+    let mut surface = Surface::new(found.points, size, found.rim, &found.triangles);
+    surface.growth = growth(&surface, density);
+    refitted(surface, rims)
 }

@@ -26,7 +26,8 @@ use super::data::{Patch, PatchOptions, Rim, RimGeometry};
 use super::error::{PatchError, validate};
 use super::fill::{fineness, loose_angles, rim_sizes};
 use super::frame::Frame;
-use super::remesh::{area, refit, rim_valences, split_chords};
+use super::grading::{expected_vertices, growth};
+use super::remesh::{refit, rim_valences, split_chords};
 use super::surface::Surface;
 use crate::mesh::DVec3;
 
@@ -64,6 +65,7 @@ pub fn blend(geometry: &RimGeometry, options: PatchOptions) -> Result<Patch, Pat
         bridges::surface(&rims, &chords)
     };
     surface.size = sizes(&rims, options);
+    surface.growth = growth(&surface, options.density);
     let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
     let wanted = rim_valences(&surface, &loose);
     split_chords(&mut surface, &chords);
@@ -85,9 +87,9 @@ pub fn reblend(geometry: &RimGeometry, patch: &Patch, options: PatchOptions) -> 
     let middle = size.iter().sum::<f64>() / size.len() as f64;
     size.resize(points.len(), middle);
     let max_vertices = MAX_GROWTH * points.len() as f64;
-    let surface = Surface::new(points, size, patch.rim, &patch.triangles);
-    // an equilateral triangle has the area √3/4 edge², and there are two triangles a vertex
-    let needed = area(&surface) / (0.75f64.sqrt() * middle * middle);
+    let mut surface = Surface::new(points, size, patch.rim, &patch.triangles);
+    surface.growth = growth(&surface, options.density);
+    let needed = expected_vertices(&surface);
     if needed.is_nan() || needed >= max_vertices {
         return patch.clone();
     }
