@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use crate::cli::UsageError;
-use crate::cli::hints::{invalid_energy, print_warnings};
+use crate::cli::hints::{invalid_energy, print_warnings, with_memory_hint};
 use crate::cli::options::OptionArguments;
 use crate::cli::print::{Textures, print, save};
 use crate::cli::progress::{Progress, Work};
@@ -70,7 +70,7 @@ impl MeshFiles {
         [("IN", Some(&self.input)), ("OUT", Some(&self.output))]
     }
 
-    /// Opens IN.
+    /// Opens IN, or all meshes joined.
     pub fn read(&self) -> Result<Opened, OpenError> {
         open_welded(&self.input, self.options.weld)
     }
@@ -217,7 +217,8 @@ impl<'a> Task<'a> {
         let filled = fill_rim_sets(&self.opened.mesh, rim_sets, options, &|group, record| {
             progress.step(group, record);
             true
-        })?;
+        });
+        let filled = filled.map_err(with_memory_hint)?;
         progress.finish();
         // both sides of a rim joined without continuous normals are drawn separately
         let controls = &self.flow.controls;
@@ -273,6 +274,7 @@ impl<'a> Task<'a> {
             failed,
             skipped,
             peak_memory: peak_memory(),
+            memory_estimate: filled.memory_estimate,
         };
         if let Some(path) = &args.report {
             let mut text = serde_json::to_string_pretty(&report)?;

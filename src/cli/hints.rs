@@ -2,6 +2,7 @@
 
 use crate::cli::UsageError;
 use crate::energy::ExprError;
+use crate::fill::FillError;
 use crate::warning::Warning;
 
 /// Prints warnings, each with its hint on a line of its own.
@@ -28,6 +29,16 @@ fn hint(warning: &Warning) -> Option<&'static str> {
         Warning::IntersectingResult { .. } => "increase --tension",
         _ => return warning.hint(),
     })
+}
+
+/// An error with the options that lower the memory that a fill takes, if that is the error.
+pub fn with_memory_hint(error: FillError) -> anyhow::Error {
+    match error {
+        FillError::Memory(_) => anyhow::anyhow!(
+            "{error}\n  hint: choose a lower --density, or fewer holes with --loops"
+        ),
+        _ => error.into(),
+    }
 }
 
 /// The error of an invalid `--energy`.

@@ -34,6 +34,8 @@ pub struct FillReport {
     pub totals: Totals,
     /// Peak resident memory of the process in bytes.
     pub peak_memory: u64,
+    /// What the flows were expected to take of it.
+    pub memory_estimate: u64,
 }
 
 impl FillReport {

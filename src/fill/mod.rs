@@ -13,6 +13,7 @@ mod context;
 mod controls;
 mod counterpart;
 mod defects;
+mod estimate;
 mod fairing;
 mod group;
 mod group_flow;

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use crate::fill::prediction::GroupSurface;
 use crate::fill::select::NoSuchLoop;
+use crate::memory::TooLittleMemory;
 use crate::mesh::{FaceId, LoopId, Mesh, TopologyError, VertexId};
 use crate::patch::PatchError;
 use crate::solver::{End, Outcome, SolverError, StepRecord};
@@ -22,6 +23,9 @@ pub enum FillError {
         /// The reason.
         source: PatchError,
     },
+    /// The flows need more memory than is free.
+    #[error("{0}; lower the density or fill fewer holes at a time")]
+    Memory(#[from] TooLittleMemory),
     /// The filled mesh is not a manifold: an internal error. No file is written.
     #[error("the filled mesh would not be manifold ({0}); nothing was changed")]
     NotManifold(#[from] TopologyError),
@@ -32,7 +36,7 @@ impl FillError {
     pub fn hole(&self) -> Option<LoopId> {
         match self {
             Self::Patch { hole, .. } => Some(*hole),
-            Self::NotManifold(_) => None,
+            Self::Memory(_) | Self::NotManifold(_) => None,
         }
     }
 }
@@ -155,6 +159,8 @@ pub struct Filled {
     pub groups: Vec<Result<GroupResult, SolverError>>,
     /// Wall-clock milliseconds of the fill, without reading and writing files.
     pub milliseconds: f64,
+    /// The memory in bytes that the flows were expected to take.
+    pub memory_estimate: u64,
 }
 
 impl Filled {

@@ -9,12 +9,14 @@ use crate::fill::Controls;
 use crate::fill::assemble::Assembly;
 use crate::fill::context::FillContext;
 use crate::fill::defects::crossing_groups;
+use crate::fill::estimate::memory_of;
 use crate::fill::options::FillOptions;
 use crate::fill::plan::Plan;
 use crate::fill::prepare::prepare;
 use crate::fill::result::{FillError, Filled, milliseconds};
 use crate::fill::rim::RimSet;
 use crate::fill::scheduled::run_group;
+use crate::memory::require;
 use crate::mesh::Mesh;
 use crate::runner::{Recording, Schedule, ScheduleError};
 use crate::solver::StepRecord;
@@ -57,7 +59,8 @@ impl From<&FillOptions> for ScheduledOptions {
 /// Fills holes and blends: one patch for each set of rims.
 ///
 /// # Errors
-/// The result would not be a manifold. Failures of single holes are in the result.
+/// The result would not be a manifold, or the flows need more memory than is free. Failures of single
+/// holes are in the result.
 pub fn fill_rim_sets(
     mesh: &Mesh,
     rim_sets: &[RimSet<'_>],
@@ -82,6 +85,8 @@ pub(super) fn run_plan(
     let start = Instant::now();
     let context = FillContext { mesh, plan: &plan };
     let ScheduledOptions { options, recording } = options;
+    let memory = memory_of(mesh, &plan, options);
+    require(memory)?;
     let topologies = plan.groups.iter().map(|g| Arc::clone(&g.topology));
     let (runs, assembly) = rayon::join(
         || {
@@ -109,5 +114,6 @@ pub(super) fn run_plan(
         moved: assembly.moved,
         groups: runs.into_iter().map(|run| run.result).collect(),
         milliseconds: milliseconds(start),
+        memory_estimate: memory as u64,
     })
 }

@@ -1,6 +1,7 @@
 //! Why a rim cannot have a patch.
 
 use super::data::Rim;
+use crate::memory::TooLittleMemory;
 use crate::mesh::DVec3;
 
 /// Why a rim cannot have a patch.
@@ -91,6 +92,9 @@ pub enum PatchError {
         /// Number of the first such rim in the group, from 0.
         rim: usize,
     },
+    /// The patch needs more memory than is free.
+    #[error("{0}; lower the density")]
+    Memory(#[from] TooLittleMemory),
     /// The density is not a positive number.
     #[error("density must be a positive number, not {density}")]
     BadDensity {

@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use super::data::{Patch, PatchOptions, Rim};
 use super::error::{PatchError, is_collinear, validate};
 use super::frame::Frame;
-use super::grading::growth;
+use super::grading::{growth, require_memory};
 use super::remesh::{remesh, rim_valences, split_chords, subdivide};
 use super::slit::{stitch, with_zero_edges, without_zero_edges};
 use super::surface::Surface;
@@ -38,7 +38,9 @@ pub fn fill(rim: &Rim, options: PatchOptions) -> Result<Patch, PatchError> {
     let frame = Frame::around(rim.points.iter().copied());
     let local = frame.local(rim);
     let triangles = triangulate(&local);
-    let patch = refined(&local, &triangles, options.density);
+    let surface = triangulated(&local, &triangles, options.density);
+    require_memory(&surface)?;
+    let patch = relaxed(&local, surface);
     Ok(frame.world(patch, rim.points.iter().copied()))
 }
 
@@ -78,7 +80,7 @@ pub(crate) fn fill_excluding(
         subdivide(&mut surface);
         surface.compact()
     });
-    let relaxed = refined(&local, &triangles, options.density);
+    let relaxed = relaxed(&local, triangulated(&local, &triangles, options.density));
     let world = |patch| frame.world(patch, rim.points.iter().copied());
     Some(OtherPatches {
         relaxed: world(relaxed),
@@ -129,9 +131,8 @@ fn triangulated(rim: &Rim, triangles: &[[u32; 3]], density: f64) -> Surface {
     surface
 }
 
-/// A triangulation of the rim, refined to the rim's density and relaxed.
-fn refined(rim: &Rim, triangles: &[[u32; 3]], density: f64) -> Patch {
-    let mut surface = triangulated(rim, triangles, density);
+/// A triangulation of the rim, refined to the wanted edge lengths and relaxed.
+fn relaxed(rim: &Rim, mut surface: Surface) -> Patch {
     let wanted = rim_valences(&surface, &loose_angles(rim));
     split_chords(&mut surface, &rim.forbidden);
     remesh(&mut surface, &wanted, mean_curvature(rim));

@@ -8,6 +8,7 @@
 
 use super::remesh::area;
 use super::surface::{NONE, Surface};
+use crate::memory::{TooLittleMemory, require};
 
 /// Patches with up to this many new vertices have the density of the rim everywhere (a round rim of 890
 /// edges at density 1).
@@ -33,6 +34,18 @@ pub(super) fn growth(s: &Surface, density: f64) -> f64 {
         }
     }
     high
+}
+
+/// Bytes for each vertex of a patch that the flow takes at least; the patch itself takes a tenth.
+const BYTES: f64 = 4000.0;
+
+/// Checks that there is memory for the patch that a triangulation will become, and for its flow, before
+/// the patch is made.
+///
+/// # Errors
+/// [`TooLittleMemory`].
+pub(super) fn require_memory(s: &Surface) -> Result<(), TooLittleMemory> {
+    require(BYTES * expected_vertices(s))
 }
 
 /// The number of vertices that a triangulation gets with the growth it has.

@@ -486,3 +486,10 @@ fn triangles_grow_inside_long_rims() {
     assert!(inside > 3.0 * edge, "{}", inside / edge);
     assert!(patch.sharpest_angle() > 10.0, "{}", patch.sharpest_angle());
 }
+
+#[test]
+fn a_patch_beyond_all_memory_is_refused() {
+    let rim = closed_curve(200, |t| DVec3::new(t.cos(), t.sin(), 0.0));
+    let error = fill(&rim, PatchOptions { density: 1e6 });
+    assert!(cfg!(not(target_os = "linux")) || matches!(error, Err(PatchError::Memory(_))));
+}

@@ -5,7 +5,7 @@ mod restore;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::memory::peak_memory;
+use crate::memory::{peak_memory, require};
 use crate::mesh::{Attributes, DVec3, Mesh, Split, Topology, VertexId};
 use crate::refine::creases::{Features, Weld};
 use crate::refine::level_flow::LevelFlow;
@@ -57,6 +57,7 @@ impl Refinement {
         if mesh.face_count() == 0 {
             return Err(RefineError::NoFaces);
         }
+        require(options.memory(&mesh))?;
         let flow = options.controls.flow(&mesh)?;
         let (topology, features) = Features::new(&mesh, &options)?;
         let points = features.opened(&mesh.positions);

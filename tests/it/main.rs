@@ -28,6 +28,8 @@ mod cli;
 mod creases;
 #[cfg(feature = "cli")]
 mod live;
+mod memory;
+#[cfg(feature = "cli")]
 #[cfg(feature = "cli")]
 mod models;
 #[cfg(feature = "cli")]

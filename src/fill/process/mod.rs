@@ -16,12 +16,14 @@ use rayon::prelude::*;
 use crate::fill::assemble::Assembly;
 use crate::fill::context::FillContext;
 use crate::fill::defects::crossing_groups;
+use crate::fill::estimate::memory_of;
 use crate::fill::fairing::plan_fairing;
 use crate::fill::plan::Plan;
 use crate::fill::prepare::prepare;
 use crate::fill::{
     Controls, ControlsError, FillError, FillOptions, LoopChoice, RefillError, choose, with_islands,
 };
+use crate::memory::require;
 use crate::mesh::{LoopId, Mesh, boundary_loops};
 use crate::runner::{
     Process, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline, Wake,
@@ -136,6 +138,7 @@ impl FillProcess {
         let failed_holes = std::mem::take(&mut plan.failed);
         let warnings = plan.holes().iter().flat_map(|hole| hole.warnings.iter());
         let warnings = warnings.cloned().collect();
+        require(memory_of(&mesh, &plan, options)).map_err(FillError::from)?;
         let context = FillContext {
             mesh: &mesh,
             plan: &plan,

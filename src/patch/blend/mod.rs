@@ -26,7 +26,7 @@ use super::data::{Patch, PatchOptions, Rim, RimGeometry};
 use super::error::{PatchError, validate};
 use super::fill::{fineness, loose_angles, rim_sizes};
 use super::frame::Frame;
-use super::grading::{expected_vertices, growth};
+use super::grading::{expected_vertices, growth, require_memory};
 use super::remesh::{refit, rim_valences, split_chords};
 use super::surface::Surface;
 use crate::mesh::DVec3;
@@ -66,6 +66,7 @@ pub fn blend(geometry: &RimGeometry, options: PatchOptions) -> Result<Patch, Pat
     };
     surface.size = sizes(&rims, options);
     surface.growth = growth(&surface, options.density);
+    require_memory(&surface)?;
     let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
     let wanted = rim_valences(&surface, &loose);
     split_chords(&mut surface, &chords);
