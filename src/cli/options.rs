@@ -104,7 +104,7 @@ mod tests {
 
     use super::*;
     use crate::cli::{Arguments, Command};
-    use crate::fill::{Continuity, Controls, Linear, Surface, Symmetry};
+    use crate::fill::{Continuity, Controls, Features, Linear, Surface, Symmetry};
     use crate::refine::{BoundaryRule, Hold, Method, RefineControls};
     use crate::solver::{Mode, Scheme, Tau};
 
@@ -136,6 +136,7 @@ mod tests {
             energy: "-H^2 + a*K^2".into(),
             surface: Surface::Diffusion,
             symmetry: Symmetry::Off,
+            features: Features::Off,
             param: [("a".into(), -1.0 / 3.0)].into(),
             scheme: Scheme::MixedCorrected,
             mode: Mode::Flow,

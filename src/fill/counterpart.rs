@@ -224,7 +224,7 @@ mod tests {
         let (whole, broken) = bodies();
         let loops = boundary_loops(&broken);
         let options = FillOptions::default();
-        let plan = prepare(&broken, &[vec![&loops[0]]], &options);
+        let plan = prepare(&broken, &[vec![&loops[0]]], &options).plan;
         let (mesh, plan) = (&broken, &plan);
         let context = FillContext { mesh, plan };
         let mut group = GroupFlow::start(context, 0, &options);

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::fill::hole::PlannedHole;
+use crate::fill::features::is_sharp;
+use crate::fill::hole::{HoleRims, PlannedHole};
 use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::mesh::union_find::{find, unite};
-use crate::mesh::{FaceId, Mesh, NeighbourhoodSearch};
+use crate::mesh::{FaceId, Mesh, NeighbourhoodSearch, VertexId};
 use crate::solver::SUPPORT_RINGS;
 
 /// Holes whose support regions share vertices. Creases (G0) are not considered: their holes have no
@@ -23,7 +24,8 @@ pub(crate) struct Group {
 }
 
 /// The groups of holes. A breadth-first search around the rims of each hole finds its support
-/// region; holes whose regions meet are one group. Holes without interior vertices need no flow
+/// region; holes whose regions meet are one group. The region of a part of a hole that is split along a
+/// crease ends at sharp edges, so that the parts are in different groups. Holes without interior vertices need no flow
 /// and belong to no group.
 pub(super) fn groups(mesh: &Mesh, holes: &[PlannedHole]) -> Vec<Group> {
     let count = holes.len();
@@ -39,13 +41,20 @@ pub(super) fn groups(mesh: &Mesh, holes: &[PlannedHole]) -> Vec<Group> {
         // the rim is ring 1
         let rings = usize::from(SUPPORT_RINGS) - 1;
         let region = search.around(hole.rims.vertices.iter().copied(), rings);
-        for v in region.vertices() {
+        let mut own = |v: VertexId| {
             let before = std::mem::replace(&mut owner[v.index()], h as u32);
             if before != u32::MAX {
                 unite(&mut parent, before, h as u32);
             }
+        };
+        if hole.rims.crease.is_empty() {
+            region.vertices().iter().for_each(|&v| own(v));
+            support.push(region.faces);
+        } else {
+            let (faces, inner) = between_sharp_edges(mesh, &hole.rims, &region.faces);
+            inner.into_iter().for_each(own);
+            support.push(faces);
         }
-        support.push(region.faces);
     }
 
     let mut group_of_root = vec![usize::MAX; count];
@@ -72,4 +81,38 @@ pub(super) fn groups(mesh: &Mesh, holes: &[PlannedHole]) -> Vec<Group> {
         group.support.push(std::mem::take(&mut support[h]));
     }
     groups
+}
+
+/// Those of `faces` (sorted) to which a way leads from the faces at the rim without a sharp edge in
+/// between, sorted, and their vertices that are on no sharp edge.
+fn between_sharp_edges(
+    mesh: &Mesh,
+    rims: &HoleRims,
+    faces: &[FaceId],
+) -> (Vec<FaceId>, Vec<VertexId>) {
+    let topology = &mesh.topology;
+    let mut seen = vec![false; faces.len()];
+    let rim = rims.loops.iter().flat_map(|l| &l.halfedges);
+    let mut stack: Vec<FaceId> = rim.map(|h| topology.face(h.twin())).collect();
+    let (mut reached, mut vertices, mut at_edges) = (Vec::new(), Vec::new(), Vec::new());
+    while let Some(face) = stack.pop() {
+        match faces.binary_search(&face) {
+            Ok(i) if !std::mem::replace(&mut seen[i], true) => reached.push(face),
+            _ => continue,
+        }
+        vertices.extend(topology.face_vertices(face));
+        for h in topology.face_halfedges(face) {
+            if is_sharp(mesh, h) {
+                at_edges.extend([topology.origin(h), topology.target(h)]);
+            } else if !topology.is_boundary_edge(h) {
+                stack.push(topology.face(h.twin()));
+            }
+        }
+    }
+    reached.sort_unstable();
+    at_edges.sort_unstable();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices.retain(|v| at_edges.binary_search(v).is_err());
+    (reached, vertices)
 }

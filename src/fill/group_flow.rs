@@ -100,8 +100,10 @@ impl GroupFlow {
         let mut resolved = options.clone();
         let mut holes = context.plan.holes_of(self.group);
         let is_smooth = |l: &BoundaryLoop| options.continuity_at(l.id) == Continuity::G1;
-        let is_predictable =
-            |hole: &PlannedHole| !hole.rims.is_blend() && hole.rims.loops.iter().all(is_smooth);
+        let is_predictable = |hole: &PlannedHole| {
+            let rims = &hole.rims;
+            !rims.is_blend() && rims.crease.is_empty() && rims.loops.iter().all(is_smooth)
+        };
         let is_patched = matches!(context.plan.domain, Domain::Holes(_));
         resolved.predicts_surface &= is_patched && holes.all(is_predictable);
         if options.symmetry != self.options.symmetry {

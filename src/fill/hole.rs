@@ -1,5 +1,6 @@
 //! Holes with their rims and first patches.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::fill::patch_topology::HoleTopology;
@@ -17,6 +18,9 @@ pub(crate) struct HoleRims {
     /// Vertices of the mesh along all rims: the first vertices of the patch, in its order.
     pub vertices: Vec<VertexId>,
     pub geometry: RimGeometry,
+    /// The vertices of the patch along which it ends in a crease though its rim is smooth: those of
+    /// the curve along which a hole is split. Mostly none.
+    pub crease: Range<usize>,
 }
 
 impl HoleRims {
@@ -30,6 +34,7 @@ impl HoleRims {
             vertices: loops.iter().flat_map(|l| l.vertices.clone()).collect(),
             loops,
             geometry,
+            crease: 0..0,
         }
     }
 

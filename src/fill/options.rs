@@ -63,6 +63,18 @@ pub enum Symmetry {
 
 choices!(Symmetry: Auto "auto", Off "off");
 
+/// Whether sharp edges that end at a hole on both sides continue through it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Features {
+    /// Where two lines of sharp edges lead to each other and no other sharp edge ends at the hole.
+    #[default]
+    Auto,
+    /// Never.
+    Off,
+}
+
+choices!(Features: Auto "auto", Off "off");
+
 /// The options of a fill.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -77,6 +89,8 @@ pub struct FillOptions {
     pub predicts_surface: bool,
     /// Whether prediction tries symmetries of the mesh.
     pub symmetry: Symmetry,
+    /// Whether sharp edges continue through holes; the value at the start counts.
+    pub features: Features,
     /// Continuity of the patches and the mesh.
     pub continuity: Continuity,
     /// Continuity at single loops.
@@ -94,6 +108,7 @@ impl Default for FillOptions {
             flow: FlowOptions::new(Energy::preset(Preset::H2)),
             predicts_surface: true,
             symmetry: Symmetry::default(),
+            features: Features::default(),
             continuity: Continuity::default(),
             loop_continuity: BTreeMap::new(),
             label_patches: false,

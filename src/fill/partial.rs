@@ -10,7 +10,7 @@ use crate::fill::plan::Plan;
 use crate::fill::result::{FillError, Filled, milliseconds};
 use crate::fill::rim::rim_of;
 use crate::fill::run::{Observer, run_plan};
-use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, VertexId, rms_distance};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError, VertexId, rms_distance};
 use crate::patch::{self, Rim, RimGeometry};
 
 /// Why part of a hole cannot be filled.
@@ -56,8 +56,10 @@ pub fn fill_part(
     let chord = chord(mesh, hole, from, to, options.patch.density);
     let along: Vec<usize> = (0..edges).map(|k| (from + k) % n).collect();
     let rim = part_of_rim(mesh, hole, &along, to, &chord);
-    let longer = with_vertices(mesh, &chord, [to, from].map(|i| hole.vertices[i]))?;
-    let part = part_of_loop(mesh, hole, &along, to, &rim);
+    let ends = [to, from].map(|i| hole.vertices[i]);
+    let longer = with_vertices(mesh, &[(&chord, ends)]).map_err(FillError::from)?;
+    let new = (mesh.vertex_count()..longer.vertex_count()).map(VertexId::from);
+    let part = part_of_loop(hole, &along, to, &rim, &new.collect::<Vec<_>>());
     let patch = patch::fill(&rim, options.patch);
     let draft = DraftHole {
         rims: Arc::new(HoleRims::with_geometry(
@@ -94,7 +96,7 @@ fn chord(mesh: &Mesh, hole: &BoundaryLoop, from: usize, to: usize, density: f64)
 }
 
 /// The rim of the part: that of the hole from `along` to `to`, then the chord, which has no faces.
-fn part_of_rim(
+pub(super) fn part_of_rim(
     mesh: &Mesh,
     hole: &BoundaryLoop,
     along: &[usize],
@@ -126,20 +128,17 @@ fn part_of_rim(
     }
 }
 
-/// The part as a loop: its vertices, the chord's after those of the mesh, and the half-edges it
-/// has.
-fn part_of_loop(
-    mesh: &Mesh,
+/// The part as a loop: its vertices with those of the chord, and the half-edges it has.
+pub(super) fn part_of_loop(
     hole: &BoundaryLoop,
     along: &[usize],
     to: usize,
     rim: &Rim,
+    chord: &[VertexId],
 ) -> BoundaryLoop {
-    let new = rim.points.len() - along.len() - 1;
-    let old = mesh.vertex_count();
     let mut vertices: Vec<VertexId> = along.iter().map(|&i| hole.vertices[i]).collect();
     vertices.push(hole.vertices[to]);
-    vertices.extend((old..old + new).map(VertexId::from));
+    vertices.extend_from_slice(chord);
     let centroid = rim.points.iter().sum::<DVec3>() / rim.points.len() as f64;
     BoundaryLoop {
         halfedges: along.iter().map(|&i| hole.halfedges[i]).collect(),
@@ -150,12 +149,18 @@ fn part_of_loop(
     }
 }
 
-/// The mesh with additional vertices between two of its own, which have no faces yet.
-fn with_vertices(mesh: &Mesh, new: &[DVec3], ends: [VertexId; 2]) -> Result<Mesh, FillError> {
+/// The mesh with additional vertices along curves that join two of its own, which have no faces yet.
+pub(super) fn with_vertices(
+    mesh: &Mesh,
+    curves: &[(&[DVec3], [VertexId; 2])],
+) -> Result<Mesh, TopologyError> {
     let mut longer = mesh.clone();
-    longer.positions.extend_from_slice(new);
-    let ratio = |i: usize| (i + 1) as f64 / (new.len() + 1) as f64;
-    let between: Vec<_> = (0..new.len()).map(|i| (ends, ratio(i))).collect();
+    let mut between = Vec::new();
+    for &(new, ends) in curves {
+        longer.positions.extend_from_slice(new);
+        let ratio = |i: usize| (i + 1) as f64 / (new.len() + 1) as f64;
+        between.extend((0..new.len()).map(|i| (ends, ratio(i))));
+    }
     longer
         .attributes
         .append_vertices(mesh.vertex_count(), &between);

@@ -7,8 +7,10 @@ use rayon::prelude::*;
 
 use crate::fill::blend;
 use crate::fill::context::FillContext;
+use crate::fill::features::{self, SplitHole};
 use crate::fill::hole::{DraftHole, HoleRims};
-use crate::fill::options::FillOptions;
+use crate::fill::options::{Features, FillOptions};
+use crate::fill::partial::with_vertices;
 use crate::fill::plan::Plan;
 use crate::fill::region;
 use crate::fill::result::milliseconds;
@@ -18,11 +20,19 @@ use crate::mesh::{BoundaryLoop, Mesh};
 use crate::patch;
 use crate::solver::{FlowProblem, SolverError};
 
-/// Builds first patches (in parallel) and groups the holes whose support regions meet.
-pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOptions) -> Plan {
-    let draft = |rims: &RimSet<'_>| {
+/// First patches and groups of holes.
+pub(super) struct Prepared {
+    pub plan: Plan,
+    /// The mesh with the vertices of creases that continue through holes, if there are any. The plan
+    /// is one of this mesh.
+    pub longer: Option<Mesh>,
+}
+
+/// Builds first patches (in parallel) and groups the holes whose support regions meet. A hole through
+/// which a sharp edge continues gets two patches.
+pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOptions) -> Prepared {
+    let draft = |rims: HoleRims| {
         let start = Instant::now();
-        let rims = HoleRims::new(mesh, rims);
         DraftHole {
             patch: patch::blend(&rims.geometry, options.patch),
             rims: Arc::new(rims),
@@ -30,11 +40,49 @@ pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOption
             patch_ms: milliseconds(start),
         }
     };
-    let mut drafts: Vec<DraftHole> = rim_sets.par_iter().map(draft).collect();
+    let split = |rims: &RimSet<'_>| match rims[..] {
+        [hole] if options.features == Features::Auto => {
+            features::split(mesh, hole, options.patch.density)
+        }
+        _ => None,
+    };
+    let mut splits: Vec<Option<SplitHole>> = rim_sets.par_iter().map(split).collect();
+    let longer = number(mesh, &mut splits);
+    let drafts = rim_sets.par_iter().zip(splits);
+    let drafts = drafts.flat_map_iter(|(rims, split)| match split {
+        Some(split) => split.parts.map(&draft).to_vec(),
+        None => vec![draft(HoleRims::new(mesh, rims))],
+    });
+    let mut drafts: Vec<DraftHole> = drafts.collect();
+    let mesh = longer.as_ref().unwrap_or(mesh);
     if drafts.iter().any(|draft| draft.rims.is_blend()) {
         blend::shape(mesh, &mut drafts, options);
     }
-    Plan::of_holes(mesh, drafts, options.patch)
+    Prepared {
+        plan: Plan::of_holes(mesh, drafts, options.patch),
+        longer,
+    }
+}
+
+/// The mesh with the new vertices of split holes, which it numbers. `None` if there are none.
+fn number(mesh: &Mesh, splits: &mut [Option<SplitHole>]) -> Option<Mesh> {
+    let curves: Vec<_> = (splits.iter().flatten())
+        .map(|split| (&split.chord[..], split.ends))
+        .collect();
+    if curves.is_empty() {
+        return None;
+    }
+    let Ok(longer) = with_vertices(mesh, &curves) else {
+        // vertices without faces do not change a manifold
+        splits.fill_with(|| None);
+        return None;
+    };
+    let mut first = mesh.vertex_count();
+    for split in splits.iter_mut().flatten() {
+        split.number(first);
+        first += split.chord.len();
+    }
+    Some(longer)
 }
 
 /// The problem from which the flow of a single hole starts: its patch and support region at the
@@ -48,7 +96,11 @@ pub fn flow_problem(
     hole: &BoundaryLoop,
     options: &FillOptions,
 ) -> Result<Option<FlowProblem>, SolverError> {
-    let plan = prepare(mesh, &[vec![hole]], options);
+    let options = &FillOptions {
+        features: Features::Off,
+        ..options.clone()
+    };
+    let plan = prepare(mesh, &[vec![hole]], options).plan;
     if plan.groups.is_empty() {
         return Ok(None);
     }

@@ -106,7 +106,8 @@ impl<'a> Region<'a> {
         for hole in loose.iter().map(|&h| &holes[h]) {
             let rim = &hole.rims.vertices;
             let touches = |v: &VertexId| support.binary_search(v).is_ok();
-            if has_support(hole) && rim.iter().any(touches) {
+            let is_split = !hole.rims.crease.is_empty();
+            if has_support(hole) && !is_split && rim.iter().any(touches) {
                 let triangles = hole.patch.triangles.iter();
                 self.add(triangles.map(|t| t.map(|v| rim[v as usize])));
             }
@@ -153,9 +154,10 @@ impl<'a> Region<'a> {
     ) {
         let is_creased = |l: &BoundaryLoop| options.continuity_at(l.id) == Continuity::G0;
         let rim = rims.loops.iter();
-        let creased: Vec<bool> = rim
+        let mut creased: Vec<bool> = rim
             .flat_map(|l| std::iter::repeat_n(is_creased(l), l.vertices.len()))
             .collect();
+        creased[rims.crease.clone()].fill(true);
         let mut copies: Vec<Option<u32>> = vec![None; creased.len()];
         for t in &topology.triangles {
             let t = t.map(|v| {

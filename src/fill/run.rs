@@ -12,7 +12,7 @@ use crate::fill::defects::crossing_groups;
 use crate::fill::estimate::memory_of;
 use crate::fill::options::FillOptions;
 use crate::fill::plan::Plan;
-use crate::fill::prepare::prepare;
+use crate::fill::prepare::{Prepared, prepare};
 use crate::fill::result::{FillError, Filled, milliseconds};
 use crate::fill::rim::RimSet;
 use crate::fill::scheduled::run_group;
@@ -69,7 +69,8 @@ pub fn fill_rim_sets(
 ) -> Result<Filled, FillError> {
     let start = Instant::now();
     let options = options.into();
-    let plan = prepare(mesh, rim_sets, &options.options);
+    let Prepared { plan, longer } = prepare(mesh, rim_sets, &options.options);
+    let mesh = longer.as_ref().unwrap_or(mesh);
     let mut filled = run_plan(mesh, plan, &options, observe)?;
     filled.milliseconds = milliseconds(start);
     Ok(filled)

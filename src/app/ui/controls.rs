@@ -9,7 +9,7 @@ use crate::app::action::{Action, ControlsAction};
 use crate::app::document::window_controls;
 use crate::app::model::Model;
 use crate::app::view_state::Task;
-use crate::fill::{Continuity, Controls, Linear, Surface, Symmetry};
+use crate::fill::{Continuity, Controls, Features, Linear, Surface, Symmetry};
 use crate::mesh::LoopId;
 use crate::options::Choice;
 use crate::solver::{FLOW_GROWTH, Mode, Scheme, Tau};
@@ -235,6 +235,17 @@ fn patch_ui(
         (Continuity::G0, "G0 crease", "the rim is a crease"),
     ];
     choice(ui, "At the rim", &mut next.continuity, choices);
+    let mut continues = next.features == Features::Auto;
+    let sharp = egui::Checkbox::new(&mut continues, "Continue sharp edges");
+    let tip = "where the sharp edges that end at a hole on both sides lead to each other, the patch gets \
+               a crease between them";
+    ui.add_enabled(model.run.is_none(), sharp)
+        .on_hover_text(tip);
+    next.features = if continues {
+        Features::Auto
+    } else {
+        Features::Off
+    };
     let label = egui::Checkbox::new(&mut next.label_patches, "Label patches");
     ui.add_enabled(model.run.is_none(), label)
         .on_hover_text("put the faces of each patch into a group: patch_1, patch_2, …");

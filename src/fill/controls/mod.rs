@@ -9,7 +9,7 @@ mod tests;
 use std::collections::BTreeMap;
 
 use crate::energy::{Energy, ExprError};
-use crate::fill::options::{Continuity, FillOptions, Surface, Symmetry};
+use crate::fill::options::{Continuity, Features, FillOptions, Surface, Symmetry};
 use crate::mesh::LoopId;
 use crate::options::{choices, options, text_keys};
 use crate::patch::PatchOptions;
@@ -46,6 +46,9 @@ options! {
         /// Whether `auto` may fill holes after their counterparts under an approximate symmetry of the
         /// mesh: `auto` where prediction expects less error, `off` never.
         symmetry: Symmetry = Symmetry::default(),
+        /// Whether the sharp edges that end at a hole on both sides continue through it: `auto` where
+        /// two lines of them lead to each other, `off` never.
+        features: Features = Features::default(),
         /// Method: `normal` is the fast linearly implicit normal flow, `mixed` the paper's mixed
         /// finite elements, `mixed-corrected` the same matrix with the exact gradient.
         scheme: Scheme = Scheme::default(),
@@ -148,6 +151,7 @@ impl Controls {
             flow,
             predicts_surface: self.predicts_surface(),
             symmetry: self.symmetry,
+            features: self.features,
             continuity: self.continuity,
             loop_continuity: self.loop_continuity.clone(),
             label_patches: self.label_patches,

@@ -11,6 +11,7 @@ fn changed() -> Controls {
         param: [("a".into(), 1.0 / 3.0), ("b".into(), -1e-300)].into(),
         surface: Surface::G2,
         symmetry: Symmetry::Off,
+        features: Features::Off,
         scheme: Scheme::Mixed,
         mode: Mode::Flow,
         linear: Linear::Lu,

@@ -19,7 +19,7 @@ use crate::fill::defects::crossing_groups;
 use crate::fill::estimate::memory_of;
 use crate::fill::fairing::plan_fairing;
 use crate::fill::plan::Plan;
-use crate::fill::prepare::prepare;
+use crate::fill::prepare::{Prepared, prepare};
 use crate::fill::{
     Controls, ControlsError, FillError, FillOptions, LoopChoice, RefillError, choose, with_islands,
 };
@@ -120,8 +120,11 @@ impl FillProcess {
         // any loop may be the rim of an island
         let loops = boundary_loops(&mesh);
         let chosen = |listed| choose(&loops, &LoopChoice::Listed(listed));
-        let mut plan = match task {
-            FillTask::Fair(selected) => plan_fairing(&mesh, &selected)?,
+        let Prepared { mut plan, longer } = match task {
+            FillTask::Fair(selected) => Prepared {
+                plan: plan_fairing(&mesh, &selected)?,
+                longer: None,
+            },
             FillTask::Holes(listed) => prepare(
                 &mesh,
                 &with_islands(&mesh, &loops, &chosen(listed)?),
@@ -135,6 +138,7 @@ impl FillProcess {
                 prepare(&mesh, &[rims], options)
             }
         };
+        let mesh = longer.map_or(mesh, Arc::new);
         let failed_holes = std::mem::take(&mut plan.failed);
         let warnings = plan.holes().iter().flat_map(|hole| hole.warnings.iter());
         let warnings = warnings.cloned().collect();
