@@ -58,6 +58,7 @@ const EXAMPLES: &str = "Examples:
 Exit codes: 0 success, 1 failure with a message, 2 invalid command line, 130 or 143 interrupted.";
 
 const FILL_USAGE: &str = "meniscus fill [OPTIONS] --output <OUT> <IN>
+       meniscus fill [OPTIONS] --output <OUT> --join <IN>...
        meniscus fill [OPTIONS] --out-dir <FOLDER> <IN>...";
 
 const FILL_EXAMPLES: &str = "Examples:
@@ -77,6 +78,7 @@ An energy is evaluated in the units of the file.";
 
 const BLEND_EXAMPLES: &str = "Examples:
   meniscus blend pipes.obj -o joined.obj
+  meniscus blend a.ply b.ply -o joined.ply
   meniscus blend pipes.obj -o joined.obj --loops 1,3,5 --energy 'H^2+K^2'
   meniscus blend pipes.obj -o joined.obj --loop-at 1,0,0 --loop-at 0,1,0
   meniscus blend tubes.obj -o joined.obj --energy '(H-H0)^2' --param H0=-1

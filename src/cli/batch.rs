@@ -129,6 +129,7 @@ fn jobs(args: &FillArguments, folder: &Path) -> Result<Vec<MeshFiles>> {
             );
         }
         jobs.push(MeshFiles {
+            more: Vec::new(),
             input: input.clone(),
             output,
             options: args.files.options.clone(),

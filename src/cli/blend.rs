@@ -1,9 +1,11 @@
 //! `meniscus blend`.
 
+use std::path::PathBuf;
+
 use anyhow::{Result, bail};
 use clap::Args;
 
-use crate::cli::flow::{FlowArguments, LoopArguments, MeshFiles, Task};
+use crate::cli::flow::{FileOptions, FlowArguments, LoopArguments, MeshFiles, Task};
 use crate::cli::report::skipped;
 use crate::mesh::{BoundaryLoop, LoopId, boundary_loops};
 use crate::ops::FlipSpec;
@@ -11,9 +13,15 @@ use crate::ops::FlipSpec;
 /// `meniscus blend`.
 #[derive(Debug, Args)]
 pub struct BlendArguments {
-    /// Input and output.
+    /// The mesh to read (.obj, .ply, .stl, .off). Several are joined into one mesh.
+    #[arg(value_name = "IN", required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// The mesh to write (.obj, .ply, .stl, .off).
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// How they are read and written.
     #[command(flatten)]
-    pub files: MeshFiles,
+    pub options: FileOptions,
     /// The loops to join.
     #[command(flatten)]
     pub loops: LoopArguments,
@@ -27,7 +35,16 @@ pub struct BlendArguments {
 
 /// Runs `meniscus blend`.
 pub fn blend(args: &BlendArguments) -> Result<()> {
-    let mut task = Task::new(&args.files, &args.flow)?;
+    let Some((input, more)) = args.inputs.split_first() else {
+        unreachable!("an argument is required");
+    };
+    let files = MeshFiles {
+        input: input.clone(),
+        more: more.to_vec(),
+        output: args.output.clone(),
+        options: args.options.clone(),
+    };
+    let mut task = Task::new(&files, &args.flow)?;
     if !args.flip.is_empty() {
         let flip = FlipSpec {
             loops: args.flip.clone(),
@@ -54,7 +71,7 @@ pub fn blend(args: &BlendArguments) -> Result<()> {
     let rims = chosen.iter().map(|id| &loops[id.index()]).collect();
     let open = skipped(&loops, &chosen, |l| args.loops.reason_to_skip(l));
     let written = task.fill(&[rims], open)?;
-    written.conclude(args.files.options.quiet)
+    written.conclude(args.options.quiet)
 }
 
 /// Whether the loops lie on different components.

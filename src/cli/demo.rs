@@ -40,6 +40,7 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
             inputs: vec![holed],
             output: Some(args.out.join("filled.obj")),
             out_dir: None,
+            join: false,
             options: FileOptions {
                 weld: Weld::Auto,
                 textures: Textures::Keep,

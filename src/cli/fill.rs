@@ -19,7 +19,7 @@ use crate::ops::{FillPartSpec, FillSpec, Operation, Outcome};
 /// The files of `meniscus fill`.
 #[derive(Debug, Args)]
 pub struct FillFiles {
-    /// The mesh to read (.obj, .ply, .stl, .off). Several need --out-dir.
+    /// The mesh to read (.obj, .ply, .stl, .off). Several need --out-dir or --join.
     #[arg(value_name = "IN", required = true)]
     pub inputs: Vec<PathBuf>,
     /// The mesh to write (.obj, .ply, .stl, .off).
@@ -34,6 +34,9 @@ pub struct FillFiles {
     /// Fill each IN and write it under its name to this folder. It is created if it does not exist.
     #[arg(long, value_name = "FOLDER")]
     pub out_dir: Option<PathBuf>,
+    /// Join all IN into one mesh and fill it.
+    #[arg(long, conflicts_with = "out_dir")]
+    pub join: bool,
     /// How they are read and written.
     #[command(flatten)]
     pub options: FileOptions,
@@ -78,17 +81,22 @@ pub fn fill(args: &FillArguments) -> Result<()> {
         inputs,
         output,
         out_dir,
+        join,
         options,
     } = &args.files;
     if let Some(folder) = out_dir {
         return batch(args, folder);
     }
-    let ([input], Some(output)) = (&inputs[..], output) else {
-        let message = "several meshes need --out-dir FOLDER instead of -o OUT";
-        return Err(UsageError(message.into()).into());
+    let (Some((input, more)), Some(output)) = (inputs.split_first(), output) else {
+        unreachable!("the arguments are required");
     };
+    if !more.is_empty() && !join {
+        let message = "several meshes need --out-dir FOLDER instead of -o OUT, or --join";
+        return Err(UsageError(message.into()).into());
+    }
     let files = MeshFiles {
         input: input.clone(),
+        more: more.to_vec(),
         output: output.clone(),
         options: options.clone(),
     };

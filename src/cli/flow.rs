@@ -18,7 +18,7 @@ use crate::fill::{
     Continuity, Controls, ControlsError, Filled, LoopChoice, RimSet, choose, fill_rim_sets,
     nearest_loop,
 };
-use crate::io::{self, OpenError, Opened, open_welded};
+use crate::io::{self, OpenError, Opened, open_joined, open_welded};
 use crate::memory::peak_memory;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId, Weld};
 use crate::ops::FlowSpec;
@@ -33,6 +33,9 @@ pub struct MeshFiles {
     /// The mesh to read (.obj, .ply, .stl, .off).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
+    /// Further meshes to read, which are joined with the first.
+    #[arg(skip)]
+    pub more: Vec<PathBuf>,
     /// The mesh to write (.obj, .ply, .stl, .off).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
@@ -72,7 +75,21 @@ impl MeshFiles {
 
     /// Opens IN, or all meshes joined.
     pub fn read(&self) -> Result<Opened, OpenError> {
-        open_welded(&self.input, self.options.weld)
+        if self.more.is_empty() {
+            return open_welded(&self.input, self.options.weld);
+        }
+        let all: Vec<PathBuf> = self.inputs().cloned().collect();
+        open_joined(&all, self.options.weld)
+    }
+
+    fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
+        std::iter::once(&self.input).chain(&self.more)
+    }
+
+    /// The names of all meshes to read.
+    fn input_names(&self) -> String {
+        let names: Vec<String> = self.inputs().map(|p| p.display().to_string()).collect();
+        names.join(", ")
     }
 }
 
@@ -174,10 +191,12 @@ impl<'a> Task<'a> {
     /// Checks the options and output paths, then reads the schedule and the mesh.
     pub fn new(files: &'a MeshFiles, args: &'a FlowArguments) -> Result<Self> {
         args.check()?;
-        let [input, output] = files.named();
+        let [_, output] = files.named();
+        let mut read: Vec<Named<'_>> = vec![("--schedule", args.schedule.as_deref())];
+        read.extend(files.inputs().map(|path| ("IN", Some(&**path))));
         let controls = args.controls.0.clone();
         check_targets(
-            &[input, ("--schedule", args.schedule.as_deref())],
+            &read,
             &[output],
             &[
                 ("--report", args.report.as_deref()),
@@ -203,7 +222,7 @@ impl<'a> Task<'a> {
     pub fn fill(self, rim_sets: &[RimSet<'_>], skipped: Vec<SkippedLoop>) -> Result<Written> {
         if !self.files.options.quiet {
             for note in &self.opened.report.notes {
-                eprintln!("{}: {note}", self.files.input.display());
+                eprintln!("{}: {note}", self.files.input_names());
             }
             for s in &skipped {
                 eprintln!("loop {} ({} edges) left open: {}", s.id, s.edges, s.reason);
@@ -263,7 +282,7 @@ impl<'a> Task<'a> {
             .collect();
         let report = FillReport {
             version: env!("CARGO_PKG_VERSION"),
-            input: files.input.display().to_string(),
+            input: files.input_names(),
             output: files.output.display().to_string(),
             energy: flow.controls.energy.clone(),
             scheme: flow.controls.scheme.name(),

@@ -47,6 +47,21 @@ pub fn open_welded(path: &Path, weld: Weld) -> Result<Opened, OpenError> {
     repaired(&load(path)?, path, weld)
 }
 
+/// Reads several files as one mesh, the vertices and faces of each following those of the one before (see
+/// [`mesh::joined`]), and repairs it.
+///
+/// # Errors
+/// [`OpenError`].
+pub fn open_joined(paths: &[PathBuf], weld: Weld) -> Result<Opened, OpenError> {
+    let part = |path: &PathBuf| -> Result<_, OpenError> {
+        let name = path.file_stem().unwrap_or(path.as_os_str());
+        Ok((name.to_string_lossy().into_owned(), load(path)?))
+    };
+    let parts: Vec<_> = paths.iter().map(part).collect::<Result<_, _>>()?;
+    let path = paths.first().map_or(Path::new(""), PathBuf::as_path);
+    repaired(&mesh::joined(&parts), path, weld)
+}
+
 /// Repairs a polygon soup. Messages contain `path`.
 ///
 /// # Errors

@@ -50,7 +50,9 @@ pub use error::{
     LoadError, LoadErrorKind, MeshFault, ParseError, ParseErrorKind, Place, SaveError,
     SaveErrorKind, UnknownFormat,
 };
-pub use mesh_file::{OpenError, Opened, from_soup, open, open_welded, save_mesh, with_output};
+pub use mesh_file::{
+    OpenError, Opened, from_soup, open, open_joined, open_welded, save_mesh, with_output,
+};
 
 use crate::mesh::{Attributes, DVec3, Soup};
 

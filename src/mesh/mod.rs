@@ -10,6 +10,7 @@ mod erase;
 mod flaws;
 mod ids;
 mod intersect;
+mod joined;
 mod loose;
 mod measures;
 mod neighbourhood;
@@ -41,6 +42,7 @@ pub use ids::{FaceId, HalfedgeId, LoopId, VertexId};
 pub use intersect::{
     TriangleIntersections, dihedral_angle, folded_edges, self_intersections, triangles_meet,
 };
+pub use joined::joined;
 pub use loose::{LooseParts, loose_parts};
 pub use measures::{perimeter, rms_distance, vector_area, vertex_normal};
 pub use neighbourhood::{Neighbourhood, NeighbourhoodSearch, faces_around};

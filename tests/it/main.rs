@@ -27,6 +27,8 @@ mod cli;
 #[cfg(feature = "cli")]
 mod creases;
 #[cfg(feature = "cli")]
+mod joined;
+#[cfg(feature = "cli")]
 mod live;
 mod memory;
 #[cfg(feature = "cli")]
