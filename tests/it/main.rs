@@ -30,12 +30,14 @@ mod creases;
 mod joined;
 #[cfg(feature = "cli")]
 mod live;
-mod memory;
 #[cfg(feature = "cli")]
+mod memory;
 #[cfg(feature = "cli")]
 mod models;
 #[cfg(feature = "cli")]
 mod refine_live;
+#[cfg(feature = "cli")]
+mod saving;
 #[cfg(feature = "cli")]
 mod wild;
 
