@@ -19,10 +19,10 @@ use crate::ops::{FillPartSpec, FillSpec, Operation, Outcome};
 /// The files of `meniscus fill`.
 #[derive(Debug, Args)]
 pub struct FillFiles {
-    /// The mesh to read (.obj, .ply, .stl, .off). Several need --out-dir or --join.
+    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf). Several need --out-dir or --join.
     #[arg(value_name = "IN", required = true)]
     pub inputs: Vec<PathBuf>,
-    /// The mesh to write (.obj, .ply, .stl, .off).
+    /// The mesh to write (.obj, .ply, .stl, .off, .glb, .gltf).
     #[arg(
         short,
         long,

@@ -30,13 +30,13 @@ use super::parse::point;
 /// The files of a command that changes a mesh.
 #[derive(Debug, Args)]
 pub struct MeshFiles {
-    /// The mesh to read (.obj, .ply, .stl, .off).
+    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// Further meshes to read, which are joined with the first.
     #[arg(skip)]
     pub more: Vec<PathBuf>,
-    /// The mesh to write (.obj, .ply, .stl, .off).
+    /// The mesh to write (.obj, .ply, .stl, .off, .glb, .gltf).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// How they are read and written.

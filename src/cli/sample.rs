@@ -16,7 +16,7 @@ pub struct SampleArguments {
     /// The name of the sample.
     #[arg(value_name = "NAME", value_parser = samples())]
     pub sample: &'static Sample,
-    /// The mesh to write (.obj, .ply, .stl, .off).
+    /// The mesh to write (.obj, .ply, .stl, .off, .glb, .gltf).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 }

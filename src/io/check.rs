@@ -1,6 +1,6 @@
 //! Checks of a mesh for a format, and losses of a format.
 
-use super::{Format, MeshFault, OutputMesh, off};
+use super::{Format, MeshFault, OutputMesh, gltf, off};
 use crate::mesh::{Colors, Column, DVec3, FaceTag, NO_VALUE, NumberType, row_count};
 
 /// Checks that `mesh` can be written in `format`: finite coordinates, indices in range, attribute
@@ -21,7 +21,7 @@ pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
             if !value.is_finite() {
                 return Err(MeshFault::NotFinite { vertex, value });
             }
-            if format == Format::Stl && !(value as f32).is_finite() {
+            if format.is_single() && !(value as f32).is_finite() {
                 return Err(MeshFault::BeyondSingle { vertex, value });
             }
         }
@@ -94,7 +94,10 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         Format::Ply => "PLY",
         Format::Stl => "STL",
         Format::Off => "OFF",
+        Format::Glb | Format::Gltf => "glTF",
     };
+    let is_gltf = matches!(format, Format::Glb | Format::Gltf);
+    let of_gltf = gltf::vertex_columns(all);
     if format == Format::Stl && colors.is_some() {
         lost.push("STL cannot store colours".to_owned());
     }
@@ -104,6 +107,7 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         Format::Ply => false,
         Format::Stl => !is_color(*k),
         Format::Off => !is_color(*k) && !off::VERTEX_NUMBERS.contains(&column.name.as_str()),
+        Format::Glb | Format::Gltf => !is_color(*k) && !of_gltf.contains(k),
     };
     let columns = all.vertices.iter().enumerate().filter(is_lost);
     let names: Vec<&str> = columns.map(|(_, column)| column.name.as_str()).collect();
@@ -121,7 +125,7 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
     }
     let off_colors = off::face_columns(&all.faces.columns);
     let is_lost = |column: &&Column| match format {
-        Format::Obj => true,
+        Format::Obj | Format::Glb | Format::Gltf => true,
         Format::Ply => false,
         Format::Stl => !is_stl_attribute(column),
         Format::Off => !off_colors.iter().any(|color| std::ptr::eq(*color, *column)),
@@ -134,7 +138,7 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
             names.join(", ")
         ));
     }
-    if format != Format::Obj && !all.faces.normals.is_empty() {
+    if format != Format::Obj && !is_gltf && !all.faces.normals.is_empty() {
         lost.push(format!("{name} cannot store normals of corners"));
     }
     if !all.faces.texture.is_empty() {
@@ -144,8 +148,8 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
                     "{name} cannot store texture coordinates of corners"
                 ));
             }
-            Format::Ply if all.texture.len() > 2 => {
-                lost.push("PLY cannot store the third texture coordinate".to_owned());
+            Format::Ply | Format::Glb | Format::Gltf if all.texture.len() > 2 => {
+                lost.push(format!("{name} cannot store the third texture coordinate"));
             }
             _ => {}
         }
@@ -157,16 +161,26 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
     let is_stored = |tag: &FaceTag| {
         let group = tag.group.is_empty() || tag.patch().is_some();
         let others = [&tag.object, &tag.material, &tag.smoothing];
-        format == Format::Ply && group && others.iter().all(|name| name.is_empty())
+        let is_plain = group && others.iter().all(|name| name.is_empty());
+        is_gltf || format == Format::Ply && is_plain
     };
     let mut tags = all.faces.tags.iter().map(|&tag| &all.tags[tag as usize]);
     if format != Format::Obj && !tags.all(is_stored) {
-        lost.push("only OBJ can store groups and materials".to_owned());
+        lost.push("only OBJ and glTF can store groups and materials".to_owned());
     }
-    if format == Format::Stl {
+    if is_gltf {
+        lost.extend(gltf::losses(mesh));
+    } else if all.gltf_materials.is_some() {
+        lost.push(format!(
+            "{name} cannot store the colours and images of glTF materials"
+        ));
+    }
+    if format.is_single() {
         let rounded = |p: &DVec3| p.as_vec3().as_dvec3() != *p;
         if mesh.positions.iter().any(rounded) {
-            lost.push("STL coordinates are rounded to single precision".to_owned());
+            lost.push(format!(
+                "{name} coordinates are rounded to single precision"
+            ));
         }
         let single = |v: u32| mesh.positions[v as usize].as_vec3();
         let same = |a: u32, b: u32| {

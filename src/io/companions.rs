@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use super::{Format, obj};
+use super::{Format, gltf, obj};
 use crate::mesh::{Attributes, Material};
 
-/// Copies the material libraries of an OBJ file and the texture images of an OBJ or PLY file beside
+/// Copies the material libraries of an OBJ file and the texture images of an OBJ, PLY or glTF file beside
 /// `path`, where a mesh with these attributes was written, so that its references stay valid. Files in
 /// the folder of `path` are never replaced. Returns messages for the user: what was copied and what
 /// could not be copied.
@@ -32,6 +32,7 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
     let names: BTreeSet<String> = match Format::from_path(path) {
         Some(Format::Obj) => obj::companions(from, attributes),
         Some(Format::Ply) => attributes.texture_files().map(str::to_owned).collect(),
+        Some(Format::Glb | Format::Gltf) => gltf::companions(attributes),
         _ => BTreeSet::new(),
     };
     let mut copied = Vec::new();

@@ -123,10 +123,10 @@ pub enum MeshFault {
         /// The coordinate.
         value: f64,
     },
-    /// STL stores `f32`, whose range is exceeded.
+    /// The format stores `f32`, whose range is exceeded.
     #[error(
         "vertex {vertex} (counted from 0) has the coordinate {value:e}, which exceeds the \
-         single-precision range of STL; write OBJ or PLY"
+         single-precision range of the format; write OBJ or PLY"
     )]
     BeyondSingle {
         /// The vertex, counted from 0.
@@ -318,6 +318,20 @@ pub enum ParseErrorKind {
         /// The text found.
         found: String,
     },
+    /// Contents that contradict themselves or the format.
+    #[error("{what}; export the mesh again")]
+    Invalid {
+        /// What is wrong, and where.
+        what: String,
+    },
+    /// Another file that this one needs.
+    #[error("{what}; {remedy}")]
+    Unavailable {
+        /// The file and the reason.
+        what: String,
+        /// The remedy.
+        remedy: &'static str,
+    },
     /// A valid but unsupported feature.
     #[error("{what} is not supported; {remedy}")]
     Unsupported {
@@ -346,6 +360,10 @@ impl ParseErrorKind {
 
     pub(super) fn truncated(what: impl Into<String>) -> Self {
         Self::Truncated { what: what.into() }
+    }
+
+    pub(super) fn invalid(what: impl Into<String>) -> Self {
+        Self::Invalid { what: what.into() }
     }
 
     /// Too many elements for 32-bit indices.

@@ -1,9 +1,9 @@
-//! Mesh files: OBJ, PLY, STL and OFF, read and written. The extension determines the format.
+//! Mesh files: OBJ, PLY, STL, OFF and glTF, read and written. The extension determines the format.
 //!
 //! Reading takes one pass over the bytes. It returns the vertices of the file in the order of the
 //! file, with coordinates rounded to the nearest `f64`. Writing is atomic and exact (OBJ and OFF: the
-//! shortest decimals that parse to the same bits; PLY: binary doubles), except for STL, whose
-//! coordinates are `f32`. Errors contain the place in the file, what was found there, and the
+//! shortest decimals that parse to the same bits; PLY: binary doubles), except for STL and glTF,
+//! whose coordinates are `f32`. Errors contain the place in the file, what was found there, and the
 //! remedy.
 //!
 //! ```no_run
@@ -28,6 +28,7 @@ mod atomic;
 mod check;
 mod companions;
 mod error;
+mod gltf;
 mod mesh_file;
 mod number;
 mod obj;
@@ -67,11 +68,22 @@ pub enum Format {
     Stl,
     /// OFF, text.
     Off,
+    /// Binary glTF 2.0.
+    Glb,
+    /// glTF 2.0 as JSON; buffers in data URIs and in files are read, data URIs are written.
+    Gltf,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 4] = [Self::Obj, Self::Ply, Self::Stl, Self::Off];
+    pub const ALL: [Self; 6] = [
+        Self::Obj,
+        Self::Ply,
+        Self::Stl,
+        Self::Off,
+        Self::Glb,
+        Self::Gltf,
+    ];
 
     /// The file extension, without the dot.
     pub fn extension(self) -> &'static str {
@@ -80,7 +92,14 @@ impl Format {
             Self::Ply => "ply",
             Self::Stl => "stl",
             Self::Off => "off",
+            Self::Glb => "glb",
+            Self::Gltf => "gltf",
         }
+    }
+
+    /// Whether coordinates are single precision numbers.
+    fn is_single(self) -> bool {
+        matches!(self, Self::Stl | Self::Glb | Self::Gltf)
     }
 
     /// The format of the extension of `path`, in upper or lower case; `None` if it is unknown.
@@ -155,22 +174,33 @@ pub fn load(path: &Path) -> Result<Soup, LoadError> {
         return Err(LoadErrorKind::NotAFile.of(path));
     }
     let bytes = fs::read(path).map_err(failed)?;
-    let mut soup = read(format, &bytes, path)?;
+    let mut soup = read_in(format, &bytes, path, path.parent())?;
     soup.attributes.folder = path.parent().map(Path::to_owned);
     obj::look_up(path, &mut soup);
     Ok(soup)
 }
 
-/// Reads a mesh from the bytes of a file. Messages contain `name`.
+/// Reads a mesh from the bytes of a file. Messages contain `name`. A glTF file must contain its buffers.
 ///
 /// # Errors
 /// [`LoadErrorKind::Content`] with the place and the problem.
 pub fn read(format: Format, bytes: &[u8], name: &Path) -> Result<Soup, LoadError> {
+    read_in(format, bytes, name, None)
+}
+
+/// [`read`] of a file in a folder, which has the buffers of a glTF file.
+fn read_in(
+    format: Format,
+    bytes: &[u8],
+    name: &Path,
+    folder: Option<&Path>,
+) -> Result<Soup, LoadError> {
     let soup = match format {
         Format::Obj => obj::read(bytes),
         Format::Ply => ply::read(bytes),
         Format::Stl => stl::read(bytes),
         Format::Off => off::read(bytes),
+        Format::Glb | Format::Gltf => gltf::read(bytes, folder),
     };
     soup.map_err(|error| LoadErrorKind::Content(error).of(name))
 }
@@ -233,11 +263,20 @@ pub fn check_text_target(path: &Path) -> Result<(), SaveError> {
 /// # Panics
 /// May panic on a mesh that [`check()`] refuses.
 pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std::io::Result<()> {
+    let is_down = matches!(format, Format::Glb | Format::Gltf);
+    let turned;
+    let mut mesh = *mesh;
+    if mesh.attributes.texture_is_down != is_down && !mesh.attributes.faces.texture.is_empty() {
+        turned = mesh.attributes.with_turned_texture();
+        mesh.attributes = &turned;
+    }
     match format {
-        Format::Obj => obj::write(mesh, out),
-        Format::Ply => ply::write(mesh, out),
-        Format::Stl => stl::write(mesh, out),
-        Format::Off => off::write(mesh, out),
+        Format::Obj => obj::write(&mesh, out),
+        Format::Ply => ply::write(&mesh, out),
+        Format::Stl => stl::write(&mesh, out),
+        Format::Off => off::write(&mesh, out),
+        Format::Glb => gltf::write(&mesh, true, out),
+        Format::Gltf => gltf::write(&mesh, false, out),
     }
 }
 

@@ -24,8 +24,8 @@ mod topology;
 pub(crate) mod union_find;
 
 pub use attributes::{
-    Attributes, Colors, Column, FaceData, Material, NO_VALUE, NumberType, Numbers, Written,
-    color_columns, color_steps, colors, columns_named, row_count,
+    Attributes, Colors, Column, FaceData, GltfMaterials, Material, NO_VALUE, NumberType, Numbers,
+    Written, color_columns, color_steps, colors, columns_named, row_count, to_light, to_signal,
 };
 pub use boundary::{BoundaryLoop, boundary_loops};
 pub use build::{

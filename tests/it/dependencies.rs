@@ -10,10 +10,11 @@ const FENCE: &str = "```";
 const PICTURE: &str = "```modules\n";
 
 /// Crates that only the named modules use; `main` is the program.
-const CRATES: [(&str, &[&str]); 11] = [
+const CRATES: [(&str, &[&str]); 12] = [
     ("faer", &["linear"]),
     ("nalgebra_sparse", &["linear", "solver", "symmetry"]),
     ("spade", &["patch"]),
+    ("base64", &["io"]),
     ("clap", &["cli", "main"]),
     ("anyhow", &["cli"]),
     ("indicatif", &["cli"]),

@@ -38,9 +38,13 @@ fn over(ctx: &Context, body: impl FnOnce(&mut Ui)) -> bool {
 fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
     let title = match prompt.purpose {
         PathUse::Open => "Open a mesh or project",
-        PathUse::SaveAs => "Save the mesh (.obj, .ply, .stl, .off) or the project (.meniscus)",
-        PathUse::ExportPatch => "Export only the patches (.obj, .ply, .stl, .off)",
-        PathUse::Reference => "Open the reference mesh of distances (.obj, .ply, .stl, .off)",
+        PathUse::SaveAs => {
+            "Save the mesh (.obj, .ply, .stl, .off, .glb, .gltf) or the project (.meniscus)"
+        }
+        PathUse::ExportPatch => "Export only the patches (.obj, .ply, .stl, .off, .glb, .gltf)",
+        PathUse::Reference => {
+            "Open the reference mesh of distances (.obj, .ply, .stl, .off, .glb, .gltf)"
+        }
         PathUse::Report(file) => file.title(),
     };
     ui.heading(title);

@@ -110,12 +110,12 @@ pub(super) fn ask(model: &mut Model, purpose: PathUse) {
         if let Some(folder) = start.as_ref().and_then(|p| p.parent()) {
             dialog = dialog.set_directory(folder);
         }
-        let meshes = ["obj", "ply", "stl", "off"];
+        let meshes = io::Format::ALL.map(io::Format::extension);
         let path = match purpose {
             PathUse::Open => dialog
                 .add_filter(
                     "Meshes and projects",
-                    &["obj", "ply", "stl", "off", project::EXTENSION],
+                    &[&meshes[..], &[project::EXTENSION]].concat(),
                 )
                 .pick_file(),
             PathUse::SaveAs => dialog

@@ -34,7 +34,7 @@ fn formats_go_by_extension() {
     assert_eq!(Format::from_path("x.y.Ply".as_ref()), Some(Format::Ply));
     assert_eq!(Format::from_path("obj".as_ref()), None);
     let directory = tempfile::tempdir().expect("temporary directory");
-    for (name, words) in [("mesh.glb", "'.glb'"), ("mesh", "no file extension")] {
+    for (name, words) in [("mesh.step", "'.step'"), ("mesh", "no file extension")] {
         let path = directory.path().join(name);
         fs::write(&path, "x").expect("written");
         for message in [
@@ -67,7 +67,14 @@ fn saved_files_load_again() {
     }
     assert_eq!(
         names(directory.path()),
-        ["mesh.obj", "mesh.off", "mesh.ply", "mesh.stl"]
+        [
+            "mesh.glb",
+            "mesh.gltf",
+            "mesh.obj",
+            "mesh.off",
+            "mesh.ply",
+            "mesh.stl"
+        ]
     );
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::super::Format::{self, Obj, Ply, Stl};
 use super::super::read;
+use super::gltf::cube;
 use super::syntax::binary_stl;
 use super::{assert_sound, bad};
 
@@ -346,7 +347,7 @@ proptest! {
 
     #[test]
     fn cut_and_changed_files_are_refused_or_sound(
-        which in 0_usize..4, cut in any::<prop::sample::Index>(), at in any::<prop::sample::Index>(), byte in any::<u8>(),
+        which in 0_usize..5, cut in any::<prop::sample::Index>(), at in any::<prop::sample::Index>(), byte in any::<u8>(),
     ) {
         let face = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         let ply = ascii_ply("3", "1", "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").into_bytes();
@@ -354,7 +355,7 @@ proptest! {
         binary.extend([0; 36]);
         binary.extend([3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 2]);
         let obj = format!("{POINTS}g a\nf 1/1 2/2 3/3\n").into_bytes();
-        let mut bytes = [ply, binary, obj, binary_stl(b"x", 2, &[face; 2])][which].clone();
+        let mut bytes = [ply, binary, obj, binary_stl(b"x", 2, &[face; 2]), cube()][which].clone();
         let end = bytes.len();
         bytes[at.index(end)] = byte;
         never_panics(&bytes);

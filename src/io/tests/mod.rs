@@ -1,6 +1,7 @@
 //! Tests of the readers and writers together.
 
 mod files;
+mod gltf;
 mod malformed;
 mod oracles;
 mod round_trip;

@@ -7,6 +7,7 @@
 mod colors;
 mod column;
 mod faces;
+mod materials;
 mod mixing;
 mod split;
 mod summary;
@@ -17,9 +18,10 @@ use std::sync::Arc;
 
 use super::{FaceTag, Mesh, VertexId};
 
-pub use colors::{Colors, color_columns, color_steps, colors};
+pub use colors::{Colors, color_columns, color_steps, colors, to_light, to_signal};
 pub use column::{Column, NumberType, Numbers, columns_named, picked_rows, row_count};
 pub use faces::{FaceData, NO_VALUE};
+pub use materials::GltfMaterials;
 pub use mixing::{append_between, append_interpolated};
 pub use written::Written;
 
@@ -40,10 +42,14 @@ pub struct Attributes {
     pub tags: Vec<FaceTag>,
     /// Texture coordinates: the columns `u`, `v` and perhaps `w`.
     pub texture: Arc<Vec<Column>>,
+    /// Whether `v` increases downwards in the image, as in glTF, and not upwards, as in other formats.
+    pub texture_is_down: bool,
     /// Normals of corners: the columns `nx`, `ny` and `nz`.
     pub normals: Arc<Vec<Column>>,
     /// `mtllib` names of an OBJ file, as written there (relative to the file), in order.
     pub material_libraries: Vec<String>,
+    /// The materials of a glTF file.
+    pub gltf_materials: Option<Arc<GltfMaterials>>,
     /// The lines `comment` and `obj_info` of a PLY header.
     pub comments: Vec<String>,
     /// The header of a binary STL file.
@@ -100,6 +106,21 @@ impl Attributes {
     /// Whether vertices have a colour.
     pub fn has_vertex_colors(&self) -> bool {
         Colors::of(&self.vertices).is_some()
+    }
+
+    /// The same attributes with the second texture coordinate `v` replaced by `1 - v`, which increases
+    /// in the other direction.
+    #[must_use]
+    pub fn with_turned_texture(&self) -> Self {
+        let mut turned = self.clone();
+        turned.texture_is_down = !self.texture_is_down;
+        if let Some(column) = Arc::make_mut(&mut turned.texture).get_mut(1) {
+            for row in 0..column.numbers.len() {
+                let v = column.numbers.get(row);
+                column.numbers.set(row, 1.0 - v);
+            }
+        }
+        turned
     }
 
     /// Whether vertices have numbers.

@@ -39,6 +39,11 @@ impl Attributes {
             let names = self.material_libraries.join(", ");
             lines.push(format!("material libraries: {names}"));
         }
+        if let Some(materials) = &self.gltf_materials {
+            let images = materials.images.len();
+            let count = materials.names.len();
+            lines.push(format!("glTF materials: {count}, with {images} images"));
+        }
         for name in self.texture_files() {
             lines.push(format!("texture file: {name}"));
         }

@@ -184,6 +184,43 @@ fn off() {
 }
 
 #[test]
+fn gltf() {
+    let texts = [
+        r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],
+        "translation":[1,0,0]},{"mesh":0,"rotation":[0,0,1,0],"scale":[1,-1,1]}],"meshes":[{"primitives":
+        [{"attributes":{"POSITION":0,"TEXCOORD_0":1,"COLOR_0":2},"mode":5,"material":0}]}],"materials":
+        [{"name":"a"}],"images":[{"bufferView":0}],"buffers":[{"byteLength":48,"uri":
+        "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAA"}],"bufferViews":
+        [{"buffer":0,"byteLength":48}],"accessors":[{"bufferView":0,"componentType":5126,"count":4,
+        "type":"VEC3"},{"bufferView":0,"componentType":5123,"normalized":true,"count":4,"type":"VEC2"},
+        {"bufferView":0,"componentType":5121,"normalized":true,"count":4,"type":"VEC4"}]}"#,
+    ];
+    let words = [
+        "\"nodes\":",
+        "\"mesh\":0",
+        "\"children\":[0]",
+        "\"mode\":6",
+        "\"count\":",
+        "\"byteStride\":",
+        "\"indices\":1",
+        "\"NORMAL\":0",
+        "\"uri\":",
+        "\"byteOffset\":",
+        "5125",
+        "18446744073709551615",
+        "1e39",
+        "JSON",
+        "[",
+        "]",
+        "{",
+        "}",
+        ",",
+    ];
+    let files = [mesh_files(Format::Glb), mesh_files(Format::Gltf)].concat();
+    fuzz("gltf", targets::gltf, &with_texts(files, &texts), &words);
+}
+
+#[test]
 fn expressions() {
     let texts = [
         "H^2+K^2",

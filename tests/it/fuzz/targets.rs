@@ -29,6 +29,10 @@ pub fn off(bytes: &[u8]) {
     mesh_file(Format::Off, bytes);
 }
 
+pub fn gltf(bytes: &[u8]) {
+    mesh_file(Format::Glb, bytes);
+}
+
 /// A reader refuses a file or gives a sound soup; building refuses the soup or gives a valid mesh; a
 /// mesh that is written reads back with the same bits.
 fn mesh_file(format: Format, bytes: &[u8]) {
@@ -65,6 +69,14 @@ fn mesh_file(format: Format, bytes: &[u8]) {
                     .eq(output.positions.iter().map(bits))
             );
             assert_eq!(again.corners, output.triangles.as_flattened());
+        }
+        for format in [Format::Glb, Format::Gltf] {
+            if io::check(format, output).is_ok() {
+                let mut written = Vec::new();
+                io::write(format, output, &mut written).expect("a vector takes everything");
+                let again = io::read(format, &written, name).expect("what was written");
+                assert_eq!(again.face_count(), output.triangles.len());
+            }
         }
     });
 }

@@ -1,0 +1,128 @@
+//! Materials of a glTF file, kept as they are.
+
+use std::collections::{BTreeSet, HashSet};
+
+use serde_json::{Map, Value};
+
+use super::super::error::ParseError;
+use super::DATA;
+use super::buffers::{Buffers, invalid, unescaped};
+use crate::mesh::{Attributes, GltfMaterials};
+
+/// The arrays of a document that materials consist of.
+pub(super) const ARRAYS: [&str; 4] = ["materials", "textures", "samplers", "images"];
+
+/// The materials of these arrays, with the images in the buffers; `None` if there are none. Adds a note
+/// about textures that are not kept.
+///
+/// # Errors
+/// An image exceeds its buffer.
+pub(super) fn keep(
+    mut json: Map<String, Value>,
+    buffers: &Buffers<'_>,
+    notes: &mut Vec<String>,
+) -> Result<Option<GltfMaterials>, ParseError> {
+    let mut removed = 0;
+    for material in list_mut(&mut json, "materials") {
+        removed += remove_other_textures(material);
+    }
+    if removed > 0 {
+        notes.push(format!(
+            "{removed} textures with other coordinates than TEXCOORD_0 are not kept"
+        ));
+    }
+    let mut taken = HashSet::new();
+    let mut names = Vec::new();
+    for (k, material) in list_mut(&mut json, "materials").iter().enumerate() {
+        let mut name = match material.get("name").and_then(Value::as_str) {
+            Some(name) if !name.is_empty() => name.to_owned(),
+            _ => format!("material_{k}"),
+        };
+        while !taken.insert(name.clone()) {
+            name = format!("{name}_{k}");
+        }
+        names.push(name);
+    }
+    if names.is_empty() {
+        return Ok(None);
+    }
+    let mut images = Vec::new();
+    let mut left = buffers.size();
+    for (k, image) in list_mut(&mut json, "images").iter_mut().enumerate() {
+        let view = image
+            .as_object_mut()
+            .and_then(|image| image.remove("bufferView"));
+        let view = view.and_then(|view| usize::try_from(view.as_u64()?).ok());
+        images.push(match view {
+            Some(view) => {
+                let bytes = buffers.view(view, &format!("image {k}"))?;
+                // a small file could repeat a large view many times
+                let Some(rest) = left.checked_sub(bytes.len()) else {
+                    return Err(invalid("the images overlap"));
+                };
+                left = rest;
+                Some(bytes.to_vec())
+            }
+            None => None,
+        });
+    }
+    Ok(Some(GltfMaterials {
+        names,
+        json,
+        images,
+    }))
+}
+
+/// An array of a document; empty if there is none.
+fn list_mut<'a>(json: &'a mut Map<String, Value>, name: &str) -> &'a mut [Value] {
+    json.get_mut(name)
+        .and_then(Value::as_array_mut)
+        .map_or(&mut [], Vec::as_mut_slice)
+}
+
+/// Removes the references to textures that use a second set of coordinates, which is not kept. Returns
+/// their count.
+fn remove_other_textures(value: &mut Value) -> usize {
+    let Some(object) = value.as_object_mut() else {
+        return 0;
+    };
+    let before = object.len();
+    object.retain(|_, entry| {
+        let set = entry.get("texCoord").and_then(Value::as_u64);
+        entry.get("index").is_none() || set.unwrap_or(0) == 0
+    });
+    let removed = before - object.len();
+    removed
+        + object
+            .values_mut()
+            .map(remove_other_textures)
+            .sum::<usize>()
+}
+
+/// The names of the extensions in a part of a document.
+pub(super) fn extensions(value: &Value, names: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(object) => {
+            for (key, value) in object {
+                if let ("extensions", Value::Object(used)) = (key.as_str(), value) {
+                    names.extend(used.keys().cloned());
+                }
+                extensions(value, names);
+            }
+        }
+        Value::Array(list) => list.iter().for_each(|value| extensions(value, names)),
+        _ => {}
+    }
+}
+
+/// The image files that materials refer to.
+pub(in super::super) fn companions(attributes: &Attributes) -> BTreeSet<String> {
+    let json = attributes.gltf_materials.iter().map(|all| &all.json);
+    let images = json.filter_map(|json| json.get("images")?.as_array());
+    let uris = images
+        .flatten()
+        .filter_map(|image| image.get("uri")?.as_str());
+    uris.filter(|uri| !uri.starts_with(DATA) && !uri.contains("://"))
+        .map(unescaped)
+        .collect()
+}
