@@ -6,7 +6,8 @@
 //! the file, so the writer finds the order of the file again.
 //!
 //! Colours of the format are light, and those of the mesh are signals with the transfer function of
-//! sRGB. Single precision numbers are the same after both conversions.
+//! sRGB. Single precision numbers are the same after both conversions, up to ten where the pieces of this
+//! function meet.
 //!
 //! Specification: <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>.
 

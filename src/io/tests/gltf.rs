@@ -589,7 +589,7 @@ fn broken_files_are_refused_with_place_and_remedy() {
         &|j| {
             j["accessors"][0]["sparse"] = json!({ "count": 1,
             "indices": { "bufferView": 0, "componentType": 5123 },
-            "values": { "bufferView": 0 } })
+            "values": { "bufferView": 0 } });
         },
         "sparse",
     );
