@@ -176,7 +176,9 @@ pub fn load(path: &Path) -> Result<Soup, LoadError> {
     let bytes = fs::read(path).map_err(failed)?;
     let mut soup = read_in(format, &bytes, path, path.parent())?;
     soup.attributes.folder = path.parent().map(Path::to_owned);
-    obj::look_up(path, &mut soup);
+    if format == Format::Obj {
+        obj::look_up(path, &mut soup);
+    }
     Ok(soup)
 }
 

@@ -249,7 +249,9 @@ fn materials_and_images_are_kept_as_they_are() {
     std::fs::create_dir(at("out")).expect("made");
     std::fs::write(at("cube.glb"), cube()).expect("written");
     std::fs::write(at("wood grain.png"), "wood").expect("written");
-    let mesh = open(&at("cube.glb")).expect("opened").mesh;
+    let opened = open(&at("cube.glb")).expect("opened");
+    assert!(opened.report.notes.is_empty());
+    let mesh = opened.mesh;
     let lost = save_mesh(&at("out/cube.gltf"), &mesh).expect("saved");
     assert!(lost.is_empty(), "{lost:?}");
     let messages = copy_companions(&at("out/cube.gltf"), &mesh.attributes);
