@@ -15,12 +15,12 @@ use crate::warning::{MAX_PAIRS, Warning};
 
 /// Cosine of the angle between the normals of neighbours beyond which their edge counts as folded
 /// (150°).
-const FOLDED: f64 = -0.866_025_403_784_438_6;
+pub(super) const FOLDED: f64 = -0.866_025_403_784_438_6;
 
 /// What is wrong with a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Defects {
-    /// Pairs of triangles that cross, [`MAX_PAIRS`] at most, and one of the places.
+    /// Pairs of triangles that cross, and one of the places.
     pub crossings: Option<(usize, DVec3)>,
     /// New vertices outside the [`Room`] of the hole, and one of the places.
     pub escaped: Option<(usize, DVec3)>,
@@ -38,7 +38,7 @@ impl Defects {
     /// The warnings of a result that has these defects.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         let crossing = self.crossings.map(|(pairs, at)| Warning::SelfIntersection {
-            pairs,
+            pairs: pairs.min(MAX_PAIRS),
             at,
             kept_step: None,
         });
@@ -91,12 +91,14 @@ fn escaped(mesh: &Mesh, room: Room, triangles: &[[u32; 3]], positions: &[DVec3])
     places.filter(|&p| !room.contains(p)).collect()
 }
 
-/// The patches of a group, each with a box around it.
+/// The patches of a group, each with a box around it, and those without new vertices, which are in no
+/// group.
 pub(super) struct Patches {
     triangles: Vec<[u32; 3]>,
     /// End of each patch in `triangles`.
     ends: Vec<usize>,
     boxes: Vec<(DVec3, DVec3)>,
+    loose: Vec<[u32; 3]>,
 }
 
 /// What the box of a patch exceeds it by, relative to the coordinates: more than their rounding.
@@ -119,6 +121,7 @@ impl Patches {
             triangles: context.patch_triangles(group, topology),
             ends: ends.collect(),
             boxes: vec![(DVec3::ZERO, DVec3::ZERO); topology.holes.len()],
+            loose: context.plan.loose_triangles().collect(),
         };
         for k in 0..patches.boxes.len() {
             patches.boxes[k] = patches.around(context.mesh, k, positions);
@@ -141,7 +144,7 @@ impl Patches {
     }
 
     /// The triangles of the other patches whose boxes overlap that of a patch with new vertices at
-    /// `positions`.
+    /// `positions`, and all without new vertices.
     pub fn near(&self, mesh: &Mesh, k: usize, positions: &[DVec3]) -> Vec<[u32; 3]> {
         let (low, high) = self.around(mesh, k, positions);
         let is_near = |j: &usize| {
@@ -149,7 +152,8 @@ impl Patches {
             *j != k && boxes_overlap(low, high, other_low, other_high)
         };
         let near = (0..self.boxes.len()).filter(is_near);
-        near.flat_map(|j| self.of(j).iter().copied()).collect()
+        let near = near.flat_map(|j| self.of(j));
+        near.chain(&self.loose).copied().collect()
     }
 }
 
@@ -171,7 +175,7 @@ pub(super) fn defects(
     positions: &[DVec3],
 ) -> Option<Defects> {
     let counted = |places: Vec<DVec3>| places.first().map(|&at| (places.len(), at));
-    let crossings = intersections(mesh, obstacles, own, others, positions, MAX_PAIRS);
+    let crossings = intersections(mesh, obstacles, own, others, positions, usize::MAX);
     let found = Defects {
         crossings: counted(crossings),
         escaped: counted(escaped(mesh, room, own, positions)),

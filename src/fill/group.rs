@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
+use rustc_hash::FxHashMap;
+
 use crate::fill::features::is_sharp;
 use crate::fill::hole::{HoleRims, PlannedHole};
 use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::mesh::union_find::{find, unite};
-use crate::mesh::{FaceId, Mesh, NeighbourhoodSearch, VertexId};
+use crate::mesh::{DVec3, FaceId, Mesh, NeighbourhoodSearch, VertexId};
 use crate::solver::SUPPORT_RINGS;
 
-/// Holes whose support regions share vertices. Creases (G0) are not considered: their holes have no
+/// Holes whose support regions share vertices, or whose rims are near each other. Creases (G0) are not considered: their holes have no
 /// support region, but may get one during the flow.
 #[derive(Clone, Debug)]
 pub(crate) struct Group {
@@ -24,9 +26,10 @@ pub(crate) struct Group {
 }
 
 /// The groups of holes. A breadth-first search around the rims of each hole finds its support
-/// region; holes whose regions meet are one group. The region of a part of a hole that is split along a
-/// crease ends at sharp edges, so that the parts are in different groups. Holes without interior vertices need no flow
-/// and belong to no group.
+/// region; holes whose regions meet are one group, as are those whose rims are [near each other](rims_nearby),
+/// because their patches may cross. The region of a part of a hole that is split along a crease ends at sharp
+/// edges, so that the parts are in different groups. Holes without interior vertices need no flow and belong
+/// to no group.
 pub(super) fn groups(mesh: &Mesh, holes: &[PlannedHole]) -> Vec<Group> {
     let count = holes.len();
     let mut owner = vec![u32::MAX; mesh.positions.len()];
@@ -55,6 +58,10 @@ pub(super) fn groups(mesh: &Mesh, holes: &[PlannedHole]) -> Vec<Group> {
             inner.into_iter().for_each(own);
             support.push(faces);
         }
+    }
+
+    for [h, k] in rims_nearby(holes) {
+        unite(&mut parent, h, k);
     }
 
     let mut group_of_root = vec![usize::MAX; count];
@@ -115,4 +122,37 @@ fn between_sharp_edges(
     vertices.dedup();
     vertices.retain(|v| at_edges.binary_search(v).is_err());
     (reached, vertices)
+}
+
+/// Pairs of holes with new vertices whose rims have vertices less than an edge apart, by the mean over
+/// all rims; without the parts of a hole that is split along a crease. Linear in the number of rim vertices where these are about an edge apart.
+fn rims_nearby(holes: &[PlannedHole]) -> Vec<[u32; 2]> {
+    let solved = (0..).zip(holes);
+    let is_whole = |hole: &PlannedHole| hole.rims.crease.is_empty();
+    let solved = solved.filter(|(_, hole)| !hole.patch.new_points().is_empty() && is_whole(hole));
+    let rims = || {
+        solved
+            .clone()
+            .map(|(h, hole)| (h, &hole.patch.points[..hole.patch.rim]))
+    };
+    let loops = rims().flat_map(|(h, _)| &holes[h as usize].rims.loops);
+    let lengths = loops.map(|one| (one.perimeter, one.edges()));
+    let (length, edges) = lengths.fold((0.0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+    let mean = length / edges as f64;
+    let cell = |p: DVec3| (p / mean).floor().to_array().map(|x| x as i64);
+    let mut cells: FxHashMap<[i64; 3], Vec<(u32, DVec3)>> = FxHashMap::default();
+    let mut pairs = Vec::new();
+    for (h, points) in rims() {
+        for &p in points {
+            let [x, y, z] = cell(p);
+            for k in 0..27 {
+                let beside = [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1];
+                let there = cells.get(&beside).into_iter().flatten();
+                let near = there.filter(|(other, q)| *other != h && p.distance(*q) < mean);
+                pairs.extend(near.map(|(other, _)| [*other, h]));
+            }
+            cells.entry([x, y, z]).or_default().push((h, p));
+        }
+    }
+    pairs
 }

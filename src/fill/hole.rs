@@ -89,3 +89,12 @@ pub(crate) struct PlannedHole {
     /// Defects of a patch that no flow changes.
     pub warnings: Warnings,
 }
+
+impl PlannedHole {
+    /// The triangles of a patch without new vertices, of vertices of the mesh; none of other patches.
+    pub fn loose_triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let is_loose = self.patch.new_points().is_empty();
+        let triangles = self.patch.triangles.iter().filter(move |_| is_loose);
+        triangles.map(|t| t.map(|v| self.rims.vertices[v as usize].0))
+    }
+}

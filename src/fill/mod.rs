@@ -34,6 +34,7 @@ mod pseudo_hole;
 mod refill;
 mod region;
 mod remesh;
+mod repair;
 mod result;
 mod rim;
 mod run;

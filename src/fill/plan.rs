@@ -40,15 +40,23 @@ impl Plan {
     pub fn of_holes(mesh: &Mesh, drafts: Vec<DraftHole>, options: PatchOptions) -> Self {
         let (mut holes, mut failed) = (Vec::new(), Vec::new());
         let obstacles = Obstacles::new(drafts.len());
+        let mut loose: Vec<[u32; 3]> = Vec::new();
         for draft in drafts {
             match draft.patch {
-                Ok(mut patch) => holes.push(PlannedHole {
-                    warnings: make_patch_sound(mesh, &obstacles, &draft.rims, &mut patch, options),
-                    rims: draft.rims,
-                    patch,
-                    has_initial_shape: draft.has_initial_shape,
-                    patch_ms: draft.patch_ms,
-                }),
+                Ok(mut patch) => {
+                    let rims = draft.rims;
+                    let warnings =
+                        make_patch_sound(mesh, &obstacles, &rims, &mut patch, &loose, options);
+                    let hole = PlannedHole {
+                        rims,
+                        patch,
+                        has_initial_shape: draft.has_initial_shape,
+                        patch_ms: draft.patch_ms,
+                        warnings,
+                    };
+                    loose.extend(hole.loose_triangles());
+                    holes.push(hole);
+                }
                 Err(source) => failed.push(FillError::Patch {
                     hole: draft.rims.id(),
                     source,
@@ -90,6 +98,12 @@ impl Plan {
     /// The loops that stand for the holes of a group.
     pub fn hole_ids(&self, group: usize) -> Vec<LoopId> {
         self.holes_of(group).map(|hole| hole.rims.id()).collect()
+    }
+
+    /// The patches without new vertices, as triangles of vertices of the mesh.
+    pub fn loose_triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let loose = self.loose.iter().map(|&h| &self.holes()[h]);
+        loose.flat_map(PlannedHole::loose_triangles)
     }
 
     /// Positions of a group's vertices in the first patches.

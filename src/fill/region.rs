@@ -14,7 +14,7 @@
 //! The numbers of the region's vertices are, in this order: the new vertices of the group's
 //! patches, then given vertices and copies of given vertices as triangles first use them.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::fill::Continuity;
 use crate::fill::context::FillContext;
@@ -40,10 +40,50 @@ pub(super) fn problem(
     let region = Region::new(context.mesh, positions);
     match &context.plan.domain {
         Domain::Holes(holes) => {
-            region.of_patches(holes, &context.plan.loose, group, topology, options)
+            let interior = topology.new_vertices() as u32;
+            let loose = &context.plan.loose;
+            region.of_patches(holes, loose, group, topology, interior, options)
         }
         Domain::Vertices(moved) => region.of_fairing(moved, group),
     }
+}
+
+/// The flow of the new vertices of one hole of a group, given by its place there, beside the patches
+/// of the holes that its support region reaches. It costs as much as that hole by itself.
+pub(super) fn problem_of_hole(
+    context: FillContext<'_>,
+    group: usize,
+    number: usize,
+    topology: &PatchTopology,
+    positions: &[DVec3],
+    options: &FillOptions,
+) -> Result<FlowProblem, SolverError> {
+    let (whole, holes) = (&context.plan.groups[group], context.plan.holes());
+    let support = whole.support[number].iter();
+    let near = support.flat_map(|&f| context.mesh.topology.face_vertices(f));
+    let near: FxHashSet<VertexId> = near.collect();
+    let is_reached = |k: &usize| {
+        let rim = &holes[whole.holes[*k]].rims.vertices;
+        *k != number && rim.iter().any(|v| near.contains(v))
+    };
+    let reached = (0..whole.holes.len()).filter(is_reached);
+    let numbers: Vec<usize> = std::iter::once(number).chain(reached).collect();
+    let parts: Vec<(&HoleTopology, &[DVec3])> = topology.split(positions).collect();
+    let patches = PatchTopology {
+        holes: numbers.iter().map(|&k| parts[k].0.clone()).collect(),
+    };
+    let positions: Vec<&[DVec3]> = numbers.iter().map(|&k| parts[k].1).collect();
+    let mut support = vec![Vec::new(); numbers.len()];
+    support[0].clone_from(&whole.support[number]);
+    let part = Group {
+        holes: numbers.iter().map(|&k| whole.holes[k]).collect(),
+        support,
+        ..whole.clone()
+    };
+    let interior = patches.holes[0].new_vertices as u32;
+    let loose = &context.plan.loose;
+    let region = Region::new(context.mesh, &positions.concat());
+    region.of_patches(holes, loose, &part, &patches, interior, options)
 }
 
 /// Vertices and triangles of a region under construction: new vertices first.
@@ -67,7 +107,7 @@ impl<'a> Region<'a> {
         }
     }
 
-    /// The region of new vertices in patches.
+    /// The region of new vertices in patches, the first `interior` of which flow.
     ///
     /// A hole all of whose rims are creased has no support region. Where the support regions of
     /// other holes of the group reach such a hole, they end at its rim too.
@@ -77,6 +117,7 @@ impl<'a> Region<'a> {
         loose: &[usize],
         group: &Group,
         topology: &PatchTopology,
+        interior: u32,
         options: &FillOptions,
     ) -> Result<FlowProblem, SolverError> {
         let has_support = |hole: &PlannedHole| {
@@ -113,7 +154,7 @@ impl<'a> Region<'a> {
             }
         }
         self.add(faces.iter().map(|&f| topology.face_vertices(f)));
-        self.into_problem(first, group.radius)
+        self.into_problem(interior, group.radius)
     }
 
     /// The region of vertices of the mesh that flow.

@@ -1,4 +1,5 @@
-//! Replacement of unsound patches by sound surfaces: by other models, and on other triangulations.
+//! Replacement of unsound patches by sound surfaces: by local repair, by other models, and on other
+//! triangulations.
 
 use crate::fill::assemble::appended_triangles;
 use crate::fill::context::FillContext;
@@ -9,12 +10,13 @@ use crate::fill::options::FillOptions;
 use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::fill::prediction::Candidate;
 use crate::fill::region;
+use crate::fill::repair::repaired;
 use crate::fill::self_intersection::{CompactTriangles, Obstacles};
-use crate::fill::warm_start::warm_start_of;
+use crate::fill::warm_start::{warm_start, warm_start_of};
 use crate::mesh::{DVec3, Mesh, TriangleIntersections, VertexId, bounds};
 use crate::patch::{self, OtherPatches, Patch, PatchOptions};
-use crate::solver::{End, Flow, Mode, SurfaceModel, Tau};
-use crate::warning::{Warning, Warnings};
+use crate::solver::{End, Flow, FlowProblem, Mode, SurfaceModel, Tau};
+use crate::warning::{MAX_PAIRS, Warning, Warnings};
 
 /// Surface models for patches that are unsound by another one, in the order in which they are
 /// tried: each next one is nearer to a membrane.
@@ -35,9 +37,9 @@ pub(super) struct Checked {
 }
 
 /// Checks the patches of a group with new vertices at `positions`, filled with `options`. An unsound
-/// patch is replaced by the first sound surface of [other models](SAFER) or of
-/// [other triangulations](other_patches), or else by the least unsound. The other patches of its group
-/// are then solved again beside it.
+/// patch is [repaired] near its defects or else replaced by the first sound surface of
+/// [other models](SAFER) or of [other triangulations](other_patches), or by the least unsound. The
+/// other patches of its group are solved again beside one that was replaced.
 pub(super) fn make_sound(
     context: FillContext<'_>,
     group: usize,
@@ -50,8 +52,8 @@ pub(super) fn make_sound(
         symmetric: !counterparts.is_empty(),
         ..Candidate::of(&options.flow)
     };
+    let first = positions.clone();
     let mut present = (topology.clone(), positions);
-    let mut is_replaced = false;
     let holes = context.plan.holes_of(group).enumerate();
     let holes: Vec<HoleOfGroup<'_>> = holes
         .map(|(number, hole)| HoleOfGroup {
@@ -61,57 +63,112 @@ pub(super) fn make_sound(
             rims: &hole.rims,
         })
         .collect();
-    let mut patches = Patches::new(context, group, &present.0, &present.1);
-    let mut warnings: Vec<Warnings> = Vec::new();
-    for hole in &holes {
-        let mut own = Warnings::default();
-        let found = hole.defects_among(&patches, &present.1);
-        let mut left = found;
-        if hole.rims.is_blend() {
+    let patches = Patches::new(context, group, &present.0, &present.1);
+    let found = holes.iter();
+    let found: Vec<Option<Defects>> = found
+        .map(|hole| hole.defects_among(&patches, &present.1))
+        .collect();
+    // what each patch was replaced by
+    let mut words: Vec<Option<String>> = vec![None; holes.len()];
+    let (sound, unsound): (Vec<_>, Vec<_>) =
+        holes.iter().partition(|hole| found[hole.number].is_none());
+    for hole in &unsound {
+        let unsound = hole.replacement(present.clone(), model.words());
+        if let Some(better) = hole.repaired(&unsound) {
+            present = better.surface;
+            words[hole.number] = Some(better.words);
+        }
+    }
+    let is_left = |hole: &&&HoleOfGroup<'_>| words[hole.number].is_none() && !hole.rims.is_blend();
+    let replaced: Vec<&HoleOfGroup<'_>> = unsound.iter().filter(is_left).copied().collect();
+    if let Some((surface, by)) = filled_alike(&replaced, &present, model, options) {
+        present = surface;
+        for hole in &replaced {
+            words[hole.number] = Some(by.clone());
+        }
+    }
+    for hole in &replaced {
+        let by = words[hole.number].clone();
+        let unsound = hole.replacement(present.clone(), by.unwrap_or_else(|| model.words()));
+        if unsound.is_sound() {
+            continue;
+        }
+        let repaired = hole.repaired(&unsound);
+        if let Some(better) = repaired.or_else(|| hole.better(&unsound, model, options)) {
+            present = better.surface;
+            words[hole.number] = Some(better.words);
+        }
+    }
+    let is_replaced = |hole: &&HoleOfGroup<'_>| words[hole.number].is_some();
+    let mut again: Vec<usize> = Vec::new();
+    if holes.len() > 1 && replaced.iter().any(is_replaced) {
+        let alone = replaced.into_iter().map(|hole| vec![hole]);
+        for some in std::iter::once(sound).chain(alone) {
+            if let Some(surface) = solved_again(&some, &present, counterparts, options) {
+                present = surface;
+                again.extend(some.iter().map(|hole| hole.number));
+            }
+        }
+    }
+    let mut warnings = Warnings::default();
+    for hole in &unsound {
+        let Some(found) = found[hole.number].filter(|_| !again.contains(&hole.number)) else {
+            continue;
+        };
+        let mut left = hole.defects(&present);
+        if let Some(by) = words[hole.number].take() {
+            let [pairs, escaped, folds] = found.severity();
+            warnings.push(Warning::Replaced {
+                hole: hole.rims.id(),
+                model: model.words(),
+                by,
+                pairs: pairs.min(MAX_PAIRS),
+                escaped,
+                folds,
+            });
+        } else if hole.rims.is_blend() {
             // intersections of blends are watched during the flow
             left = left.map(|defects| Defects {
                 crossings: None,
                 ..defects
             });
-        } else if let Some(found) = found
-            && let Some(better) = hole.better(&present, found, model, options)
-        {
-            present = better.surface;
-            patches = Patches::new(context, group, &present.0, &present.1);
-            left = better.defects;
-            is_replaced = true;
-            let [pairs, escaped, folds] = found.severity();
-            own.push(Warning::Replaced {
-                hole: hole.rims.id(),
-                model: model.words(),
-                by: better.words,
-                pairs,
-                escaped,
-                folds,
-            });
         }
-        own.extend(left.iter().flat_map(Defects::warnings));
-        warnings.push(own);
+        warnings.extend(left.iter().flat_map(Defects::warnings));
     }
-    let single = holes.iter().filter(|hole| !hole.rims.is_blend());
-    let (sound, unsound): (Vec<_>, Vec<_>) =
-        single.partition(|hole| warnings[hole.number].is_empty());
-    if holes.len() > 1 && !unsound.is_empty() {
-        let alone = unsound.into_iter().map(|hole| vec![hole]);
-        for some in std::iter::once(sound).chain(alone) {
-            if let Some(surface) = solved_again(&some, &present, counterparts, options) {
-                present = surface;
-                is_replaced = true;
-                for hole in some {
-                    warnings[hole.number] = Warnings::default();
-                }
-            }
-        }
-    }
+    let is_changed = present.0 != *topology || present.1 != first;
     Checked {
-        replaced: is_replaced.then_some(present),
-        warnings: warnings.into_iter().flatten().collect(),
+        replaced: is_changed.then_some(present),
+        warnings,
     }
+}
+
+/// Several unsound holes of a group, all filled by the one of the [safer models](SAFER) that leaves the
+/// fewest of them unsound, and its words: the patches over two rims side by side cross each other
+/// unless both are flat. `None` for fewer than two holes, or if all would stay unsound.
+fn filled_alike(
+    holes: &[&HoleOfGroup<'_>],
+    present: &Surface,
+    model: Candidate,
+    options: &FillOptions,
+) -> Option<(Surface, String)> {
+    let mut fewest = holes.len();
+    let mut best = None;
+    for safer in SAFER.into_iter().filter(|&safer| safer != model) {
+        if fewest == 0 || holes.len() < 2 {
+            break;
+        }
+        let mut surface = present.clone();
+        for hole in holes {
+            surface = hole.by(&surface, safer, options).unwrap_or(surface);
+        }
+        let unsound = holes.iter().filter(|hole| hole.defects(&surface).is_some());
+        let unsound = unsound.count();
+        if unsound < fewest {
+            fewest = unsound;
+            best = Some((surface, safer.words()));
+        }
+    }
+    best
 }
 
 /// Some holes of a group, filled by the chosen model from their first patches with the other patches
@@ -166,12 +223,7 @@ fn solved(
         .collect();
     let own: Vec<u32> = numbers.iter().flat_map(|&k| parts[k]).copied().collect();
     let start = warm_start_of(problem.clone(), &own).ok()?;
-    let mut flow = options.flow.clone();
-    model.apply(&mut flow);
-    flow.mode = Mode::Fast;
-    flow.tau = Tau::Auto;
-    let mut flow = Flow::new(start.moving_only(&own).ok()?, flow).ok()?;
-    flow.run(|_, _| true).ok()?;
+    let mut flow = flow_by(start.moving_only(&own).ok()?, model, options)?;
     let mut following = Following::default();
     while flow.end() == Some(End::Converged)
         && following.update(context, &mut flow, topology, counterparts)
@@ -181,13 +233,28 @@ fn solved(
     Some((topology.clone(), problem.to_world(flow.positions())))
 }
 
+/// Steps of a flow that is tried. Flows to sound surfaces rarely take more.
+const MAX_STEPS: usize = 60;
+
+/// The flow of a surface model from a problem to its end. `None` if that fails.
+fn flow_by(problem: FlowProblem, model: Candidate, options: &FillOptions) -> Option<Flow> {
+    let mut flow = options.flow.clone();
+    model.apply(&mut flow);
+    flow.mode = Mode::Fast;
+    flow.tau = Tau::Auto;
+    let mut flow = Flow::new(problem, flow).ok()?;
+    flow.run(|_, record| record.step < MAX_STEPS).ok()?;
+    Some(flow)
+}
+
 /// Replaces an unsound patch without new vertices, which no flow changes, by a sound or less unsound
-/// one. Returns the warnings about the defects that are left.
+/// one. `loose` are the patches of that kind before it. Returns the warnings about the defects that are left.
 pub(super) fn make_patch_sound(
     mesh: &Mesh,
     obstacles: &Obstacles,
     rims: &HoleRims,
     patch: &mut Patch,
+    loose: &[[u32; 3]],
     options: PatchOptions,
 ) -> Warnings {
     let defects = |patch: &Patch| {
@@ -195,7 +262,7 @@ pub(super) fn make_patch_sound(
         let part = (&rims.vertices[..], &patch.triangles[..], new.len());
         let own = appended_triangles(mesh.vertex_count(), [part]);
         let room = Room::around(mesh, rims, &[]);
-        defects(mesh, obstacles, rims, room, &own, &[], new)
+        defects(mesh, obstacles, rims, room, &own, loose, new)
     };
     if rims.is_blend() || !patch.new_points().is_empty() {
         return Warnings::default();
@@ -210,6 +277,11 @@ pub(super) fn make_patch_sound(
                 *patch = other;
             }
         }
+    }
+    if left.is_some()
+        && let Some(sound) = repaired(mesh, obstacles, rims, patch, loose, &[])
+    {
+        *patch = sound;
     }
     if patch.new_points().is_empty() {
         left.iter().flat_map(Defects::warnings).collect()
@@ -252,6 +324,16 @@ struct HoleOfGroup<'a> {
 /// Parts of the way from a flat triangulation to a smooth surface that are tried.
 const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
+/// Heights of domes, relative to the radius of the hole, that are tried on both sides of the rim.
+const HEIGHTS: [f64; 3] = [0.1, 0.3, 1.0];
+
+/// Edges of the shortest rim over which domes are tried. The patch of a shorter one is within reach of a
+/// local repair.
+const MIN_EDGES: usize = 12;
+
+/// Slope of domes at the rim: 60°, which folds the rim of a flat sheet by 120°.
+const SLOPE: f64 = 1.732;
+
 /// Words for a surface on other triangles.
 const OTHERWISE: &str = " on another triangulation";
 
@@ -270,22 +352,24 @@ impl Replacement {
 }
 
 /// The least unsound surface of a search.
-struct Best {
+struct Best<'a> {
+    hole: &'a HoleOfGroup<'a>,
     severity: [usize; 3],
     replacement: Option<Replacement>,
 }
 
-impl Best {
-    /// Keeps a surface if it is less unsound than those before. Returns whether it is sound.
+impl Best<'_> {
+    /// Keeps a surface if it is less unsound than those before, repaired if possible. Returns whether
+    /// it is sound.
     fn keep(&mut self, next: Option<Replacement>) -> bool {
         let Some(next) = next else { return false };
-        let severity = severity(next.defects);
-        if severity >= self.severity {
+        if severity(next.defects) >= self.severity {
             return false;
         }
-        self.severity = severity;
+        let next = self.hole.repaired(&next).unwrap_or(next);
+        self.severity = severity(next.defects);
         self.replacement = Some(next);
-        severity == SOUND
+        self.severity == SOUND
     }
 }
 
@@ -300,15 +384,33 @@ fn between(from: &Surface, to: &Surface, part: f64) -> Surface {
 type Surface = (PatchTopology, Vec<DVec3>);
 
 impl HoleOfGroup<'_> {
-    /// The least unsound of the other surfaces, the first of them if there are several, its words
-    /// and its defects. `None` if none is less unsound than `found`, the defects of `present`.
+    /// The least unsound of the other surfaces, the first of them if there are several. `None` if
+    /// none is less unsound than the present one, by `model`.
     fn better(
         &self,
-        present: &Surface,
-        found: Defects,
+        unsound: &Replacement,
         model: Candidate,
         options: &FillOptions,
     ) -> Option<Replacement> {
+        let mut best = Best {
+            hole: self,
+            severity: severity(unsound.defects),
+            replacement: None,
+        };
+        if !self.search(&mut best, &unsound.surface, model, options) {
+            self.search_domes(&mut best, &unsound.surface, options);
+        }
+        best.replacement
+    }
+
+    /// Searches surfaces by models, and triangulations of the rim. Returns whether the best is sound.
+    fn search(
+        &self,
+        best: &mut Best<'_>,
+        present: &Surface,
+        model: Candidate,
+        options: &FillOptions,
+    ) -> bool {
         let chosen = Candidate::of(&options.flow);
         let all = || {
             let safer = SAFER.into_iter().filter(move |&safer| safer != chosen);
@@ -318,25 +420,21 @@ impl HoleOfGroup<'_> {
             let surface = self.by(start, model, options)?;
             Some(self.replacement(surface, format!("{}{on}", model.words())))
         };
-        let mut best = Best {
-            severity: found.severity(),
-            replacement: None,
-        };
         let mut others = all().filter(|&other| other != model);
         if others.any(|other| best.keep(by(present, other, ""))) {
-            return best.replacement;
+            return true;
         }
         let (mesh, obstacles) = (self.context.mesh, &self.context.plan.obstacles);
         let patches = other_patches(mesh, obstacles, self.rims, options.patch);
         let Some(OtherPatches { relaxed, flat }) = patches else {
-            return best.replacement;
+            return false;
         };
         let relaxed = self.with(present, &relaxed);
         if all().any(|model| best.keep(by(&relaxed, model, OTHERWISE))) {
-            return best.replacement;
+            return true;
         }
         let Some(flat) = flat.map(|flat| self.with(present, &flat)) else {
-            return best.replacement;
+            return false;
         };
         let smooth = self.by(&flat, SAFER[0], options);
         let mixed = PARTS.into_iter().filter_map(|part| {
@@ -351,12 +449,38 @@ impl HoleOfGroup<'_> {
         });
         let unchanged = self.replacement(flat.clone(), "a triangulation of the rim".into());
         if !mixed.chain([unchanged]).any(|next| best.keep(Some(next))) {
-            return best.replacement;
+            return false;
         }
         // the same shape allows better triangles
-        let even = self.remeshed(&best.replacement.as_ref()?.surface, options);
-        let mut even = all().filter_map(|model| by(&even, model, OTHERWISE));
-        even.find(Replacement::is_sound).or(best.replacement)
+        if let Some(sound) = &best.replacement {
+            let even = self.remeshed(&sound.surface, options);
+            let mut even = all().filter_map(|model| by(&even, model, OTHERWISE));
+            best.replacement = even.find(Replacement::is_sound).or(best.replacement.take());
+        }
+        true
+    }
+
+    /// Searches sound domes over the rim: a flat surface lies on the mesh if its rim is the outer boundary
+    /// of a flat sheet.
+    fn search_domes(&self, best: &mut Best<'_>, present: &Surface, options: &FillOptions) {
+        let first = self.at_first_patch(present, options);
+        let patch = self.patch(&first);
+        let Some(patch) = patch.filter(|patch| patch.rim >= MIN_EDGES) else {
+            return;
+        };
+        for height in HEIGHTS {
+            let height = height * self.rims.radius();
+            for height in [height, -height] {
+                let dome = self.with(&first, &patch::domed(&patch, SLOPE, height));
+                let dome = self.replacement(dome, "a dome over the rim".into());
+                let dome = self.repaired(&dome).unwrap_or(dome);
+                // one that is not sound may cross far more than a flat surface
+                if dome.is_sound() {
+                    best.replacement = Some(dome);
+                    return;
+                }
+            }
+        }
     }
 
     /// A surface with the defects of the hole's patch.
@@ -371,11 +495,8 @@ impl HoleOfGroup<'_> {
 
     /// The group with the hole's patch remeshed.
     fn remeshed(&self, surface: &Surface, options: &FillOptions) -> Surface {
-        let (topology, positions) = surface;
-        let parts = topology.split(positions).nth(self.number);
-        let patch = parts.map(|(own, here)| self.rims.patch(own, here));
         let remesh = |patch| patch::reblend(&self.rims.geometry, &patch, options.patch);
-        patch.map_or_else(
+        self.patch(surface).map_or_else(
             || surface.clone(),
             |patch| self.with(surface, &remesh(patch)),
         )
@@ -405,16 +526,43 @@ impl HoleOfGroup<'_> {
 
     /// The group with the hole filled by another surface model, from its warm start. `None` if that
     /// fails.
-    fn by(&self, start: &Surface, model: Candidate, options: &FillOptions) -> Option<Surface> {
-        solved(
-            self.context,
-            self.group,
-            &[self.number],
-            start,
-            model,
-            &[],
-            options,
-        )
+    fn by(
+        &self,
+        (topology, positions): &Surface,
+        model: Candidate,
+        options: &FillOptions,
+    ) -> Option<Surface> {
+        let (context, group, number) = (self.context, self.group, self.number);
+        let problem =
+            region::problem_of_hole(context, group, number, topology, positions, options).ok()?;
+        let flow = flow_by(warm_start(problem).ok()?, model, options)?;
+        let own = flow.problem().to_world(flow.positions());
+        let mut parts: Vec<&[DVec3]> = topology.split(positions).map(|part| part.1).collect();
+        parts[number] = &own;
+        Some((topology.clone(), parts.concat()))
+    }
+
+    /// A surface with the defects of the hole's patch repaired. `None` if it has none, or if some would
+    /// be left.
+    fn repaired(&self, unsound: &Replacement) -> Option<Replacement> {
+        let (mesh, obstacles) = (self.context.mesh, &self.context.plan.obstacles);
+        if unsound.defects?.escaped.is_some() {
+            return None;
+        }
+        let (topology, positions) = &unsound.surface;
+        let patches = Patches::new(self.context, self.group, topology, positions);
+        let others = patches.near(mesh, self.number, positions);
+        let patch = self.patch(&unsound.surface)?;
+        let patch = repaired(mesh, obstacles, self.rims, &patch, &others, positions)?;
+        let surface = self.with(&unsound.surface, &patch);
+        let words = format!("{} changed near its defects", unsound.words);
+        Some(self.replacement(surface, words)).filter(Replacement::is_sound)
+    }
+
+    /// The patch of the hole.
+    fn patch(&self, (topology, positions): &Surface) -> Option<Patch> {
+        let (own, here) = topology.split(positions).nth(self.number)?;
+        Some(self.rims.patch(own, here))
     }
 
     /// The defects of its patch; `None` if it is sound.
@@ -438,7 +586,7 @@ impl HoleOfGroup<'_> {
 mod tests {
     use super::*;
     use crate::fill::{RimSet, fill_rim_sets};
-    use crate::mesh::{boundary_loops, self_intersections};
+    use crate::mesh::{boundary_loops, folded_edges, self_intersections};
     use crate::shapes;
 
     #[test]
@@ -468,6 +616,47 @@ mod tests {
         assert_eq!(codes, ["surface-replaced"]);
         let new = &filled.mesh.positions[mesh.vertex_count()..];
         assert!(new.iter().all(|p| p.z < 0.8));
+    }
+
+    /// The warnings of a fill of all loops, and the pairs of faces that meet and folded edges of the result.
+    fn filled_all(positions: Vec<DVec3>, triangles: &[[u32; 3]]) -> (Vec<&'static str>, usize) {
+        let mesh = Mesh::from_triangles(positions, triangles).expect("a manifold");
+        let loops = boundary_loops(&mesh);
+        let holes: Vec<RimSet<'_>> = loops.iter().map(|l| vec![l]).collect();
+        let filled = fill_rim_sets(&mesh, &holes, &FillOptions::default(), &|_, _| true);
+        let filled = filled.expect("filled");
+        let groups = filled.groups.iter().flatten();
+        let warnings = groups.flat_map(|group| group.outcome.warnings.iter());
+        let codes = warnings.map(Warning::code).collect();
+        let result = &filled.mesh;
+        let faces: Vec<[u32; 3]> = result.topology.triangles().collect();
+        let pairs = self_intersections(&result.positions, &faces, None, usize::MAX);
+        let folds = folded_edges(&result.positions, &result.topology, 150f64.to_radians());
+        (codes, pairs.len() + folds.len())
+    }
+
+    #[test]
+    fn a_patch_over_a_flat_sheet_rises_above_it() {
+        // the rim is the outer boundary of the sheet, so a flat patch lies on it
+        let (positions, triangles) = shapes::graph(2.0, 12, |_, _| 0.0, 3);
+        let (codes, defects) = filled_all(positions, &triangles);
+        assert_eq!((codes.contains(&"surface-replaced"), defects), (true, 0));
+    }
+
+    #[test]
+    fn patches_over_rims_side_by_side_do_not_cross() {
+        // two bowls, rim to rim, a third of an edge apart: round caps would cross
+        let (mut positions, mut triangles) =
+            shapes::cut_where(&shapes::sphere(800, 1), |p| p.z > 0.0);
+        let top = positions.iter().map(|p| p.z).fold(f64::MIN, f64::max);
+        let count = positions.len() as u32;
+        let turned = |p: &DVec3| DVec3::new(p.x, p.y, 2.0 * top + 0.04 - p.z);
+        let above: Vec<DVec3> = positions.iter().map(turned).collect();
+        positions.extend(above);
+        let above: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [c, b, a]).collect();
+        triangles.extend(above.iter().map(|t| t.map(|v| v + count)));
+        let (_, defects) = filled_all(positions, &triangles);
+        assert_eq!(defects, 0);
     }
 
     #[test]

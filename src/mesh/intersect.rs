@@ -153,7 +153,7 @@ pub fn folded_edges(positions: &[DVec3], topology: &Topology, min_angle: f64) ->
 }
 
 /// The first vertex at the position of each vertex.
-fn canonical_vertices(positions: &[DVec3]) -> Vec<u32> {
+pub(crate) fn canonical_vertices(positions: &[DVec3]) -> Vec<u32> {
     // adding 0.0 turns -0.0 into 0.0
     let key = |p: &DVec3| (*p + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut first = FxHashMap::default();
@@ -164,8 +164,9 @@ fn canonical_vertices(positions: &[DVec3]) -> Vec<u32> {
         .collect()
 }
 
-/// Whether two triangles of the mesh meet outside their common vertices and edges.
-fn pair_meets(positions: &[DVec3], same: &[u32], s: [u32; 3], t: [u32; 3]) -> bool {
+/// Whether two triangles of the mesh meet outside their common vertices and edges. `same` are the
+/// [`canonical_vertices`].
+pub(crate) fn pair_meets(positions: &[DVec3], same: &[u32], s: [u32; 3], t: [u32; 3]) -> bool {
     let key = |v: u32| same[v as usize];
     let is_point_or_segment = |t: [u32; 3]| {
         let [a, b, c] = t.map(key);

@@ -42,6 +42,7 @@ pub use ids::{FaceId, HalfedgeId, LoopId, VertexId};
 pub use intersect::{
     TriangleIntersections, dihedral_angle, folded_edges, self_intersections, triangles_meet,
 };
+pub(crate) use intersect::{canonical_vertices, pair_meets};
 pub use joined::joined;
 pub use loose::{LooseParts, loose_parts};
 pub use measures::{perimeter, rms_distance, vector_area, vertex_normal};

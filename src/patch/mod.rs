@@ -14,6 +14,7 @@
 
 mod blend;
 mod data;
+mod dome;
 mod error;
 mod fair;
 mod fill;
@@ -31,6 +32,7 @@ mod triangulate;
 pub use blend::blend;
 pub(crate) use blend::{bending, lofted_candidates, reblend};
 pub use data::{Patch, PatchOptions, Rim, RimGeometry};
+pub(crate) use dome::domed;
 pub use error::PatchError;
 pub use fair::warm_start;
 pub(crate) use fair::warm_start_with_creases;
