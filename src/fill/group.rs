@@ -11,8 +11,8 @@ use crate::mesh::union_find::{find, unite};
 use crate::mesh::{DVec3, FaceId, Mesh, NeighbourhoodSearch, VertexId};
 use crate::solver::SUPPORT_RINGS;
 
-/// Holes whose support regions share vertices, or whose rims are near each other. Creases (G0) are not considered: their holes have no
-/// support region, but may get one during the flow.
+/// Holes whose support regions share vertices, or whose rims are near each other. Creases (G0) are not
+/// considered: their holes have no support region, but may get one during the flow.
 #[derive(Clone, Debug)]
 pub(crate) struct Group {
     /// Indices into [`Plan::holes`](crate::fill::plan::Plan::holes), ascending; none in a fairing.
@@ -125,7 +125,8 @@ fn between_sharp_edges(
 }
 
 /// Pairs of holes with new vertices whose rims have vertices less than an edge apart, by the mean over
-/// all rims; without the parts of a hole that is split along a crease. Linear in the number of rim vertices where these are about an edge apart.
+/// all rims; without the parts of a hole that is split along a crease. Linear in the number of rim
+/// vertices where these are about an edge apart.
 fn rims_nearby(holes: &[PlannedHole]) -> Vec<[u32; 2]> {
     let solved = (0..).zip(holes);
     let is_whole = |hole: &PlannedHole| hole.rims.crease.is_empty();

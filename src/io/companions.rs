@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::{Format, gltf, obj};
-use crate::mesh::{Attributes, Material};
+use crate::mesh::{Attributes, ImageSource, Material};
 
 /// Copies the material libraries of an OBJ file and the texture images of an OBJ, PLY or glTF file beside
 /// `path`, where a mesh with these attributes was written, so that its references stay valid. Files in
@@ -51,16 +51,20 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
     messages
 }
 
-/// The materials of a mesh: those of the libraries of an OBJ file, and for the texture image of a PLY file
-/// one without a name, which is that of faces without a material. Empty if the folder of the file is
-/// unknown.
+/// The materials of a mesh: those of a glTF file and of the libraries of an OBJ file, and for the texture
+/// image of a PLY file one without a name, which is that of faces without a material. Other files are
+/// looked for in the folder of the mesh file, and not at all if that is unknown.
 pub fn materials(attributes: &Attributes) -> Vec<Material> {
-    let Some(folder) = &attributes.folder else {
+    let folder = attributes.folder.as_deref();
+    if let Some(all) = &attributes.gltf_materials {
+        return gltf::materials(folder, all);
+    }
+    let Some(folder) = folder else {
         return Vec::new();
     };
     let mut all = obj::materials(folder, attributes);
     all.extend(attributes.texture_files().next().map(|name| Material {
-        image: Some(folder.join(name)),
+        image: Some(ImageSource::File(folder.join(name))),
         ..Material::default()
     }));
     all

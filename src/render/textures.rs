@@ -1,13 +1,14 @@
 //! Texture images and where faces are in them.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use image::imageops::FilterType;
 
 use super::scene::next_id;
-use crate::mesh::{Attributes, Column, FaceId, Material, Mesh, NO_VALUE, columns_named};
+use crate::mesh::{
+    Attributes, Column, FaceId, ImageSource, Material, Mesh, NO_VALUE, columns_named,
+};
 
 /// Maximum side of an image in pixels, which every device that draws supports. Larger ones are scaled.
 const MOST: u32 = 8192;
@@ -41,12 +42,14 @@ impl Image {
         self.pixels.dimensions() == (1, 1)
     }
 
-    /// Reads a file. An image with a side above 8192 pixels is scaled down, with a note.
-    fn read(path: &Path) -> Result<(Self, Option<String>), String> {
-        let name = path.display();
-        let read = image::ImageReader::open(path).map_err(|e| e.to_string());
-        let read = read.and_then(|r| r.with_guessed_format().map_err(|e| e.to_string()));
-        let read = read.and_then(|r| r.decode().map_err(|e| e.to_string()));
+    /// Reads an image. One with a side above 8192 pixels is scaled down, with a note.
+    fn read(source: &ImageSource) -> Result<(Self, Option<String>), String> {
+        let (name, bytes) = match source {
+            ImageSource::File(path) => (path.display().to_string(), std::fs::read(path)),
+            ImageSource::Bytes(bytes) => ("in the mesh file".to_owned(), Ok(bytes.clone())),
+        };
+        let read = bytes.map_err(|e| e.to_string());
+        let read = read.and_then(|b| image::load_from_memory(&b).map_err(|e| e.to_string()));
         let picture = read.map_err(|e| format!("the texture image '{name}' is not drawn: {e}"))?;
         let (width, height) = (picture.width(), picture.height());
         if width.max(height) <= MOST {
@@ -103,13 +106,13 @@ impl Textures {
     /// images that cannot be read, whose faces are drawn without, and images that were scaled.
     pub fn read(materials: &[Material]) -> (Self, Vec<String>) {
         let mut notes = Vec::new();
-        let mut files: BTreeMap<&Path, Option<Arc<Image>>> = BTreeMap::new();
+        let mut read: BTreeMap<&ImageSource, Option<Arc<Image>>> = BTreeMap::new();
         let mut images = BTreeMap::new();
         for material in materials {
-            let image = if let Some(path) = &material.image {
-                let file = files
-                    .entry(path)
-                    .or_insert_with(|| match Image::read(path) {
+            let image = if let Some(source) = &material.image {
+                let image = read
+                    .entry(source)
+                    .or_insert_with(|| match Image::read(source) {
                         Ok((image, note)) => {
                             notes.extend(note);
                             Some(Arc::new(image))
@@ -119,7 +122,7 @@ impl Textures {
                             None
                         }
                     });
-                file.clone()
+                image.clone()
             } else {
                 material.color.map(|color| {
                     let [r, g, b] = color.map(|c| (255.0 * c.clamp(0.0, 1.0)).round() as u8);
@@ -216,7 +219,8 @@ impl<'a> Coordinates<'a> {
             let [u, v] = self
                 .columns
                 .map(|column| column.numbers.get(row as usize) as f32);
-            out[k] = [u, 1.0 - v];
+            let is_down = self.attributes.texture_is_down && !self.of_vertices;
+            out[k] = [u, if is_down { v } else { 1.0 - v }];
         }
         Some(out)
     }
@@ -277,11 +281,20 @@ mod tests {
             color,
             image,
         };
-        let missing = folder.path().join("missing.png");
+        let missing = ImageSource::File(folder.path().join("missing.png"));
         let materials = [
             material("red", Some([1.0, 0.0, 0.0]), None),
-            material("picture", Some([0.0; 3]), Some(path.clone())),
-            material("again", None, Some(path)),
+            material(
+                "picture",
+                Some([0.0; 3]),
+                Some(ImageSource::File(path.clone())),
+            ),
+            material("again", None, Some(ImageSource::File(path.clone()))),
+            material(
+                "inside",
+                None,
+                Some(ImageSource::Bytes(std::fs::read(path).expect("bytes"))),
+            ),
             material("missing", None, Some(missing.clone())),
             material("missing too", None, Some(missing)),
         ];
@@ -294,13 +307,19 @@ mod tests {
             &textures.images["picture"],
             &textures.images["again"]
         ));
-        let mesh = square();
+        assert_eq!(textures.images["inside"].pixels, pixels);
+        let mut mesh = square();
         let faces = textures.of_faces(&mesh);
         let (red, _) = faces.of(FaceId(0)).expect("a colour");
         assert_eq!(red.pixels.as_raw(), &[255, 0, 0, 255]);
         let (picture, at) = faces.of(FaceId(1)).expect("an image");
         assert_eq!(picture.pixels, pixels);
         assert_eq!(*at, [[0.0, 1.0], [1.0, 0.5], [0.25, 0.25]]);
+        // as in glTF
+        mesh.attributes.texture_is_down = true;
+        let faces = textures.of_faces(&mesh);
+        let (_, at) = faces.of(FaceId(1)).expect("an image");
+        assert_eq!(*at, [[0.0, 0.0], [1.0, 0.5], [0.25, 0.75]]);
     }
 
     #[test]

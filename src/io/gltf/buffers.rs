@@ -184,12 +184,16 @@ fn part(bytes: &[u8], start: u64, length: u64) -> Option<&[u8]> {
     bytes.get(usize::try_from(start).ok()?..end)
 }
 
+/// The data in a data URI; `None` if it is not base64.
+pub(super) fn decoded(uri: &str) -> Option<Vec<u8>> {
+    let (_, text) = uri.strip_prefix(DATA)?.split_once(";base64,")?;
+    BASE64.decode(text).ok()
+}
+
 /// The data of buffer `k` at `uri`, of `wanted` bytes.
 fn fetch(uri: &str, k: usize, wanted: u64, folder: Option<&Path>) -> Result<Vec<u8>, ParseError> {
-    if let Some(data) = uri.strip_prefix(DATA) {
-        let encoded = data.split_once(";base64,");
-        let decoded = encoded.and_then(|(_, text)| BASE64.decode(text).ok());
-        return decoded.ok_or_else(|| invalid(format!("the URI of buffer {k} is not base64")));
+    if uri.starts_with(DATA) {
+        return decoded(uri).ok_or_else(|| invalid(format!("the URI of buffer {k} is not base64")));
     }
     let unsupported =
         |what: String, remedy| Err(in_file(ParseErrorKind::Unsupported { what, remedy }));

@@ -1,13 +1,14 @@
 //! Materials of a glTF file, kept as they are.
 
 use std::collections::{BTreeSet, HashSet};
+use std::path::Path;
 
 use serde_json::{Map, Value};
 
 use super::super::error::ParseError;
 use super::DATA;
-use super::buffers::{Buffers, invalid, unescaped};
-use crate::mesh::{Attributes, GltfMaterials};
+use super::buffers::{Buffers, decoded, invalid, unescaped};
+use crate::mesh::{Attributes, GltfMaterials, ImageSource, Material, to_signal};
 
 /// The arrays of a document that materials consist of.
 pub(super) const ARRAYS: [&str; 4] = ["materials", "textures", "samplers", "images"];
@@ -113,6 +114,41 @@ pub(super) fn extensions(value: &Value, names: &mut BTreeSet<String>) {
         Value::Array(list) => list.iter().for_each(|value| extensions(value, names)),
         _ => {}
     }
+}
+
+/// The materials with their base colours, as signals, and the images of these. Image files are in `folder`,
+/// and are left out if that is unknown.
+pub(in super::super) fn materials(folder: Option<&Path>, all: &GltfMaterials) -> Vec<Material> {
+    let entry = |list: &str, k: &Value| all.json.get(list)?.get(usize::try_from(k.as_u64()?).ok()?);
+    let image = |surface: &Value| {
+        let texture = entry("textures", surface.get("baseColorTexture")?.get("index")?)?;
+        let source = texture.get("source")?;
+        let bytes = all.images.get(usize::try_from(source.as_u64()?).ok()?);
+        if let Some(Some(bytes)) = bytes {
+            return Some(ImageSource::Bytes(bytes.clone()));
+        }
+        let uri = entry("images", source)?.get("uri")?.as_str()?;
+        if uri.starts_with(DATA) {
+            return decoded(uri).map(ImageSource::Bytes);
+        }
+        folder.map(|folder| ImageSource::File(folder.join(unescaped(uri))))
+    };
+    let color = |surface: &Value| {
+        let factor = surface.get("baseColorFactor")?;
+        let channel = |k: usize| Some(to_signal(factor.get(k)?.as_f64()?) as f32);
+        Some([channel(0)?, channel(1)?, channel(2)?])
+    };
+    let list = all.json.get("materials").and_then(Value::as_array);
+    let pairs = all.names.iter().zip(list.into_iter().flatten());
+    let material = |(name, material): (&String, &Value)| {
+        let surface = material.get("pbrMetallicRoughness");
+        Material {
+            name: name.clone(),
+            color: surface.and_then(color),
+            image: surface.and_then(image),
+        }
+    };
+    pairs.map(material).collect()
 }
 
 /// The image files that materials refer to.

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::mesh::{Attributes, Material, Soup};
+use crate::mesh::{Attributes, ImageSource, Material, Soup};
 
 /// Maximum size of a material library in bytes. A library usually has a few kilobytes.
 const LONGEST: u64 = 1 << 24;
@@ -99,7 +99,7 @@ fn materials_of(text: &str, folder: &Path) -> Vec<Material> {
                 }
             }
             ("map_kd", Some(material)) => {
-                material.image = image_name(line).map(|name| folder.join(name));
+                material.image = image_name(line).map(|name| ImageSource::File(folder.join(name)));
             }
             _ => {}
         }
@@ -173,7 +173,7 @@ mod tests {
         let material = |name: &str, color, image: Option<&str>| Material {
             name: name.into(),
             color,
-            image: image.map(PathBuf::from),
+            image: image.map(|name| ImageSource::File(name.into())),
         };
         let bark = Some([0.5, 0.25, 0.125]);
         let expected = [

@@ -243,6 +243,13 @@ fn materials_and_images_are_kept_as_they_are() {
         lost.contains("OBJ cannot store the colours and images of glTF"),
         "{lost}"
     );
+    let drawn = super::super::materials(&soup.attributes);
+    assert_eq!(drawn.len(), 1);
+    assert_eq!(drawn[0].name, "Paint");
+    let inside = crate::mesh::ImageSource::Bytes(b"\x89PNG not really".to_vec());
+    assert_eq!(drawn[0].image, Some(inside));
+    // a quarter of the light is this signal of sRGB
+    assert!((drawn[0].color.expect("a colour")[1] - 0.5371).abs() < 1e-4);
     // the image file goes along to another folder
     let folder = tempfile::tempdir().expect("a temporary folder");
     let at = |name: &str| folder.path().join(name);

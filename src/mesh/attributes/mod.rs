@@ -21,7 +21,7 @@ use super::{FaceTag, Mesh, VertexId};
 pub use colors::{Colors, color_columns, color_steps, colors, to_light, to_signal};
 pub use column::{Column, NumberType, Numbers, columns_named, picked_rows, row_count};
 pub use faces::{FaceData, NO_VALUE};
-pub use materials::GltfMaterials;
+pub use materials::{GltfMaterials, ImageSource, Material};
 pub use mixing::{append_between, append_interpolated};
 pub use written::Written;
 
@@ -56,17 +56,6 @@ pub struct Attributes {
     pub stl_header: Option<[u8; 80]>,
     /// The folder of the file, to which names of other files are relative, if they are known to be.
     pub folder: Option<PathBuf>,
-}
-
-/// A material that faces refer to by name.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Material {
-    /// Its name; empty for the material of faces that name none.
-    pub name: String,
-    /// Red, green and blue in 0..=1.
-    pub color: Option<[f32; 3]>,
-    /// The file of its image.
-    pub image: Option<PathBuf>,
 }
 
 impl Attributes {
