@@ -25,7 +25,8 @@ const STEPS: [f64; 6] = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03];
 const MANY: usize = 64;
 
 /// The patch with its defects repaired beside the mesh and the triangles `others`, which have vertices of
-/// the mesh and [appended](super::assemble::appended_triangles) ones at `new`. `None` if defects are left, or too many of its triangles are defective.
+/// the mesh and [appended](super::assemble::appended_triangles) ones at `new`. `None` if defects are
+/// left, or too many of its triangles are defective.
 pub(super) fn repaired(
     mesh: &Mesh,
     obstacles: &Obstacles,

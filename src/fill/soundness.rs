@@ -142,33 +142,33 @@ pub(super) fn make_sound(
     }
 }
 
-/// Several unsound holes of a group, all filled by the one of the [safer models](SAFER) that leaves the
-/// fewest of them unsound, and its words: the patches over two rims side by side cross each other
-/// unless both are flat. `None` for fewer than two holes, or if all would stay unsound.
+/// Several unsound holes of a group, all filled by the first of the [safer models](SAFER) by which all
+/// are sound, repaired if need be, and its words: the patches over two rims side by side cross each
+/// other unless both are flat. `None` for fewer than two holes, or if some stay unsound.
 fn filled_alike(
     holes: &[&HoleOfGroup<'_>],
     present: &Surface,
     model: Candidate,
     options: &FillOptions,
 ) -> Option<(Surface, String)> {
-    let mut fewest = holes.len();
-    let mut best = None;
-    for safer in SAFER.into_iter().filter(|&safer| safer != model) {
-        if fewest == 0 || holes.len() < 2 {
-            break;
-        }
+    if holes.len() < 2 {
+        return None;
+    }
+    let filled = |safer: Candidate| {
         let mut surface = present.clone();
         for hole in holes {
-            surface = hole.by(&surface, safer, options).unwrap_or(surface);
+            surface = hole.by(&surface, safer, options)?;
         }
-        let unsound = holes.iter().filter(|hole| hole.defects(&surface).is_some());
-        let unsound = unsound.count();
-        if unsound < fewest {
-            fewest = unsound;
-            best = Some((surface, safer.words()));
+        for hole in holes {
+            let next = hole.replacement(surface.clone(), String::new());
+            if !next.is_sound() {
+                surface = hole.repaired(&next)?.surface;
+            }
         }
-    }
-    best
+        Some((surface, safer.words()))
+    };
+    let mut safer = SAFER.into_iter().filter(|&safer| safer != model);
+    safer.find_map(filled)
 }
 
 /// Some holes of a group, filled by the chosen model from their first patches with the other patches
