@@ -245,7 +245,9 @@ impl<'a> Search<'a> {
         }
         self.sort_along(&mut vertices);
         self.begin();
-        vertices.iter().for_each(|&v| _ = self.reaches(v));
+        for &v in &vertices {
+            self.reaches(v);
+        }
         let mut ends = [vertices.len(); G2_RINGS + 1];
         for k in 1..=G2_RINGS {
             let from = if k == 1 { 0 } else { ends[k - 2] };

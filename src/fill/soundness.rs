@@ -460,14 +460,19 @@ impl HoleOfGroup<'_> {
         true
     }
 
-    /// Searches sound domes over the rim: a flat surface lies on the mesh if its rim is the outer boundary
-    /// of a flat sheet.
+    /// Searches sound domes over the rim if the best surface so far crosses the mesh nearly everywhere: a
+    /// flat surface lies on the mesh if its rim is the outer boundary of a flat sheet. A surface with
+    /// few defects is nearer to the truth than a dome.
     fn search_domes(&self, best: &mut Best<'_>, present: &Surface, options: &FillOptions) {
         let first = self.at_first_patch(present, options);
         let patch = self.patch(&first);
         let Some(patch) = patch.filter(|patch| patch.rim >= MIN_EDGES) else {
             return;
         };
+        let [pairs, ..] = best.severity;
+        if 4 * pairs < patch.triangles.len() {
+            return;
+        }
         for height in HEIGHTS {
             let height = height * self.rims.radius();
             for height in [height, -height] {

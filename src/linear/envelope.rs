@@ -22,14 +22,14 @@ impl Envelope {
         Self { first, start }
     }
 
-    /// Number of unknowns.
-    pub fn len(&self) -> usize {
+    /// Number of unknowns of each matrix.
+    pub fn unknowns(&self) -> usize {
         self.first.len()
     }
 
     /// The values of a matrix of zeros.
     pub fn zeros(&self) -> Vec<f64> {
-        vec![0.0; self.start[self.len()]]
+        vec![0.0; self.start[self.unknowns()]]
     }
 
     /// Adds `factor` times a vector to row `i` of a matrix: `entries` are columns of the envelope, of
@@ -177,6 +177,9 @@ mod tests {
     use super::*;
     use crate::random::SplitMix;
 
+    /// Factors of a matrix: itself, its half and its negative.
+    const SCALES: [f64; 3] = [1.0, 0.5, -1.0];
+
     #[test]
     fn random_envelopes_are_solved() {
         let mut rng = SplitMix::new(3);
@@ -195,8 +198,6 @@ mod tests {
                 let beyond = [(n, f64::NAN)];
                 envelope.add_to_row(&mut values, i, 2.0, row.into_iter().chain(beyond));
             }
-            // the matrix, its half and its negative
-            const SCALES: [f64; 3] = [1.0, 0.5, -1.0];
             let mut factors: Vec<[f64; 3]> = values.iter().map(|a| SCALES.map(|s| s * a)).collect();
             let x: Vec<f64> = (0..n).map(|_| rng.unit()).collect();
             let product = |row: &Vec<f64>| row.iter().zip(&x).map(|(a, x)| a * x).sum();

@@ -176,7 +176,7 @@ impl<const N: usize> LocalG2<N> {
             Some(sum / laplacian.mass[i])
         };
         let curvatures: Vec<Option<DVec3>> = (0..laplacian.mass.len()).map(curvature).collect();
-        let mut steps = vec![[[0.0; N]; 3]; self.envelope.len()];
+        let mut steps = vec![[[0.0; N]; 3]; self.envelope.unknowns()];
         for (i, derivatives) in self.derivatives.iter().enumerate() {
             let Some(own) = curvatures[i] else { continue };
             // derivatives of ½∫|∇h|² and ½∫|h|² by the curvature vector
@@ -208,6 +208,8 @@ mod tests {
     use crate::solver::diffusion::DiffusionFlow;
     use crate::solver::{FlowProblem, SUPPORT_RINGS, StepRequest, Stepper, SurfaceModel};
 
+    const TENSIONS: [f64; 3] = [0.0, 3.0, 100.0];
+
     /// The steps are those of the flow.
     #[test]
     fn steps_agree_with_the_flow() {
@@ -228,7 +230,6 @@ mod tests {
         let vertices: Vec<u32> = vertices.map(|v| v.0).collect();
         let counts: Vec<usize> = region.rings().map(<[_]>::len).collect();
         let ends = std::array::from_fn(|k| counts[..=k].iter().sum());
-        const TENSIONS: [f64; 3] = [0.0, 3.0, 100.0];
         let interior: Vec<u32> = moving.iter().map(|v| v.0).collect();
         let (radius, tau) = (0.4, 1e9);
         let problem = FlowProblem::new(&mesh.positions, &triangles, &interior, radius);

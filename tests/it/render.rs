@@ -243,7 +243,7 @@ fn colours_of_the_file_are_drawn_with_light_and_under_stripes() {
         // left of the middle red, right of it the plain material
         [SIDE / 3, 2 * SIDE / 3].map(|x| image.get_pixel(x, SIDE / 2 + 5).0)
     };
-    let is_red = |[r, g, b, _]: [u8; 4]| r > 2 * g && r > 2 * b && r > 60;
+    let is_red = |[r, g, b, _]: [u8; 4]| r > 60 && r / 2 > g && r / 2 > b;
     for (mode, stripes_on_colors, red) in [
         (ViewMode::Shaded, false, false),
         (ViewMode::Color, false, true),

@@ -402,5 +402,6 @@ fn colours_are_those_of_the_vertices_and_linear_between_them() {
         assert!(v.color == full.color || v.color == [0; 4]);
     }
     let unknown = half.vertices.iter().filter(|v| v.color == [0; 4]).count();
-    assert!(unknown > half.vertices.len() / 4 && unknown < 3 * half.vertices.len() / 4);
+    // at least the corners
+    assert!(unknown >= positions.len() - known && half.vertices.len() - unknown >= known);
 }
