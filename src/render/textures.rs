@@ -73,7 +73,7 @@ impl Image {
             let side = |n: u32| (n / 2).max(1);
             let (width, height) = (side(last.width()), side(last.height()));
             last = image::RgbaImage::from_fn(width, height, |x, y| {
-                let at = |i: u32, n: u32| (i).min(n - 1);
+                let at = |i: u32, n: u32| i.min(n - 1);
                 let corners = [(0, 0), (1, 0), (0, 1), (1, 1)];
                 let four = corners.map(|(i, j)| {
                     let (x, y) = (2 * x + i, 2 * y + j);
