@@ -17,10 +17,14 @@ use crate::warning::{MAX_PAIRS, Warning};
 /// (150°).
 pub(super) const FOLDED: f64 = -0.866_025_403_784_438_6;
 
+/// Most pairs of intersecting triangles that are counted. More than warnings state, so that searches see which of
+/// two bad patches is better.
+const MOST_PAIRS: usize = 10 * MAX_PAIRS;
+
 /// What is wrong with a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Defects {
-    /// Pairs of triangles that cross, and one of the places.
+    /// Pairs of triangles that cross, [`MOST_PAIRS`] at most, and one of the places.
     pub crossings: Option<(usize, DVec3)>,
     /// New vertices outside the [`Room`] of the hole, and one of the places.
     pub escaped: Option<(usize, DVec3)>,
@@ -144,7 +148,7 @@ impl Patches {
     }
 
     /// The triangles of the other patches whose boxes overlap that of a patch with new vertices at
-    /// `positions`, and all without new vertices.
+    /// `positions`, and the triangles without new vertices that do.
     pub fn near(&self, mesh: &Mesh, k: usize, positions: &[DVec3]) -> Vec<[u32; 3]> {
         let (low, high) = self.around(mesh, k, positions);
         let is_near = |j: &usize| {
@@ -153,7 +157,11 @@ impl Patches {
         };
         let near = (0..self.boxes.len()).filter(is_near);
         let near = near.flat_map(|j| self.of(j));
-        near.chain(&self.loose).copied().collect()
+        let loose = self.loose.iter().filter(|t| {
+            let (other_low, other_high) = bounds(t.iter().map(|&v| place(mesh, positions, v)));
+            boxes_overlap(low, high, other_low, other_high)
+        });
+        near.chain(loose).copied().collect()
     }
 }
 
@@ -175,7 +183,7 @@ pub(super) fn defects(
     positions: &[DVec3],
 ) -> Option<Defects> {
     let counted = |places: Vec<DVec3>| places.first().map(|&at| (places.len(), at));
-    let crossings = intersections(mesh, obstacles, own, others, positions, usize::MAX);
+    let crossings = intersections(mesh, obstacles, own, others, positions, MOST_PAIRS);
     let found = Defects {
         crossings: counted(crossings),
         escaped: counted(escaped(mesh, room, own, positions)),

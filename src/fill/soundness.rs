@@ -152,16 +152,21 @@ pub(super) fn make_sound(
     }
 }
 
+/// Most holes that are filled alike. Rims side by side are two, seldom more; for the dozens of unsound holes of a
+/// riddled mesh the trials take minutes.
+const MOST_ALIKE: usize = 4;
+
 /// Several unsound holes of a group, all filled by the first of the [safer models](SAFER) by which all
 /// are sound, repaired if need be, and its words: the patches over two rims side by side cross each
-/// other unless both are flat. `None` for fewer than two holes, or if some stay unsound.
+/// other unless both are flat. `None` for fewer than two holes, for more than [`MOST_ALIKE`], or if some stay
+/// unsound.
 fn filled_alike(
     holes: &[&HoleOfGroup<'_>],
     present: &Surface,
     model: Candidate,
     options: &FillOptions,
 ) -> Option<(Surface, String)> {
-    if holes.len() < 2 {
+    if !(2..=MOST_ALIKE).contains(&holes.len()) {
         return None;
     }
     let filled = |safer: Candidate| {
