@@ -138,10 +138,10 @@ fn surfaces(
         chosen.map(FaceId::from).collect()
     };
     let (moving, rest) = (faces(true), faces(false));
-    let materials = if style.shows_colors() {
-        materials(&mesh.attributes)
+    let (materials, colors) = if style.shows_colors() {
+        (materials(&mesh.attributes), mesh.colors())
     } else {
-        Vec::new()
+        Default::default()
     };
     let (textures, notes) = Textures::read(&materials);
     for note in notes {
@@ -171,7 +171,7 @@ fn surfaces(
     let evaluation = Evaluation {
         centre,
         limit,
-        colors: &mesh.colors(),
+        colors: &colors,
         ..Evaluation::default()
     };
     [near, far]

@@ -41,7 +41,7 @@ fn rims_of_different_files_are_blended() {
     let both = [&low.positions[..], &high.positions].concat();
     assert_eq!(mesh.positions[..both.len()], both);
     assert!(mesh.positions.len() > both.len());
-    // `fill` joins only if it is told to
+    // `fill` joins only with --join
     let fill = [
         "fill",
         "low.obj",

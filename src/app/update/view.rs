@@ -64,9 +64,9 @@ fn choose_mode(model: &mut Model, mode: ViewMode) {
     }
 }
 
-/// The view mode of an opened document: its colours if it has colours of vertices or texture images, otherwise the last mode that was
-/// chosen. At first, samples are smooth and show isophotes; scans have noise, which isophotes would
-/// exaggerate.
+/// The view mode of an opened document: its colours if it has colours of vertices or texture images,
+/// otherwise the last mode that was chosen. At first, samples are smooth and show isophotes; scans have
+/// noise, which isophotes would exaggerate.
 pub(super) fn first_mode(model: &mut Model) {
     if model.document.mesh.attributes.has_vertex_colors() || model.textures.has_pictures() {
         return set_mode(model, ViewMode::Color);

@@ -25,27 +25,39 @@ fn channel(name: &str) -> Option<usize> {
     })
 }
 
+/// The first column of a channel.
+fn find(columns: &[Column], wanted: usize) -> Option<usize> {
+    let is_wanted = |c: &Column| channel(&c.name) == Some(wanted);
+    columns.iter().position(is_wanted)
+}
+
+/// Whether a type has a number of full intensity.
+fn has_full(kind: NumberType) -> bool {
+    use NumberType::{F32, F64, U8, U16};
+    matches!(kind, U8 | U16 | F32 | F64)
+}
+
 impl Colors {
     /// The colour among these columns: red, green and blue of one type. Whole numbers have the range
     /// of their type; other numbers 0 to 1, or 0 to 255 if one of them is above 1.
     pub fn of(columns: &[Column]) -> Option<Self> {
-        let find = |wanted: usize| {
-            let is_wanted = |c: &Column| channel(&c.name) == Some(wanted);
-            columns.iter().position(is_wanted)
-        };
-        let channels = [find(0)?, find(1)?, find(2)?];
-        let kind = columns[channels[0]].numbers.kind();
-        let is_alike = |&k: &usize| columns[k].numbers.kind() == kind;
-        if !channels.iter().all(is_alike) {
-            return None;
-        }
+        let channels = Self::channels(columns)?;
         let full = channels.iter().map(|&k| full(&columns[k].numbers));
         let full = full.reduce(|a, b| Some(a?.max(b?)))??;
         Some(Self {
             channels,
-            alpha: find(3),
+            alpha: find(columns, 3),
             full,
         })
+    }
+
+    /// The columns of red, green and blue among these, without a look at their numbers. `None` if one is missing
+    /// or their types are not one that has a full intensity.
+    pub fn channels(columns: &[Column]) -> Option<[usize; 3]> {
+        let channels = [find(columns, 0)?, find(columns, 1)?, find(columns, 2)?];
+        let kind = columns[channels[0]].numbers.kind();
+        let is_alike = |&k: &usize| columns[k].numbers.kind() == kind;
+        (has_full(kind) && channels.iter().all(is_alike)).then_some(channels)
     }
 }
 

@@ -94,7 +94,7 @@ impl Attributes {
 
     /// Whether vertices have a colour.
     pub fn has_vertex_colors(&self) -> bool {
-        Colors::of(&self.vertices).is_some()
+        Colors::channels(&self.vertices).is_some()
     }
 
     /// The same attributes with the second texture coordinate `v` replaced by `1 - v`, which increases
