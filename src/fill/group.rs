@@ -11,7 +11,7 @@ use crate::mesh::union_find::{find, unite};
 use crate::mesh::{DVec3, FaceId, Mesh, NeighbourhoodSearch, VertexId};
 use crate::solver::SUPPORT_RINGS;
 
-/// Holes whose support regions share vertices, or whose rims are near each other. Creases (G0) are not
+/// Holes whose support regions share vertices, or whose rims run side by side. Creases (G0) are not
 /// considered: their holes have no support region, but may get one during the flow.
 #[derive(Clone, Debug)]
 pub(crate) struct Group {
@@ -26,10 +26,10 @@ pub(crate) struct Group {
 }
 
 /// The groups of holes. A breadth-first search around the rims of each hole finds its support
-/// region; holes whose regions meet are one group, as are those whose rims are [near each other](rims_nearby),
-/// because their patches may cross. The region of a part of a hole that is split along a crease ends at sharp
-/// edges, so that the parts are in different groups. Holes without interior vertices need no flow and belong
-/// to no group.
+/// region; holes whose regions meet are one group, as are those whose rims run [side by
+/// side](rims_side_by_side), because their patches may cross. The region of a part of a hole that is split
+/// along a crease ends at sharp edges, so that the parts are in different groups. Holes without interior
+/// vertices need no flow and belong to no group.
 pub(super) fn groups(mesh: &Mesh, holes: &[PlannedHole]) -> Vec<Group> {
     let count = holes.len();
     let mut owner = vec![u32::MAX; mesh.positions.len()];
@@ -60,7 +60,7 @@ pub(super) fn groups(mesh: &Mesh, holes: &[PlannedHole]) -> Vec<Group> {
         }
     }
 
-    for [h, k] in rims_nearby(holes) {
+    for [h, k] in rims_side_by_side(holes) {
         unite(&mut parent, h, k);
     }
 
@@ -124,10 +124,10 @@ fn between_sharp_edges(
     (reached, vertices)
 }
 
-/// Pairs of holes with new vertices whose rims have vertices less than an edge apart, by the mean over
-/// all rims; without the parts of a hole that is split along a crease. Linear in the number of rim
-/// vertices where these are about an edge apart.
-fn rims_nearby(holes: &[PlannedHole]) -> Vec<[u32; 2]> {
+/// Pairs of holes with new vertices whose rims run side by side: at least half of the vertices of each are less
+/// than 1.5 edges, by the mean over all rims, from one of the other. Without the parts of a hole that is split
+/// along a crease. Linear in the number of rim vertices where these are about an edge apart.
+fn rims_side_by_side(holes: &[PlannedHole]) -> Vec<[u32; 2]> {
     let solved = (0..).zip(holes);
     let is_whole = |hole: &PlannedHole| hole.rims.crease.is_empty();
     let solved = solved.filter(|(_, hole)| !hole.patch.new_points().is_empty() && is_whole(hole));
@@ -139,21 +139,36 @@ fn rims_nearby(holes: &[PlannedHole]) -> Vec<[u32; 2]> {
     let loops = rims().flat_map(|(h, _)| &holes[h as usize].rims.loops);
     let lengths = loops.map(|one| (one.perimeter, one.edges()));
     let (length, edges) = lengths.fold((0.0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
-    let mean = length / edges as f64;
-    let cell = |p: DVec3| (p / mean).floor().to_array().map(|x| x as i64);
+    let reach = 1.5 * length / edges as f64;
+    let cell = |p: DVec3| (p / reach).floor().to_array().map(|x| x as i64);
     let mut cells: FxHashMap<[i64; 3], Vec<(u32, DVec3)>> = FxHashMap::default();
-    let mut pairs = Vec::new();
+    for (h, points) in rims() {
+        for &p in points {
+            cells.entry(cell(p)).or_default().push((h, p));
+        }
+    }
+    // how many vertices of the first rim are near the second one
+    let mut counts: FxHashMap<[u32; 2], usize> = FxHashMap::default();
     for (h, points) in rims() {
         for &p in points {
             let [x, y, z] = cell(p);
-            for k in 0..27 {
-                let beside = [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1];
-                let there = cells.get(&beside).into_iter().flatten();
-                let near = there.filter(|(other, q)| *other != h && p.distance(*q) < mean);
-                pairs.extend(near.map(|(other, _)| [*other, h]));
+            let around = (0..27).map(|k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
+            let there = around.filter_map(|cell| cells.get(&cell)).flatten();
+            let near = there.filter(|(other, q)| *other != h && p.distance(*q) < reach);
+            let mut others: Vec<u32> = near.map(|(other, _)| *other).collect();
+            others.sort_unstable();
+            others.dedup();
+            for other in others {
+                *counts.entry([h, other]).or_default() += 1;
             }
-            cells.entry([x, y, z]).or_default().push((h, p));
         }
     }
+    let runs_along = |[h, other]: [u32; 2]| {
+        let count = counts.get(&[h, other]).copied().unwrap_or(0);
+        2 * count >= holes[h as usize].patch.rim
+    };
+    let mut pairs: Vec<[u32; 2]> = counts.keys().copied().filter(|[h, k]| h < k).collect();
+    pairs.retain(|&[h, k]| runs_along([h, k]) && runs_along([k, h]));
+    pairs.sort_unstable();
     pairs
 }

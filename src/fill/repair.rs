@@ -17,8 +17,8 @@ use crate::patch::Patch;
 const ROUNDS: usize = 30;
 /// A repair ends after so many rounds in a row that do not lower the number of defective triangles.
 const PATIENCE: usize = 8;
-/// Evaluations of a changed triangulation, a few microseconds each.
-const EVALUATIONS: usize = 20_000;
+/// Comparisons of a triangle with one near it before a repair ends: at most some tenths of a second.
+const COMPARISONS: usize = 2_000_000;
 /// Distances by which a vertex is moved on trial, relative to its longest edge.
 const STEPS: [f64; 6] = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03];
 /// Defective triangles of a patch beyond which a local repair is not tried.
@@ -95,7 +95,7 @@ struct Sheet {
     left: FxHashMap<[u32; 2], u32>,
     /// The triangles of the patch at each vertex.
     around: Vec<Vec<u32>>,
-    evaluations: usize,
+    comparisons: usize,
 }
 
 fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
@@ -120,7 +120,7 @@ impl Sheet {
             triangles: Vec::new(),
             boxes: Vec::new(),
             left: FxHashMap::default(),
-            evaluations: 0,
+            comparisons: 0,
         };
         for t in given.into_iter().chain(own) {
             sheet.enter(sheet.triangles.len() as u32, t);
@@ -214,7 +214,6 @@ impl Sheet {
 
     /// The cost of some triangles of the patch among those near them if it is below `limit`.
     fn cost_below(&mut self, limit: Cost, some: &[u32], near: &[u32]) -> Option<Cost> {
-        self.evaluations += 1;
         let mut cost = Cost {
             faults: 0,
             shape: 0.0,
@@ -239,6 +238,7 @@ impl Sheet {
             }
             let meets = |g: &&u32| (**g > f || !some.contains(g)) && self.meets(f, **g);
             cost.faults += near.iter().filter(meets).count();
+            self.comparisons += near.len();
         }
         (cost < limit).then_some(cost)
     }
@@ -391,7 +391,7 @@ impl Sheet {
                 stalled += 1;
             }
             let is_hopeless = defective.len() > MANY || stalled > PATIENCE;
-            if is_hopeless || self.evaluations > EVALUATIONS {
+            if is_hopeless || self.is_spent() {
                 return false;
             }
             if round == 0 || stalled % 3 == 2 {
@@ -403,20 +403,30 @@ impl Sheet {
             }
             let faces = self.faces_at(&vertices);
             for &f in &faces {
+                if self.is_spent() {
+                    return false;
+                }
                 for k in 0..3 {
                     let t = self.triangles[f as usize];
                     self.flip(t[k], t[(k + 1) % 3]);
                 }
             }
-            for v in vertices {
-                if v >= self.fixed {
-                    self.relocate(v);
+            let fixed = self.fixed;
+            for v in vertices.into_iter().filter(|&v| v >= fixed) {
+                if self.is_spent() {
+                    return false;
                 }
+                self.relocate(v);
             }
             let changed = self.faces_at(&self.vertices_of(&faces));
             defective = self.defective(changed.union(&defective).copied());
         }
         defective.is_empty()
+    }
+
+    /// Whether the repair has taken as long as it may.
+    fn is_spent(&self) -> bool {
+        self.comparisons > COMPARISONS
     }
 
     fn vertices_of(&self, faces: &BTreeSet<u32>) -> BTreeSet<u32> {
