@@ -12,7 +12,9 @@ use crate::fill::context::FillContext;
 use crate::fill::patch_topology::PatchTopology;
 use crate::mesh::{DVec3, Neighbourhood, VertexId, vertex_normal};
 use crate::solver::{Flow, FlowProblem, G2_RINGS, Reference};
-use crate::symmetry::{Isometry, Sample, nearest_alike, nearest_inside, symmetries};
+use crate::symmetry::{
+    Isometry, Sample, nearest_alike, nearest_inside, nearest_smooth, symmetries,
+};
 
 /// Most vertices at which the distance of a counterpart is measured.
 const MEASURED: usize = 100;
@@ -81,7 +83,8 @@ impl FillContext<'_> {
             point: isometry.apply(of.point),
             normal: isometry.turn(of.normal),
         };
-        Some(isometry.invert(self.nearest(&image)?.point))
+        let bvh = self.plan.obstacles.bvh(self.mesh);
+        Some(isometry.invert(nearest_smooth(self.mesh, bvh, &image)?))
     }
 
     /// The references of the patches of `topology` that have a counterpart, with the region at
@@ -174,6 +177,8 @@ impl Following {
 
 #[cfg(test)]
 mod tests {
+    use rayon::prelude::*;
+
     use super::*;
     use crate::fill::group_flow::GroupFlow;
     use crate::fill::prepare::prepare;
@@ -243,6 +248,26 @@ mod tests {
             unreachable!("three runs")
         };
         assert!(with < 0.2 * without && again < 0.2 * without, "{errors:?}");
+    }
+
+    #[test]
+    fn tasks_that_need_the_symmetries_at_once_do_not_wait_for_each_other() {
+        let (_, broken) = bodies();
+        let loops = boundary_loops(&broken);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build();
+        let pool = pool.expect("a thread pool");
+        for _ in 0..20 {
+            let plan = prepare(&broken, &[vec![&loops[0]]], &FillOptions::default()).plan;
+            let (mesh, plan) = (&broken, &plan);
+            let context = FillContext { mesh, plan };
+            // idle threads would take over parts of the search, and the thread that searches would wait for them
+            let task = |i: usize| {
+                if i.is_multiple_of(2) {
+                    assert_eq!(context.symmetries().len(), 1);
+                }
+            };
+            pool.install(|| (0..32).into_par_iter().for_each(task));
+        }
     }
 
     #[test]

@@ -8,14 +8,16 @@
 mod isometry;
 mod target;
 
+use std::panic::resume_unwind;
+use std::thread;
+
 use glam::DMat3;
 use nalgebra_sparse::na;
-use rayon::prelude::*;
 
 use crate::mesh::{DVec3, Mesh};
 pub use isometry::Isometry;
 use target::Target;
-pub use target::{Sample, nearest_alike, nearest_inside};
+pub use target::{Sample, nearest_alike, nearest_inside, nearest_smooth};
 
 /// Largest median distance of the moved surface from itself, relative to its RMS radius, up to which
 /// an isometry counts as a symmetry. On scans (`real/`) those of the shapes have up to 0.016, others from
@@ -38,7 +40,7 @@ pub fn symmetries(mesh: &Mesh) -> Vec<Isometry> {
         return Vec::new();
     };
     let all = Target::coarse(mesh, TARGETS);
-    let fit = |start: Isometry, stage: usize| {
+    let fit_once = |start: Isometry, stage: usize| {
         let moved = all.some(MOVED[stage]);
         let fit = start.fitted(&moved, SHARE[stage], ROUNDS[stage], |sample| {
             all.nearest(sample)
@@ -52,10 +54,19 @@ pub fn symmetries(mesh: &Mesh) -> Vec<Isometry> {
         let matrix = inertia.axes * flips * inertia.axes.transpose();
         Isometry::about(inertia.centre, matrix)
     });
-    let starts: Vec<Isometry> = starts.collect();
-    let found = starts.into_par_iter().map(|start| fit(start, 0));
-    let found = found.map(|first| fit(first?.0, 1));
-    let mut found: Vec<(Isometry, f64)> = found.collect::<Vec<_>>().into_iter().flatten().collect();
+    let fit = &|start: Isometry| fit_once(fit_once(start, 0)?.0, 1);
+    // threads of their own: the caller may hold a lock for which other tasks of a thread pool wait, and a thread
+    // of the pool that waits here could begin one of these tasks
+    let found: Vec<Option<(Isometry, f64)>> = thread::scope(|scope| {
+        let fits: Vec<_> = starts
+            .map(|start| scope.spawn(move || fit(start)))
+            .collect();
+        let joined = fits.into_iter().map(|one| one.join());
+        joined
+            .map(|fit| fit.unwrap_or_else(|panic| resume_unwind(panic)))
+            .collect()
+    });
+    let mut found: Vec<(Isometry, f64)> = found.into_iter().flatten().collect();
     found.sort_by(|a, b| a.1.total_cmp(&b.1));
     found.truncate(MOST);
     found.into_iter().map(|found| found.0).collect()

@@ -94,3 +94,48 @@ fn beyond_a_boundary_nothing_is_nearest() {
     assert_eq!(look(0.5, -0.1, DVec3::Z), None);
     assert_eq!(look(0.5, 0.25, -DVec3::Z), None);
 }
+
+#[test]
+fn a_smooth_surface_is_nearer_to_a_sphere_than_its_triangles_and_keeps_sharp_edges() {
+    let (positions, triangles) = shapes::icosphere(12);
+    let mesh = Mesh::from_triangles(positions, &triangles).expect("a sphere");
+    let bvh = crate::mesh::TriangleBvh::new(&mesh.positions, &triangles);
+    let (mut flat, mut smooth) = (0.0f64, 0.0f64);
+    for k in 0..200 {
+        let k = f64::from(k);
+        let normal = DVec3::new(k.sin(), (1.7 * k).cos(), (0.3 * k).sin()).normalize();
+        let sample = Sample {
+            point: 1.01 * normal,
+            normal,
+        };
+        let distance = |p: DVec3| (p.length() - 1.0).abs();
+        flat = flat.max(distance(
+            nearest_alike(&mesh, &bvh, &sample).expect("inside").point,
+        ));
+        smooth = smooth.max(distance(
+            nearest_smooth(&mesh, &bvh, &sample).expect("inside"),
+        ));
+    }
+    // measured: 2.3e-3 and 3.3e-5
+    assert!(smooth < 0.05 * flat, "{flat:e} {smooth:e}");
+    // two squares that meet at a right angle
+    let corners = [
+        DVec3::ZERO,
+        DVec3::X,
+        DVec3::X + DVec3::Y,
+        DVec3::Y,
+        DVec3::Z,
+        DVec3::X + DVec3::Z,
+    ];
+    let triangles = [[0, 1, 2], [0, 2, 3], [1, 0, 4], [1, 4, 5]];
+    let mesh = Mesh::from_triangles(corners.to_vec(), &triangles).expect("two squares");
+    let bvh = crate::mesh::TriangleBvh::new(&mesh.positions, &triangles);
+    let above = Sample {
+        point: DVec3::new(0.4, 0.3, 0.1),
+        normal: DVec3::Z,
+    };
+    assert_eq!(
+        nearest_smooth(&mesh, &bvh, &above),
+        Some(DVec3::new(0.4, 0.3, 0.0))
+    );
+}
