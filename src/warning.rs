@@ -9,7 +9,7 @@ use std::ops::Deref;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use crate::energy::{Order, WellPosed};
-use crate::mesh::{DVec3, LoopId};
+use crate::mesh::DVec3;
 
 /// Maximum number of pairs of intersecting triangles that are counted.
 pub const MAX_PAIRS: usize = 100;
@@ -95,8 +95,6 @@ pub enum Warning {
     },
     /// The surface model gave an unsound surface; another model replaced it.
     Replaced {
-        /// The hole.
-        hole: LoopId,
         /// The model, in words.
         model: String,
         /// The one that replaced it.
@@ -263,7 +261,6 @@ impl fmt::Display for Warning {
                 Place(*at)
             ),
             Self::Replaced {
-                hole,
                 model,
                 by,
                 pairs,
@@ -287,8 +284,7 @@ impl fmt::Display for Warning {
                 let defects = defects.join(", ");
                 write!(
                     f,
-                    "the surface of hole {hole} by {model} was replaced by {by}, because it has \
-                     {defects}"
+                    "the surface by {model} was replaced by {by}, because it has {defects}"
                 )
             }
             Self::SelfIntersection {
@@ -471,9 +467,7 @@ mod tests {
     fn a_replacement_names_the_defects_there_were() {
         let text = |pairs, escaped, folds| {
             let (model, by) = ("g2".into(), "diffusion".into());
-            let hole = LoopId::from(3);
             Warning::Replaced {
-                hole,
                 model,
                 by,
                 pairs,

@@ -306,13 +306,8 @@ fn is_said(filled: &Filled, hole: &FilledHole) -> bool {
             Warning::SelfIntersection { .. } | Warning::Folded { .. }
         )
     };
-    let of_group = hole.group.map(|g| filled.groups[g].as_ref());
-    hole.warnings.iter().any(is_about_soundness)
-        || of_group.is_some_and(|group| {
-            group.map_or(true, |group| {
-                group.outcome.warnings.iter().any(is_about_soundness)
-            })
-        })
+    let has_failed = hole.group.is_some_and(|g| filled.groups[g].is_err());
+    has_failed || hole.warnings.iter().any(is_about_soundness)
 }
 
 fn write(folder: &Path, kind: &str, seed: u64, mesh: &Mesh) -> Result<(), Box<dyn Error>> {

@@ -106,7 +106,7 @@ pub struct SurfaceReport {
     #[serde(flatten)]
     pub model: Candidate,
     /// RMS error to expect of the fill, relative to the hole radius: that of the pseudo-holes; null
-    /// without a prediction.
+    /// without a prediction, and if an unsound patch was replaced by one of another model.
     pub expected_error: Option<f64>,
     /// Number of pseudo-holes.
     pub pseudo_holes: usize,
@@ -124,13 +124,13 @@ pub struct CandidateReport {
     pub error: f64,
 }
 
-impl From<&GroupSurface> for SurfaceReport {
-    fn from(surface: &GroupSurface) -> Self {
+impl SurfaceReport {
+    fn new(surface: &GroupSurface, hole: LoopId) -> Self {
         let prediction = surface.prediction.as_deref();
         let errors = prediction.iter().flat_map(|p| &p.errors);
         Self {
             model: surface.model,
-            expected_error: surface.expected_error(),
+            expected_error: surface.expected_error_of(hole),
             pseudo_holes: prediction.map_or(0, |p| p.discs),
             candidates: errors
                 .map(|&(model, error)| CandidateReport { model, error })
@@ -221,7 +221,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
             match hole.group.map(|g| &filled.groups[g]) {
                 Some(Ok(group)) => {
                     let outcome = &group.outcome;
-                    report.surface = Some((&group.surface).into());
+                    report.surface = Some(SurfaceReport::new(&group.surface, hole.id()));
                     report.steps = outcome.steps;
                     report.rejected = outcome.rejected;
                     report.converged = outcome.end == End::Converged;

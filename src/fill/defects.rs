@@ -10,7 +10,9 @@ use crate::fill::hole::HoleRims;
 use crate::fill::patch_topology::PatchTopology;
 use crate::fill::result::FilledHole;
 use crate::fill::self_intersection::{Obstacles, intersections, place};
-use crate::mesh::{DVec3, FaceId, Mesh, Topology, bounds, boxes_overlap, self_intersections};
+use crate::mesh::{
+    DVec3, FaceId, LoopId, Mesh, Topology, bounds, boxes_overlap, self_intersections,
+};
 use crate::warning::{MAX_PAIRS, Warning};
 
 /// Cosine of the angle between the normals of neighbours beyond which their edge counts as folded
@@ -231,14 +233,14 @@ fn folds(mesh: &Mesh, rims: &HoleRims, triangles: &[[u32; 3]], positions: &[DVec
     found
 }
 
-/// Warnings about the holes, by their place in `holes`, whose patches cross one of another group or one
+/// Warnings about the holes whose patches cross one of another group or one
 /// without new vertices. Each group itself is checked at the end of its flow. `topology` and
 /// `positions` are those of the filled mesh.
 pub(super) fn crossing_groups(
     topology: &Topology,
     positions: &[DVec3],
     holes: &[FilledHole],
-) -> Vec<(usize, Warning)> {
+) -> Vec<(LoopId, Warning)> {
     let Some((group, first)) = holes.first().map(|hole| (hole.group, hole.faces.start)) else {
         return Vec::new();
     };
@@ -268,7 +270,7 @@ pub(super) fn crossing_groups(
             at,
             kept_step,
         };
-        (h, warning)
+        (holes[h].id(), warning)
     };
     found.into_iter().map(warning).collect()
 }

@@ -18,7 +18,7 @@ use crate::fill::result::{Timings, milliseconds};
 use crate::fill::self_intersection::{SelfIntersection, SelfIntersectionMonitor};
 use crate::fill::soundness::make_sound;
 use crate::fill::warm_start::{warm_start, warm_start_of};
-use crate::mesh::{BoundaryLoop, DVec3, VertexId};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, VertexId};
 use crate::solver::{End, Flow, FlowProblem, Outcome, SolverError, StepRecord, sharpest_cosine};
 use crate::warning::{Warning, Warnings};
 
@@ -45,6 +45,10 @@ pub(super) struct GroupFlow {
     intersection: SelfIntersectionMonitor,
     energy_start: Option<f64>,
     warnings: Warnings,
+    /// What the last check for soundness found, by hole.
+    patch_warnings: Vec<(LoopId, Warning)>,
+    /// The holes whose patches it replaced by those of another model or on another triangulation.
+    others: Vec<LoopId>,
     timings: Timings,
 }
 
@@ -91,6 +95,8 @@ impl GroupFlow {
             intersection: SelfIntersectionMonitor::default(),
             energy_start: None,
             warnings: Warnings::default(),
+            patch_warnings: Vec::new(),
+            others: Vec::new(),
             timings: Timings::default(),
         }
     }
@@ -130,13 +136,15 @@ impl GroupFlow {
     /// The surface model of the flow, and the prediction that chose it.
     pub fn surface(&self) -> GroupSurface {
         let flow = &self.options.flow;
-        let is_predicted = self.options.predicts_surface;
+        let has_model = self.others.len() < self.topology.holes.len();
+        let is_predicted = self.options.predicts_surface && has_model;
         GroupSurface {
             model: Candidate {
                 symmetric: !self.counterparts(&self.options).is_empty(),
                 ..Candidate::of(flow)
             },
             prediction: self.prediction.clone().filter(|_| is_predicted),
+            others: self.others.clone(),
         }
     }
 
@@ -226,6 +234,8 @@ impl GroupFlow {
         match record {
             Ok(record) => {
                 if record.as_ref().is_some_and(|record| !record.is_rejected()) {
+                    self.patch_warnings.clear();
+                    self.others.clear();
                     self.remesh_if_degraded(context);
                     self.follow_counterparts(context);
                     self.check_self_intersection(context);
@@ -300,7 +310,9 @@ impl GroupFlow {
             kept_step,
         };
         let Some(clean) = self.intersection.clean().cloned() else {
-            self.warn(warning(None));
+            if !self.is_checked(context) {
+                self.warn(warning(None));
+            }
             return;
         };
         let built = self.build(
@@ -318,10 +330,15 @@ impl GroupFlow {
         }
     }
 
+    /// Whether the flow has ended and its patches are checked for soundness.
+    fn is_checked(&self, context: FillContext<'_>) -> bool {
+        let is_patched = matches!(context.plan.domain, Domain::Holes(_));
+        is_patched && !matches!(self.end(), None | Some(End::Cancelled))
+    }
+
     /// Checks the patches at the end of the flow, and replaces unsound ones of single rims.
     fn make_sound(&mut self, context: FillContext<'_>) {
-        let is_patched = matches!(context.plan.domain, Domain::Holes(_));
-        if !is_patched || matches!(self.end(), None | Some(End::Cancelled)) {
+        if !self.is_checked(context) {
             return;
         }
         let start = Instant::now();
@@ -334,11 +351,10 @@ impl GroupFlow {
             self.counterparts(&self.options),
             &self.options,
         );
-        self.warnings.extend(checked.warnings);
+        self.patch_warnings = checked.warnings;
+        self.others = checked.others;
         if let Some((topology, positions)) = checked.replaced {
             let topology = Arc::new(topology);
-            // the expected error is not that of another model
-            self.options.predicts_surface = false;
             let (steps, rejected) = self.step_counts();
             let end = self.end().unwrap_or(End::Converged);
             let options = self.options.clone();
@@ -563,6 +579,11 @@ impl GroupFlow {
         let of_flow = self.flow.iter().flat_map(|flow| flow.warnings().iter());
         all.extend(of_flow.cloned());
         all
+    }
+
+    /// What the check of the patches at the end of the flow found, by hole.
+    pub fn patch_warnings(&self) -> &[(LoopId, Warning)] {
+        &self.patch_warnings
     }
 
     /// The outcome of the flow, and the stage times.

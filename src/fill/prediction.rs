@@ -17,7 +17,7 @@ use crate::fill::counterpart::Counterpart;
 use crate::fill::options::Symmetry;
 use crate::fill::pseudo_hole::{Disc, Surroundings};
 use crate::fill::symmetric_errors::SymmetricErrors;
-use crate::mesh::{DVec3, Mesh, Neighbourhood, VertexId};
+use crate::mesh::{DVec3, LoopId, Mesh, Neighbourhood, VertexId};
 use crate::options::Choice;
 use crate::solver::{
     FlowOptions, FlowProblem, LocalG2, Mode, SUPPORT_RINGS, StepRequest, SurfaceModel,
@@ -76,12 +76,20 @@ pub struct GroupSurface {
     pub model: Candidate,
     /// What chose it; `None` if the options did.
     pub prediction: Option<Arc<Prediction>>,
+    /// The holes whose patches were not sound and are by another model or on another triangulation.
+    pub others: Vec<LoopId>,
 }
 
 impl GroupSurface {
-    /// The error to expect, relative to the hole radius.
+    /// The error to expect of the holes that have this model, relative to the hole radius.
     pub fn expected_error(&self) -> Option<f64> {
         Some(self.prediction.as_ref()?.chosen()?.1)
+    }
+
+    /// The error to expect of one hole; `None` if its patch is by another model.
+    pub fn expected_error_of(&self, hole: LoopId) -> Option<f64> {
+        self.expected_error()
+            .filter(|_| !self.others.contains(&hole))
     }
 
     /// The model with the error to expect, for users.

@@ -128,7 +128,8 @@ pub struct FilledHole {
     pub faces: Range<usize>,
     /// Milliseconds of the first patch.
     pub patch_ms: f64,
-    /// Defects of the patch; those of a flow are in the outcome of its group.
+    /// Defects of the patch and what was done about them. Warnings about the flow are in the outcome of its
+    /// group.
     pub warnings: Warnings,
     /// Tag of its faces.
     pub(super) tag: u32,

@@ -104,9 +104,14 @@ pub(super) fn run_plan(
     }
     let positions = runs.iter().map(|run| &run.positions[..]);
     let filled = assembly.mesh(mesh, positions);
-    let warnings = crossing_groups(&filled.topology, &filled.positions, &assembly.holes);
-    for (hole, warning) in warnings {
-        assembly.holes[hole].warnings.push(warning);
+    let crossing = crossing_groups(&filled.topology, &filled.positions, &assembly.holes);
+    let of_patches = runs
+        .iter()
+        .flat_map(|run| run.patch_warnings.iter().cloned());
+    for (id, warning) in of_patches.chain(crossing) {
+        if let Some(hole) = assembly.holes.iter_mut().find(|hole| hole.id() == id) {
+            hole.warnings.push(warning);
+        }
     }
     Ok(Filled {
         mesh: filled,

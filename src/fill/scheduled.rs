@@ -6,13 +6,15 @@ use crate::fill::context::FillContext;
 use crate::fill::patch_topology::PatchTopology;
 use crate::fill::process::{GroupProcess, GroupProgress};
 use crate::fill::{Controls, FillOptions, GroupResult};
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, LoopId};
 use crate::runner::{Recording, replay};
 use crate::solver::{SolverError, StepRecord};
+use crate::warning::Warning;
 
 /// The result of a group that was run to its end.
 pub(super) struct GroupOutcome {
     pub result: Result<GroupResult, SolverError>,
+    pub patch_warnings: Vec<(LoopId, Warning)>,
     pub topology: Arc<PatchTopology>,
     pub positions: Vec<DVec3>,
 }
@@ -37,6 +39,7 @@ pub(super) fn run_group(
     let mut run = process.group.run;
     let surface = run.surface();
     GroupOutcome {
+        patch_warnings: run.patch_warnings().to_vec(),
         result: run.outcome().map(|(outcome, timings)| GroupResult {
             surface,
             outcome,

@@ -13,7 +13,7 @@ use crate::fill::region;
 use crate::fill::repair::repaired;
 use crate::fill::self_intersection::{CompactTriangles, Obstacles};
 use crate::fill::warm_start::{warm_start, warm_start_of};
-use crate::mesh::{DVec3, Mesh, TriangleIntersections, VertexId, bounds};
+use crate::mesh::{DVec3, LoopId, Mesh, TriangleIntersections, VertexId, bounds};
 use crate::patch::{self, OtherPatches, Patch, PatchOptions};
 use crate::solver::{End, Flow, FlowProblem, Mode, SurfaceModel, Tau};
 use crate::warning::{MAX_PAIRS, Warning, Warnings};
@@ -32,8 +32,10 @@ const SAFER: [Candidate; 5] = [
 pub(super) struct Checked {
     /// The patches and their new vertices, if one was replaced.
     pub replaced: Option<(PatchTopology, Vec<DVec3>)>,
-    /// What was replaced, and which defects are left.
-    pub warnings: Warnings,
+    /// What was replaced, and which defects are left, by hole.
+    pub warnings: Vec<(LoopId, Warning)>,
+    /// The holes with patches by another surface model or on another triangulation.
+    pub others: Vec<LoopId>,
 }
 
 /// Checks the patches of a group with new vertices at `positions`, filled with `options`. An unsound
@@ -120,35 +122,37 @@ pub(super) fn make_sound(
             }
         }
     }
-    let mut warnings = Warnings::default();
-    for hole in &unsound {
-        let Some(found) = found[hole.number].filter(|_| !again.contains(&hole.number)) else {
-            continue;
-        };
-        let mut left = hole.defects(&present);
-        if let Some(by) = words[hole.number].take() {
-            let [pairs, escaped, folds] = found.severity();
-            warnings.push(Warning::Replaced {
-                hole: hole.rims.id(),
-                model: model.words(),
-                by,
-                pairs: pairs.min(MAX_PAIRS),
-                escaped,
-                folds,
-            });
-        } else if hole.rims.is_blend() {
-            // intersections of blends are watched during the flow
-            left = left.map(|defects| Defects {
-                crossings: None,
-                ..defects
-            });
+    let (mut warnings, mut others) = (Vec::new(), Vec::new());
+    if !unsound.is_empty() {
+        let patches = Patches::new(context, group, &present.0, &present.1);
+        for hole in &holes {
+            let id = hole.rims.id();
+            let left = hole.defects_among(&patches, &present.1);
+            let by = words[hole.number].take();
+            let by = by.filter(|_| !again.contains(&hole.number));
+            if let Some((found, by)) = found[hole.number].zip(by) {
+                if by != model.words() + CHANGED {
+                    others.push(id);
+                }
+                let [pairs, escaped, folds] = found.severity();
+                let replaced = Warning::Replaced {
+                    model: model.words(),
+                    by,
+                    pairs: pairs.min(MAX_PAIRS),
+                    escaped,
+                    folds,
+                };
+                warnings.push((id, replaced));
+            }
+            let left = left.iter().flat_map(Defects::warnings);
+            warnings.extend(left.map(|warning| (id, warning)));
         }
-        warnings.extend(left.iter().flat_map(Defects::warnings));
     }
     let is_changed = present.0 != *topology || present.1 != first;
     Checked {
         replaced: is_changed.then_some(present),
         warnings,
+        others,
     }
 }
 
@@ -356,6 +360,9 @@ const LOCAL: usize = 8;
 
 /// Words for a surface on other triangles.
 const OTHERWISE: &str = " on another triangulation";
+
+/// Words for a repaired surface.
+const CHANGED: &str = " changed near its defects";
 
 /// A surface that may replace an unsound one.
 struct Replacement {
@@ -588,7 +595,7 @@ impl HoleOfGroup<'_> {
         let patch = self.patch(&unsound.surface)?;
         let patch = repaired(mesh, obstacles, self.rims, &patch, &others, positions)?;
         let surface = self.with(&unsound.surface, &patch);
-        let words = format!("{} changed near its defects", unsound.words);
+        let words = format!("{}{CHANGED}", unsound.words);
         Some(self.replacement(surface, words)).filter(Replacement::is_sound)
     }
 
@@ -644,9 +651,17 @@ mod tests {
         let hole: Vec<RimSet<'_>> = hole.map(|l| vec![l]).collect();
         let filled = fill_rim_sets(&mesh, &hole, &FillOptions::default(), &|_, _| true);
         let filled = filled.expect("filled");
-        let group = filled.groups[0].as_ref().expect("a flow");
-        let codes: Vec<&str> = group.outcome.warnings.iter().map(Warning::code).collect();
+        let [hole] = &filled.holes[..] else {
+            panic!("one hole")
+        };
+        let codes: Vec<&str> = hole.warnings.iter().map(Warning::code).collect();
         assert_eq!(codes, ["surface-replaced"]);
+        // no error was predicted for the model of the replacement
+        let surface = &filled.groups[0].as_ref().expect("a flow").surface;
+        assert_eq!(
+            (&surface.others[..], &surface.prediction),
+            (&[hole.id()][..], &None)
+        );
         let new = &filled.mesh.positions[mesh.vertex_count()..];
         assert!(new.iter().all(|p| p.z < 0.8));
     }
@@ -658,8 +673,7 @@ mod tests {
         let holes: Vec<RimSet<'_>> = loops.iter().map(|l| vec![l]).collect();
         let filled = fill_rim_sets(&mesh, &holes, &FillOptions::default(), &|_, _| true);
         let filled = filled.expect("filled");
-        let groups = filled.groups.iter().flatten();
-        let warnings = groups.flat_map(|group| group.outcome.warnings.iter());
+        let warnings = filled.holes.iter().flat_map(|hole| hole.warnings.iter());
         let codes = warnings.map(Warning::code).collect();
         let result = &filled.mesh;
         let faces: Vec<[u32; 3]> = result.topology.triangles().collect();

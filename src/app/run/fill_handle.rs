@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::handle::{Figures, RunEvent, StateView, WindowProcess, warning_event};
+use super::handle::{Figures, RunEvent, StateView, WindowProcess, warning_event, with_hint};
 use crate::fill::{Controls, FillEvent, FillProcess, FillSnapshot, FillTimeline, GroupStatus};
 use crate::mesh::{DVec3, Mesh, Topology};
 use crate::runner::{Runner, Schedule};
@@ -74,7 +74,10 @@ impl WindowProcess for FillProcess {
             FillEvent::Finished { outcome, .. } => {
                 outcome.warnings.iter().filter_map(warning_event).collect()
             }
-            FillEvent::Warned(warning) => warning_event(&warning).into_iter().collect(),
+            FillEvent::Warned { hole, warning } => {
+                let text = format!("hole {hole}: {}", with_hint(&warning));
+                vec![RunEvent::Warning(text)]
+            }
             FillEvent::Failed { text, .. } => vec![RunEvent::Error(text)],
         }
     }

@@ -34,8 +34,13 @@ pub enum FillEvent {
         /// Its result.
         outcome: Outcome,
     },
-    /// A patch without new vertices, which no flow changes, has a defect.
-    Warned(Warning),
+    /// A patch has a defect or was replaced.
+    Warned {
+        /// The first loop of its hole.
+        hole: LoopId,
+        /// What is wrong.
+        warning: Warning,
+    },
     /// A hole has no patch, or a group cannot continue; its last valid state is kept.
     Failed {
         /// The group; `None` for a hole without a patch.

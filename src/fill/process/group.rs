@@ -179,21 +179,23 @@ impl GroupProgress {
         })
     }
 
-    /// The event that the flow has ended, once.
-    pub fn end_event(&mut self, group: usize, holes: &[LoopId]) -> Option<FillEvent> {
+    /// The events that the flow has ended, and what was found about the patches, once.
+    pub fn end_events(&mut self, group: usize, holes: &[LoopId]) -> Vec<FillEvent> {
         if self.end_reported || !self.run.ended() {
-            return None;
+            return Vec::new();
         }
         self.end_reported = true;
-        let error = match catching(|| self.run.outcome()) {
-            Ok(Ok((outcome, _))) => return Some(FillEvent::Finished { group, outcome }),
-            Ok(Err(error)) | Err(error) => error,
+        let end = match catching(|| self.run.outcome()) {
+            Ok(Ok((outcome, _))) => FillEvent::Finished { group, outcome },
+            Ok(Err(error)) | Err(error) => FillEvent::Failed {
+                group: Some(group),
+                holes: holes.to_vec(),
+                text: error.to_string(),
+            },
         };
-        Some(FillEvent::Failed {
-            group: Some(group),
-            holes: holes.to_vec(),
-            text: error.to_string(),
-        })
+        let warnings = self.run.patch_warnings().iter().cloned();
+        let warned = warnings.map(|(hole, warning)| FillEvent::Warned { hole, warning });
+        std::iter::once(end).chain(warned).collect()
     }
 
     /// The status; `seconds` is the time a step takes.

@@ -18,6 +18,7 @@ use crate::fill::context::FillContext;
 use crate::fill::defects::crossing_groups;
 use crate::fill::estimate::memory_of;
 use crate::fill::fairing::plan_fairing;
+use crate::fill::hole::PlannedHole;
 use crate::fill::plan::Plan;
 use crate::fill::prepare::{Prepared, prepare};
 use crate::fill::{
@@ -29,7 +30,7 @@ use crate::runner::{
     Process, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline, Wake,
 };
 use crate::solver::FASTEST;
-use crate::warning::{Warning, Warnings};
+use crate::warning::Warning;
 
 pub use events::{FillEvent, GroupStatus};
 pub(super) use group::{GroupProcess, GroupProgress};
@@ -104,7 +105,7 @@ pub struct FillProcess {
     /// Holes without a patch that are not reported yet.
     failed_holes: Vec<FillError>,
     /// Warnings about patches that no flow changes, not reported yet.
-    warnings: Vec<Warning>,
+    warnings: Vec<(LoopId, Warning)>,
     /// Whether the patches were checked against those of other groups since the last change.
     groups_checked: bool,
     cancelled: Arc<AtomicBool>,
@@ -140,8 +141,15 @@ impl FillProcess {
         };
         let mesh = longer.map_or(mesh, Arc::new);
         let failed_holes = std::mem::take(&mut plan.failed);
-        let warnings = plan.holes().iter().flat_map(|hole| hole.warnings.iter());
-        let warnings = warnings.cloned().collect();
+        let of_hole = |hole: &PlannedHole| {
+            let id = hole.rims.id();
+            hole.warnings
+                .iter()
+                .cloned()
+                .map(move |warning| (id, warning))
+                .collect::<Vec<_>>()
+        };
+        let warnings = plan.holes().iter().flat_map(of_hole).collect();
         require(memory_of(&mesh, &plan, options)).map_err(FillError::from)?;
         let context = FillContext {
             mesh: &mesh,
@@ -167,15 +175,14 @@ impl FillProcess {
     }
 
     /// Warnings about patches that cross those of other groups.
-    fn crossing_groups(&mut self) -> Warnings {
+    fn crossing_groups(&mut self) -> Vec<(LoopId, Warning)> {
         let Ok(state) = self.state() else {
-            return Warnings::default();
+            return Vec::new();
         };
         let positions = state.groups.iter().map(|group| &group.positions[..]);
         let positions = self.assembly.positions(&self.mesh, positions);
         let holes = &self.assembly.holes;
-        let found = crossing_groups(&self.assembly.topology, &positions, holes);
-        found.into_iter().map(|found| found.1).collect()
+        crossing_groups(&self.assembly.topology, &positions, holes)
     }
 
     /// Changes all groups. Groups that cannot make the change report the reason.
@@ -295,17 +302,16 @@ impl Process for FillProcess {
         }
         if self.ended() && !std::mem::replace(&mut self.groups_checked, true) {
             let found = self.crossing_groups();
-            self.warnings.extend(found.iter().cloned());
+            self.warnings.extend(found);
         }
-        self.warnings
-            .drain(..)
-            .map(FillEvent::Warned)
-            .for_each(&mut *emit);
+        for (hole, warning) in self.warnings.drain(..) {
+            emit(FillEvent::Warned { hole, warning });
+        }
         let plan = &self.plan;
         let groups = self.groups.iter_mut().enumerate();
         let statuses = groups.map(|(g, group)| {
             let holes = plan.hole_ids(g);
-            group.end_event(g, &holes).into_iter().for_each(&mut *emit);
+            group.end_events(g, &holes).into_iter().for_each(&mut *emit);
             group.status(holes, plan.groups[g].radius, seconds)
         });
         statuses.collect()
