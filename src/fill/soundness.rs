@@ -487,9 +487,9 @@ impl HoleOfGroup<'_> {
         true
     }
 
-    /// Searches sound domes over the rim if the best surface so far crosses the mesh nearly everywhere: a
-    /// flat surface lies on the mesh if its rim is the outer boundary of a flat sheet. A surface with
-    /// few defects is nearer to the truth than a dome.
+    /// Searches sound domes over a rim that is the outer boundary of a sheet, on which a flat surface would
+    /// lie, and over others if the best surface so far crosses the mesh nearly everywhere. Over the rim of a
+    /// hole a surface with few defects is nearer to the truth than a dome.
     fn search_domes(&self, best: &mut Best<'_>, present: &Surface, options: &FillOptions) {
         let first = self.at_first_patch(present, options);
         let patch = self.patch(&first);
@@ -497,7 +497,8 @@ impl HoleOfGroup<'_> {
             return;
         };
         let [pairs, ..] = best.severity;
-        if 4 * pairs < patch.triangles.len() {
+        let is_outer = self.rims.loops.iter().any(|rim| rim.is_outer_boundary);
+        if !is_outer && 4 * pairs < patch.triangles.len() {
             return;
         }
         for height in HEIGHTS {
