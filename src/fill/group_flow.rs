@@ -267,7 +267,11 @@ impl GroupFlow {
             return;
         }
         let (topology, options) = (&self.topology, &self.options);
-        let next = remesh_degraded(context, self.group, topology, &self.positions(), options);
+        let converged = end == Some(End::Converged);
+        let positions = self.positions();
+        let next = remesh_degraded(
+            context, self.group, topology, &positions, options, converged,
+        );
         if let Some((topology, positions)) = next {
             self.remeshing.count(steps);
             let energy = self.flow.as_mut().map_or(f64::NAN, Flow::fine_energy);
@@ -280,7 +284,7 @@ impl GroupFlow {
                 rejected,
             );
             if let Ok(Some(flow)) = built
-                && flow.energy_start() <= MAX_ENERGY_RISE * energy
+                && (converged || flow.energy_start() <= MAX_ENERGY_RISE * energy)
             {
                 self.install(Arc::new(topology), positions, Some(flow));
             }

@@ -15,12 +15,16 @@ use crate::patch::{self, Patch};
 /// Blends with a triangle angle below this (in degrees) are remeshed. Every remeshing costs some
 /// steps in which the new triangles adjust.
 const SHARP: f64 = 18.0;
+/// Angle of a thin triangle, in degrees.
+const THIN: f64 = 10.0;
+/// Share of thin triangles above which the patch of a single rim is remeshed at the end of its flow.
+const MOST_THIN: f64 = 0.04;
 /// Minimum number of accepted steps between two remeshings.
 const STEPS_BETWEEN: usize = 3;
 /// Maximum number of remeshings of a group.
 const MAX_REMESHINGS: usize = 8;
 
-/// Decides when the blends of a group are remeshed.
+/// Decides when the patches of a group are remeshed.
 #[derive(Debug, Default)]
 pub(super) struct RemeshPolicy {
     count: usize,
@@ -40,27 +44,35 @@ impl RemeshPolicy {
     }
 }
 
-/// The patches of a group, in which blends with sharp triangles are remeshed if that improves them.
-/// `None` if no patch is remeshed.
+/// The patches of a group, in which blends with sharp triangles are remeshed if that improves them, and, if the
+/// flow has `converged`, patches of single rims with many thin triangles: a vector flow moves vertices along the surface
+/// too, far where the surface is much larger than its rim. `None` if no patch is remeshed.
 pub(super) fn remesh_degraded(
     context: FillContext<'_>,
     group: usize,
     topology: &PatchTopology,
     positions: &[DVec3],
     options: &FillOptions,
+    converged: bool,
 ) -> Option<(PatchTopology, Vec<DVec3>)> {
     let mut next = Remeshed::default();
     let mut any = false;
     for (hole, (own, here)) in context.plan.holes_of(group).zip(topology.split(positions)) {
-        let mut better = None;
-        if hole.rims.is_blend() {
-            let present = hole.rims.patch(own, here);
-            let before = present.sharpest_angle();
-            if before < SHARP {
-                let fresh = patch::reblend(&hole.rims.geometry, &present, options.patch);
-                better = (fresh.sharpest_angle() > before).then_some(fresh);
-            }
+        if !hole.rims.is_blend() && !converged {
+            next.keep(own, here);
+            continue;
         }
+        let present = hole.rims.patch(own, here);
+        let fresh = || patch::reblend(&hole.rims.geometry, &present, options.patch);
+        let better = if hole.rims.is_blend() {
+            let before = present.sharpest_angle();
+            let fresh = (before < SHARP).then(fresh);
+            fresh.filter(|fresh| fresh.sharpest_angle() > before)
+        } else {
+            let before = present.share_below(THIN);
+            let fresh = (converged && before > MOST_THIN).then(fresh);
+            fresh.filter(|fresh| 2.0 * fresh.share_below(THIN) < before)
+        };
         match better {
             Some(patch) => {
                 next.push(&patch);

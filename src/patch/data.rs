@@ -101,16 +101,26 @@ impl Patch {
         &self.points[self.rim..]
     }
 
+    /// The smallest angle of each triangle, in degrees.
+    fn angles(&self) -> impl Iterator<Item = f64> {
+        self.triangles.iter().map(|t| {
+            let p = t.map(|v| self.points[v as usize]);
+            let angle = |k: usize| {
+                let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+                u.angle_between(v).to_degrees()
+            };
+            (0..3).map(angle).fold(f64::INFINITY, f64::min)
+        })
+    }
+
     /// The smallest angle of a triangle, in degrees.
     pub fn sharpest_angle(&self) -> f64 {
-        let mut least = f64::INFINITY;
-        for t in &self.triangles {
-            let p = t.map(|v| self.points[v as usize]);
-            for k in 0..3 {
-                let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
-                least = least.min(u.angle_between(v).to_degrees());
-            }
-        }
-        least
+        self.angles().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The share of triangles with an angle below `degrees`.
+    pub fn share_below(&self, degrees: f64) -> f64 {
+        let below = self.angles().filter(|&angle| angle < degrees).count();
+        below as f64 / self.triangles.len() as f64
     }
 }
