@@ -24,8 +24,8 @@
 //! [`solver`] runs a single flow. `docs/formulation.md` describes the mathematics and the sign
 //! conventions, `ARCHITECTURE.md` the modules.
 //!
-//! Cargo features: `render` adds the module of that name (pictures without a window). `cli` and
-//! `window` (the default) build the program.
+//! Cargo features: `render` adds the module of that name (pictures without a window), `textures` reads
+//! and writes texture images. `cli` and `window` (the default) build the program.
 
 mod api;
 
@@ -38,6 +38,7 @@ pub mod app;
 pub mod cli;
 pub mod energy;
 pub mod fill;
+pub mod images;
 pub mod io;
 pub mod linear;
 pub mod memory;

@@ -8,6 +8,8 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
 
 use super::document::{AppliedOperation, Document, Source, file_name};
@@ -15,7 +17,7 @@ use super::report::ReportView;
 use super::view_state::ViewState;
 use crate::fill::Controls;
 use crate::io::{self, Format, Opened};
-use crate::mesh::{DVec3, parse_ranges, ranges_text};
+use crate::mesh::{DVec3, OwnMaterial, parse_ranges, ranges_text};
 use crate::options::Choice;
 use crate::render::{Bounds, Camera, ViewMode, ViewStyle};
 use crate::shapes::Sample;
@@ -52,6 +54,19 @@ pub struct Project {
     controls: Controls,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     fills: Vec<AppliedOperation>,
+    /// Materials of the stored mesh whose images are in no file.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    materials: Vec<StoredMaterial>,
+}
+
+/// A material whose image is in no file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct StoredMaterial {
+    name: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    like: String,
+    /// The bytes of a PNG file in base64.
+    image: String,
 }
 
 /// The stored part of the view.
@@ -121,6 +136,18 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
             .iter()
             .map(|one| (**one).clone())
             .collect(),
+        materials: document
+            .mesh
+            .attributes
+            .own_materials
+            .iter()
+            .filter(|_| embed)
+            .map(|material| StoredMaterial {
+                name: material.name.clone(),
+                like: material.like.clone(),
+                image: STANDARD.encode(&*material.png),
+            })
+            .collect(),
     };
     let mut text = String::from("# Meniscus project\n");
     // TOML can represent every value
@@ -174,7 +201,24 @@ fn parse(text: &str, path: &Path) -> Result<(Document, Project), String> {
     }
     let mesh_path = project.mesh.as_ref().map(|p| folder.join(p));
     let (opened, source) = if let Some(body) = body {
-        let soup = io::read(Format::Obj, body.as_bytes(), path).map_err(|e| e.to_string())?;
+        let mut soup = io::read(Format::Obj, body.as_bytes(), path).map_err(|e| e.to_string())?;
+        // material libraries and images are beside the mesh file
+        let beside = mesh_path.as_deref().and_then(Path::parent);
+        soup.attributes.folder = beside.map(Path::to_owned);
+        for StoredMaterial { name, like, image } in &project.materials {
+            let png = STANDARD.decode(image);
+            let png = png.map_err(|e| {
+                format!(
+                    "{path}: the image of material '{name}': {e}",
+                    path = path.display()
+                )
+            })?;
+            soup.attributes.own_materials.push(OwnMaterial {
+                name: name.clone(),
+                like: like.clone(),
+                png: Arc::new(png),
+            });
+        }
         let opened = io::from_soup(&soup, path).map_err(|e| e.to_string())?;
         let source = match (&mesh_path, &project.sample) {
             // the mesh was stored although nothing has changed it

@@ -86,9 +86,6 @@ pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
 
 /// The attributes of `mesh` that a file in `format` cannot store, as messages for the user.
 pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
-    let mut lost = Vec::new();
-    let all = mesh.attributes;
-    let colors = Colors::of(&all.vertices);
     let name = match format {
         Format::Obj => "OBJ",
         Format::Ply => "PLY",
@@ -96,6 +93,23 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         Format::Off => "OFF",
         Format::Glb | Format::Gltf => "glTF",
     };
+    if !format.has_materials() && !mesh.attributes.own_materials.is_empty() {
+        let mut lost = losses(
+            format,
+            &OutputMesh {
+                attributes: &mesh.attributes.without_own_materials(),
+                ..*mesh
+            },
+        );
+        lost.push(format!(
+            "{name} cannot store texture images of patches, whose faces get no texture \
+             coordinates; write OBJ or glTF"
+        ));
+        return lost;
+    }
+    let mut lost = Vec::new();
+    let all = mesh.attributes;
+    let colors = Colors::of(&all.vertices);
     let is_gltf = matches!(format, Format::Glb | Format::Gltf);
     let of_gltf = gltf::vertex_columns(all);
     if format == Format::Stl && colors.is_some() {

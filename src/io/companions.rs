@@ -51,22 +51,26 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
     messages
 }
 
-/// The materials of a mesh: those of a glTF file and of the libraries of an OBJ file, and for the texture
-/// image of a PLY file one without a name, which is that of faces without a material. Other files are
-/// looked for in the folder of the mesh file, and not at all if that is unknown.
+/// The materials of a mesh: its own, those of a glTF file and of the libraries of an OBJ file, and for
+/// the texture image of a PLY file one without a name, which is that of faces without a material. Other
+/// files are looked for in the folder of the mesh file, and not at all if that is unknown.
 pub fn materials(attributes: &Attributes) -> Vec<Material> {
-    let folder = attributes.folder.as_deref();
-    if let Some(all) = &attributes.gltf_materials {
-        return gltf::materials(folder, all);
-    }
-    let Some(folder) = folder else {
-        return Vec::new();
-    };
-    let mut all = obj::materials(folder, attributes);
-    all.extend(attributes.texture_files().next().map(|name| Material {
-        image: Some(ImageSource::File(folder.join(name))),
+    let own = attributes.own_materials.iter().map(|material| Material {
+        name: material.name.clone(),
+        image: Some(ImageSource::Bytes((*material.png).clone())),
         ..Material::default()
-    }));
+    });
+    let mut all: Vec<Material> = own.collect();
+    let folder = attributes.folder.as_deref();
+    if let Some(of_file) = &attributes.gltf_materials {
+        all.extend(gltf::materials(folder, of_file));
+    } else if let Some(folder) = folder {
+        all.extend(obj::materials(folder, attributes));
+        all.extend(attributes.texture_files().next().map(|name| Material {
+            image: Some(ImageSource::File(folder.join(name))),
+            ..Material::default()
+        }));
+    }
     all
 }
 

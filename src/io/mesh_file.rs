@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::own_materials::Beside;
 use super::{Format, LoadError, OutputMesh, SaveError, load, losses, save};
 use crate::mesh::{self, BuildError, LoadReport, Mesh, Soup, Weld};
 
@@ -78,14 +79,22 @@ fn repaired(soup: &Soup, path: &Path, weld: Weld) -> Result<Opened, OpenError> {
     Ok(Opened { mesh, report })
 }
 
-/// Writes a mesh atomically in the format of the extension. Returns the [`losses`].
+/// Writes a mesh atomically in the format of the extension. Returns messages for the user: the
+/// [`losses`], and what was written beside an OBJ file.
 ///
 /// # Errors
 /// As [`save`].
 pub fn save_mesh(path: &Path, mesh: &Mesh) -> Result<Vec<String>, SaveError> {
     with_output(mesh, |output| {
         save(path, output)?;
-        Ok(Format::from_path(path).map_or_else(Vec::new, |format| losses(format, output)))
+        let format = Format::from_path(path);
+        let mut messages = format.map_or_else(Vec::new, |format| losses(format, output));
+        if format == Some(Format::Obj)
+            && let Some(beside) = Beside::of(path, output.attributes)
+        {
+            messages.push(format!("written beside it: {}", beside.names().join(", ")));
+        }
+        Ok(messages)
     })
 }
 

@@ -33,6 +33,7 @@ mod mesh_file;
 mod number;
 mod obj;
 mod off;
+mod own_materials;
 mod ply;
 mod stl;
 #[cfg(test)]
@@ -56,6 +57,7 @@ pub use mesh_file::{
 };
 
 use crate::mesh::{Attributes, DVec3, Soup};
+use own_materials::Beside;
 
 /// A mesh file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -100,6 +102,11 @@ impl Format {
     /// Whether coordinates are single precision numbers.
     fn is_single(self) -> bool {
         matches!(self, Self::Stl | Self::Glb | Self::Gltf)
+    }
+
+    /// Whether faces have materials with images.
+    fn has_materials(self) -> bool {
+        matches!(self, Self::Obj | Self::Glb | Self::Gltf)
     }
 
     /// The format of the extension of `path`, in upper or lower case; `None` if it is unknown.
@@ -209,14 +216,25 @@ fn read_in(
 
 /// Writes `mesh` to `path` atomically, in the format of its extension.
 ///
-/// It writes a temporary file in the same directory, syncs it to the disk and renames it.
+/// It writes a temporary file in the same directory, syncs it to the disk and renames it. The images of
+/// own materials are written before: beside an OBJ file with a material library of their own, whose names
+/// begin with that of the file, and into a glTF file.
 ///
 /// # Errors
 /// [`SaveError`]; an existing file is unchanged.
 pub fn save(path: &Path, mesh: &OutputMesh<'_>) -> Result<(), SaveError> {
     let format = Format::from_path(path).ok_or_else(|| unknown_target(path))?;
     check(format, mesh).map_err(|reason| SaveErrorKind::Mesh(reason).of(path))?;
-    atomic::replace(path, |out| write(format, mesh, out))
+    let beside = (format == Format::Obj).then(|| Beside::of(path, mesh.attributes));
+    let Some(beside) = beside.flatten() else {
+        return atomic::replace(path, |out| write(format, mesh, out));
+    };
+    beside.write()?;
+    let mesh = OutputMesh {
+        attributes: &beside.referred(mesh.attributes),
+        ..*mesh
+    };
+    atomic::replace(path, |out| write(format, &mesh, out))
 }
 
 /// Writes a text file atomically.
@@ -266,8 +284,12 @@ pub fn check_text_target(path: &Path) -> Result<(), SaveError> {
 /// May panic on a mesh that [`check()`] refuses.
 pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std::io::Result<()> {
     let is_down = matches!(format, Format::Glb | Format::Gltf);
-    let turned;
+    let (turned, stored);
     let mut mesh = *mesh;
+    if !format.has_materials() && !mesh.attributes.own_materials.is_empty() {
+        stored = mesh.attributes.without_own_materials();
+        mesh.attributes = &stored;
+    }
     if mesh.attributes.texture_is_down != is_down && !mesh.attributes.faces.texture.is_empty() {
         turned = mesh.attributes.with_turned_texture();
         mesh.attributes = &turned;

@@ -6,8 +6,9 @@ use std::sync::Arc;
 use image::imageops::FilterType;
 
 use super::scene::next_id;
+use crate::images::Pixels;
 use crate::mesh::{
-    Attributes, Column, FaceId, ImageSource, Material, Mesh, NO_VALUE, columns_named,
+    Attributes, Column, FaceId, ImageSource, Material, Mesh, NO_VALUE, OwnMaterial, columns_named,
 };
 
 /// Maximum side of an image in pixels, which every device that draws supports. Larger ones are scaled.
@@ -44,17 +45,20 @@ impl Image {
 
     /// Reads an image. One with a side above 8192 pixels is scaled down, with a note.
     fn read(source: &ImageSource) -> Result<(Self, Option<String>), String> {
-        let (name, bytes) = match source {
-            ImageSource::File(path) => (path.display().to_string(), std::fs::read(path)),
-            ImageSource::Bytes(bytes) => ("in the mesh file".to_owned(), Ok(bytes.clone())),
-        };
-        let read = bytes.map_err(|e| e.to_string());
-        let read = read.and_then(|b| image::load_from_memory(&b).map_err(|e| e.to_string()));
-        let picture = read.map_err(|e| format!("the texture image '{name}' is not drawn: {e}"))?;
-        let (width, height) = (picture.width(), picture.height());
+        let name = source.name();
+        let read = source.bytes().map_err(|e| e.to_string());
+        let read = read.and_then(|bytes| Pixels::decode(&bytes));
+        let Pixels {
+            width,
+            height,
+            rgba,
+        } = read.map_err(|e| format!("the texture image '{name}' is not drawn: {e}"))?;
+        let picture = image::RgbaImage::from_raw(width, height, rgba);
+        let picture = picture.expect("a colour for each pixel");
         if width.max(height) <= MOST {
-            return Ok((Self::new(picture.into_rgba8()), None));
+            return Ok((Self::new(picture), None));
         }
+        let picture = image::DynamicImage::from(picture);
         let scaled = picture.resize(MOST, MOST, FilterType::Triangle);
         let note = format!(
             "the texture image '{name}' is drawn with {} x {} instead of {width} x {height} pixels",
@@ -99,6 +103,8 @@ impl Image {
 pub struct Textures {
     /// By the name of the material.
     images: BTreeMap<String, Arc<Image>>,
+    /// Materials of a mesh whose images are in no file.
+    own: Vec<OwnMaterial>,
 }
 
 impl Textures {
@@ -132,7 +138,36 @@ impl Textures {
             };
             images.extend(image.map(|image| (material.name.clone(), image)));
         }
-        (Self { images }, notes)
+        let own = Vec::new();
+        (Self { images, own }, notes)
+    }
+
+    /// The same images and those of the own materials of a mesh, instead of other own materials; `None`
+    /// if these are the same.
+    #[must_use]
+    pub fn with_own(&self, own: &[OwnMaterial]) -> Option<Self> {
+        if self.own == own {
+            return None;
+        }
+        let mut images = self.images.clone();
+        for material in &self.own {
+            images.remove(&material.name);
+        }
+        let mut read: Vec<(&OwnMaterial, Arc<Image>)> = Vec::new();
+        for material in own {
+            let known = read.iter().find(|(other, _)| other.png == material.png);
+            let image = match known {
+                Some((_, image)) => Arc::clone(image),
+                None => match Image::read(&ImageSource::Bytes((*material.png).clone())) {
+                    Ok((image, _)) => Arc::new(image),
+                    Err(_) => continue,
+                },
+            };
+            images.insert(material.name.clone(), Arc::clone(&image));
+            read.push((material, image));
+        }
+        let own = own.to_vec();
+        Some(Self { images, own })
     }
 
     /// Whether an image is more than one colour.
@@ -277,6 +312,7 @@ mod tests {
             image::RgbaImage::from_fn(4, 2, |x, y| image::Rgba([x as u8, y as u8, 0, 255]));
         pixels.save(&path).expect("saved");
         let material = |name: &str, color, image| Material {
+            is_transformed: false,
             name: name.into(),
             color,
             image,
@@ -334,7 +370,11 @@ mod tests {
         ];
         let image = Arc::new(Image::new(image::RgbaImage::new(2, 2)));
         let images = [(String::new(), image)].into();
-        let faces = Textures { images }.of_faces(&mesh);
+        let faces = Textures {
+            images,
+            own: Vec::new(),
+        }
+        .of_faces(&mesh);
         let (_, at) = faces.of(FaceId(1)).expect("an image");
         assert_eq!(*at, [[0.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
     }

@@ -10,11 +10,12 @@ const FENCE: &str = "```";
 const PICTURE: &str = "```modules\n";
 
 /// Crates that only the named modules use; `main` is the program.
-const CRATES: [(&str, &[&str]); 12] = [
+const CRATES: [(&str, &[&str]); 13] = [
     ("faer", &["linear"]),
     ("nalgebra_sparse", &["linear", "solver", "symmetry"]),
     ("spade", &["patch"]),
-    ("base64", &["io"]),
+    ("base64", &["app", "io"]),
+    ("image", &["app", "cli", "images", "render"]),
     ("clap", &["cli", "main"]),
     ("anyhow", &["cli"]),
     ("indicatif", &["cli"]),

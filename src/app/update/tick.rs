@@ -18,6 +18,10 @@ use crate::render::Picker;
 pub fn tick(model: &mut Model, now: Instant) -> Option<Duration> {
     let until_toast = model.log.next_change(now);
     finish_jobs(model);
+    let own = &model.document.mesh.attributes.own_materials;
+    if let Some(textures) = model.textures.with_own(own) {
+        model.textures = Arc::new(textures);
+    }
     let mut until_frame = None;
     if let Some(run) = &mut model.run {
         for (level, text) in run.poll() {

@@ -13,6 +13,9 @@ use crate::mesh::{Attributes, GltfMaterials, ImageSource, Material, to_signal};
 /// The arrays of a document that materials consist of.
 pub(super) const ARRAYS: [&str; 4] = ["materials", "textures", "samplers", "images"];
 
+/// The place of the transform of a texture in a reference to it.
+const TRANSFORM: &str = "/extensions/KHR_texture_transform";
+
 /// The materials of these arrays, with the images in the buffers; `None` if there are none. Adds a note
 /// about textures that are not kept.
 ///
@@ -100,6 +103,17 @@ fn remove_other_textures(value: &mut Value) -> usize {
             .sum::<usize>()
 }
 
+/// A material without its references to textures.
+pub(super) fn without_textures(mut material: Value) -> Value {
+    if let Some(object) = material.as_object_mut() {
+        object.retain(|_, entry| entry.get("index").is_none());
+        for entry in object.values_mut() {
+            *entry = without_textures(entry.take());
+        }
+    }
+    material
+}
+
 /// The names of the extensions in a part of a document.
 pub(super) fn extensions(value: &Value, names: &mut BTreeSet<String>) {
     match value {
@@ -142,10 +156,13 @@ pub(in super::super) fn materials(folder: Option<&Path>, all: &GltfMaterials) ->
     let pairs = all.names.iter().zip(list.into_iter().flatten());
     let material = |(name, material): (&String, &Value)| {
         let surface = material.get("pbrMetallicRoughness");
+        let texture = surface.and_then(|surface| surface.get("baseColorTexture"));
+        let transform = texture.and_then(|texture| texture.pointer(TRANSFORM));
         Material {
             name: name.clone(),
             color: surface.and_then(color),
             image: surface.and_then(image),
+            is_transformed: transform.is_some(),
         }
     };
     pairs.map(material).collect()

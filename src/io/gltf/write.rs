@@ -13,7 +13,7 @@ use super::{
     materials,
 };
 use crate::mesh::{
-    Attributes, Colors, Column, FaceTag, GltfMaterials, NO_VALUE, color_steps, colors,
+    Attributes, Colors, Column, FaceTag, GltfMaterials, NO_VALUE, OwnMaterial, color_steps, colors,
     columns_named, to_light,
 };
 
@@ -143,6 +143,7 @@ pub(in super::super) fn write(
     }
     let mut file = File::default();
     let mut materials = Materials::new(all.gltf_materials.as_deref(), &mut file);
+    materials.add(&all.own_materials, &mut file);
     let light = Light::of(&all.vertices);
     let mut meshes: Vec<(FaceTag, Vec<Value>)> = Vec::new();
     for (key, faces) in &faces_of {
@@ -214,16 +215,54 @@ impl Materials {
         }
     }
 
+    /// Adds own materials; writes their images to the buffer of `file`.
+    fn add(&mut self, own: &[OwnMaterial], file: &mut File) {
+        let mut textures: Vec<(&OwnMaterial, usize)> = Vec::new();
+        for material in own {
+            let known = textures.iter().find(|(other, _)| other.png == material.png);
+            let texture = if let Some(&(_, texture)) = known {
+                texture
+            } else {
+                file.align();
+                let start = file.bytes.len();
+                file.bytes.extend_from_slice(&material.png);
+                let view = file.view(start, None, None);
+                let image = json!({ "bufferView": view, "mimeType": "image/png" });
+                let image = self.push("images", image);
+                let texture = self.push("textures", json!({ "source": image }));
+                textures.push((material, texture));
+                texture
+            };
+            let like = self.of_name.get(&material.like).copied();
+            let like = like.and_then(|k| self.json.get("materials")?.get(k).cloned());
+            let like = like.unwrap_or_else(
+                || json!({ "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 1 } }),
+            );
+            let mut entry = materials::without_textures(like);
+            entry["name"] = material.name.clone().into();
+            entry["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": texture });
+            let index = self.push("materials", entry);
+            self.of_name.insert(material.name.clone(), index);
+        }
+    }
+
+    /// Appends an entry to an array of the document. Returns its index.
+    fn push(&mut self, list: &str, entry: Value) -> usize {
+        let list = self.json.entry(list).or_insert_with(|| json!([]));
+        if !list.is_array() {
+            *list = json!([]);
+        }
+        let list = list.as_array_mut().expect("an array");
+        list.push(entry);
+        list.len() - 1
+    }
+
     /// The index of the material of this name, which is added if there is none.
     fn index(&mut self, name: &str) -> usize {
         if let Some(&index) = self.of_name.get(name) {
             return index;
         }
-        let list = self.json.entry("materials").or_insert_with(|| json!([]));
-        let index = self.of_name.len();
-        if let Value::Array(list) = list {
-            list.push(json!({ "name": name }));
-        }
+        let index = self.push("materials", json!({ "name": name }));
         self.of_name.insert(name.to_owned(), index);
         index
     }

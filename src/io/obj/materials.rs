@@ -107,6 +107,30 @@ fn materials_of(text: &str, folder: &Path) -> Vec<Material> {
     all
 }
 
+/// The lines of a material in the libraries of a mesh, its images left out; `None` if none has it.
+pub(in super::super) fn settings(attributes: &Attributes, name: &str) -> Option<String> {
+    let folder = attributes.folder.as_deref()?;
+    let entries = attributes.material_libraries.iter();
+    let mut names = entries.flat_map(|entry| library_names(folder, entry));
+    names.find_map(|library| {
+        let bytes = read_library(&folder.join(library))?;
+        settings_of(&String::from_utf8_lossy(&bytes), name)
+    })
+}
+
+fn settings_of(text: &str, name: &str) -> Option<String> {
+    let defined = |line: &str| {
+        let (keyword, rest) = line.trim().split_once(char::is_whitespace)?;
+        let is_new = keyword.eq_ignore_ascii_case("newmtl");
+        is_new.then(|| rest.trim().to_owned())
+    };
+    let mut lines = text.lines();
+    lines.find(|line| defined(line).as_deref() == Some(name))?;
+    let own = lines.take_while(|line| defined(line).is_none());
+    let kept = own.filter(|line| !line.trim().is_empty() && image_name(line).is_none());
+    Some(kept.fold(String::new(), |all, line| all + line.trim() + "\n"))
+}
+
 /// The names of images in a material library.
 fn image_names(bytes: &[u8]) -> impl Iterator<Item = String> {
     let text = String::from_utf8_lossy(bytes).into_owned();
@@ -174,6 +198,7 @@ mod tests {
             name: name.into(),
             color,
             image: image.map(|name| ImageSource::File(name.into())),
+            is_transformed: false,
         };
         let bark = Some([0.5, 0.25, 0.125]);
         let expected = [

@@ -4,6 +4,7 @@ mod files;
 mod gltf;
 mod malformed;
 mod oracles;
+mod own_materials;
 mod round_trip;
 mod syntax;
 

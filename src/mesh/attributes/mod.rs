@@ -21,7 +21,7 @@ use super::{FaceTag, Mesh, VertexId};
 pub use colors::{Colors, color_columns, color_steps, colors, to_light, to_signal};
 pub use column::{Column, NumberType, Numbers, columns_named, picked_rows, row_count};
 pub use faces::{FaceData, NO_VALUE};
-pub use materials::{GltfMaterials, ImageSource, Material};
+pub use materials::{GltfMaterials, ImageSource, Material, OwnMaterial};
 pub use mixing::{append_between, append_interpolated};
 pub use written::Written;
 
@@ -50,6 +50,8 @@ pub struct Attributes {
     pub material_libraries: Vec<String>,
     /// The materials of a glTF file.
     pub gltf_materials: Option<Arc<GltfMaterials>>,
+    /// Materials whose images are written with the mesh.
+    pub own_materials: Vec<OwnMaterial>,
     /// The lines `comment` and `obj_info` of a PLY header.
     pub comments: Vec<String>,
     /// The header of a binary STL file.
@@ -110,6 +112,27 @@ impl Attributes {
             }
         }
         turned
+    }
+
+    /// The same attributes without own materials: the faces with one of them have no material and no
+    /// texture coordinates.
+    #[must_use]
+    pub fn without_own_materials(&self) -> Self {
+        let mut rest = self.clone();
+        let own = std::mem::take(&mut rest.own_materials);
+        let is_own = |tag: &FaceTag| own.iter().any(|material| material.name == tag.material);
+        let lost: Vec<bool> = rest.tags.iter().map(is_own).collect();
+        for data in [&mut rest.faces, &mut rest.non_orientable] {
+            for (corners, &tag) in data.texture.chunks_exact_mut(3).zip(&data.tags) {
+                if lost[tag as usize] {
+                    corners.fill(NO_VALUE);
+                }
+            }
+        }
+        for (tag, _) in rest.tags.iter_mut().zip(&lost).filter(|(_, lost)| **lost) {
+            tag.material.clear();
+        }
+        rest
     }
 
     /// Whether vertices have numbers.

@@ -44,6 +44,12 @@ impl Attributes {
             let count = materials.names.len();
             lines.push(format!("glTF materials: {count}, with {images} images"));
         }
+        for material in &self.own_materials {
+            lines.push(format!(
+                "material with an image of its own: {}",
+                material.name
+            ));
+        }
         for name in self.texture_files() {
             lines.push(format!("texture file: {name}"));
         }

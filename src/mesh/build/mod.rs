@@ -177,6 +177,7 @@ fn assemble(soup: &Soup, triangles: &Triangles, topology: Topology, repaired: &R
         normals: given.normals.clone(),
         material_libraries: given.material_libraries.clone(),
         gltf_materials: given.gltf_materials.clone(),
+        own_materials: given.own_materials.clone(),
         comments: given.comments.clone(),
         stl_header: given.stl_header,
         folder: given.folder.clone(),

@@ -1,0 +1,161 @@
+//! Materials whose images are written with the mesh.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::io::{self, Format, OutputMesh};
+use crate::mesh::{Attributes, Column, DVec3, FaceTag, ImageSource, NO_VALUE, OwnMaterial, Soup};
+
+const POINTS: [DVec3; 4] = [DVec3::ZERO, DVec3::X, DVec3::ONE, DVec3::Y];
+const TRIANGLES: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
+
+/// Two triangles with a material of the file and an own one.
+fn attributes(folder: Option<&Path>) -> Attributes {
+    let tag = |name: &str| FaceTag {
+        material: name.into(),
+        ..FaceTag::default()
+    };
+    let own = |name: &str, png: &Arc<Vec<u8>>| OwnMaterial {
+        name: name.into(),
+        like: "skin".into(),
+        png: Arc::clone(png),
+    };
+    let (first, second) = (
+        Arc::new(b"first image".to_vec()),
+        Arc::new(b"second".to_vec()),
+    );
+    let column = |name| Column::decimals(name, vec![0.25, 0.5, 0.75, 0.125]);
+    let mut all = Attributes {
+        tags: [tag("skin"), tag("patches")].to_vec(),
+        texture: Arc::new(vec![column("u"), column("v")]),
+        own_materials: vec![
+            own("patches", &first),
+            own("again", &first),
+            own("other", &second),
+        ],
+        folder: folder.map(Path::to_owned),
+        ..Attributes::default()
+    };
+    all.faces.tags = vec![0, 1];
+    all.faces.texture = TRIANGLES.as_flattened().to_vec();
+    all
+}
+
+fn output(attributes: &Attributes) -> OutputMesh<'_> {
+    OutputMesh {
+        positions: &POINTS,
+        triangles: &TRIANGLES,
+        attributes,
+    }
+}
+
+/// The bytes of the image of a material of a mesh that was read.
+fn image_of(soup: &Soup, name: &str) -> Vec<u8> {
+    let all = io::materials(&soup.attributes);
+    let material = all.iter().find(|m| m.name == name).expect("a material");
+    let image = material.image.as_ref().expect("an image");
+    image.bytes().expect("read").into_owned()
+}
+
+#[test]
+fn obj_files_get_a_library_beside_the_given_one() {
+    let desk = tempfile::tempdir().expect("a folder");
+    let given = "newmtl skin\nKd 0.5 0.6 0.7\nNs 9\nmap_Kd skin.png\nmap_Bump -bm 2 bump.png\n\
+                 newmtl rest\nKd 1 0 0\n";
+    let at = |name: &str| desk.path().join(name);
+    fs::write(at("a_meniscus.mtl"), given).expect("written");
+    fs::write(at("skin.png"), "skin").expect("written");
+    let mut all = attributes(Some(desk.path()));
+    // a name that the new library would have
+    all.material_libraries = vec!["a_meniscus.mtl".into()];
+    io::save(&at("a.obj"), &output(&all)).expect("written");
+    assert_eq!(
+        fs::read_to_string(at("a_meniscus.mtl")).expect("there"),
+        given
+    );
+    let library = fs::read_to_string(at("a_meniscus_2.mtl")).expect("written");
+    let settings = "Kd 0.5 0.6 0.7\nNs 9\n";
+    let expected = format!(
+        "# written by Meniscus\nnewmtl patches\n{settings}map_Kd a_patches.png\n\
+         newmtl again\n{settings}map_Kd a_patches.png\nnewmtl other\n{settings}map_Kd a_other.png\n"
+    );
+    assert_eq!(library, expected);
+    let soup = io::load(&at("a.obj")).expect("read");
+    assert!(soup.notes.is_empty(), "{:?}", soup.notes);
+    assert_eq!(image_of(&soup, "patches"), b"first image");
+    assert_eq!(image_of(&soup, "other"), b"second");
+    assert_eq!(image_of(&soup, "skin"), b"skin");
+    assert_eq!(soup.attributes.tags, all.tags);
+    // what is written again has the same names
+    io::save(&at("a.obj"), &output(&all)).expect("written");
+    assert_eq!(fs::read_dir(desk.path()).expect("a folder").count(), 6);
+}
+
+#[test]
+fn gltf_files_contain_the_images() {
+    let all = attributes(None);
+    for format in [Format::Glb, Format::Gltf] {
+        let mut bytes = Vec::new();
+        io::write(format, &output(&all), &mut bytes).expect("written");
+        let soup = io::read(format, &bytes, Path::new("mesh")).expect("read");
+        let materials = io::materials(&soup.attributes);
+        for (name, image) in [
+            ("patches", "first image"),
+            ("again", "first image"),
+            ("other", "second"),
+        ] {
+            let material = materials
+                .iter()
+                .find(|m| m.name == name)
+                .expect("a material");
+            let expected = ImageSource::Bytes(image.into());
+            assert_eq!(material.image.as_ref(), Some(&expected));
+        }
+        // a material of the file keeps its settings for an own one
+        let mut again = soup.attributes.clone();
+        again.own_materials = vec![OwnMaterial {
+            name: "new".into(),
+            like: "other".into(),
+            png: Arc::new(b"new image".to_vec()),
+        }];
+        bytes.clear();
+        let mesh = OutputMesh {
+            positions: &soup.positions,
+            ..output(&again)
+        };
+        io::write(format, &mesh, &mut bytes).expect("written");
+        let third = io::read(format, &bytes, Path::new("mesh")).expect("read");
+        assert_eq!(image_of(&third, "new"), b"new image");
+        assert_eq!(image_of(&third, "patches"), b"first image");
+        let json = &third
+            .attributes
+            .gltf_materials
+            .as_ref()
+            .expect("materials")
+            .json;
+        let surface = json["materials"].as_array().and_then(|all| all.last());
+        let surface = &surface.expect("the new one")["pbrMetallicRoughness"];
+        assert_eq!(surface["metallicFactor"], 0);
+    }
+}
+
+#[test]
+fn other_formats_say_that_they_leave_the_images_out() {
+    let all = attributes(None);
+    for format in [Format::Ply, Format::Stl, Format::Off] {
+        let losses = io::losses(format, &output(&all));
+        assert!(
+            losses
+                .iter()
+                .any(|l| l.contains("texture images of patches")),
+            "{losses:?}"
+        );
+    }
+    let mut bytes = Vec::new();
+    io::write(Format::Ply, &output(&all), &mut bytes).expect("written");
+    let soup = io::read(Format::Ply, &bytes, Path::new("mesh")).expect("read");
+    let rows = &soup.attributes.faces.texture;
+    assert!(rows[..3].iter().all(|&row| row != NO_VALUE));
+    assert_eq!(rows[3..], [NO_VALUE; 3]);
+}
