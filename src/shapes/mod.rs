@@ -12,6 +12,7 @@ mod flip;
 mod implicit;
 mod open;
 mod outline;
+mod painted;
 mod relax;
 mod samples;
 

@@ -1,5 +1,6 @@
 //! Built-in sample surfaces, by name.
 
+use super::painted::{paint_egg, paint_ring, painted_egg};
 use super::{
     Hole, HoleShape, TriangleMesh, catenoid, cut_holes, demo, four_cylinders, graph, sphere,
     three_y, torus, tube_onto_plane,
@@ -16,57 +17,85 @@ pub struct Sample {
     /// A description.
     pub about: &'static str,
     make: fn() -> TriangleMesh,
+    /// Adds colours or a texture.
+    paint: fn(&mut Soup),
 }
 
+/// The paint of a sample without colours.
+fn plain(_: &mut Soup) {}
+
 /// All samples; the first is the one to begin with.
-pub static SAMPLES: [Sample; 8] = [
+pub static SAMPLES: [Sample; 10] = [
     Sample {
         name: "creature",
         title: "Creature with sixteen holes",
         about: "slits, stars, blots and ragged rims across strongly curved places",
         make: upright_creature,
+        paint: plain,
     },
     Sample {
         name: "sphere",
         title: "Sphere with five holes",
         about: "filled under H^2 it is the sphere again",
         make: sphere_with_holes,
+        paint: plain,
+    },
+    Sample {
+        name: "egg",
+        title: "Painted egg with three holes",
+        about: "a texture image with two charts: patches extend a chart, or get an image where they \
+                cross the seam",
+        make: egg_with_holes,
+        paint: paint_egg,
+    },
+    Sample {
+        name: "ring",
+        title: "Coloured ring with three holes",
+        about: "colours of vertices, which continue into the patches",
+        make: ring_with_holes,
+        paint: paint_ring,
     },
     Sample {
         name: "torus",
         title: "Torus with four holes",
         about: "the Clifford torus, whose Willmore energy is 2 pi^2",
         make: torus_with_holes,
+        paint: plain,
     },
     Sample {
         name: "catenoid",
         title: "Catenoid with a window",
         about: "a minimal surface, stationary under the area and under H^2",
         make: catenoid_with_window,
+        paint: plain,
     },
     Sample {
         name: "saddle",
         title: "Saddle with a hole",
         about: "negative curvature; H^2*K^2 is ill-posed on parts of it",
         make: saddle_with_hole,
+        paint: plain,
     },
     Sample {
         name: "four-cylinders",
         title: "Four cylinders to blend",
         about: "Fig. 2 of the paper: join the four mouths in the middle",
         make: || four_cylinders(32),
+        paint: plain,
     },
     Sample {
         name: "three-y",
         title: "Three tubes in a Y",
         about: "join the three mouths in the middle",
         make: || three_y(32),
+        paint: plain,
     },
     Sample {
         name: "tube-onto-plane",
         title: "Tube above a plane",
         about: "join the tube's lower end to the hole below it",
         make: || tube_onto_plane(32),
+        paint: plain,
     },
 ];
 
@@ -79,12 +108,14 @@ impl Sample {
     /// The surface as a polygon soup, as a file of it would give.
     pub fn soup(&self) -> Soup {
         let (positions, triangles) = (self.make)();
-        Soup {
+        let mut soup = Soup {
             positions,
             offsets: (0..=triangles.len() as u32).map(|i| 3 * i).collect(),
             corners: triangles.into_iter().flatten().collect(),
             ..Soup::default()
-        }
+        };
+        (self.paint)(&mut soup);
+        soup
     }
 }
 
@@ -122,6 +153,30 @@ fn sphere_with_holes() -> TriangleMesh {
             ),
             hole([-0.9, -0.4, 0.0], HoleShape::Blots { radius: 0.35 }, 4),
             hole([0.1, 0.9, -0.4], HoleShape::Disc { radius: 0.3 }, 5),
+        ],
+    )
+}
+
+/// Two holes on the seam, and one inside a chart.
+fn egg_with_holes() -> TriangleMesh {
+    let (length, width) = (0.7, 0.22);
+    cut_holes(
+        &painted_egg(),
+        &[
+            hole([0.0, 0.3, 0.9], HoleShape::Disc { radius: 0.26 }, 1),
+            hole([0.7, -0.1, 0.6], HoleShape::Blots { radius: 0.28 }, 2),
+            hole([0.0, -0.6, 0.8], HoleShape::Slit { length, width }, 3),
+        ],
+    )
+}
+
+fn ring_with_holes() -> TriangleMesh {
+    cut_holes(
+        &torus(1.5, 0.6, 5000, 31),
+        &[
+            hole([0.3, -1.6, 0.6], HoleShape::Disc { radius: 0.4 }, 1),
+            hole([1.5, 0.3, 0.6], HoleShape::Blots { radius: 0.4 }, 2),
+            hole([-1.2, 0.8, 0.6], HoleShape::Ragged { radius: 0.35 }, 3),
         ],
     )
 }
@@ -164,6 +219,8 @@ mod tests {
         let holes = [
             (1, 16),
             (1, 5),
+            (1, 3),
+            (1, 3),
             (1, 4),
             (1, 1),
             (1, 1),
