@@ -113,6 +113,11 @@ pub enum Warning {
         /// Pairs of the input.
         of_input: usize,
     },
+    /// The patch could get no texture although faces around it have one.
+    NoTexture {
+        /// Why.
+        reason: String,
+    },
     /// A change during a flow was refused.
     ChangeRefused {
         /// The message.
@@ -146,6 +151,7 @@ impl Warning {
             Self::Escaped { .. } => "escaped",
             Self::Replaced { .. } => "surface-replaced",
             Self::IntersectingResult { .. } => "intersecting-result",
+            Self::NoTexture { .. } => "no-texture",
             Self::ChangeRefused { .. } => "change-refused",
             Self::FlowFailed { .. } => "flow-failed",
         }
@@ -312,6 +318,7 @@ impl fmt::Display for Warning {
                  vertices: the result has {pairs} pairs of intersecting triangles, the input \
                  {of_input}"
             ),
+            Self::NoTexture { reason } => write!(f, "the patch has no texture: {reason}"),
             Self::ChangeRefused { text } | Self::FlowFailed { reason: text } => f.write_str(text),
         }
     }

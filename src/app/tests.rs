@@ -217,6 +217,40 @@ fn texture_images_are_drawn_and_missing_ones_are_said() {
     }
 }
 
+/// Patches across a seam are drawn with their image as soon as they are accepted, an undo takes it back,
+/// and a project keeps it.
+#[test]
+fn images_of_patches_are_drawn_undone_and_kept_in_projects() {
+    let mut m = model();
+    act(&mut m, FileAction::Sample("egg".into()));
+    until(&mut m, |m| m.view.style.mode == ViewMode::Color);
+    let images = |m: &Model| {
+        let display = m.displays[0].latest();
+        let surfaces = display.iter().flat_map(|display| &display.surfaces);
+        let ids: BTreeSet<u64> = surfaces
+            .flat_map(|s| s.textures.iter().map(|(_, image)| image.id))
+            .collect();
+        ids.len()
+    };
+    until(&mut m, |m| images(m) == 1);
+    filled(&mut m);
+    act(&mut m, RunAction::Accept(0));
+    assert_eq!(m.document.mesh.attributes.own_materials.len(), 2);
+    until(&mut m, |m| images(m) == 2);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.meniscus");
+    let text = project::write(&m.document, &m.view, folder.path());
+    std::fs::write(&path, text).expect("written");
+    let (document, _) = project::read(&path).expect("read");
+    let (own, read) = (&m.document.mesh.attributes, &document.mesh.attributes);
+    assert_eq!(own.own_materials, read.own_materials);
+    assert_eq!(own.tags, read.tags);
+    act(&mut m, EditAction::Undo);
+    until(&mut m, |m| images(m) == 1);
+    act(&mut m, EditAction::Redo);
+    until(&mut m, |m| images(m) == 2);
+}
+
 /// A large mesh is looked at long before its surfaces are made.
 #[test]
 fn another_document_is_fitted_by_its_own_box() {

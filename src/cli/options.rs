@@ -104,7 +104,7 @@ mod tests {
 
     use super::*;
     use crate::cli::{Arguments, Command};
-    use crate::fill::{Continuity, Controls, Features, Linear, Surface, Symmetry};
+    use crate::fill::{Continuity, Controls, Features, Linear, PatchTexture, Surface, Symmetry};
     use crate::refine::{BoundaryRule, Hold, Method, RefineControls};
     use crate::solver::{Mode, Scheme, Tau};
 
@@ -152,6 +152,7 @@ mod tests {
             loop_continuity: [(0.into(), Continuity::G1), (11.into(), Continuity::G0)].into(),
             steps: 3,
             label_patches: true,
+            patch_texture: PatchTexture::Extend,
         };
         assert_eq!(controls(&changed.to_arguments()), changed);
     }

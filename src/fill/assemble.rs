@@ -6,12 +6,13 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::fill::attributes::filled_attributes;
+use crate::fill::attributes::{Look, filled_attributes};
 use crate::fill::hole::HoleRims;
 use crate::fill::patch_topology::PatchTopology;
 use crate::fill::plan::Plan;
 use crate::fill::result::FilledHole;
-use crate::mesh::{DVec3, FaceId, FaceTag, Mesh, Topology, TopologyError, VertexId};
+use crate::mesh::{DVec3, FaceId, FaceTag, LoopId, Mesh, Topology, TopologyError, VertexId};
+use crate::warning::Warning;
 
 /// The triangulation of one patch: its rim vertices in the mesh, its triangles in patch numbers,
 /// and its number of new vertices.
@@ -52,10 +53,11 @@ pub(crate) struct Assembly {
     given_faces: usize,
     /// The triangulation of each group.
     groups: Vec<Arc<PatchTopology>>,
+    look: Look,
 }
 
 impl Assembly {
-    /// The filled mesh whose groups have these triangulations. With `labels`, the faces of each patch
+    /// The filled mesh whose groups have these triangulations. If patches have labels, the faces of each
     /// get a group with the next number that the tags of the mesh leave.
     ///
     /// # Errors
@@ -64,7 +66,7 @@ impl Assembly {
         mesh: &Mesh,
         plan: &Plan,
         groups: Vec<Arc<PatchTopology>>,
-        labels: bool,
+        look: &Look,
     ) -> Result<Self, TopologyError> {
         // patches without new vertices are in no group
         let loose = plan.holes().iter().map(|hole| {
@@ -81,7 +83,7 @@ impl Assembly {
         let (mut vertices, mut faces) = (mesh.vertex_count(), mesh.face_count());
         let mut holes = Vec::with_capacity(parts.len());
         let mut tags = mesh.attributes.tags.clone();
-        if labels && tags.is_empty() {
+        if look.labels && tags.is_empty() {
             tags.push(FaceTag::default());
         }
         let mut patch = tags.iter().filter_map(FaceTag::patch).max().unwrap_or(0);
@@ -92,7 +94,7 @@ impl Assembly {
             let like = face_beside(mesh, &hole.rims);
             let of_faces = &mesh.attributes.faces.tags;
             let mut tag = of_faces.get(like.index()).copied().unwrap_or(0);
-            if labels {
+            if look.labels {
                 patch += 1;
                 tags.push(tags[tag as usize].in_patch(patch));
                 tag = tags.len() as u32 - 1;
@@ -121,7 +123,13 @@ impl Assembly {
             tags,
             given_faces: mesh.face_count(),
             groups,
+            look: look.clone(),
         })
+    }
+
+    /// Reads in advance what [`Self::mesh`] may need of the files to which the mesh refers.
+    pub fn prepare_look(&self, mesh: &Mesh) {
+        self.look.prepare(mesh, &self.holes, &self.topology);
     }
 
     /// Whether the groups have these triangulations.
@@ -176,16 +184,26 @@ impl Assembly {
         positions
     }
 
-    /// The filled mesh with the attributes of [`filled_attributes`].
-    pub fn mesh<'a>(&self, mesh: &Mesh, groups: impl IntoIterator<Item = &'a [DVec3]>) -> Mesh {
+    /// The filled mesh with the attributes of [`filled_attributes`], and warnings about holes.
+    pub fn mesh<'a>(
+        &self,
+        mesh: &Mesh,
+        groups: impl IntoIterator<Item = &'a [DVec3]>,
+    ) -> (Mesh, Vec<(LoopId, Warning)>) {
         let positions = self.positions(mesh, groups);
         let (holes, tags) = (&self.holes, &self.tags);
-        Mesh {
-            attributes: filled_attributes(mesh, holes, tags, &self.topology, &positions),
+        let (attributes, failed) =
+            filled_attributes(mesh, holes, tags, &self.topology, &positions, &self.look);
+        let filled = Mesh {
+            attributes,
             positions,
             topology: (*self.topology).clone(),
             non_orientable: mesh.non_orientable.clone(),
-        }
+        };
+        let warning = |(hole, reason): (usize, String)| {
+            (holes[hole].id(), Warning::NoTexture { reason })
+        };
+        (filled, failed.into_iter().map(warning).collect())
     }
 
     fn new_vertices(&self) -> usize {

@@ -1,29 +1,72 @@
 //! Attributes of patches, which continue those around them.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use robust::{Coord, orient2d};
 
 use crate::fill::harmonic::Harmonic;
+use crate::fill::options::{FillOptions, PatchTexture};
 use crate::fill::result::FilledHole;
+use crate::fill::texture::{Extension, RimColors, Uncharted, append_own_charts, overlapping};
 use crate::mesh::{
     Attributes, Column, DVec3, FaceId, FaceTag, Mesh, NO_VALUE, Topology, columns_named, row_count,
 };
 
-/// The attributes of a mesh with patches over `holes`, whose filled form has these faces and positions.
+/// How patches look, besides their shape.
+#[derive(Clone, Debug)]
+pub(super) struct Look {
+    /// Whether the faces of each patch get a group.
+    pub labels: bool,
+    pub texture: PatchTexture,
+    /// The colours along all rims. They are read when they are needed, because images may be large.
+    colors: Arc<OnceLock<RimColors>>,
+}
+
+impl Look {
+    pub fn new(options: &FillOptions) -> Self {
+        Self {
+            labels: options.label_patches,
+            texture: options.patch_texture,
+            colors: Arc::default(),
+        }
+    }
+
+    /// The colours along the rims of the patches, which are the same for all triangulations.
+    fn colors(&self, mesh: &Mesh, patches: &[PatchData<'_>]) -> &RimColors {
+        self.colors.get_or_init(|| {
+            let edges = patches.iter().flat_map(|patch| &patch.rim);
+            let edges: Vec<[u32; 2]> = edges.map(|e| e.map(|at| at.corner as u32)).collect();
+            RimColors::read(&mesh.attributes, &edges)
+        })
+    }
+
+    /// Reads the colours that the patches over `holes` may need, so that they are known later.
+    pub fn prepare(&self, mesh: &Mesh, holes: &[FilledHole], topology: &Topology) {
+        if self.texture.makes_images() && !mesh.attributes.faces.texture.is_empty() {
+            let patch = |hole| PatchData::new(mesh, hole, topology, &[]);
+            let patches: Vec<PatchData<'_>> = holes.iter().map(patch).collect();
+            self.colors(mesh, &patches);
+        }
+    }
+}
+
+/// The attributes of a mesh with patches over `holes`, whose filled form has these faces and positions,
+/// and for holes whose patches could get no texture the reason.
 ///
 /// Numbers of vertices continue harmonically from the rims, labels are those of the nearest rim
 /// vertex, normals those of the patch. Texture coordinates continue harmonically where the rim lies in
-/// one chart and the patch does not overlap itself there. Faces have the data of the face across the
-/// first edge of their first rim, and the tags of `holes` among `tags`.
+/// one chart and the patch overlaps nothing there; other patches get a chart in an image of their own.
+/// Faces have the data of the face across the first edge of their first rim, and the tags of `holes` among
+/// `tags`.
 pub(super) fn filled_attributes(
     mesh: &Mesh,
     holes: &[FilledHole],
     tags: &[FaceTag],
     topology: &Topology,
     positions: &[DVec3],
-) -> Attributes {
+    look: &Look,
+) -> (Attributes, Vec<(usize, String)>) {
     let mut attributes = mesh.attributes.clone();
     attributes.tags = tags.to_vec();
     if !tags.is_empty() {
@@ -33,18 +76,53 @@ pub(super) fn filled_attributes(
         attributes.non_orientable.tags.resize(aside, 0);
     }
     if attributes == Attributes::default() {
-        return attributes;
+        return (attributes, Vec::new());
     }
+    let mut patches = Vec::with_capacity(holes.len());
+    let mut extensions = Vec::with_capacity(holes.len());
     for hole in holes {
         let mut patch = PatchData::new(mesh, hole, topology, positions);
+        patch.prepare_equation(&mesh.attributes);
         patch.vertices(&mut attributes);
         let tag = (!tags.is_empty()).then_some(hole.tag);
         let (first, like) = (hole.faces.start, hole.like.index());
         attributes.append_triangles(first, like, tag, &patch.triangles);
-        patch.texture(&mut attributes);
+        let extends = look.texture.extends();
+        extensions.push(extends.then(|| patch.extension(&attributes)).flatten());
         patch.normals(&mut attributes);
+        // its factor is large
+        patch.equation = None;
+        patches.push(patch);
     }
-    attributes
+    if look.texture == PatchTexture::Auto {
+        let overlap = overlapping(&attributes, mesh.face_count(), &extensions);
+        for (extension, _) in extensions.iter_mut().zip(overlap).filter(|e| e.1) {
+            *extension = None;
+        }
+    }
+    for (patch, extension) in patches.iter().zip(&extensions) {
+        if let Some(extension) = extension {
+            patch.extend(&mut attributes, extension);
+        }
+    }
+    let mut failed = Vec::new();
+    if look.texture.makes_images() {
+        let others = patches.iter().enumerate().zip(&extensions);
+        let others = others.filter(|((_, patch), e)| e.is_none() && patch.has_texture(&attributes));
+        let uncharted: Vec<Uncharted<'_>> = others
+            .map(|((hole, patch), _)| Uncharted {
+                hole,
+                faces: patch.hole.faces.clone(),
+                triangles: &patch.triangles,
+                rim: patch.rim_ends(),
+            })
+            .collect();
+        if !uncharted.is_empty() {
+            let colors = look.colors(mesh, &patches);
+            failed = append_own_charts(&mut attributes, &uncharted, positions, colors);
+        }
+    }
+    (attributes, failed)
 }
 
 /// A patch and what its attributes continue.
@@ -57,7 +135,7 @@ struct PatchData<'a> {
     rim: Vec<[RimCorner; 2]>,
     /// Whether the patch has no other boundary.
     is_closed: bool,
-    /// The equation of its new vertices, if any attribute is interpolated.
+    /// The equation of its new vertices, once it is prepared.
     equation: Option<Harmonic>,
 }
 
@@ -94,19 +172,23 @@ impl<'a> PatchData<'a> {
                 }));
             }
         }
-        let triangles: Vec<[u32; 3]> = triangles.collect();
-        let all = &mesh.attributes;
-        let is_needed = all.has_vertex_columns() || !all.faces.texture.is_empty();
-        let new = hole.vertices.clone();
-        let equation = (is_needed && !new.is_empty())
-            .then(|| Harmonic::new(triangles.iter().copied(), new, positions));
         Self {
             hole,
             positions,
-            triangles,
+            triangles: triangles.collect(),
             rim,
             is_closed,
-            equation,
+            equation: None,
+        }
+    }
+
+    /// Prepares the equation if some of the attributes are interpolated.
+    fn prepare_equation(&mut self, all: &Attributes) {
+        let is_needed = all.has_vertex_columns() || !all.faces.texture.is_empty();
+        let new = self.hole.vertices.clone();
+        if is_needed && !new.is_empty() {
+            let triangles = self.triangles.iter().copied();
+            self.equation = Some(Harmonic::new(triangles, new, self.positions));
         }
     }
 
@@ -182,28 +264,26 @@ impl<'a> PatchData<'a> {
         Some(rows)
     }
 
-    /// Continues the texture coordinates into the patch, if its rim lies in one chart and the patch
-    /// does not overlap itself there.
-    fn texture(&mut self, attributes: &mut Attributes) {
+    /// The texture coordinates of the patch, if its rim lies in one chart and the patch does not overlap
+    /// itself there.
+    fn extension(&mut self, attributes: &Attributes) -> Option<Extension> {
         let columns = &attributes.texture;
-        let Some(rows) = self.rows_at_rim(&attributes.faces.texture, columns) else {
-            return;
-        };
+        let rim = self.rows_at_rim(&attributes.faces.texture, columns)?;
         if self.hole.loops.len() > 1 || columns.len() < 2 || !self.has_one_image(attributes) {
-            return;
+            return None;
         }
         let number = |k: usize, row: u32| columns[k].numbers.get(row as usize);
         let mut new = vec![Vec::new(); columns.len()];
         if let Some(equation) = &mut self.equation {
             for (k, values) in new.iter_mut().enumerate() {
-                let at_rim = equation.rim.iter().map(|v| number(k, rows[&v.0]));
+                let at_rim = equation.rim.iter().map(|v| number(k, rim[&v.0]));
                 let at_rim: Vec<f64> = at_rim.collect();
                 *values = equation.solve(&at_rim);
             }
         }
         let first = self.hole.vertices.start;
         let at = |v: u32| {
-            let [x, y] = [0, 1].map(|k| match rows.get(&v) {
+            let [x, y] = [0, 1].map(|k| match rim.get(&v) {
                 Some(&row) => number(k, row),
                 None => new[k][v as usize - first],
             });
@@ -218,16 +298,40 @@ impl<'a> PatchData<'a> {
             })
         };
         if !self.is_embedded(at, given) {
-            return;
+            return None;
         }
-        let count = row_count(columns) as u32;
-        for (column, values) in Arc::make_mut(&mut attributes.texture).iter_mut().zip(&new) {
+        let triangles = self.triangles.iter().map(|t| t.map(at)).collect();
+        Some(Extension {
+            rim,
+            new,
+            triangles,
+            like: self.hole.like.index(),
+        })
+    }
+
+    /// Gives the patch the texture coordinates of an extension.
+    fn extend(&self, attributes: &mut Attributes, extension: &Extension) {
+        let count = row_count(&attributes.texture) as u32;
+        let columns = Arc::make_mut(&mut attributes.texture);
+        for (column, values) in columns.iter_mut().zip(&extension.new) {
             for &value in values {
                 column.numbers.push(value);
             }
         }
-        let list = &mut attributes.faces.texture;
-        self.refer(list, &rows, count);
+        self.refer(&mut attributes.faces.texture, &extension.rim, count);
+    }
+
+    /// Whether a face beside the rim has texture coordinates.
+    fn has_texture(&self, attributes: &Attributes) -> bool {
+        let list = &attributes.faces.texture;
+        let mut corners = self.rim.iter().flatten().map(|at| at.corner);
+        !list.is_empty() && corners.any(|corner| list[corner] != NO_VALUE)
+    }
+
+    /// The edges of the rim: their ends, and their corners in the given faces.
+    fn rim_ends(&self) -> Vec<([u32; 2], [u32; 2])> {
+        let ends = |e: &[RimCorner; 2]| (e.map(|at| at.vertex), e.map(|at| at.corner as u32));
+        self.rim.iter().map(ends).collect()
     }
 
     /// Writes the rows of the patch's corners: those of `rows` at the rim, and the rows from `first` on

@@ -44,12 +44,13 @@ mod self_intersection;
 mod sheets;
 mod soundness;
 mod symmetric_errors;
+mod texture;
 mod warm_start;
 
 pub use bridge::{BridgeError, RimSegment, bridge, bridge_warning, segment_at};
 pub use controls::{Controls, ControlsError, Linear, LoopLimits};
 pub use islands::with_islands;
-pub use options::{Continuity, Features, FillOptions, Surface, Symmetry};
+pub use options::{Continuity, Features, FillOptions, PatchTexture, Surface, Symmetry};
 pub use partial::{PartialError, fill_part};
 pub use prediction::{Candidate, GroupSurface, Prediction};
 pub use prepare::flow_problem;

@@ -75,6 +75,22 @@ pub enum Features {
 
 choices!(Features: Auto "auto", Off "off");
 
+/// How a patch continues the texture around it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PatchTexture {
+    /// As `Extend` where the patch has room in the image of its surroundings, otherwise as `Own`.
+    #[default]
+    Auto,
+    /// The texture coordinates continue into the patch where its rim lies in one chart.
+    Extend,
+    /// The patch gets a chart in an image of its own, which continues the colours along the rim.
+    Own,
+    /// Not at all.
+    None,
+}
+
+choices!(PatchTexture: Auto "auto", Extend "extend", Own "own", None "none");
+
 /// The options of a fill.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -97,6 +113,8 @@ pub struct FillOptions {
     pub loop_continuity: BTreeMap<LoopId, Continuity>,
     /// Whether the faces of each patch get a group.
     pub label_patches: bool,
+    /// How patches continue the texture around them; the value at the start counts.
+    pub patch_texture: PatchTexture,
 }
 
 impl Default for FillOptions {
@@ -112,6 +130,7 @@ impl Default for FillOptions {
             continuity: Continuity::default(),
             loop_continuity: BTreeMap::new(),
             label_patches: false,
+            patch_texture: PatchTexture::default(),
         }
     }
 }

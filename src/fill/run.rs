@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::fill::Controls;
 use crate::fill::assemble::Assembly;
+use crate::fill::attributes::Look;
 use crate::fill::context::FillContext;
 use crate::fill::defects::crossing_groups;
 use crate::fill::estimate::memory_of;
@@ -88,6 +89,7 @@ pub(super) fn run_plan(
     let ScheduledOptions { options, recording } = options;
     let memory = memory_of(mesh, &plan, options);
     require(memory)?;
+    let look = Look::new(options);
     let topologies = plan.groups.iter().map(|g| Arc::clone(&g.topology));
     let (runs, assembly) = rayon::join(
         || {
@@ -95,20 +97,20 @@ pub(super) fn run_plan(
             let run = |g| run_group(context, g, options, recording, &|record| observe(g, record));
             groups.map(run).collect::<Vec<_>>()
         },
-        || Assembly::new(mesh, &plan, topologies.collect(), options.label_patches),
+        || Assembly::new(mesh, &plan, topologies.collect(), &look),
     );
     let mut assembly = assembly?;
     if !assembly.fits(runs.iter().map(|run| &run.topology)) {
         let topologies = runs.iter().map(|run| Arc::clone(&run.topology));
-        assembly = Assembly::new(mesh, &plan, topologies.collect(), options.label_patches)?;
+        assembly = Assembly::new(mesh, &plan, topologies.collect(), &look)?;
     }
     let positions = runs.iter().map(|run| &run.positions[..]);
-    let filled = assembly.mesh(mesh, positions);
+    let (filled, without_texture) = assembly.mesh(mesh, positions);
     let crossing = crossing_groups(&filled.topology, &filled.positions, &assembly.holes);
     let of_patches = runs
         .iter()
         .flat_map(|run| run.patch_warnings.iter().cloned());
-    for (id, warning) in of_patches.chain(crossing) {
+    for (id, warning) in of_patches.chain(crossing).chain(without_texture) {
         if let Some(hole) = assembly.holes.iter_mut().find(|hole| hole.id() == id) {
             hole.warnings.push(warning);
         }

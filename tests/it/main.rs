@@ -39,6 +39,8 @@ mod refine_live;
 #[cfg(feature = "cli")]
 mod saving;
 #[cfg(feature = "cli")]
+mod textures;
+#[cfg(feature = "cli")]
 mod wild;
 
 #[cfg(feature = "render")]

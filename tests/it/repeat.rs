@@ -13,9 +13,9 @@ use meniscus::app::{
 };
 use meniscus::fill::{Continuity, LoopLimits};
 use meniscus::io;
-use meniscus::mesh::{DVec3, FaceId, Mesh};
+use meniscus::mesh::{DVec3, FaceId, Mesh, build};
 use meniscus::options::Options;
-use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
+use meniscus::shapes::{Hole, HoleShape, Sample, cut_holes, sphere};
 
 fn until(model: &mut Model, what: &str, done: impl Fn(&Model) -> bool) {
     wait_for(what, || {
@@ -105,6 +105,29 @@ fn the_copied_command_gives_the_same_file() {
     act(&mut m, RunAction::Accept(0));
     assert!(m.document.loops.is_empty());
     repeats(&mut m, &output);
+}
+
+/// The image of the patches is the same, too.
+#[test]
+fn texture_images_are_repeated() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let sample = Sample::named("egg").expect("a sample");
+    let (egg, _) = build(&sample.soup()).expect("sound");
+    io::save_mesh(&at("egg.obj"), &egg).expect("written");
+    let mut m = opened(at("egg.obj"));
+    act(&mut m, RunAction::Start);
+    until(&mut m, "the end", ended);
+    act(&mut m, RunAction::Accept(0));
+    act(&mut m, FileAction::SaveAs(at("done.obj")));
+    until(&mut m, "the file", |m| !m.is_dirty());
+    let beside = ["done_meniscus.mtl", "done_patches.png"];
+    let saved = beside.map(|name| std::fs::read(at(name)).expect("saved"));
+    repeats(&mut m, &at("done.obj"));
+    assert_eq!(
+        beside.map(|name| std::fs::read(at(name)).expect("made")),
+        saved
+    );
 }
 
 /// Saves, runs the copied commands with one thread and with two, and compares the files.

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::handle::{Figures, RunEvent, StateView, WindowProcess, warning_event, with_hint};
 use crate::fill::{Controls, FillEvent, FillProcess, FillSnapshot, FillTimeline, GroupStatus};
-use crate::mesh::{DVec3, Mesh, Topology};
+use crate::mesh::{DVec3, LoopId, Mesh, Topology};
 use crate::runner::{Runner, Schedule};
+use crate::warning::Warning;
 
 impl StateView for FillSnapshot {
     fn serial(&self) -> usize {
@@ -27,6 +28,12 @@ impl StateView for FillSnapshot {
 
     fn mesh(&self) -> Mesh {
         self.state.mesh()
+    }
+
+    fn mesh_with_warnings(&self) -> (Mesh, Vec<String>) {
+        let (mesh, warnings) = self.state.mesh_with_warnings();
+        let words = |(hole, warning): &(LoopId, Warning)| of_hole(*hole, warning);
+        (mesh, warnings.iter().map(words).collect())
     }
 
     fn patch_faces(&self) -> Option<Range<usize>> {
@@ -75,8 +82,7 @@ impl WindowProcess for FillProcess {
                 outcome.warnings.iter().filter_map(warning_event).collect()
             }
             FillEvent::Warned { hole, warning } => {
-                let text = format!("hole {hole}: {}", with_hint(&warning));
-                vec![RunEvent::Warning(text)]
+                vec![RunEvent::Warning(of_hole(hole, &warning))]
             }
             FillEvent::Failed { text, .. } => vec![RunEvent::Error(text)],
         }
@@ -119,4 +125,9 @@ impl WindowProcess for FillProcess {
         };
         groups.map(row).collect()
     }
+}
+
+/// A warning about a hole with its remedy in the window.
+fn of_hole(hole: LoopId, warning: &Warning) -> String {
+    format!("hole {hole}: {}", with_hint(warning))
 }

@@ -95,6 +95,11 @@ pub trait StateView: Any + Debug + Send + Sync {
     /// The whole mesh.
     fn mesh(&self) -> Mesh;
 
+    /// The whole mesh, and warnings about what its patches have besides their shape.
+    fn mesh_with_warnings(&self) -> (Mesh, Vec<String>) {
+        (self.mesh(), Vec::new())
+    }
+
     /// The faces added by the run; `None` if it replaces all faces.
     fn patch_faces(&self) -> Option<Range<usize>>;
 

@@ -9,7 +9,7 @@ use crate::app::action::{Action, ControlsAction};
 use crate::app::document::window_controls;
 use crate::app::model::Model;
 use crate::app::view_state::Task;
-use crate::fill::{Continuity, Controls, Features, Linear, Surface, Symmetry};
+use crate::fill::{Continuity, Controls, Features, Linear, PatchTexture, Surface, Symmetry};
 use crate::mesh::LoopId;
 use crate::options::Choice;
 use crate::solver::{FLOW_GROWTH, Mode, Scheme, Tau};
@@ -249,6 +249,29 @@ fn patch_ui(
     let label = egui::Checkbox::new(&mut next.label_patches, "Label patches");
     ui.add_enabled(model.run.is_none(), label)
         .on_hover_text("put the faces of each patch into a group: patch_1, patch_2, …");
+    if !model.document.mesh.attributes.faces.texture.is_empty() {
+        let choices = [
+            (
+                PatchTexture::Auto,
+                "auto",
+                "extended where other faces leave room in the image, an image of its own elsewhere",
+            ),
+            (
+                PatchTexture::Extend,
+                "extend",
+                "the texture coordinates continue where the rim lies in one chart",
+            ),
+            (
+                PatchTexture::Own,
+                "own",
+                "the colours along the rim continue in a new image, which is saved with the mesh",
+            ),
+            (PatchTexture::None, "none", "patches have no texture"),
+        ];
+        ui.add_enabled_ui(model.run.is_none(), |ui| {
+            choice(ui, "Texture", &mut next.patch_texture, choices);
+        });
+    }
     let selected = model.document.selected();
     if selected.len() > 1 {
         ui.collapsing("Each rim", |ui| {

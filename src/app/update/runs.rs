@@ -255,7 +255,7 @@ pub(super) fn accept(model: &mut Model, index: usize) {
             .info("there is no patch yet: wait for the first patch or press Esc");
         return;
     };
-    let filled = state.mesh();
+    let (filled, warnings) = state.mesh_with_warnings();
     let surface = (state.patch_faces().is_none() && state.has_limit()).then(|| state.clone());
     let mut operation = side.operation.clone();
     operation.set_schedule(state.schedule());
@@ -287,4 +287,7 @@ pub(super) fn accept(model: &mut Model, index: usize) {
     model.revision += 1;
     model.view.hover.clear();
     model.log.info(format!("{label} accepted"));
+    for warning in warnings {
+        model.log.warning(warning);
+    }
 }

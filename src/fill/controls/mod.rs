@@ -9,7 +9,7 @@ mod tests;
 use std::collections::BTreeMap;
 
 use crate::energy::{Energy, ExprError};
-use crate::fill::options::{Continuity, Features, FillOptions, Surface, Symmetry};
+use crate::fill::options::{Continuity, Features, FillOptions, PatchTexture, Surface, Symmetry};
 use crate::mesh::LoopId;
 use crate::options::{choices, options, text_keys};
 use crate::patch::PatchOptions;
@@ -85,6 +85,10 @@ options! {
         /// Put the faces of each patch into a group, such as `patch_1`: groups of OBJ, or the
         /// property `patch` of the faces of PLY, which is 0 elsewhere.
         label_patches: bool = false,
+        /// Texture of patches: `extend` continues the texture coordinates where the rim lies in one
+        /// chart, `own` makes an image of the colours along the rim, `auto` extends where other faces
+        /// leave room and makes an image elsewhere, `none` leaves patches without.
+        patch_texture: PatchTexture = PatchTexture::default(),
     }
 }
 
@@ -155,6 +159,7 @@ impl Controls {
             continuity: self.continuity,
             loop_continuity: self.loop_continuity.clone(),
             label_patches: self.label_patches,
+            patch_texture: self.patch_texture,
         })
     }
 

@@ -25,6 +25,7 @@ fn changed() -> Controls {
         continuity: Continuity::G0,
         loop_continuity: [(2.into(), Continuity::G1)].into(),
         label_patches: true,
+        patch_texture: PatchTexture::Own,
         steps: 17,
     }
 }

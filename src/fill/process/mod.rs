@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use crate::fill::assemble::Assembly;
+use crate::fill::attributes::Look;
 use crate::fill::context::FillContext;
 use crate::fill::defects::crossing_groups;
 use crate::fill::estimate::memory_of;
@@ -100,8 +101,8 @@ pub struct FillProcess {
     plan: Plan,
     groups: Vec<GroupProgress>,
     assembly: Arc<Assembly>,
-    /// Whether patches get groups; the option at the start counts.
-    labels: bool,
+    /// The options at the start count.
+    look: Look,
     /// Holes without a patch that are not reported yet.
     failed_holes: Vec<FillError>,
     /// Warnings about patches that no flow changes, not reported yet.
@@ -159,14 +160,17 @@ impl FillProcess {
         let start = |g| GroupProgress::start(context, g, options);
         let groups: Vec<GroupProgress> = groups.map(start).collect();
         let patches = groups.iter().map(|g| Arc::clone(g.run.topology()));
-        let assembly = Assembly::new(&mesh, &plan, patches.collect(), options.label_patches)
-            .map_err(FillError::from)?;
+        let look = Look::new(options);
+        let assembly = Assembly::new(&mesh, &plan, patches.collect(), &look);
+        let assembly = Arc::new(assembly.map_err(FillError::from)?);
+        let (ahead, given) = (Arc::clone(&assembly), Arc::clone(&mesh));
+        rayon::spawn(move || ahead.prepare_look(&given));
         Ok(Self {
             mesh,
             plan,
             groups,
-            labels: options.label_patches,
-            assembly: Arc::new(assembly),
+            look,
+            assembly,
             failed_holes,
             warnings,
             groups_checked: false,
@@ -282,7 +286,7 @@ impl Process for FillProcess {
         let groups: Vec<_> = self.groups.iter_mut().map(|g| g.state(context)).collect();
         if !self.assembly.fits(groups.iter().map(|g| &g.patches)) {
             let patches = groups.iter().map(|g| Arc::clone(&g.patches));
-            let assembly = Assembly::new(&self.mesh, &self.plan, patches.collect(), self.labels);
+            let assembly = Assembly::new(&self.mesh, &self.plan, patches.collect(), &self.look);
             self.assembly = Arc::new(assembly.map_err(FillError::from)?);
         }
         Ok(Arc::new(FillState {

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use crate::fill::assemble::Assembly;
 use crate::fill::patch_topology::PatchTopology;
-use crate::mesh::{DVec3, Mesh, Topology};
+use crate::mesh::{DVec3, LoopId, Mesh, Topology};
 use crate::runner::TimelineState;
+use crate::warning::Warning;
 
 /// The state of one group after an accepted step.
 #[derive(Clone, Debug)]
@@ -57,6 +58,11 @@ impl FillState {
 
     /// The whole filled mesh with the attributes of the given one, the old part first.
     pub fn mesh(&self) -> Mesh {
+        self.mesh_with_warnings().0
+    }
+
+    /// The whole filled mesh, and warnings about the attributes of patches, by hole.
+    pub fn mesh_with_warnings(&self) -> (Mesh, Vec<(LoopId, Warning)>) {
         self.assembly.mesh(&self.given, self.group_positions())
     }
 

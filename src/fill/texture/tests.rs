@@ -1,0 +1,259 @@
+//! Textures of patches over holes of a painted sample.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::extension::{Extension, overlapping};
+use crate::fill::{
+    Controls, FillTask, LiveFill, LoopChoice, PatchTexture, ScheduledOptions, Surface, choose,
+    fill_rim_sets,
+};
+use crate::images::Pixels;
+use crate::mesh::{
+    Attributes, Column, FaceId, Mesh, NO_VALUE, OwnMaterial, boundary_loops, build, to_light,
+};
+use crate::runner::{Event, RunSettings};
+use crate::shapes::Sample;
+use crate::warning::Warning;
+use robust::Coord;
+
+fn egg() -> Mesh {
+    let sample = Sample::named("egg").expect("a sample");
+    build(&sample.soup()).expect("sound").0
+}
+
+fn controls(patch_texture: PatchTexture) -> Controls {
+    Controls {
+        patch_texture,
+        surface: Surface::Energy,
+        ..Controls::default()
+    }
+}
+
+/// The filled mesh, and its warnings about textures.
+fn filled(mesh: &Mesh, patch_texture: PatchTexture) -> (Mesh, Vec<Warning>) {
+    let loops = boundary_loops(mesh);
+    let rims: Vec<_> = loops.iter().map(|l| vec![l]).collect();
+    let options = controls(patch_texture).options().expect("valid");
+    let filled = fill_rim_sets(mesh, &rims, &options, &|_, _| true).expect("filled");
+    let warnings = filled.holes.iter().flat_map(|hole| hole.warnings.iter());
+    let of_texture = warnings.filter(|w| matches!(w, Warning::NoTexture { .. }));
+    let of_texture = of_texture.cloned().collect();
+    (filled.mesh, of_texture)
+}
+
+fn material_at(mesh: &Mesh, face: usize) -> &str {
+    super::rim_colors::material_of(&mesh.attributes, face)
+}
+
+/// The colour that a face shows at a mix of its corners, as signals in 0..=255.
+fn shown(mesh: &Mesh, face: usize, weights: [f64; 3]) -> [f64; 3] {
+    let all = &mesh.attributes;
+    let material = material_at(mesh, face);
+    let own = all.own_materials.iter().find(|m| m.name == material);
+    let pixels = Pixels::decode(&own.expect("a material").png).expect("an image");
+    let mut at = [0.0; 2];
+    for k in 0..3 {
+        let row = all.faces.texture[3 * face + k] as usize;
+        let [u, v] = [0, 1].map(|c| all.texture[c].numbers.get(row));
+        at[0] += weights[k] * u * f64::from(pixels.width);
+        at[1] += weights[k] * (1.0 - v) * f64::from(pixels.height);
+    }
+    let texel = |x: f64, y: f64| {
+        let (x, y) = (x as usize, y as usize);
+        let first = 4 * (y * pixels.width as usize + x);
+        [0, 1, 2].map(|k| to_light(f64::from(pixels.rgba[first + k]) / 255.0))
+    };
+    let [x, y] = at.map(|x| x - 0.5);
+    let (s, t) = (x.fract(), y.fract());
+    let mut light = [0.0; 3];
+    for (dx, dy, w) in [
+        (0.0, 0.0, (1.0 - s) * (1.0 - t)),
+        (1.0, 0.0, s * (1.0 - t)),
+        (0.0, 1.0, (1.0 - s) * t),
+        (1.0, 1.0, s * t),
+    ] {
+        let one = texel(x + dx, y + dy);
+        light = [0, 1, 2].map(|k| light[k] + w * one[k]);
+    }
+    light.map(|x| 255.0 * crate::mesh::to_signal(x))
+}
+
+/// Two patches cross the seam and get an image, one extends its chart; across every rim edge the colours
+/// are the same.
+#[test]
+fn colours_agree_across_rims() {
+    let given = egg();
+    let (mesh, warnings) = filled(&given, PatchTexture::Auto);
+    assert_eq!(warnings, []);
+    let all = &mesh.attributes;
+    let names: Vec<&str> = all.own_materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["egg", "patches"]);
+    assert_eq!(all.own_materials[1].like, "egg");
+    let new = given.face_count()..mesh.face_count();
+    assert!(!all.faces.texture.contains(&NO_VALUE));
+    let materials: BTreeSet<&str> = new.clone().map(|f| material_at(&mesh, f)).collect();
+    assert_eq!(materials, BTreeSet::from(["egg", "patches"]));
+    let old = &given.attributes.faces;
+    assert_eq!(all.faces.texture[..old.texture.len()], old.texture[..]);
+    assert_eq!(all.faces.tags[..old.tags.len()], old.tags[..]);
+    let (mut worst, mut sum, mut samples) = (0.0_f64, 0.0, 0);
+    for face in new
+        .filter(|&f| material_at(&mesh, f) == "patches")
+        .map(FaceId::from)
+    {
+        for (k, h) in mesh.topology.face_halfedges(face).into_iter().enumerate() {
+            let beyond = mesh.topology.face(h.twin());
+            if beyond.index() >= given.face_count() {
+                continue;
+            }
+            let corners = mesh.topology.face_vertices(beyond);
+            let corner = |v| corners.iter().position(|&c| c == v).expect("a common edge");
+            let ends = [mesh.topology.origin(h), mesh.topology.target(h)].map(corner);
+            for t in [0.0, 0.3, 0.5, 0.8] {
+                let (mut inside, mut outside) = ([0.0; 3], [0.0; 3]);
+                (inside[k], inside[(k + 1) % 3]) = (1.0 - t, t);
+                (outside[ends[0]], outside[ends[1]]) = (1.0 - t, t);
+                let a = shown(&mesh, face.index(), inside);
+                let b = shown(&mesh, beyond.index(), outside);
+                let apart = (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max);
+                worst = worst.max(apart);
+                sum += apart;
+                samples += 1;
+            }
+        }
+    }
+    assert!(samples > 100, "{samples}");
+    let mean = sum / f64::from(samples);
+    // of 255; measured: 8 and 1, because the colours come from half a texel inside the given faces, and
+    // one texel at the edge of a band makes 16
+    assert!(worst < 10.0 && mean < 1.5, "{worst}, {mean}");
+}
+
+#[test]
+fn the_option_decides() {
+    let given = egg();
+    let count = |patch_texture| {
+        let (mesh, warnings) = filled(&given, patch_texture);
+        assert_eq!(warnings, []);
+        let new = given.face_count()..mesh.face_count();
+        let rows = &mesh.attributes.faces.texture;
+        let blank = new.clone().filter(|f| rows[3 * f] == NO_VALUE).count();
+        let own = new
+            .clone()
+            .filter(|&f| material_at(&mesh, f) == "patches")
+            .count();
+        [blank, own, new.len()]
+    };
+    let [blank, own, all] = count(PatchTexture::Extend);
+    assert!(own == 0 && blank > 0 && blank < all);
+    let [blank, own, all] = count(PatchTexture::Own);
+    assert!(blank == 0 && own == all);
+    let [blank, own, all] = count(PatchTexture::None);
+    assert!(own == 0 && blank == all);
+}
+
+/// Several images in one mesh have names of their own, and an image that is no image gives a reason.
+#[test]
+fn names_differ_and_unreadable_images_are_said() {
+    let (once, _) = filled(&egg(), PatchTexture::Own);
+    let mut again = once.clone();
+    again.attributes.own_materials[0].png = Arc::new(b"no image".to_vec());
+    let kept: Vec<[u32; 3]> = again.topology.triangles().collect();
+    let seen = again.positions[kept[0][0] as usize];
+    let near = |f: &FaceId| again.corners(*f)[0].distance(seen) < 0.25;
+    let chosen: Vec<bool> = again.topology.faces().map(|f| near(&f)).collect();
+    let left = crate::mesh::erase(&again, &chosen).mesh;
+    let (mesh, warnings) = filled(&left, PatchTexture::Own);
+    let names = |mesh: &Mesh| -> Vec<String> {
+        let own = mesh.attributes.own_materials.iter();
+        own.map(|m| m.name.clone()).collect()
+    };
+    assert_eq!(names(&mesh), ["egg", "patches"]);
+    let [Warning::NoTexture { reason, .. }] = &warnings[..] else {
+        panic!("{warnings:?}");
+    };
+    assert!(reason.contains("is not read"), "{reason}");
+    let mut sound = left;
+    sound.attributes.own_materials[0] = OwnMaterial::clone(&once.attributes.own_materials[0]);
+    let (mesh, warnings) = filled(&sound, PatchTexture::Own);
+    assert_eq!(
+        (names(&mesh), warnings),
+        (
+            ["egg", "patches", "patches_2"].map(str::to_owned).to_vec(),
+            vec![]
+        )
+    );
+}
+
+/// The window and the command line make the same image.
+#[test]
+fn a_live_fill_is_repeated_to_the_bit() {
+    let given = Arc::new(egg());
+    let loops = boundary_loops(&given);
+    let chosen = choose(&loops, &LoopChoice::All).expect("loops");
+    let controls = controls(PatchTexture::Auto);
+    let settings = RunSettings {
+        playing: true,
+        pace: None,
+        timeline_bytes: 1 << 24,
+    };
+    let (bell, woken) = std::sync::mpsc::channel();
+    let wake = Arc::new(move || {
+        bell.send(()).ok();
+    });
+    let task = FillTask::Holes(chosen);
+    let mut live = LiveFill::spawn(Arc::clone(&given), task, controls.clone(), settings, wake)
+        .expect("a thread");
+    while !live.ended() {
+        woken.recv().expect("a wake");
+        for event in live.poll() {
+            assert!(!matches!(event, Event::Failed { .. }));
+        }
+    }
+    let last = live.timeline().states.last().expect("a state").state.mesh();
+    let options = ScheduledOptions::new(&controls, &live.schedule()).expect("valid");
+    let rims: Vec<_> = loops.iter().map(|l| vec![l]).collect();
+    let filled = fill_rim_sets(&given, &rims, options, &|_, _| true).expect("filled");
+    assert!(filled.mesh == last);
+    assert_eq!(last.attributes.own_materials.len(), 2);
+}
+
+#[test]
+fn extensions_over_other_faces_are_found() {
+    // a face of a chart, and one of another chart
+    let attributes = |shift: f64| {
+        let column = |name, numbers: [f64; 6]| Column::decimals(name, numbers.to_vec());
+        let mut all = Attributes {
+            texture: Arc::new(vec![
+                column("u", [0.0, 0.5, 0.0, 0.3 + shift, 0.4 + shift, 0.3 + shift]),
+                column("v", [0.0, 0.0, 0.5, 0.3, 0.3, 0.4]),
+            ]),
+            ..Attributes::default()
+        };
+        all.faces.texture = (0..6).collect();
+        all
+    };
+    let extension = |corners: [[f64; 2]; 3]| {
+        Some(Extension {
+            rim: [(0, 0)].into(),
+            new: Vec::new(),
+            triangles: vec![corners.map(|[x, y]| Coord { x, y })],
+            like: 0,
+        })
+    };
+    // the other half of the square: it shares a side with the first face
+    let half = || extension([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]]);
+    let overlap = |shift: f64, all: &[Option<Extension>]| overlapping(&attributes(shift), 2, all);
+    assert_eq!(overlap(0.0, &[half(), None]), [true, false]);
+    assert_eq!(overlap(0.3, &[half(), half()]), [false, true]);
+    // beyond the image, which repeats
+    assert_eq!(overlap(3.0, &[half(), half()]), [false, false]);
+    assert_eq!(
+        overlap(
+            0.0,
+            &[None, extension([[0.0; 2], [-0.1, 0.0], [0.0, -0.1]])]
+        ),
+        [false; 2]
+    );
+}
