@@ -10,6 +10,13 @@ prepare_pictures
     --picture docs/pictures/filled.png --size 640x480
 "$meniscus" render "$scratch/creature.obj" -o docs/pictures/holed.png --size 640x480 --view shaded --rims
 "$meniscus" render "$scratch/filled.obj" -o docs/pictures/curvature.png --size 640x480 --view H
+for sample in egg ring; do
+    look=(--view colour --size 320x240)
+    "$meniscus" sample "$sample" -o "$scratch/$sample.obj"
+    "$meniscus" fill "$scratch/$sample.obj" -o "$scratch/filled.obj" --quiet
+    "$meniscus" render "$scratch/$sample.obj" -o "docs/pictures/$sample-before.png" --rims "${look[@]}"
+    "$meniscus" render "$scratch/filled.obj" -o "docs/pictures/$sample-after.png" "${look[@]}"
+done
 
 # The pictures of docs/real.md need the scans: MENISCUS_MODELS is the folder of the models.
 if [ -z "${MENISCUS_MODELS:-}" ]; then
