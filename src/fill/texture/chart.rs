@@ -13,6 +13,8 @@ const PADDING: f64 = 4.0;
 const BAND: f64 = 1.5;
 /// Least number of texels of an edge.
 const LEAST: f64 = 2.0;
+/// Least radius of the inner of two loops beside that of the outer one, where possible.
+const INNER: f64 = 0.4;
 /// Least and greatest radius of a chart in texels.
 const RADII: [f64; 2] = [4.0, 512.0];
 
@@ -58,6 +60,10 @@ impl<'a> Chart<'a> {
             .map(|one| texels_of(one, positions, &of_edges(one)))
             .collect();
         let unit = disc(triangles, positions, &loops, &texels[0]);
+        let unit = match &loops[..] {
+            [outer, inner] => widened(unit, triangles, outer, inner),
+            _ => unit,
+        };
         let needed = |(one, texels): (&Vec<u32>, &Vec<f64>)| {
             let places = one.iter().map(|v| unit[v]).collect::<Vec<_>>();
             let sides = (0..places.len()).map(|i| apart(places[i], places[(i + 1) % places.len()]));
@@ -163,6 +169,41 @@ fn border(triangles: &[[u32; 3]]) -> Option<Vec<Vec<u32>>> {
     (!loops.is_empty()).then_some(loops)
 }
 
+/// The places with a wider inner loop, if it is narrow and no triangle is turned over: in a long tube the
+/// inner loop is exponentially small, and its texture would be coarse.
+fn widened(
+    places: BTreeMap<u32, [f64; 2]>,
+    triangles: &[[u32; 3]],
+    outer: &[u32],
+    inner: &[u32],
+) -> BTreeMap<u32, [f64; 2]> {
+    let of = |one: &[u32]| one.iter().map(|v| places[v]).collect::<Vec<_>>();
+    let (outer, inner) = (of(outer), of(inner));
+    let centre = [0, 1].map(|k| inner.iter().map(|p| p[k]).sum::<f64>() / inner.len() as f64);
+    let radius =
+        |one: &[[f64; 2]]| one.iter().map(|&p| apart(centre, p)).sum::<f64>() / one.len() as f64;
+    let (whole, ratio) = (radius(&outer), radius(&inner) / radius(&outer));
+    if ratio >= INNER || ratio <= 0.0 {
+        return places;
+    }
+    let power = INNER.ln() / ratio.ln();
+    let wide = |p: &[f64; 2]| {
+        let far = (apart(centre, *p) / whole).max(f64::MIN_POSITIVE);
+        [0, 1].map(|k| centre[k] + (p[k] - centre[k]) * far.powf(power - 1.0))
+    };
+    let new: BTreeMap<u32, [f64; 2]> = places.iter().map(|(&v, p)| (v, wide(p))).collect();
+    let is_kept = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| new[&v]);
+        // downwards, triangles seen from outside have a negative area
+        (b[0] - a[0]) * (c[1] - a[1]) < (b[1] - a[1]) * (c[0] - a[0])
+    };
+    if triangles.iter().all(is_kept) {
+        new
+    } else {
+        places
+    }
+}
+
 /// The length in texels of each edge of a loop. Edges without colours have the density of the others.
 fn texels_of(one: &[u32], positions: &[DVec3], edges: &[Option<&RimEdge>]) -> Vec<f64> {
     let length = |i: usize| distance(positions, [one[i], one[(i + 1) % one.len()]]);
@@ -225,4 +266,61 @@ fn disc(
         places.extend(x.into_iter().zip(y).map(|(x, y)| [x, y]));
     }
     order.into_iter().zip(places).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+
+    fn edge() -> RimEdge {
+        RimEdge {
+            lights: vec![[0.5, 0.25, 0.0, 1.0]; 2],
+            texels: 20.0,
+        }
+    }
+
+    fn area(places: &BTreeMap<u32, [f64; 2]>, t: &[u32; 3]) -> f64 {
+        let [a, b, c] = t.map(|v| places[&v]);
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    }
+
+    /// A dome and a long tube lie in the plane without overlaps, inside their padding; the edges of the
+    /// longest rim have the texels they need, and those of the other nearly.
+    #[test]
+    fn charts_do_not_overlap_and_have_the_texels_of_their_rims() {
+        let ball = shapes::sphere(900, 5);
+        let dome = shapes::cut_where(&ball, |p| p.z < 0.1);
+        let tube = shapes::cylinder(1.0, 3.0, 24, 6);
+        for ((positions, triangles), rims) in [(dome, 1), (tube, 2)] {
+            let edge = edge();
+            let chart = Chart::new(&triangles, &positions, 1.0, |_| Some(&edge));
+            let chart = chart.expect("a chart");
+            assert!(triangles.iter().all(|t| area(&chart.places, t) < 0.0));
+            for place in chart.places.values() {
+                for k in 0..2 {
+                    let inside = PADDING - 1e-9..chart.size[k] as f64 - PADDING + 1e-9;
+                    assert!(inside.contains(&place[k]), "{place:?} in {:?}", chart.size);
+                }
+            }
+            let loops = border(&triangles).expect("simple");
+            assert_eq!(loops.len(), rims);
+            let length: f64 = chart.rim.iter().map(|(e, _)| apart(e[0], e[1])).sum();
+            let mean = length / chart.rim.len() as f64;
+            // the chart is so large that no rim has less
+            assert!(mean > 19.0 && mean < 45.0, "{mean}");
+            let [r, g, b, a] = chart.texels()[chart.size[0] * chart.size[1] / 2];
+            let off = [r - 0.5, g - 0.25, b, a - 1.0].map(f32::abs);
+            assert!(off.iter().all(|&x| x < 1e-3), "{off:?}");
+        }
+    }
+
+    #[test]
+    fn borders_are_loops_and_do_not_touch_themselves() {
+        let two = [[0, 1, 2], [2, 1, 3]];
+        assert_eq!(border(&two), Some(vec![vec![0, 1, 3, 2]]));
+        // two triangles at one vertex
+        assert_eq!(border(&[[0, 1, 2], [0, 3, 4]]), None);
+        assert!(border(&[[0, 1, 2], [0, 2, 1]]).is_none());
+    }
 }
