@@ -25,7 +25,7 @@ job() {
     printf '\n' >>"$jobs"
 }
 
-samples=(creature sphere torus catenoid saddle four-cylinders three-y)
+samples=(creature sphere egg ring torus catenoid saddle four-cylinders three-y)
 for sample in "${samples[@]}"; do
     "$MENISCUS" sample "$sample" -o "$scratch/$sample.obj" >/dev/null 2>&1
     job "sample/$sample" obj sample "$sample" -o @

@@ -43,8 +43,7 @@ pub static SAMPLES: [Sample; 10] = [
     Sample {
         name: "egg",
         title: "Painted egg with three holes",
-        about: "a texture image with two charts: patches extend a chart, or get an image where they \
-                cross the seam",
+        about: "a texture in two charts; two of the holes are on their seam",
         make: egg_with_holes,
         paint: paint_egg,
     },

@@ -3,6 +3,7 @@
 use eframe::egui::{self, Button, Ui};
 
 use super::icons::{Icon, icon_button};
+use super::samples::samples_ui;
 use super::widgets::Asks;
 use crate::app::action::{
     Action, EditAction, FileAction, PictureAction, SelectAction, Switch, ViewAction,
@@ -14,7 +15,6 @@ use crate::app::shortcuts::key_text;
 use crate::app::view_state::{Modal, Navigation};
 use crate::options::Choice;
 use crate::render::StandardView;
-use crate::shapes::SAMPLES;
 
 /// A menu entry with its key.
 fn entry(ui: &mut Ui, text: &str, action: impl Into<Action>, actions: &mut Vec<Action>) {
@@ -72,18 +72,7 @@ pub(crate) fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 actions,
             );
         });
-        ui.menu_button("Samples", |ui| {
-            for sample in &SAMPLES {
-                if ui
-                    .button(sample.title)
-                    .on_hover_text(sample.about)
-                    .clicked()
-                {
-                    actions.push(FileAction::Sample(sample.name.into()).into());
-                    ui.close();
-                }
-            }
-        });
+        ui.menu_button("Samples", |ui| samples_ui(ui, actions));
         ui.menu_button("Help", |ui| {
             for (text, switch) in [
                 ("Keys and mouse", Switch::Help),

@@ -13,6 +13,7 @@ mod navigation;
 mod refine;
 mod repair;
 mod report;
+mod samples;
 mod side;
 mod status;
 pub(crate) mod theme;
