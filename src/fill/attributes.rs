@@ -133,7 +133,7 @@ struct PatchData<'a> {
     /// The edges of the patch with a given face beyond them: their ends, and the corners there of the
     /// face.
     rim: Vec<[RimCorner; 2]>,
-    /// Whether the patch has no other boundary.
+    /// Whether the patch has no other boundary, also not with another patch.
     is_closed: bool,
     /// The equation of its new vertices, once it is prepared.
     equation: Option<Harmonic>,
@@ -159,9 +159,7 @@ impl<'a> PatchData<'a> {
         let (mut rim, mut is_closed) = (Vec::new(), true);
         for h in faces().flat_map(|f| topology.face_halfedges(f)) {
             let beyond = topology.face(h.twin());
-            if !beyond.is_some() {
-                is_closed = false;
-            } else if beyond.index() < mesh.face_count() {
+            if beyond.is_some() && beyond.index() < mesh.face_count() {
                 let corners = topology.face_vertices(beyond);
                 rim.push([topology.origin(h), topology.target(h)].map(|v| {
                     let k = corners.iter().position(|&c| c == v);
@@ -170,6 +168,8 @@ impl<'a> PatchData<'a> {
                         corner: 3 * beyond.index() + k.expect("the faces share the edge"),
                     }
                 }));
+            } else if !(beyond.is_some() && hole.faces.contains(&beyond.index())) {
+                is_closed = false;
             }
         }
         Self {

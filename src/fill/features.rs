@@ -292,6 +292,61 @@ mod tests {
         assert!(sharp_length(&smooth, on_edge) < 0.7);
     }
 
+    /// Both parts of a patch with a crease get one chart: its vertices are in the texture once.
+    #[cfg(feature = "textures")]
+    #[test]
+    fn parts_of_a_patch_share_a_chart() {
+        use crate::images::Pixels;
+        use crate::mesh::{Column, FaceTag, NO_VALUE, OwnMaterial};
+        use std::collections::BTreeSet;
+        use std::sync::Arc;
+        let at = DVec3::new(1.0, 0.5, 1.0);
+        let mut mesh = corner_of_cube().without(at, 0.25);
+        let column = |name: &str, number: &dyn Fn(&DVec3) -> f64| {
+            Column::decimals(name, mesh.positions.iter().map(number).collect())
+        };
+        let unfolded = column("u", &|p| 0.45 * (p.x + 1.0 - p.z));
+        let texture = vec![unfolded, column("v", &|p| 0.9 * p.y)];
+        let normals = ["nx", "ny", "nz"].map(|name| column(name, &|_| 0.5));
+        let corners: Vec<u32> = mesh.topology.triangles().flatten().collect();
+        let pixels = Pixels {
+            width: 64,
+            height: 64,
+            rgba: (0..64 * 64).flat_map(|k| [k as u8, 9, 99, 255]).collect(),
+        };
+        let all = &mut mesh.attributes;
+        all.texture = Arc::new(texture);
+        all.normals = Arc::new(normals.to_vec());
+        all.faces.texture.clone_from(&corners);
+        all.faces.normals = corners;
+        all.tags = vec![FaceTag {
+            material: "skin".into(),
+            ..FaceTag::default()
+        }];
+        all.faces.tags = vec![0; mesh.topology.face_count()];
+        all.own_materials = vec![OwnMaterial {
+            name: "skin".into(),
+            like: String::new(),
+            png: Arc::new(pixels.to_png().expect("written")),
+        }];
+        let given = [mesh.vertex_count(), mesh.face_count()];
+        let filled = filled(&mesh, at, Features::Auto);
+        let all = &filled.attributes;
+        assert_eq!(all.own_materials.len(), 2);
+        let rows = &all.faces.texture[3 * given[1]..];
+        let vertices: BTreeSet<u32> = filled
+            .topology
+            .triangles()
+            .skip(given[1])
+            .flatten()
+            .collect();
+        assert_eq!(rows.iter().collect::<BTreeSet<_>>().len(), vertices.len());
+        assert!(
+            rows.iter()
+                .all(|&row| row as usize >= given[0] && row != NO_VALUE)
+        );
+    }
+
     #[test]
     fn the_edge_of_a_drum_comes_back() {
         let at = DVec3::new(1.0, 0.0, 0.0);
