@@ -35,9 +35,10 @@ impl Look {
     /// The colours along the rims of the patches, which are the same for all triangulations.
     fn colors(&self, mesh: &Mesh, patches: &[PatchData<'_>]) -> &RimColors {
         self.colors.get_or_init(|| {
-            let edges = patches.iter().flat_map(|patch| &patch.rim);
-            let edges: Vec<[u32; 2]> = edges.map(|e| e.map(|at| at.corner as u32)).collect();
-            RimColors::read(&mesh.attributes, &edges)
+            let corners = |edge: &[RimCorner; 2]| edge.map(|at| at.corner as u32);
+            let rim = |patch: &PatchData<'_>| patch.rim.iter().map(corners).collect();
+            let rims: Vec<Vec<[u32; 2]>> = patches.iter().map(rim).collect();
+            RimColors::read(&mesh.attributes, &rims)
         })
     }
 
@@ -56,7 +57,7 @@ impl Look {
 ///
 /// Numbers of vertices continue harmonically from the rims, labels are those of the nearest rim
 /// vertex, normals those of the patch. Texture coordinates continue harmonically where the rim lies in
-/// one chart and the patch overlaps nothing there; other patches get a chart in an image of their own.
+/// one chart and has room in its image; other patches get a chart in an image of their own.
 /// Faces have the data of the face across the first edge of their first rim, and the tags of `holes` among
 /// `tags`.
 pub(super) fn filled_attributes(
@@ -98,6 +99,11 @@ pub(super) fn filled_attributes(
         let overlap = overlapping(&attributes, mesh.face_count(), &extensions);
         for (extension, _) in extensions.iter_mut().zip(overlap).filter(|e| e.1) {
             *extension = None;
+        }
+        for (i, extension) in extensions.iter_mut().enumerate() {
+            if extension.is_some() && look.colors(mesh, &patches).is_blank(i) {
+                *extension = None;
+            }
         }
     }
     for (patch, extension) in patches.iter().zip(&extensions) {

@@ -102,7 +102,7 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
             },
         );
         lost.push(format!(
-            "{name} cannot store texture images of patches, whose faces get no texture \
+            "{name} cannot store texture images of patches and samples, whose faces get no texture \
              coordinates; write OBJ or glTF"
         ));
         return lost;

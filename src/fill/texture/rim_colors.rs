@@ -5,11 +5,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::Light;
 use crate::images::Pixels;
 use crate::io;
-use crate::mesh::{Attributes, ImageSource, Material, NO_VALUE, to_light};
+use crate::mesh::{Attributes, ImageSource, Material, NO_VALUE, to_light, to_signal};
 
 /// Texels from a rim to the places inside the given faces whose colours count. At the border of a chart
 /// the image may have the colour of its background.
 const INSET: f64 = 0.5;
+/// The part of the places inside a rim that have one colour if the image is blank there.
+const BLANK: f64 = 0.3;
+/// How far outside the range of colours along a rim a colour is strange there, in parts of full intensity.
+const STRANGE: f64 = 0.06;
 
 /// The colours along one edge.
 #[derive(Clone, Debug)]
@@ -41,18 +45,21 @@ pub struct RimColors {
     pub materials: BTreeSet<String>,
     /// By the name of a material, why its image gives no colours.
     unread: BTreeMap<String, String>,
+    /// For each rim whether the image is blank inside.
+    blank: Vec<bool>,
 }
 
 impl RimColors {
-    /// Reads the images at these edges: pairs of corners of given faces.
-    pub fn read(attributes: &Attributes, edges: &[[u32; 2]]) -> Self {
+    /// Reads the images at the edges of these rims: pairs of corners of given faces.
+    pub fn read(attributes: &Attributes, rims: &[Vec<[u32; 2]>]) -> Self {
         let all = io::materials(attributes);
         let mut colors = Self {
             materials: all.iter().map(|material| material.name.clone()).collect(),
+            blank: vec![false; rims.len()],
             ..Self::default()
         };
         let mut by_image: BTreeMap<&ImageSource, Vec<(&Material, [u32; 2])>> = BTreeMap::new();
-        for &edge in edges {
+        for &edge in rims.iter().flatten() {
             let name = material_of(attributes, edge[0] as usize / 3);
             let Some(material) = all.iter().find(|material| material.name == name) else {
                 continue;
@@ -79,6 +86,12 @@ impl RimColors {
                         Some((edge, image.along(corner_places(attributes, edge)?)))
                     });
                     colors.edges.extend(sampled);
+                    let of_image: BTreeSet<[u32; 2]> = edges.iter().map(|e| e.1).collect();
+                    for (rim, blank) in rims.iter().zip(&mut colors.blank) {
+                        if rim.iter().all(|edge| of_image.contains(edge)) {
+                            *blank = image.is_blank_inside(attributes, rim, &colors.edges);
+                        }
+                    }
                 }
                 Err(error) => {
                     let why = format!("the image '{}' is not read: {error}", source.name());
@@ -90,6 +103,11 @@ impl RimColors {
             }
         }
         colors
+    }
+
+    /// Whether the image around a rim is blank inside it.
+    pub fn is_blank(&self, rim: usize) -> bool {
+        self.blank[rim]
     }
 
     /// The colours along an edge of a given face.
@@ -134,6 +152,15 @@ fn corner_places(attributes: &Attributes, [a, b]: [u32; 2]) -> Option<[[f64; 2];
     Some([place(a)?, place(b)?, place(third)?])
 }
 
+/// Whether a point is inside a polygon with these sides: a ray crosses an odd number of them.
+fn is_inside(sides: &[[[f64; 2]; 2]], p: [f64; 2]) -> bool {
+    let crosses = |[a, b]: &&[[f64; 2]; 2]| {
+        (a[1] > p[1]) != (b[1] > p[1])
+            && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+    };
+    sides.iter().filter(crosses).count() % 2 == 1
+}
+
 /// An image in linear light, which repeats in both directions.
 struct LightImage<'a> {
     pixels: &'a Pixels,
@@ -149,12 +176,17 @@ impl<'a> LightImage<'a> {
         }
     }
 
-    fn texel(&self, x: i64, y: i64) -> Light {
+    fn pixel(&self, x: i64, y: i64) -> [u8; 4] {
         let Pixels { width, height, .. } = *self.pixels;
         let [x, y] = [(x, width), (y, height)].map(|(i, n)| i.rem_euclid(i64::from(n)) as usize);
         let at = 4 * (y * width as usize + x);
-        let [r, g, b] = [0, 1, 2].map(|k| self.light[usize::from(self.pixels.rgba[at + k])]);
-        [r, g, b, f32::from(self.pixels.rgba[at + 3]) / 255.0]
+        [0, 1, 2, 3].map(|k| self.pixels.rgba[at + k])
+    }
+
+    fn texel(&self, x: i64, y: i64) -> Light {
+        let [r, g, b, a] = self.pixel(x, y);
+        let [r, g, b] = [r, g, b].map(|x| self.light[usize::from(x)]);
+        [r, g, b, f32::from(a) / 255.0]
     }
 
     /// The light at a place in pixels from the upper left corner, between the centres of pixels.
@@ -167,6 +199,61 @@ impl<'a> LightImage<'a> {
             |a: Light, b: Light, t: f32| std::array::from_fn(|k| a[k] + t * (b[k] - a[k]));
         let row = |y: i64| between(self.texel(left, y), self.texel(left + 1, y), s);
         between(row(top), row(top + 1), t)
+    }
+
+    /// Whether a large part inside a rim has one colour that is not along the rim, as where no face was
+    /// painted, or is transparent there only.
+    fn is_blank_inside(
+        &self,
+        attributes: &Attributes,
+        rim: &[[u32; 2]],
+        colors: &BTreeMap<[u32; 2], RimEdge>,
+    ) -> bool {
+        let size = [self.pixels.width, self.pixels.height].map(f64::from);
+        let sides = rim
+            .iter()
+            .filter_map(|&edge| corner_places(attributes, edge));
+        let sides = sides.map(|[a, b, _]| [a, b].map(|[u, v]| [u * size[0], v * size[1]]));
+        let sides: Vec<[[f64; 2]; 2]> = sides.collect();
+        let middles: Vec<[f64; 2]> = sides
+            .iter()
+            .map(|[a, b]| [0, 1].map(|k| 0.5 * (a[k] + b[k])))
+            .collect();
+        let count = middles.len() as f64;
+        let centre = [0, 1].map(|k| middles.iter().map(|p| p[k]).sum::<f64>() / count);
+        let inwards = |p: &[f64; 2], t: f64| [0, 1].map(|k| p[k] + t * (centre[k] - p[k]));
+        let places = middles
+            .iter()
+            .flat_map(|p| [0.2, 0.4, 0.6, 0.8].map(|t| inwards(p, t)));
+        // similar colours together, because the colours of a JPEG image vary
+        let mut alike: BTreeMap<[u8; 4], (usize, [f64; 4])> = BTreeMap::new();
+        let mut all = 0;
+        for place in places.filter(|&p| is_inside(&sides, p)) {
+            let pixel = self.pixel(place[0].floor() as i64, place[1].floor() as i64);
+            let (number, sum) = alike.entry(pixel.map(|x| x / 8)).or_default();
+            *number += 1;
+            *sum = std::array::from_fn(|k| sum[k] + f64::from(pixel[k]) / 255.0);
+            all += 1;
+        }
+        let Some((number, sum)) = alike.into_values().max_by_key(|(number, _)| *number) else {
+            return false;
+        };
+        let lights = || {
+            rim.iter()
+                .filter_map(|edge| colors.get(edge))
+                .flat_map(|e| &e.lights)
+        };
+        let is_new = (0..4).any(|k| {
+            let signal = |light: f32| match k {
+                3 => f64::from(light),
+                _ => to_signal(f64::from(light)),
+            };
+            let along = || lights().map(|light| light[k]);
+            let (low, high) = (along().fold(1.0, f32::min), along().fold(0.0, f32::max));
+            let mean = sum[k] / number as f64;
+            mean < signal(low) - STRANGE || mean > signal(high) + STRANGE
+        });
+        is_new && number as f64 >= BLANK * f64::from(all)
     }
 
     /// The colours along the first side of a triangle, close inside it.

@@ -130,6 +130,54 @@ fn colours_agree_across_rims() {
     assert!(worst < 10.0 && mean < 1.5, "{worst}, {mean}");
 }
 
+/// Where the image is blank inside a rim, the chart is not extended.
+#[test]
+fn blank_parts_of_an_image_are_not_shown() {
+    let mut given = egg();
+    let own = &mut given.attributes.own_materials[0];
+    let mut pixels = Pixels::decode(&own.png).expect("an image");
+    // black where no face is
+    let mut painted = vec![false; (pixels.width * pixels.height) as usize];
+    let all = &given.attributes.texture;
+    let size = [pixels.width, pixels.height].map(f64::from);
+    for rows in given.attributes.faces.texture.chunks_exact(3) {
+        let at = |row: u32| {
+            let [u, v] = [0, 1].map(|k| all[k].numbers.get(row as usize));
+            [u * size[0], (1.0 - v) * size[1]]
+        };
+        let [a, b, c] = [at(rows[0]), at(rows[1]), at(rows[2])];
+        for i in 0..=20 {
+            for j in 0..=20 - i {
+                let [s, t] = [i, j].map(|k| f64::from(k) / 20.0);
+                let [x, y] = [0, 1].map(|k| a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]));
+                painted[y as usize * pixels.width as usize + x as usize] = true;
+            }
+        }
+    }
+    for (pixel, _) in pixels
+        .rgba
+        .chunks_exact_mut(4)
+        .zip(painted)
+        .filter(|p| !p.1)
+    {
+        pixel.copy_from_slice(&[0, 0, 0, u8::MAX]);
+    }
+    own.png = Arc::new(pixels.to_png().expect("written"));
+    let (mesh, _) = filled(&given, PatchTexture::Auto);
+    let new = given.face_count()..mesh.face_count();
+    assert!(new.clone().all(|f| material_at(&mesh, f) == "patches"));
+    // no patch shows the black
+    for face in new {
+        let shade = shown(&mesh, face, [1.0 / 3.0; 3]);
+        assert!(shade.iter().sum::<f64>() > 90.0, "{shade:?}");
+    }
+    let (mesh, _) = filled(&given, PatchTexture::Extend);
+    let egg = |f: &usize| {
+        material_at(&mesh, *f) == "egg" && mesh.attributes.faces.texture[3 * f] != NO_VALUE
+    };
+    assert!((given.face_count()..mesh.face_count()).any(|f| egg(&f)));
+}
+
 #[test]
 fn the_option_decides() {
     let given = egg();
