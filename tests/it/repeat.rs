@@ -107,15 +107,20 @@ fn the_copied_command_gives_the_same_file() {
     repeats(&mut m, &output);
 }
 
+/// A sample with a texture image, written and opened.
+fn opened_egg(path: &Path) -> Model {
+    let sample = Sample::named("egg").expect("a sample");
+    let (egg, _) = build(&sample.soup()).expect("sound");
+    io::save_mesh(path, &egg).expect("written");
+    opened(path.to_owned())
+}
+
 /// The image of the patches is the same, too.
 #[test]
 fn texture_images_are_repeated() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
-    let sample = Sample::named("egg").expect("a sample");
-    let (egg, _) = build(&sample.soup()).expect("sound");
-    io::save_mesh(&at("egg.obj"), &egg).expect("written");
-    let mut m = opened(at("egg.obj"));
+    let mut m = opened_egg(&at("egg.obj"));
     act(&mut m, RunAction::Start);
     until(&mut m, "the end", ended);
     act(&mut m, RunAction::Accept(0));
@@ -130,29 +135,76 @@ fn texture_images_are_repeated() {
     );
 }
 
-/// Saves, runs the copied commands with one thread and with two, and compares the files.
-fn repeats(m: &mut Model, output: &Path) {
+/// The image of each fill is the same, although the window saves once and the commands after each.
+#[test]
+fn texture_images_of_several_fills_are_repeated() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let mut m = opened_egg(&at("egg.obj"));
+    // the second loop is on the seam, before and after
+    for on_seam in [1, 1] {
+        act(
+            &mut m,
+            SelectAction::Loop(on_seam.into(), SelectHow::Replace),
+        );
+        act(&mut m, RunAction::Start);
+        until(&mut m, "the end", ended);
+        act(&mut m, RunAction::Accept(0));
+    }
+    let (mesh, script) = saved(&mut m, &at("done.obj"));
+    let images = ["done_patches.png", "done_patches_2.png"].map(|name| {
+        let image = std::fs::read(at(name)).expect("saved");
+        std::fs::remove_file(at(name)).expect("there");
+        image
+    });
+    run(&script, folder.path(), "2");
+    let made = ["egg_1_patches.png", "done_patches_2.png"];
+    assert_eq!(
+        made.map(|name| std::fs::read(at(name)).expect("made")),
+        images
+    );
+    let rest = |bytes: &[u8]| -> Vec<String> {
+        let text = String::from_utf8_lossy(bytes).into_owned();
+        let lines = text.lines().filter(|line| !line.starts_with("mtllib"));
+        lines.map(str::to_owned).collect()
+    };
+    let again = std::fs::read(at("done.obj")).expect("made");
+    assert!(rest(&mesh) == rest(&again), "{script}");
+}
+
+/// Saves. Returns the file, and the copied commands.
+fn saved(m: &mut Model, output: &Path) -> (Vec<u8>, String) {
     act(m, FileAction::SaveAs(output.to_owned()));
     until(m, "the file", |m| !m.is_dirty());
     let saved = std::fs::read(output).expect("saved");
-
     act(m, FileAction::CopyCommand);
     let Some(Effect::CopyText(script)) = m.effects.pop() else {
         panic!("nothing copied: {:?}", m.log.entries().last());
     };
     std::fs::remove_file(output).expect("there");
+    (saved, script)
+}
+
+/// Runs commands in a folder.
+fn run(script: &str, folder: &Path, threads: &str) {
     let program = Path::new(env!("CARGO_BIN_EXE_meniscus"));
     let bin = program.parent().expect("a folder").display().to_string();
     let path = std::env::var("PATH").unwrap_or_default();
+    let status = Command::new("sh")
+        .args(["-e", "-c", script])
+        .env("PATH", format!("{bin}:{path}"))
+        .env("RAYON_NUM_THREADS", threads)
+        .current_dir(folder)
+        .status()
+        .expect("a shell");
+    assert!(status.success(), "{script}");
+}
+
+/// Saves, runs the copied commands with one thread and with two, and compares the files.
+fn repeats(m: &mut Model, output: &Path) {
+    let (saved, script) = saved(m, output);
     for threads in ["1", "2"] {
-        let status = Command::new("sh")
-            .args(["-e", "-c", &script])
-            .env("PATH", format!("{bin}:{path}"))
-            .env("RAYON_NUM_THREADS", threads)
-            .current_dir(output.parent().expect("a folder"))
-            .status()
-            .expect("a shell");
-        assert!(status.success(), "{script}");
+        run(&script, output.parent().expect("a folder"), threads);
         assert!(
             std::fs::read(output).expect("made") == saved,
             "{threads} threads:\n{script}"
