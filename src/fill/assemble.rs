@@ -200,9 +200,8 @@ impl Assembly {
             topology: (*self.topology).clone(),
             non_orientable: mesh.non_orientable.clone(),
         };
-        let warning = |(hole, reason): (usize, String)| {
-            (holes[hole].id(), Warning::NoTexture { reason })
-        };
+        let warning =
+            |(hole, reason): (usize, String)| (holes[hole].id(), Warning::NoTexture { reason });
         (filled, failed.into_iter().map(warning).collect())
     }
 
