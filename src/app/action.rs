@@ -293,10 +293,14 @@ pub enum ViewAction {
 pub enum PictureAction {
     /// Open the picture dialog.
     Ask,
+    /// Choose the file in the dialog of the system.
+    Browse,
     /// Write a picture or a sequence.
     Make(Box<PictureSettings>),
-    /// Picture of the viewport to the clipboard.
+    /// Picture of the views to the clipboard, as they are shown.
     Copy,
+    /// One picture to the clipboard.
+    CopyAs(Box<PictureSettings>),
     /// Picture of the whole window.
     Window,
     /// Stop the sequence that is being written.

@@ -86,10 +86,10 @@ impl<T: Send + 'static> Job<T> {
         }
     }
 
-    /// Progress from 0 to 1, if the job reports it.
-    pub fn progress(&self) -> Option<f32> {
+    /// Finished parts and their total, if the job reports them.
+    pub fn progress(&self) -> Option<(u32, u32)> {
         let total = self.reporter.total.load(Ordering::Relaxed);
-        (total > 0).then(|| self.reporter.done.load(Ordering::Relaxed) as f32 / total as f32)
+        (total > 0).then(|| (self.reporter.done.load(Ordering::Relaxed), total))
     }
 }
 

@@ -59,6 +59,8 @@ pub enum Done {
     Faces(FaceEdit),
     /// A file dialog was closed after some time; `None` if it was cancelled or is not available.
     PathChosen(PathUse, Option<PathBuf>, Duration),
+    /// The same for the file of a picture.
+    PicturePath(Option<PathBuf>, Duration),
     /// A picture for the clipboard.
     Picture(Result<Arc<image::RgbaImage>, String>),
     /// Picture files were written; contains a message.
@@ -194,6 +196,11 @@ impl Model {
     pub fn name(&self) -> String {
         let saved = self.saved_to.as_deref().map(file_name);
         saved.unwrap_or_else(|| self.document.origin.name())
+    }
+
+    /// Number of views side by side.
+    pub fn sides(&self) -> usize {
+        self.run.as_ref().map_or(1, |run| run.sides.len().max(1))
     }
 
     /// Whether vertices of the document's mesh are drawn at their limit positions instead of their

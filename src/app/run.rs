@@ -12,9 +12,11 @@ use std::time::{Duration, Instant};
 use super::document::{Document, left_of};
 use super::jobs::Wake;
 use super::log::Level;
+use crate::energy::Preset;
 use crate::fill::{Controls, ErasedRegion, FillTask, LiveFill, Surface, open_selection};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
 use crate::ops::Operation;
+use crate::options::Choice as _;
 use crate::runner::RunSettings;
 use crate::solver::{End, RejectReason, StepRecord};
 use divergence::{Limits, SENSIBLE_FALL, falls_without_bound, has_fallen};
@@ -177,6 +179,14 @@ impl Run {
         let several = self.sides.len() > 1;
         let named = |s: &RunVariant| if several { s.name } else { "" };
         self.sides.iter().map(named).collect()
+    }
+
+    /// The title of a side in words; empty if there is only one.
+    pub fn title(&self, side: usize) -> String {
+        match self.sides.get(side) {
+            Some(shown) if self.sides.len() > 1 => shown.title(),
+            _ => String::new(),
+        }
     }
 
     /// Polls the flows. Returns messages for the log.
@@ -358,6 +368,25 @@ impl RunVariant {
             crossing: None,
             warnings: Vec::new(),
             diverged: false,
+        }
+    }
+
+    /// The side with its surface model or energy, or its method.
+    fn title(&self) -> String {
+        let controls = &self.controls;
+        let (name, text) = (self.name, &controls.energy);
+        let plain = text.replace(' ', "");
+        let preset = Preset::ALL.into_iter().find(|p| p.text() == plain);
+        match (&self.operation, controls.surface, preset) {
+            (Operation::Refine(_), ..) => name.to_owned(),
+            (_, Surface::Diffusion | Surface::G2, _) => {
+                format!("{name}: surface model {}", controls.surface.name())
+            }
+            (_, Surface::Auto, _) if controls.predicts_surface() => {
+                format!("{name}: surface model auto")
+            }
+            (_, _, Some(preset)) => format!("{name}: {}, {text}", preset.title()),
+            _ => format!("{name}: f = {text}"),
         }
     }
 

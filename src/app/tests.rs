@@ -25,6 +25,7 @@ use crate::render::{Vertex, ViewMode};
 use crate::shapes::{Hole, HoleShape, cut_holes, sphere};
 use crate::solver::{End, Mode};
 
+mod pictures;
 mod refine;
 mod repair;
 

@@ -222,8 +222,16 @@ pub struct PictureSettings {
     pub transparent: bool,
     /// Whether rims and selection are drawn.
     pub overlays: bool,
+    /// Whether a map has its legend.
+    pub legend: bool,
+    /// Whether all sides of a comparison are drawn, or only the first.
+    pub all_sides: bool,
+    /// The text below the views; none if it is empty.
+    pub caption: String,
     /// Number of pictures of a turntable.
     pub frames: usize,
+    /// Number of states of the run that are drawn, evenly spaced; 0 for all.
+    pub states: usize,
     /// Pictures per second.
     pub fps: f64,
     /// Path of the file.
@@ -239,7 +247,11 @@ impl Default for PictureSettings {
             height: 1200,
             transparent: false,
             overlays: false,
+            legend: true,
+            all_sides: true,
+            caption: String::new(),
             frames: 72,
+            states: 0,
             fps: 24.0,
             path: "meniscus.png".into(),
         }

@@ -11,8 +11,8 @@ use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops, g
 use crate::options::Choice;
 use crate::render::{
     self, Background, Bounds, Camera, DynamicSurface, Evaluation, Geometry, Gpu, LineStyle,
-    Overlay, Polyline, Scene, StandardView, SurfaceOptions, Textures, Vertex, ViewMode, ViewStyle,
-    rim_points,
+    Overlay, Polyline, Scene, Sheet, SheetView, StandardView, SurfaceOptions, Textures, Vertex,
+    ViewStyle, rim_points,
 };
 
 /// Default size of a picture.
@@ -32,8 +32,7 @@ pub struct Shot {
     style: ViewStyle,
     /// The camera.
     pub camera: Camera,
-    size: [u32; 2],
-    transparent: bool,
+    sheet: Sheet,
 }
 
 impl Shot {
@@ -46,32 +45,27 @@ impl Shot {
         look: &PictureArguments,
     ) -> Result<Self> {
         let bounds = Bounds::of(mesh.positions.iter().copied()).unwrap_or_default();
-        let size = look.size.unwrap_or(SIZE);
-        let style = style(look, size);
-        let centre = bounds.centre();
-        let rims = if look.rims {
-            vec![Arc::new(rims(mesh, centre, !look.control_mesh))]
-        } else {
-            Vec::new()
+        let sheet = Sheet {
+            size: look.size.unwrap_or(SIZE),
+            transparent: look.transparent,
+            legend: look.legend,
+            caption: look.caption.clone().unwrap_or_default(),
         };
+        let style = style(look, sheet.size);
+        let centre = bounds.centre();
+        let limit = !look.control_mesh;
+        let surfaces = surfaces(mesh, first_patch_face, creases, centre, limit, &style);
+        let rims = look.rims.then(|| Arc::new(rims(mesh, centre, limit)));
         Ok(Self {
-            camera: camera(look, &bounds, size)?,
+            camera: camera(look, &bounds, sheet.view_size(&surfaces, &style, 1))?,
             scene: Scene {
                 centre,
                 bounds,
-                surfaces: surfaces(
-                    mesh,
-                    first_patch_face,
-                    creases,
-                    centre,
-                    !look.control_mesh,
-                    &style,
-                ),
-                overlays: rims,
+                surfaces,
+                overlays: rims.into_iter().collect(),
             },
             style,
-            size,
-            transparent: look.transparent,
+            sheet,
         })
     }
 
@@ -81,16 +75,18 @@ impl Shot {
         gpu: &Gpu,
         camera: &Camera,
     ) -> Result<image::RgbaImage, render::RenderError> {
-        let [width, height] = self.size;
-        let (scene, style) = (&self.scene, &self.style);
-        render::picture(gpu, scene, camera, style, width, height, self.transparent)
+        let view = SheetView {
+            scene: &self.scene,
+            title: "",
+        };
+        render::sheet_picture(gpu, &self.sheet, &[view], camera, &self.style)
     }
 }
 
 fn style(look: &PictureArguments, [_, height]: [u32; 2]) -> ViewStyle {
     let default = ViewStyle::default();
     ViewStyle {
-        mode: look.view.unwrap_or(ViewMode::Isophotes),
+        mode: look.mode(),
         stripes: look.stripes.unwrap_or(default.stripes),
         light: look.light.unwrap_or(default.light),
         wireframe: look.wireframe,

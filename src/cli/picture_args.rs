@@ -3,6 +3,7 @@
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use crate::cli::UsageError;
 use crate::cli::parse::point;
 use crate::mesh::DVec3;
 use crate::options::{Choice, choices};
@@ -42,6 +43,12 @@ pub struct PictureArguments {
     /// of the values that occur].
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     pub range: Option<[f32; 2]>,
+    /// Draw the legend of H, K, k1 or k2 beside the surface: colours, end values and unit.
+    #[arg(long)]
+    pub legend: bool,
+    /// Write this text below the surface.
+    #[arg(long, value_name = "TEXT")]
+    pub caption: Option<String>,
     /// Draw the edges of the control mesh.
     #[arg(long)]
     pub wireframe: bool,
@@ -74,6 +81,20 @@ impl PictureArguments {
     /// Whether any option was given.
     pub fn given(&self) -> bool {
         *self != Self::default()
+    }
+
+    /// The quantity shown by colours.
+    pub fn mode(&self) -> ViewMode {
+        self.view.unwrap_or(ViewMode::Isophotes)
+    }
+
+    /// Refuses a legend of a view without numbers.
+    pub fn check(&self) -> anyhow::Result<()> {
+        if self.legend && !self.mode().is_map() {
+            let message = "--legend needs a view with numbers: --view H, K, k1 or k2";
+            return Err(UsageError(message.into()).into());
+        }
+        Ok(())
     }
 }
 

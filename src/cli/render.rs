@@ -52,6 +52,7 @@ fn fps(text: &str) -> Result<f64, String> {
 /// Runs `meniscus render`.
 pub fn render(args: &RenderArguments) -> Result<()> {
     let format = format(args)?;
+    args.look.check()?;
     check_targets(
         &[("IN", Some(&args.input))],
         &[],

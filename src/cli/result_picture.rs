@@ -27,13 +27,13 @@ impl ResultPicture {
         self.picture.as_deref()
     }
 
-    /// Refuses picture options without `--picture`.
+    /// Refuses picture options without `--picture`, and options that contradict each other.
     pub fn check(&self) -> Result<()> {
         if self.picture.is_none() && self.look.given() {
             let message = "picture options need --picture FILE.png";
             return Err(UsageError(message.into()).into());
         }
-        Ok(())
+        self.look.check()
     }
 
     /// Writes the picture, if requested. The arguments are those of [`Shot::new`].

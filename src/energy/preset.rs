@@ -67,6 +67,23 @@ impl Preset {
         }
     }
 
+    /// Its name in words.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::One => "Area",
+            Self::H2 => "Willmore energy",
+            Self::K2 => "Squared Gaussian curvature",
+            Self::H2PlusK2 => "Sum of squares",
+            Self::H2K2 => "Product of squares",
+            Self::K1P4PlusK2P4 => "Fourth powers",
+            Self::K => "Total curvature",
+            Self::HMinusH0Squared => "Helfrich energy",
+            Self::K1SqPlusK2Sq => "Bending energy",
+            Self::K1MinusK2Squared => "Difference of curvatures",
+            Self::CurvatureNorm => "Curvature norm",
+        }
+    }
+
     /// The parameter of its expression, if it has one, with the default value.
     pub const fn parameter(self) -> Option<(&'static str, f64)> {
         match self {

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::scene::{Geometry, Scene, ViewMode};
+use super::number::{format_number, trimmed};
+use super::scene::{Geometry, ViewMode};
 
 /// Percentage of the values inside a robust range.
 const HELD: usize = 98;
@@ -38,11 +39,11 @@ pub fn colormap(t: f32) -> [f32; 3] {
 
 /// A range that is robust against outliers: from −m to m, where m is the 98th percentile of the
 /// magnitude. Only surfaces with a patch count, if there are any.
-pub fn robust_range(scene: &Scene, mode: ViewMode) -> [f32; 2] {
-    let any_patch = scene.surfaces.iter().any(|s| s.has_patch());
+pub fn robust_range(surfaces: &[Arc<Geometry>], mode: ViewMode) -> [f32; 2] {
+    let any_patch = surfaces.iter().any(|s| s.has_patch());
     let chosen = || {
         let counts = |s: &&Arc<Geometry>| !any_patch || s.has_patch();
-        scene.surfaces.iter().filter(counts).map(|s| &s.vertices)
+        surfaces.iter().filter(counts).map(|s| &s.vertices)
     };
     let total: usize = chosen().map(Vec::len).sum();
     let stride = total.div_ceil(SAMPLES).max(1);
@@ -60,8 +61,22 @@ pub fn robust_range(scene: &Scene, mode: ViewMode) -> [f32; 2] {
     if m > 0.0 { [-m, m] } else { [-1.0, 1.0] }
 }
 
+/// The labels of a legend: the place of each from 0 at the lower end of the range to 1, and its number.
+/// These are both ends, and round numbers that are at least `apart` from them.
+pub fn legend_labels(range: [f32; 2], apart: f32) -> Vec<(f32, String)> {
+    let [low, high] = range;
+    let ends = [(0.0, low), (1.0, high)];
+    let ends = ends.map(|(place, x)| (place, format_number(f64::from(x))));
+    let place = |x: f32| (x - low) / (high - low);
+    let between = legend_ticks(range)
+        .into_iter()
+        .filter(|&tick| (apart..=1.0 - apart).contains(&place(tick)));
+    let between = between.map(|tick| (place(tick), trimmed(f64::from(tick))));
+    ends.into_iter().chain(between).collect()
+}
+
 /// Three to nine round numbers inside a range in ascending order, for a legend.
-pub fn legend_ticks(range: [f32; 2]) -> Vec<f32> {
+fn legend_ticks(range: [f32; 2]) -> Vec<f32> {
     let [low, high] = range.map(f64::from);
     let width = high - low;
     if !(width.is_finite() && width > 0.0) {
@@ -86,8 +101,7 @@ pub fn legend_ticks(range: [f32; 2]) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::DVec3;
-    use crate::render::{Bounds, Vertex};
+    use crate::render::Vertex;
 
     /// CIELAB lightness of an sRGB colour.
     fn lightness([r, g, b]: [f32; 3]) -> f32 {
@@ -120,7 +134,7 @@ mod tests {
         assert_eq!(colormap(0.5), MAP[STOPS / 2]);
     }
 
-    fn scene(parts: &[(u32, &[f32])]) -> Scene {
+    fn surfaces(parts: &[(u32, &[f32])]) -> Vec<Arc<Geometry>> {
         let part = |&(flags, values): &(u32, &[f32])| {
             let vertex = |&mean: &f32| Vertex {
                 mean,
@@ -130,12 +144,7 @@ mod tests {
             let vertices = values.iter().map(vertex).collect();
             Arc::new(Geometry::new(vertices, Vec::new(), Vec::new()))
         };
-        Scene {
-            centre: DVec3::ZERO,
-            bounds: Bounds::default(),
-            surfaces: parts.iter().map(part).collect(),
-            overlays: Vec::new(),
-        }
+        parts.iter().map(part).collect()
     }
 
     #[test]
@@ -144,15 +153,28 @@ mod tests {
         let mut values: Vec<f32> = (0..100).map(|i| -0.01 * i as f32).collect();
         values[5] = 1e9;
         values[6] = f32::NAN;
-        let one = scene(&[(known, &values)]);
+        let one = surfaces(&[(known, &values)]);
         let [low, high] = robust_range(&one, ViewMode::Mean);
         assert_eq!(low, -high);
         assert!((0.95..1.0).contains(&high), "{high}");
-        let both = scene(&[(known, &values), (known | Vertex::PATCH, &[0.25, -0.25])]);
+        let both = surfaces(&[(known, &values), (known | Vertex::PATCH, &[0.25, -0.25])]);
         assert_eq!(robust_range(&both, ViewMode::Mean), [-0.25, 0.25]);
-        let unknown = scene(&[(0, &values)]);
+        let unknown = surfaces(&[(0, &values)]);
         assert_eq!(robust_range(&unknown, ViewMode::Mean), [-1.0, 1.0]);
         assert_eq!(robust_range(&one, ViewMode::Shaded), [-1.0, 1.0]);
+    }
+
+    #[test]
+    fn legends_have_both_ends_and_round_numbers_that_leave_them_room() {
+        let labels = legend_labels([-0.37, 0.31], 0.12);
+        let words: Vec<&str> = labels.iter().map(|(_, words)| words.as_str()).collect();
+        assert_eq!(
+            words,
+            ["-0.3700", "0.3100", "-0.2", "-0.1", "0", "0.1", "0.2"]
+        );
+        let places: Vec<f32> = labels.iter().map(|(place, _)| *place).collect();
+        assert_eq!(places[..2], [0.0, 1.0]);
+        assert!((places[4] - 0.37 / 0.68).abs() < 1e-6);
     }
 
     #[test]

@@ -69,7 +69,7 @@ async fn open() -> Result<Gpu, RenderError> {
     Ok(Gpu::from_device(device, queue))
 }
 
-/// Draws a scene into a picture of `width` times `height` pixels. `transparent` replaces the
+/// Draws a scene into a picture of this width and height in pixels. `transparent` replaces the
 /// background of the style. Colours are not premultiplied.
 ///
 /// # Errors
@@ -79,8 +79,7 @@ pub fn picture(
     scene: &Scene,
     camera: &Camera,
     style: &ViewStyle,
-    width: u32,
-    height: u32,
+    [width, height]: [u32; 2],
     transparent: bool,
 ) -> Result<image::RgbaImage, RenderError> {
     let sides = 1..=MAX_SIDE;

@@ -3,7 +3,7 @@
 //!
 //! A [`Scene`] contains [`Geometry`] and overlays of lines. [`DynamicSurface`] builds the geometry
 //! of surfaces. A scene is drawn with a [`Camera`] and a [`ViewStyle`]: `ViewportCallback` draws it in a window (feature `window`),
-//! [`picture`] without one.
+//! [`picture`] without one, and [`sheet_picture`] draws several side by side with a legend and a caption.
 
 mod bounds;
 #[cfg(feature = "window")]
@@ -14,10 +14,13 @@ mod error;
 mod export;
 mod gpu;
 mod headless;
+mod lettering;
+mod number;
 mod picking;
 mod probe;
 mod rims;
 mod scene;
+mod sheet;
 mod surface;
 mod textures;
 
@@ -25,16 +28,18 @@ pub use bounds::Bounds;
 #[cfg(feature = "window")]
 pub use callback::ViewportCallback;
 pub use camera::{Camera, CameraError, StandardView};
-pub use colormap::{colormap, legend_ticks, robust_range};
+pub use colormap::{colormap, legend_labels, robust_range};
 pub use error::RenderError;
 pub use export::{SequenceEnd, SequenceFormat, save_png, turntable, write_sequence};
 pub use gpu::{Renderer, Tile};
 pub use headless::{Gpu, MAX_SIDE, picture};
+pub use number::{format_number, trimmed};
 pub use picking::{Hit, Picker, Projector};
 pub use probe::value_on_line;
 pub use rims::rim_points;
 pub use scene::{
     Background, Geometry, LineStyle, Marker, Overlay, Polyline, Scene, Vertex, ViewMode, ViewStyle,
 };
+pub use sheet::{Sheet, SheetView, sheet_picture};
 pub use surface::{DynamicSurface, Evaluation, SurfaceOptions};
 pub use textures::{FaceTextures, Image, Textures};

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::{Bounds, Image};
 use crate::mesh::DVec3;
-use crate::options::choices;
+use crate::options::{Choice as _, choices};
 
 /// A new unique number for content that is copied to the graphics card.
 static NEXT_ID: AtomicU64 = AtomicU64::new(1);
@@ -230,6 +230,16 @@ impl ViewMode {
             self,
             Self::Shaded | Self::Color | Self::Isophotes | Self::Zebra
         )
+    }
+
+    /// The quantity of a map and its unit, for its legend.
+    pub fn legend_title(self) -> String {
+        let unit = match self {
+            Self::Gauss => "1/unit²",
+            Self::Deviation | Self::Distance => "units",
+            _ => "1/unit",
+        };
+        format!("{}, {unit}", self.name())
     }
 
     /// The number shown at a vertex; `None` in modes without numbers, and if it is unknown.

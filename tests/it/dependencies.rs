@@ -10,7 +10,9 @@ const FENCE: &str = "```";
 const PICTURE: &str = "```modules\n";
 
 /// Crates that only the named modules use; `main` is the program.
-const CRATES: [(&str, &[&str]); 13] = [
+const CRATES: [(&str, &[&str]); 15] = [
+    ("ab_glyph", &["render"]),
+    ("epaint_default_fonts", &["render"]),
     ("faer", &["linear"]),
     ("nalgebra_sparse", &["linear", "solver", "symmetry"]),
     ("spade", &["patch"]),

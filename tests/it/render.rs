@@ -62,7 +62,7 @@ fn isophotes(stripes: u32) -> ViewStyle {
 const SIDE: u32 = 200;
 
 fn shoot(gpu: &Gpu, scene: &Scene, camera: &Camera, style: &ViewStyle) -> image::RgbaImage {
-    picture(gpu, scene, camera, style, SIDE, SIDE, false).expect("a picture")
+    picture(gpu, scene, camera, style, [SIDE, SIDE], false).expect("a picture")
 }
 
 /// The place in the world of the middle of a pixel, from −1.25 to 1.25.
@@ -149,7 +149,7 @@ fn background_and_transparency() {
         image.get_pixel(SIDE - 1, SIDE - 1).0,
         [0, 254, 1, 255]
     ));
-    let clear = picture(&gpu, &scene, &camera, &style, SIDE, SIDE, true).expect("a picture");
+    let clear = picture(&gpu, &scene, &camera, &style, [SIDE, SIDE], true).expect("a picture");
     let mut partly = 0;
     for (x, y, pixel) in clear.enumerate_pixels() {
         let [px, py] = place(x, y);
@@ -175,11 +175,11 @@ fn large_pictures_are_put_together_without_seams() {
         wireframe: true,
         ..isophotes(6)
     };
-    let image = picture(&gpu, &scene, &camera, &style, width, height, false).expect("a picture");
+    let image = picture(&gpu, &scene, &camera, &style, [width, height], false).expect("a picture");
     let mut shifted = camera;
     // 100 pixels to the left, so that the seam falls elsewhere
     shifted.pan(-100.0, 0.0, f64::from(height));
-    let other = picture(&gpu, &scene, &shifted, &style, width, height, false).expect("a picture");
+    let other = picture(&gpu, &scene, &shifted, &style, [width, height], false).expect("a picture");
     let mut differ = 0;
     for x in 1100..width - 100 {
         for y in 0..height {
@@ -189,9 +189,9 @@ fn large_pictures_are_put_together_without_seams() {
         }
     }
     assert!(differ <= 10, "{differ}");
-    let error = picture(&gpu, &scene, &camera, &style, 0, 10, false).expect_err("no pixels");
+    let error = picture(&gpu, &scene, &camera, &style, [0, 10], false).expect_err("no pixels");
     assert!(error.to_string().contains("0 × 10"), "{error}");
-    assert!(picture(&gpu, &scene, &camera, &style, 8193, 10, false).is_err());
+    assert!(picture(&gpu, &scene, &camera, &style, [8193, 10], false).is_err());
 }
 
 #[test]

@@ -52,11 +52,57 @@ fn pictures_of_any_kind() {
         "--light -1,0,0",
         "--wireframe --control-mesh",
         "--dark",
+        "--caption test",
         "--camera 0,0,0,0,0,0,1,4,35,persp",
     ] {
         let image = render("d.png", &format!("--size 120x90 {options}"));
         assert_ne!(image, plain, "{options}");
     }
+}
+
+/// The legend is beside the surface, with the colours of the ends of the map, and the caption below it.
+#[test]
+fn a_legend_and_a_caption_have_their_own_room() {
+    let desk = cup();
+    let render = |name: &str, options: &[&str]| {
+        let words = [
+            "render", "cup.obj", "-o", name, "--view", "H", "--size", "400x300",
+        ];
+        desk.runs(&[&words[..], options].concat());
+        image_of(&desk, name)
+    };
+    let plain = render("plain.png", &[]);
+    let options = [
+        "--legend",
+        "--caption",
+        "Mean curvature of a cup",
+        "--transparent",
+    ];
+    let labelled = render("labelled.png", &options);
+    assert_eq!(labelled.dimensions(), plain.dimensions());
+    let has = |color: [u8; 3]| {
+        labelled
+            .pixels()
+            .any(|p| p.0 == [color[0], color[1], color[2], 255])
+    };
+    for t in [0.005, 0.995] {
+        let color = meniscus::render::colormap(t).map(|c| (255.0 * c).round() as u8);
+        let near = |p: &image::Rgba<u8>| p[3] == 255 && (0..3).all(|k| p[k].abs_diff(color[k]) < 6);
+        let bar = labelled
+            .enumerate_pixels()
+            .filter(|(x, _, p)| *x > 300 && near(p));
+        assert!(bar.count() > 10, "{t}");
+    }
+    let ink = [24, 30, 38];
+    assert!(has(ink));
+    // the caption is in the last rows, and nothing else
+    let rows = |from: u32| {
+        let below = labelled
+            .enumerate_pixels()
+            .filter(move |(_, y, _)| *y >= from);
+        below.filter(|(.., p)| p[3] > 0).count()
+    };
+    assert!(rows(272) > 100 && rows(272) < 2500, "{}", rows(272));
 }
 
 #[test]
@@ -151,6 +197,7 @@ fn mistakes_are_explained() {
         ("-o a.gif", 2, "--turntable"),
         ("-o a.png --format gif", 2, "--turntable"),
         ("-o a.png --range 2,1", 2, "lower first"),
+        ("-o a.png --legend", 2, "--view H"),
         ("-o no/such/a.png", 1, "no/such"),
     ] {
         render(options).fails(code, &[part]);

@@ -5,8 +5,10 @@ use eframe::egui::{self, Context, Key, Modal as Over, Ui};
 use crate::app::action::{Action, FileAction, PictureAction, RunAction};
 use crate::app::model::Model;
 use crate::app::project;
+use crate::app::run::Run;
 use crate::app::ui::format::format_number;
-use crate::app::ui::widgets::{Asks, named, primary};
+use crate::app::ui::widgets::{Asks, named, primary, row};
+use crate::app::update::extension;
 use crate::app::view_state::{Modal, PathPrompt, PathUse, PictureKind, PictureSettings};
 use crate::render::{MAX_SIDE, SequenceFormat};
 
@@ -149,16 +151,15 @@ fn age(minutes: u64) -> String {
 fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &mut Vec<Action>) {
     let mut next = settings.clone();
     ui.heading("Picture");
-    ui.horizontal(|ui| {
+    ui.add_space(4.0);
+    row(ui, "Content", "", |ui, _| {
         for (kind, title, enabled) in [
             (PictureKind::Still, "one picture", true),
             (PictureKind::Turntable, "turntable", true),
             (PictureKind::Flow, "states of the flow", model.run.is_some()),
         ] {
-            if ui
-                .add_enabled(enabled, egui::Button::selectable(next.kind == kind, title))
-                .clicked()
-            {
+            let button = egui::Button::selectable(next.kind == kind, title);
+            if ui.add_enabled(enabled, button).clicked() {
                 next.kind = kind;
             }
         }
@@ -166,59 +167,124 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
     if next.kind == PictureKind::Still {
         next.format = SequenceFormat::Png;
     } else {
-        ui.horizontal(|ui| {
-            for (format, title) in [
-                (SequenceFormat::Png, "numbered PNG"),
-                (SequenceFormat::Gif, "GIF"),
-                (SequenceFormat::Apng, "APNG"),
-            ] {
-                ui.selectable_value(&mut next.format, format, title);
-            }
-            let fps = egui::DragValue::new(&mut next.fps).range(1.0..=60.0);
-            named(ui, "pictures per second", fps);
-            if next.kind == PictureKind::Turntable {
-                let frames = egui::DragValue::new(&mut next.frames).range(2..=2000);
-                named(ui, "pictures", frames);
-            }
-        });
+        sequence_ui(ui, model, &mut next);
     }
     size_ui(ui, model, &mut next);
-    ui.checkbox(&mut next.transparent, "transparent background");
-    ui.checkbox(&mut next.overlays, "with rims and selection");
-    if next.format != settings.format || next.kind != settings.kind {
-        let extension = if next.format == SequenceFormat::Gif {
-            "gif"
-        } else {
-            "png"
-        };
-        let path = std::path::Path::new(&next.path).with_extension(extension);
+    row(ui, "Show", "", |ui, _| {
+        ui.vertical(|ui| {
+            let is_map = model.view.style.mode.is_map();
+            let legend = egui::Checkbox::new(&mut next.legend, "legend");
+            ui.add_enabled(is_map, legend)
+                .on_hover_text("colours, end values and unit of the colour map")
+                .on_disabled_hover_text("the view shows no numbers: choose H, K, k1 or k2");
+            if model.sides() > 1 {
+                ui.checkbox(&mut next.all_sides, "all sides of the comparison");
+            }
+            ui.checkbox(&mut next.overlays, "rims and selection");
+            ui.checkbox(&mut next.transparent, "transparent background");
+        });
+    });
+    row(
+        ui,
+        "Caption",
+        "a line of text below the surface",
+        |ui, label| {
+            let field = egui::TextEdit::singleline(&mut next.caption);
+            let field = field.hint_text("none").desired_width(f32::INFINITY);
+            ui.add(field).labelled_by(label);
+        },
+    );
+    let known = extension(settings);
+    if extension(&next) != known && next.path.ends_with(known) {
+        let path = std::path::Path::new(&next.path).with_extension(extension(&next));
         next.path = path.display().to_string();
     }
-    let path = egui::TextEdit::singleline(&mut next.path).desired_width(f32::INFINITY);
-    named(ui, "File", path);
+    row(ui, "File", "", |ui, label| {
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.button("Browse…").asks(PictureAction::Browse, actions);
+            let path = egui::TextEdit::singleline(&mut next.path);
+            ui.add(path.desired_width(f32::INFINITY)).labelled_by(label);
+        });
+    });
+    if next.all_sides != settings.all_sides {
+        // the sides keep their size
+        let (before, after) = (shown_sides(model, settings), shown_sides(model, &next));
+        next.width = (next.width * after / before).clamp(1, MAX_SIDE);
+    }
     if next != *settings {
         actions.push(Action::Modal(Modal::Picture(next.clone())));
     }
+    ui.add_space(4.0);
     ui.horizontal(|ui| {
         ui.add(primary(ui, "Write"))
-            .asks(PictureAction::Make(Box::new(next)), actions);
-        if ui.button("Copy to the clipboard").clicked() {
-            actions.push(PictureAction::Copy.into());
-            actions.push(Action::Modal(Modal::None));
-        }
+            .asks(PictureAction::Make(Box::new(next.clone())), actions);
+        ui.add_enabled(
+            next.kind == PictureKind::Still,
+            egui::Button::new("Copy to the clipboard"),
+        )
+        .asks(PictureAction::CopyAs(Box::new(next)), actions);
         ui.button("Cancel")
             .asks(Action::Modal(Modal::None), actions);
     });
 }
 
+/// Number of sides in a picture.
+fn shown_sides(model: &Model, settings: &PictureSettings) -> u32 {
+    if settings.all_sides {
+        model.sides() as u32
+    } else {
+        1
+    }
+}
+
+/// Format, number and speed of the pictures of a sequence.
+fn sequence_ui(ui: &mut Ui, model: &Model, next: &mut PictureSettings) {
+    row(ui, "Format", "", |ui, _| {
+        for (format, title) in [
+            (SequenceFormat::Png, "numbered PNG"),
+            (SequenceFormat::Gif, "GIF"),
+            (SequenceFormat::Apng, "APNG"),
+        ] {
+            ui.selectable_value(&mut next.format, format, title);
+        }
+    });
+    let states = model.run.as_ref().map_or(0, Run::state_count).max(1);
+    row(ui, "Pictures", "", |ui, label| {
+        let mut count = match (next.kind, next.states) {
+            (PictureKind::Flow, 0) => states,
+            (PictureKind::Flow, some) => some.min(states),
+            _ => next.frames,
+        };
+        let range = if next.kind == PictureKind::Flow {
+            1..=states
+        } else {
+            2..=2000
+        };
+        let value = egui::DragValue::new(&mut count).range(range);
+        ui.add(value).labelled_by(label);
+        let fps = egui::DragValue::new(&mut next.fps).range(1.0..=60.0);
+        ui.add(fps.suffix(" per second"));
+        if next.kind == PictureKind::Flow {
+            // all states, also of a run that continues
+            next.states = if count == states { 0 } else { count };
+            ui.weak(format!("of {states} states"));
+        } else {
+            next.frames = count;
+        }
+        ui.weak(format!("{:.1} s", count as f64 / next.fps));
+    });
+}
+
 fn size_ui(ui: &mut Ui, model: &Model, next: &mut PictureSettings) {
-    ui.horizontal(|ui| {
+    row(ui, "Size", "", |ui, _| {
         for (name, value) in [("Width", &mut next.width), ("Height", &mut next.height)] {
             let pixels = egui::DragValue::new(value).range(1..=MAX_SIDE);
             named(ui, name, pixels.suffix(" px"));
         }
+        let sides = f64::from(shown_sides(model, next));
         for factor in [1.0, 2.0, 4.0] {
-            let [w, h] = model.view.viewport_px.map(|x| (x * factor) as u32);
+            let [w, h] = model.view.viewport_px.map(|x| x * factor);
+            let [w, h] = [(w * sides) as u32, h as u32];
             let fits = w.max(h) <= MAX_SIDE && w.min(h) > 0;
             if ui
                 .add_enabled(fits, egui::Button::new(format!("{factor}×")).small())

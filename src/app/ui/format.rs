@@ -1,6 +1,7 @@
-//! Numbers and view modes in words.
+//! View modes and numbers in words.
 
 use crate::render::ViewMode;
+pub(crate) use crate::render::{format_number, trimmed};
 
 /// Title and tooltip of a mode.
 pub(crate) fn mode_words(mode: ViewMode) -> (&'static str, &'static str) {
@@ -24,57 +25,5 @@ pub(crate) fn mode_words(mode: ViewMode) -> (&'static str, &'static str) {
             "Distance",
             "distance of the drawn surface to the reference mesh, positive on its outer side",
         ),
-    }
-}
-
-/// A number with four digits.
-pub(crate) fn format_number(x: f64) -> String {
-    let size = x.abs();
-    if x == 0.0 {
-        "0".into()
-    } else if (1e-3..1e5).contains(&size) {
-        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
-        format!("{x:.digits$}")
-    } else {
-        format!("{x:.3e}")
-    }
-}
-
-/// A round number without trailing zeros.
-pub(crate) fn trimmed(x: f64) -> String {
-    let text = format_number(x);
-    let (digits, exponent) = text.split_at(text.find('e').unwrap_or(text.len()));
-    if digits.contains('.') {
-        let digits = digits.trim_end_matches('0').trim_end_matches('.');
-        format!("{digits}{exponent}")
-    } else {
-        text
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{format_number, trimmed};
-
-    #[test]
-    fn round_numbers_have_no_trailing_zeros() {
-        for (x, text) in [(0.0, "0"), (0.5, "0.5"), (20.0, "20"), (-1e-5, "-1e-5")] {
-            assert_eq!(trimmed(x), text);
-        }
-    }
-
-    #[test]
-    fn numbers_in_four_digits() {
-        for (x, text) in [
-            (0.0, "0"),
-            (1.0, "1.000"),
-            (12.345_67, "12.35"),
-            (-0.012_345, "-0.01235"),
-            (12_345.6, "12346"),
-            (1.5e-7, "1.500e-7"),
-            (2.5e9, "2.500e9"),
-        ] {
-            assert_eq!(format_number(x), text);
-        }
     }
 }

@@ -2,10 +2,9 @@
 
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Ui};
 
-use super::format::{format_number, trimmed};
 use crate::app::cached::Cached;
 use crate::app::model::Model;
-use crate::render::{Scene, ViewMode, colormap, legend_ticks, robust_range};
+use crate::render::{ViewMode, colormap, legend_labels, robust_range};
 
 /// The range of a colour map.
 pub(crate) type MapRange = Cached<RangeKey, [f32; 2]>;
@@ -18,26 +17,15 @@ pub(crate) struct RangeKey {
 }
 
 /// The common range of all sides of a comparison.
-pub(crate) fn shared_range(
-    model: &Model,
-    scene: &Scene,
-    mode: ViewMode,
-    known: &mut MapRange,
-) -> [f32; 2] {
-    let sides = model.run.as_ref().map_or(1, |r| r.sides.len());
+pub(crate) fn shared_range(model: &Model, mode: ViewMode, known: &mut MapRange) -> [f32; 2] {
+    let sides = model.sides();
     let shown = model.displays[..sides].iter().filter_map(|d| d.latest());
     let surfaces: Vec<_> = shown.flat_map(|d| d.surfaces.iter().cloned()).collect();
     let key = RangeKey {
         mode,
         surfaces: surfaces.iter().map(|s| s.id).collect(),
     };
-    known.get(key, || {
-        let all = Scene {
-            surfaces,
-            ..scene.clone()
-        };
-        robust_range(&all, mode)
-    })
+    known.get(key, || robust_range(&surfaces, mode))
 }
 
 /// Colours, ticks and name of a map.
@@ -54,18 +42,12 @@ pub(crate) fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
     );
     let painter = ui.painter();
     painter.rect_filled(around, 6.0, ground);
-    let (name, _) = super::format::mode_words(mode);
-    let unit = match mode {
-        ViewMode::Gauss => "1/unit²",
-        ViewMode::Deviation | ViewMode::Distance => "units",
-        _ => "1/unit",
-    };
     let font = FontId::proportional(13.0);
     let ink = ui.visuals().strong_text_color();
     painter.text(
         Pos2::new(bar.left(), bar.top() - 8.0),
         Align2::LEFT_BOTTOM,
-        format!("{name}, {unit}"),
+        mode.legend_title(),
         font.clone(),
         ink,
     );
@@ -85,24 +67,13 @@ pub(crate) fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
         }
     }
     painter.add(mesh);
-    // the ends, and the round numbers that are not too near
-    let part = |value: f32| (value - range[0]) / (range[1] - range[0]);
-    let ticks = legend_ticks(range).into_iter();
-    let apart = 15.0 / bar.height();
-    let ticks = ticks.filter(|&tick| (apart..1.0 - apart).contains(&part(tick)));
-    let labels = range.into_iter().map(|end| (end, false));
-    for (tick, is_round) in labels.chain(ticks.map(|tick| (tick, true))) {
-        let y = bar.bottom() - part(tick) * bar.height();
+    for (place, words) in legend_labels(range, 15.0 / bar.height()) {
+        let y = bar.bottom() - place * bar.height();
         painter.hline(
             bar.right()..=bar.right() + 4.0,
             y,
             egui::Stroke::new(1.0, ink),
         );
-        let words = if is_round {
-            trimmed(f64::from(tick))
-        } else {
-            format_number(f64::from(tick))
-        };
         painter.text(
             Pos2::new(bar.right() + 7.0, y),
             Align2::LEFT_CENTER,

@@ -35,12 +35,11 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 continue;
             }
             ui.separator();
-            if let Some(done) = job.progress() {
-                ui.add(
-                    egui::ProgressBar::new(done)
-                        .desired_width(160.0)
-                        .text(job.what.clone()),
-                );
+            if let Some((done, total)) = job.progress() {
+                let part = done as f32 / total as f32;
+                let words = format!("{done} of {total}");
+                let bar = egui::ProgressBar::new(part).desired_width(120.0);
+                ui.add(bar.text(words)).on_hover_text(&job.what);
                 if job.what.starts_with(WRITING) && ui.small_button("Cancel").clicked() {
                     actions.push(PictureAction::Cancel.into());
                 }

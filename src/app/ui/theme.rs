@@ -70,6 +70,24 @@ const LIGHT: Palette = Palette {
     success: Color32::from_rgb(25, 120, 50),
 };
 
+/// Colours of curves. Neighbours differ in lightness, for users who cannot distinguish the hues.
+const SERIES_DARK: [Color32; 6] = [
+    Color32::from_rgb(86, 180, 233),
+    Color32::from_rgb(230, 159, 0),
+    Color32::from_rgb(120, 215, 130),
+    Color32::from_rgb(214, 120, 180),
+    Color32::from_rgb(240, 228, 90),
+    Color32::from_rgb(160, 140, 235),
+];
+const SERIES_LIGHT: [Color32; 6] = [
+    Color32::from_rgb(0, 100, 170),
+    Color32::from_rgb(200, 95, 0),
+    Color32::from_rgb(0, 120, 75),
+    Color32::from_rgb(165, 50, 125),
+    Color32::from_rgb(120, 100, 0),
+    Color32::from_rgb(95, 65, 190),
+];
+
 fn palette(dark: bool) -> &'static Palette {
     if dark { &DARK } else { &LIGHT }
 }
@@ -77,6 +95,16 @@ fn palette(dark: bool) -> &'static Palette {
 /// Background of the primary button of a panel.
 pub(crate) fn accent(ui: &egui::Ui) -> Color32 {
     palette(ui.visuals().dark_mode).accent
+}
+
+/// The colour of a curve or of a compared side, by its number.
+pub(crate) fn series(ui: &egui::Ui, number: usize) -> Color32 {
+    let all = if ui.visuals().dark_mode {
+        &SERIES_DARK
+    } else {
+        &SERIES_LIGHT
+    };
+    all[number % all.len()]
 }
 
 /// Colour of success, readable on the theme's background.

@@ -10,6 +10,7 @@ use super::legend::{legend, shared_range};
 use super::navigation::{CLICK, navigate};
 use super::repair;
 use super::side::how;
+use super::theme;
 use super::widgets::{Asks, primary};
 use crate::app::action::{
     Action, ControlsAction, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
@@ -20,7 +21,6 @@ use crate::app::run::Run;
 use crate::app::scene_builder;
 use crate::app::view_state::{Bridging, Task, Tool};
 use crate::mesh::DVec3;
-use crate::ops::Operation;
 use crate::render::{MAX_SIDE, Projector, Scene, ViewportCallback, value_on_line};
 
 /// The message about a surface that grows without bound.
@@ -40,7 +40,7 @@ pub(crate) fn viewports_ui(
 ) {
     let whole = ui.available_rect_before_wrap();
     state.views = whole;
-    let sides = model.run.as_ref().map_or(1, |r| r.sides.len());
+    let sides = model.sides();
     for side in 0..sides {
         let mut rect = whole;
         if sides > 1 {
@@ -66,20 +66,21 @@ pub(crate) fn viewports_ui(
             }
         }
         if let Some(run) = model.run.as_ref().filter(|r| r.sides.len() > 1) {
-            let title = match run.operation {
-                Operation::Refine(_) => run.sides[side].name.to_owned(),
-                _ => super::energy::side_title(&run.sides[side].controls, side),
-            };
-            text(
-                ui,
-                rect.left_top() + egui::vec2(10.0, 8.0),
-                Align2::LEFT_TOP,
-                &title,
-                15.0,
-            );
+            badge_ui(ui, &run.title(side), side, rect);
         }
     }
     ui.advance_cursor_after_rect(whole);
+}
+
+/// The title of a side in the upper left corner of its view, with a bar in the colour of its curves.
+fn badge_ui(ui: &Ui, title: &str, side: usize, rect: Rect) {
+    let at = rect.left_top() + egui::vec2(20.0, 8.0);
+    let words = text(ui, at, Align2::LEFT_TOP, title, 15.0);
+    let bar = Rect::from_min_max(
+        words.left_top() + egui::vec2(-10.0, -2.0),
+        words.left_bottom() + egui::vec2(-5.0, 2.0),
+    );
+    ui.painter().rect_filled(bar, 2.0, theme::series(ui, side));
 }
 
 /// What to do about a surface that grows without bound.
@@ -213,7 +214,7 @@ fn viewport_ui(
     let range = style.mode.is_map().then(|| {
         style
             .range
-            .unwrap_or_else(|| shared_range(model, &scene, style.mode, &mut state.range))
+            .unwrap_or_else(|| shared_range(model, style.mode, &mut state.range))
     });
     style.range = range;
     let value = range.and_then(|_| value_under(model, &scene, &response, rect));

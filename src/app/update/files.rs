@@ -21,7 +21,7 @@ use crate::render::{Textures, ViewMode};
 use crate::shapes::SAMPLES;
 
 /// A dialog that returns within this time was not shown.
-const NO_DIALOG: Duration = Duration::from_millis(400);
+pub(super) const NO_DIALOG: Duration = Duration::from_millis(400);
 
 pub(crate) fn update(model: &mut Model, action: FileAction) {
     match action {

@@ -3,7 +3,7 @@
 mod controls;
 mod edits;
 mod files;
-mod pictures;
+pub(super) mod pictures;
 mod report;
 mod report_files;
 mod runs;
@@ -14,7 +14,7 @@ mod view;
 pub(crate) use controls::params_for;
 #[cfg(test)]
 pub(super) use files::replace;
-pub(crate) use pictures::WRITING;
+pub(crate) use pictures::{WRITING, extension};
 pub use tick::tick;
 
 use super::action::{Action, RunAction, SelectAction};

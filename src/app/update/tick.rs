@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::{files, report, select};
+use super::{files, pictures, report, select};
 use crate::app::action::SelectAction;
 use crate::app::cached::SharedKey;
 use crate::app::display::Request;
@@ -80,6 +80,7 @@ fn finish(model: &mut Model, done: Done) {
         Done::PathChosen(purpose, path, waited) => {
             files::path_chosen(model, purpose, path, waited);
         }
+        Done::PicturePath(path, waited) => pictures::path_chosen(model, path, waited),
         Done::Picture(Ok(picture)) => {
             model.effects.push(Effect::CopyImage(picture));
             model.log.info("picture copied to the clipboard");
@@ -94,8 +95,7 @@ fn request_displays(model: &mut Model) {
     for display in &mut model.displays {
         display.poll();
     }
-    let sides = model.run.as_ref().map_or(0, |r| r.sides.len());
-    for i in 0..sides.max(1) {
+    for i in 0..model.sides() {
         let request = request(model, i);
         model.displays[i].ask(request);
     }

@@ -110,7 +110,7 @@ fn range(scene: &Scene, style: &ViewStyle) -> [f32; 2] {
     }
     let [low, high] = style
         .range
-        .unwrap_or_else(|| robust_range(scene, style.mode));
+        .unwrap_or_else(|| robust_range(&scene.surfaces, style.mode));
     if low < high && low.is_finite() && high.is_finite() {
         [low, high]
     } else {

@@ -87,8 +87,9 @@ fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
         if let Some((_, job)) = &model.report.measuring {
             ui.add(Spinner::new().size(12.0));
-            if let Some(part) = job.progress() {
-                ui.weak(format!("{:.0} %", 100.0 * part));
+            if let Some((done, total)) = job.progress() {
+                let percent = 100.0 * f64::from(done) / f64::from(total);
+                ui.weak(format!("{percent:.0} %"));
             }
         }
     });
