@@ -13,66 +13,32 @@ use crate::app::ui::widgets::{named, row, slider_row};
 use crate::app::update::params_for;
 use crate::app::view_state::Task;
 use crate::energy::{Energy, ExprError, Preset};
-use crate::fill::Controls;
 
-/// The name of a preset, and a sentence about it.
-fn about(preset: Preset) -> (&'static str, &'static str) {
+/// A sentence about a preset.
+fn about(preset: Preset) -> &'static str {
     match preset {
-        Preset::One => ("Area", "soap films; a second-order flow"),
-        Preset::H2 => ("Willmore energy", "round surfaces; the default"),
-        Preset::K2 => (
-            "Squared Gaussian curvature",
-            "smooths flat directions weakly",
-        ),
-        Preset::H2PlusK2 => (
-            "Sum of squares",
-            "mixes units: the result depends on the size of the model",
-        ),
-        Preset::H2K2 => (
-            "Product of squares",
-            "ill-posed on parts of saddles: fine oscillations occur",
-        ),
-        Preset::K1P4PlusK2P4 => ("Fourth powers", "penalises strong curvature"),
-        Preset::K => (
-            "Total curvature",
-            "every surface is stationary (Gauss-Bonnet)",
-        ),
-        Preset::HMinusH0Squared => ("Helfrich energy", "favours the mean curvature H0"),
-        Preset::K1SqPlusK2Sq => ("Bending energy", "of a thin plate"),
-        Preset::K1MinusK2Squared => ("Difference of curvatures", "favours umbilics: spheres"),
-        Preset::CurvatureNorm => ("Curvature norm", "keeps sharp edges and flat sides"),
+        Preset::One => "soap films; a second-order flow",
+        Preset::H2 => "round surfaces; the default",
+        Preset::K2 => "smooths flat directions weakly",
+        Preset::H2PlusK2 => "mixes units: the result depends on the size of the model",
+        Preset::H2K2 => "ill-posed on parts of saddles: fine oscillations occur",
+        Preset::K1P4PlusK2P4 => "penalises strong curvature",
+        Preset::K => "every surface is stationary (Gauss-Bonnet)",
+        Preset::HMinusH0Squared => "favours the mean curvature H0",
+        Preset::K1SqPlusK2Sq => "of a thin plate",
+        Preset::K1MinusK2Squared => "favours umbilics: spheres",
+        Preset::CurvatureNorm => "keeps sharp edges and flat sides",
     }
 }
 
 /// Choice and expression.
 pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let view = &model.view;
-    row(ui, "Preset", "", |ui, label| {
-        let params = &model.document.controls.param;
-        let energy = parsed(ui, "preset", &view.energy_text, params);
-        let current = Result::as_ref(&energy).ok().and_then(Energy::as_preset);
-        egui::ComboBox::from_id_salt("preset")
-            .selected_text(current.map_or("typed", |preset| about(preset).0))
-            .width(ui.available_width())
-            .height(420.0)
-            .truncate()
-            .show_ui(ui, |ui| {
-                ui.set_min_width(330.0);
-                for preset in Preset::ALL {
-                    let (name, sentence) = about(preset);
-                    let text = RichText::new(preset.text()).weak();
-                    let atoms = (name, egui::Atom::grow(), text);
-                    let row = egui::Button::selectable(current == Some(preset), atoms);
-                    let row = row.min_size(egui::vec2(ui.available_width(), 0.0));
-                    if ui.add(row).on_hover_text(sentence).clicked() {
-                        actions.push(ControlsAction::EnergyText(preset.text().into()).into());
-                        actions.push(ControlsAction::ApplyEnergy.into());
-                    }
-                }
-            })
-            .response
-            .labelled_by(label);
-    });
+    let params = &model.document.controls.param;
+    if let Some(preset) = preset_ui(ui, "Preset", &view.energy_text, params) {
+        actions.push(ControlsAction::EnergyText(preset.text().into()).into());
+        actions.push(ControlsAction::ApplyEnergy.into());
+    }
     let parsed = expression_ui(
         ui,
         "f(H, K) =",
@@ -92,6 +58,40 @@ pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     if model.view.task != Task::Refine {
         compare_ui(ui, model, actions);
     }
+}
+
+/// A list of presets by their names. Returns the one that was chosen.
+fn preset_ui(
+    ui: &mut Ui,
+    name: &str,
+    text: &str,
+    params: &BTreeMap<String, f64>,
+) -> Option<Preset> {
+    row(ui, name, "", |ui, label| {
+        let energy = parsed(ui, name, text, &params_for(text, params));
+        let current = Result::as_ref(&energy).ok().and_then(Energy::as_preset);
+        let mut chosen = None;
+        egui::ComboBox::from_id_salt(name)
+            .selected_text(current.map_or("typed", Preset::title))
+            .width(ui.available_width())
+            .height(420.0)
+            .truncate()
+            .show_ui(ui, |ui| {
+                ui.set_min_width(330.0);
+                for preset in Preset::ALL {
+                    let text = RichText::new(preset.text()).weak();
+                    let atoms = (preset.title(), egui::Atom::grow(), text);
+                    let row = egui::Button::selectable(current == Some(preset), atoms);
+                    let row = row.min_size(egui::vec2(ui.available_width(), 0.0));
+                    if ui.add(row).on_hover_text(about(preset)).clicked() {
+                        chosen = Some(preset);
+                    }
+                }
+            })
+            .response
+            .labelled_by(label);
+        chosen
+    })
 }
 
 /// A text field for an expression, with errors marked under their characters. Returns whether the
@@ -271,20 +271,21 @@ fn compare_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let energy = on.then(|| "k1^4+k2^4".to_owned());
         actions.push(ControlsAction::CompareEnergy(energy).into());
     }
-    if let Some(energy) = &model.view.compare_energy {
-        expression_ui(
-            ui,
-            "B: f(H, K) =",
-            energy,
-            model,
-            |text| ControlsAction::CompareEnergy(Some(text)),
-            None,
-            actions,
-        );
+    let Some(energy) = &model.view.compare_energy else {
+        return;
+    };
+    let params = &model.document.controls.param;
+    if let Some(preset) = preset_ui(ui, "Preset of B", energy, params) {
+        let energy = Some(preset.text().into());
+        actions.push(ControlsAction::CompareEnergy(energy).into());
     }
-}
-
-/// The energies that are compared, for titles.
-pub(crate) fn side_title(controls: &Controls, side: usize) -> String {
-    format!("{}: f = {}", ["A", "B"][side.min(1)], controls.energy)
+    expression_ui(
+        ui,
+        "B: f(H, K) =",
+        energy,
+        model,
+        |text| ControlsAction::CompareEnergy(Some(text)),
+        None,
+        actions,
+    );
 }
