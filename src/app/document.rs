@@ -22,6 +22,19 @@ pub fn file_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
+/// A name of at most `most` characters: a longer one is elided in the middle, so that its beginning and
+/// its extension stay.
+pub fn elided(name: &str, most: usize) -> String {
+    let count = name.chars().count();
+    if count <= most {
+        return name.to_owned();
+    }
+    let kept = most.saturating_sub(1);
+    let start = name.chars().take(kept - kept / 2);
+    let end = name.chars().skip(count - kept / 2);
+    start.chain(['…']).chain(end).collect()
+}
+
 /// The origin of a document's mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
@@ -255,5 +268,18 @@ pub fn window_controls() -> Controls {
     Controls {
         mode: crate::solver::Mode::Flow,
         ..Controls::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::elided;
+
+    #[test]
+    fn long_names_keep_their_ends() {
+        assert_eq!(elided("scan.obj", 8), "scan.obj");
+        assert_eq!(elided("a long name of a scan.obj", 12), "a long…n.obj");
+        assert_eq!(elided("größenänderung.ply", 9), "größ….ply");
+        assert_eq!(elided("scan.obj", 1), "…");
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::autosave::Autosave;
 use super::cached::{Cached, ParsedEnergy, SharedKey};
 use super::display::DisplayWorker;
-use super::document::{Document, Origin, Source, file_name};
+use super::document::{Document, Origin, Source, elided, file_name};
 use super::faces::FaceEdit;
 use super::history::History;
 use super::jobs::{Job, Reporter, Wake};
@@ -79,6 +79,9 @@ pub enum SavedWhat {
     /// A report.
     Report,
 }
+
+/// Maximum number of characters of the name in the title of the window.
+const TITLE: usize = 60;
 
 /// Maximum number of views side by side.
 pub const MAX_SIDES: usize = 3;
@@ -265,7 +268,7 @@ impl Model {
     /// The title of the window.
     pub fn title(&self) -> String {
         let star = if self.is_dirty() { "*" } else { "" };
-        format!("{}{star} - Meniscus", self.name())
+        format!("{}{star} - Meniscus", elided(&self.name(), TITLE))
     }
 
     /// The path of the source, as the default for saving.

@@ -3,6 +3,7 @@
 use eframe::egui::{self, Context, Key, Modal as Over, Ui};
 
 use crate::app::action::{Action, FileAction, PictureAction, RunAction};
+use crate::app::document::elided;
 use crate::app::model::Model;
 use crate::app::project;
 use crate::app::run::Run;
@@ -11,6 +12,9 @@ use crate::app::ui::widgets::{Asks, named, primary, row};
 use crate::app::update::extension;
 use crate::app::view_state::{Modal, PathPrompt, PathUse, PictureKind, PictureSettings};
 use crate::render::{MAX_SIDE, SequenceFormat};
+
+/// Maximum number of characters of a file name.
+const NAME: usize = 40;
 
 /// The open dialog.
 pub(crate) fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>) {
@@ -111,7 +115,7 @@ fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Actio
             .ok()
             .and_then(|t| t.elapsed().ok())
             .map_or_else(String::new, |d| age(d.as_secs() / 60));
-        let name = project::title(path);
+        let name = elided(&project::title(path), NAME);
         ui.button(format!("Recover {name}, {when}"))
             .asks(FileAction::Recover(path.clone()), actions);
     }

@@ -8,13 +8,16 @@ use super::widgets::Asks;
 use crate::app::action::{
     Action, EditAction, FileAction, PictureAction, SelectAction, Switch, ViewAction,
 };
-use crate::app::document::file_name;
+use crate::app::document::{elided, file_name};
 use crate::app::model::Model;
 use crate::app::report::{Across, Pick, ReportAction};
 use crate::app::shortcuts::key_text;
 use crate::app::view_state::{Modal, Navigation};
 use crate::options::Choice;
 use crate::render::StandardView;
+
+/// Maximum number of characters of a file name in a menu.
+const NAME: usize = 44;
 
 /// A menu entry with its key.
 fn entry(ui: &mut Ui, text: &str, action: impl Into<Action>, actions: &mut Vec<Action>) {
@@ -147,7 +150,7 @@ fn file_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
         for path in &model.settings.recent {
             if ui
-                .button(file_name(path))
+                .button(elided(&file_name(path), NAME))
                 .on_hover_text(path.display().to_string())
                 .clicked()
             {

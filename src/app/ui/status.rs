@@ -3,10 +3,14 @@
 use eframe::egui::{self, Ui};
 
 use crate::app::action::{Action, FileAction, PictureAction, Switch, ViewAction};
+use crate::app::document::elided;
 use crate::app::log::Level;
 use crate::app::model::Model;
 use crate::app::ui::widgets::Asks;
 use crate::app::update::WRITING;
+
+/// Maximum number of characters of a file name.
+const NAME: usize = 40;
 
 /// Document, background work, last message.
 pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -15,7 +19,7 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let star = if model.is_dirty() { " *" } else { "" };
         let words = format!(
             "{}{star}   {} vertices   {} faces   {}",
-            model.name(),
+            elided(&model.name(), NAME),
             document.mesh.vertex_count(),
             document.mesh.face_count(),
             document.loop_count()
@@ -45,7 +49,7 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 }
             } else {
                 ui.spinner();
-                ui.label(&job.what);
+                ui.label(elided(&job.what, NAME)).on_hover_text(&job.what);
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
