@@ -104,7 +104,8 @@ fn require_of(needed: f64, free: Option<u64>) -> Result<(), TooLittleMemory> {
     }
 }
 
-fn in_gib(bytes: u64) -> String {
+/// An amount of memory in words.
+pub fn in_gib(bytes: u64) -> String {
     format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30))
 }
 

@@ -3,7 +3,7 @@
 use super::report::{ReportFile, ReportView};
 use crate::fill::LoopLimits;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId};
-use crate::refine::{Method, RefineControls};
+use crate::refine::{Method, RefineControls, RefineEstimate};
 use crate::render::{Camera, SequenceFormat, ViewStyle};
 
 /// The mouse controls of the camera.
@@ -117,6 +117,30 @@ pub struct Selecting {
 }
 
 impl Refining {
+    /// What the refinement of a mesh will take, with the methods to compare with.
+    pub fn estimate(&self, all: usize, selected: usize) -> RefineEstimate {
+        let refined = if self.selected_only { selected } else { all };
+        let beside = self.beside.iter().flatten().copied();
+        let methods = [self.controls.method].into_iter().chain(beside);
+        let each = methods.map(|method| {
+            let controls = RefineControls {
+                method,
+                ..self.controls.clone()
+            };
+            controls.estimate(refined, all)
+        });
+        // they run at the same time
+        let sum = |a: RefineEstimate, b: RefineEstimate| RefineEstimate {
+            bytes: a.bytes + b.bytes,
+            seconds: a.seconds + b.seconds,
+        };
+        let none = RefineEstimate {
+            bytes: 0.0,
+            seconds: 0.0,
+        };
+        each.fold(none, sum)
+    }
+
     /// Number of faces after the refinement of a mesh, without those that are split to match.
     pub fn faces_after(&self, all: usize, selected: usize) -> u64 {
         let (refined, others) = if self.selected_only {
@@ -156,7 +180,7 @@ pub enum Modal {
     /// Settings of a picture.
     Picture(PictureSettings),
     /// Asks whether to start a refinement to this many faces.
-    Large(u64),
+    Large(u64, RefineEstimate),
 }
 
 /// The purpose of a path.

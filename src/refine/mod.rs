@@ -25,7 +25,8 @@ pub use boundary::BoundaryRule;
 pub use creases::{Weld, crease_edges};
 pub use measures::{radius, surface_energy};
 pub use options::{
-    Hold, MAX_LEVELS, Method, RefineControls, RefineError, RefineOptions, natural_flow,
+    Hold, MAX_LEVELS, Method, RefineControls, RefineError, RefineEstimate, RefineOptions,
+    natural_flow,
 };
 pub use process::{
     LevelFrame, LiveRefine, RefineProcess, RefineSnapshot, RefineState, RefineStatus,

@@ -7,10 +7,12 @@ use crate::app::document::elided;
 use crate::app::model::Model;
 use crate::app::project;
 use crate::app::run::Run;
-use crate::app::ui::format::format_number;
+use crate::app::ui::format::{format_number, trimmed};
 use crate::app::ui::widgets::{Asks, named, primary, row};
 use crate::app::update::extension;
 use crate::app::view_state::{Modal, PathPrompt, PathUse, PictureKind, PictureSettings};
+use crate::memory::{free_memory, in_gib};
+use crate::refine::RefineEstimate;
 use crate::render::{MAX_SIDE, SequenceFormat};
 
 /// Maximum number of characters of a file name.
@@ -23,7 +25,7 @@ pub(crate) fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>
         Modal::Path(prompt) => over(ctx, |ui| path_ui(ui, prompt, actions)),
         Modal::Unsaved(_) => over(ctx, |ui| unsaved_ui(ui, model, actions)),
         Modal::Recover(paths) => over(ctx, |ui| recover_ui(ui, paths, actions)),
-        Modal::Large(faces) => over(ctx, |ui| large_ui(ui, *faces, actions)),
+        Modal::Large(faces, estimate) => over(ctx, |ui| large_ui(ui, *faces, estimate, actions)),
         Modal::Picture(settings) => over(ctx, |ui| picture_ui(ui, model, settings, actions)),
     };
     // a click outside the dialog must not discard a recovery file
@@ -126,19 +128,40 @@ fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Actio
     });
 }
 
-fn large_ui(ui: &mut Ui, faces: u64, actions: &mut Vec<Action>) {
+fn large_ui(ui: &mut Ui, faces: u64, estimate: &RefineEstimate, actions: &mut Vec<Action>) {
     ui.heading("This is a large refinement");
+    let free = free_memory();
+    let left = free.map_or_else(String::new, |free| format!(" {} are free.", in_gib(free)));
     ui.label(format!(
-        "The result has about {} million faces. Computing it can take minutes and several gigabytes \
-         of memory. Fewer levels give a smaller result.",
-        format_number(faces as f64 / 1e6)
+        "The result has about {} million faces. Computing it takes about {} of processor time and {} of \
+         memory.{left} Fewer levels give a smaller result.",
+        format_number(faces as f64 / 1e6),
+        duration(estimate.seconds),
+        in_gib(estimate.bytes as u64),
     ));
+    if free.is_some_and(|free| estimate.bytes > free as f64) {
+        let color = ui.visuals().warn_fg_color;
+        ui.colored_label(color, "The memory will not be enough.");
+    }
     ui.horizontal(|ui| {
         ui.add(primary(ui, "Refine"))
             .asks(RunAction::StartLarge, actions);
         ui.button("Cancel")
             .asks(Action::Modal(Modal::None), actions);
     });
+}
+
+/// A time in words, in two digits.
+fn duration(seconds: f64) -> String {
+    let (number, unit) = match seconds {
+        ..60.0 => (seconds, "second"),
+        60.0..3600.0 => (seconds / 60.0, "minute"),
+        _ => (seconds / 3600.0, "hour"),
+    };
+    let digits = if number < 10.0 { 10.0 } else { 1.0 };
+    let number = trimmed((digits * number).round() / digits);
+    let s = if number == "1" { "" } else { "s" };
+    format!("{number} {unit}{s}")
 }
 
 /// The age of a file in words.
@@ -299,4 +322,22 @@ fn size_ui(ui: &mut Ui, model: &Model, next: &mut PictureSettings) {
             }
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::duration;
+
+    #[test]
+    fn times_in_words() {
+        for (seconds, words) in [
+            (1.04, "1 second"),
+            (42.4, "42 seconds"),
+            (90.0, "1.5 minutes"),
+            (3540.0, "59 minutes"),
+            (7200.0, "2 hours"),
+        ] {
+            assert_eq!(duration(seconds), words);
+        }
+    }
 }

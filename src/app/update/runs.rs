@@ -102,7 +102,10 @@ fn start(model: &mut Model) {
         let document = &model.document;
         let (all, selected) = (document.mesh.face_count(), document.faces.len());
         match model.view.refining.faces_after(all, selected) {
-            faces if faces > LARGE => model.view.modal = Modal::Large(faces),
+            faces if faces > LARGE => {
+                let estimate = model.view.refining.estimate(all, selected);
+                model.view.modal = Modal::Large(faces, estimate);
+            }
             _ => refine(model),
         }
         return;
