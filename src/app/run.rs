@@ -16,7 +16,7 @@ use crate::energy::Preset;
 use crate::fill::{Controls, ErasedRegion, FillTask, LiveFill, Surface, open_selection};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
 use crate::ops::Operation;
-use crate::options::Choice as _;
+use crate::options::{Choice as _, Options as _};
 use crate::runner::RunSettings;
 use crate::solver::{End, RejectReason, StepRecord};
 use divergence::{Limits, SENSIBLE_FALL, falls_without_bound, has_fallen};
@@ -44,8 +44,14 @@ pub struct RunVariant {
     pub crossing: Option<Since<DVec3>>,
     /// Warnings without duplicates.
     pub warnings: Vec<Since<String>>,
+    /// Changes of the controls, in order; the attempt is the last before the change.
+    pub changes: Vec<Since<String>>,
     /// Whether the surface grew without bound, so that the run was paused.
     pub diverged: bool,
+    /// Number of attempts so far, which all groups share.
+    attempts: usize,
+    /// The group of the last step; `None` before the first one of an attempt.
+    last_group: Option<usize>,
 }
 
 /// A fact about all states from one of them on.
@@ -64,8 +70,6 @@ pub struct Curve {
     pub energy: Vec<[f64; 2]>,
     /// Decadic logarithm of the residual.
     pub residual: Vec<[f64; 2]>,
-    /// Number of attempts so far.
-    attempts: usize,
     /// Reason of the last rejection.
     pub rejection: Option<RejectReason>,
 }
@@ -367,7 +371,10 @@ impl RunVariant {
             curves: Vec::new(),
             crossing: None,
             warnings: Vec::new(),
+            changes: Vec::new(),
             diverged: false,
+            attempts: 0,
+            last_group: None,
         }
     }
 
@@ -422,6 +429,14 @@ impl RunVariant {
     /// Forgets the facts about states after an attempt, because the flow continues there.
     pub fn forget_after(&mut self, attempt: usize) {
         self.warnings.retain(|w| w.attempt <= attempt);
+        self.changes.retain(|c| c.attempt <= attempt);
+        self.attempts = attempt;
+        self.last_group = None;
+        for curve in &mut self.curves {
+            let last = attempt as f64;
+            curve.energy.retain(|point| point[0] <= last);
+            curve.residual.retain(|point| point[0] <= last);
+        }
         self.crossing = self.crossing.take().filter(|c| c.attempt <= attempt);
         self.diverged = false;
     }
@@ -444,8 +459,26 @@ impl RunVariant {
         self.state().map_or(0, |state| state.attempt())
     }
 
+    /// Takes over changed controls from the next step on.
+    pub fn change_controls(&mut self, controls: Controls) {
+        let difference = self.controls.difference(&controls).into_iter();
+        let words: Vec<String> = difference
+            .map(|(name, value)| format!("{name} {value}"))
+            .collect();
+        let attempt = self.handle.state(usize::MAX).map_or(0, |s| s.attempt());
+        // a drag gives many changes before the next attempt
+        self.changes.retain(|change| change.attempt != attempt);
+        let what = words.join(", ");
+        self.changes.push(Since { attempt, what });
+        if (&controls.energy, &controls.param) != (&self.controls.energy, &self.controls.param) {
+            self.new_energy();
+            self.diverged = false;
+        }
+        self.controls = controls;
+    }
+
     /// Restarts the energy curve after a change of the energy.
-    pub fn new_energy(&mut self) {
+    fn new_energy(&mut self) {
         for curve in &mut self.curves {
             curve.energy.clear();
         }
@@ -455,13 +488,17 @@ impl RunVariant {
         if self.curves.len() <= group {
             self.curves.resize(group + 1, Curve::default());
         }
+        // the steps of an attempt are in the order of the groups; groups that have ended take none
+        if self.last_group.is_none_or(|last| group <= last) {
+            self.attempts += 1;
+        }
+        self.last_group = Some(group);
         let curve = &mut self.curves[group];
-        curve.attempts += 1;
         if record.is_rejected() {
             curve.rejection.clone_from(&record.rejection);
             return;
         }
-        let x = curve.attempts as f64;
+        let x = self.attempts as f64;
         curve.energy.push([x, record.energy]);
         if record.residual > 0.0 {
             curve.residual.push([x, record.residual.log10()]);

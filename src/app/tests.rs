@@ -14,11 +14,12 @@ use super::document::{Document, Source};
 use super::model::{Effect, Model};
 use super::project;
 use super::settings::Settings;
+use super::ui::plots;
 use super::update::{act, replace, tick};
 use super::view_state::{
     AfterUnsaved, LoopColumn, LoopKind, LoopList, Modal, PathUse, Task, Windows,
 };
-use crate::fill::LoopLimits;
+use crate::fill::{LoopLimits, Surface};
 use crate::io;
 use crate::mesh::{DVec3, LoopId, Soup, check_mesh, components};
 use crate::render::{Vertex, ViewMode};
@@ -490,6 +491,18 @@ fn two_energies_are_compared_and_one_is_taken() {
         difference > 1e-3,
         "the area's surface is flatter: {difference}"
     );
+    assert_eq!(run.title(0), "A: surface model auto");
+    assert_eq!(run.title(1), "B: Area, 1");
+    // the energies have other units: each curve begins at 1
+    let curves = plots::curves(run, true);
+    let names: Vec<(&str, usize)> = curves.iter().map(|c| (c.name.as_str(), c.color)).collect();
+    assert_eq!(names, [("A", 0), ("B", 1)]);
+    for curve in &curves {
+        let first = curve.points[0];
+        assert_eq!(first[1], 1.0);
+        assert_eq!(curve.nearest(first[0] + 0.2), Some(first));
+        assert_eq!(curve.nearest(1e9), curve.points.last().copied());
+    }
     act(&mut m, RunAction::Accept(1));
     let mesh = &m.document.mesh;
     assert_eq!(mesh.positions[mesh.vertex_count() - b.len()..], b);
@@ -510,13 +523,55 @@ fn compared_energies_keep_their_own_parameters_when_a_control_is_changed() {
     });
     let mut controls = m.document.controls.clone();
     controls.relaxation = 0.5;
+    controls.energy = "K^2".into();
     act(&mut m, ControlsAction::Set(Box::new(controls)));
     let run = m.run.as_ref().expect("it runs");
     for side in &run.sides {
         assert_eq!(side.controls.relaxation, 0.5, "{}", last_message(&m));
     }
+    assert_eq!(run.sides[0].controls.energy, "K^2");
+    assert_eq!(run.sides[1].controls.energy, "(H-H0)^2");
     assert_eq!(run.sides[1].controls.param.get("H0"), Some(&0.0));
+    assert_eq!(run.sides[1].controls.surface, Surface::Energy);
+    // the plots have a mark for each side
+    let marks = plots::changes(run);
+    let words: Vec<&str> = marks.iter().map(|(_, what)| what.as_str()).collect();
+    assert_eq!(words, ["energy K^2, relaxation 0.5", "relaxation 0.5"]);
+    assert!(
+        marks.iter().all(|(attempt, _)| *attempt >= 1.0),
+        "{marks:?}"
+    );
     assert_eq!(m.document.controls.relaxation, 0.5);
+}
+
+/// Points of all groups are at the attempts they share, also of groups that have ended before others.
+#[test]
+fn curves_continue_at_the_change_of_a_control() {
+    let mut m = model();
+    act(&mut m, SelectAction::All);
+    filled(&mut m);
+    let lengths = |m: &Model| -> Vec<usize> {
+        let side = &m.run.as_ref().expect("there").sides[0];
+        side.curves.iter().map(|curve| curve.energy.len()).collect()
+    };
+    let before = lengths(&m);
+    assert!(
+        before[0] != before[1],
+        "one group ends before the other: {before:?}"
+    );
+    let mut controls = m.document.controls.clone();
+    controls.tension = 0.5;
+    act(&mut m, ControlsAction::Set(Box::new(controls)));
+    until(&mut m, |m| {
+        lengths(m).iter().zip(&before).all(|(now, then)| now > then)
+    });
+    let run = m.run.as_ref().expect("there");
+    let marks = plots::changes(run);
+    assert_eq!(marks.len(), 1, "{marks:?}");
+    for (curve, then) in run.sides[0].curves.iter().zip(before) {
+        let points = &curve.energy;
+        assert!(points[then - 1][0] <= marks[0].0 && points[then][0] > marks[0].0);
+    }
 }
 
 #[test]

@@ -89,11 +89,19 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     } else if next.surface == Surface::Auto {
         ui.weak("An option of the energy is set: auto is energy.");
     }
-    let sides = model.run.iter().flat_map(|run| &run.sides);
-    let rows = sides.flat_map(|side| side.handle.figures(None));
-    for row in rows.filter(|row| !row.surface.is_empty()).take(MOST_MODELS) {
+    let sides = model
+        .run
+        .iter()
+        .flat_map(|run| run.sides.iter().zip(run.names()));
+    let rows = sides.flat_map(|(side, name)| {
+        let rows = side.handle.figures(None).into_iter();
+        rows.map(move |row| (name, row))
+    });
+    let rows = rows.filter(|(_, row)| !row.surface.is_empty());
+    for (name, row) in rows.take(MOST_MODELS) {
         let holes: Vec<String> = row.holes.iter().map(LoopId::to_string).collect();
-        let words = format!("{}: {}", holes.join(", "), row.surface);
+        let words = format!("{name} {}: {}", holes.join(", "), row.surface);
+        let words = words.trim_start();
         ui.add(egui::Label::new(RichText::new(words).weak()).truncate())
             .hovers(&row.holes, actions);
     }

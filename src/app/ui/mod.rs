@@ -10,6 +10,7 @@ mod icons;
 mod legend;
 mod menu;
 mod navigation;
+pub(crate) mod plots;
 mod refine;
 mod repair;
 mod report;

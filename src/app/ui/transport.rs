@@ -2,10 +2,10 @@
 
 use eframe::egui::{self, RichText, Ui};
 use egui_extras::{Column, TableBody, TableBuilder, TableRow};
-use egui_plot::{HoverPosition, Legend, Line, Plot, PlotPoints, VLine};
 
-use super::format::{format_number, trimmed};
+use super::format::format_number;
 use super::icons::{Icon, icon_button};
+use super::plots::plots_ui;
 use super::theme;
 use super::widgets::Asks;
 use crate::app::action::{Action, RunAction, Switch, ViewAction};
@@ -40,7 +40,7 @@ pub(crate) fn transport_ui(
             ui.set_min_size(numbers);
             numbers_ui(ui, model, run, actions);
         });
-        plots_ui(ui, run);
+        plots_ui(ui, run, actions);
     });
 }
 
@@ -264,7 +264,7 @@ fn seam_ui(ui: &mut Ui, run: &Run, s: usize, seam: Seam) {
 }
 
 /// The prefix of texts about one side of a comparison.
-fn side_name(run: &Run, s: usize) -> String {
+pub(super) fn side_name(run: &Run, s: usize) -> String {
     let names = run.names();
     let name = names.get(s).copied().unwrap_or("");
     if name.is_empty() {
@@ -314,7 +314,7 @@ fn cell(ui: &mut Ui, text: impl Into<egui::WidgetText>, whole: &str) {
 }
 
 /// The holes of a row.
-fn holes_words(run: &Run, figures: &Figures) -> String {
+pub(super) fn holes_words(run: &Run, figures: &Figures) -> String {
     let numbers = |holes: &[LoopId], between| {
         let words: Vec<String> = holes.iter().map(LoopId::to_string).collect();
         words.join(between)
@@ -393,115 +393,4 @@ impl std::fmt::Display for Sig {
             write!(f, "{x:.5e}")
         }
     }
-}
-
-fn plots_ui(ui: &mut Ui, run: &Run) {
-    let height = ui.available_height().max(60.0);
-    ui.columns(2, |columns| {
-        for (column, energy) in columns.iter_mut().zip([true, false]) {
-            let curves = curves(run, energy);
-            let relative = run.sides.iter().any(|side| side.curves.len() > 1);
-            let title = match (energy, relative) {
-                (true, false) => "energy",
-                (true, true) => "energy, relative to the start",
-                (false, _) => "residual",
-            };
-            column.small(format!("{title}, by attempt"));
-            let value = move |y: f64| {
-                if energy {
-                    format_number(y)
-                } else {
-                    format!("{:.1e}", 10f64.powf(y))
-                }
-            };
-            let mut plot = Plot::new(title)
-                .height((height - 22.0).max(40.0))
-                .allow_scroll(false)
-                .allow_drag(false)
-                .allow_zoom(false)
-                .y_axis_min_width(44.0)
-                .y_axis_formatter(move |mark, _| {
-                    if energy {
-                        trimmed(mark.value)
-                    } else {
-                        format!("1e{:.0}", mark.value)
-                    }
-                })
-                .label_formatter(move |at| match at {
-                    HoverPosition::NearDataPoint {
-                        plot_name,
-                        position,
-                        ..
-                    } => {
-                        let hole = if plot_name.is_empty() {
-                            String::new()
-                        } else {
-                            format!("{plot_name}: ")
-                        };
-                        let y = value(position.y);
-                        Some(format!("{hole}{y} at attempt {:.0}", position.x))
-                    }
-                    HoverPosition::Elsewhere { .. } => None,
-                })
-                .show_axes([true, true]);
-            if (2..5).contains(&curves.len()) {
-                plot = plot.legend(Legend::default());
-            }
-            // a curve that is constant up to rounding needs a minimum height
-            if let Some([low, high]) = extent(&curves)
-                && high - low <= 1e-6 * high.abs().max(low.abs())
-            {
-                let pad = (0.01 * high.abs()).max(1e-12);
-                plot = plot.include_y(low - pad).include_y(high + pad);
-            }
-            plot.show(column, |plot| {
-                for (name, points) in curves {
-                    plot.line(Line::new(name, PlotPoints::from(points)).width(1.8));
-                }
-                for side in run.sides.iter().filter(|s| s.shown.is_some()) {
-                    if let Some(state) = side.state() {
-                        plot.vline(VLine::new("", state.attempt() as f64).width(1.0));
-                    }
-                }
-            });
-        }
-    });
-}
-
-/// Minimum and maximum.
-fn extent(curves: &[(String, Vec<[f64; 2]>)]) -> Option<[f64; 2]> {
-    let values = curves.iter().flat_map(|(_, points)| points);
-    values.map(|p| p[1]).fold(None, |range, y| match range {
-        None => Some([y, y]),
-        Some([low, high]) => Some([low.min(y), high.max(y)]),
-    })
-}
-
-/// One curve with its name for each group of each side.
-fn curves(run: &Run, energy: bool) -> Vec<(String, Vec<[f64; 2]>)> {
-    let mut all = Vec::new();
-    for (s, side) in run.sides.iter().enumerate() {
-        let rows = side.handle.figures(None);
-        for (g, curve) in side.curves.iter().enumerate() {
-            let points = if energy {
-                &curve.energy
-            } else {
-                &curve.residual
-            };
-            // as in the table
-            let holes = rows.get(g).map(|row| holes_words(run, row));
-            let name = match (run.sides.len(), side.curves.len()) {
-                (1, 1) => String::new(),
-                (_, 1) => side.name.into(),
-                _ => format!("{}{}", side_name(run, s), holes.unwrap_or_default()),
-            };
-            // energies of different holes share a plot, so each is relative to its start
-            let scale = match (energy, side.curves.len(), points.first()) {
-                (true, 2.., Some(first)) if first[1] != 0.0 => first[1].recip(),
-                _ => 1.0,
-            };
-            all.push((name, points.iter().map(|p| [p[0], p[1] * scale]).collect()));
-        }
-    }
-    all
 }

@@ -7,6 +7,7 @@ use crate::app::action::ControlsAction;
 use crate::app::model::Model;
 use crate::energy::{Energy, Preset};
 use crate::fill::{Controls, Surface};
+use crate::ops::Operation;
 
 pub(crate) fn update(model: &mut Model, action: ControlsAction) {
     match action {
@@ -37,24 +38,19 @@ fn set(model: &mut Model, controls: Controls) {
         return;
     }
     if let Some(run) = &mut model.run {
-        let compared = run.sides.len() > 1;
-        for side in &mut run.sides {
+        let compares_methods = matches!(run.operation, Operation::Refine(_));
+        for (i, side) in run.sides.iter_mut().enumerate() {
             let mut own = controls.clone();
-            if compared {
-                // the sides differ only in their energies and parameters
+            if i > 0 && !compares_methods {
+                // side B keeps its energy with its parameters, which is all that it differs in
+                own.surface = side.controls.surface;
                 own.energy.clone_from(&side.controls.energy);
                 for (name, value) in &side.controls.param {
                     own.param.entry(name.clone()).or_insert(*value);
                 }
             }
             match side.handle.set_controls(&own) {
-                Ok(()) => {
-                    if (&own.energy, &own.param) != (&side.controls.energy, &side.controls.param) {
-                        side.new_energy();
-                        side.diverged = false;
-                    }
-                    side.controls = own;
-                }
+                Ok(()) => side.change_controls(own),
                 Err(text) => {
                     model.log.error(text);
                     return;

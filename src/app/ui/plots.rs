@@ -1,0 +1,217 @@
+//! The plots of a run: energy and residual by attempt, with one legend.
+
+use eframe::egui::{self, Color32, RichText, Ui};
+use egui_plot::{Line, LineStyle, Plot, PlotPoints, VLine};
+
+use super::format::{format_number, trimmed};
+use super::theme;
+use super::transport::{holes_words, side_name};
+use super::widgets::Asks;
+use crate::app::action::Action;
+use crate::app::run::Run;
+use crate::mesh::LoopId;
+
+/// Maximum number of curves in the legend.
+const LISTED: usize = 9;
+/// Maximum number of curves in a readout.
+const READ: usize = 12;
+
+/// The curve of a group of holes of a side.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PlotCurve {
+    /// Side and holes; empty if it is the only curve.
+    pub(crate) name: String,
+    /// Number of its colour: that of the side, or of the group if there is one side.
+    pub(crate) color: usize,
+    /// Its holes.
+    pub(crate) holes: Vec<LoopId>,
+    /// Attempt and value, in ascending order.
+    pub(crate) points: Vec<[f64; 2]>,
+}
+
+impl PlotCurve {
+    /// Attempt and value of the point nearest to an attempt.
+    pub(crate) fn nearest(&self, attempt: f64) -> Option<[f64; 2]> {
+        let far = |p: &[f64; 2]| (p[0] - attempt).abs();
+        let points = self.points.iter().copied();
+        points.min_by(|a, b| far(a).total_cmp(&far(b)))
+    }
+}
+
+/// The legend, and the plots side by side.
+pub(crate) fn plots_ui(ui: &mut Ui, run: &Run, actions: &mut Vec<Action>) {
+    let both = [true, false].map(|energy| curves(run, energy));
+    ui.vertical(|ui| {
+        if both[0].len() > 1 {
+            legend_ui(ui, &both[0], actions);
+        }
+        let height = ui.available_height().max(60.0);
+        ui.columns(2, |columns| {
+            for ((column, curves), energy) in columns.iter_mut().zip(both).zip([true, false]) {
+                plot_ui(column, run, &curves, energy, height);
+            }
+        });
+    });
+}
+
+/// The names of the curves in their colours, in one row.
+fn legend_ui(ui: &mut Ui, curves: &[PlotCurve], actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        for curve in curves.iter().take(LISTED) {
+            let color = theme::series(ui, curve.color);
+            let (line, _) = ui.allocate_exact_size(egui::vec2(10.0, 3.0), egui::Sense::hover());
+            ui.painter().rect_filled(line, 1.0, color);
+            let name = RichText::new(&curve.name).color(color);
+            ui.add(egui::Label::new(name.small()).truncate())
+                .hovers(&curve.holes, actions);
+        }
+        if curves.len() > LISTED {
+            ui.small(format!("and {} more", curves.len() - LISTED));
+        }
+    });
+}
+
+fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f32) {
+    let title = match (energy, curves.len()) {
+        (true, 0 | 1) => "energy",
+        (true, _) => "energy, relative to the start",
+        (false, _) => "residual",
+    };
+    ui.small(format!("{title}, by attempt"));
+    let mut plot = Plot::new(title)
+        .height((height - 22.0).max(40.0))
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_boxed_zoom(false)
+        .y_axis_min_width(44.0)
+        .y_axis_formatter(move |mark, _| {
+            if energy {
+                trimmed(mark.value)
+            } else {
+                format!("1e{:.0}", mark.value)
+            }
+        })
+        // the readout has the values of all curves
+        .label_formatter(|_| None)
+        .show_y(false)
+        .link_cursor(egui::Id::unique("plots"), [true, false])
+        .show_axes([true, true]);
+    // a curve that is constant up to rounding needs a minimum height
+    if let Some([low, high]) = extent(curves)
+        && high - low <= 1e-6 * high.abs().max(low.abs())
+    {
+        let pad = (0.01 * high.abs()).max(1e-12);
+        plot = plot.include_y(low - pad).include_y(high + pad);
+    }
+    let ink = ui.visuals().weak_text_color();
+    let inks: Vec<Color32> = curves.iter().map(|c| theme::series(ui, c.color)).collect();
+    let shown = plot.show(ui, |plot| {
+        for (curve, ink) in curves.iter().zip(&inks) {
+            let points = PlotPoints::from(curve.points.clone());
+            plot.line(Line::new("", points).width(1.8).color(*ink));
+        }
+        for change in changes(run) {
+            let mark = VLine::new("", change.0).style(LineStyle::dashed_dense());
+            plot.vline(mark.color(ink).width(1.2));
+        }
+        for side in run.sides.iter().filter(|s| s.shown.is_some()) {
+            if let Some(state) = side.state() {
+                plot.vline(VLine::new("", state.attempt() as f64).color(ink).width(1.0));
+            }
+        }
+    });
+    let Some(at) = shown.response.hover_pos() else {
+        return;
+    };
+    let x = shown.transform.value_from_position(at).x;
+    let reach = 6.0 * shown.transform.dvalue_dpos()[0].abs();
+    shown
+        .response
+        .on_hover_ui_at_pointer(|ui| readout_ui(ui, run, curves, energy, x, reach));
+}
+
+/// The values of all curves at the attempt under the cursor, and the changes of controls within
+/// `reach` of it.
+fn readout_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, x: f64, reach: f64) {
+    ui.strong(format!("attempt {:.0}", x.max(0.0)));
+    for curve in curves.iter().take(READ) {
+        let Some([_, value]) = curve.nearest(x) else {
+            continue;
+        };
+        let value = if energy {
+            format_number(value)
+        } else {
+            format!("{:.1e}", 10f64.powf(value))
+        };
+        let words = format!("{}  {value}", curve.name);
+        ui.colored_label(theme::series(ui, curve.color), words.trim_start());
+    }
+    if curves.len() > READ {
+        ui.weak(format!("and {} more", curves.len() - READ));
+    }
+    for (_, what) in changes(run)
+        .into_iter()
+        .filter(|c| (c.0 - x).abs() <= reach)
+    {
+        ui.label(format!("changed: {what}"));
+    }
+}
+
+/// The attempts at which controls were changed, with the changes; equal ones of both sides once.
+pub(crate) fn changes(run: &Run) -> Vec<(f64, String)> {
+    let mut all: Vec<(f64, String)> = Vec::new();
+    for change in run.sides.iter().flat_map(|side| &side.changes) {
+        let one = (change.attempt as f64, change.what.clone());
+        if !all.contains(&one) {
+            all.push(one);
+        }
+    }
+    all
+}
+
+/// Minimum and maximum.
+fn extent(curves: &[PlotCurve]) -> Option<[f64; 2]> {
+    let values = curves.iter().flat_map(|curve| &curve.points);
+    values.map(|p| p[1]).fold(None, |range, y| match range {
+        None => Some([y, y]),
+        Some([low, high]) => Some([low.min(y), high.max(y)]),
+    })
+}
+
+/// One curve for each group of each side: energies or decadic logarithms of residuals. Several energies
+/// are relative to their starts, because those of other holes or functionals have other sizes.
+pub(crate) fn curves(run: &Run, energy: bool) -> Vec<PlotCurve> {
+    let count: usize = run.sides.iter().map(|side| side.curves.len()).sum();
+    let mut all = Vec::new();
+    for (s, side) in run.sides.iter().enumerate() {
+        let rows = side.handle.figures(None);
+        for (g, curve) in side.curves.iter().enumerate() {
+            let points = if energy {
+                &curve.energy
+            } else {
+                &curve.residual
+            };
+            // as in the table
+            let row = rows.get(g);
+            let holes = row.map_or_else(String::new, |row| holes_words(run, row));
+            let (name, color) = match (run.sides.len(), side.curves.len()) {
+                (1, 1) => (String::new(), 0),
+                (1, _) => (holes, g),
+                (_, 1) => (side.name.to_owned(), s),
+                _ => (format!("{}{holes}", side_name(run, s)), s),
+            };
+            let scale = match (energy, count, points.first()) {
+                (true, 2.., Some(first)) if first[1] != 0.0 => first[1].recip(),
+                _ => 1.0,
+            };
+            all.push(PlotCurve {
+                name,
+                color,
+                holes: row.map_or_else(Vec::new, |row| row.holes.clone()),
+                points: points.iter().map(|p| [p[0], p[1] * scale]).collect(),
+            });
+        }
+    }
+    all
+}
