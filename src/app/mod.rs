@@ -261,6 +261,8 @@ impl eframe::App for App {
         }
         self.take_window_picture();
         let wait = tick(&mut self.model, begun);
+        // views that an action of this frame splits have their size in the next frame
+        let fits = self.model.view.fit;
         let actions = ui::window_ui(ui, &self.model, &mut self.ui, self.format);
         let acted = !actions.is_empty();
         for action in actions {
@@ -273,7 +275,7 @@ impl eframe::App for App {
             f64::from(rect.width() * points),
             f64::from(rect.height() * points),
         ];
-        if self.model.view.fit && rect.is_positive() && self.ui.frames.count > 0 {
+        if fits && rect.is_positive() && self.ui.frames.count > 0 {
             self.model.view.fit = false;
             act(&mut self.model, ViewAction::FitAll);
             ctx.request_repaint();

@@ -289,6 +289,8 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         .striped(true)
         .sense(egui::Sense::click())
         .auto_shrink([false, false])
+        // the panel may be low
+        .min_scrolled_height(60.0)
         .max_scroll_height(f32::INFINITY)
         .column(Column::exact(22.0))
         .column(Column::exact(40.0))

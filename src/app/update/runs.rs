@@ -166,13 +166,16 @@ fn refine(model: &mut Model) {
     let (pace, wake) = (model.view.pace, &model.wake);
     let chains = &model.view.report.chains;
     match Run::start_refinement(refining, chains, document, controls, pace, wake) {
-        Ok(run) => {
-            // side-by-side views are narrower than a single one
-            model.view.fit |= run.sides.len() > 1;
-            model.run = Some(run);
-        }
+        Ok(run) => show(model, run),
         Err(text) => model.log.error(text),
     }
+}
+
+/// Shows a run that was started.
+fn show(model: &mut Model, run: Run) {
+    // side-by-side views are narrower than a single one
+    model.view.fit |= run.sides.len() > 1;
+    model.run = Some(run);
 }
 
 /// Starts an operation, and a second one if another energy is compared.
@@ -187,7 +190,7 @@ fn spawn(model: &mut Model, operation: impl Fn(FlowSpec) -> Operation) {
         sides.push(operation(b.into()));
     }
     match Run::start(&sides, &model.document, model.view.pace, &model.wake) {
-        Ok(run) => model.run = Some(run),
+        Ok(run) => show(model, run),
         Err(text) => model.log.error(text),
     }
 }
