@@ -23,11 +23,19 @@ struct Frame {
     ground_top: vec4<f32>,
     ground_bottom: vec4<f32>,
     wire: vec4<f32>,
-    // view mode, tint patches, hatch ill-posed points, minimum depth in front of the eye (bits)
+    // hidden half space: unit vector towards the eye, and the distance of its plane along it
+    cut: vec4<f32>,
+    // view mode, surface (bits: tint patches, colours of the file; then the material), hatch ill-posed points, minimum depth in front of the eye (bits)
     choice: vec4<u32>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
+
+// Distance of a point (times `scale`) in front of the cut, where it is hidden. Lines in the plane of the
+// cut stay visible.
+fn before_cut(position: vec3<f32>) -> f32 {
+    return dot(frame.cut.xyz, position) - frame.cut.w - 1e-4;
+}
 
 fn srgb_from_linear(c: vec3<f32>) -> vec3<f32> {
     let x = clamp(c, vec3(0.0), vec3(1.0));

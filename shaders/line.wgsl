@@ -47,8 +47,15 @@ fn expand(
     out.half_width = half_width;
     out.length = 0.0;
     out.at = vec2(0.0);
-    var a = pulled(start);
-    var b = pulled(end);
+    // clip the part that the cut hides
+    let from_cut = vec2(before_cut(start * frame.eye.w), before_cut(end * frame.eye.w));
+    if from_cut.x > 0.0 && from_cut.y > 0.0 {
+        out.clip = vec4(0.0, 0.0, -1.0, 1.0);
+        return out;
+    }
+    let met = from_cut.x / (from_cut.x - from_cut.y);
+    var a = pulled(select(start, mix(start, end, met), from_cut.x > 0.0));
+    var b = pulled(select(end, mix(start, end, met), from_cut.y > 0.0));
     // clip the part behind the eye
     let least = bitcast<f32>(frame.choice.w);
     if a.w < least && b.w < least {

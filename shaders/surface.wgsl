@@ -184,5 +184,8 @@ fn fs_surface(
         let hatch = bands(across, 0.35);
         colour = mix(colour, linear_from_srgb(vec3(0.80, 0.05, 0.45)), 0.8 * hatch);
     }
+    if before_cut(p.position) > 0.0 {
+        discard;
+    }
     return vec4(srgb_from_linear(colour), 1.0);
 }

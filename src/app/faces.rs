@@ -193,7 +193,7 @@ pub fn faces_in_lasso(mesh: &Mesh, picker: &Picker, lasso: &Lasso) -> Vec<u32> {
     let middle = |f: u32| mesh.corners(FaceId(f)).into_iter().sum::<DVec3>() / 3.0;
     let within: Vec<u32> = (0..mesh.face_count() as u32)
         .into_par_iter()
-        .filter(|&f| projector.pixel(middle(f)).is_some_and(inside))
+        .filter(|&f| projector.shows(middle(f)) && projector.pixel(middle(f)).is_some_and(inside))
         .collect();
     if lasso.through || within.is_empty() {
         return within;

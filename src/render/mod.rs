@@ -27,7 +27,7 @@ mod textures;
 pub use bounds::Bounds;
 #[cfg(feature = "window")]
 pub use callback::ViewportCallback;
-pub use camera::{Camera, CameraError, StandardView};
+pub use camera::{Camera, CameraError, CutPlane, StandardView};
 pub use colormap::{colormap, legend_labels, robust_range};
 pub use error::RenderError;
 pub use export::{SequenceEnd, SequenceFormat, save_png, turntable, write_sequence};

@@ -56,13 +56,9 @@ impl<'a> Projector<'a> {
         }
     }
 
-    /// Origin of the lines of sight.
-    pub fn start(&self) -> f64 {
-        if self.camera.orthographic {
-            f64::NEG_INFINITY
-        } else {
-            0.0
-        }
+    /// Whether a point is not hidden by the cut of the camera.
+    pub fn shows(&self, point: DVec3) -> bool {
+        !self.camera.hides(point)
     }
 
     /// Position in pixels from the upper left corner; `None` behind the eye.
@@ -97,7 +93,7 @@ struct View<'a> {
     cursor: DVec2,
     origin: DVec3,
     direction: DVec3,
-    /// Origin of the lines of sight.
+    /// Distance at which the line of sight begins.
     start: f64,
 }
 
@@ -106,7 +102,7 @@ impl<'a> View<'a> {
         let projector = Projector::new(camera, size_px);
         let (origin, direction) = projector.line_through(cursor_px);
         Self {
-            start: projector.start(),
+            start: camera.first_visible(origin, direction),
             projector,
             cursor: DVec2::from(cursor_px),
             origin,
@@ -173,9 +169,11 @@ impl Picker {
         direction: DVec3,
         end: f64,
     ) -> Option<FaceId> {
-        let hit = self
-            .surface
-            .first_hit(origin, direction, [projector.start(), end])?;
+        let hit = self.surface.first_hit(
+            origin,
+            direction,
+            [projector.camera.first_visible(origin, direction), end],
+        )?;
         Some(FaceId(hit.face))
     }
 
@@ -248,9 +246,13 @@ impl Picker {
             let (da, db) = (depth(a), depth(b));
             a + (b - a) * (near.at * da / (db + near.at * (da - db)))
         };
+        if camera.hides(point) {
+            return false;
+        }
         let (origin, direction, length) = view.projector.line_to(point);
+        let start = camera.first_visible(origin, direction);
         let end = length - SHORTER[0] * a.distance(b) - SHORTER[1] * length.abs();
-        let hit = self.surface.first_hit(origin, direction, [view.start, end]);
+        let hit = self.surface.first_hit(origin, direction, [start, end]);
         hit.is_none()
     }
 

@@ -40,6 +40,8 @@ pub enum ReportAction {
     Cut(Cut),
     /// Remove the section.
     DropCut,
+    /// Whether the half in front of the section is hidden.
+    HideFront(bool),
     /// Change the look of the comb.
     Comb(Comb),
     /// Choose the reference mesh.

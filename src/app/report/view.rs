@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::analysis::Plane;
 use crate::app::chains::Chain;
 use crate::mesh::DVec3;
+use crate::render::CutPlane;
 
 /// The target of a click in the view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -89,6 +90,8 @@ pub struct ReportView {
     /// The section.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cut: Option<Cut>,
+    /// Whether the half in front of the section is hidden.
+    pub hide_front: bool,
     /// Chosen edges.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub chains: Vec<Chain>,
@@ -111,6 +114,15 @@ impl ReportView {
         self.cut = None;
         self.mark = None;
         self.pick = Pick::Holes;
+    }
+
+    /// The plane whose side towards the eye is hidden.
+    pub fn hidden_half(&self) -> Option<CutPlane> {
+        let plane = self.cut.filter(|_| self.hide_front)?.plane();
+        Some(CutPlane {
+            point: plane.point,
+            normal: plane.normal,
+        })
     }
 
     /// Replaces invalid values from a file by defaults.

@@ -257,6 +257,9 @@ fn analyze_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         &mut chosen,
     );
     if model.view.report.cut.is_some() {
+        let mut hidden = model.view.report.hide_front;
+        ui.checkbox(&mut hidden, "Hide the half in front")
+            .asks(ReportAction::HideFront(hidden), actions);
         entry(ui, "Remove the section", ReportAction::DropCut, &mut chosen);
     }
     let show_report = ViewAction::Toggle(Switch::Analysis);

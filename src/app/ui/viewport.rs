@@ -261,7 +261,13 @@ fn value_under(model: &Model, scene: &Scene, response: &egui::Response, rect: Re
     let at = response.hover_pos().filter(|_| !down)?;
     let size = [f64::from(rect.width()), f64::from(rect.height())];
     let pixel = [f64::from(at.x - rect.left()), f64::from(at.y - rect.top())];
-    let (origin, direction) = Projector::new(&model.view.camera, size).line_through(pixel);
+    let camera = &model.view.camera;
+    let (origin, direction) = Projector::new(camera, size).line_through(pixel);
+    let start = camera.first_visible(origin, direction);
+    if start == f64::INFINITY {
+        return None;
+    }
+    let origin = origin + start.max(0.0) * direction;
     value_on_line(scene, model.view.style.mode, origin, direction)
 }
 

@@ -39,6 +39,7 @@ pub(crate) fn update(model: &mut Model, action: ReportAction) {
         }
         ReportAction::Cut(cut) => view.cut = Some(cut),
         ReportAction::DropCut => view.cut = None,
+        ReportAction::HideFront(hidden) => view.hide_front = hidden,
         ReportAction::Comb(comb) => view.comb = comb,
         ReportAction::AskReference => ask(model, PathUse::Reference),
         ReportAction::DropReference => {

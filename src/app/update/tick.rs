@@ -22,6 +22,7 @@ pub fn tick(model: &mut Model, now: Instant) -> Option<Duration> {
     if let Some(textures) = model.textures.with_own(own) {
         model.textures = Arc::new(textures);
     }
+    model.view.camera.cut = model.view.report.hidden_half();
     let mut until_frame = None;
     if let Some(run) = &mut model.run {
         for (level, text) in run.poll() {

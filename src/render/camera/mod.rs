@@ -3,6 +3,7 @@
 //! World coordinates are those of the file; `y` or `z` points up in the standard views. All values
 //! are `f64`. The graphics card gets coordinates relative to a centre near the surface.
 
+mod cut;
 mod standard;
 #[cfg(test)]
 mod tests;
@@ -12,6 +13,7 @@ use glam::{DMat4, DQuat, DVec2, DVec4};
 
 use super::Bounds;
 use crate::mesh::DVec3;
+pub use cut::CutPlane;
 pub use standard::StandardView;
 pub use text::CameraError;
 
@@ -42,6 +44,8 @@ pub struct Camera {
     pub orthographic: bool,
     /// Whether `z` instead of `y` is the vertical axis of standard views and the turntable.
     pub z_up: bool,
+    /// A plane whose side towards the eye is hidden.
+    pub cut: Option<CutPlane>,
 }
 
 impl Camera {
@@ -55,6 +59,7 @@ impl Camera {
             fov_y: 35f64.to_radians(),
             orthographic: false,
             z_up: false,
+            cut: None,
         };
         camera.home();
         camera.fit_to(bounds);

@@ -104,6 +104,7 @@ impl Camera {
             fov_y: fov.to_radians(),
             orthographic,
             z_up: false,
+            cut: None,
         })
     }
 }

@@ -74,6 +74,7 @@ fn uniforms_have_the_layout_of_the_shaders() {
         ground_top,
         ground_bottom,
         wire,
+        cut,
         choice
     );
     assert_eq!(members, ours);

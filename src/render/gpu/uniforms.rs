@@ -27,6 +27,7 @@ pub struct Frame {
     pub ground_top: [f32; 4],
     pub ground_bottom: [f32; 4],
     pub wire: [f32; 4],
+    pub cut: [f32; 4],
     pub choice: [u32; 4],
 }
 
@@ -89,6 +90,10 @@ impl Frame {
             ground_top: top,
             ground_bottom: bottom,
             wire: wire(style.mode),
+            // without a cut no point is beyond it
+            cut: camera.cut_away().map_or([0.0, 0.0, 0.0, 1.0], |(n, d)| {
+                vector(n, (d - n.dot(scene.centre)) / length)
+            }),
             choice: [
                 style.mode as u32,
                 u32::from(style.tint_patch) | u32::from(style.shows_colors()) << 1,

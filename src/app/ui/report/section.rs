@@ -43,6 +43,12 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
     let Some(cut) = &model.report.cut else {
         return;
     };
+    let mut hidden = view.hide_front;
+    ui.checkbox(&mut hidden, "Hide the half in front")
+        .on_hover_text(
+            "the side of the plane that is towards the eye; look from the other side to see it",
+        )
+        .asks(ReportAction::HideFront(hidden), actions);
     let section = &cut.section;
     let mut comb = view.comb;
     let points = section.curves.iter().flat_map(|c| &c.points);

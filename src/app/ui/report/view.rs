@@ -74,11 +74,7 @@ fn point_at(model: &Model, picker: &Picker, size: [f64; 2], at: [f64; 2]) -> Opt
     let ndc = [2.0 * at[0] / size[0] - 1.0, 1.0 - 2.0 * at[1] / size[1]];
     let (origin, direction) = camera.ray(ndc, size[0] / size[1].max(1.0));
     let end = hit.map_or(f64::INFINITY, |h| h.distance);
-    let start = if camera.orthographic {
-        f64::NEG_INFINITY
-    } else {
-        0.0
-    };
+    let start = camera.first_visible(origin, direction);
     let on_patch = || {
         let run = model.run.as_ref()?;
         let state = run.sides.first()?.state()?;
