@@ -19,8 +19,14 @@ const DEVIATION_KNOWN = 16u;
 const DISTANCE_KNOWN = 32u;
 const TEXTURED = 64u;
 
+// Materials: the light of a sphere of each, seen from the front.
+@group(0) @binding(1) var materials: texture_2d_array<f32>;
+@group(0) @binding(2) var material_sampler: sampler;
 @group(1) @binding(0) var picture: texture_2d<f32>;
 @group(1) @binding(1) var picture_sampler: sampler;
+
+// Colour of the front of the mesh (sRGB).
+const PLAIN = vec3(0.70, 0.73, 0.77);
 
 struct SurfaceVertex {
     @location(0) position: vec3<f32>,
@@ -121,6 +127,14 @@ fn light(n: vec3<f32>, towards_eye: vec3<f32>) -> vec4<f32> {
     return vec4(around + diffuse + rim, gloss);
 }
 
+// Linear light of a material on a surface that faces as `n`.
+fn material_light(material: u32, n: vec3<f32>, towards_eye: vec3<f32>) -> vec3<f32> {
+    let right = normalize(cross(frame.up.xyz, towards_eye));
+    let up = cross(towards_eye, right);
+    let at = 0.5 + 0.49 * vec2(dot(n, right), -dot(n, up));
+    return linear_from_srgb(textureSampleLevel(materials, material_sampler, at, material - 1u, 0.0).rgb);
+}
+
 @fragment
 fn fs_surface(
     p: SurfacePoint,
@@ -146,9 +160,10 @@ fn fs_surface(
     let textured = (p.flags & TEXTURED) != 0u;
     let has_colour = textured || p.colour.a > 0.999;
     let coloured = has_colour && (frame.choice.y & 2u) != 0u;
+    let material = frame.choice.y >> 2u;
     let in_patch = (p.flags & PATCH) != 0u && (frame.choice.y & 1u) != 0u && !coloured;
     let selected = (p.flags & SELECTED) != 0u;
-    var base = select(vec3(0.44, 0.33, 0.40), vec3(0.70, 0.73, 0.77), front);
+    var base = select(vec3(0.44, 0.33, 0.40), PLAIN, front);
     if in_patch {
         base = select(vec3(0.45, 0.33, 0.20), vec3(0.94, 0.82, 0.60), front);
     }
@@ -159,7 +174,10 @@ fn fs_surface(
         base = mix(base, vec3(0.20, 0.45, 0.95), 0.5);
     }
     var colour = vec3(0.0);
-    if mode == SHADED || mode == COLOUR {
+    if mode == SHADED && material > 0u {
+        let colour_of_base = linear_from_srgb(base) / linear_from_srgb(PLAIN);
+        colour = colour_of_base * material_light(material, n, sight);
+    } else if mode == SHADED || mode == COLOUR {
         colour = linear_from_srgb(base) * lit.rgb + lit.w;
     } else if mode == ISOPHOTES || mode == ZEBRA {
         // light bands have the brightened colour of the surface, dark ones the same hue

@@ -149,6 +149,7 @@ impl Model {
     pub fn new(document: Document, settings: Settings, autosave: Autosave, wake: Wake) -> Self {
         let style = ViewStyle {
             background: Background::of_theme(settings.dark),
+            material: settings.material,
             ..ViewStyle::default()
         };
         let mut view = ViewState::new(&document.origin.bounds, style);

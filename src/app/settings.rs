@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::view_state::Navigation;
 use crate::io;
-use crate::render::ViewMode;
+use crate::render::{Material, ViewMode};
 
 /// Length of the list of recent files.
 const RECENT: usize = 12;
@@ -69,6 +69,10 @@ pub struct Settings {
     pub navigation: Navigation,
     /// The last view mode that was chosen; `None` before the first choice.
     pub view_mode: Option<ViewMode>,
+    /// The material of shaded surfaces.
+    pub material: Material,
+    /// Whether the ground grid is drawn.
+    pub grid: bool,
     /// Sizes and panels of the window.
     pub layout: Layout,
     /// Recently opened files, newest first.
@@ -86,6 +90,8 @@ impl Default for Settings {
             z_up: false,
             navigation: Navigation::default(),
             view_mode: None,
+            material: Material::default(),
+            grid: false,
             layout: Layout::default(),
             recent: Vec::new(),
             folder: None,
@@ -182,6 +188,7 @@ mod tests {
         settings.dark = false;
         settings.navigation = Navigation::Blender;
         settings.view_mode = Some(ViewMode::Zebra);
+        (settings.material, settings.grid) = (Material::Steel, true);
         settings.layout.window = [900.0, 600.0];
         settings.layout.details = Some(false);
         settings.layout.left_width = Some(240.0);

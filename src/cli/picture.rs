@@ -87,6 +87,7 @@ fn style(look: &PictureArguments, [_, height]: [u32; 2]) -> ViewStyle {
     let default = ViewStyle::default();
     ViewStyle {
         mode: look.mode(),
+        material: look.material.unwrap_or_default(),
         stripes: look.stripes.unwrap_or(default.stripes),
         light: look.light.unwrap_or(default.light),
         wireframe: look.wireframe,

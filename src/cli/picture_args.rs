@@ -7,7 +7,7 @@ use crate::cli::UsageError;
 use crate::cli::parse::point;
 use crate::mesh::DVec3;
 use crate::options::{Choice, choices};
-use crate::render::{MAX_SIDE, ViewMode};
+use crate::render::{MAX_SIDE, Material, ViewMode};
 
 /// Options of pictures.
 #[derive(Clone, Debug, Default, PartialEq, Args)]
@@ -43,6 +43,9 @@ pub struct PictureArguments {
     /// of the values that occur].
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     pub range: Option<[f32; 2]>,
+    /// The material of the view shaded: plain, clay, porcelain, steel or jade [default: plain].
+    #[arg(long, value_name = "MATERIAL", value_parser = choice::<Material>())]
+    pub material: Option<Material>,
     /// Draw the legend of H, K, k1 or k2 beside the surface: colours, end values and unit.
     #[arg(long)]
     pub legend: bool,

@@ -60,7 +60,7 @@ impl CallbackTrait for ViewportCallback {
         let fits = |kept: &Kept| kept.format == self.target_format;
         if !resources.get::<Kept>().is_some_and(fits) {
             resources.insert(Kept {
-                renderer: Renderer::new(device, self.target_format),
+                renderer: Renderer::new(device, queue, self.target_format),
                 format: self.target_format,
                 trouble: None,
             });

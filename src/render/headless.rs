@@ -31,7 +31,11 @@ impl Gpu {
 
     /// Uses an open device, such as that of the window.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        let renderer = Mutex::new(Renderer::new(&device, wgpu::TextureFormat::Rgba8Unorm));
+        let renderer = Mutex::new(Renderer::new(
+            &device,
+            &queue,
+            wgpu::TextureFormat::Rgba8Unorm,
+        ));
         Self {
             device,
             queue,

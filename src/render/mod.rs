@@ -38,7 +38,8 @@ pub use picking::{Hit, Picker, Projector};
 pub use probe::value_on_line;
 pub use rims::rim_points;
 pub use scene::{
-    Background, Geometry, LineStyle, Marker, Overlay, Polyline, Scene, Vertex, ViewMode, ViewStyle,
+    Background, Geometry, LineStyle, Marker, Material, Overlay, Polyline, Scene, Vertex, ViewMode,
+    ViewStyle,
 };
 pub use sheet::{Sheet, SheetView, sheet_picture};
 pub use surface::{DynamicSurface, Evaluation, SurfaceOptions};

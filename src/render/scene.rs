@@ -262,6 +262,37 @@ impl ViewMode {
     }
 }
 
+/// The material of shaded surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Material {
+    /// Grey under soft light from above.
+    #[default]
+    Plain,
+    /// Matt red clay.
+    Clay,
+    /// Glossy white porcelain.
+    Porcelain,
+    /// Polished steel, whose reflections show small waves.
+    Steel,
+    /// Green, brighter towards its outline.
+    Jade,
+}
+
+impl Material {
+    /// A description.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Plain => "grey under soft light from above",
+            Self::Clay => "matt red clay",
+            Self::Porcelain => "glossy white porcelain",
+            Self::Steel => "polished steel; its reflections show small waves",
+            Self::Jade => "green, brighter towards its outline",
+        }
+    }
+}
+
+choices!(Material: Plain "plain", Clay "clay", Porcelain "porcelain", Steel "steel", Jade "jade");
+
 /// The background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
@@ -298,6 +329,8 @@ impl Background {
 pub struct ViewStyle {
     /// The quantity shown by colours.
     pub mode: ViewMode,
+    /// The material of shaded surfaces.
+    pub material: Material,
     /// Number of pairs of dark and light bands between `n·l = −1` and 1, or around the whole zebra
     /// environment; at least 1.
     pub stripes: u32,
@@ -338,6 +371,7 @@ impl Default for ViewStyle {
     fn default() -> Self {
         Self {
             mode: ViewMode::Shaded,
+            material: Material::default(),
             stripes: 12,
             zebra_turn: 0.0,
             light: DVec3::new(0.3, 1.0, 0.5),

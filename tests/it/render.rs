@@ -4,9 +4,11 @@
 use std::sync::Arc;
 
 use meniscus::mesh::{DVec3, FaceId, Topology};
+use meniscus::options::Choice as _;
 use meniscus::render::{
-    Background, Bounds, Camera, DynamicSurface, Geometry, Gpu, Image, LineStyle, Marker, Overlay,
-    Polyline, Scene, StandardView, SurfaceOptions, Vertex, ViewMode, ViewStyle, colormap, picture,
+    Background, Bounds, Camera, CutPlane, DynamicSurface, Geometry, Gpu, Image, LineStyle, Marker,
+    Material, Overlay, Polyline, Scene, StandardView, SurfaceOptions, Vertex, ViewMode, ViewStyle,
+    colormap, picture,
 };
 use meniscus::shapes;
 
@@ -402,4 +404,79 @@ fn markers_and_casings_keep_lines_visible_on_any_ground() {
             "{ground:?}: {darkest} {brightest}"
         );
     }
+}
+
+/// The half towards the eye is hidden with its lines, from either side; lines in the plane stay.
+#[test]
+fn a_cut_hides_the_half_in_front() {
+    let gpu = gpu();
+    let line = |z: f32, y: f32| Polyline {
+        points: vec![[-0.9, y, z], [0.9, y, z]],
+        closed: false,
+        color: [0.0, 1.0, 0.0, 1.0],
+        width_px: 6.0,
+        style: LineStyle::OnTop,
+    };
+    let mut one = ball(1.0, DVec3::ZERO);
+    let lines = vec![line(0.5, 0.4), line(0.0, -0.4)];
+    one.overlays = vec![Arc::new(Overlay::new(lines, Vec::new()))];
+    let style = ViewStyle::default();
+    let pixel = |image: &image::RgbaImage, y: f64| {
+        let row = (f64::from(SIDE) * (0.5 - y / 2.5)) as u32;
+        *image.get_pixel(SIDE / 2, row)
+    };
+    let is_line = |p: image::Rgba<u8>| p[1] > 200 && p[0] < 60;
+    // the inside of the ball is reddish, its outside bluish
+    let is_inside = |p: image::Rgba<u8>| p[0] > p[2];
+    let mut camera = front(1.0, DVec3::ZERO);
+    let whole = shoot(&gpu, &one, &camera, &style);
+    assert!(!is_inside(pixel(&whole, 0.0)));
+    assert!(is_line(pixel(&whole, 0.4)) && is_line(pixel(&whole, -0.4)));
+    camera.cut = Some(CutPlane {
+        point: DVec3::ZERO,
+        normal: DVec3::Z,
+    });
+    let cut = shoot(&gpu, &one, &camera, &style);
+    assert!(is_inside(pixel(&cut, 0.0)));
+    assert!(!is_line(pixel(&cut, 0.4)) && is_line(pixel(&cut, -0.4)));
+    camera.standard_view(StandardView::Back);
+    let behind = shoot(&gpu, &one, &camera, &style);
+    assert!(is_inside(pixel(&behind, 0.0)) && is_line(pixel(&behind, 0.4)));
+}
+
+/// Each material shades differently, tints patches, and leaves other modes alone.
+#[test]
+fn materials_shade_surfaces() {
+    let gpu = gpu();
+    let (one, camera) = (ball(1.0, DVec3::ZERO), front(1.0, DVec3::ZERO));
+    let with = |material: Material, mode: ViewMode| {
+        let style = ViewStyle {
+            material,
+            mode,
+            ..ViewStyle::default()
+        };
+        shoot(&gpu, &one, &camera, &style)
+    };
+    let shaded: Vec<_> = Material::ALL
+        .iter()
+        .map(|&m| with(m, ViewMode::Shaded))
+        .collect();
+    for (i, a) in shaded.iter().enumerate() {
+        for b in &shaded[i + 1..] {
+            let pairs = a.pixels().zip(b.pixels());
+            let differ = pairs.filter(|(a, b)| (0..3).any(|k| a[k].abs_diff(b[k]) > 15));
+            assert!(differ.count() > 8_000);
+        }
+    }
+    // lit from above at the left
+    let clay = &shaded[1];
+    let brightness = |x, y| {
+        clay.get_pixel(x, y).0[..3]
+            .iter()
+            .map(|&c| u32::from(c))
+            .sum::<u32>()
+    };
+    assert!(brightness(70, 60) > brightness(130, 150) + 50);
+    let [plain, steel] = [Material::Plain, Material::Steel].map(|m| with(m, ViewMode::Mean));
+    assert_eq!(plain, steel);
 }

@@ -42,6 +42,7 @@ fn pictures_of_any_kind() {
     assert_eq!(clear.get_pixel(60, 45)[3], 255);
     for options in [
         "--view shaded",
+        "--view shaded --material clay",
         "--view zebra",
         "--view H",
         "--view k1 --range -3,3",

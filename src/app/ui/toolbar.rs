@@ -7,7 +7,8 @@ use super::widgets::{Asks, row};
 use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::model::Model;
 use crate::mesh::DVec3;
-use crate::render::ViewMode;
+use crate::options::Choice as _;
+use crate::render::{Material, ViewMode, ViewStyle};
 
 /// View modes and switches. `range` is that of the last colour map.
 pub(crate) fn toolbar_ui(
@@ -26,20 +27,22 @@ pub(crate) fn toolbar_ui(
                 .asks(ViewAction::Mode(mode), actions);
         }
         // in a menu of its own, so that the row stays the same in every mode
-        let has_options = !matches!(view.style.mode, ViewMode::Shaded | ViewMode::Color);
+        let has_options = view.style.mode != ViewMode::Color;
         ui.add_enabled_ui(has_options, |ui| {
             let menu = egui::containers::menu::MenuConfig::new()
                 .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
             let button = egui::containers::menu::MenuButton::new("Options").config(menu);
             let (button, _) = button.ui(ui, |ui| {
                 ui.set_min_width(250.0);
-                if view.style.mode.is_map() {
+                if view.style.mode == ViewMode::Shaded {
+                    material_ui(ui, model, actions);
+                } else if view.style.mode.is_map() {
                     range_ui(ui, model, range.unwrap_or([-1.0, 1.0]), actions);
                 } else {
                     stripes_ui(ui, model, actions);
                 }
             });
-            button.on_hover_text("stripes and light, or the range of the colour map");
+            button.on_hover_text("material, stripes and light, or the range of the colour map");
         });
         ui.separator();
         for (title, about, switch, on) in [
@@ -78,6 +81,23 @@ pub(crate) fn toolbar_ui(
             label.asks_with_key(about, ViewAction::Toggle(switch), actions);
         }
     });
+}
+
+/// The material of shaded surfaces.
+fn material_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    ui.label("Material");
+    for &material in Material::ALL {
+        let chosen = model.view.style.material == material;
+        let style = ViewStyle {
+            material,
+            ..model.view.style
+        };
+        let name = material.name();
+        let title = format!("{}{}", name[..1].to_uppercase(), &name[1..]);
+        ui.radio(chosen, title)
+            .on_hover_text(material.about())
+            .asks(ViewAction::Style(style), actions);
+    }
 }
 
 /// The ends of the colour map.

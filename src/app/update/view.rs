@@ -16,7 +16,13 @@ pub(crate) fn update(model: &mut Model, action: ViewAction) {
         ViewAction::FitAll => fit(model, &model.bounds()),
         ViewAction::FlyToLoop(id) => fly_to_loop(model, id),
         ViewAction::FlyTo(place) => fly_to(model, place),
-        ViewAction::Style(other) => *style = other,
+        ViewAction::Style(other) => {
+            *style = other;
+            if model.settings.material != other.material {
+                model.settings.material = other.material;
+                model.settings.save();
+            }
+        }
         ViewAction::Mode(mode) => choose_mode(model, mode),
         ViewAction::NextMode => choose_mode(model, other_mode(model, 1)),
         ViewAction::PreviousMode => choose_mode(model, other_mode(model, -1)),

@@ -7,6 +7,7 @@
 mod cache;
 mod composite;
 mod images;
+mod materials;
 mod pipelines;
 mod shaders;
 mod target;
@@ -62,10 +63,14 @@ struct Drawn {
 
 impl Renderer {
     /// The renderer of a window of format `target_format`, with one sample per pixel and no depth.
-    pub fn new(device: &wgpu::Device, target_format: wgpu::TextureFormat) -> Self {
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        target_format: wgpu::TextureFormat,
+    ) -> Self {
         let samples = target::supported_samples(device);
         Self {
-            pipelines: Pipelines::new(device, samples),
+            pipelines: Pipelines::new(device, queue, samples),
             composite: Composite::new(device, target_format),
             samples,
             cache: Cache::default(),
@@ -181,10 +186,10 @@ impl Renderer {
         let bind = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("meniscus frame"),
             layout: &self.pipelines.frame_layout,
-            entries: &[wgpu::BindGroupEntry {
+            entries: &self.pipelines.materials.bound_after(wgpu::BindGroupEntry {
                 binding: 0,
                 resource: uniforms.as_entire_binding(),
-            }],
+            }),
         });
         let view = View {
             shown: self.composite.bind(device, &target.picture_view),

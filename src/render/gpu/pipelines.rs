@@ -2,6 +2,7 @@
 
 use super::cache::{Segment, WireSegment};
 use super::images::Images;
+use super::materials::Materials;
 use super::shaders;
 use super::target::{COLOR, DEPTH};
 use super::uniforms::Frame;
@@ -22,6 +23,7 @@ const OVER: wgpu::BlendState = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
 pub struct Pipelines {
     pub frame_layout: wgpu::BindGroupLayout,
     pub images: Images,
+    pub materials: Materials,
     pub ground: wgpu::RenderPipeline,
     pub surface: wgpu::RenderPipeline,
     pub wire: wgpu::RenderPipeline,
@@ -106,10 +108,10 @@ impl Maker<'_> {
 
 impl Pipelines {
     /// The pipelines for targets with `samples` samples per pixel.
-    pub fn new(device: &wgpu::Device, samples: u32) -> Self {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, samples: u32) -> Self {
         let frame_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("meniscus frame"),
-            entries: &[wgpu::BindGroupLayoutEntry {
+            entries: &Materials::layout_after(wgpu::BindGroupLayoutEntry {
                 binding: 0,
                 visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
                 ty: wgpu::BindingType::Buffer {
@@ -118,7 +120,7 @@ impl Pipelines {
                     min_binding_size: std::num::NonZeroU64::new(size_of::<Frame>() as u64),
                 },
                 count: None,
-            }],
+            }),
         });
         let images = Images::new(device);
         let maker = Maker {
@@ -171,6 +173,7 @@ impl Pipelines {
             hidden: line("fs_hidden", Depth::Behind),
             frame_layout,
             images,
+            materials: Materials::new(device, queue),
         }
     }
 }

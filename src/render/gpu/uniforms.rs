@@ -96,7 +96,9 @@ impl Frame {
             }),
             choice: [
                 style.mode as u32,
-                u32::from(style.tint_patch) | u32::from(style.shows_colors()) << 1,
+                u32::from(style.tint_patch)
+                    | u32::from(style.shows_colors()) << 1
+                    | (style.material as u32) << 2,
                 u32::from(style.show_ill_posed),
                 if camera.orthographic {
                     0
