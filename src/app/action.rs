@@ -231,6 +231,8 @@ pub enum Switch {
     Projection,
     /// Whether z points up instead of y.
     ZUp,
+    /// The grid on the ground.
+    Grid,
     /// The load report.
     Report,
     /// The log.

@@ -271,6 +271,7 @@ impl eframe::App for App {
         self.model.view.window = ctx.content_rect().size().into();
         let rect = self.ui.viewport;
         let points = ctx.pixels_per_point();
+        self.model.view.pixels_per_point = f64::from(points);
         self.model.view.viewport_px = [
             f64::from(rect.width() * points),
             f64::from(rect.height() * points),

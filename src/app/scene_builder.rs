@@ -1,5 +1,6 @@
 //! Builds the drawn scene from the model.
 
+mod grid;
 mod report;
 
 use std::sync::Arc;
@@ -35,6 +36,7 @@ pub(crate) struct OverlayCache {
     hover: Cached<RimKey<Vec<LoopId>>, Arc<Overlay>>,
     crossing: Cached<DVec3, Arc<Overlay>>,
     given: Cached<SharedKey<Mesh>, Arc<Overlay>>,
+    grid: Cached<grid::Grid, Arc<Overlay>>,
     report: ReportOverlays,
 }
 
@@ -60,6 +62,11 @@ pub(crate) fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -
     surfaces.extend(display.into_iter().flat_map(|d| d.highlights.clone()));
     let mut bounds = display.map_or(model.document.origin.bounds, |d| d.bounds);
     let mut overlays: Vec<Arc<Overlay>> = Vec::new();
+    if let Some(grid) = grid::Grid::of(model) {
+        bounds = grid.around(bounds);
+        let centre = model.centre();
+        overlays.push(cache.grid.get(grid, || Arc::new(grid.overlay(centre))));
+    }
     overlays.extend(rims(model, cache));
     overlays.extend(given_vertices(model, cache));
     overlays.extend(crossing(model, side, cache));

@@ -84,6 +84,7 @@ pub(crate) static SHORTCUTS: &[Shortcut] = shortcuts! {
     View(ViewAction::Toggle(Switch::Report)) [CTRL R] "Load report";
     View(ViewAction::Toggle(Switch::Analysis)) [NONE I] "Report: measures of the surface";
     View(ViewAction::Toggle(Switch::Rims)) [NONE R] "Rims on or off";
+    View(ViewAction::Toggle(Switch::Grid)) [NONE G] "Grid on the ground";
     Picture(PictureAction::Copy) [CTRL_SHIFT P] "Copy a picture of the view";
     Picture(PictureAction::Ask) [CTRL P] "Write a picture or a sequence";
     File(FileAction::CopyCommand) [CTRL K] "Copy the command line that repeats the work";
@@ -109,6 +110,7 @@ impl Shortcut {
                 | Switch::Tint
                 | Switch::LimitSurface
                 | Switch::Original
+                | Switch::Grid
                 | Switch::Rims => "Display",
                 _ => "Panels and windows",
             },

@@ -428,11 +428,37 @@ pub struct ViewState {
     pub fit: bool,
     /// Size of the viewport at the last frame in physical pixels.
     pub viewport_px: [f64; 2],
+    /// Physical pixels per point of the screen.
+    pub pixels_per_point: f64,
     /// Size of the window at the last frame in points.
     pub window: [f32; 2],
 }
 
+/// Length of the scale bar in points, at most.
+const BAR: f64 = 120.0;
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above a length.
+fn round_length(most: f64) -> f64 {
+    let power = 10f64.powf(most.log10().floor());
+    let steps = [5.0, 2.0, 1.0];
+    let step = steps.into_iter().find(|s| s * power <= most);
+    step.unwrap_or(1.0) * power
+}
+
 impl ViewState {
+    /// Length of the scale bar, and of the cells of the ground grid: a round number of units of the
+    /// file; `None` in a view without size.
+    pub fn bar_length(&self) -> Option<f64> {
+        let [width, height] = self.viewport_px.map(|x| x / self.pixels_per_point);
+        let most = self.units_per_point() * BAR.min(0.3 * width);
+        (most.is_finite() && most > 0.0 && height >= 1.0).then(|| round_length(most))
+    }
+
+    /// Units of the file for each point of the screen, at the depth of the pivot.
+    pub fn units_per_point(&self) -> f64 {
+        2.0 * self.camera.half_height() * self.pixels_per_point / self.viewport_px[1].max(1.0)
+    }
+
     /// The default view of a bounding box.
     pub fn new(bounds: &crate::render::Bounds, style: ViewStyle) -> Self {
         Self {
@@ -456,7 +482,30 @@ impl ViewState {
             windows: Windows::default(),
             fit: true,
             viewport_px: [1280.0, 800.0],
+            pixels_per_point: 1.0,
             window: [1360.0, 860.0],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::round_length;
+
+    #[test]
+    fn round_lengths_are_the_largest_below_the_limit() {
+        for (most, length) in [
+            (1.0, 1.0),
+            (0.99, 0.5),
+            (7.3, 5.0),
+            (4.9, 2.0),
+            (1999.0, 1000.0),
+            (0.0031, 0.002),
+        ] {
+            assert!(
+                (round_length(most) - length).abs() < 1e-12 * length,
+                "{most}"
+            );
         }
     }
 }

@@ -121,6 +121,8 @@ impl Geometry {
 /// The visibility of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineStyle {
+    /// As [`Self::Depth`], without the dark casing.
+    Thin,
     /// Visible where no surface is in front.
     Depth,
     /// Always visible.

@@ -207,7 +207,7 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
             if model.sides() > 1 {
                 ui.checkbox(&mut next.all_sides, "all sides of the comparison");
             }
-            ui.checkbox(&mut next.overlays, "rims and selection");
+            ui.checkbox(&mut next.overlays, "rims, selection and grid");
             ui.checkbox(&mut next.transparent, "transparent background");
         });
     });

@@ -13,8 +13,6 @@ use crate::render::{Camera, StandardView};
 const ARM: f32 = 30.0;
 /// Distance of the centre from the corner of the view.
 const INSET: f32 = 46.0;
-/// Length of the scale bar in points, at most.
-const BAR: f32 = 120.0;
 
 /// Height of the axes, which messages in the same corner leave free.
 pub(crate) const GIZMO: f32 = 2.0 * INSET;
@@ -86,23 +84,12 @@ pub(crate) fn gizmo_ui(ui: &mut Ui, model: &Model, rect: Rect, actions: &mut Vec
     }
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is not above a length.
-fn round_length(most: f64) -> f64 {
-    let power = 10f64.powf(most.log10().floor());
-    let steps = [5.0, 2.0, 1.0];
-    let step = steps.into_iter().find(|s| s * power <= most);
-    step.unwrap_or(1.0) * power
-}
-
 /// A bar whose length is a round number of units at the depth of the pivot.
 pub(crate) fn scale_bar(ui: &Ui, model: &Model, rect: Rect) {
-    let point = 2.0 * model.view.camera.half_height() / f64::from(rect.height().max(1.0));
-    let most = point * f64::from(BAR.min(0.3 * rect.width()));
-    if !(most.is_finite() && most > 0.0) || rect.width() < 240.0 {
+    let Some(length) = model.view.bar_length().filter(|_| rect.width() >= 240.0) else {
         return;
-    }
-    let length = round_length(most);
-    let width = (length / point) as f32;
+    };
+    let width = (length / model.view.units_per_point()) as f32;
     // above the hint or the buttons, if there is no room beside them
     let low = model.run.is_none() && rect.width() > 800.0;
     let lift = if low { 14.0 } else { 58.0 };
@@ -130,23 +117,6 @@ pub(crate) fn scale_bar(ui: &Ui, model: &Model, rect: Rect) {
 mod tests {
     use super::*;
     use crate::render::Bounds;
-
-    #[test]
-    fn round_lengths_are_the_largest_below_the_limit() {
-        for (most, length) in [
-            (1.0, 1.0),
-            (0.99, 0.5),
-            (7.3, 5.0),
-            (4.9, 2.0),
-            (1999.0, 1000.0),
-            (0.0031, 0.002),
-        ] {
-            assert!(
-                (round_length(most) - length).abs() < 1e-12 * length,
-                "{most}"
-            );
-        }
-    }
 
     /// A click on the end of an axis shows the model from there, whatever axis is vertical.
     #[test]

@@ -216,6 +216,7 @@ fn view_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ("Limit surface", Switch::LimitSurface, view.limit_surface),
         ("Opened mesh", Switch::Original, view.show_original),
         ("Rims", Switch::Rims, view.show_rims),
+        ("Grid on the ground", Switch::Grid, model.settings.grid),
         ("Wireframe", Switch::Wireframe, view.style.wireframe),
         ("Tint the patch", Switch::Tint, view.style.tint_patch),
     ] {

@@ -153,6 +153,10 @@ fn toggle(model: &mut Model, switch: Switch) {
         Switch::Wireframe => &mut view.style.wireframe,
         Switch::Tint => &mut view.style.tint_patch,
         Switch::ZUp => return turn_up(model),
+        Switch::Grid => {
+            model.settings.grid = !model.settings.grid;
+            return model.settings.save();
+        }
         Switch::Projection => &mut view.camera.orthographic,
         Switch::Report => &mut view.windows.report,
         Switch::Log => &mut view.windows.log,

@@ -36,8 +36,9 @@ type Segments = (wgpu::Buffer, u32);
 /// Segments of an [`Overlay`], by style.
 pub struct Lines {
     pub segments: wgpu::Buffer,
-    /// Ends of the ranges drawn with depth test, faintly when hidden, and always.
-    pub ends: [u32; 3],
+    /// Ends of the ranges drawn with depth test without and with casing, faintly when hidden, and
+    /// always.
+    pub ends: [u32; 4],
 }
 
 /// The buffers on the graphics card, by content number.
@@ -163,9 +164,10 @@ fn wire_segments(
 }
 
 /// All segments of an overlay, sorted by style, and the end of each style.
-fn segments(overlay: &Overlay) -> (Vec<Segment>, [u32; 3]) {
+fn segments(overlay: &Overlay) -> (Vec<Segment>, [u32; 4]) {
     let mut out = Vec::new();
     let styles = [
+        LineStyle::Thin,
         LineStyle::Depth,
         LineStyle::OnTopFaintWhenHidden,
         LineStyle::OnTop,

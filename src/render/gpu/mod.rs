@@ -289,11 +289,11 @@ fn passes(
         return;
     }
     for lines in scene.overlays.iter().filter_map(|o| cache.lines(o.id)) {
-        let [depth, faint, top] = lines.ends;
+        let [thin, depth, faint, top] = lines.ends;
         pass.set_vertex_buffer(0, lines.segments.slice(..));
         for (pipeline, range) in [
             (&pipelines.hidden, depth..faint),
-            (&pipelines.casing, 0..faint),
+            (&pipelines.casing, thin..faint),
             (&pipelines.core, 0..faint),
             (&pipelines.casing_on_top, faint..top),
             (&pipelines.core_on_top, faint..top),
