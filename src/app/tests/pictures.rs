@@ -35,6 +35,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn sides_are_drawn_side_by_side_and_states_as_a_sequence() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut m = model();
+    m.view.viewport_px = [79.0, 100.0];
     act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
     act(&mut m, ControlsAction::CompareEnergy(Some("1".into())));
     filled(&mut m);

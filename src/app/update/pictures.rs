@@ -145,21 +145,27 @@ fn job(model: &mut Model, settings: PictureSettings) -> Option<(PictureJob, Vec<
         line_scale: model.view.style.line_scale * scale.max(0.25),
         ..model.view.style
     };
+    let surfaces: Vec<_> = scenes.iter().flat_map(|s| s.surfaces.clone()).collect();
     if style.mode.is_map() && style.range.is_none() {
         // one range for all sides and all pictures of a sequence
-        let surfaces: Vec<_> = scenes.iter().flat_map(|s| s.surfaces.clone()).collect();
         style.range = Some(robust_range(&surfaces, style.mode));
     }
+    let sheet = Sheet {
+        size: [settings.width, settings.height],
+        transparent: settings.transparent,
+        legend: settings.legend,
+        caption: settings.caption.trim().to_owned(),
+    };
+    // what the view shows is in the picture, also beside a legend
+    let mut camera = model.view.camera;
+    let aspect = |[width, height]: [f64; 2]| width / height.max(1.0);
+    let size = sheet.view_size(&surfaces, &style, sides);
+    camera.keep_width(aspect(model.view.viewport_px), aspect(size.map(f64::from)));
     let job = PictureJob {
         gpu,
-        camera: model.view.camera,
+        camera,
         style,
-        sheet: Sheet {
-            size: [settings.width, settings.height],
-            transparent: settings.transparent,
-            legend: settings.legend,
-            caption: settings.caption.trim().to_owned(),
-        },
+        sheet,
         titles: titles.collect(),
         settings,
     };

@@ -186,6 +186,13 @@ impl Camera {
         }
     }
 
+    /// Shows everything of a picture `aspect` times as wide as high in a picture with another ratio,
+    /// from the same eye.
+    pub fn keep_width(&mut self, aspect: f64, other: f64) {
+        let factor = (aspect / other).max(1.0);
+        self.fov_y = 2.0 * (factor * self.tan_half()).atan();
+    }
+
     /// Rotates around the pivot to a standard view.
     pub fn standard_view(&mut self, view: StandardView) {
         self.orientation = (self.upright() * view.orientation()).normalize();

@@ -249,3 +249,22 @@ fn text_gives_the_same_picture_back() {
         assert!(error.contains(what), "{error}");
     }
 }
+
+/// What is at the left edge of a wide picture stays at that of a narrow one; a wider one shows more.
+#[test]
+fn a_narrower_picture_keeps_its_width() {
+    for orthographic in [false, true] {
+        let mut camera = Camera::fit(&Bounds::new(-DVec3::ONE, DVec3::ONE));
+        camera.orthographic = orthographic;
+        let (origin, direction) = camera.ray([-1.0, 0.0], 1.6);
+        let point = origin + 5.0 * direction;
+        let mut narrow = camera;
+        narrow.keep_width(1.6, 0.9);
+        let [x, _] = narrow.project(point, 0.9).expect("in front");
+        assert!((x + 1.0).abs() < 1e-12, "{x}");
+        assert_eq!(narrow.eye(), camera.eye());
+        let mut wide = camera;
+        wide.keep_width(1.6, 2.0);
+        assert!((wide.fov_y - camera.fov_y).abs() < 1e-12);
+    }
+}
