@@ -12,7 +12,7 @@ use egui_kittest::{Harness, SnapshotOptions};
 use meniscus::app::{App, Autosave, Document, Model, Run, Settings, Source};
 use meniscus::io;
 use meniscus::mesh::{DVec3, LoopId, Soup};
-use meniscus::render::{Bounds, Camera};
+use meniscus::render::{Bounds, Camera, Material};
 use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
 /// A sphere with a hole towards the first camera and one on the other side.
@@ -324,6 +324,61 @@ fn pictures_of_the_window() {
     harness.snapshot_options("window_filled", &options);
 }
 
+/// Two energies side by side with their plots, and the dialog that writes their picture.
+#[test]
+fn pictures_of_a_comparison() {
+    let mut harness = window_of([1280.0, 720.0], true);
+    let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(60);
+    harness
+        .get_by_label("Compare with another energy (A/B)")
+        .click();
+    harness.run_steps(3);
+    let list = harness.get_all_by_label("Preset of B").last();
+    list.expect("a list").click();
+    harness.run_steps(3);
+    harness.get_by_label_contains("Total curvature");
+    harness.get_by_label_contains("Sum of squares").click();
+    harness.run_steps(3);
+    let view = &harness.state().model.view;
+    assert_eq!(view.compare_energy.as_deref(), Some("H^2+K^2"));
+    fill_all(&mut harness);
+    harness.key_press(Key::H);
+    harness.run_steps(5);
+    harness.remove_cursor();
+    dismiss_toasts(&mut harness);
+    harness.snapshot_options("window_comparison", &options);
+
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run_steps(5);
+    harness.get_by_label("Browse…");
+    harness.get_by_label("states of the flow").click();
+    harness.run_steps(5);
+    harness.snapshot_options("window_picture_dialog", &options);
+}
+
+/// The menu of the shaded view has the materials, and G draws the grid.
+#[test]
+fn materials_and_the_grid_are_switched() {
+    let mut harness = window();
+    harness.get_by_label("Options").click();
+    harness.run_steps(5);
+    harness.get_by_label("Porcelain").click();
+    harness.run_steps(3);
+    assert_eq!(
+        harness.state().model.view.style.material,
+        Material::Porcelain
+    );
+    assert_eq!(harness.state().model.settings.material, Material::Porcelain);
+    harness.key_press(Key::Escape);
+    harness.run_steps(5);
+    harness.key_press(Key::G);
+    harness.run_steps(5);
+    harness.remove_cursor();
+    harness.run_steps(3);
+    let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(60);
+    harness.snapshot_options("window_material", &options);
+}
+
 /// A larger window in the light theme, with numbers and plots.
 #[test]
 fn pictures_of_a_larger_window_in_the_light_theme() {
@@ -444,6 +499,9 @@ fn picture_of_the_report() {
     assert_eq!(section.curves.len(), 1);
     assert!(section.curves[0].closed);
     harness.get_by_label("rim 1").rect();
+    harness.get_by_label("Hide the half in front").click();
+    harness.run_steps(3);
+    assert!(harness.state().model.view.camera.cut.is_some());
     harness.remove_cursor();
     dismiss_toasts(&mut harness);
     let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(60);
