@@ -1,6 +1,6 @@
 use super::*;
 use crate::mesh::{LoopId, Mesh, boundary_loops};
-use crate::render::{Bounds, StandardView};
+use crate::render::{Bounds, CutPlane, StandardView};
 use crate::shapes::{self, Hole, HoleShape};
 
 const SIZE: [f64; 2] = [400.0, 300.0];
@@ -223,5 +223,35 @@ fn hits_are_under_the_cursor_and_in_front() {
             assert!(off.distance(hit.point) < 1e-9 * (scale + shift));
             assert!(ball.picker.surface(&camera, SIZE, [1.0, 1.0]).is_none());
         }
+    }
+}
+
+/// What a cut hides is not picked and hides nothing.
+#[test]
+fn a_cut_is_looked_through() {
+    let cup = cup();
+    let rim = cup.mesh.position(cup.loops[0].vertices[0]);
+    let with_cut = |view| {
+        cameras(&cup, view).map(|mut camera| {
+            let (point, normal) = (DVec3::ZERO, DVec3::Z);
+            camera.cut = Some(CutPlane { point, normal });
+            camera
+        })
+    };
+    let beside = DVec3::new(0.6, 0.0, 0.0);
+    // the hole is in the hidden half
+    for camera in with_cut(StandardView::Front) {
+        assert_eq!(pick(&cup, &camera, pixel(&camera, rim)), None);
+        assert_eq!(pick(&cup, &camera, pixel(&camera, DVec3::Z)), None);
+        let hit = cup.picker.surface(&camera, SIZE, pixel(&camera, beside));
+        assert!(hit.expect("the rear half").point.z < -0.5);
+    }
+    // the hole is seen from the inside
+    for camera in with_cut(StandardView::Back) {
+        let hole = Some(LoopId::FIRST);
+        assert_eq!(pick(&cup, &camera, pixel(&camera, rim)), hole);
+        assert_eq!(pick(&cup, &camera, pixel(&camera, DVec3::Z)), hole);
+        let hit = cup.picker.surface(&camera, SIZE, pixel(&camera, beside));
+        assert!(hit.expect("the other half").point.z > 0.5);
     }
 }
