@@ -286,7 +286,10 @@ impl GroupFlow {
             if let Ok(Some(flow)) = built
                 && (converged || flow.energy_start() <= MAX_ENERGY_RISE * energy)
             {
+                // energies on the triangles of a converged flow and on new ones do not compare
+                let start = converged.then(|| flow.energy_start());
                 self.install(Arc::new(topology), positions, Some(flow));
+                self.energy_start = start.or(self.energy_start);
             }
         }
         self.timings.setup += milliseconds(start);
