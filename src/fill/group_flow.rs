@@ -273,7 +273,7 @@ impl GroupFlow {
             context, self.group, topology, &positions, options, converged,
         );
         if let Some((topology, positions)) = next {
-            self.remeshing.count(steps);
+            self.remeshing.count(steps, converged);
             let energy = self.flow.as_mut().map_or(f64::NAN, Flow::fine_energy);
             let built = self.build(
                 context,
@@ -478,6 +478,9 @@ impl GroupFlow {
             let (positions, counterparts) = (problem.positions(), self.counterparts(options));
             let references = context.references(&problem, topology, positions, counterparts);
             problem = problem.with_references(references);
+        }
+        if self.remeshing.has_evened() {
+            problem = problem.keeping_metric();
         }
         let flow = Self::flow_of(problem, options)?;
         Ok(flow.map(|flow| flow.counting_from(steps, rejected)))

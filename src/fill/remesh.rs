@@ -29,6 +29,7 @@ const MAX_REMESHINGS: usize = 8;
 pub(super) struct RemeshPolicy {
     count: usize,
     last: usize,
+    has_evened: bool,
 }
 
 impl RemeshPolicy {
@@ -37,10 +38,16 @@ impl RemeshPolicy {
         self.count < MAX_REMESHINGS && (converged || steps >= self.last + STEPS_BETWEEN)
     }
 
-    /// Counts a remeshing after `steps` accepted steps.
-    pub fn count(&mut self, steps: usize) {
+    /// Counts a remeshing after `steps` accepted steps, of a flow that has `converged` or not.
+    pub fn count(&mut self, steps: usize, converged: bool) {
         self.count += 1;
         self.last = steps;
+        self.has_evened |= converged;
+    }
+
+    /// Whether patches were remeshed at the end of the flow.
+    pub fn has_evened(&self) -> bool {
+        self.has_evened
     }
 }
 

@@ -16,7 +16,8 @@
 //! `½ Σ s |Σ c_v x_v|²`. All three components move, so the vertices also spread along the surface.
 //!
 //! The metric (M and L) is that of the starting triangles until the surface has settled, then that of
-//! the settled ones. In each metric the energy is quadratic, and no step raises it.
+//! the settled ones, unless the problem [keeps its metric](FlowProblem::keeping_metric). In each metric the
+//! energy is quadratic, and no step raises it.
 
 use std::sync::Arc;
 
@@ -437,9 +438,15 @@ impl DiffusionFlow {
         self.problem.radius()
     }
 
-    /// Computes matrix, energy and gradient in the metric of the current positions.
+    /// Computes matrix, energy and gradient in the metric of the current positions, or of the starting ones
+    /// if the problem keeps it.
     fn update_metric(&mut self) {
-        let metric = Metric::new(self.problem.topology(), &self.state.positions);
+        let of = if self.problem.keeps_metric() {
+            self.problem.positions()
+        } else {
+            &self.state.positions
+        };
+        let metric = Metric::new(self.problem.topology(), of);
         let x = &self.state.positions;
         self.matrix.clear();
         self.matrix.resize(self.scatter.pattern.nnz(), 0.0);

@@ -310,3 +310,30 @@ fn a_part_of_a_reference_restores_that_part() {
     // measured: 0.14
     assert!(part < 0.2 * plain, "{part} {plain}");
 }
+
+#[test]
+fn a_kept_metric_is_that_of_the_start() {
+    let (_, triangles, _, start) = bumpy(0.3);
+    let interior = middle(&start);
+    let problem = FlowProblem::new(&start, &triangles, &interior, 0.4).expect("a problem");
+    let energies = |problem: FlowProblem| {
+        let mut flow = Flow::new(problem, options(SurfaceModel::G2)).expect("a flow");
+        let mut energies = vec![flow.energy().value];
+        flow.run(|_, record| {
+            energies.push(record.energy);
+            true
+        })
+        .expect("steps");
+        assert_eq!(flow.end(), Some(End::Converged));
+        energies
+    };
+    let rises = |energies: &[f64]| {
+        let pairs = energies.windows(2);
+        pairs
+            .filter(|pair| pair[1] > pair[0] * (1.0 + 1e-9))
+            .count()
+    };
+    // only an update of the metric can raise the energy
+    assert_eq!(rises(&energies(problem.clone())), 1);
+    assert_eq!(rises(&energies(problem.keeping_metric())), 0);
+}

@@ -40,6 +40,7 @@ pub struct FlowProblem {
     creases: Vec<u32>,
     interpolation: Option<Arc<Interpolation>>,
     references: Arc<[Reference]>,
+    keeps_metric: bool,
 }
 
 impl FlowProblem {
@@ -92,6 +93,7 @@ impl FlowProblem {
             creases: Vec::new(),
             interpolation: None,
             references: Arc::default(),
+            keeps_metric: false,
         })
     }
 
@@ -199,6 +201,18 @@ impl FlowProblem {
     /// The reference shapes.
     pub fn references(&self) -> &Arc<[Reference]> {
         &self.references
+    }
+
+    /// The same problem from a surface that has settled: vector flows keep the metric of its triangles.
+    #[must_use]
+    pub fn keeping_metric(mut self) -> Self {
+        self.keeps_metric = true;
+        self
+    }
+
+    /// Whether vector flows keep the metric of the starting triangles.
+    pub fn keeps_metric(&self) -> bool {
+        self.keeps_metric
     }
 
     /// Connectivity of the region.

@@ -61,7 +61,7 @@ pub fn symmetries(mesh: &Mesh) -> Vec<Isometry> {
         let fits: Vec<_> = starts
             .map(|start| scope.spawn(move || fit(start)))
             .collect();
-        let joined = fits.into_iter().map(|one| one.join());
+        let joined = fits.into_iter().map(thread::ScopedJoinHandle::join);
         joined
             .map(|fit| fit.unwrap_or_else(|panic| resume_unwind(panic)))
             .collect()

@@ -18,8 +18,8 @@ use serde_json::Value;
 
 /// Time limit of a fill, longer than every successful one. A fill beyond the limit hangs.
 const TIMEOUT: Duration = Duration::from_mins(5);
-/// Most steps of a hole, and in scans, whose patches are remeshed up to eight times and continue from there.
-const MAX_STEPS: [u64; 2] = [25, 80];
+/// Most steps of a hole, and in scans, whose patches are remeshed at the end and continue from there.
+const MAX_STEPS: [u64; 2] = [25, 30];
 const MAX_REJECTED: u64 = 2;
 const MIB: f64 = 1024.0 * 1024.0;
 const MAX_MEMORY: f64 = 1024.0 * MIB;
