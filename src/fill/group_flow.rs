@@ -267,13 +267,15 @@ impl GroupFlow {
             return;
         }
         let (topology, options) = (&self.topology, &self.options);
-        let converged = end == Some(End::Converged);
+        let has_blend = context
+            .plan
+            .holes_of(self.group)
+            .any(|hole| hole.rims.is_blend());
+        let evens = end == Some(End::Converged) && !has_blend;
         let positions = self.positions();
-        let next = remesh_degraded(
-            context, self.group, topology, &positions, options, converged,
-        );
+        let next = remesh_degraded(context, self.group, topology, &positions, options, evens);
         if let Some((topology, positions)) = next {
-            self.remeshing.count(steps, converged);
+            self.remeshing.count(steps, evens);
             let energy = self.flow.as_mut().map_or(f64::NAN, Flow::fine_energy);
             let built = self.build(
                 context,
@@ -284,10 +286,10 @@ impl GroupFlow {
                 rejected,
             );
             if let Ok(Some(flow)) = built
-                && (converged || flow.energy_start() <= MAX_ENERGY_RISE * energy)
+                && (evens || flow.energy_start() <= MAX_ENERGY_RISE * energy)
             {
                 // energies on the triangles of a converged flow and on new ones do not compare
-                let start = converged.then(|| flow.energy_start());
+                let start = evens.then(|| flow.energy_start());
                 self.install(Arc::new(topology), positions, Some(flow));
                 self.energy_start = start.or(self.energy_start);
             }

@@ -38,21 +38,21 @@ impl RemeshPolicy {
         self.count < MAX_REMESHINGS && (converged || steps >= self.last + STEPS_BETWEEN)
     }
 
-    /// Counts a remeshing after `steps` accepted steps, of a flow that has `converged` or not.
-    pub fn count(&mut self, steps: usize, converged: bool) {
+    /// Counts a remeshing after `steps` accepted steps, of patches of single rims if it `evens`.
+    pub fn count(&mut self, steps: usize, evens: bool) {
         self.count += 1;
         self.last = steps;
-        self.has_evened |= converged;
+        self.has_evened |= evens;
     }
 
-    /// Whether patches were remeshed at the end of the flow.
+    /// Whether patches of single rims were remeshed.
     pub fn has_evened(&self) -> bool {
         self.has_evened
     }
 }
 
-/// The patches of a group, in which blends with sharp triangles are remeshed if that improves them, and, if the
-/// flow has `converged`, patches of single rims with many thin triangles: a vector flow moves vertices along the surface
+/// The patches of a group, in which blends with sharp triangles are remeshed if that improves them, and, with
+/// `evens`, patches of single rims with many thin triangles: a vector flow moves vertices along the surface
 /// too, far where the surface is much larger than its rim. `None` if no patch is remeshed.
 pub(super) fn remesh_degraded(
     context: FillContext<'_>,
@@ -60,12 +60,12 @@ pub(super) fn remesh_degraded(
     topology: &PatchTopology,
     positions: &[DVec3],
     options: &FillOptions,
-    converged: bool,
+    evens: bool,
 ) -> Option<(PatchTopology, Vec<DVec3>)> {
     let mut next = Remeshed::default();
     let mut any = false;
     for (hole, (own, here)) in context.plan.holes_of(group).zip(topology.split(positions)) {
-        if !hole.rims.is_blend() && !converged {
+        if !hole.rims.is_blend() && !evens {
             next.keep(own, here);
             continue;
         }
@@ -77,7 +77,7 @@ pub(super) fn remesh_degraded(
             fresh.filter(|fresh| fresh.sharpest_angle() > before)
         } else {
             let before = present.share_below(THIN);
-            let fresh = (converged && before > MOST_THIN).then(fresh);
+            let fresh = (before > MOST_THIN).then(fresh);
             fresh.filter(|fresh| 2.0 * fresh.share_below(THIN) < before)
         };
         match better {

@@ -73,6 +73,19 @@ async fn open() -> Result<Gpu, RenderError> {
     Ok(Gpu::from_device(device, queue))
 }
 
+/// Refuses pictures without pixels and those that no device can draw.
+pub(super) fn check_size([width, height]: [u32; 2]) -> Result<(), RenderError> {
+    let sides = 1..=MAX_SIDE;
+    if sides.contains(&width) && sides.contains(&height) {
+        return Ok(());
+    }
+    Err(RenderError::Size {
+        width,
+        height,
+        most: MAX_SIDE,
+    })
+}
+
 /// Draws a scene into a picture of this width and height in pixels. `transparent` replaces the
 /// background of the style. Colours are not premultiplied.
 ///
@@ -86,14 +99,7 @@ pub fn picture(
     [width, height]: [u32; 2],
     transparent: bool,
 ) -> Result<image::RgbaImage, RenderError> {
-    let sides = 1..=MAX_SIDE;
-    if !sides.contains(&width) || !sides.contains(&height) {
-        return Err(RenderError::Size {
-            width,
-            height,
-            most: MAX_SIDE,
-        });
-    }
+    check_size([width, height])?;
     let mut style = *style;
     if transparent {
         style.background = Background::Transparent;

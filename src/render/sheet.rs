@@ -6,8 +6,9 @@ use image::imageops::replace;
 use image::{Rgba, RgbaImage};
 
 use super::colormap::{colormap, legend_labels, robust_range};
+use super::headless::check_size;
 use super::lettering::Pen;
-use super::{Background, Camera, Geometry, Gpu, MAX_SIDE, RenderError, Scene, ViewStyle, picture};
+use super::{Background, Camera, Geometry, Gpu, RenderError, Scene, ViewStyle, picture};
 
 /// Size of letters in pixels at a line scale of 1.
 const LETTERS: f32 = 14.0;
@@ -21,7 +22,7 @@ const INKS: [[u8; 3]; 2] = [[24, 30, 38], [226, 231, 237]];
 /// Size and labels of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sheet {
-    /// Width and height in pixels, 1 to [`MAX_SIDE`] each.
+    /// Width and height in pixels, 1 to [`MAX_SIDE`](super::MAX_SIDE) each.
     pub size: [u32; 2],
     /// Whether the background is transparent.
     pub transparent: bool,
@@ -108,15 +109,8 @@ pub fn sheet_picture(
     camera: &Camera,
     style: &ViewStyle,
 ) -> Result<RgbaImage, RenderError> {
+    check_size(sheet.size)?;
     let [width, height] = sheet.size;
-    let sides = 1..=MAX_SIDE;
-    if !sides.contains(&width) || !sides.contains(&height) {
-        return Err(RenderError::Size {
-            width,
-            height,
-            most: MAX_SIDE,
-        });
-    }
     let surfaces: Vec<_> = views
         .iter()
         .flat_map(|v| v.scene.surfaces.clone())
