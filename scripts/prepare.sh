@@ -60,6 +60,8 @@ prepare() {
         # shellcheck disable=SC1091
         . "${CARGO_HOME:-$HOME/.cargo}/env"
     fi
+    # Mesa's layer that selects a device by its display prints errors where there is none
+    [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] || export NODEVICE_SELECT=1
     command -v cargo >/dev/null 2>&1 ||
         die "no cargo found: install Rust from https://rustup.rs, then start again"
     can_link || install gcc libc6-dev
