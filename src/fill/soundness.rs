@@ -71,28 +71,32 @@ pub(super) fn make_sound(
         .map(|hole| hole.defects_among(&patches, &present.1))
         .collect();
     // what each patch was replaced by
-    let mut words: Vec<Option<String>> = vec![None; holes.len()];
+    let mut origins: Vec<Option<Origin>> = vec![None; holes.len()];
     let (sound, unsound): (Vec<_>, Vec<_>) =
         holes.iter().partition(|hole| found[hole.number].is_none());
     for hole in &unsound {
-        let unsound = hole.replacement(present.clone(), model.words());
+        let unsound = hole.replacement(present.clone(), None);
         let is_repaired = hole.rims.is_blend() || hole.has_local_defects(&unsound);
         if let Some(better) = is_repaired.then(|| hole.repaired(&unsound)).flatten() {
             present = better.surface;
-            words[hole.number] = Some(better.words);
+            origins[hole.number] = Some(better.origin);
         }
     }
-    let is_left = |hole: &&&HoleOfGroup<'_>| words[hole.number].is_none() && !hole.rims.is_blend();
+    let is_left =
+        |hole: &&&HoleOfGroup<'_>| origins[hole.number].is_none() && !hole.rims.is_blend();
     let replaced: Vec<&HoleOfGroup<'_>> = unsound.iter().filter(is_left).copied().collect();
     if let Some((surface, by)) = filled_alike(&replaced, &present, model, options) {
         present = surface;
         for hole in &replaced {
-            words[hole.number] = Some(by.clone());
+            origins[hole.number] = Some(Origin {
+                other: Some(by.clone()),
+                is_repaired: false,
+            });
         }
     }
     for hole in &replaced {
-        let by = words[hole.number].clone();
-        let unsound = hole.replacement(present.clone(), by.unwrap_or_else(|| model.words()));
+        let by = origins[hole.number].clone().and_then(|origin| origin.other);
+        let unsound = hole.replacement(present.clone(), by);
         if unsound.is_sound() {
             continue;
         }
@@ -108,10 +112,10 @@ pub(super) fn make_sound(
         };
         if let Some(better) = better {
             present = better.surface;
-            words[hole.number] = Some(better.words);
+            origins[hole.number] = Some(better.origin);
         }
     }
-    let is_replaced = |hole: &&HoleOfGroup<'_>| words[hole.number].is_some();
+    let is_replaced = |hole: &&HoleOfGroup<'_>| origins[hole.number].is_some();
     let mut again: Vec<usize> = Vec::new();
     if holes.len() > 1 && replaced.iter().any(is_replaced) {
         let alone = replaced.into_iter().map(|hole| vec![hole]);
@@ -128,16 +132,16 @@ pub(super) fn make_sound(
         for hole in &holes {
             let id = hole.rims.id();
             let left = hole.defects_among(&patches, &present.1);
-            let by = words[hole.number].take();
+            let by = origins[hole.number].take();
             let by = by.filter(|_| !again.contains(&hole.number));
             if let Some((found, by)) = found[hole.number].zip(by) {
-                if by != model.words() + CHANGED {
+                if by.other.is_some() {
                     others.push(id);
                 }
                 let [pairs, escaped, folds] = found.severity();
                 let replaced = Warning::Replaced {
                     model: model.words(),
-                    by,
+                    by: by.words(model),
                     pairs: pairs.min(MAX_PAIRS),
                     escaped,
                     folds,
@@ -179,7 +183,7 @@ fn filled_alike(
             surface = hole.by(&surface, safer, options)?;
         }
         for hole in holes {
-            let next = hole.replacement(surface.clone(), String::new());
+            let next = hole.replacement(surface.clone(), None);
             if !next.is_sound() {
                 surface = hole.repaired(&next)?.surface;
             }
@@ -361,13 +365,31 @@ const LOCAL: usize = 8;
 /// Words for a surface on other triangles.
 const OTHERWISE: &str = " on another triangulation";
 
-/// Words for a repaired surface.
-const CHANGED: &str = " changed near its defects";
+/// What gave a surface.
+#[derive(Clone)]
+struct Origin {
+    /// Another model or triangulation, in words; `None` for the chosen model on the first triangles.
+    other: Option<String>,
+    is_repaired: bool,
+}
+
+impl Origin {
+    /// In words, if `model` is the chosen one.
+    fn words(&self, model: Candidate) -> String {
+        let surface = self.other.clone().unwrap_or_else(|| model.words());
+        let repair = if self.is_repaired {
+            " changed near its defects"
+        } else {
+            ""
+        };
+        surface + repair
+    }
+}
 
 /// A surface that may replace an unsound one.
 struct Replacement {
     surface: Surface,
-    words: String,
+    origin: Origin,
     /// Those of the hole's patch; `None` if it is sound.
     defects: Option<Defects>,
 }
@@ -445,7 +467,7 @@ impl HoleOfGroup<'_> {
         };
         let by = |start: &Surface, model: Candidate, on: &str| {
             let surface = self.by(start, model, options)?;
-            Some(self.replacement(surface, format!("{}{on}", model.words())))
+            Some(self.replacement(surface, Some(format!("{}{on}", model.words()))))
         };
         let mut others = all().filter(|&other| other != model);
         if others.any(|other| best.keep(by(present, other, ""))) {
@@ -472,9 +494,9 @@ impl HoleOfGroup<'_> {
                 String::new()
             };
             let words = format!("{share}{}{OTHERWISE}", SAFER[0].words());
-            Some(self.replacement(surface, words))
+            Some(self.replacement(surface, Some(words)))
         });
-        let unchanged = self.replacement(flat.clone(), "a triangulation of the rim".into());
+        let unchanged = self.replacement(flat.clone(), Some("a triangulation of the rim".into()));
         if !mixed.chain([unchanged]).any(|next| best.keep(Some(next))) {
             return false;
         }
@@ -505,7 +527,7 @@ impl HoleOfGroup<'_> {
             let height = height * self.rims.radius();
             for height in [height, -height] {
                 let dome = self.with(&first, &patch::domed(&patch, SLOPE, height));
-                let dome = self.replacement(dome, "a dome over the rim".into());
+                let dome = self.replacement(dome, Some("a dome over the rim".into()));
                 let dome = self.repaired(&dome).unwrap_or(dome);
                 // one that is not sound may cross far more than a flat surface
                 if dome.is_sound() {
@@ -516,12 +538,13 @@ impl HoleOfGroup<'_> {
         }
     }
 
-    /// A surface with the defects of the hole's patch.
-    fn replacement(&self, surface: Surface, words: String) -> Replacement {
+    /// A surface with the defects of the hole's patch. `other` is as in [`Origin`].
+    fn replacement(&self, surface: Surface, other: Option<String>) -> Replacement {
         let defects = self.defects(&surface);
+        let is_repaired = false;
         Replacement {
             surface,
-            words,
+            origin: Origin { other, is_repaired },
             defects,
         }
     }
@@ -596,8 +619,9 @@ impl HoleOfGroup<'_> {
         let patch = self.patch(&unsound.surface)?;
         let patch = repaired(mesh, obstacles, self.rims, &patch, &others, positions)?;
         let surface = self.with(&unsound.surface, &patch);
-        let words = format!("{}{CHANGED}", unsound.words);
-        Some(self.replacement(surface, words)).filter(Replacement::is_sound)
+        let mut repaired = self.replacement(surface, unsound.origin.other.clone());
+        repaired.origin.is_repaired = true;
+        Some(repaired).filter(Replacement::is_sound)
     }
 
     /// The patch of the hole.

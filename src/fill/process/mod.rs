@@ -144,11 +144,8 @@ impl FillProcess {
         let failed_holes = std::mem::take(&mut plan.failed);
         let of_hole = |hole: &PlannedHole| {
             let id = hole.rims.id();
-            hole.warnings
-                .iter()
-                .cloned()
-                .map(move |warning| (id, warning))
-                .collect::<Vec<_>>()
+            let warnings = hole.warnings.clone();
+            warnings.into_iter().map(move |warning| (id, warning))
         };
         let warnings = plan.holes().iter().flat_map(of_hole).collect();
         require(memory_of(&mesh, &plan, options)).map_err(FillError::from)?;
