@@ -105,9 +105,12 @@ pub struct SurfaceReport {
     /// The model and its tension.
     #[serde(flatten)]
     pub model: Candidate,
-    /// RMS error to expect of the fill, relative to the hole radius: that of the pseudo-holes; null
-    /// without a prediction, and if an unsound patch was replaced by one of another model.
+    /// RMS error to expect of the fill, relative to the hole radius: that of the pseudo-holes times
+    /// `error_scale`; null without a prediction, and if an unsound patch was replaced by one of another
+    /// model.
     pub expected_error: Option<f64>,
+    /// Ratio of the error to expect of the holes to that of their pseudo-holes.
+    pub error_scale: Option<f64>,
     /// Number of pseudo-holes.
     pub pseudo_holes: usize,
     /// Each candidate's error on the pseudo-holes.
@@ -131,6 +134,7 @@ impl SurfaceReport {
         Self {
             model: surface.model,
             expected_error: surface.expected_error_of(hole),
+            error_scale: prediction.map(|p| p.scale),
             pseudo_holes: prediction.map_or(0, |p| p.discs),
             candidates: errors
                 .map(|&(model, error)| CandidateReport { model, error })

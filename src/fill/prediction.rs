@@ -4,8 +4,9 @@
 //! A *pseudo-hole* is a disc of vertices of the mesh near the hole. Each candidate computes the
 //! disc from its surroundings, on the existing triangles and in their metric. The error of a
 //! candidate is the RMS of the distances along the normals, relative to the radius of the disc. The
-//! candidate with the least error over all discs is chosen, and its error is the one to expect of
-//! the fill, relative to the hole radius.
+//! candidate with the least error over all discs is chosen. The error to expect of the fill, relative to
+//! the hole radius, is that error, scaled by how much more the rim of the hole turns than those of the
+//! discs.
 
 use std::sync::Arc;
 
@@ -83,7 +84,8 @@ pub struct GroupSurface {
 impl GroupSurface {
     /// The error to expect of the holes that have this model, relative to the hole radius.
     pub fn expected_error(&self) -> Option<f64> {
-        Some(self.prediction.as_ref()?.chosen()?.1)
+        let prediction = self.prediction.as_ref()?;
+        Some(prediction.scale * prediction.chosen()?.1)
     }
 
     /// The error to expect of one hole; `None` if its patch is by another model.
@@ -113,6 +115,9 @@ pub struct Prediction {
     pub errors: Vec<(Candidate, f64)>,
     /// Number of pseudo-holes that were computed.
     pub discs: usize,
+    /// Ratio of the error to expect of the holes to that of their pseudo-holes: the square root of how
+    /// much more the rims of the holes turn.
+    pub scale: f64,
     /// What fills each hole by symmetry, if the symmetric candidate is chosen.
     pub(super) counterparts: Vec<Option<Counterpart>>,
 }
@@ -154,7 +159,7 @@ impl Prediction {
         // squared errors in the unit of the mesh, weighted by the new vertices of the holes
         let mut sums = [0.0; TENSIONS.len() + 1];
         let mut symmetric_sums = [0.0; TENSIONS.len()];
-        let (mut extent, mut count) = (0.0, 0);
+        let (mut extent, mut turning, mut count) = (0.0, 0.0, 0);
         let alone = context.plan.groups[group].holes.len() == 1;
         let mut found = Vec::new();
         for hole in context.plan.holes_of(group) {
@@ -175,6 +180,7 @@ impl Prediction {
             let radius = hole.rims.radius();
             let weight = hole.patch.new_points().len() as f64 * radius * radius;
             extent += weight;
+            turning += weight * surroundings.turning_ratio();
             for (sum, error) in sums.iter_mut().zip(errors) {
                 *sum += weight * error;
             }
@@ -201,6 +207,7 @@ impl Prediction {
         Self {
             errors,
             discs: count,
+            scale: if extent > 0.0 { root(turning) } else { 1.0 },
             counterparts,
         }
     }
@@ -443,7 +450,7 @@ mod tests {
             .iter()
             .map(|e| e.1)
             .fold(f64::INFINITY, f64::min);
-        assert_eq!(surface.expected_error(), Some(least));
+        assert_eq!(surface.expected_error(), Some(prediction.scale * least));
     }
 
     #[test]
@@ -466,6 +473,7 @@ mod tests {
             let prediction = Prediction {
                 errors,
                 discs: 9,
+                scale: 1.0,
                 counterparts: Vec::new(),
             };
             prediction.chosen().map(|c| c.0.surface)

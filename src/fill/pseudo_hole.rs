@@ -33,6 +33,8 @@ pub(super) struct Disc {
     pub normals: Vec<DVec3>,
     /// RMS distance of its rim from the mean of the rim.
     pub radius: f64,
+    /// The [turning] of its rim.
+    pub turning: f64,
 }
 
 /// The vertices around a hole, in numbers of their own, and its pseudo-holes.
@@ -45,6 +47,8 @@ pub(super) struct Surroundings {
     pub near: Vec<u32>,
     /// The pseudo-holes.
     pub discs: Vec<Disc>,
+    /// The [turning] of the rims of the hole.
+    turning: f64,
     /// The Laplacian at the vertices of the discs and of all rings around them but the last.
     pub laplacian: Laplacian,
 }
@@ -68,15 +72,37 @@ impl Surroundings {
             }
         }
         let (near, discs) = best;
+        let normal = |&v: &VertexId| vertex_normal(&mesh.topology, v, |v| mesh.position(v));
+        let normals = rims.vertices.iter().filter_map(normal);
+        let turning = turning(normals, rims.vertices.len());
         let laplacian = search.laplacian(&discs);
         Self {
             vertices: search.vertices,
             points: search.points,
             near,
             discs,
+            turning,
             laplacian,
         }
     }
+
+    /// The turning of the rims of the hole over the mean of its pseudo-holes, 1 on a plane. The squared error
+    /// of a fill is about proportional to it (measured; docs/decisions.md).
+    pub fn turning_ratio(&self) -> f64 {
+        let mean =
+            self.discs.iter().map(|disc| disc.turning).sum::<f64>() / self.discs.len() as f64;
+        let ratio = (self.turning + FLAT * mean) / (1.0 + FLAT) / mean;
+        if ratio.is_finite() { ratio } else { 1.0 }
+    }
+}
+
+/// Share of the turning of pseudo-holes below which that of a hole means little: the surface inside a flat
+/// rim need not be flat.
+const FLAT: f64 = 0.1;
+
+/// How much unit normals along a rim of `count` vertices turn: 1 less the length of their mean, 0 for a flat rim.
+fn turning(normals: impl Iterator<Item = DVec3>, count: usize) -> f64 {
+    1.0 - normals.sum::<DVec3>().length() / count as f64
 }
 
 /// A search in the vertices around a hole, which get numbers as they are reached.
@@ -272,7 +298,9 @@ impl<'a> Search<'a> {
             let v = self.vertices[v as usize];
             vertex_normal(&mesh.topology, v, |v| mesh.position(v)).unwrap_or_default()
         };
+        let rim = &vertices[ends[0]..ends[1]];
         Some(Disc {
+            turning: turning(rim.iter().map(normal), rim.len()),
             normals: vertices[..ends[0]].iter().map(normal).collect(),
             vertices,
             ends,
@@ -306,5 +334,49 @@ impl<'a> Search<'a> {
             Some(range) if is_needed[i] => &self.around[range.clone()],
             _ => &[],
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::boundary_loops;
+    use crate::shapes;
+
+    /// The surroundings of the first hole of a mesh.
+    fn surroundings(mesh: &Mesh) -> Surroundings {
+        let loops = boundary_loops(mesh);
+        Surroundings::new(mesh, &HoleRims::new(mesh, &[&loops[0]]))
+    }
+
+    #[test]
+    fn turning_of_a_circle_on_a_sphere_is_one_less_the_cosine() {
+        let (positions, triangles) = shapes::cut_where(&shapes::icosphere(24), |p| p.z > 0.7);
+        let turned = positions.iter().map(|p| DVec3::new(5.0 + p.y, p.z, p.x));
+        for positions in [positions.clone(), turned.collect()] {
+            let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
+            let around = surroundings(&mesh);
+            // the rim is within an edge of z = 0.7, and its normals are those of the faces beyond
+            assert!((around.turning - 0.3).abs() < 0.06, "{}", around.turning);
+            for disc in &around.discs {
+                let expected = 1.0 - (1.0 - disc.radius * disc.radius).sqrt();
+                assert!((disc.turning - expected).abs() < 0.1 * expected);
+            }
+        }
+    }
+
+    #[test]
+    fn larger_holes_of_a_sphere_turn_more_than_their_pseudo_holes() {
+        let mesh = |top: f64| {
+            let (positions, triangles) = shapes::cut_where(&shapes::icosphere(24), |p| p.z > top);
+            Mesh::from_triangles(positions, &triangles).expect("a manifold")
+        };
+        // turnings of small holes are as the squares of the radii, and a rim has a ring more than its disc
+        let ratio = surroundings(&mesh(0.95)).turning_ratio();
+        assert!((1.0..1.0 / (SIZE * SIZE)).contains(&ratio), "{ratio}");
+        let plane = shapes::plane(1.0, 20, 1);
+        let (positions, triangles) = shapes::cut_where(&plane, |p| p.x.abs() + p.y.abs() < 0.2);
+        let plane = Mesh::from_triangles(positions, &triangles).expect("a manifold");
+        assert_eq!(surroundings(&plane).turning_ratio(), 1.0);
     }
 }
