@@ -33,6 +33,7 @@ pub mod analysis;
 #[cfg(feature = "window")]
 #[doc(hidden)]
 pub mod app;
+mod cancel;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;

@@ -9,6 +9,8 @@ mod assemble;
 mod attributes;
 mod blend;
 mod bridge;
+#[cfg(test)]
+mod cancel_tests;
 mod context;
 mod controls;
 mod counterpart;

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+use crate::cancel::is_cancelled;
 use crate::fill::context::FillContext;
 use crate::fill::counterpart::Counterpart;
 use crate::fill::options::Symmetry;
@@ -163,6 +164,9 @@ impl Prediction {
         let alone = context.plan.groups[group].holes.len() == 1;
         let mut found = Vec::new();
         for hole in context.plan.holes_of(group) {
+            if is_cancelled() {
+                break;
+            }
             let surroundings = Surroundings::new(context.mesh, &hole.rims);
             if surroundings.discs.is_empty() {
                 found.push(None);
@@ -287,7 +291,7 @@ pub(super) struct Restored {
 }
 
 impl Restored {
-    /// Some of the discs around a hole.
+    /// Some of the discs around a hole; none if the run was cancelled.
     pub fn all(surroundings: &Surroundings, discs: &[Disc]) -> Vec<Self> {
         let restore = |disc: &Disc| {
             let tensions = TENSIONS.map(|tension| tension / (disc.radius * disc.radius));
@@ -305,7 +309,9 @@ impl Restored {
             restored.errors = restored.along_normals(disc, &shape);
             restored
         };
-        discs.par_iter().map(restore).collect()
+        let restore = |disc: &Disc| (!is_cancelled()).then(|| restore(disc));
+        let all: Option<Vec<Self>> = discs.par_iter().map(restore).collect();
+        all.unwrap_or_default()
     }
 
     /// Displacements of the vertices along the normals from a shape of the disc and its rings to the
@@ -338,7 +344,8 @@ impl Disc {
         options.tension = 0.0;
         options.mode = Mode::Fast;
         let energy = options.energy_at(self.radius);
-        let Some(problem) = self.problem(mesh, surroundings) else {
+        let problem = (!is_cancelled()).then(|| self.problem(mesh, surroundings));
+        let Some(problem) = problem.flatten() else {
             return FAILED;
         };
         let Ok(mut stepper) = scheme_stepper(&problem, &options, &energy) else {

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use rustc_hash::FxHashMap;
 
+use crate::cancel::is_cancelled;
 use crate::fill::defects::FOLDED;
 use crate::fill::hole::HoleRims;
 use crate::fill::self_intersection::{Obstacles, place};
@@ -424,9 +425,9 @@ impl Sheet {
         defective.is_empty()
     }
 
-    /// Whether the repair has taken as long as it may.
+    /// Whether the repair has taken as long as it may, or was cancelled.
     fn is_spent(&self) -> bool {
-        self.comparisons > COMPARISONS
+        self.comparisons > COMPARISONS || is_cancelled()
     }
 
     fn vertices_of(&self, faces: &BTreeSet<u32>) -> BTreeSet<u32> {

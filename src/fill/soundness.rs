@@ -1,6 +1,7 @@
 //! Replacement of unsound patches by sound surfaces: by local repair, by other models, and on other
 //! triangulations.
 
+use crate::cancel::is_cancelled;
 use crate::fill::assemble::appended_triangles;
 use crate::fill::context::FillContext;
 use crate::fill::counterpart::{Counterpart, Following};
@@ -75,6 +76,9 @@ pub(super) fn make_sound(
     let (sound, unsound): (Vec<_>, Vec<_>) =
         holes.iter().partition(|hole| found[hole.number].is_none());
     for hole in &unsound {
+        if is_cancelled() {
+            break;
+        }
         let unsound = hole.replacement(present.clone(), None);
         let is_repaired = hole.rims.is_blend() || hole.has_local_defects(&unsound);
         if let Some(better) = is_repaired.then(|| hole.repaired(&unsound)).flatten() {
@@ -95,6 +99,9 @@ pub(super) fn make_sound(
         }
     }
     for hole in &replaced {
+        if is_cancelled() {
+            break;
+        }
         let by = origins[hole.number].clone().and_then(|origin| origin.other);
         let unsound = hole.replacement(present.clone(), by);
         if unsound.is_sound() {
@@ -588,6 +595,9 @@ impl HoleOfGroup<'_> {
         model: Candidate,
         options: &FillOptions,
     ) -> Option<Surface> {
+        if is_cancelled() {
+            return None;
+        }
         let (context, group, number) = (self.context, self.group, self.number);
         let problem =
             region::problem_of_hole(context, group, number, topology, positions, options).ok()?;
@@ -610,7 +620,7 @@ impl HoleOfGroup<'_> {
     /// be left.
     fn repaired(&self, unsound: &Replacement) -> Option<Replacement> {
         let (mesh, obstacles) = (self.context.mesh, &self.context.plan.obstacles);
-        if unsound.defects?.escaped.is_some() {
+        if unsound.defects?.escaped.is_some() || is_cancelled() {
             return None;
         }
         let (topology, positions) = &unsound.surface;

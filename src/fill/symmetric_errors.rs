@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::cancel::is_cancelled;
 use crate::fill::context::FillContext;
 use crate::fill::counterpart::Counterpart;
 use crate::fill::hole::PlannedHole;
@@ -97,6 +98,9 @@ impl SymmetricErrors {
         let near: Vec<VertexId> = near.map(|&v| surroundings.vertices[v as usize]).collect();
         let symmetries = context.symmetries().iter();
         let all = symmetries.filter_map(|symmetry| {
+            if is_cancelled() {
+                return None;
+            }
             let isometry = context.fitted(symmetry, &near, FITTED)?;
             let distance = context.distance(&isometry, &near)? / hole.rims.radius();
             if errors.iter().all(|error| distance * distance > *error) {

@@ -1,6 +1,8 @@
 //! Restarted GMRES with right preconditioning (Saad and Schultz 1986; Saad, Iterative Methods,
 //! algorithm 9.5).
 
+use crate::cancel::is_cancelled;
+
 /// Stopping criteria and memory limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GmresOptions {
@@ -70,7 +72,7 @@ pub fn gmres(
     let mut cycle = Cycle::new(n, options.restart.min(n));
     let mut iterations = 0;
     let mut residual = cycle.start(operator, b, x);
-    while residual > target && iterations < options.max_iterations {
+    while residual > target && iterations < options.max_iterations && !is_cancelled() {
         let steps = options.max_iterations - iterations;
         iterations += cycle.arnoldi(operator, preconditioner, residual, target, steps);
         cycle.correct(preconditioner, x);

@@ -11,6 +11,7 @@ use super::remesh::{remesh, rim_valences, split_chords, subdivide};
 use super::slit::{stitch, with_zero_edges, without_zero_edges};
 use super::surface::Surface;
 use super::triangulate::{soundest, triangulate};
+use crate::cancel::is_cancelled;
 use crate::mesh::{DVec3, self_intersections, vector_area};
 
 /// The first surface for a hole: triangulates the rim, refines to the rim's density, flips edges
@@ -115,7 +116,7 @@ fn without_intersections(rim: &Rim, excluded: &impl Fn([u32; 3]) -> bool) -> Vec
         if best.as_ref().is_none_or(|best| pairs.len() < best.0) {
             best = Some((pairs.len(), triangles));
         }
-        if pairs.is_empty() {
+        if pairs.is_empty() || is_cancelled() {
             break;
         }
     }

@@ -19,7 +19,8 @@
 //! final surface. [`refit`] does the same for a patch that has its shape already: its vertices move
 //! along the surface only.
 
-use super::surface::{NONE, Surface, next, prev};
+use super::surface::{NONE, SHRINK, Surface, next, prev};
+use crate::cancel::is_cancelled;
 use crate::mesh::DVec3;
 
 /// An edge longer than this multiple of the wanted length is split.
@@ -57,6 +58,9 @@ pub(super) fn remesh(s: &mut Surface, wanted: &[i32], curvature: f64) {
     refine(s, &mut membrane);
     s.reorder();
     for round in 0..ROUNDS {
+        if is_cancelled() {
+            return;
+        }
         if round > 0 {
             collapse_short(s);
             split_long(s);
@@ -73,6 +77,9 @@ pub(super) fn refit(s: &mut Surface, wanted: &[i32]) {
     smooth_sizes(s, REFIT_SMOOTHING);
     refine(s, &mut Membrane::flat());
     for _ in 0..ROUNDS {
+        if is_cancelled() {
+            return;
+        }
         collapse_short(s);
         split_long(s);
         flip_for_valence(s, wanted);
@@ -90,7 +97,10 @@ pub(super) fn subdivide(s: &mut Surface) {
             .into_iter()
             .all(|side| s.length2(side) <= s.length2(h))
     };
-    while split_where(s, is_longest) {
+    while !is_cancelled() && split_where(s, is_longest) {
+        if s.is_graded() {
+            s.grade();
+        }
         flip_where(s, |s, h| {
             let (m, n) = (s.normal(h), s.normal(s.twin(h)));
             m.dot(n) >= (1.0 - COPLANAR) * m.length() * n.length()
@@ -193,7 +203,7 @@ fn refine(s: &mut Surface, membrane: &mut Membrane) {
     // every round halves the long edges, so this bounds extents of 2^40 edge lengths
     for _ in 0..40 {
         let before = s.points.len();
-        if !split_long(s) {
+        if is_cancelled() || !split_long(s) {
             return;
         }
         flip_to_delaunay(s);

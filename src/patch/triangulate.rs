@@ -2,6 +2,7 @@
 
 use super::data::Rim;
 use super::planar::constrained_delaunay;
+use crate::cancel::is_cancelled;
 use crate::mesh::DVec3;
 
 /// Loops of up to this many edges get the minimum-weight triangulation at once: it takes less than
@@ -221,6 +222,9 @@ fn minimum_weight(rim: &Rim, folded: i32, excluded: &impl Fn([u32; 3]) -> bool) 
     }
 
     for j in 2..n {
+        if is_cancelled() {
+            return (1..n as u32 - 1).map(|k| [0, k, k + 1]).collect();
+        }
         for i in (0..j - 1).rev() {
             let is_root = i == 0 && j == n - 1;
             let base = p[j] - p[i];

@@ -1,5 +1,6 @@
 //! Continuation in the constraints: from a surface near the targets to one that interpolates them.
 
+use crate::cancel::is_cancelled;
 use crate::linear::vector;
 use crate::mesh::{DVec3, VertexId};
 use crate::refine::descent::FullGradientDescent;
@@ -78,7 +79,7 @@ impl FullGradientDescent {
             stride: vec![MAX_STEP_FRACTION; goals.len()],
         };
         for _ in 0..ROUNDS {
-            if path.unreached() == 0 || self.factorize(tau).is_err() {
+            if path.unreached() == 0 || is_cancelled() || self.factorize(tau).is_err() {
                 break;
             }
             self.advance(&mut path);

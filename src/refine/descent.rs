@@ -10,6 +10,7 @@
 
 use std::sync::Arc;
 
+use crate::cancel::is_cancelled;
 use crate::energy::Energy;
 use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs, LinearError, flat, vector};
 use crate::mesh::{DVec3, Topology};
@@ -63,6 +64,7 @@ impl FullGradientDescent {
     pub fn new(problem: &FlowProblem, energy: &Energy, rule: Rule) -> Result<Self, SolverError> {
         let form = MatrixForm::Isotropic;
         let evaluator = Evaluator::new(problem, energy, rule, PRECONDITIONER_RULE, form)?;
+        SolverError::unless_cancelled()?;
         let symbolic = Arc::new(CholeskySymbolic::new(evaluator.pattern())?);
         let mut damping = vec![1.0; evaluator.unknowns().len()];
         if let Some(constraints) = &evaluator.constraints {
@@ -92,6 +94,9 @@ impl FullGradientDescent {
     }
 
     pub(super) fn step(&mut self, tau: f64) -> Attempt {
+        if is_cancelled() {
+            return Attempt::rejected(RejectReason::Cancelled);
+        }
         let fresh = self.age.is_none_or(|age| age >= REFRESH);
         if fresh && let Err(error) = self.factorize(tau) {
             return Attempt::rejected(error.into());
@@ -158,7 +163,7 @@ impl FullGradientDescent {
         let mut direction = self.direction();
         let mut length = 1.0;
         for _ in 0..MAX_TRIALS {
-            if length < MIN_LENGTH {
+            if length < MIN_LENGTH || is_cancelled() {
                 return None;
             }
             let along = |i: usize| vector(&direction, i);

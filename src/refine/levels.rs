@@ -256,6 +256,7 @@ impl Refinement {
             constrained_start(problem, &held)?
         } else {
             (problem.with_constraints(&held)?, 0)
+        SolverError::unless_cancelled()?;
         };
         let splits = self.controls.levels.saturating_sub(self.level);
         let flow = LevelFlow::new(problem, &self.flow, splits, held, unreached, start)?;
@@ -263,6 +264,7 @@ impl Refinement {
         Ok(())
     }
 
+        SolverError::unless_cancelled()?;
     /// One step of Butterfly or of Loop's scheme.
     fn by_scheme(&mut self, old: &Topology, split: &Split) {
         // the new mesh has corners only where the old one has

@@ -7,6 +7,8 @@
 //! modified Butterfly scheme and Loop's own scheme are available for comparison.
 
 mod boundary;
+#[cfg(test)]
+mod cancel_tests;
 mod continuation;
 mod creases;
 mod descent;

@@ -1,9 +1,9 @@
 //! Messages between the handle of a run and its thread.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender};
 
+use crate::cancel::Cancel;
 use crate::runner::timeline::SharedTimeline;
 use crate::runner::{Process, Refused, Snapshot, Wake};
 
@@ -65,7 +65,7 @@ pub(super) struct Channels<P: Process> {
     pub commands: Receiver<Command<P>>,
     pub messages: Sender<Message<P>>,
     pub timeline: SharedTimeline<P::State>,
-    pub cancelled: Arc<AtomicBool>,
+    pub cancel: Arc<Cancel>,
     pub wake: Wake,
 }
 
@@ -77,9 +77,5 @@ impl<P: Process> Channels<P> {
 
     pub fn emit(&self, event: Event<P::Event>) {
         self.send(Message::Event(event));
-    }
-
-    pub fn is_cancelled(&self) -> bool {
-        self.cancelled.load(Ordering::Relaxed)
     }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use crate::cancel::Cancel;
 use crate::runner::channels::{Channels, Command, Message};
 use crate::runner::timeline::SharedTimeline;
 use crate::runner::worker;
@@ -30,7 +31,7 @@ pub struct Runner<P: Process> {
     commands: Sender<Command<P>>,
     messages: Receiver<Message<P>>,
     timeline: SharedTimeline<P::State>,
-    cancelled: Arc<AtomicBool>,
+    cancel: Arc<Cancel>,
     playing: AtomicBool,
     status: P::Status,
     clock: usize,
@@ -45,8 +46,7 @@ where
     P::Event: Send + 'static,
     P::Status: Send + 'static,
 {
-    /// Starts a thread that constructs the process by `set_up` and runs it. `set_up` receives the
-    /// flag that is set when the run is cancelled. `controls` are the initial controls; they must
+    /// Starts a thread that constructs the process by `set_up` and runs it. `controls` are the initial controls; they must
     /// be valid.
     ///
     /// # Errors
@@ -56,17 +56,17 @@ where
         controls: P::Controls,
         settings: RunSettings,
         wake: Wake,
-        set_up: impl FnOnce(&Arc<AtomicBool>) -> Result<P, P::Error> + Send + 'static,
+        set_up: impl FnOnce() -> Result<P, P::Error> + Send + 'static,
     ) -> Result<Self, std::io::Error> {
         let (commands, inbox) = channel();
         let (outbox, messages) = channel();
         let timeline = SharedTimeline::new(settings.timeline_bytes);
-        let cancelled = Arc::new(AtomicBool::new(false));
+        let cancel = Arc::new(Cancel::default());
         let channels = Channels {
             commands: inbox,
             messages: outbox,
             timeline: timeline.clone(),
-            cancelled: Arc::clone(&cancelled),
+            cancel: Arc::clone(&cancel),
             wake,
         };
         let first = controls.clone();
@@ -78,7 +78,7 @@ where
             commands,
             messages,
             timeline,
-            cancelled,
+            cancel,
             playing: AtomicBool::new(settings.playing),
             status: P::Status::default(),
             clock: 0,
@@ -232,6 +232,6 @@ where
 
 impl<P: Process> Drop for Runner<P> {
     fn drop(&mut self) {
-        self.cancelled.store(true, Ordering::Relaxed);
+        self.cancel.request();
     }
 }

@@ -150,7 +150,7 @@ impl Watched {
         };
         let controls = CounterControls::default();
         let first = controls.clone();
-        let set_up = move |_: &Arc<_>| Ok(Counter::new(first));
+        let set_up = move || Ok(Counter::new(first));
         let runner = Runner::start("counter", controls, settings, wake, set_up);
         Self {
             runner: runner.expect("a thread"),

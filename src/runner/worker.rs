@@ -1,11 +1,11 @@
 //! The thread of a run in the background.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::RecvTimeoutError;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
+use crate::cancel::is_cancelled;
 use crate::runner::channels::{Channels, Command, Message};
 use crate::runner::schedule::{ActiveControls, UserCommand};
 use crate::runner::{
@@ -16,7 +16,7 @@ use crate::runner::{
 ///
 /// The work runs on its own thread pool, so that no other work waits for a long step.
 pub(super) fn run<P: Process>(
-    set_up: impl FnOnce(&Arc<AtomicBool>) -> Result<P, P::Error> + Send,
+    set_up: impl FnOnce() -> Result<P, P::Error> + Send,
     controls: P::Controls,
     settings: RunSettings,
     channels: Channels<P>,
@@ -26,20 +26,16 @@ pub(super) fn run<P: Process>(
     P::Status: Send,
 {
     let (messages, wake) = (channels.messages.clone(), Arc::clone(&channels.wake));
+    let cancel = Arc::clone(&channels.cancel);
     let work = move || {
-        let process = set_up(&channels.cancelled).map_err(|error| error.to_string())?;
-        if channels.is_cancelled() {
+        let process = set_up().map_err(|error| error.to_string())?;
+        if is_cancelled() {
             return Ok(());
         }
         let worker = Worker::new(process, controls, settings, channels);
         worker.run().map_err(|error| error.to_string())
     };
-    let result = catch_unwind(AssertUnwindSafe(|| {
-        match rayon::ThreadPoolBuilder::new().build() {
-            Ok(pool) => pool.install(work),
-            Err(_) => work(),
-        }
-    }));
+    let result = catch_unwind(AssertUnwindSafe(|| cancel.install(work)));
     let text = match result {
         Ok(Ok(())) => return,
         Ok(Err(text)) => text,
@@ -107,7 +103,7 @@ where
         self.channels.emit(Event::Started);
         self.publish_status();
         loop {
-            if self.channels.is_cancelled() {
+            if is_cancelled() {
                 return Ok(());
             }
             let idle = self.pending.is_none() && self.process.ended();

@@ -1,5 +1,6 @@
 //! Errors of flows.
 
+use crate::cancel::is_cancelled;
 use crate::linear::LinearError;
 use crate::mesh::TopologyError;
 use crate::surface::SurfaceStats;
@@ -8,6 +9,9 @@ use crate::surface::SurfaceStats;
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolverError {
+    /// The run to which the computation belongs was cancelled.
+    #[error("the computation was cancelled")]
+    Cancelled,
     /// The region is not an oriented manifold.
     #[error("the region to solve on is not an oriented manifold: {0}")]
     Topology(#[from] TopologyError),
@@ -77,6 +81,15 @@ pub enum SolverError {
 }
 
 impl SolverError {
+    /// # Errors
+    /// [`Self::Cancelled`] if the run of this thread was cancelled.
+    pub(crate) fn unless_cancelled() -> Result<(), Self> {
+        if is_cancelled() {
+            return Err(Self::Cancelled);
+        }
+        Ok(())
+    }
+
     /// The error for an energy that is not finite on the surface with these `stats`.
     pub(super) fn energy_not_finite(stats: &SurfaceStats) -> Self {
         Self::EnergyNotFinite {

@@ -1,5 +1,6 @@
 //! A flow: the steps of one method, their step size, and the stopping rules.
 
+use crate::cancel::is_cancelled;
 use crate::energy::{Energy, Order};
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum, MatrixForm};
@@ -243,6 +244,9 @@ impl Flow {
     /// # Errors
     /// Errors that a smaller step cannot avoid.
     pub fn step(&mut self) -> Result<Option<StepRecord>, SolverError> {
+        if is_cancelled() {
+            self.cancel();
+        }
         if self.end.is_some() {
             return Ok(None);
         }

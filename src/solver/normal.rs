@@ -8,6 +8,7 @@
 
 use std::sync::Arc;
 
+use crate::cancel::is_cancelled;
 use crate::energy::Energy;
 use crate::linear::{Cholesky, CholeskySymbolic, Lbfgs};
 use crate::mesh::{DVec3, Topology, VertexId};
@@ -84,6 +85,7 @@ impl NormalFlow {
         };
         let evaluator = Evaluator::new(problem, energy, rule, matrix_rule, form)?;
         let count = evaluator.unknowns().len();
+        SolverError::unless_cancelled()?;
         let symbolic = Arc::new(CholeskySymbolic::new(evaluator.pattern())?);
         let ring = LimitNormals::new(problem.topology(), &evaluator.unknowns().vertex);
         let mut normals = Vec::new();
@@ -115,6 +117,9 @@ impl NormalFlow {
             self.matrix_tau = Some(tau);
         }
         self.stiffen_frozen();
+        if is_cancelled() {
+            return Attempt::rejected(RejectReason::Cancelled);
+        }
         if let Err(error) = self.cholesky.factorize(&self.values) {
             // M/τ dominates for small τ: reject the step and let the step-size control reduce τ
             return Attempt::rejected(error.into());
@@ -193,6 +198,9 @@ impl NormalFlow {
         let mut whole = None;
         let mut reason = RejectReason::NoDescent;
         for _ in 0..=HALVINGS {
+            if is_cancelled() {
+                return Err(RejectReason::Cancelled);
+            }
             let longest = self.displace();
             let whole = *whole.get_or_insert(longest);
             reason = RejectReason::NoDescent;

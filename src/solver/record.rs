@@ -49,6 +49,9 @@ pub enum RejectReason {
     /// The energy's second derivatives are not finite somewhere.
     #[error("second derivatives of the energy are not finite on the surface")]
     UndefinedDerivatives,
+    /// The run was cancelled during the step.
+    #[error("the run was cancelled")]
+    Cancelled,
     /// The linear system could not be solved.
     #[error("{0}")]
     Linear(#[from] LinearError),
@@ -83,6 +86,7 @@ impl RejectReason {
             Self::Fold => "fold",
             Self::TimeStep(_) => "time-step",
             Self::UndefinedDerivatives => "undefined-derivatives",
+            Self::Cancelled => "cancelled",
             Self::Linear(_) => "linear-solve",
             Self::NotSolved { .. } => "gmres",
             Self::Unresolved { .. } => "unresolved",

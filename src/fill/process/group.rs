@@ -30,7 +30,8 @@ pub(in crate::fill) struct GroupProgress {
 
 impl GroupProgress {
     pub fn start(context: FillContext<'_>, group: usize, options: &FillOptions) -> Self {
-        let run = catching(|| GroupFlow::start(context, group, options));
+        let start = || GroupFlow::start(context, group, options);
+        let run = SolverError::unless_cancelled().and_then(|()| catching(start));
         let run =
             run.unwrap_or_else(|error| GroupFlow::failed_at_start(context, group, options, error));
         let positions = run.positions();

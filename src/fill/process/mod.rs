@@ -9,10 +9,10 @@ mod group;
 mod state;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
+use crate::cancel::is_cancelled;
 use crate::fill::assemble::Assembly;
 use crate::fill::attributes::Look;
 use crate::fill::context::FillContext;
@@ -82,9 +82,7 @@ impl Runner<FillProcess> {
         wake: Wake,
     ) -> Result<Self, StartError<ControlsError>> {
         let options = controls.options().map_err(StartError::Options)?;
-        let set_up = move |cancelled: &Arc<AtomicBool>| {
-            FillProcess::new(mesh, task, &options, Arc::clone(cancelled))
-        };
+        let set_up = move || FillProcess::new(mesh, task, &options);
         Self::start("fill", controls, settings, wake, set_up).map_err(StartError::Thread)
     }
 
@@ -109,15 +107,13 @@ pub struct FillProcess {
     warnings: Vec<(LoopId, Warning)>,
     /// Whether the patches were checked against those of other groups since the last change.
     groups_checked: bool,
-    cancelled: Arc<AtomicBool>,
 }
 
 impl FillProcess {
-    fn new(
+    pub(super) fn new(
         mesh: Arc<Mesh>,
         task: FillTask,
         options: &FillOptions,
-        cancelled: Arc<AtomicBool>,
     ) -> Result<Self, RefillError> {
         // any loop may be the rim of an island
         let loops = boundary_loops(&mesh);
@@ -171,7 +167,6 @@ impl FillProcess {
             failed_holes,
             warnings,
             groups_checked: false,
-            cancelled,
         })
     }
 
@@ -232,10 +227,10 @@ impl Process for FillProcess {
             mesh: &self.mesh,
             plan: &self.plan,
         };
-        let cancelled = &self.cancelled;
         let attempt = |group: &mut GroupProgress| {
-            let is_wanted = !cancelled.load(Ordering::Relaxed);
-            is_wanted.then(|| group.attempt(context, clock)).flatten()
+            (!is_cancelled())
+                .then(|| group.attempt(context, clock))
+                .flatten()
         };
         let records: Vec<_> = self.groups.par_iter_mut().map(attempt).collect();
         for (group, record) in records.into_iter().enumerate() {

@@ -80,7 +80,7 @@ impl Runner<RefineProcess> {
             region,
         };
         options.validate(&mesh).map_err(StartError::Options)?;
-        let set_up = move |_: &Arc<_>| RefineProcess::new(mesh, options);
+        let set_up = move || RefineProcess::new(mesh, options);
         Self::start("refine", controls, settings, wake, set_up).map_err(StartError::Thread)
     }
 }

@@ -30,6 +30,7 @@ mod kernel;
 mod precond;
 mod splitting;
 
+use crate::cancel::is_cancelled;
 use crate::energy::Energy;
 use crate::linear::{GmresOptions, GmresReport, LinearError, SparseLu, gmres};
 use crate::mesh::DVec3;
@@ -174,6 +175,9 @@ impl MixedFlow {
                 return Attempt::rejected(reason);
             }
             self.assembled = true;
+        }
+        if is_cancelled() {
+            return Attempt::rejected(RejectReason::Cancelled);
         }
         self.system.position_block(tau, &mut self.position_block);
         let linear = match self.solve(tau) {
