@@ -4,7 +4,7 @@
 //! surface. When its gain becomes small, the normal flow takes over. A flow in true time uses the
 //! normal flow from the start.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::memory::peak_memory;
 use crate::mesh::DVec3;
@@ -30,8 +30,8 @@ pub struct LevelFlow {
     pub unreached: usize,
     /// The flow.
     pub flow: Flow,
-    /// When the level started.
-    start: Instant,
+    /// Time of the computation so far, without pauses.
+    pub time: Duration,
     /// The vertices that the limit surface interpolates, and their target points.
     pub constraints: Vec<(u32, DVec3)>,
     /// In the descent, the energies after its accepted steps.
@@ -48,7 +48,7 @@ fn first_phase(mode: Mode) -> (MakeStepper, Option<Vec<f64>>) {
 }
 
 impl LevelFlow {
-    /// Starts the flow of a level at `start`, with `splits` levels to come. `constraints` are those
+    /// Starts the flow of a level that began at `start`, with `splits` levels to come. `constraints` are those
     /// of the problem. The surface satisfies `unreached` of them only by folding.
     ///
     /// # Errors
@@ -63,11 +63,12 @@ impl LevelFlow {
     ) -> Result<Self, SolverError> {
         let (make, descent) = first_phase(options.mode);
         let options = level_options(options, splits);
+        let flow = Flow::with_stepper(problem, options, make)?;
         Ok(Self {
             splits,
             unreached,
-            flow: Flow::with_stepper(problem, options, make)?,
-            start,
+            flow,
+            time: start.elapsed(),
             constraints,
             descent,
         })
@@ -97,6 +98,13 @@ impl LevelFlow {
     /// # Errors
     /// As [`Flow::step`].
     pub fn step(&mut self) -> Result<Option<StepRecord>, SolverError> {
+        let start = Instant::now();
+        let record = self.attempt();
+        self.time += start.elapsed();
+        record
+    }
+
+    fn attempt(&mut self) -> Result<Option<StepRecord>, SolverError> {
         if let Some(record) = self.flow.step()? {
             if self.has_settled(&record) {
                 self.switch_to_normal_flow()?;
@@ -106,7 +114,7 @@ impl LevelFlow {
         if self.descent.is_some() && self.flow.end() == Some(End::StepSizeCollapsed) {
             // sliding along the surface no longer helps; the normal flow may still
             self.switch_to_normal_flow()?;
-            return self.step();
+            return self.attempt();
         }
         Ok(None)
     }
@@ -165,7 +173,7 @@ impl LevelFlow {
             held_error: problem
                 .interpolation()
                 .map(|i| i.error(self.flow.positions()) / problem.radius()),
-            seconds: self.start.elapsed().as_secs_f64(),
+            seconds: self.time.as_secs_f64(),
             peak_memory: peak_memory(),
             warnings,
         }

@@ -8,6 +8,7 @@ use std::time::Instant;
 use crate::memory::{peak_memory, require};
 use crate::mesh::{Attributes, DVec3, Mesh, Split, Topology, VertexId};
 use crate::refine::creases::{Features, Weld};
+use crate::refine::estimate::count_level;
 use crate::refine::level_flow::LevelFlow;
 use crate::refine::measures::{radius, surface_energy};
 use crate::refine::options::{Hold, Method, RefineControls, RefineError, RefineOptions};
@@ -16,7 +17,7 @@ use crate::refine::refined::{Refined, refined_mesh};
 use crate::refine::region::{Region, nested_step};
 use crate::refine::schemes::butterfly_step;
 use crate::refine::start::constrained_start;
-use crate::solver::{Flow, FlowOptions, FlowProblem, SolverError};
+use crate::solver::{End, Flow, FlowOptions, FlowProblem, SolverError};
 use crate::subdivision::limit_positions;
 use crate::surface::Interpolation;
 use crate::warning::Warnings;
@@ -240,6 +241,11 @@ impl Refinement {
             region.descend(self.features.whole(&self.topology), &split);
         }
         if self.controls.method != Method::Pde {
+            count_level(
+                self.controls.method,
+                self.topology.face_count(),
+                start.elapsed(),
+            );
             self.levels.push(self.scheme_report(start));
             return Ok(());
         }
@@ -250,21 +256,21 @@ impl Refinement {
             self.levels.push(self.scheme_report(start));
             return Ok(());
         }
+        SolverError::unless_cancelled()?;
         let triangles: Vec<[u32; 3]> = self.topology.triangles().collect();
         let problem = FlowProblem::new(&self.control, &triangles, &free, self.radius)?;
         let (problem, unreached) = if self.level == 1 {
             constrained_start(problem, &held)?
         } else {
             (problem.with_constraints(&held)?, 0)
-        SolverError::unless_cancelled()?;
         };
+        SolverError::unless_cancelled()?;
         let splits = self.controls.levels.saturating_sub(self.level);
         let flow = LevelFlow::new(problem, &self.flow, splits, held, unreached, start)?;
         self.current = Some(flow);
         Ok(())
     }
 
-        SolverError::unless_cancelled()?;
     /// One step of Butterfly or of Loop's scheme.
     fn by_scheme(&mut self, old: &Topology, split: &Split) {
         // the new mesh has corners only where the old one has
@@ -337,6 +343,9 @@ impl Refinement {
         self.control = self.control_of(&running);
         self.points = self.points_of(&self.control, &running.constraints);
         let faces = self.topology.face_count();
+        if running.flow.end() != Some(End::Cancelled) {
+            count_level(self.controls.method, faces, running.time);
+        }
         let report = running.report(self.level, self.vertex_count(), faces);
         self.levels.push(report.clone());
         report

@@ -12,6 +12,7 @@ mod cancel_tests;
 mod continuation;
 mod creases;
 mod descent;
+mod estimate;
 mod level_flow;
 mod levels;
 mod measures;
@@ -25,10 +26,10 @@ mod start;
 
 pub use boundary::BoundaryRule;
 pub use creases::{Weld, crease_edges};
+pub use estimate::RefineEstimate;
 pub use measures::{radius, surface_energy};
 pub use options::{
-    Hold, MAX_LEVELS, Method, RefineControls, RefineError, RefineEstimate, RefineOptions,
-    natural_flow,
+    Hold, MAX_LEVELS, Method, RefineControls, RefineError, RefineOptions, natural_flow,
 };
 pub use process::{
     LevelFrame, LiveRefine, RefineProcess, RefineSnapshot, RefineState, RefineStatus,

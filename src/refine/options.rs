@@ -154,43 +154,6 @@ const BENDS: f64 = 3.0;
 /// Weight of the area against that of the bending there, over the inverse squared edge length.
 const AREA: f64 = 3.0;
 
-/// Bytes for each face of the last level in a flow. Measured as peak memory of refinements of 7,000 faces
-/// by two levels.
-const FLOW_BYTES: f64 = 3500.0;
-/// The same for the schemes without a flow.
-const SCHEME_BYTES: f64 = 220.0;
-/// Processor time in seconds for each face of all levels in a flow. Measured with refinements of 11,000
-/// faces by one and two levels: 1.0e-4 in fast mode, 1.2e-4 in flow mode.
-const FLOW_SECONDS: f64 = 1.2e-4;
-/// The same for the schemes without a flow.
-const SCHEME_SECONDS: f64 = 1.2e-6;
-
-/// What a refinement will take.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RefineEstimate {
-    /// Memory in bytes of the last level, which is the largest.
-    pub bytes: f64,
-    /// Processor time of all levels in seconds. The wall clock shows less if there are several
-    /// processors.
-    pub seconds: f64,
-}
-
-impl RefineControls {
-    /// Estimates the refinement of some of `all` faces, from measured rates.
-    pub fn estimate(&self, refined: usize, all: usize) -> RefineEstimate {
-        let (bytes, seconds) = match self.method {
-            Method::Pde => (FLOW_BYTES, FLOW_SECONDS),
-            Method::Butterfly | Method::Loop => (SCHEME_BYTES, SCHEME_SECONDS),
-        };
-        let last = refined as f64 * 4f64.powf(self.levels as f64);
-        RefineEstimate {
-            bytes: bytes * last + SCHEME_BYTES * all as f64,
-            // a level has a quarter of the faces of the next
-            seconds: seconds * last * 4.0 / 3.0,
-        }
-    }
-}
-
 impl RefineOptions {
     /// The memory in bytes that the last level takes.
     pub(super) fn memory(&self, mesh: &Mesh) -> f64 {

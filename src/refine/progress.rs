@@ -32,7 +32,7 @@ pub struct LevelReport {
     /// Largest distance between the limit surface and a vertex it interpolates, over the radius of
     /// the mesh; null for Loop's scheme and Butterfly.
     pub held_error: Option<f64>,
-    /// Wall clock.
+    /// Wall-clock time of the computation in seconds, without pauses.
     pub seconds: f64,
     /// Largest resident set of the process up to the end of the level, bytes; 0 where the system
     /// does not report it.

@@ -239,7 +239,10 @@ fn a_large_refinement_is_asked_about() {
     assert_eq!(faces, 20 << 18);
     // 3.5 kB and 0.12 ms for each face of the last level, and a third more time before it
     assert!((18.3e9..18.4e9).contains(&estimate.bytes), "{estimate:?}");
-    assert!((830.0..850.0).contains(&estimate.seconds), "{estimate:?}");
+    if !estimate.is_measured {
+        // no other test has refined enough to measure the rate of this process
+        assert!((830.0..850.0).contains(&estimate.seconds), "{estimate:?}");
+    }
     assert!(m.run.is_none());
     act(&mut m, Action::Escape);
     assert!(m.run.is_none() && m.view.modal == Modal::None);

@@ -133,10 +133,15 @@ fn large_ui(ui: &mut Ui, faces: u64, estimate: &RefineEstimate, actions: &mut Ve
     let free = free_memory();
     let left = free.map_or_else(String::new, |free| format!(" {} are free.", in_gib(free)));
     ui.label(format!(
-        "The result has about {} million faces. Computing it takes about {} of processor time and {} of \
-         memory.{left} Fewer levels give a smaller result.",
+        "The result has about {} million faces. Computing it takes about {}{} and {} of memory.{left} Fewer \
+         levels give a smaller result.",
         format_number(faces as f64 / 1e6),
         duration(estimate.seconds),
+        if estimate.is_measured {
+            ", at the rate of the refinements so far,"
+        } else {
+            " of processor time"
+        },
         in_gib(estimate.bytes as u64),
     ));
     if free.is_some_and(|free| estimate.bytes > free as f64) {
