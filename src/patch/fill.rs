@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use super::data::{Patch, PatchOptions, Rim};
 use super::error::{PatchError, is_collinear, validate};
 use super::frame::Frame;
-use super::grading::{growth, require_memory};
+use super::grading::{require_memory, set_grading};
 use super::remesh::{remesh, rim_valences, split_chords, subdivide};
 use super::slit::{stitch, with_zero_edges, without_zero_edges};
 use super::surface::Surface;
@@ -126,9 +126,9 @@ fn without_intersections(rim: &Rim, excluded: &impl Fn([u32; 3]) -> bool) -> Vec
 /// A triangulation of the rim with the wanted edge lengths.
 fn triangulated(rim: &Rim, triangles: &[[u32; 3]], density: f64) -> Surface {
     let n = rim.points.len();
-    let size = rim_sizes(&rim.points, density * fineness(n));
+    let size = rim_sizes(&rim.points, density.min(1.0) * fineness(n));
     let mut surface = Surface::new(rim.points.clone(), size, n, triangles);
-    surface.growth = growth(&surface, density);
+    set_grading(&mut surface, density);
     surface
 }
 
@@ -188,7 +188,8 @@ fn mean_curvature(rim: &Rim) -> f64 {
 /// area.
 const FLATTEST: f64 = 0.15;
 
-/// Wanted edge length at every rim vertex: the mean of the lengths of the rim edges near it.
+/// Wanted edge length at every rim vertex: the mean of the lengths of the rim edges near it over a
+/// density.
 pub(super) fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
     let n = points.len();
     let mut size: Vec<f64> = (0..n)

@@ -16,9 +16,14 @@ const MAX_EVEN: f64 = 100_000.0;
 /// The largest growth: triangles of the next ring are 1.3 times as large.
 const STEEPEST: f64 = 0.3;
 
-/// The growth of a triangulation with known sizes at its rims (see [`Surface::growth`]).
-/// `density` is relative to the rim.
-pub(super) fn growth(s: &Surface, density: f64) -> f64 {
+/// Sets the grading of a triangulation with known sizes at its rims. `density` is relative to the rim.
+pub(super) fn set_grading(s: &mut Surface, density: f64) {
+    s.refinement = density.max(1.0);
+    s.growth = growth(s, density);
+}
+
+/// The growth (see [`Surface::growth`]).
+fn growth(s: &Surface, density: f64) -> f64 {
     let strip = Strip::of(s);
     let most = MAX_EVEN * density.max(1.0).powi(2);
     if strip.vertices(0.0) <= most {
@@ -57,7 +62,7 @@ pub(super) fn expected_vertices(s: &Surface) -> f64 {
 struct Strip {
     area: f64,
     length: f64,
-    /// Mean wanted edge length at the rims.
+    /// Mean wanted edge length near the rims; in a finer patch, beyond the few rows in which it shrinks.
     edge: f64,
 }
 
@@ -67,7 +72,7 @@ impl Strip {
         Self {
             area: area(s),
             length: rim.map(|h| s.length2(h).sqrt()).sum(),
-            edge: s.size[..s.rim].iter().sum::<f64>() / s.rim as f64,
+            edge: s.size[..s.rim].iter().sum::<f64>() / (s.refinement * s.rim as f64),
         }
     }
 

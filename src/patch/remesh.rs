@@ -207,7 +207,7 @@ fn refine(s: &mut Surface, membrane: &mut Membrane) {
             return;
         }
         flip_to_delaunay(s);
-        if s.growth > 0.0 {
+        if s.is_graded() {
             s.grade();
         }
         // stop if few splits remain, because every sweep visits all vertices
@@ -231,7 +231,7 @@ fn split_where(s: &mut Surface, allowed: impl Fn(&Surface, u32) -> bool) -> bool
             continue;
         }
         let (a, b) = (s.from(h), s.to(h));
-        let limit = LONG * f64::midpoint(s.size[a as usize], s.size[b as usize]);
+        let limit = LONG * wanted_length(s, h);
         if s.length2(h) > limit * limit && allowed(s, h) {
             let middle = s.point(a).midpoint(s.point(b));
             s.split(h, middle);
@@ -239,6 +239,18 @@ fn split_where(s: &mut Surface, allowed: impl Fn(&Surface, u32) -> bool) -> bool
         }
     }
     any
+}
+
+/// The wanted length of an edge. A chord between rim vertices leads through a place with smaller
+/// triangles.
+fn wanted_length(s: &Surface, h: u32) -> f64 {
+    let (a, b) = (s.from(h), s.to(h));
+    let mean = f64::midpoint(s.size[a as usize], s.size[b as usize]);
+    if s.refinement > 1.0 && s.is_rim(a) && s.is_rim(b) {
+        let middle = mean - 0.5 * SHRINK * s.length2(h).sqrt();
+        return middle.max(mean / s.refinement);
+    }
+    mean
 }
 
 /// Merges the ends of short edges, once over all of them.
@@ -406,7 +418,7 @@ fn relax_along(s: &mut Surface, sweeps: usize) {
 /// Sets wanted sizes of interior vertices to the mean of their neighbours', in place, or to those
 /// that grow from the rim.
 fn smooth_sizes(s: &mut Surface, passes: usize) {
-    if s.growth > 0.0 {
+    if s.is_graded() {
         s.grade();
         return;
     }

@@ -25,6 +25,10 @@ use crate::mesh::DVec3;
 /// Stands for "no half-edge": the other side of a rim edge.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// Decrease of the wanted edge length with the distance from the rim of a finer patch, per length: the
+/// edges of the rim stay whole, and much smaller triangles beside them would be thin.
+pub(super) const SHRINK: f64 = 0.3;
+
 /// Patches of fewer triangles fit into the cache in any order.
 const MIN_REORDERED: usize = 4000;
 
@@ -40,6 +44,8 @@ pub(super) struct Surface {
     /// Rise of the wanted edge length with the distance from the rim, per length; 0 if it follows the
     /// rim alone.
     pub growth: f64,
+    /// The wanted edge length at the rim over that far from it, at least 1.
+    pub refinement: f64,
     pub corner: Vec<u32>,
     pub twin: Vec<u32>,
     /// An outgoing half-edge of each vertex; of a rim vertex the rim edge itself, so that turning
@@ -68,6 +74,7 @@ impl Surface {
         let mut s = Self {
             size,
             growth: 0.0,
+            refinement: 1.0,
             twin: vec![NONE; corner.len()],
             out: vec![NONE; n],
             valence: vec![0; n],
@@ -416,16 +423,62 @@ impl Surface {
         self.out[c as usize] = self.keep_rim_first(c, leaves_c);
     }
 
-    /// Sets the wanted edge lengths of interior vertices to the least that the rim allows along edges:
-    /// `min (size(r) + growth · length of the path from r)` over rim vertices r (Dijkstra).
+    /// Whether the wanted edge lengths depend on the distance from the rim.
+    pub fn is_graded(&self) -> bool {
+        self.growth > 0.0 || self.refinement > 1.0
+    }
+
+    /// Sets the wanted edge lengths of interior vertices. Without refinement they are the least that the
+    /// rim allows along edges: `min (size(r) + growth · length of the path from r)` over rim vertices r.
+    /// With refinement they shrink from that of the nearest rim vertex, and then grow again.
     pub fn grade(&mut self) {
-        let interior = self.rim..self.points.len();
-        self.size[interior].fill(f64::INFINITY);
+        let (rim, count) = (self.rim, self.points.len());
+        if self.refinement > 1.0 {
+            for (v, (path, nearest)) in self.nearest_of_rim().into_iter().enumerate().skip(rim) {
+                let coarse = self.size[nearest as usize];
+                let fine = coarse / self.refinement + self.growth * path;
+                self.size[v] = fine.max(coarse - SHRINK * path);
+            }
+            // where places of different density meet
+            self.limit_slope(self.growth.max(SHRINK), count);
+        } else {
+            self.size[rim..].fill(f64::INFINITY);
+            self.limit_slope(self.growth, rim);
+        }
+    }
+
+    /// The length of the shortest path along edges from the rim to each vertex, and the rim vertex where
+    /// it begins (Dijkstra).
+    fn nearest_of_rim(&self) -> Vec<(f64, u32)> {
+        let mut found = vec![(f64::INFINITY, 0); self.points.len()];
+        let mut queue = BinaryHeap::new();
+        for v in 0..self.rim as u32 {
+            found[v as usize] = (0.0, v);
+            queue.push(Reverse((0f64.to_bits(), v)));
+        }
+        while let Some(Reverse((bits, v))) = queue.pop() {
+            let (path, nearest) = found[v as usize];
+            if f64::from_bits(bits) > path {
+                continue;
+            }
+            self.for_neighbours(v, |w| {
+                let longer = path + self.point(v).distance(self.point(w));
+                if longer < found[w as usize].0 {
+                    found[w as usize] = (longer, nearest);
+                    queue.push(Reverse((longer.to_bits(), w)));
+                }
+            });
+        }
+        found
+    }
+
+    /// Lowers the wanted edge lengths of interior vertices until none exceeds that of one of the first
+    /// `sources` vertices by more than `slope` times the length of the path from it (Dijkstra).
+    fn limit_slope(&mut self, slope: f64, sources: usize) {
         // lengths are not negative, so that their bits are ordered like them
         let key = |size: f64, v: u32| Reverse((size.to_bits(), v));
-        let mut queue: BinaryHeap<_> = (0..self.rim as u32)
-            .map(|v| key(self.size[v as usize], v))
-            .collect();
+        let present = (0..sources as u32).filter(|&v| self.out[v as usize] != NONE);
+        let mut queue: BinaryHeap<_> = present.map(|v| key(self.size[v as usize], v)).collect();
         let mut reached = Vec::new();
         while let Some(Reverse((bits, v))) = queue.pop() {
             let size = f64::from_bits(bits);
@@ -435,7 +488,7 @@ impl Surface {
             reached.clear();
             self.for_neighbours(v, |w| reached.push(w));
             for &w in &reached {
-                let longer = size + self.growth * self.point(v).distance(self.point(w));
+                let longer = size + slope * self.point(v).distance(self.point(w));
                 if !self.is_rim(w) && longer < self.size[w as usize] {
                     self.size[w as usize] = longer;
                     queue.push(key(longer, w));

@@ -377,11 +377,45 @@ fn triangles_have_the_size_of_the_rims_edges() {
         assert!(angle > 15.0, "{name}: least angle {angle}");
         let dense = fill(&rim, PatchOptions { density: 2.0 }).expect("a sound rim");
         check(name, &rim, &dense);
+        // longer beside the edges of the rim, which stay whole
         let (length, _) = measure(&rim, &dense);
         assert!(
-            (0.35..0.55).contains(&length),
+            (0.35..0.75).contains(&length),
             "{name}: dense edges {length}"
         );
+    }
+}
+
+/// The triangles of a denser patch shrink from the rim inwards: none is thin beside the edges of the rim,
+/// which stay whole.
+#[test]
+fn dense_patches_have_no_thin_triangles() {
+    for n in [6, 12, 24, 48, 120] {
+        let rim = closed_curve(n, |t| DVec3::new(t.cos(), t.sin(), 0.1 * (2.0 * t).sin()));
+        let edge = rim.points[0].distance(rim.points[1]);
+        for density in [1.5, 2.5, 4.0] {
+            let patch = fill(&rim, PatchOptions { density }).expect("a sound rim");
+            check("dense", &rim, &patch);
+            let name = format!("{n} edges at density {density}");
+            let angle = patch.sharpest_angle();
+            assert!(angle > 20.0, "{name}: {angle}");
+            // most triangles in the middle have the wanted size
+            let middle = patch
+                .triangles
+                .iter()
+                .map(|t| t.map(|v| patch.points[v as usize]));
+            let middle = middle.filter(|p| p.iter().all(|p| p.length() < 1.0 - 4.0 * edge));
+            let lengths: Vec<f64> = middle.map(|p| p[0].distance(p[1])).collect();
+            if lengths.len() > 100 {
+                let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
+                let wanted = edge / density;
+                assert!(
+                    (0.75..1.15).contains(&(mean / wanted)),
+                    "{name}: {}",
+                    mean / wanted
+                );
+            }
+        }
     }
 }
 

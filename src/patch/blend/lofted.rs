@@ -9,7 +9,7 @@ use crate::mesh::self_intersections;
 use crate::patch::data::{Patch, PatchOptions, Rim, RimGeometry};
 use crate::patch::error::validate;
 use crate::patch::frame::Frame;
-use crate::patch::grading::growth;
+use crate::patch::grading::set_grading;
 use crate::patch::surface::Surface;
 
 /// Surfaces that leave the rims smoothly: lofted from one rim to the other (two rims), or joined at
@@ -82,6 +82,6 @@ fn fitted(found: Patch, rims: &[Rim], size: &[f64], density: f64) -> Patch {
     let mut size = size.to_vec();
     size.resize(found.points.len(), middle);
     let mut surface = Surface::new(found.points, size, found.rim, &found.triangles);
-    surface.growth = growth(&surface, density);
+    set_grading(&mut surface, density);
     refitted(surface, rims)
 }

@@ -26,7 +26,7 @@ use super::data::{Patch, PatchOptions, Rim, RimGeometry};
 use super::error::{PatchError, validate};
 use super::fill::{fineness, loose_angles, rim_sizes};
 use super::frame::Frame;
-use super::grading::{expected_vertices, growth, require_memory};
+use super::grading::{expected_vertices, require_memory, set_grading};
 use super::remesh::{refit, rim_valences, split_chords};
 use super::surface::Surface;
 use crate::mesh::DVec3;
@@ -65,7 +65,7 @@ pub fn blend(geometry: &RimGeometry, options: PatchOptions) -> Result<Patch, Pat
         bridges::surface(&rims, &chords)
     };
     surface.size = sizes(&rims, options);
-    surface.growth = growth(&surface, options.density);
+    set_grading(&mut surface, options.density);
     require_memory(&surface)?;
     let loose: Vec<f64> = rims.iter().flat_map(loose_angles).collect();
     let wanted = rim_valences(&surface, &loose);
@@ -89,7 +89,7 @@ pub fn reblend(geometry: &RimGeometry, patch: &Patch, options: PatchOptions) -> 
     size.resize(points.len(), middle);
     let max_vertices = MAX_GROWTH * points.len() as f64;
     let mut surface = Surface::new(points, size, patch.rim, &patch.triangles);
-    surface.growth = growth(&surface, options.density);
+    set_grading(&mut surface, options.density);
     let needed = expected_vertices(&surface);
     if needed.is_nan() || needed >= max_vertices {
         return patch.clone();
@@ -112,7 +112,7 @@ const MAX_GROWTH: f64 = 16.0;
 fn sizes(rims: &[Rim], options: PatchOptions) -> Vec<f64> {
     let count = rims.iter().map(|r| r.points.len()).sum();
     rims.iter()
-        .flat_map(|r| rim_sizes(&r.points, options.density * fineness(count)))
+        .flat_map(|r| rim_sizes(&r.points, options.density.min(1.0) * fineness(count)))
         .collect()
 }
 
