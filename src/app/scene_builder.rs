@@ -1,6 +1,5 @@
 //! Builds the drawn scene from the model.
 
-mod grid;
 mod report;
 
 use std::sync::Arc;
@@ -9,7 +8,7 @@ use super::cached::{Cached, SharedKey};
 use super::model::Model;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh};
 use crate::ops::Operation;
-use crate::render::{LineStyle, Marker, Overlay, Polyline, Scene, rim_points};
+use crate::render::{Grid, LineStyle, Marker, Overlay, Polyline, Scene, rim_points};
 pub(crate) use report::{ReportOverlays, natural_length};
 
 /// Rims of holes. They also differ in lightness, for users who cannot distinguish the hues.
@@ -36,7 +35,7 @@ pub(crate) struct OverlayCache {
     hover: Cached<RimKey<Vec<LoopId>>, Arc<Overlay>>,
     crossing: Cached<DVec3, Arc<Overlay>>,
     given: Cached<SharedKey<Mesh>, Arc<Overlay>>,
-    grid: Cached<grid::Grid, Arc<Overlay>>,
+    grid: Cached<Grid, Arc<Overlay>>,
     report: ReportOverlays,
 }
 
@@ -62,7 +61,7 @@ pub(crate) fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -
     surfaces.extend(display.into_iter().flat_map(|d| d.highlights.clone()));
     let mut bounds = display.map_or(model.document.origin.bounds, |d| d.bounds);
     let mut overlays: Vec<Arc<Overlay>> = Vec::new();
-    if let Some(grid) = grid::Grid::of(model) {
+    if let Some(grid) = ground_grid(model) {
         bounds = grid.around(bounds);
         let centre = model.centre();
         overlays.push(cache.grid.get(grid, || Arc::new(grid.overlay(centre))));
@@ -91,6 +90,13 @@ fn rims(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
         cache.rims.get(rim_key(model, running), || {
             let document = &model.document;
             let shown = |l: &&BoundaryLoop| !(running && document.selection.contains(&l.id));
+/// The grid on the ground, if it is switched on.
+fn ground_grid(model: &Model) -> Option<Grid> {
+    let view = &model.view;
+    let step = view.bar_length().filter(|_| model.settings.grid)?;
+    Grid::new(&model.document.origin.bounds, &view.camera, step)
+}
+
             rim_lines(
                 model,
                 &document.mesh,

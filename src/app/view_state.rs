@@ -4,7 +4,7 @@ use super::report::{ReportFile, ReportView};
 use crate::fill::LoopLimits;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId};
 use crate::refine::{Method, RefineControls, RefineEstimate};
-use crate::render::{Camera, SequenceFormat, ViewStyle};
+use crate::render::{Camera, SequenceFormat, ViewStyle, bar_length};
 
 /// The mouse controls of the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -434,24 +434,11 @@ pub struct ViewState {
     pub window: [f32; 2],
 }
 
-/// Length of the scale bar in points, at most.
-const BAR: f64 = 120.0;
-
-/// The largest of 1, 2 and 5 times a power of ten that is not above a length.
-fn round_length(most: f64) -> f64 {
-    let power = 10f64.powf(most.log10().floor());
-    let steps = [5.0, 2.0, 1.0];
-    let step = steps.into_iter().find(|s| s * power <= most);
-    step.unwrap_or(1.0) * power
-}
-
 impl ViewState {
     /// Length of the scale bar, and of the cells of the ground grid: a round number of units of the
     /// file; `None` in a view without size.
     pub fn bar_length(&self) -> Option<f64> {
-        let [width, height] = self.viewport_px.map(|x| x / self.pixels_per_point);
-        let most = self.units_per_point() * BAR.min(0.3 * width);
-        (most.is_finite() && most > 0.0 && height >= 1.0).then(|| round_length(most))
+        bar_length(&self.camera, self.viewport_px, self.pixels_per_point)
     }
 
     /// Units of the file for each point of the screen, at the depth of the pivot.
@@ -484,28 +471,6 @@ impl ViewState {
             viewport_px: [1280.0, 800.0],
             pixels_per_point: 1.0,
             window: [1360.0, 860.0],
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::round_length;
-
-    #[test]
-    fn round_lengths_are_the_largest_below_the_limit() {
-        for (most, length) in [
-            (1.0, 1.0),
-            (0.99, 0.5),
-            (7.3, 5.0),
-            (4.9, 2.0),
-            (1999.0, 1000.0),
-            (0.0031, 0.002),
-        ] {
-            assert!(
-                (round_length(most) - length).abs() < 1e-12 * length,
-                "{most}"
-            );
         }
     }
 }

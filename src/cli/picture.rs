@@ -10,9 +10,9 @@ use crate::io::materials;
 use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops, grow};
 use crate::options::Choice;
 use crate::render::{
-    self, Background, Bounds, Camera, DynamicSurface, Evaluation, Geometry, Gpu, LineStyle,
-    Overlay, Polyline, Scene, Sheet, SheetView, StandardView, SurfaceOptions, Textures, Vertex,
-    ViewStyle, rim_points,
+    self, Background, Bounds, Camera, CutPlane, DynamicSurface, Evaluation, Geometry, Gpu, Grid,
+    LineStyle, Overlay, Polyline, Scene, Sheet, SheetView, StandardView, SurfaceOptions, Textures,
+    Vertex, ViewStyle, bar_length, rim_points,
 };
 
 /// Default size of a picture.
@@ -56,13 +56,24 @@ impl Shot {
         let limit = !look.control_mesh;
         let surfaces = surfaces(mesh, first_patch_face, creases, centre, limit, &style);
         let rims = look.rims.then(|| Arc::new(rims(mesh, centre, limit)));
+        let size = sheet.view_size(&surfaces, &style, 1);
+        let mut camera = camera(look, &bounds, size)?;
+        camera.cut = look.cut.map(|plane| CutPlane {
+            point: plane.point,
+            normal: plane.normal,
+        });
+        let step = bar_length(&camera, size.map(f64::from), f64::from(style.line_scale));
+        let grid = step
+            .filter(|_| look.grid)
+            .and_then(|step| Grid::new(&bounds, &camera, step));
+        let lines = grid.map(|grid| Arc::new(grid.overlay(centre)));
         Ok(Self {
-            camera: camera(look, &bounds, sheet.view_size(&surfaces, &style, 1))?,
+            camera,
             scene: Scene {
                 centre,
-                bounds,
+                bounds: grid.map_or(bounds, |grid| grid.around(bounds)),
                 surfaces,
-                overlays: rims.into_iter().collect(),
+                overlays: lines.into_iter().chain(rims).collect(),
             },
             style,
             sheet,

@@ -3,8 +3,9 @@
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use crate::analysis::Plane;
 use crate::cli::UsageError;
-use crate::cli::parse::point;
+use crate::cli::parse::{plane, point};
 use crate::mesh::DVec3;
 use crate::options::{Choice, choices};
 use crate::render::{MAX_SIDE, Material, ViewMode};
@@ -58,6 +59,12 @@ pub struct PictureArguments {
     /// Draw the boundary loops.
     #[arg(long)]
     pub rims: bool,
+    /// Draw a grid on the ground below the model; its cells have a round length.
+    #[arg(long)]
+    pub grid: bool,
+    /// Hide the part of the surface between the eye and a plane, given by a point and a normal.
+    #[arg(long, value_name = "X,Y,Z,NX,NY,NZ", value_parser = plane, allow_hyphen_values = true)]
+    pub cut: Option<Plane>,
     /// Draw the triangles of the control mesh instead of its limit surface.
     #[arg(long)]
     pub control_mesh: bool,

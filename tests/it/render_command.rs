@@ -47,6 +47,8 @@ fn pictures_of_any_kind() {
         "--view H",
         "--view k1 --range -3,3",
         "--camera top --rims",
+        "--grid",
+        "--cut 0,0,0,0,0,1",
         "--camera top --up z",
         "--orthographic",
         "--stripes 3",
@@ -58,6 +60,30 @@ fn pictures_of_any_kind() {
     ] {
         let image = render("d.png", &format!("--size 120x90 {options}"));
         assert_ne!(image, plain, "{options}");
+    }
+}
+
+/// The half of the surface on the side of the eye is hidden, whichever way the normal points.
+#[test]
+fn a_plane_hides_what_is_in_front_of_it() {
+    let desk = cup();
+    let covered = |cut: &str| {
+        let look = ["--camera", "front", "--transparent", "--size", "120x90"];
+        let words = ["render", "cup.obj", "-o", "cut.png"];
+        let cut = ["--cut", cut];
+        let cut = &cut[..if cut[1].is_empty() { 0 } else { 2 }];
+        desk.runs(&[&words[..], &look, cut].concat());
+        let image = image_of(&desk, "cut.png");
+        image.pixels().filter(|p| p[3] > 128).count()
+    };
+    let whole = covered("");
+    assert!(whole > 2000, "{whole}");
+    assert_eq!(covered("0,0,2,0,0,1"), whole);
+    assert_eq!(covered("0,0,-2,0,0,1"), 0);
+    // of a cup that is cut lengthwise the inside is seen, within the same outline
+    for normal in ["1", "-1"] {
+        let half = covered(&format!("0,0,0,0,0,{normal}"));
+        assert!(half <= whole && 10 * half > 8 * whole, "{half} of {whole}");
     }
 }
 

@@ -1,8 +1,8 @@
-//! The grid on the ground below the model.
+//! The scale of a view: the length of its scale bar, and a grid with cells of that length on the ground
+//! below the model.
 
-use crate::app::model::Model;
+use super::{Bounds, Camera, LineStyle, Overlay, Polyline};
 use crate::mesh::DVec3;
-use crate::render::{Bounds, LineStyle, Overlay, Polyline};
 
 /// Maximum number of cells from the middle of the grid to each side.
 const MOST: f64 = 40.0;
@@ -12,11 +12,29 @@ const REACH: f64 = 2.0;
 const BELOW: f64 = 2e-3;
 const COLOR: [f32; 4] = [0.50, 0.53, 0.57, 0.55];
 const WIDTH: f32 = 0.8;
+/// Length of the scale bar at a scale of 1, at most, in pixels and relative to the width of the view.
+const BAR: [f64; 2] = [120.0, 0.3];
+
+/// Length of the scale bar of a view of `size` pixels, and of the cells of the grid: a round number of
+/// units of the file. Lengths on the screen are multiplied by `scale`. `None` in a view without size.
+pub fn bar_length(camera: &Camera, [width, height]: [f64; 2], scale: f64) -> Option<f64> {
+    let pixel = 2.0 * camera.half_height() / height.max(1.0);
+    let most = pixel * (BAR[0] * scale).min(BAR[1] * width);
+    (most.is_finite() && most > 0.0 && height >= scale).then(|| round_length(most))
+}
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above a length.
+fn round_length(most: f64) -> f64 {
+    let power = 10f64.powf(most.log10().floor());
+    let steps = [5.0, 2.0, 1.0];
+    let step = steps.into_iter().find(|s| s * power <= most);
+    step.unwrap_or(1.0) * power
+}
 
 /// A square grid whose lines are at multiples of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Grid {
-    /// Length of a cell in units of the file: that of the scale bar.
+pub struct Grid {
+    /// Length of a cell in units of the file.
     step: f64,
     /// The middle, at a corner of a cell.
     middle: DVec3,
@@ -27,15 +45,12 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The grid of the view, if it is switched on.
-    pub(super) fn of(model: &Model) -> Option<Self> {
-        let view = &model.view;
-        let step = view.bar_length().filter(|_| model.settings.grid)?;
-        let bounds = &model.document.origin.bounds;
+    /// The grid below a model, with cells of a given length. `None` for numbers that are not finite.
+    pub fn new(bounds: &Bounds, camera: &Camera, step: f64) -> Option<Self> {
         let radius = bounds.radius();
-        let up = view.camera.vertical();
+        let up = camera.vertical();
         let axes = [DVec3::X, DVec3::Y + DVec3::Z - up];
-        let snapped = |axis: DVec3| (view.camera.pivot.dot(axis) / step).round() * step * axis;
+        let snapped = |axis: DVec3| (camera.pivot.dot(axis) / step).round() * step * axis;
         let ground = bounds.low.dot(up) - BELOW * radius;
         let grid = Self {
             step,
@@ -51,15 +66,15 @@ impl Grid {
         f64::from(self.cells) * self.step
     }
 
-    /// The bounding box of the grid and another one.
-    pub(super) fn around(&self, bounds: Bounds) -> Bounds {
+    /// The box around the grid and another one.
+    pub fn around(&self, bounds: Bounds) -> Bounds {
         let reach = self.reach() * (self.axes[0] + self.axes[1]);
         let (low, high) = (self.middle - reach, self.middle + reach);
         Bounds::new(bounds.low.min(low), bounds.high.max(high))
     }
 
     /// Its lines relative to a centre.
-    pub(super) fn overlay(&self, centre: DVec3) -> Overlay {
+    pub fn overlay(&self, centre: DVec3) -> Overlay {
         let lines = (-self.cells..=self.cells).flat_map(|i| {
             let shift = f64::from(i) * self.step;
             [[0, 1], [1, 0]].map(|[along, across]| {
@@ -67,7 +82,7 @@ impl Grid {
                 let half = self.reach() * self.axes[along];
                 Polyline {
                     points: [at - half, at + half]
-                        .map(|p| super::narrow(p - centre))
+                        .map(|p| (p - centre).to_array().map(|x| x as f32))
                         .into(),
                     closed: false,
                     color: COLOR,
@@ -83,35 +98,48 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::action::{Switch, ViewAction};
-    use crate::app::tests::model;
-    use crate::app::update::act;
 
     #[test]
     fn cells_have_the_length_of_the_scale_bar_and_lie_below_the_model() {
-        let mut m = model();
-        assert_eq!(Grid::of(&m), None);
-        act(&mut m, ViewAction::Toggle(Switch::Grid));
+        let bounds = Bounds::new(DVec3::splat(-1.0), DVec3::ONE);
+        let mut camera = Camera::fit(&bounds);
         for z_up in [false, true] {
-            m.view.camera.z_up = z_up;
-            m.view.camera.pivot = DVec3::new(0.37, -0.1, 0.81);
-            let grid = Grid::of(&m).expect("a grid");
-            assert_eq!(Some(grid.step), m.view.bar_length());
-            let up = m.view.camera.vertical();
+            camera.z_up = z_up;
+            camera.pivot = DVec3::new(0.37, -0.1, 0.81);
+            let step = bar_length(&camera, [1280.0, 800.0], 1.0).expect("a length");
+            let grid = Grid::new(&bounds, &camera, step).expect("a grid");
+            let up = camera.vertical();
             let overlay = grid.overlay(DVec3::ZERO);
             assert_eq!(overlay.lines.len(), 2 * (2 * grid.cells as usize + 1));
             for p in overlay.lines.iter().flat_map(|l| &l.points) {
                 let p = DVec3::from_array(p.map(f64::from));
                 assert!(p.dot(up) < -1.0 && p.dot(up) > -1.1, "{p}");
                 for axis in grid.axes {
-                    let cells = p.dot(axis) / grid.step;
+                    let cells = p.dot(axis) / step;
                     assert!((cells - cells.round()).abs() < 1e-4, "{p}");
                 }
             }
             // at any zoom the number of lines is limited
-            m.view.camera.distance = 1e-3;
-            assert_eq!(Grid::of(&m).expect("a grid").cells, MOST as i32);
-            m.view.camera.distance = 4.0;
+            let grid = Grid::new(&bounds, &camera, 1e-3 * step);
+            assert_eq!(grid.expect("a grid").cells, MOST as i32);
+        }
+        assert_eq!(bar_length(&camera, [0.0, 0.0], 1.0), None);
+    }
+
+    #[test]
+    fn round_lengths_are_the_largest_below_the_limit() {
+        for (most, length) in [
+            (1.0, 1.0),
+            (0.99, 0.5),
+            (7.3, 5.0),
+            (4.9, 2.0),
+            (1999.0, 1000.0),
+            (0.0031, 0.002),
+        ] {
+            assert!(
+                (round_length(most) - length).abs() < 1e-12 * length,
+                "{most}"
+            );
         }
     }
 }
