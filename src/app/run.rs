@@ -6,6 +6,7 @@ mod handle;
 mod refine_handle;
 mod refinement;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -14,7 +15,7 @@ use super::jobs::Wake;
 use super::log::Level;
 use crate::energy::Preset;
 use crate::fill::{Controls, ErasedRegion, FillTask, LiveFill, Surface, open_selection};
-use crate::mesh::{BoundaryLoop, DVec3, Mesh, face_flags};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, face_flags};
 use crate::ops::Operation;
 use crate::options::{Choice as _, Options as _};
 use crate::runner::RunSettings;
@@ -266,7 +267,13 @@ impl Run {
     /// The progress of a running fill of several holes in words.
     pub fn progress(&self) -> Option<String> {
         let rows = self.sides.first()?.handle.figures(None);
-        let all: usize = rows.iter().map(|row| row.holes.len()).sum();
+        let left = rows.iter().filter(|row| row.end.is_none());
+        let left: BTreeSet<LoopId> = left.flat_map(|row| row.holes.iter().copied()).collect();
+        let all: BTreeSet<LoopId> = rows
+            .iter()
+            .flat_map(|row| row.holes.iter().copied())
+            .collect();
+        let (all, done) = (all.len(), all.len() - left.len());
         if all < 2 || self.ended() || !matches!(self.operation, Operation::Fill(_)) {
             return None;
         }
@@ -285,19 +292,24 @@ impl Run {
         if !matches!(self.operation, Operation::Fill(_)) {
             return None;
         }
-        let mut counts = [0; 3];
+        // a hole in two parts, with a crease between them, ends as the worse of them
+        let mut ends: BTreeMap<LoopId, usize> = BTreeMap::new();
         for row in self.sides.first()?.handle.figures(None) {
             let kind = match row.end? {
                 Ok(End::Converged) => 0,
                 Ok(_) => 1,
                 Err(_) => 2,
             };
-            counts[kind] += row.holes.len();
+            for hole in row.holes {
+                let end = ends.entry(hole).or_default();
+                *end = kind.max(*end);
+            }
+        let counts = [0, 1, 2].map(|kind| ends.values().filter(|&&end| end == kind).count());
         }
         let kinds = ["converged", "ended early", "failed"];
         let parts = counts.iter().zip(kinds).filter(|(n, _)| **n > 0);
         let parts: Vec<String> = parts.map(|(n, kind)| format!("{n} {kind}")).collect();
-        let all: usize = counts.iter().sum();
+        let all = ends.len();
         let noun = if all == 1 { "hole" } else { "holes" };
         (all > 0).then(|| format!("{all} {noun} filled: {}", parts.join(", ")))
     }

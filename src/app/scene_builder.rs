@@ -6,6 +6,8 @@ use std::sync::Arc;
 
 use super::cached::{Cached, SharedKey};
 use super::model::Model;
+use crate::app::view_state::Task;
+use crate::fill::{Features, crease_through};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh};
 use crate::ops::Operation;
 use crate::render::{Grid, LineStyle, Marker, Overlay, Polyline, Scene, rim_points};
@@ -20,6 +22,9 @@ const SELECTED: [f32; 4] = [1.0, 0.66, 0.10, 1.0];
 /// The rim under the cursor.
 const HOVER: [f32; 4] = [1.0, 1.0, 0.62, 1.0];
 
+/// Chosen edges, and edges that continue as creases.
+const CHOSEN: [f32; 4] = [0.95, 0.35, 0.85, 1.0];
+
 /// Points of self-intersection.
 const CROSSING: [f32; 4] = [0.95, 0.15, 0.15, 1.0];
 /// Vertices that a refinement interpolates.
@@ -33,6 +38,7 @@ pub(crate) struct OverlayCache {
     rims: Cached<RimKey<bool>, Arc<Overlay>>,
     selection: Cached<RimKey<Vec<LoopId>>, Arc<Overlay>>,
     hover: Cached<RimKey<Vec<LoopId>>, Arc<Overlay>>,
+    creases: Cached<RimKey<(Vec<LoopId>, f64)>, Arc<Overlay>>,
     crossing: Cached<DVec3, Arc<Overlay>>,
     given: Cached<SharedKey<Mesh>, Arc<Overlay>>,
     grid: Cached<Grid, Arc<Overlay>>,
@@ -71,6 +77,7 @@ pub(crate) fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -
     overlays.extend(crossing(model, side, cache));
     overlays.extend(selected_rims(model, cache));
     overlays.extend(hovered_rims(model, cache));
+    overlays.extend(continued_edges(model, cache));
     if side == 0 {
         overlays.extend(cache.report.of(model));
         bounds = cache.report.around(bounds);
@@ -83,13 +90,6 @@ pub(crate) fn scene_with(model: &Model, side: usize, cache: &mut OverlayCache) -
     }
 }
 
-/// All rims except those that the run fills, which would hide the join of the patch.
-fn rims(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
-    let running = model.run.is_some();
-    model.view.show_rims.then(|| {
-        cache.rims.get(rim_key(model, running), || {
-            let document = &model.document;
-            let shown = |l: &&BoundaryLoop| !(running && document.selection.contains(&l.id));
 /// The grid on the ground, if it is switched on.
 fn ground_grid(model: &Model) -> Option<Grid> {
     let view = &model.view;
@@ -97,6 +97,13 @@ fn ground_grid(model: &Model) -> Option<Grid> {
     Grid::new(&model.document.origin.bounds, &view.camera, step)
 }
 
+/// All rims except those that the run fills, which would hide the join of the patch.
+fn rims(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
+    let running = model.run.is_some();
+    model.view.show_rims.then(|| {
+        cache.rims.get(rim_key(model, running), || {
+            let document = &model.document;
+            let shown = |l: &&BoundaryLoop| !(running && document.selection.contains(&l.id));
             rim_lines(
                 model,
                 &document.mesh,
@@ -143,6 +150,44 @@ fn hovered_rims(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>>
             width_px: 5.0,
             style: LineStyle::OnTopFaintWhenHidden,
         })
+    }))
+}
+
+/// The creases along which sharp edges will continue, or do so in the current run, through the holes that
+/// are selected, filled or under the cursor.
+fn continued_edges(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
+    let controls = &model.document.controls;
+    let fills = match &model.run {
+        Some(run) => matches!(run.operation, Operation::Fill(_) | Operation::Refill(_)),
+        None => matches!(model.view.task, Task::Fill | Task::Repair),
+    };
+    if controls.features == Features::Off || !fills {
+        return None;
+    }
+    let mesh = model.looped_mesh();
+    let mut ids: Vec<LoopId> = match &model.run {
+        Some(run) => run.loops.iter().map(|l| l.id).collect(),
+        None => model.document.selection.iter().copied().collect(),
+    };
+    let hovered = model.view.hover.iter().filter(|id| !ids.contains(id));
+    ids.extend(hovered.copied().collect::<Vec<_>>());
+    let density = controls.density;
+    let key = RimKey {
+        mesh: SharedKey::of(mesh),
+        limit: false,
+        rims: (ids.clone(), density),
+    };
+    Some(cache.creases.get(key, || {
+        let holes = ids.iter().filter_map(|&id| model.shown_loop(id));
+        let curves = holes.filter_map(|hole| crease_through(mesh, hole, density));
+        let lines = curves.map(|points| Polyline {
+            points: points.iter().map(|&p| narrow(p - model.centre())).collect(),
+            closed: false,
+            color: CHOSEN,
+            width_px: 4.0,
+            style: LineStyle::OnTopFaintWhenHidden,
+        });
+        Arc::new(Overlay::new(lines.collect(), Vec::new()))
     }))
 }
 

@@ -13,13 +13,14 @@ use super::autosave::{self, Autosave};
 use super::document::{Document, Source};
 use super::model::{Effect, Model};
 use super::project;
+use super::scene_builder;
 use super::settings::Settings;
 use super::ui::plots;
 use super::update::{act, replace, tick};
 use super::view_state::{
     AfterUnsaved, LoopColumn, LoopKind, LoopList, Modal, PathUse, Task, Windows,
 };
-use crate::fill::{LoopLimits, Surface};
+use crate::fill::{Features, LoopLimits, Surface};
 use crate::io;
 use crate::mesh::{DVec3, LoopId, Soup, check_mesh, components};
 use crate::render::{Vertex, ViewMode};
@@ -761,6 +762,70 @@ fn a_fill_is_summarised_in_one_line() {
     filled(&mut m);
     let told = |m: &Model| {
         let entries = m.log.entries().iter();
+/// A roof with a hole across its ridge.
+fn roof() -> Document {
+    const N: u32 = 24;
+    let place = |i: u32| 2.0 * f64::from(i) / f64::from(N) - 1.0;
+    let at = |i: u32, j: u32| DVec3::new(place(i), place(j), -1.2 * place(i).abs());
+    let number = |i: u32, j: u32| i * (N + 1) + j;
+    let grid = |n: u32| (0..n).flat_map(move |i| (0..n).map(move |j| (i, j)));
+    let positions: Vec<DVec3> = grid(N + 1).map(|(i, j)| at(i, j)).collect();
+    let corners = grid(N).flat_map(|(i, j)| {
+        let [a, b, c, d] =
+            [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| number(i, j));
+        [[a, b, c], [a, c, d]]
+    });
+    let is_kept = |t: &[u32; 3]| t.iter().any(|&v| positions[v as usize].length() > 0.4);
+    let corners: Vec<u32> = corners.filter(is_kept).flatten().collect();
+    let soup = Soup {
+        offsets: (0..=corners.len() as u32 / 3).map(|i| 3 * i).collect(),
+        positions: positions.clone(),
+        corners,
+        ..Soup::default()
+    };
+    let opened = io::from_soup(&soup, Path::new("roof")).expect("sound");
+    Document::new(opened, Source::Sample("roof".into()))
+}
+
+#[test]
+fn a_crease_through_a_hole_is_shown_and_the_hole_counts_once() {
+    let wake: crate::app::jobs::Wake = Arc::new(|| ());
+    let mut m = Model::new(roof(), Settings::default(), Autosave::off(), wake);
+    let hole = *m.document.holes().first().expect("a hole");
+    // lines along the ridge through the hole
+    let creases = |m: &Model| {
+        let scene = scene_builder::scene(m, 0);
+        let lines = scene
+            .overlays
+            .iter()
+            .flat_map(|overlay| overlay.lines.clone());
+        let ridge = |p: &[f32; 3]| p[0].abs() < 1e-5;
+        let lines = lines.filter(|line| !line.closed && line.points.iter().all(ridge));
+        lines.filter(|line| line.points.len() > 2).count()
+    };
+    assert_eq!(creases(&m), 0);
+    act(&mut m, ViewAction::Hover(vec![hole]));
+    assert_eq!(creases(&m), 1);
+    act(&mut m, ViewAction::Hover(Vec::new()));
+    act(&mut m, SelectAction::Loop(hole, SelectHow::Replace));
+    assert_eq!(creases(&m), 1);
+    let mut controls = m.document.controls.clone();
+    controls.features = Features::Off;
+    act(&mut m, ControlsAction::Set(Box::new(controls)));
+    assert_eq!(creases(&m), 0);
+    let mut controls = m.document.controls.clone();
+    controls.features = Features::Auto;
+    act(&mut m, ControlsAction::Set(Box::new(controls)));
+    filled(&mut m);
+    assert_eq!(creases(&m), 1);
+    let told = m.log.entries().iter();
+    assert!(
+        told.clone().any(|e| e.text == "1 hole filled: 1 converged"),
+        "{}",
+        last_message(&m)
+    );
+}
+
         let lines = entries.filter(|e| e.text == "2 holes filled: 2 converged");
         lines.count()
     };

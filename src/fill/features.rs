@@ -101,6 +101,15 @@ pub(super) fn split(mesh: &Mesh, hole: &BoundaryLoop, density: f64) -> Option<Sp
     })
 }
 
+/// The points, from rim to rim, of the crease that [`Features::Auto`](crate::fill::Features::Auto)
+/// makes in the patch over a hole without islands, at a [density](crate::patch::PatchOptions::density).
+/// `None` if no sharp edge continues through the hole.
+pub fn crease_through(mesh: &Mesh, hole: &BoundaryLoop, density: f64) -> Option<Vec<DVec3>> {
+    let SplitHole { chord, ends, .. } = split(mesh, hole, density)?;
+    let [first, last] = ends.map(|v| mesh.position(v));
+    Some([vec![first], chord, vec![last]].concat())
+}
+
 /// Whether the middle half of a chord stays away from the rim. It does not where the rim itself runs
 /// along the sharp line, because only the faces on one side of it are missing.
 fn is_apart(mesh: &Mesh, hole: &BoundaryLoop, chord: &[DVec3], distance: f64) -> bool {
@@ -284,6 +293,17 @@ mod tests {
         let mesh = corner_of_cube().without(at, 0.25);
         let on_edge = |p: DVec3| (p.x - 1.0).abs() < 1e-9 && (p.z - 1.0).abs() < 1e-9;
         let sharp = filled(&mesh, at, Features::Auto);
+        let loops = boundary_loops(&mesh);
+        let hole = loops.iter().min_by(|a, b| a.edges().cmp(&b.edges()));
+        let crease = crease_through(&mesh, hole.expect("a hole"), 1.0).expect("a crease");
+        assert!(crease.iter().all(|&p| on_edge(p)), "{crease:?}");
+        let new = |p: &&DVec3| !mesh.positions.contains(p);
+        let inner = &crease[1..crease.len() - 1];
+        assert!(inner.iter().all(|p| new(&p) && sharp.positions.contains(p)));
+        assert!(
+            mesh.positions.contains(&crease[0])
+                && mesh.positions.contains(&crease[crease.len() - 1])
+        );
         for p in &sharp.positions {
             assert!((p.x - 1.0).abs().min((p.z - 1.0).abs()) < 1e-9, "{p}");
         }

@@ -51,6 +51,7 @@ mod warm_start;
 
 pub use bridge::{BridgeError, RimSegment, bridge, bridge_warning, segment_at};
 pub use controls::{Controls, ControlsError, Linear, LoopLimits};
+pub use features::crease_through;
 pub use islands::with_islands;
 pub use options::{Continuity, Features, FillOptions, PatchTexture, Surface, Symmetry};
 pub use partial::{PartialError, fill_part};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{markers, narrow};
+use super::{CHOSEN, markers, narrow};
 use crate::analysis::{Section, SectionCurve, SectionPoint};
 use crate::app::cached::{Cached, SharedKey};
 use crate::app::chains::{Chain, Places};
@@ -13,8 +13,6 @@ use crate::mesh::{DVec3, Mesh, VertexId};
 use crate::render::{Bounds, LineStyle, Marker, Overlay, Polyline};
 use crate::subdivision::limit_position;
 
-/// Chosen edges.
-const CHOSEN: [f32; 4] = [0.95, 0.35, 0.85, 1.0];
 /// The section.
 const SECTION: [f32; 4] = [1.0, 1.0, 1.0, 1.0];
 /// Teeth at negative and at positive curvature.
