@@ -179,6 +179,8 @@ pub enum ControlsAction {
     AddParameter(String),
     /// Compare with another energy, or stop comparing.
     CompareEnergy(Option<String>),
+    /// Set a parameter of that energy, also in the current run.
+    CompareParameter(String, f64),
 }
 
 /// The run.

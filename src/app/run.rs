@@ -277,8 +277,6 @@ impl Run {
         if all < 2 || self.ended() || !matches!(self.operation, Operation::Fill(_)) {
             return None;
         }
-        let ended = rows.iter().filter(|row| row.end.is_some());
-        let done: usize = ended.map(|row| row.holes.len()).sum();
         let eta = rows.iter().filter_map(|row| row.eta).fold(0.0, f64::max);
         let eta = match eta.ceil() {
             0.0 => String::new(),
@@ -304,9 +302,9 @@ impl Run {
                 let end = ends.entry(hole).or_default();
                 *end = kind.max(*end);
             }
-        let counts = [0, 1, 2].map(|kind| ends.values().filter(|&&end| end == kind).count());
         }
         let kinds = ["converged", "ended early", "failed"];
+        let counts = [0, 1, 2].map(|kind| ends.values().filter(|&&end| end == kind).count());
         let parts = counts.iter().zip(kinds).filter(|(n, _)| **n > 0);
         let parts: Vec<String> = parts.map(|(n, kind)| format!("{n} {kind}")).collect();
         let all = ends.len();
@@ -394,8 +392,7 @@ impl RunVariant {
     fn title(&self) -> String {
         let controls = &self.controls;
         let (name, text) = (self.name, &controls.energy);
-        let plain = text.replace(' ', "");
-        let preset = Preset::ALL.into_iter().find(|p| p.text() == plain);
+        let preset = Preset::of_text(text);
         match (&self.operation, controls.surface, preset) {
             (Operation::Refine(_), ..) => name.to_owned(),
             (_, Surface::Diffusion | Surface::G2, _) => {

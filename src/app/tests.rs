@@ -543,6 +543,13 @@ fn compared_energies_keep_their_own_parameters_when_a_control_is_changed() {
         "{marks:?}"
     );
     assert_eq!(m.document.controls.relaxation, 0.5);
+    // a parameter of B changes B alone, also while it runs
+    let before = m.run.as_ref().map(|run| run.sides[0].controls.clone());
+    act(&mut m, ControlsAction::CompareParameter("H0".into(), -1.0));
+    let run = m.run.as_ref().expect("it runs");
+    assert_eq!(run.sides[1].controls.param.get("H0"), Some(&-1.0));
+    assert_eq!(Some(&run.sides[0].controls), before.as_ref());
+    assert!(!m.document.controls.param.contains_key("H0"));
 }
 
 /// Points of all groups are at the attempts they share, also of groups that have ended before others.
@@ -755,13 +762,6 @@ fn warnings_are_those_of_the_shown_state() {
     assert!(!warnings(&m).iter().any(is_limit), "{:?}", warnings(&m));
 }
 
-#[test]
-fn a_fill_is_summarised_in_one_line() {
-    let mut m = model();
-    act(&mut m, SelectAction::All);
-    filled(&mut m);
-    let told = |m: &Model| {
-        let entries = m.log.entries().iter();
 /// A roof with a hole across its ridge.
 fn roof() -> Document {
     const N: u32 = 24;
@@ -826,6 +826,13 @@ fn a_crease_through_a_hole_is_shown_and_the_hole_counts_once() {
     );
 }
 
+#[test]
+fn a_fill_is_summarised_in_one_line() {
+    let mut m = model();
+    act(&mut m, SelectAction::All);
+    filled(&mut m);
+    let told = |m: &Model| {
+        let entries = m.log.entries().iter();
         let lines = entries.filter(|e| e.text == "2 holes filled: 2 converged");
         lines.count()
     };

@@ -1,5 +1,7 @@
 //! The view: camera, style, task, dialogs. Undo does not change it.
 
+use std::collections::BTreeMap;
+
 use super::report::{ReportFile, ReportView};
 use crate::fill::LoopLimits;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId};
@@ -133,12 +135,9 @@ impl Refining {
         let sum = |a: RefineEstimate, b: RefineEstimate| RefineEstimate {
             bytes: a.bytes + b.bytes,
             seconds: a.seconds + b.seconds,
+            is_measured: a.is_measured && b.is_measured,
         };
-        let none = RefineEstimate {
-            bytes: 0.0,
-            seconds: 0.0,
-        };
-        each.fold(none, sum)
+        each.reduce(sum).unwrap_or_default()
     }
 
     /// Number of faces after the refinement of a mesh, without those that are split to match.
@@ -385,6 +384,15 @@ impl LoopList {
     }
 }
 
+/// The energy of the second side of a comparison.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ComparedEnergy {
+    /// The text as typed, which may be invalid.
+    pub text: String,
+    /// Its parameters, which are independent of those of the first side.
+    pub param: BTreeMap<String, f64>,
+}
+
 /// The view.
 #[derive(Clone, Debug)]
 pub struct ViewState {
@@ -415,7 +423,7 @@ pub struct ViewState {
     /// The typed energy, which may be invalid.
     pub energy_text: String,
     /// Energy of the second side of a comparison; `None` without comparison.
-    pub compare_energy: Option<String>,
+    pub compared: Option<ComparedEnergy>,
     /// States of the flow per second.
     pub pace: f64,
     /// The settings of the report.
@@ -462,7 +470,7 @@ impl ViewState {
             show_rims: true,
             hover: Vec::new(),
             energy_text: "H^2".into(),
-            compare_energy: None,
+            compared: None,
             pace: 12.0,
             report: ReportView::default(),
             modal: Modal::None,

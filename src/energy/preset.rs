@@ -67,6 +67,12 @@ impl Preset {
         }
     }
 
+    /// The preset that is written like a text, spaces apart.
+    pub fn of_text(text: &str) -> Option<Self> {
+        let plain = text.replace(' ', "");
+        Self::ALL.into_iter().find(|preset| preset.text() == plain)
+    }
+
     /// Its name in words.
     pub const fn title(self) -> &'static str {
         match self {

@@ -340,7 +340,8 @@ fn pictures_of_a_comparison() {
     harness.get_by_label_contains("Sum of squares").click();
     harness.run_steps(3);
     let view = &harness.state().model.view;
-    assert_eq!(view.compare_energy.as_deref(), Some("H^2+K^2"));
+    let compared = view.compared.as_ref().map(|b| b.text.as_str());
+    assert_eq!(compared, Some("H^2+K^2"));
     fill_all(&mut harness);
     harness.key_press(Key::H);
     harness.run_steps(5);
@@ -464,6 +465,91 @@ fn the_shortcut_sheet_is_searched() {
     search(&mut harness, "undo");
     harness.get_by_label("Undo (also during a run)");
     assert!(harness.query_by_label("Camera").is_none());
+/// No button, field or label of a panel reaches beyond it, and the toolbar has one row, also where the
+/// window is small or its scale is large.
+#[test]
+fn nothing_leaves_its_panel_in_a_small_window() {
+    for size in [[900.0, 600.0], [800.0, 500.0]] {
+        let mut harness = window_on(riddled(), size, true);
+        for task in [Key::F2, Key::F3, Key::F4, Key::F5] {
+            harness.key_press(task);
+            harness.run_steps(6);
+            dismiss_toasts(&mut harness);
+            let view = harness.get_by_label("view").rect();
+            let named = harness.query_all(
+                By::new().predicate(|node| node.label().is_some() && node.role() != Role::Canvas),
+            );
+            let mut count = 0;
+            for node in named {
+                let rect = node.rect();
+                let name = node.accesskit_node().label();
+                let is_left = rect.left() < view.left() - 20.0 && rect.top() >= view.top();
+                if is_left && rect.bottom() < size[1] - 30.0 && rect.right() < view.right() {
+                    assert!(
+                        rect.right() <= view.left(),
+                        "{name:?} at {rect:?}, {size:?}"
+                    );
+                    count += 1;
+                }
+                assert!(
+                    rect.right() <= size[0] + 0.5,
+                    "{name:?} at {rect:?}, {size:?}"
+                );
+            }
+            assert!(count > 10, "{count} names");
+            assert!(view.top() < 70.0, "the toolbar ends at {}", view.top());
+        }
+    }
+}
+
+/// The parameters of both energies have sliders, which do not change each other.
+#[test]
+fn parameters_of_both_energies_are_set() {
+    let mut harness = window_of([1280.0, 1000.0], true);
+    let set = |harness: &mut Harness<'_, App>, action: ControlsAction| {
+        act(&mut harness.state_mut().model, action);
+        harness.run_steps(3);
+    };
+    set(&mut harness, ControlsAction::EnergyText("(H-a)^2".into()));
+    set(&mut harness, ControlsAction::AddParameter("a".into()));
+    set(
+        &mut harness,
+        ControlsAction::CompareEnergy(Some("(H-a)^2+b*K".into())),
+    );
+    harness.get_by_label("Make \"b\" a parameter").click();
+    harness.run_steps(3);
+    let sliders = |harness: &Harness<'_, App>, name: &str| {
+        harness
+            .get_all_by_label(name)
+            .filter(|n| n.accesskit_node().role() == Role::Slider)
+            .count()
+    };
+    assert_eq!(
+        ["a", "B: a", "B: b"].map(|name| sliders(&harness, name)),
+        [1, 1, 1]
+    );
+    set(
+        &mut harness,
+        ControlsAction::CompareParameter("a".into(), -2.0),
+    );
+    let model = &harness.state().model;
+    let compared = model.view.compared.as_ref().expect("an energy");
+    assert_eq!(
+        (model.document.controls.param["a"], compared.param["a"]),
+        (1.0, -2.0)
+    );
+    harness.get_by_label("Reset B: a").click();
+    harness.run_steps(3);
+    let compared = harness
+        .state()
+        .model
+        .view
+        .compared
+        .as_ref()
+        .expect("an energy");
+    assert_eq!((compared.param["a"], compared.param["b"]), (1.0, 1.0));
+}
+
     search(&mut harness, "ctrl+p");
     harness.get_by_label("Write a picture or a sequence");
     assert!(harness.query_by_label("Undo (also during a run)").is_none());

@@ -34,26 +34,33 @@ fn about(preset: Preset) -> &'static str {
 /// Choice and expression.
 pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let view = &model.view;
-    let params = &model.document.controls.param;
-    if let Some(preset) = preset_ui(ui, "Preset", &view.energy_text, params) {
+    let controls = &model.document.controls;
+    if let Some(preset) = preset_ui(ui, "Preset", &view.energy_text, &controls.param) {
         actions.push(ControlsAction::EnergyText(preset.text().into()).into());
         actions.push(ControlsAction::ApplyEnergy.into());
     }
-    let parsed = expression_ui(
-        ui,
-        "f(H, K) =",
-        &view.energy_text,
-        model,
-        ControlsAction::EnergyText,
-        Some(ControlsAction::ApplyEnergy),
-        actions,
-    );
-    if parsed {
-        parameters_ui(ui, model, actions);
+    let typed = expression_ui(ui, "f(H, K) =", &view.energy_text, &controls.param);
+    if let Some(text) = typed.text.clone() {
+        actions.push(ControlsAction::EnergyText(text).into());
+    }
+    if let Some(name) = typed.parameter {
+        actions.push(ControlsAction::AddParameter(name).into());
+    }
+    if typed.is_valid {
+        if typed.is_left {
+            actions.push(ControlsAction::ApplyEnergy.into());
+        } else if typed.text.is_none() && view.energy_text.trim() != controls.energy {
+            ui.weak("press Enter to use this energy");
+        }
+        if let Some((name, value)) = parameters_ui(ui, "", &controls.energy, &controls.param) {
+            let mut controls = controls.clone();
+            controls.param.insert(name, value);
+            actions.push(ControlsAction::Set(Box::new(controls)).into());
+        }
     }
     // it is about the energy in use, not about the one that is being typed
-    if parsed && view.energy_text.trim() == model.document.controls.energy {
-        badge_ui(ui, model);
+    if typed.is_valid && view.energy_text.trim() == controls.energy {
+        badge_ui(ui, model, 0);
     }
     if model.view.task != Task::Refine {
         compare_ui(ui, model, actions);
@@ -69,7 +76,9 @@ fn preset_ui(
 ) -> Option<Preset> {
     row(ui, name, "", |ui, label| {
         let energy = parsed(ui, name, text, &params_for(text, params));
-        let current = Result::as_ref(&energy).ok().and_then(Energy::as_preset);
+        let equal = || Result::as_ref(&energy).ok().and_then(Energy::as_preset);
+        // with H0 = 0 the text (H-H0)^2 is another preset
+        let current = Preset::of_text(text).or_else(equal);
         let mut chosen = None;
         egui::ComboBox::from_id_salt(name)
             .selected_text(current.map_or("typed", Preset::title))
@@ -94,17 +103,20 @@ fn preset_ui(
     })
 }
 
-/// A text field for an expression, with errors marked under their characters. Returns whether the
-/// text is valid.
-fn expression_ui(
-    ui: &mut Ui,
-    name: &str,
-    current: &str,
-    model: &Model,
-    typed: impl Fn(String) -> ControlsAction,
-    apply: Option<ControlsAction>,
-    actions: &mut Vec<Action>,
-) -> bool {
+/// What happened to a text field of an expression.
+struct Typed {
+    /// The new text, if it has changed.
+    text: Option<String>,
+    /// Whether the text is valid.
+    is_valid: bool,
+    /// Whether the field lost the focus, as it does at Enter.
+    is_left: bool,
+    /// An unknown name that is to become a parameter.
+    parameter: Option<String>,
+}
+
+/// A text field for an expression, with errors marked under their characters.
+fn expression_ui(ui: &mut Ui, name: &str, current: &str, params: &BTreeMap<String, f64>) -> Typed {
     let mut text = current.to_owned();
     let field = egui::TextEdit::singleline(&mut text)
         .font(egui::TextStyle::Monospace)
@@ -114,30 +126,20 @@ fn expression_ui(
         "H, K, k1, k2, numbers and parameters with + - * / ^, abs, sqrt, exp, log, sin, cos, \
          tanh, min, max; Enter takes it",
     );
-    if response.changed() {
-        actions.push(typed(text.clone()).into());
+    let parsed = parsed(ui, name, &text, &params_for(text.trim(), params));
+    let error = parsed.as_ref().as_ref().err();
+    if let Some(error) = error {
+        error_ui(ui, error);
     }
-    let params = params_for(text.trim(), &model.document.controls.param);
-    let parsed = parsed(ui, name, &text, &params);
-    match &*parsed {
-        Err(error) => {
-            error_ui(ui, error);
-            if let Some(name) = error.syntax().and_then(|e| e.unknown.as_ref())
-                && apply.is_some()
-                && ui.button(format!("Make \"{name}\" a parameter")).clicked()
-            {
-                actions.push(ControlsAction::AddParameter(name.clone()).into());
-            }
-        }
-        Ok(_) if response.lost_focus() => actions.extend(apply.map(Action::from)),
-        Ok(_) => {
-            let unused = apply.is_some() && text.trim() != model.document.controls.energy;
-            if unused && !response.changed() {
-                ui.weak("press Enter to use this energy");
-            }
-        }
+    let unknown = error.and_then(|error| error.syntax()?.unknown.clone());
+    let parameter =
+        unknown.filter(|name| ui.button(format!("Make \"{name}\" a parameter")).clicked());
+    Typed {
+        is_valid: error.is_none(),
+        is_left: response.lost_focus(),
+        text: response.changed().then_some(text),
+        parameter,
     }
-    parsed.is_ok()
 }
 
 /// The energy of a text, parsed again only when the text or a parameter changes. `name`
@@ -176,23 +178,29 @@ fn error_ui(ui: &mut Ui, error: &ExprError) {
     ui.label(RichText::new(syntax.to_string()).color(color));
 }
 
-fn parameters_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    let controls = &model.document.controls;
-    for (name, &value) in &controls.param {
+/// A slider for each parameter of an energy; `side` precedes their names. Returns the one that was
+/// changed, with its new value.
+fn parameters_ui(
+    ui: &mut Ui,
+    side: &str,
+    energy: &str,
+    params: &BTreeMap<String, f64>,
+) -> Option<(String, f64)> {
+    let mut changed = None;
+    for (name, &value) in params {
         let mut next = value;
-        let default = default_of(&controls.energy, name);
-        let reach = drag_reach(ui, name, value);
+        let title = format!("{side}{name}");
+        let reach = drag_reach(ui, &title, value);
         let tip = "drag or type; applies to the next step";
         // a typed value may exceed the range
-        let changed = slider_row(ui, name, tip, &mut next, default, |x| {
+        let is_changed = slider_row(ui, &title, tip, &mut next, default_of(energy, name), |x| {
             egui::Slider::new(x, -reach..=reach).clamping(egui::SliderClamping::Never)
         });
-        if changed {
-            let mut controls = controls.clone();
-            controls.param.insert(name.clone(), next);
-            actions.push(ControlsAction::Set(Box::new(controls)).into());
+        if is_changed {
+            changed = Some((name.clone(), next));
         }
     }
+    changed
 }
 
 /// The initial value of a parameter.
@@ -216,9 +224,9 @@ fn drag_reach(ui: &Ui, name: &str, value: f64) -> f64 {
     })
 }
 
-/// The well-posedness of the flow on the shown surface.
-fn badge_ui(ui: &mut Ui, model: &Model) {
-    let Some(scan) = model.displays[0].latest().and_then(|d| d.posed) else {
+/// The well-posedness of the flow on the shown surface of a side.
+fn badge_ui(ui: &mut Ui, model: &Model, side: usize) {
+    let Some(scan) = model.displays[side].latest().and_then(|d| d.posed) else {
         return;
     };
     if scan.samples == 0 {
@@ -255,14 +263,15 @@ fn badge_ui(ui: &mut Ui, model: &Model) {
             "the flow is strictly parabolic on the whole surface",
         )
     };
-    row(ui, "This flow is", "", |ui, _| {
+    let name = ["This flow is", "Flow B is"][side.min(1)];
+    row(ui, name, "", |ui, _| {
         ui.label(RichText::new(text).color(color).strong())
             .on_hover_text(tip);
     });
 }
 
 fn compare_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    let mut on = model.view.compare_energy.is_some();
+    let mut on = model.view.compared.is_some();
     if ui
         .checkbox(&mut on, "Compare with another energy (A/B)")
         .on_hover_text("fills the same holes twice, side by side, with linked cameras")
@@ -271,21 +280,28 @@ fn compare_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let energy = on.then(|| "k1^4+k2^4".to_owned());
         actions.push(ControlsAction::CompareEnergy(energy).into());
     }
-    let Some(energy) = &model.view.compare_energy else {
+    let Some(compared) = &model.view.compared else {
         return;
     };
-    let params = &model.document.controls.param;
-    if let Some(preset) = preset_ui(ui, "Preset of B", energy, params) {
-        let energy = Some(preset.text().into());
-        actions.push(ControlsAction::CompareEnergy(energy).into());
+    let (text, params) = (&compared.text, &compared.param);
+    if let Some(preset) = preset_ui(ui, "Preset of B", text, params) {
+        let text = Some(preset.text().into());
+        actions.push(ControlsAction::CompareEnergy(text).into());
     }
-    expression_ui(
-        ui,
-        "B: f(H, K) =",
-        energy,
-        model,
-        |text| ControlsAction::CompareEnergy(Some(text)),
-        None,
-        actions,
-    );
+    let typed = expression_ui(ui, "B: f(H, K) =", text, params);
+    if typed.text.is_some() {
+        actions.push(ControlsAction::CompareEnergy(typed.text).into());
+    }
+    let parameter = typed.parameter.map(|name| (name, 1.0));
+    if let Some((name, value)) = parameter.or_else(|| {
+        let shown = typed.is_valid;
+        shown
+            .then(|| parameters_ui(ui, "B: ", text, params))
+            .flatten()
+    }) {
+        actions.push(ControlsAction::CompareParameter(name, value).into());
+    }
+    if model.run.as_ref().is_some_and(|run| run.sides.len() > 1) {
+        badge_ui(ui, model, 1);
+    }
 }

@@ -278,7 +278,7 @@ pub(in crate::app) fn replace(model: &mut Model, document: Document) {
     view.report.forget();
     model.report = Report::default();
     view.energy_text.clone_from(&document.controls.energy);
-    view.compare_energy = None;
+    view.compared = None;
     model.document = document;
     model.textures = Arc::default();
     view::first_mode(model);

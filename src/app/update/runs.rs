@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::controls::params_for;
 use super::{edits, select};
 use crate::app::action::RunAction;
 use crate::app::document::{AppliedOperation, window_controls};
@@ -182,11 +181,13 @@ fn show(model: &mut Model, run: Run) {
 fn spawn(model: &mut Model, operation: impl Fn(FlowSpec) -> Operation) {
     let a = model.document.controls.clone();
     let mut sides = vec![operation(a.clone().into())];
-    if let Some(energy) = &model.view.compare_energy {
-        let mut b = a;
-        b.param = params_for(energy, &b.param);
-        b.energy.clone_from(energy);
-        b.surface = Surface::Energy;
+    if let Some(compared) = &model.view.compared {
+        let b = Controls {
+            energy: compared.text.clone(),
+            param: compared.param.clone(),
+            surface: Surface::Energy,
+            ..a
+        };
         sides.push(operation(b.into()));
     }
     match Run::start(&sides, &model.document, model.view.pace, &model.wake) {
