@@ -94,6 +94,8 @@ pub struct Display {
 #[derive(Default)]
 struct Slot {
     wanted: Option<Request>,
+    /// Whether the thread builds a display.
+    building: bool,
     ready: Option<Display>,
     /// Number of calls of [`DisplayWorker::forget`]. Results of earlier requests are discarded.
     epoch: u64,
@@ -183,6 +185,14 @@ impl DisplayWorker {
     pub fn latest(&self) -> Option<&Display> {
         self.latest.as_ref()
     }
+
+    /// Whether the newest result is that of the last request.
+    #[cfg(test)]
+    pub(crate) fn is_settled(&self) -> bool {
+        let slot = lock(&self.shared.0);
+        let is_idle = slot.wanted.is_none() && !slot.building && slot.ready.is_none();
+        is_idle && self.asked.is_some()
+    }
 }
 
 fn work(shared: &Shared, wake: &Wake) {
@@ -195,6 +205,7 @@ fn work(shared: &Shared, wake: &Wake) {
                     return;
                 }
                 if let Some(request) = slot.wanted.take() {
+                    slot.building = true;
                     break (request, slot.epoch);
                 }
                 slot = shared.1.wait(slot).unwrap_or_else(PoisonError::into_inner);
@@ -203,6 +214,7 @@ fn work(shared: &Shared, wake: &Wake) {
         let display = builder.build(&request);
         {
             let mut slot = lock(&shared.0);
+            slot.building = false;
             if slot.epoch != epoch {
                 continue;
             }

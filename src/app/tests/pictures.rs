@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::app::action::PictureAction;
+use crate::app::display::DisplayWorker;
 use crate::app::update::pictures;
 use crate::app::view_state::{PictureKind, PictureSettings};
 use crate::render::SequenceFormat;
@@ -44,8 +45,9 @@ fn sides_are_drawn_side_by_side_and_states_as_a_sequence() {
     style.range = Some([-2.0, 2.0]);
     act(&mut m, ViewAction::Style(style));
     // both sides are drawn at their newest states
+    tick(&mut m, Instant::now());
     until(&mut m, |m| {
-        m.displays[..2].iter().all(|d| d.latest().is_some())
+        m.displays[..2].iter().all(DisplayWorker::is_settled)
     });
     let open = |name: &str| {
         let picture = image::open(folder.path().join(name)).expect("a picture");
