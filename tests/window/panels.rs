@@ -6,27 +6,47 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::wait::wait_for;
-use eframe::egui::{self, Key, Modifiers, Pos2, Theme};
-use egui_kittest::kittest::{NodeT, Queryable};
+use eframe::egui::{self, Key, Modifiers, Pos2, Role, Theme};
+use egui_kittest::kittest::{By, NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
-use meniscus::app::{App, Autosave, Document, Model, Run, Settings, Source};
+use meniscus::app::{App, Autosave, ControlsAction, Document, Model, Run, Settings, Source, act};
 use meniscus::io;
 use meniscus::mesh::{DVec3, LoopId, Soup};
 use meniscus::render::{Bounds, Camera, Material};
 use meniscus::shapes::{Hole, HoleShape, cut_holes, sphere};
 
-/// A sphere with a hole towards the first camera and one on the other side.
-fn document() -> Document {
-    let one = DVec3::ONE;
-    let towards = -Camera::fit(&Bounds::new(-one, one)).forward();
-    let hole = |centre: DVec3, radius: f64, seed| Hole {
+fn hole(centre: DVec3, radius: f64, seed: u64) -> Hole {
+    Hole {
         centre,
         shape: HoleShape::Disc { radius },
         turn: 0.0,
         seed,
+    }
+}
+
+/// A sphere with a hole towards the first camera and one on the other side.
+fn document() -> Document {
+    let one = DVec3::ONE;
+    let towards = -Camera::fit(&Bounds::new(-one, one)).forward();
+    sphere_with(&[hole(towards, 0.45, 1), hole(-towards, 0.3, 2)])
+}
+
+/// A sphere with a dozen holes, so that the list of loops has filters.
+fn riddled() -> Document {
+    let centre = |i: u32| {
+        let height = (f64::from(i) - 5.5) / 7.0;
+        let (sin, cos) = (2.4 * f64::from(i)).sin_cos();
+        let radius = (1.0 - height * height).sqrt();
+        DVec3::new(radius * cos, height, radius * sin)
     };
-    let holes = [hole(towards, 0.45, 1), hole(-towards, 0.3, 2)];
-    let (positions, triangles) = cut_holes(&sphere(900, 3), &holes);
+    let holes: Vec<Hole> = (0..12)
+        .map(|i| hole(centre(i), 0.2, u64::from(i)))
+        .collect();
+    sphere_with(&holes)
+}
+
+fn sphere_with(holes: &[Hole]) -> Document {
+    let (positions, triangles) = cut_holes(&sphere(900, 3), holes);
     let soup = Soup {
         positions,
         offsets: (0..=triangles.len() as u32).map(|i| 3 * i).collect(),
@@ -42,6 +62,10 @@ fn window() -> Harness<'static, App> {
 }
 
 fn window_of(size: [f32; 2], dark: bool) -> Harness<'static, App> {
+    window_on(document(), size, dark)
+}
+
+fn window_on(document: Document, size: [f32; 2], dark: bool) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size(size)
         .with_theme(if dark { Theme::Dark } else { Theme::Light })
@@ -54,7 +78,7 @@ fn window_of(size: [f32; 2], dark: bool) -> Harness<'static, App> {
                 dark,
                 ..Settings::default()
             };
-            let model = Model::new(document(), settings, Autosave::off(), wake);
+            let model = Model::new(document.clone(), settings, Autosave::off(), wake);
             App::new(model, &cc.egui_ctx, cc.wgpu_render_state.as_ref())
         });
     until(&mut harness, |app| {
@@ -441,30 +465,6 @@ fn controls_do_not_jump_and_panels_can_be_closed() {
     }
 }
 
-/// Rows of the shortcut sheet are found by what they do and by their keys.
-#[test]
-fn the_shortcut_sheet_is_searched() {
-    let mut harness = window();
-    harness.key_press(Key::F1);
-    harness.run_steps(20);
-    harness.get_by_label("Camera");
-    let search = |harness: &mut Harness<'_, App>, text: &str| {
-        let field = harness
-            .get_all_by_label("Search")
-            .find(|n| n.value().is_some())
-            .expect("a field")
-            .rect()
-            .center();
-        harness.drag_at(field);
-        harness.drop_at(field);
-        harness.run_steps(2);
-        harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-        harness.event(egui::Event::Text(text.into()));
-        harness.run_steps(3);
-    };
-    search(&mut harness, "undo");
-    harness.get_by_label("Undo (also during a run)");
-    assert!(harness.query_by_label("Camera").is_none());
 /// No button, field or label of a panel reaches beyond it, and the toolbar has one row, also where the
 /// window is small or its scale is large.
 #[test]
@@ -550,6 +550,30 @@ fn parameters_of_both_energies_are_set() {
     assert_eq!((compared.param["a"], compared.param["b"]), (1.0, 1.0));
 }
 
+/// Rows of the shortcut sheet are found by what they do and by their keys.
+#[test]
+fn the_shortcut_sheet_is_searched() {
+    let mut harness = window();
+    harness.key_press(Key::F1);
+    harness.run_steps(20);
+    harness.get_by_label("Camera");
+    let search = |harness: &mut Harness<'_, App>, text: &str| {
+        let field = harness
+            .get_all_by_label("Search")
+            .find(|n| n.value().is_some())
+            .expect("a field")
+            .rect()
+            .center();
+        harness.drag_at(field);
+        harness.drop_at(field);
+        harness.run_steps(2);
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        harness.event(egui::Event::Text(text.into()));
+        harness.run_steps(3);
+    };
+    search(&mut harness, "undo");
+    harness.get_by_label("Undo (also during a run)");
+    assert!(harness.query_by_label("Camera").is_none());
     search(&mut harness, "ctrl+p");
     harness.get_by_label("Write a picture or a sequence");
     assert!(harness.query_by_label("Undo (also during a run)").is_none());

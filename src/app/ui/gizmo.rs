@@ -85,15 +85,17 @@ pub(crate) fn gizmo_ui(ui: &mut Ui, model: &Model, rect: Rect, actions: &mut Vec
 }
 
 /// A bar whose length is a round number of units at the depth of the pivot.
-pub(crate) fn scale_bar(ui: &Ui, model: &Model, rect: Rect) {
+pub(crate) fn scale_bar(ui: &Ui, model: &Model, rect: Rect, below: Option<Rect>) {
     let Some(length) = model.view.bar_length().filter(|_| rect.width() >= 240.0) else {
         return;
     };
     let width = (length / model.view.units_per_point()) as f32;
-    // above the hint or the buttons, if there is no room beside them
-    let low = model.run.is_none() && rect.width() > 800.0;
-    let lift = if low { 14.0 } else { 58.0 };
-    let left = rect.left_bottom() + vec2(14.0, -lift);
+    let left = rect.left() + 14.0;
+    let reaches = |below: &Rect| below.left() < left + width + 10.0;
+    let floor = below
+        .filter(reaches)
+        .map_or(rect.bottom(), |below| below.top());
+    let left = Pos2::new(left, floor - 14.0);
     let ink = ui.visuals().strong_text_color();
     let painter = ui.painter();
     let stroke = Stroke::new(1.5, ink);

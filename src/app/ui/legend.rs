@@ -28,6 +28,9 @@ pub(crate) fn shared_range(model: &Model, mode: ViewMode, known: &mut MapRange) 
     known.get(key, || robust_range(&surfaces, mode))
 }
 
+/// Width of the legend with its margin, at the right end of a view.
+pub(crate) const WIDTH: f32 = 116.0;
+
 /// Colours, ticks and name of a map.
 pub(crate) fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
     let height = (rect.height() * 0.4).clamp(80.0, 260.0);

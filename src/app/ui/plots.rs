@@ -1,7 +1,7 @@
 //! The plots of a run: energy and residual by attempt, with one legend.
 
 use eframe::egui::{self, Color32, RichText, Ui};
-use egui_plot::{Line, LineStyle, Plot, PlotPoints, VLine};
+use egui_plot::{AxisHints, GridInput, GridMark, Line, LineStyle, Plot, PlotPoints, VLine};
 
 use super::format::{format_number, trimmed};
 use super::theme;
@@ -77,21 +77,34 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
         (true, _) => "energy, relative to the start",
         (false, _) => "residual",
     };
-    ui.small(format!("{title}, by attempt"));
+    let words = RichText::new(format!("{title}, by attempt")).small();
+    // in one line: the height of the plot is what is left
+    ui.add(egui::Label::new(words).truncate());
     let mut plot = Plot::new(title)
         .height((height - 22.0).max(40.0))
         .allow_scroll(false)
         .allow_drag(false)
         .allow_zoom(false)
         .allow_boxed_zoom(false)
-        .y_axis_min_width(44.0)
-        .y_axis_formatter(move |mark, _| {
-            if energy {
-                trimmed(mark.value)
-            } else {
-                format!("1e{:.0}", mark.value)
-            }
-        })
+        .x_grid_spacer(|input| marks(input, WIDE, true))
+        .y_grid_spacer(move |input| marks(input, HIGH, !energy))
+        .custom_x_axes(vec![
+            AxisHints::new_x()
+                .label_spacing(LABELS)
+                .formatter(|mark, _| format!("{:.0}", mark.value)),
+        ])
+        .custom_y_axes(vec![
+            AxisHints::new_y()
+                .min_thickness(44.0)
+                .label_spacing(LABELS)
+                .formatter(move |mark, _| {
+                    if energy {
+                        mark_words(mark.value, mark.step_size)
+                    } else {
+                        format!("1e{:.0}", mark.value)
+                    }
+                }),
+        ])
         // the readout has the values of all curves
         .label_formatter(|_| None)
         .show_y(false)
@@ -129,6 +142,51 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
     shown
         .response
         .on_hover_ui_at_pointer(|ui| readout_ui(ui, run, curves, energy, x, reach));
+}
+
+/// Least distance of two marks of an axis in points.
+const WIDE: f64 = 40.0;
+const HIGH: f64 = 18.0;
+/// Distance of marks at which labels begin to show and are opaque: all marks are further apart.
+const LABELS: egui::Rangef = egui::Rangef {
+    min: 8.0,
+    max: 16.0,
+};
+
+/// The marks of an axis at multiples of a round step, at least `least` points apart. Of a `whole` axis
+/// they are whole numbers.
+fn marks(input: GridInput, least: f64, whole: bool) -> Vec<GridMark> {
+    // the step that is given is eight points
+    let least = input.base_step_size / 8.0 * least;
+    let step_size = round_step(if whole { least.max(1.0) } else { least });
+    let (low, high) = input.bounds;
+    let (first, last) = ((low / step_size).ceil(), (high / step_size).floor());
+    let count = (last - first + 1.0).clamp(0.0, 100.0) as u32;
+    let at = |i: u32| GridMark {
+        value: (first + f64::from(i)) * step_size,
+        step_size,
+    };
+    (0..count).map(at).collect()
+}
+
+/// The smallest of 1, 2 and 5 times a power of ten that is not below a length.
+fn round_step(least: f64) -> f64 {
+    let power = 10f64.powf(least.log10().floor());
+    let steps = [1.0, 2.0, 5.0];
+    let step = steps
+        .into_iter()
+        .find(|s| s * power >= least * (1.0 - 1e-9));
+    step.unwrap_or(10.0) * power
+}
+
+/// The label of a mark, in as many digits as the step needs.
+fn mark_words(value: f64, step: f64) -> String {
+    let places = -step.log10().floor();
+    if value.abs() >= 1e5 || places > 6.0 {
+        return trimmed(value);
+    }
+    let places = places.max(0.0) as usize;
+    format!("{value:.places$}")
 }
 
 /// The values of all curves at the attempt under the cursor, and the changes of controls within
@@ -214,4 +272,36 @@ pub(crate) fn curves(run: &Run, energy: bool) -> Vec<PlotCurve> {
         }
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_round_and_have_labels_of_their_own() {
+        let axis = |low: f64, high: f64, points: f64, least: f64, whole: bool| {
+            let base_step_size = 8.0 * (high - low) / points;
+            let bounds = (low, high);
+            let input = GridInput {
+                bounds,
+                base_step_size,
+            };
+            marks(input, least, whole)
+        };
+        for (low, high) in [(0.017, 0.0184), (0.9999, 1.0), (0.3, 90.0), (-3.0, 1.0)] {
+            let all = axis(low, high, 100.0, HIGH, false);
+            assert!((2..=6).contains(&all.len()), "{low} to {high}: {all:?}");
+            let words: Vec<String> = all
+                .iter()
+                .map(|m| mark_words(m.value, m.step_size))
+                .collect();
+            assert!(words.windows(2).all(|w| w[0] != w[1]), "{words:?}");
+        }
+        // attempts and powers of ten are whole, also where there are few
+        let whole = axis(0.9, 1.1, 140.0, WIDE, true);
+        assert_eq!(whole.iter().map(|m| m.value).collect::<Vec<_>>(), [1.0]);
+        let powers = axis(-7.0, 0.2, 100.0, HIGH, true);
+        assert!(powers.len() > 2 && powers.iter().all(|m| m.value.fract() == 0.0));
+    }
 }

@@ -258,7 +258,10 @@ fn filter_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         return;
     }
     let mut next = model.view.list.clone();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
+        let spacing = ui.spacing_mut();
+        spacing.item_spacing.x = 2.0;
+        spacing.button_padding.x = 5.0;
         for (kind, title) in [
             (LoopKind::All, "all"),
             (LoopKind::Holes, "holes"),

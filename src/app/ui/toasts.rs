@@ -30,7 +30,8 @@ pub(crate) fn toasts_ui(
         .anchor(Align2::RIGHT_TOP, corner)
         .interactable(true)
         .show(ctx, |ui| {
-            ui.set_max_width(420.0);
+            let width = (views.width() - 24.0).clamp(120.0, 420.0);
+            ui.set_max_width(width);
             for i in shown {
                 let entry = &model.log.entries()[i];
                 let color = match entry.level {
@@ -40,7 +41,7 @@ pub(crate) fn toasts_ui(
                 };
                 let frame = Frame::popup(ui.style()).stroke(Stroke::new(1.5, color));
                 let inner = frame.show(ui, |ui| {
-                    ui.set_max_width(400.0);
+                    ui.set_max_width(width - 20.0);
                     ui.label(&entry.text);
                 });
                 let response = inner.response.interact(egui::Sense::click());

@@ -1,11 +1,12 @@
 //! The row of view modes and switches.
 
-use eframe::egui::{self, Ui};
+use eframe::egui::{self, Color32, Ui};
 
 use super::format::{format_number, mode_words};
 use super::widgets::{Asks, row};
 use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::model::Model;
+use crate::app::view_state::ViewState;
 use crate::mesh::DVec3;
 use crate::options::Choice as _;
 use crate::render::{Material, ViewMode, ViewStyle};
@@ -45,42 +46,77 @@ pub(crate) fn toolbar_ui(
             button.on_hover_text("material, stripes and light, or the range of the colour map");
         });
         ui.separator();
-        for (title, about, switch, on) in [
-            (
-                "Wireframe",
-                "show the edges of the control mesh",
-                Switch::Wireframe,
-                view.style.wireframe,
-            ),
-            (
-                "Tint",
-                "draw patches in a different colour",
-                Switch::Tint,
-                view.style.tint_patch,
-            ),
-            (
-                "Limit surface",
-                "on: limit surface; off: triangles of the control mesh",
-                Switch::LimitSurface,
-                view.limit_surface,
-            ),
-            (
-                "Original",
-                "on: whole mesh; off: only the patches",
-                Switch::Original,
-                view.show_original,
-            ),
-            (
-                "Rims",
-                "draw all boundary loops",
-                Switch::Rims,
-                view.show_rims,
-            ),
-        ] {
-            let label = ui.selectable_label(on, title);
-            label.asks_with_key(about, ViewAction::Toggle(switch), actions);
+        let switches = switches(view);
+        // in a menu where the row is too short, so that there is one row at any width
+        if switches_width(ui, &switches) <= ui.available_size_before_wrap().x {
+            switches_ui(ui, &switches, actions);
+        } else {
+            let menu = egui::containers::menu::MenuConfig::new()
+                .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
+            let button = egui::containers::menu::MenuButton::new("Show").config(menu);
+            let (button, _) = button.ui(ui, |ui| switches_ui(ui, &switches, actions));
+            button.on_hover_text("wireframe, tint, limit surface, whole mesh, rims");
         }
     });
+}
+
+/// A switch of the view: title, tooltip, action and state.
+type ViewSwitch = (&'static str, &'static str, Switch, bool);
+
+fn switches(view: &ViewState) -> [ViewSwitch; 5] {
+    [
+        (
+            "Wireframe",
+            "show the edges of the control mesh",
+            Switch::Wireframe,
+            view.style.wireframe,
+        ),
+        (
+            "Tint",
+            "draw patches in a different colour",
+            Switch::Tint,
+            view.style.tint_patch,
+        ),
+        (
+            "Limit surface",
+            "on: limit surface; off: triangles of the control mesh",
+            Switch::LimitSurface,
+            view.limit_surface,
+        ),
+        (
+            "Original",
+            "on: whole mesh; off: only the patches",
+            Switch::Original,
+            view.show_original,
+        ),
+        (
+            "Rims",
+            "draw all boundary loops",
+            Switch::Rims,
+            view.show_rims,
+        ),
+    ]
+}
+
+fn switches_ui(ui: &mut Ui, switches: &[ViewSwitch], actions: &mut Vec<Action>) {
+    for &(title, about, switch, on) in switches {
+        let label = ui.selectable_label(on, title);
+        label.asks_with_key(about, ViewAction::Toggle(switch), actions);
+    }
+}
+
+/// Width of the switches in one row.
+fn switches_width(ui: &Ui, switches: &[ViewSwitch]) -> f32 {
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let spacing = ui.spacing();
+    let beside = 2.0 * spacing.button_padding.x + spacing.item_spacing.x;
+    let width = |title: &str| {
+        let galley = ui
+            .painter()
+            .layout_no_wrap(title.into(), font.clone(), Color32::WHITE);
+        galley.size().x + beside
+    };
+    switches.iter().map(|switch| width(switch.0)).sum()
 }
 
 /// The material of shaded surfaces.

@@ -34,7 +34,7 @@ pub(crate) fn transport_ui(
     let width = ui.available_width();
     ui.horizontal_top(|ui| {
         let height = ui.available_height();
-        let numbers = egui::vec2((0.56 * width).min(720.0), height);
+        let numbers = egui::vec2((0.62 * width).min(NUMBERS), height);
         let layout = egui::Layout::top_down(egui::Align::Min);
         ui.allocate_ui_with_layout(numbers, layout, |ui| {
             ui.set_min_size(numbers);
@@ -43,6 +43,9 @@ pub(crate) fn transport_ui(
         plots_ui(ui, run, actions);
     });
 }
+
+/// Width of the table of numbers where there is room.
+const NUMBERS: f32 = 640.0;
 
 /// Buttons, timeline and pace in one row.
 fn bar_ui(ui: &mut Ui, model: &Model, run: &Run, details: bool, actions: &mut Vec<Action>) {
@@ -172,32 +175,32 @@ fn end_words(end: End) -> &'static str {
     }
 }
 
-/// The columns of the table: title, width, tooltip. The status has the remaining width.
+/// The columns of the table: title, width, tooltip. The last one has the remaining width.
 const COLUMNS: [(&str, f32, &str); 8] = [
     (
         "holes",
-        76.0,
+        64.0,
         "holes are solved together if their surroundings overlap",
     ),
-    ("step", 40.0, "accepted steps"),
+    ("status", 104.0, "how the flow ended"),
+    ("step", 36.0, "accepted steps"),
     (
         "τ/τ_ref",
-        64.0,
+        62.0,
         "time step divided by the natural time of the hole",
     ),
     (
         "energy",
-        74.0,
+        70.0,
         "integral of f over the patch and its support region",
     ),
     (
         "residual",
-        62.0,
+        58.0,
         "predicted remaining motion divided by the hole radius; converged below 1e-6",
     ),
-    ("rejected", 58.0, "rejected steps"),
-    ("angle", 42.0, "smallest angle of the patch's triangles"),
-    ("status", 120.0, "how the flow ended"),
+    ("angle", 38.0, "smallest angle of the patch's triangles"),
+    ("rejected", 56.0, "rejected steps"),
 ];
 
 fn numbers_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) {
@@ -345,19 +348,24 @@ fn group_ui(
         figures.residual.map(|r| format!("{r:.1e}")),
     ];
     row.col(|ui| cell(ui, holes.as_str(), &holes));
+    row.col(|ui| status_ui(ui, figures));
     for number in numbers {
         row.col(|ui| cell(ui, number.unwrap_or_default(), ""));
     }
+    row.col(|ui| {
+        let angle = figures.angle.map(|a| format!("{a:.0}°"));
+        cell(ui, angle.unwrap_or_default(), "");
+    });
     row.col(|ui| {
         let reason = side.curves.get(g).and_then(|c| c.rejection.as_ref());
         let reason = reason.map_or_else(String::new, |r| format!("reason of the last one: {r}"));
         cell(ui, figures.rejected.to_string(), &reason);
     });
-    row.col(|ui| {
-        let angle = figures.angle.map(|a| format!("{a:.0}°"));
-        cell(ui, angle.unwrap_or_default(), "");
-    });
-    row.col(|ui| match &figures.end {
+}
+
+/// How a flow ended, or what it does.
+fn status_ui(ui: &mut Ui, figures: &Figures) {
+    match &figures.end {
         Some(Err(text)) => cell(
             ui,
             RichText::new("failed").color(ui.visuals().error_fg_color),
@@ -372,10 +380,10 @@ fn group_ui(
             cell(ui, RichText::new(words).color(color), words);
         }
         None => cell(ui, RichText::new(&figures.doing).weak(), &figures.doing),
-    });
+    }
 }
 
-/// A number with six significant digits.
+/// A number with six significant digits, or with four and a power of ten.
 struct Sig(f64);
 
 impl std::fmt::Display for Sig {
@@ -390,7 +398,7 @@ impl std::fmt::Display for Sig {
             };
             write!(f, "{x:.digits$}")
         } else {
-            write!(f, "{x:.5e}")
+            write!(f, "{x:.3e}")
         }
     }
 }

@@ -6,7 +6,7 @@ use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sen
 
 use super::UiState;
 use super::format::format_number;
-use super::legend::{legend, shared_range};
+use super::legend::{WIDTH, legend, shared_range};
 use super::navigation::{CLICK, navigate};
 use super::repair;
 use super::side::how;
@@ -48,22 +48,22 @@ pub(crate) fn viewports_ui(
             rect.min.x = whole.left() + width * side as f32;
             rect.max.x = rect.min.x + width - if side + 1 < sides { 1.0 } else { 0.0 };
         }
-        viewport_ui(ui, model, state, format, side, rect, actions);
+        let mut below = viewport_ui(ui, model, state, format, side, rect, actions);
         if let Some(run) = model.run.as_ref() {
-            // beside the legend
-            if model.view.style.mode.is_map() {
-                rect.max.x -= 116.0;
-            }
+            let rect = beside_legend(model, rect);
             if run.diverged() {
                 if side == 0 {
-                    diverged_ui(ui, run, rect, actions);
+                    below = Some(diverged_ui(ui, run, rect, actions));
                 }
             } else if run.ended() {
-                decide_ui(ui, run, side, rect, actions);
+                below = Some(decide_ui(ui, run, side, rect, actions));
             } else if let Some(words) = run.progress().filter(|_| side == 0) {
                 let at = rect.center_bottom() - egui::vec2(0.0, 16.0);
-                text(ui, at, Align2::CENTER_BOTTOM, &words, 14.0);
+                below = Some(text(ui, rect, at, Align2::CENTER_BOTTOM, &words, 14.0));
             }
+        }
+        if side == 0 {
+            super::gizmo::scale_bar(ui, model, rect, below);
         }
         if let Some(run) = model.run.as_ref().filter(|r| r.sides.len() > 1) {
             badge_ui(ui, &run.title(side), side, rect);
@@ -75,7 +75,7 @@ pub(crate) fn viewports_ui(
 /// The title of a side in the upper left corner of its view, with a bar in the colour of its curves.
 fn badge_ui(ui: &Ui, title: &str, side: usize, rect: Rect) {
     let at = rect.left_top() + egui::vec2(20.0, 8.0);
-    let words = text(ui, at, Align2::LEFT_TOP, title, 15.0);
+    let words = text(ui, rect, at, Align2::LEFT_TOP, title, 15.0);
     let bar = Rect::from_min_max(
         words.left_top() + egui::vec2(-10.0, -2.0),
         words.left_bottom() + egui::vec2(-5.0, 2.0),
@@ -83,8 +83,8 @@ fn badge_ui(ui: &Ui, title: &str, side: usize, rect: Rect) {
     ui.painter().rect_filled(bar, 2.0, theme::series(ui, side));
 }
 
-/// What to do about a surface that grows without bound.
-fn diverged_ui(ui: &mut Ui, run: &Run, rect: Rect, actions: &mut Vec<Action>) {
+/// What to do about a surface that grows without bound. Returns its place.
+fn diverged_ui(ui: &mut Ui, run: &Run, rect: Rect, actions: &mut Vec<Action>) -> Rect {
     let width = (rect.width() - 24.0).min(430.0);
     let place = Rect::from_center_size(
         rect.center_bottom() - egui::vec2(0.0, 62.0),
@@ -116,29 +116,38 @@ fn diverged_ui(ui: &mut Ui, run: &Run, rect: Rect, actions: &mut Vec<Action>) {
             });
         });
     });
+    place
 }
 
-/// The buttons that end a finished run, with their keys. A rejection rejects all sides.
-fn decide_ui(ui: &mut Ui, run: &Run, side: usize, rect: Rect, actions: &mut Vec<Action>) {
+/// The buttons that end a finished run, with their keys. A rejection rejects all sides. Returns their
+/// place.
+fn decide_ui(ui: &mut Ui, run: &Run, side: usize, rect: Rect, actions: &mut Vec<Action>) -> Rect {
     let first = side == 0;
     let name = run.names()[side];
     let key = if first { "(Enter)" } else { "" };
     let words = format!("Accept {name} {key}");
     let words: Vec<&str> = words.split_whitespace().collect();
-    let accept = egui::vec2(132.0, 30.0);
-    let reject = egui::vec2(100.0, 30.0);
-    let gap = 16.0;
-    let width = accept.x + if first { gap + reject.x } else { 0.0 };
-    if rect.width() < width + 16.0 {
-        return;
-    }
-    let left = rect.center_bottom() - egui::vec2(0.5 * width, 14.0 + accept.y);
+    let room = (rect.width() - 16.0).max(60.0);
+    let accept = egui::vec2(room.min(132.0), 30.0);
+    let reject = egui::vec2(room.min(100.0), 30.0);
+    // in one row, or above each other in a narrow view
+    let row = accept.x + 16.0 + reject.x;
+    let is_row = first && row <= room;
+    let width = if is_row { row } else { accept.x };
+    let rows = if first && !is_row { 2.0 } else { 1.0 };
+    let height = rows * accept.y + (rows - 1.0) * 6.0;
+    let left = rect.center_bottom() - egui::vec2(0.5 * width, 14.0 + height);
     let button = primary(ui, &words.join(" "));
     ui.put(Rect::from_min_size(left, accept), button)
         .on_hover_text("accept the patch as shown")
         .asks(RunAction::Accept(side), actions);
     if first {
-        let left = left + egui::vec2(accept.x + gap, 0.0);
+        let left = left
+            + if is_row {
+                egui::vec2(row - reject.x, 0.0)
+            } else {
+                egui::vec2(0.5 * (accept.x - reject.x), accept.y + 6.0)
+            };
         ui.put(
             Rect::from_min_size(left, reject),
             egui::Button::new("Reject (Esc)"),
@@ -146,23 +155,35 @@ fn decide_ui(ui: &mut Ui, run: &Run, side: usize, rect: Rect, actions: &mut Vec<
         .on_hover_text("discard the patch; the mesh is unchanged")
         .asks(RunAction::Reject, actions);
     }
+    Rect::from_min_size(left, egui::vec2(width, height))
 }
 
-/// Text that is legible on any background.
-fn text(ui: &Ui, at: Pos2, align: Align2, text: &str, size: f32) -> Rect {
+/// The part of a view that the legend leaves.
+fn beside_legend(model: &Model, mut rect: Rect) -> Rect {
+    if model.view.style.mode.is_map() && rect.width() > 2.0 * WIDTH {
+        rect.max.x -= WIDTH;
+    }
+    rect
+}
+
+/// Text that is legible on any background, within a part of a view.
+fn text(ui: &Ui, room: Rect, at: Pos2, align: Align2, text: &str, size: f32) -> Rect {
     let painter = ui.painter();
     let font = FontId::proportional(size);
     let ink = ui.visuals().strong_text_color();
-    // in the view, of which it may be the longest line
-    let width = (ui.clip_rect().width() - 20.0).max(80.0);
-    let galley = painter.layout(text.to_owned(), font, ink, width);
+    let room = room.shrink(10.0);
+    let galley = painter.layout(text.to_owned(), font, ink, room.width().max(80.0));
     let rect = align.anchor_size(at, galley.size());
+    let shift = (room.max - rect.max).min(egui::Vec2::ZERO);
+    let rect = rect.translate(shift);
+    let rect = rect.translate((room.min - rect.min).max(egui::Vec2::ZERO));
     let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.72);
     painter.rect_filled(rect.expand2(egui::vec2(5.0, 2.0)), 4.0, ground);
     painter.galley(rect.min, galley, Color32::PLACEHOLDER);
     rect
 }
 
+/// One view. Returns the place of the hint for the next action.
 fn viewport_ui(
     ui: &mut Ui,
     model: &Model,
@@ -171,7 +192,7 @@ fn viewport_ui(
     side: usize,
     rect: Rect,
     actions: &mut Vec<Action>,
-) {
+) -> Option<Rect> {
     let response = ui.interact(
         rect,
         ui.scope_id().with(("viewport", side)),
@@ -242,17 +263,18 @@ fn viewport_ui(
         let (name, _) = super::format::mode_words(style.mode);
         let words = format!("{name} = {}", format_number(value));
         let at = at + egui::vec2(14.0, 18.0);
-        text(ui, at, Align2::LEFT_TOP, &words, 13.0);
+        let room = beside_legend(model, rect);
+        text(ui, room, at, Align2::LEFT_TOP, &words, 13.0);
     }
     repair::draw(ui, model, state.draft.as_ref(), &response);
-    if side == 0 {
-        super::gizmo::scale_bar(ui, model, rect);
-        super::gizmo::gizmo_ui(ui, model, rect, actions);
-        rim_numbers(ui, model, rect);
-        super::bridge::bridge_ends(ui, model, state.rim_vertex, rect);
-        hover_figures(ui, model, rect);
-        corner_words(ui, model, rect);
+    if side != 0 {
+        return None;
     }
+    super::gizmo::gizmo_ui(ui, model, rect, actions);
+    rim_numbers(ui, model, rect);
+    super::bridge::bridge_ends(ui, model, state.rim_vertex, rect);
+    hover_figures(ui, model, rect);
+    corner_words(ui, model, rect)
 }
 
 /// The number of the colour map under the cursor.
@@ -372,7 +394,7 @@ fn rim_numbers(ui: &Ui, model: &Model, rect: Rect) {
     }
     for l in model.document.selected() {
         if let Some(at) = on_screen(model, rect, l.centroid) {
-            text(ui, at, Align2::CENTER_CENTER, &l.id.to_string(), 17.0);
+            text(ui, rect, at, Align2::CENTER_CENTER, &l.id.to_string(), 17.0);
         }
     }
 }
@@ -411,22 +433,16 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
         format_number(l.perimeter),
         format_number(l.diameter)
     );
-    let inside = rect.shrink2(egui::vec2(150.0, 24.0));
-    let at = if inside.is_positive() {
-        inside.clamp(at)
-    } else {
-        rect.center()
-    };
-    text(ui, at, Align2::CENTER_CENTER, &words, 14.0);
+    text(ui, rect, at, Align2::CENTER_CENTER, &words, 14.0);
 }
 
-/// A hint for the next action.
-fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
+/// A hint for the next action. Returns its place.
+fn corner_words(ui: &Ui, model: &Model, rect: Rect) -> Option<Rect> {
     let document = &model.document;
     let words = if let Some(words) = super::report::hint_words(model.view.report.pick) {
         words
     } else if model.run.is_some() {
-        return;
+        return None;
     } else if let Some(bridging) = model.view.bridging {
         match bridging.from {
             None => "Click the rim where the bridge starts.",
@@ -445,7 +461,7 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
     } else if model.view.task == Task::Refine {
         "Press Enter to refine the mesh."
     } else if document.is_changed() || document.loops.is_empty() {
-        return;
+        return None;
     } else if model.view.task == Task::Blend {
         if document.selection.len() < 2 {
             "Click the rims to join, one after the other."
@@ -457,11 +473,13 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) {
     } else {
         "Press Enter to fill the selected loops."
     };
-    text(
+    let rect = beside_legend(model, rect);
+    Some(text(
         ui,
+        rect,
         rect.center_bottom() - egui::vec2(0.0, 16.0),
         Align2::CENTER_BOTTOM,
         words,
         14.0,
-    );
+    ))
 }
