@@ -104,7 +104,9 @@ pub(crate) fn scale_bar(ui: &Ui, model: &Model, rect: Rect, below: Option<Rect>)
     for line in [[left, right], [left, left - tick], [right, right - tick]] {
         painter.line_segment(line, stroke);
     }
-    let words = format!("{} units", trimmed(length));
+    let number = trimmed(length);
+    let s = if number == "1" { "" } else { "s" };
+    let words = format!("{number} unit{s}");
     let at = Pos2::new(0.5 * (left.x + right.x), left.y - 6.0);
     painter.text(
         at,

@@ -15,6 +15,7 @@ use super::widgets::{Asks, primary};
 use crate::app::action::{
     Action, ControlsAction, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
 };
+use crate::app::document::elided;
 use crate::app::model::Model;
 use crate::app::report::Pick;
 use crate::app::run::Run;
@@ -56,7 +57,7 @@ pub(crate) fn viewports_ui(
                     below = Some(diverged_ui(ui, run, rect, actions));
                 }
             } else if run.ended() {
-                below = Some(decide_ui(ui, run, side, rect, actions));
+                below = decide_ui(ui, run, side, rect, actions);
             } else if let Some(words) = run.progress().filter(|_| side == 0) {
                 let at = rect.center_bottom() - egui::vec2(0.0, 16.0);
                 below = Some(text(ui, rect, at, Align2::CENTER_BOTTOM, &words, 14.0));
@@ -72,10 +73,16 @@ pub(crate) fn viewports_ui(
     ui.advance_cursor_after_rect(whole);
 }
 
+/// Width of a letter of a title, at most on average.
+const LETTER: f32 = 8.5;
+
 /// The title of a side in the upper left corner of its view, with a bar in the colour of its curves.
 fn badge_ui(ui: &Ui, title: &str, side: usize, rect: Rect) {
     let at = rect.left_top() + egui::vec2(20.0, 8.0);
-    let words = text(ui, rect, at, Align2::LEFT_TOP, title, 15.0);
+    // in one line, like the titles of the other sides
+    let most = ((rect.width() - 40.0) / LETTER).max(4.0) as usize;
+    let title = elided(title, most);
+    let words = text(ui, rect, at, Align2::LEFT_TOP, &title, 15.0);
     let bar = Rect::from_min_max(
         words.left_top() + egui::vec2(-10.0, -2.0),
         words.left_bottom() + egui::vec2(-5.0, 2.0),
@@ -120,16 +127,25 @@ fn diverged_ui(ui: &mut Ui, run: &Run, rect: Rect, actions: &mut Vec<Action>) ->
 }
 
 /// The buttons that end a finished run, with their keys. A rejection rejects all sides. Returns their
-/// place.
-fn decide_ui(ui: &mut Ui, run: &Run, side: usize, rect: Rect, actions: &mut Vec<Action>) -> Rect {
+/// place; `None` in a view that is too narrow for them, beside which the panel of the task has them.
+fn decide_ui(
+    ui: &mut Ui,
+    run: &Run,
+    side: usize,
+    rect: Rect,
+    actions: &mut Vec<Action>,
+) -> Option<Rect> {
     let first = side == 0;
     let name = run.names()[side];
     let key = if first { "(Enter)" } else { "" };
     let words = format!("Accept {name} {key}");
     let words: Vec<&str> = words.split_whitespace().collect();
-    let room = (rect.width() - 16.0).max(60.0);
-    let accept = egui::vec2(room.min(132.0), 30.0);
-    let reject = egui::vec2(room.min(100.0), 30.0);
+    let room = rect.width() - 16.0;
+    let accept = egui::vec2(132.0, 30.0);
+    let reject = egui::vec2(100.0, 30.0);
+    if room < accept.x {
+        return None;
+    }
     // in one row, or above each other in a narrow view
     let row = accept.x + 16.0 + reject.x;
     let is_row = first && row <= room;
@@ -155,7 +171,7 @@ fn decide_ui(ui: &mut Ui, run: &Run, side: usize, rect: Rect, actions: &mut Vec<
         .on_hover_text("discard the patch; the mesh is unchanged")
         .asks(RunAction::Reject, actions);
     }
-    Rect::from_min_size(left, egui::vec2(width, height))
+    Some(Rect::from_min_size(left, egui::vec2(width, height)))
 }
 
 /// The part of a view that the legend leaves.
