@@ -1,30 +1,32 @@
 //! The project file: mesh, operations, options and view.
 //!
 //! It consists of a TOML head and, unless the mesh is an unchanged file or sample, the line
-//! [`MESH`] and the mesh as OBJ. The head contains the path of the mesh relative to the project
+//! [`ATTRIBUTES`] and the attributes as JSON, the line [`MESH`] and positions and triangles as OBJ. The head contains the path of the mesh relative to the project
 //! file.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
 
 use super::document::{AppliedOperation, Document, Source, file_name};
 use super::report::ReportView;
 use super::view_state::ViewState;
 use crate::fill::Controls;
-use crate::io::{self, Format, Opened};
-use crate::mesh::{DVec3, OwnMaterial, parse_ranges, ranges_text};
+use crate::io::{self, Format, Opened, OutputMesh};
+use crate::mesh::{
+    Attributes, Column, DVec3, NO_VALUE, Soup, parse_ranges, ranges_text, row_count,
+};
 use crate::options::Choice;
 use crate::render::{Bounds, Camera, ViewMode, ViewStyle};
 use crate::shapes::Sample;
 
 /// Extension of project files.
 pub const EXTENSION: &str = "meniscus";
-/// The line between head and mesh.
+/// The line between head and attributes; a file without it has those that OBJ stores.
+const ATTRIBUTES: &str = "#--- attributes (JSON) ---";
+/// The line before the mesh.
 const MESH: &str = "#--- mesh (OBJ) ---";
 const VERSION: u32 = 1;
 
@@ -54,19 +56,6 @@ pub struct Project {
     controls: Controls,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     fills: Vec<AppliedOperation>,
-    /// Materials of the stored mesh whose images are in no file.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    materials: Vec<StoredMaterial>,
-}
-
-/// A material whose image is in no file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct StoredMaterial {
-    name: String,
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    like: String,
-    /// The bytes of a PNG file in base64.
-    image: String,
 }
 
 /// The stored part of the view.
@@ -136,29 +125,23 @@ pub fn write(document: &Document, view: &ViewState, folder: &Path) -> String {
             .iter()
             .map(|one| (**one).clone())
             .collect(),
-        materials: document
-            .mesh
-            .attributes
-            .own_materials
-            .iter()
-            .filter(|_| embed)
-            .map(|material| StoredMaterial {
-                name: material.name.clone(),
-                like: material.like.clone(),
-                image: STANDARD.encode(&*material.png),
-            })
-            .collect(),
     };
     let mut text = String::from("# Meniscus project\n");
     // TOML can represent every value
     text += &toml::to_string(&head).expect("a project is plain data");
     if embed {
-        text.push_str(MESH);
-        text.push('\n');
         let mut bytes = Vec::new();
         io::with_output(&document.mesh, |output| {
+            let attributes = serde_json::to_string(output.attributes);
+            let attributes = attributes.expect("attributes are plain data");
+            text.extend([ATTRIBUTES, "\n", &attributes, "\n", MESH, "\n"]);
+            let bare = OutputMesh {
+                positions: output.positions,
+                triangles: output.triangles,
+                ..OutputMesh::default()
+            };
             // writing to a vector cannot fail
-            io::write(Format::Obj, output, &mut bytes).ok();
+            io::write(Format::Obj, &bare, &mut bytes).ok();
         });
         text += &String::from_utf8_lossy(&bytes);
     }
@@ -187,6 +170,10 @@ fn parse(text: &str, path: &Path) -> Result<(Document, Project), String> {
         Some((head, body)) => (head, Some(body)),
         None => (text, None),
     };
+    let (head, attributes) = match head.rsplit_once(&format!("\n{ATTRIBUTES}\n")) {
+        Some((head, attributes)) => (head, Some(attributes)),
+        None => (head, None),
+    };
     let mut project: Project =
         toml::from_str(head).map_err(|e| format!("{name} is not a valid project file: {e}"))?;
     if project.version > VERSION {
@@ -202,23 +189,15 @@ fn parse(text: &str, path: &Path) -> Result<(Document, Project), String> {
     let mesh_path = project.mesh.as_ref().map(|p| folder.join(p));
     let (opened, source) = if let Some(body) = body {
         let mut soup = io::read(Format::Obj, body.as_bytes(), path).map_err(|e| e.to_string())?;
+        if let Some(text) = attributes {
+            let all = serde_json::from_str(text).map_err(|e| e.to_string());
+            let all = all.and_then(|all| checked(all, &soup));
+            soup.attributes =
+                all.map_err(|e| format!("{name} has attributes that do not fit its mesh: {e}"))?;
+        }
         // material libraries and images are beside the mesh file
         let beside = mesh_path.as_deref().and_then(Path::parent);
         soup.attributes.folder = beside.map(Path::to_owned);
-        for StoredMaterial { name, like, image } in &project.materials {
-            let png = STANDARD.decode(image);
-            let png = png.map_err(|e| {
-                format!(
-                    "{path}: the image of material '{name}': {e}",
-                    path = path.display()
-                )
-            })?;
-            soup.attributes.own_materials.push(OwnMaterial {
-                name: name.clone(),
-                like: like.clone(),
-                png: Arc::new(png),
-            });
-        }
         let opened = io::from_soup(&soup, path).map_err(|e| e.to_string())?;
         let source = match (&mesh_path, &project.sample) {
             // the mesh was stored although nothing has changed it
@@ -243,6 +222,32 @@ fn parse(text: &str, path: &Path) -> Result<(Document, Project), String> {
     };
     let document = restore(opened, source, &project).map_err(|e| format!("{name}: {e}"))?;
     Ok((document, project))
+}
+
+/// Attributes that fit the triangles of a soup.
+fn checked(all: Attributes, soup: &Soup) -> Result<Attributes, String> {
+    if soup.corners.len() != 3 * soup.face_count() {
+        return Err("its faces are no triangles".to_owned());
+    }
+    let mesh = OutputMesh {
+        positions: &soup.positions,
+        triangles: soup.corners.as_chunks().0,
+        attributes: &all,
+    };
+    io::check(Format::Ply, &mesh).map_err(|e| e.to_string())?;
+    let has = |corners: &[u32], columns: &[Column], counts: &[usize]| {
+        let mut lengths = columns.iter().map(|column| column.numbers.len());
+        lengths.all(|length| length == row_count(columns))
+            && (corners.is_empty() || counts.contains(&columns.len()))
+    };
+    let fits = has(&all.faces.texture, &all.texture, &[2, 3])
+        && has(&all.faces.normals, &all.normals, &[3])
+        && !all.faces.tags.contains(&NO_VALUE);
+    if fits {
+        Ok(all)
+    } else {
+        Err("a list has an unexpected length".to_owned())
+    }
 }
 
 /// Reads the text of a project file and writes it again, for tests of round trips.

@@ -254,6 +254,63 @@ fn images_of_patches_are_drawn_undone_and_kept_in_projects() {
     until(&mut m, |m| images(m) == 2);
 }
 
+#[test]
+fn projects_keep_everything_that_a_file_holds() {
+    let m = model();
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let egg = project::sample_of("egg").expect("a sample").mesh;
+    for name in ["a.glb", "a.3mf"] {
+        io::save_mesh(&at(name), &egg).expect("written");
+    }
+    let columns = "comment TextureFile a.png\nelement vertex 4\nproperty double x\nproperty double y\n\
+                   property double z\nproperty float confidence\nproperty short label\n\
+                   element face 2\nproperty list uchar int vertex_indices\n\
+                   property list uchar float texcoord\nproperty uchar side\nend_header\n";
+    let rows = "0 0 0 .1 -1\n1 0 0 1e-40 2\n1 1 0 0 3\n0 1 0 9 4\n\
+                3 0 1 2 6 0 0 1 0 1 1 7\n3 0 2 3 6 0 0 1 1 0 1 8\n";
+    std::fs::write(
+        at("a.ply"),
+        format!("ply\nformat ascii 1.0\n{columns}{rows}"),
+    )
+    .expect("written");
+    std::fs::write(
+        at("a.off"),
+        "COFF\n3 1 0\n0 0 0 9 8 7 1\n1 0 0 3 2 1 1\n0 1 0 5 5 5 1\n3 0 1 2\n",
+    )
+    .expect("written");
+    io::save_mesh(&at("a.stl"), &egg).expect("written");
+    for name in ["a.glb", "a.3mf", "a.ply", "a.off", "a.stl"] {
+        let opened = io::open(&at(name)).expect("opened");
+        // a mesh of no file is stored in the project
+        let document = Document::new(opened, Source::Embedded);
+        let path = at("a.meniscus");
+        let text = project::write(&document, &m.view, folder.path());
+        std::fs::write(&path, &text).expect("written");
+        let (again, _) = project::read(&path).expect("read");
+        let mut wanted = document.mesh.attributes.clone();
+        wanted.folder = None;
+        assert_eq!(again.mesh.attributes, wanted, "{name}");
+        assert_eq!(again.mesh.positions, document.mesh.positions, "{name}");
+        let images = |document: &Document| io::materials(&document.mesh.attributes);
+        if name == "a.glb" || name == "a.3mf" {
+            assert!(
+                images(&again)
+                    .iter()
+                    .any(|material| material.image.is_some())
+            );
+            assert_eq!(images(&again), images(&document), "{name}");
+        }
+        // attributes of another mesh are refused
+        if !document.mesh.attributes.faces.texture.is_empty() {
+            let fewer = text.replacen("\nf ", "\n# f ", 1);
+            std::fs::write(&path, fewer).expect("written");
+            let error = project::read(&path).err().expect("one face too few");
+            assert!(error.contains("do not fit its mesh"), "{name}: {error}");
+        }
+    }
+}
+
 /// A large mesh is looked at long before its surfaces are made.
 #[test]
 fn another_document_is_fitted_by_its_own_box() {

@@ -24,7 +24,7 @@ use crate::mesh::Weld;
 /// `meniscus analyze`.
 #[derive(Debug, Args)]
 pub struct AnalyzeArguments {
-    /// The mesh to measure (.obj, .ply, .stl, .off, .glb, .gltf).
+    /// The mesh to measure (.obj, .ply, .stl, .off, .glb, .gltf, .3mf).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// The distance within which vertices of IN count as one: auto (the rounding of its numbers) or a

@@ -13,10 +13,10 @@ use crate::ops::FlipSpec;
 /// `meniscus blend`.
 #[derive(Debug, Args)]
 pub struct BlendArguments {
-    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf). Several are joined into one mesh.
+    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf, .3mf). Several are joined into one mesh.
     #[arg(value_name = "IN", required = true)]
     pub inputs: Vec<PathBuf>,
-    /// The mesh to write (.obj, .ply, .stl, .off, .glb, .gltf).
+    /// The mesh to write (.obj, .ply, .stl, .off, .glb, .gltf, .3mf).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// How they are read and written.

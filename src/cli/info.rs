@@ -14,7 +14,7 @@ use crate::mesh::{BoundaryLoop, LoadReport, LoopId, Weld, boundary_loops};
 /// `meniscus info`.
 #[derive(Debug, Args)]
 pub struct InfoArguments {
-    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf).
+    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf, .3mf).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// The distance within which vertices of IN count as one: auto (the rounding of its numbers) or a

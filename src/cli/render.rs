@@ -15,7 +15,7 @@ use crate::render::{Gpu, SequenceFormat, save_png, turntable, write_sequence};
 /// `meniscus render`.
 #[derive(Debug, Args)]
 pub struct RenderArguments {
-    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf).
+    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf, .3mf).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// The distance within which vertices of IN count as one: auto (the rounding of its numbers) or a

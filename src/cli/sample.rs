@@ -16,7 +16,7 @@ pub struct SampleArguments {
     /// The name of the sample.
     #[arg(value_name = "NAME", value_parser = samples())]
     pub sample: &'static Sample,
-    /// The mesh to write (.obj, .ply, .stl, .off, .glb, .gltf).
+    /// The mesh to write (.obj, .ply, .stl, .off, .glb, .gltf, .3mf).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 }

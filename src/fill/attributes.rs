@@ -307,11 +307,15 @@ impl<'a> PatchData<'a> {
             return None;
         }
         let triangles = self.triangles.iter().map(|t| t.map(at)).collect();
+        let mut beside: Vec<usize> = self.rim.iter().map(|[at, _]| at.face()).collect();
+        beside.sort_unstable();
+        beside.dedup();
         Some(Extension {
             rim,
             new,
             triangles,
             like: self.hole.like.index(),
+            beside,
         })
     }
 

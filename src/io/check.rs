@@ -1,6 +1,6 @@
 //! Checks of a mesh for a format, and losses of a format.
 
-use super::{Format, MeshFault, OutputMesh, gltf, off};
+use super::{Format, MeshFault, OutputMesh, gltf, off, threemf};
 use crate::mesh::{Colors, Column, DVec3, FaceTag, NO_VALUE, NumberType, row_count};
 
 /// Checks that `mesh` can be written in `format`: finite coordinates, indices in range, attribute
@@ -92,6 +92,7 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         Format::Stl => "STL",
         Format::Off => "OFF",
         Format::Glb | Format::Gltf => "glTF",
+        Format::ThreeMf => "3MF",
     };
     if !format.has_materials() && !mesh.attributes.own_materials.is_empty() {
         let mut lost = losses(
@@ -103,7 +104,7 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         );
         lost.push(format!(
             "{name} cannot store texture images of patches and samples, whose faces get no texture \
-             coordinates; write OBJ or glTF"
+             coordinates; write OBJ, glTF or 3MF"
         ));
         return lost;
     }
@@ -119,7 +120,7 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
     let is_lost = |(k, column): &(usize, &Column)| match format {
         Format::Obj => !is_color(*k) && (column.is_typed || column.name != "w"),
         Format::Ply => false,
-        Format::Stl => !is_color(*k),
+        Format::Stl | Format::ThreeMf => !is_color(*k),
         Format::Off => !is_color(*k) && !off::VERTEX_NUMBERS.contains(&column.name.as_str()),
         Format::Glb | Format::Gltf => !is_color(*k) && !of_gltf.contains(k),
     };
@@ -138,14 +139,16 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         lost.push("OBJ cannot store transparency".to_owned());
     }
     let off_colors = off::face_columns(&all.faces.columns);
-    let is_lost = |column: &&Column| match format {
+    let of_3mf = threemf::face_columns(all);
+    let is_lost = |(k, column): &(usize, &Column)| match format {
         Format::Obj | Format::Glb | Format::Gltf => true,
         Format::Ply => false,
         Format::Stl => !is_stl_attribute(column),
         Format::Off => !off_colors.iter().any(|color| std::ptr::eq(*color, *column)),
+        Format::ThreeMf => !of_3mf.contains(k),
     };
-    let columns = all.faces.columns.iter().filter(is_lost);
-    let names: Vec<&str> = columns.map(|column| column.name.as_str()).collect();
+    let columns = all.faces.columns.iter().enumerate().filter(is_lost);
+    let names: Vec<&str> = columns.map(|(_, column)| column.name.as_str()).collect();
     if !names.is_empty() {
         lost.push(format!(
             "{name} cannot store face properties: {}",
@@ -162,11 +165,20 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
                     "{name} cannot store texture coordinates of corners"
                 ));
             }
-            Format::Ply | Format::Glb | Format::Gltf if all.texture.len() > 2 => {
+            Format::Ply | Format::Glb | Format::Gltf | Format::ThreeMf if all.texture.len() > 2 => {
                 lost.push(format!("{name} cannot store the third texture coordinate"));
             }
             _ => {}
         }
+    }
+    let is_rounded = |column: &Column| {
+        let mut rows = 0..column.numbers.len();
+        !column.is_typed
+            && rows.any(|row| f64::from(column.numbers.get(row) as f32) != column.numbers.get(row))
+    };
+    if format == Format::Ply && !all.faces.texture.is_empty() && all.texture.iter().any(is_rounded)
+    {
+        lost.push("PLY coordinates of textures are rounded to single precision".to_owned());
     }
     if format != Format::Ply && all.texture_files().next().is_some() {
         lost.push(format!("{name} cannot store names of texture files"));
@@ -176,18 +188,34 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         let group = tag.group.is_empty() || tag.patch().is_some();
         let others = [&tag.object, &tag.material, &tag.smoothing];
         let is_plain = group && others.iter().all(|name| name.is_empty());
-        is_gltf || format == Format::Ply && is_plain
+        is_gltf || format == Format::ThreeMf || format == Format::Ply && is_plain
     };
     let mut tags = all.faces.tags.iter().map(|&tag| &all.tags[tag as usize]);
     if format != Format::Obj && !tags.all(is_stored) {
-        lost.push("only OBJ and glTF can store groups and materials".to_owned());
+        lost.push("only OBJ, glTF and 3MF can store groups and materials".to_owned());
     }
     if is_gltf {
         lost.extend(gltf::losses(mesh));
-    } else if all.gltf_materials.is_some() {
-        lost.push(format!(
-            "{name} cannot store the colours and images of glTF materials"
-        ));
+    } else if format == Format::ThreeMf {
+        lost.extend(threemf::losses(mesh));
+    } else if let Some(materials) = &all.gltf_materials {
+        if format != Format::Obj {
+            lost.push(format!(
+                "{name} cannot store the colours and images of materials of glTF and 3MF"
+            ));
+        } else if !gltf::are_plain(materials) {
+            lost.push(
+                "OBJ gets the colours and images of materials, and nothing else of them".to_owned(),
+            );
+        }
+    }
+    if format != Format::ThreeMf {
+        let unit = (!all.unit.is_empty()).then(|| format!("the unit {}", all.unit));
+        let metadata = all.metadata.iter().map(|[name, _]| name.clone());
+        let given: Vec<String> = unit.into_iter().chain(metadata).collect();
+        if !given.is_empty() {
+            lost.push(format!("{name} cannot store {}", given.join(", ")));
+        }
     }
     if format.is_single() {
         let rounded = |p: &DVec3| p.as_vec3().as_dvec3() != *p;

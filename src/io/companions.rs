@@ -51,9 +51,9 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
     messages
 }
 
-/// The materials of a mesh: its own, those of a glTF file and of the libraries of an OBJ file, and for
-/// the texture image of a PLY file one without a name, which is that of faces without a material. Other
-/// files are looked for in the folder of the mesh file, and not at all if that is unknown.
+/// The materials of a mesh: its own, those of a glTF or 3MF file and of the libraries of an OBJ file, and for
+/// the first texture image of a PLY file one without a name, which is that of faces without a material, and
+/// for others ones with the names of their files. Other files are looked for in the folder of the mesh file, and not at all if that is unknown.
 pub fn materials(attributes: &Attributes) -> Vec<Material> {
     let own = attributes.own_materials.iter().map(|material| Material {
         name: material.name.clone(),
@@ -66,10 +66,20 @@ pub fn materials(attributes: &Attributes) -> Vec<Material> {
         all.extend(gltf::materials(folder, of_file));
     } else if let Some(folder) = folder {
         all.extend(obj::materials(folder, attributes));
-        all.extend(attributes.texture_files().next().map(|name| Material {
-            image: Some(ImageSource::File(folder.join(name))),
-            ..Material::default()
-        }));
+        all.extend(
+            attributes
+                .texture_files()
+                .enumerate()
+                .map(|(k, name)| Material {
+                    name: if k == 0 {
+                        String::new()
+                    } else {
+                        name.to_owned()
+                    },
+                    image: Some(ImageSource::File(folder.join(name))),
+                    ..Material::default()
+                }),
+        );
     }
     all
 }

@@ -332,6 +332,16 @@ pub enum ParseErrorKind {
         /// The remedy.
         remedy: &'static str,
     },
+    /// An error in a text inside the file.
+    #[error("{part}, line {line}: {kind}")]
+    InPart {
+        /// The name of the part.
+        part: String,
+        /// Its line, counted from 1.
+        line: usize,
+        /// What is wrong there.
+        kind: Box<Self>,
+    },
     /// A valid but unsupported feature.
     #[error("{what} is not supported; {remedy}")]
     Unsupported {

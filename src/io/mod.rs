@@ -1,7 +1,7 @@
-//! Mesh files: OBJ, PLY, STL, OFF and glTF, read and written. The extension determines the format.
+//! Mesh files: OBJ, PLY, STL, OFF, glTF and 3MF, read and written. The extension determines the format.
 //!
 //! Reading takes one pass over the bytes. It returns the vertices of the file in the order of the
-//! file, with coordinates rounded to the nearest `f64`. Writing is atomic and exact (OBJ and OFF: the
+//! file, with coordinates rounded to the nearest `f64`. Writing is atomic and exact (OBJ, OFF and 3MF: the
 //! shortest decimals that parse to the same bits; PLY: binary doubles), except for STL and glTF,
 //! whose coordinates are `f32`. Errors contain the place in the file, what was found there, and the
 //! remedy.
@@ -39,6 +39,7 @@ mod stl;
 #[cfg(test)]
 mod tests;
 mod text_scanner;
+mod threemf;
 
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -74,17 +75,20 @@ pub enum Format {
     Glb,
     /// glTF 2.0 as JSON; buffers in data URIs and in files are read, data URIs are written.
     Gltf,
+    /// 3MF.
+    ThreeMf,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Obj,
         Self::Ply,
         Self::Stl,
         Self::Off,
         Self::Glb,
         Self::Gltf,
+        Self::ThreeMf,
     ];
 
     /// The file extension, without the dot.
@@ -96,6 +100,7 @@ impl Format {
             Self::Off => "off",
             Self::Glb => "glb",
             Self::Gltf => "gltf",
+            Self::ThreeMf => "3mf",
         }
     }
 
@@ -106,7 +111,7 @@ impl Format {
 
     /// Whether faces have materials with images.
     fn has_materials(self) -> bool {
-        matches!(self, Self::Obj | Self::Glb | Self::Gltf)
+        matches!(self, Self::Obj | Self::Glb | Self::Gltf | Self::ThreeMf)
     }
 
     /// The format of the extension of `path`, in upper or lower case; `None` if it is unknown.
@@ -210,6 +215,7 @@ fn read_in(
         Format::Stl => stl::read(bytes),
         Format::Off => off::read(bytes),
         Format::Glb | Format::Gltf => gltf::read(bytes, folder),
+        Format::ThreeMf => threemf::read(bytes),
     };
     soup.map_err(|error| LoadErrorKind::Content(error).of(name))
 }
@@ -218,7 +224,7 @@ fn read_in(
 ///
 /// It writes a temporary file in the same directory, syncs it to the disk and renames it. The images of
 /// own materials are written before: beside an OBJ file with a material library of their own, whose names
-/// begin with that of the file, and into a glTF file.
+/// begin with that of the file, and into a glTF or 3MF file.
 ///
 /// # Errors
 /// [`SaveError`]; an existing file is unchanged.
@@ -301,6 +307,7 @@ pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std:
         Format::Off => off::write(&mesh, out),
         Format::Glb => gltf::write(&mesh, true, out),
         Format::Gltf => gltf::write(&mesh, false, out),
+        Format::ThreeMf => threemf::write(&mesh, out),
     }
 }
 

@@ -1,12 +1,12 @@
-//! Materials of a mesh whose images are in no file yet: the files beside an OBJ file that they become.
+//! Materials that are in no material library yet: the files beside an OBJ file that they become.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::{SaveError, obj, save_with};
-use crate::mesh::{Attributes, OwnMaterial};
+use super::{SaveError, gltf, materials, obj, save_with};
+use crate::mesh::Attributes;
 
-/// The files of the own materials of a mesh that is written to an OBJ file.
+/// The files of the own materials, and of those of glTF and 3MF, of a mesh that is written to an OBJ file.
 pub(super) struct Beside {
     folder: PathBuf,
     /// The name of the material library, and its text.
@@ -16,17 +16,18 @@ pub(super) struct Beside {
 }
 
 impl Beside {
-    /// Those of the OBJ file at `path`; `None` without own materials. No name is that of a file to which
+    /// Those of the OBJ file at `path`; `None` without such materials. No name is that of a file to which
     /// the mesh refers.
     pub fn of(path: &Path, attributes: &Attributes) -> Option<Self> {
         let own = &attributes.own_materials;
-        if own.is_empty() {
+        if own.is_empty() && attributes.gltf_materials.is_none() {
             return None;
         }
         let stem = path.file_stem()?.to_string_lossy().into_owned();
         let mut taken = attributes.material_libraries.clone();
         if let Some(folder) = &attributes.folder {
             taken.extend(obj::companions(folder, attributes));
+            taken.extend(gltf::companions(attributes));
         }
         let mut new_name = |stem: &str, extension: &str| {
             let numbered = (2..).map(|n| format!("{stem}_{n}.{extension}"));
@@ -37,27 +38,44 @@ impl Beside {
             name
         };
         let library = new_name(&format!("{stem}_meniscus"), "mtl");
-        let mut images: Vec<(String, &OwnMaterial)> = Vec::new();
+        let mut images: Vec<(String, Vec<u8>)> = Vec::new();
         let mut text = String::from("# written by Meniscus\n");
-        for material in own {
-            let known = images.iter().find(|(_, other)| other.png == material.png);
-            let image = if let Some((name, _)) = known {
-                name.clone()
+        let mut add = |name: &str, settings: &str, bytes: Option<Vec<u8>>| {
+            // writing to a string cannot fail
+            let _ = write!(text, "newmtl {name}\n{settings}");
+            let Some(bytes) = bytes else { return };
+            let known = images.iter().find(|(_, other)| *other == bytes);
+            let image = if let Some((image, _)) = known {
+                image.clone()
             } else {
-                let name = new_name(&format!("{stem}_{}", material.name), "png");
-                images.push((name.clone(), material));
-                name
+                let is_safe = |c: char| !c.is_control() && !"/\\:".contains(c);
+                let safe = name.replace(|c| !is_safe(c), "_");
+                let image = new_name(&format!("{stem}_{safe}"), extension(&bytes));
+                images.push((image.clone(), bytes));
+                image
             };
+            let _ = writeln!(text, "map_Kd {image}");
+        };
+        for material in own {
             let settings = obj::settings(attributes, &material.like);
             let settings = settings.unwrap_or_else(|| "Kd 1 1 1\n".to_owned());
-            let name = &material.name;
-            // writing to a string cannot fail
-            let _ = write!(text, "newmtl {name}\n{settings}map_Kd {image}\n");
+            add(&material.name, &settings, Some((*material.png).clone()));
         }
-        let bytes = |(name, material): (String, &OwnMaterial)| (name, (*material.png).clone());
+        let is_own = |name: &str| own.iter().any(|other| other.name == name);
+        let given = attributes.gltf_materials.iter();
+        for material in given.flat_map(|_| materials(attributes)) {
+            if is_own(&material.name) {
+                continue;
+            }
+            let [r, g, b] = material.color.unwrap_or([1.0; 3]);
+            // an image that cannot be read could not be read before
+            let bytes = material.image.as_ref().and_then(|image| image.bytes().ok());
+            let bytes = bytes.map(std::borrow::Cow::into_owned);
+            add(&material.name, &format!("Kd {r} {g} {b}\n"), bytes);
+        }
         Some(Self {
             folder: path.parent().unwrap_or(Path::new("")).to_owned(),
-            images: images.into_iter().map(bytes).collect(),
+            images,
             library: (library, text),
         })
     }
@@ -88,5 +106,14 @@ impl Beside {
         std::iter::once(self.library.0.as_str())
             .chain(images)
             .collect()
+    }
+}
+
+/// The extension of the file of an image.
+fn extension(bytes: &[u8]) -> &'static str {
+    match bytes {
+        [0xff, 0xd8, 0xff, ..] => "jpg",
+        [b'R', b'I', b'F', b'F', ..] => "webp",
+        _ => "png",
     }
 }

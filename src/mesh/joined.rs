@@ -1,8 +1,9 @@
 //! Several files as one.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::attributes::{Column, NO_VALUE, row_count};
+use super::attributes::{Column, GltfMaterials, NO_VALUE, row_count};
 use super::{FaceTag, Soup};
 
 /// The contents of files with their names, one after the other: vertices and polygons of the first, then
@@ -26,10 +27,22 @@ pub fn joined(parts: &[(String, Soup)]) -> Soup {
     let of_faces: Vec<_> = soups().map(|s| &s.attributes.faces.columns[..]).collect();
     out.faces.columns = common("faces", &of_faces, notes);
     let mut tables = Vec::new();
+    let with_texture = || soups().filter(|s| !s.attributes.faces.texture.is_empty());
+    out.texture_is_down = with_texture()
+        .next()
+        .is_some_and(|s| s.attributes.texture_is_down);
+    // all coordinates in the direction of the first
+    let is_down = out.texture_is_down;
+    let texture: Vec<Arc<Vec<Column>>> = soups()
+        .map(|s| match &s.attributes {
+            all if all.texture_is_down == is_down => Arc::clone(&all.texture),
+            all => all.with_turned_texture().texture,
+        })
+        .collect();
     for what in ["texture coordinates", "normals"] {
-        let of_parts = soups().map(|s| match what {
+        let of_parts = soups().zip(&texture).map(|(s, texture)| match what {
             "normals" => (&s.attributes.normals[..], &s.attributes.faces.normals[..]),
-            _ => (&s.attributes.texture[..], &s.attributes.faces.texture[..]),
+            _ => (&texture[..], &s.attributes.faces.texture[..]),
         });
         let sizes = soups().map(|s| s.corners.len());
         tables.push(corner_table(
@@ -49,6 +62,16 @@ pub fn joined(parts: &[(String, Soup)]) -> Soup {
     let has_tags = soups().any(|s| !s.attributes.tags.is_empty());
     out.folder = soups().next().and_then(|s| s.attributes.folder.clone());
     out.stl_header = soups().next().and_then(|s| s.attributes.stl_header);
+    let same = |a: &Soup, b: &Soup| a.attributes.unit == b.attributes.unit;
+    if let Some(first) = soups().next() {
+        if soups().all(|s| same(first, s)) {
+            out.unit.clone_from(&first.attributes.unit);
+        } else {
+            notes.push("the files have different units; their coordinates are not scaled".into());
+        }
+        out.metadata.clone_from(&first.attributes.metadata);
+    }
+    let mut materials: Option<GltfMaterials> = None;
     all.offsets.push(0);
     for (name, soup) in parts {
         let (vertex, corner) = (all.positions.len() as u32, all.corners.len() as u32);
@@ -65,12 +88,21 @@ pub fn joined(parts: &[(String, Soup)]) -> Soup {
             } else {
                 from.tags.clone()
             };
+            let mut renamed = BTreeMap::new();
+            if let Some(given) = &from.gltf_materials {
+                let names = match &mut materials {
+                    Some(materials) => materials.append(given),
+                    None => materials.insert((**given).clone()).names.clone(),
+                };
+                renamed.extend(given.names.iter().cloned().zip(names));
+            }
             out.tags.extend(own.into_iter().map(|tag| FaceTag {
                 object: if tag.object.is_empty() {
                     name.clone()
                 } else {
                     tag.object
                 },
+                material: renamed.get(&tag.material).cloned().unwrap_or(tag.material),
                 ..tag
             }));
             let of_face = |f: usize| first + from.faces.tags.get(f).copied().unwrap_or(0);
@@ -88,6 +120,7 @@ pub fn joined(parts: &[(String, Soup)]) -> Soup {
             ));
         }
     }
+    all.attributes.gltf_materials = materials.map(Arc::new);
     all
 }
 

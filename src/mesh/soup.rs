@@ -1,5 +1,7 @@
 //! Polygons as read from a file, before any repair.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Attributes, DVec3};
 
 /// Positions and polygons in file order, with everything else that the file holds.
@@ -24,7 +26,7 @@ pub struct Soup {
 }
 
 /// Group, object, material and smoothing group of a run of faces in an OBJ file.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct FaceTag {
     /// `o` name, empty if none.
     pub object: String,

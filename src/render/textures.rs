@@ -103,6 +103,8 @@ impl Image {
 pub struct Textures {
     /// By the name of the material.
     images: BTreeMap<String, Arc<Image>>,
+    /// The materials with a transform of texture coordinates.
+    moved: BTreeMap<String, Material>,
     /// Materials of a mesh whose images are in no file.
     own: Vec<OwnMaterial>,
 }
@@ -138,8 +140,19 @@ impl Textures {
             };
             images.extend(image.map(|image| (material.name.clone(), image)));
         }
+        let moved = materials.iter().filter(|m| m.transform.is_some());
+        let moved = moved.map(|m| {
+            (
+                m.name.clone(),
+                Material {
+                    image: None,
+                    ..m.clone()
+                },
+            )
+        });
+        let moved = moved.collect();
         let own = Vec::new();
-        (Self { images, own }, notes)
+        (Self { images, moved, own }, notes)
     }
 
     /// The same images and those of the own materials of a mesh, instead of other own materials; `None`
@@ -166,8 +179,8 @@ impl Textures {
             images.insert(material.name.clone(), Arc::clone(&image));
             read.push((material, image));
         }
-        let own = own.to_vec();
-        Some(Self { images, own })
+        let (own, moved) = (own.to_vec(), self.moved.clone());
+        Some(Self { images, moved, own })
     }
 
     /// Whether an image is more than one colour.
@@ -183,20 +196,18 @@ impl Textures {
     /// The images of the faces of a mesh.
     pub fn of_faces(&self, mesh: &Mesh) -> FaceTextures {
         let attributes = &mesh.attributes;
-        let image = |tag: &str| self.images.get(tag);
-        let images: Vec<Option<Arc<Image>>> = match &attributes.tags[..] {
-            [] => vec![image("").cloned()],
-            tags => tags
-                .iter()
-                .map(|tag| image(&tag.material).cloned())
-                .collect(),
-        };
         let coordinates = Coordinates::of(attributes);
         let faces = mesh.topology.faces().map(|f| {
-            let tag = attributes.faces.tags.get(f.index()).copied().unwrap_or(0);
-            let image = images.get(tag as usize)?.as_ref()?;
+            let name = attributes.material_of(f.index());
+            let image = self.images.get(name)?;
             let corners = mesh.topology.face_vertices(f).map(|v| v.0);
             let at = coordinates.as_ref().and_then(|c| c.of_face(f, corners));
+            let at = match self.moved.get(name) {
+                Some(material) => at.map(|corners| {
+                    corners.map(|at| material.place(at.map(f64::from)).map(|x| x as f32))
+                }),
+                None => at,
+            };
             // one colour is the same everywhere
             let at = at.or(image.is_plain().then_some([[0.0; 2]; 3]))?;
             Some((Arc::clone(image), at))
@@ -312,7 +323,7 @@ mod tests {
             image::RgbaImage::from_fn(4, 2, |x, y| image::Rgba([x as u8, y as u8, 0, 255]));
         pixels.save(&path).expect("saved");
         let material = |name: &str, color, image| Material {
-            is_transformed: false,
+            transform: None,
             name: name.into(),
             color,
             image,
@@ -370,11 +381,11 @@ mod tests {
         ];
         let image = Arc::new(Image::new(image::RgbaImage::new(2, 2)));
         let images = [(String::new(), image)].into();
-        let faces = Textures {
+        let textures = Textures {
             images,
-            own: Vec::new(),
-        }
-        .of_faces(&mesh);
+            ..Textures::default()
+        };
+        let faces = textures.of_faces(&mesh);
         let (_, at) = faces.of(FaceId(1)).expect("an image");
         assert_eq!(*at, [[0.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
     }

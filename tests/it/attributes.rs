@@ -240,6 +240,57 @@ fn glb() -> Vec<u8> {
     bytes
 }
 
+/// A 3MF file with a chart of an image for each half, as 3D Builder writes it.
+fn threemf() -> Vec<u8> {
+    let (points, triangles) = sheet();
+    let mut text = String::from(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"centimeter\" \
+         xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" \
+         xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\">\n\
+         <metadata name=\"Application\">Microsoft.3D Builder</metadata>\n<resources>\
+         <basematerials id=\"1\"><base name=\"paint\" displaycolor=\"#804020FF\"/></basematerials>\
+         <m:texture2d id=\"2\" path=\"/3D/Textures/scan.png\" contenttype=\"image/png\"/>",
+    );
+    for (group, left) in [(3, 0.0), (5, 0.5)] {
+        write!(text, "<m:texture2dgroup id=\"{group}\" texid=\"2\">").expect("text");
+        for [x, y, _] in &points {
+            let u = left + 0.4 * x;
+            write!(text, "<m:tex2coord u=\"{u}\" v=\"{}\"/>", 0.9 * y).expect("text");
+        }
+        text.push_str("</m:texture2dgroup>\n");
+    }
+    text.push_str("<object id=\"4\" name=\"sheet\" pid=\"1\" pindex=\"0\"><mesh><vertices>");
+    for [x, y, z] in &points {
+        writeln!(text, "<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>").expect("text");
+    }
+    text.push_str("</vertices><triangles>");
+    for t in &triangles {
+        let [a, b, c] = t;
+        let group = if is_right(t) { 5 } else { 3 };
+        writeln!(
+            text,
+            "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\" pid=\"{group}\" p1=\"{a}\" p2=\"{b}\" p3=\"{c}\"/>"
+        )
+        .expect("text");
+    }
+    text.push_str(
+        "</triangles></mesh></object></resources><build><item objectid=\"4\"/></build></model>",
+    );
+    let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let parts = [
+        ("3D/3dmodel.model", text.as_bytes()),
+        ("3D/Textures/scan.png", b"\x89PNG and so on"),
+    ];
+    for (name, bytes) in parts {
+        zip.start_file(name, zip::write::SimpleFileOptions::default())
+            .expect("a new part");
+        std::io::Write::write_all(&mut zip, bytes).expect("a vector takes everything");
+    }
+    zip.finish()
+        .expect("a vector takes everything")
+        .into_inner()
+}
+
 /// A binary STL file with a header and attributes as Materialise writes them.
 fn stl() -> Vec<u8> {
     let (points, triangles) = sheet();
@@ -389,6 +440,7 @@ fn exports() -> Vec<(&'static str, Vec<u8>)> {
         ("meshlab.off", off().into_bytes()),
         ("materialise.stl", stl()),
         ("blender.glb", glb()),
+        ("builder.3mf", threemf()),
     ])
     .collect()
 }
@@ -431,6 +483,7 @@ fn assert_lists_kept(old: &Soup, new: &Soup, what: &str) {
     );
     assert_eq!(a.stl_header, b.stl_header, "{what}");
     assert_eq!(a.gltf_materials, b.gltf_materials, "{what}");
+    assert_eq!((&a.unit, &a.metadata), (&b.unit, &b.metadata), "{what}");
     if !old.exploded {
         let count = old.positions.len();
         assert_eq!(new.positions[..count], old.positions, "{what}");
@@ -642,9 +695,11 @@ fn erased_and_refilled_meshes_keep_the_other_faces() {
             for (f, data) in left.iter().enumerate() {
                 assert_eq!(*data, data_of(&new, f), "{what}: {operation:?}");
             }
-            // the cell is inside one chart of the OBJ and glTF files; faces of meshlab.ply have no chart
+            // the cell is inside one chart of the OBJ, glTF and 3MF files; faces of meshlab.ply have no chart
             let patch = new.attributes.faces.texture.get(3 * left.len()..);
-            let has_chart = path.extension().is_some_and(|e| e == "obj" || e == "glb");
+            let has_chart = path
+                .extension()
+                .is_some_and(|e| e == "obj" || e == "glb" || e == "3mf");
             let mut rows = patch.unwrap_or_default().iter();
             assert!(rows.all(|&row| (row != NO_VALUE) == has_chart), "{what}");
         }

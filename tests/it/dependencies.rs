@@ -10,13 +10,15 @@ const FENCE: &str = "```";
 const PICTURE: &str = "```modules\n";
 
 /// Crates that only the named modules use; `main` is the program.
-const CRATES: [(&str, &[&str]); 15] = [
+const CRATES: [(&str, &[&str]); 17] = [
     ("ab_glyph", &["render"]),
     ("epaint_default_fonts", &["render"]),
     ("faer", &["linear"]),
     ("nalgebra_sparse", &["linear", "solver", "symmetry"]),
     ("spade", &["patch"]),
-    ("base64", &["app", "io"]),
+    ("base64", &["io", "mesh"]),
+    ("quick_xml", &["io"]),
+    ("zip", &["io"]),
     ("image", &["app", "cli", "images", "render"]),
     ("clap", &["cli", "main"]),
     ("anyhow", &["cli"]),

@@ -47,11 +47,13 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
     let title = match prompt.purpose {
         PathUse::Open => "Open a mesh or project",
         PathUse::SaveAs => {
-            "Save the mesh (.obj, .ply, .stl, .off, .glb, .gltf) or the project (.meniscus)"
+            "Save the mesh (.obj, .ply, .stl, .off, .glb, .gltf, .3mf) or the project (.meniscus)"
         }
-        PathUse::ExportPatch => "Export only the patches (.obj, .ply, .stl, .off, .glb, .gltf)",
+        PathUse::ExportPatch => {
+            "Export only the patches (.obj, .ply, .stl, .off, .glb, .gltf, .3mf)"
+        }
         PathUse::Reference => {
-            "Open the reference mesh of distances (.obj, .ply, .stl, .off, .glb, .gltf)"
+            "Open the reference mesh of distances (.obj, .ply, .stl, .off, .glb, .gltf, .3mf)"
         }
         PathUse::Report(file) => file.title(),
     };

@@ -1,10 +1,9 @@
 //! Charts of a texture that continue into patches.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use robust::{Coord, orient2d};
 
-use super::rim_colors::material_of;
 use crate::mesh::{Attributes, NO_VALUE, row_count};
 
 /// Coordinates beyond 0..=1 by more than this refer to an image that repeats.
@@ -23,56 +22,97 @@ pub struct Extension {
     pub triangles: Vec<Corners>,
     /// The face whose material the patch has.
     pub like: usize,
+    /// The given faces beside the rim.
+    pub beside: Vec<usize>,
 }
 
 /// For each extension whether it covers a part of the image that given faces, the first `given`, or
-/// extensions before it use. An image that repeats has no such parts.
-pub fn overlapping(
+/// extensions before it use. An image that repeats has no such parts, and neither has an extension whose
+/// surroundings share their part of the image with others, as both sides of a mirrored mesh do.
+pub fn overlapping<'a>(
     attributes: &Attributes,
     given: usize,
-    extensions: &[Option<Extension>],
+    extensions: &'a [Option<Extension>],
 ) -> Vec<bool> {
     let mut overlaps = vec![false; extensions.len()];
     let materials: Vec<&str> = {
         let like = extensions
             .iter()
             .flatten()
-            .map(|e| material_of(attributes, e.like));
+            .map(|e| attributes.material_of(e.like));
         let mut all: Vec<&str> = like.collect();
         all.sort_unstable();
         all.dedup();
         all
     };
     for material in materials {
-        let of_material = |face: usize| material_of(attributes, face) == material;
+        let of_material = |face: usize| attributes.material_of(face) == material;
         let used = || {
             (0..given)
                 .filter(|&f| of_material(f))
-                .filter_map(|f| corners_of(attributes, f))
+                .filter_map(|f| Some((f, corners_of(attributes, f)?)))
         };
         let is_inside = |x: f64| (-BEYOND..=1.0 + BEYOND).contains(&x);
-        if !used().flatten().all(|p| is_inside(p.x) && is_inside(p.y)) {
+        let mut all = used().flat_map(|(_, triangle)| triangle);
+        if !all.all(|p| is_inside(p.x) && is_inside(p.y)) {
             continue;
         }
-        let mut grid = Grid::new(extensions, |e| material_of(attributes, e.like) == material);
-        for triangle in used() {
+        let wanted = extensions.iter().enumerate();
+        let wanted = wanted.filter_map(|(i, e)| Some((i, e.as_ref()?)));
+        let wanted = wanted.filter(|(_, e)| attributes.material_of(e.like) == material);
+        let wanted: Vec<(usize, &Extension)> = wanted.collect();
+        let shares = sharing(attributes, &wanted, used);
+        let alone = wanted.iter().filter(|(i, _)| !shares.contains(i));
+        let alone: Vec<(usize, &Extension)> = alone.copied().collect();
+        let own = |&(i, e): &(usize, &'a Extension)| e.triangles.iter().map(move |t| (i, t));
+        let grid = Grid::new(alone.iter().flat_map(own).collect());
+        for (_, triangle) in used() {
             grid.near(&triangle, |extension, other| {
                 overlaps[extension] |= !overlaps[extension] && cover_each_other(&triangle, other);
             });
         }
-        for (i, extension) in extensions.iter().enumerate() {
-            let own = extension
-                .iter()
-                .filter(|e| material_of(attributes, e.like) == material);
-            for triangle in own.flat_map(|e| &e.triangles) {
-                grid.near(triangle, |later, other| {
-                    overlaps[later] |=
-                        later > i && !overlaps[i] && cover_each_other(triangle, other);
-                });
-            }
+        for (i, triangle) in wanted.iter().flat_map(own) {
+            grid.near(triangle, |later, other| {
+                overlaps[later] |= later > i && !overlaps[i] && cover_each_other(triangle, other);
+            });
         }
     }
     overlaps
+}
+
+/// The extensions beside which at least half of the faces cover other `used` faces in the image.
+fn sharing<U: Iterator<Item = (usize, Corners)>>(
+    attributes: &Attributes,
+    extensions: &[(usize, &Extension)],
+    used: impl Fn() -> U,
+) -> BTreeSet<usize> {
+    let faces = extensions
+        .iter()
+        .flat_map(|(i, e)| e.beside.iter().map(|&f| (*i, f)));
+    let beside = faces.filter_map(|(i, face)| Some((i, face, corners_of(attributes, face)?)));
+    let beside: Vec<(usize, usize, Corners)> = beside.collect();
+    let grid = Grid::new(
+        beside
+            .iter()
+            .enumerate()
+            .map(|(k, (_, _, t))| (k, t))
+            .collect(),
+    );
+    let mut is_covered = vec![false; beside.len()];
+    for (face, triangle) in used() {
+        grid.near(&triangle, |k, other| {
+            is_covered[k] |=
+                !is_covered[k] && beside[k].1 != face && cover_each_other(&triangle, other);
+        });
+    }
+    let mut counts: BTreeMap<usize, [usize; 2]> = BTreeMap::new();
+    for ((i, ..), is_covered) in beside.iter().zip(is_covered) {
+        counts.entry(*i).or_default()[usize::from(is_covered)] += 1;
+    }
+    let shares = counts
+        .into_iter()
+        .filter(|(_, [bare, covered])| covered >= bare);
+    shares.map(|(i, _)| i).collect()
 }
 
 /// The corners of a face in the image; `None` if one has no coordinates.
@@ -113,21 +153,17 @@ fn cover_each_other(a: &Corners, b: &Corners) -> bool {
     !is_apart(a, b) && !is_apart(b, a)
 }
 
-/// Triangles of extensions in square cells.
+/// Numbered triangles in square cells.
 struct Grid<'a> {
     low: [f64; 2],
     cell: f64,
     counts: [usize; 2],
-    /// For each cell the extensions and triangles that reach into it.
+    /// For each cell the triangles that reach into it, with their numbers.
     cells: Vec<Vec<(usize, &'a Corners)>>,
 }
 
 impl<'a> Grid<'a> {
-    fn new(extensions: &'a [Option<Extension>], is_wanted: impl Fn(&Extension) -> bool) -> Self {
-        let wanted = extensions.iter().enumerate();
-        let wanted = wanted.filter_map(|(i, e)| Some((i, e.as_ref().filter(|e| is_wanted(e))?)));
-        let triangles = wanted.flat_map(|(i, e)| e.triangles.iter().map(move |t| (i, t)));
-        let triangles: Vec<(usize, &Corners)> = triangles.collect();
+    fn new(triangles: Vec<(usize, &'a Corners)>) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for (_, triangle) in &triangles {
             let [least, most] = extent(triangle);
@@ -167,7 +203,7 @@ impl<'a> Grid<'a> {
     }
 
     /// Calls `meet` with the triangles whose cells a triangle meets, some of them more than once.
-    fn near(&mut self, triangle: &Corners, mut meet: impl FnMut(usize, &Corners)) {
+    fn near(&self, triangle: &Corners, mut meet: impl FnMut(usize, &Corners)) {
         for at in self.cells_of(triangle) {
             for (i, other) in &self.cells[at] {
                 meet(*i, other);

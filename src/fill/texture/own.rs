@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::atlas::packed;
 use super::chart::Chart;
-use super::rim_colors::{RimColors, material_of};
+use super::rim_colors::RimColors;
 use super::{Light, RimEdge};
 use crate::images::Pixels;
 use crate::mesh::union_find::{find, unite};
@@ -157,7 +157,9 @@ fn parts<'a>(
         let with_image = edges.iter().find(|(.., edge)| edge.texels > 0.0)?;
         let triangles = group.iter().flat_map(|&i| patches[i].triangles);
         Some(Part {
-            like: material_of(attributes, with_image.1[0] as usize / 3).to_owned(),
+            like: attributes
+                .material_of(with_image.1[0] as usize / 3)
+                .to_owned(),
             triangles: triangles.copied().collect(),
             colors: edges.iter().map(|&(ends, _, edge)| (ends, edge)).collect(),
             patches: group,

@@ -60,14 +60,15 @@ impl RimColors {
         };
         let mut by_image: BTreeMap<&ImageSource, Vec<(&Material, [u32; 2])>> = BTreeMap::new();
         for &edge in rims.iter().flatten() {
-            let name = material_of(attributes, edge[0] as usize / 3);
+            let name = attributes.material_of(edge[0] as usize / 3);
             let Some(material) = all.iter().find(|material| material.name == name) else {
                 continue;
             };
-            if material.is_transformed {
-                let why = "its material transforms the image";
-                colors.unread.insert(name.to_owned(), why.to_owned());
-            } else if let Some(image) = &material.image {
+            if let Some(image) = &material.image {
+                // an image without places of it on the edge gives nothing
+                if corner_places(attributes, edge, material).is_none() {
+                    continue;
+                }
                 by_image.entry(image).or_default().push((material, edge));
             } else if let Some([r, g, b]) = material.color {
                 let [r, g, b] = [r, g, b].map(|x| to_light(f64::from(x)) as f32);
@@ -82,14 +83,21 @@ impl RimColors {
             match read.and_then(|bytes| Pixels::decode(&bytes)) {
                 Ok(pixels) => {
                     let image = LightImage::new(&pixels);
-                    let sampled = edges.iter().filter_map(|&(_, edge)| {
-                        Some((edge, image.along(corner_places(attributes, edge)?)))
+                    let sampled = edges.iter().filter_map(|&(material, edge)| {
+                        Some((
+                            edge,
+                            image.along(corner_places(attributes, edge, material)?),
+                        ))
                     });
                     colors.edges.extend(sampled);
-                    let of_image: BTreeSet<[u32; 2]> = edges.iter().map(|e| e.1).collect();
+                    let of_image = edges.iter().filter_map(|&(material, edge)| {
+                        Some((edge, corner_places(attributes, edge, material)?))
+                    });
+                    let of_image: BTreeMap<[u32; 2], [[f64; 2]; 3]> = of_image.collect();
                     for (rim, blank) in rims.iter().zip(&mut colors.blank) {
-                        if rim.iter().all(|edge| of_image.contains(edge)) {
-                            *blank = image.is_blank_inside(attributes, rim, &colors.edges);
+                        let places = rim.iter().map(|edge| of_image.get(edge).copied());
+                        if let Some(places) = places.collect::<Option<Vec<_>>>() {
+                            *blank = image.is_blank_inside(&places, rim, &colors.edges);
                         }
                     }
                 }
@@ -117,20 +125,18 @@ impl RimColors {
 
     /// Why the image of a face gives no colours, if it has one.
     pub fn why_unread(&self, attributes: &Attributes, face: usize) -> Option<&str> {
-        let why = self.unread.get(material_of(attributes, face));
+        let why = self.unread.get(attributes.material_of(face));
         why.map(String::as_str)
     }
 }
 
-/// The name of the material of a face; empty without one.
-pub fn material_of(attributes: &Attributes, face: usize) -> &str {
-    let tag = attributes.faces.tags.get(face);
-    tag.map_or("", |&tag| &attributes.tags[tag as usize].material)
-}
-
-/// The texture coordinates of the corners of the edge and of the third corner of the face, with the second
-/// coordinate downwards; `None` if one has none.
-fn corner_places(attributes: &Attributes, [a, b]: [u32; 2]) -> Option<[[f64; 2]; 3]> {
+/// The places in the image of its material of the corners of the edge and of the third corner of the face,
+/// with the second coordinate downwards; `None` if one has none.
+fn corner_places(
+    attributes: &Attributes,
+    [a, b]: [u32; 2],
+    material: &Material,
+) -> Option<[[f64; 2]; 3]> {
     let third = (3 * (a / 3)..3 * (a / 3) + 3).find(|&corner| corner != a && corner != b)?;
     let [u, v] = attributes.texture.get(..2)? else {
         return None;
@@ -139,14 +145,8 @@ fn corner_places(attributes: &Attributes, [a, b]: [u32; 2]) -> Option<[[f64; 2];
         let row = *attributes.faces.texture.get(corner as usize)?;
         (row != NO_VALUE).then(|| {
             let [u, v] = [u, v].map(|column| column.numbers.get(row as usize));
-            [
-                u,
-                if attributes.texture_is_down {
-                    v
-                } else {
-                    1.0 - v
-                },
-            ]
+            let is_down = attributes.texture_is_down;
+            material.place([u, if is_down { v } else { 1.0 - v }])
         })
     };
     Some([place(a)?, place(b)?, place(third)?])
@@ -205,15 +205,13 @@ impl<'a> LightImage<'a> {
     /// painted, or is transparent there only.
     fn is_blank_inside(
         &self,
-        attributes: &Attributes,
+        places: &[[[f64; 2]; 3]],
         rim: &[[u32; 2]],
         colors: &BTreeMap<[u32; 2], RimEdge>,
     ) -> bool {
         let size = [self.pixels.width, self.pixels.height].map(f64::from);
-        let sides = rim
-            .iter()
-            .filter_map(|&edge| corner_places(attributes, edge));
-        let sides = sides.map(|[a, b, _]| [a, b].map(|[u, v]| [u * size[0], v * size[1]]));
+        let sides = places.iter();
+        let sides = sides.map(|&[a, b, _]| [a, b].map(|[u, v]| [u * size[0], v * size[1]]));
         let sides: Vec<[[f64; 2]; 2]> = sides.collect();
         let middles: Vec<[f64; 2]> = sides
             .iter()

@@ -43,7 +43,7 @@ fn filled(mesh: &Mesh, patch_texture: PatchTexture) -> (Mesh, Vec<Warning>) {
 }
 
 fn material_at(mesh: &Mesh, face: usize) -> &str {
-    super::rim_colors::material_of(&mesh.attributes, face)
+    mesh.attributes.material_of(face)
 }
 
 /// The colour that a face shows at a mix of its corners, as signals in 0..=255.
@@ -288,6 +288,7 @@ fn extensions_over_other_faces_are_found() {
             new: Vec::new(),
             triangles: vec![corners.map(|[x, y]| Coord { x, y })],
             like: 0,
+            beside: vec![0],
         })
     };
     // the other half of the square: it shares a side with the first face
@@ -304,4 +305,8 @@ fn extensions_over_other_faces_are_found() {
         ),
         [false; 2]
     );
+    // the first face is stacked on a mirrored one, so the patch may be as well
+    let mut stacked = attributes(0.0);
+    stacked.faces.texture.extend([1, 0, 2]);
+    assert_eq!(overlapping(&stacked, 3, &[half(), half()]), [false; 2]);
 }

@@ -13,6 +13,21 @@ use crate::mesh::{Attributes, GltfMaterials, ImageSource, Material, to_signal};
 /// The arrays of a document that materials consist of.
 pub(super) const ARRAYS: [&str; 4] = ["materials", "textures", "samplers", "images"];
 
+/// Where a material has its colour: the place, and the names of the colour and of the texture. Some
+/// programs for scans write the second one only.
+const SURFACES: [(&str, &str, &str); 2] = [
+    (
+        "/pbrMetallicRoughness",
+        "baseColorFactor",
+        "baseColorTexture",
+    ),
+    (
+        "/extensions/KHR_materials_pbrSpecularGlossiness",
+        "diffuseFactor",
+        "diffuseTexture",
+    ),
+];
+
 /// The place of the transform of a texture in a reference to it.
 const TRANSFORM: &str = "/extensions/KHR_texture_transform";
 
@@ -134,8 +149,8 @@ pub(super) fn extensions(value: &Value, names: &mut BTreeSet<String>) {
 /// and are left out if that is unknown.
 pub(in super::super) fn materials(folder: Option<&Path>, all: &GltfMaterials) -> Vec<Material> {
     let entry = |list: &str, k: &Value| all.json.get(list)?.get(usize::try_from(k.as_u64()?).ok()?);
-    let image = |surface: &Value| {
-        let texture = entry("textures", surface.get("baseColorTexture")?.get("index")?)?;
+    let image = |texture: &Value| {
+        let texture = entry("textures", texture.get("index")?)?;
         let source = texture.get("source")?;
         let bytes = all.images.get(usize::try_from(source.as_u64()?).ok()?);
         if let Some(Some(bytes)) = bytes {
@@ -147,25 +162,73 @@ pub(in super::super) fn materials(folder: Option<&Path>, all: &GltfMaterials) ->
         }
         folder.map(|folder| ImageSource::File(folder.join(unescaped(uri))))
     };
-    let color = |surface: &Value| {
-        let factor = surface.get("baseColorFactor")?;
+    let color = |factor: &Value| {
         let channel = |k: usize| Some(to_signal(factor.get(k)?.as_f64()?) as f32);
         Some([channel(0)?, channel(1)?, channel(2)?])
     };
     let list = all.json.get("materials").and_then(Value::as_array);
     let pairs = all.names.iter().zip(list.into_iter().flatten());
     let material = |(name, material): (&String, &Value)| {
-        let surface = material.get("pbrMetallicRoughness");
-        let texture = surface.and_then(|surface| surface.get("baseColorTexture"));
+        let surfaces = SURFACES
+            .iter()
+            .filter_map(|(path, color_name, texture_name)| {
+                let surface = material.pointer(path)?;
+                Some((surface.get(color_name), surface.get(texture_name)))
+            });
+        let surfaces: Vec<(Option<&Value>, Option<&Value>)> = surfaces.collect();
+        let texture = surfaces.iter().find_map(|(_, texture)| *texture);
         let transform = texture.and_then(|texture| texture.pointer(TRANSFORM));
         Material {
             name: name.clone(),
-            color: surface.and_then(color),
-            image: surface.and_then(image),
-            is_transformed: transform.is_some(),
+            color: surfaces.iter().find_map(|(factor, _)| color((*factor)?)),
+            image: texture.and_then(image),
+            transform: transform.and_then(affine_map),
         }
     };
     pairs.map(material).collect()
+}
+
+/// The rows of the affine map of a transform of a texture: scaled, then turned, then moved; `None` for
+/// the identity.
+fn affine_map(transform: &Value) -> Option<[[f64; 3]; 2]> {
+    let pair = |name: &str, missing: f64| {
+        let list = transform.get(name);
+        [0, 1].map(|k| {
+            list.and_then(|list| list.get(k)?.as_f64())
+                .unwrap_or(missing)
+        })
+    };
+    let ([x, y], [s, t]) = (pair("offset", 0.0), pair("scale", 1.0));
+    let angle = transform.get("rotation").and_then(Value::as_f64);
+    // counter-clockwise, while the second coordinate is downwards
+    let (sin, cos) = angle.unwrap_or(0.0).sin_cos();
+    let rows = [[cos * s, sin * t, x], [-sin * s, cos * t, y]];
+    (rows != [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).then_some(rows)
+}
+
+/// Whether materials have only a colour and an image of it.
+pub(in super::super) fn are_plain(all: &GltfMaterials) -> bool {
+    let has_only = |value: Option<&Value>, known: &[&str]| {
+        let object = value.and_then(Value::as_object);
+        object.is_none_or(|object| object.keys().all(|key| known.contains(&key.as_str())))
+    };
+    let of_surface = [
+        "baseColorFactor",
+        "baseColorTexture",
+        "metallicFactor",
+        "roughnessFactor",
+    ];
+    let is_plain = |material: &Value| {
+        let surface = material.get("pbrMetallicRoughness");
+        let texture = surface.and_then(|surface| surface.get("baseColorTexture"));
+        has_only(
+            Some(material),
+            &["name", "pbrMetallicRoughness", "alphaMode"],
+        ) && has_only(surface, &of_surface)
+            && has_only(texture, &["index", "texCoord"])
+    };
+    let list = all.json.get("materials").and_then(Value::as_array);
+    list.into_iter().flatten().all(is_plain)
 }
 
 /// The image files that materials refer to.

@@ -49,7 +49,8 @@ pub(in super::super) fn companions(folder: &Path, attributes: &Attributes) -> BT
             if let Some(bytes) = read_library(&path) {
                 // images are relative to the library
                 let beside = Path::new(&library).parent().unwrap_or(Path::new(""));
-                let images = image_names(&bytes);
+                let at = folder.join(beside);
+                let images = image_names(&bytes).map(|name| local_name(&at, &name));
                 names.extend(images.map(|name| beside.join(name).to_string_lossy().into_owned()));
                 names.insert(library);
             }
@@ -74,7 +75,36 @@ pub(in super::super) fn materials(folder: &Path, attributes: &Attributes) -> Vec
     }
     let mut seen = BTreeSet::new();
     all.retain(|material| seen.insert(material.name.clone()));
+    // faces of a file that names no material have the only one that there is
+    let own = attributes.own_materials.iter();
+    let own: BTreeSet<&str> = own.map(|material| material.name.as_str()).collect();
+    let names_none =
+        (attributes.tags.iter()).all(|tag| tag.material.is_empty() || own.contains(&*tag.material));
+    if let ([only], true) = (&all[..], names_none) {
+        let nameless = Material {
+            name: String::new(),
+            ..only.clone()
+        };
+        all.push(nameless);
+    }
     all
+}
+
+/// The name of a file with separators of this system, if that is where the file is: programs on Windows
+/// write `\`. A file of another machine with the path of its disk is looked for beside the mesh.
+fn local_name(folder: &Path, name: &str) -> String {
+    if !name.contains('\\') || folder.join(name).is_file() {
+        return name.to_owned();
+    }
+    let local = name.replace('\\', "/");
+    let local = local.trim_start_matches("./").to_owned();
+    let last = local.rsplit('/').next().unwrap_or_default();
+    let is_of_disk = local.as_bytes().get(1) == Some(&b':');
+    if is_of_disk && folder.join(last).is_file() {
+        last.to_owned()
+    } else {
+        local
+    }
 }
 
 /// The materials of a library whose images are relative to `folder`.
@@ -99,7 +129,8 @@ fn materials_of(text: &str, folder: &Path) -> Vec<Material> {
                 }
             }
             ("map_kd", Some(material)) => {
-                material.image = image_name(line).map(|name| ImageSource::File(folder.join(name)));
+                material.image = image_name(line)
+                    .map(|name| ImageSource::File(folder.join(local_name(folder, &name))));
             }
             _ => {}
         }
@@ -165,8 +196,9 @@ fn image_name(line: &str) -> Option<String> {
 
 /// An entry is one name that contains blanks, or several names.
 fn library_names(directory: &Path, entry: &str) -> Vec<String> {
-    if directory.join(entry).is_file() {
-        return vec![entry.to_owned()];
+    let local = local_name(directory, entry);
+    if directory.join(&local).is_file() {
+        return vec![local];
     }
     entry.split_whitespace().map(str::to_owned).collect()
 }
@@ -198,7 +230,7 @@ mod tests {
             name: name.into(),
             color,
             image: image.map(|name| ImageSource::File(name.into())),
-            is_transformed: false,
+            transform: None,
         };
         let bark = Some([0.5, 0.25, 0.125]);
         let expected = [

@@ -210,7 +210,9 @@ struct TextureLists {
 
 impl TextureLists {
     fn face(&mut self, row: &[f64], corners: usize) {
-        if row.len() == 2 * corners {
+        // programs write zeros for faces without coordinates
+        let is_empty = row.iter().all(|x| x.to_bits() == 0);
+        if row.len() == 2 * corners && !is_empty {
             for pair in row.chunks_exact(2) {
                 self.of_corner.push(self.numbers[0].len() as u32);
                 for (list, number) in self.numbers.iter_mut().zip(pair) {
@@ -218,7 +220,7 @@ impl TextureLists {
                 }
             }
         } else {
-            self.wrong += usize::from(!row.is_empty());
+            self.wrong += usize::from(row.len() != 2 * corners && !row.is_empty());
             self.of_corner
                 .resize(self.of_corner.len() + corners, NO_VALUE);
         }

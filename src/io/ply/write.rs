@@ -3,7 +3,9 @@
 use std::io::{self, Write};
 
 use super::super::OutputMesh;
-use crate::mesh::{Colors, Column, FaceTag, NO_VALUE, Numbers, color_steps, colors, row_count};
+use crate::mesh::{
+    Colors, Column, FaceTag, NO_VALUE, NumberType, Numbers, color_steps, colors, row_count,
+};
 
 /// The comment that names this program.
 const MARK: &str = "comment written by meniscus";
@@ -36,7 +38,8 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
     declare(vertices, out)?;
     writeln!(out, "element face {}", mesh.triangles.len())?;
     writeln!(out, "property list uchar {index} vertex_indices")?;
-    let texture = (!all.faces.texture.is_empty()).then(|| coordinates(&all.texture));
+    let has_texture = all.faces.texture.iter().any(|&row| row != NO_VALUE);
+    let texture = has_texture.then(|| coordinates(&all.texture));
     if let Some([u, _]) = &texture {
         writeln!(out, "property list uchar {} texcoord", u.kind().ply_name())?;
     }
@@ -67,10 +70,11 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
         }
         if let Some(numbers) = &texture {
             let values = &all.faces.texture[3 * face..3 * face + 3];
+            row.push(6);
             if values.contains(&NO_VALUE) {
-                row.push(0);
+                // most programs expect as many numbers for each face
+                row.resize(row.len() + 6 * numbers[0].kind().size(), 0);
             } else {
-                row.push(6);
                 for &value in values {
                     for list in numbers {
                         list.push_bytes(value as usize, &mut row);
@@ -123,14 +127,30 @@ fn decimal_colors(columns: &[Column]) -> Option<Vec<Column>> {
     Some(converted)
 }
 
-/// The numbers of the first two columns of texture coordinates; zeros if there is one only.
+/// The numbers of the first two columns of texture coordinates; zeros if there is one only. Decimals become
+/// `float`, the only type that some programs read.
 fn coordinates(columns: &[Column]) -> [Numbers; 2] {
     let count = row_count(columns);
     [0, 1].map(|k| {
         if let Some(column) = columns.get(k) {
-            return column.numbers.clone();
+            return match &column.numbers {
+                Numbers::F64(list) if !column.is_typed => {
+                    Numbers::F32({
+                        // in the range of the type
+                        let (least, most) = (f64::from(f32::MIN), f64::from(f32::MAX));
+                        list.iter().map(|x| x.clamp(least, most) as f32).collect()
+                    })
+                }
+                numbers => numbers.clone(),
+            };
         }
-        let mut zeros = Numbers::with_capacity(columns[0].numbers.kind(), count);
+        let kind = columns[0].numbers.kind();
+        let kind = if columns[0].is_typed {
+            kind
+        } else {
+            NumberType::F32
+        };
+        let mut zeros = Numbers::with_capacity(kind, count);
         zeros.pad(count);
         zeros
     })

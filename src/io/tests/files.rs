@@ -68,6 +68,7 @@ fn saved_files_load_again() {
     assert_eq!(
         names(directory.path()),
         [
+            "mesh.3mf",
             "mesh.glb",
             "mesh.gltf",
             "mesh.obj",

@@ -19,7 +19,7 @@ const F32: u32 = 5126;
 
 /// A file in the making.
 #[derive(Clone, Default)]
-struct Document {
+pub(super) struct Document {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
@@ -27,7 +27,7 @@ struct Document {
 
 impl Document {
     /// Adds bytes. Returns their view.
-    fn view(&mut self, bytes: &[u8]) -> usize {
+    pub fn view(&mut self, bytes: &[u8]) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let start = self.bytes.len();
         self.bytes.extend_from_slice(bytes);
@@ -43,7 +43,7 @@ impl Document {
         self.accessors.len() - 1
     }
 
-    fn floats(&mut self, shape: &str, rows: &[impl AsRef<[f32]>]) -> usize {
+    pub fn floats(&mut self, shape: &str, rows: &[impl AsRef<[f32]>]) -> usize {
         let numbers = rows.iter().flat_map(|row| row.as_ref().iter());
         let bytes: Vec<u8> = numbers.flat_map(|x| x.to_le_bytes()).collect();
         let view = self.view(&bytes);
@@ -57,7 +57,7 @@ impl Document {
     }
 
     /// The JSON with `more`; the buffer has this URI.
-    fn json(&self, more: Value, uri: Option<&str>) -> Value {
+    pub fn json(&self, more: Value, uri: Option<&str>) -> Value {
         let mut buffer = json!({ "byteLength": self.bytes.len() });
         if let Some(uri) = uri {
             buffer["uri"] = uri.into();
@@ -73,12 +73,16 @@ impl Document {
         json
     }
 
-    fn glb(&self, more: Value) -> Vec<u8> {
+    pub fn bytes(&self) -> Vec<u8> {
+        self.bytes.clone()
+    }
+
+    pub fn glb(&self, more: Value) -> Vec<u8> {
         glb(&self.json(more, None), &self.bytes)
     }
 }
 
-fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
+pub(super) fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
     let mut text = json.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
     let mut binary = binary.to_vec();
@@ -96,7 +100,7 @@ fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
 const SQUARE: [[f32; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.1]];
 
 /// A square of two triangles: the document and its mesh.
-fn square() -> (Document, Value) {
+pub(super) fn square() -> (Document, Value) {
     let mut document = Document::default();
     let positions = document.floats("VEC3", &SQUARE);
     let indices = document.indices(&[0, 1, 2, 0, 2, 3]);
@@ -106,7 +110,7 @@ fn square() -> (Document, Value) {
 }
 
 /// A scene of one node with the first mesh.
-fn one_node(meshes: &Value) -> Value {
+pub(super) fn one_node(meshes: &Value) -> Value {
     json!({ "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }], "meshes": meshes })
 }
 
@@ -240,7 +244,7 @@ fn materials_and_images_are_kept_as_they_are() {
     assert_eq!(position["max"], json!(vec![1.1_f32; 3]));
     let lost = with_output(&built(&soup), |output| losses(Obj, output)).join("; ");
     assert!(
-        lost.contains("OBJ cannot store the colours and images of glTF"),
+        lost.contains("OBJ gets the colours and images of materials"),
         "{lost}"
     );
     let drawn = super::super::materials(&soup.attributes);

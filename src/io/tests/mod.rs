@@ -1,5 +1,6 @@
 //! Tests of the readers and writers together.
 
+mod exports;
 mod files;
 mod gltf;
 mod malformed;
@@ -7,6 +8,7 @@ mod oracles;
 mod own_materials;
 mod round_trip;
 mod syntax;
+mod threemf;
 
 use std::path::Path;
 

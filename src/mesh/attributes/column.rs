@@ -1,5 +1,7 @@
 //! Named columns of numbers, such as the colours and qualities of vertices.
 
+use serde::{Deserialize, Serialize};
+
 /// The type of the numbers of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)] // named like the types of the language
@@ -185,7 +187,7 @@ impl Numbers {
 }
 
 /// A number for each vertex, each face or each value that corners refer to.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Column {
     /// The name in the file, such as `quality`.
     pub name: String,

@@ -1,5 +1,7 @@
 //! What a file holds for its faces and their corners.
 
+use serde::{Deserialize, Serialize};
+
 use super::column::{Column, picked_rows};
 
 /// The index of a corner without a value.
@@ -7,7 +9,8 @@ pub const NO_VALUE: u32 = u32::MAX;
 
 /// Data of faces and their corners. A list is empty if the file has no such data. Lists of corners
 /// have one entry for each corner, face by face.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct FaceData {
     /// For each face its index in [`Attributes::tags`](super::Attributes::tags).
     pub tags: Vec<u32>,
@@ -18,6 +21,7 @@ pub struct FaceData {
     /// For each corner its row of the normals, or [`NO_VALUE`].
     pub normals: Vec<u32>,
     /// For each corner its row of the vertex columns; empty if rows are vertices.
+    #[serde(skip)]
     pub rows: Vec<u32>,
 }
 

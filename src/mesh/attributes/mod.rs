@@ -9,12 +9,15 @@ mod column;
 mod faces;
 mod materials;
 mod mixing;
+mod serial;
 mod split;
 mod summary;
 mod written;
 
 use std::path::PathBuf;
 use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
 
 use super::{FaceTag, Mesh, VertexId};
 
@@ -26,17 +29,22 @@ pub use mixing::{append_between, append_interpolated};
 pub use written::Written;
 
 /// What a mesh file holds besides positions and faces. Lists are empty if it has no such data.
-#[derive(Clone, Debug, Default, PartialEq)]
+///
+/// Serialized are those of a file ([`Written`]), without its folder.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Attributes {
     /// Columns with a number for each vertex, such as colours.
     pub vertices: Vec<Column>,
     /// If the file has vertices at one place with different numbers, which the mesh joins: the vertex
     /// of each row of `vertices`. Corners then refer to rows by [`FaceData::rows`], and writing
     /// separates the vertices again.
+    #[serde(skip)]
     pub vertex_of_row: Vec<u32>,
     /// Data of the faces.
     pub faces: FaceData,
     /// Data of [`Mesh::non_orientable`].
+    #[serde(skip)]
     pub non_orientable: FaceData,
     /// Groups, objects and materials, in order of first use.
     pub tags: Vec<FaceTag>,
@@ -48,15 +56,21 @@ pub struct Attributes {
     pub normals: Arc<Vec<Column>>,
     /// `mtllib` names of an OBJ file, as written there (relative to the file), in order.
     pub material_libraries: Vec<String>,
-    /// The materials of a glTF file.
+    /// The materials of a glTF or 3MF file.
     pub gltf_materials: Option<Arc<GltfMaterials>>,
     /// Materials whose images are written with the mesh.
     pub own_materials: Vec<OwnMaterial>,
     /// The lines `comment` and `obj_info` of a PLY header.
     pub comments: Vec<String>,
+    /// The unit of the coordinates of a 3MF file, such as `millimeter`, if the file has one.
+    pub unit: String,
+    /// Names and values of the metadata of a 3MF file, such as `Title`.
+    pub metadata: Vec<[String; 2]>,
     /// The header of a binary STL file.
+    #[serde(with = "serial::header")]
     pub stl_header: Option<[u8; 80]>,
     /// The folder of the file, to which names of other files are relative, if they are known to be.
+    #[serde(skip)]
     pub folder: Option<PathBuf>,
 }
 
@@ -83,6 +97,23 @@ impl Attributes {
             first[vertex as usize] = row as u32;
         }
         first
+    }
+
+    /// The name of the material of a face: that of its tag, or the name of its texture file if the file is PLY
+    /// and has several; empty without one.
+    pub fn material_of(&self, face: usize) -> &str {
+        let tag = self.faces.tags.get(face);
+        let name = tag.map_or("", |&tag| self.tags[tag as usize].material.as_str());
+        let numbers = self.faces.columns.iter();
+        let mut numbers = numbers.filter(|column| column.name == "texnumber");
+        match numbers.next() {
+            Some(column) if name.is_empty() && column.numbers.get(face) != 0.0 => {
+                // the first one has no name, and so have faces of no number
+                let number = column.numbers.get(face) as usize;
+                self.texture_files().nth(number).unwrap_or("")
+            }
+            _ => name,
+        }
     }
 
     /// The row of a vertex, for each vertex of a list.

@@ -42,13 +42,21 @@ impl Attributes {
         if let Some(materials) = &self.gltf_materials {
             let images = materials.images.len();
             let count = materials.names.len();
-            lines.push(format!("glTF materials: {count}, with {images} images"));
+            lines.push(format!(
+                "materials with colours and images in the file: {count}, with {images} images"
+            ));
         }
         for material in &self.own_materials {
             lines.push(format!(
                 "material with an image of its own: {}",
                 material.name
             ));
+        }
+        if !self.unit.is_empty() {
+            lines.push(format!("unit: {}", self.unit));
+        }
+        for [name, value] in &self.metadata {
+            lines.push(format!("{name}: {value}"));
         }
         for name in self.texture_files() {
             lines.push(format!("texture file: {name}"));

@@ -179,6 +179,8 @@ fn assemble(soup: &Soup, triangles: &Triangles, topology: Topology, repaired: &R
         gltf_materials: given.gltf_materials.clone(),
         own_materials: given.own_materials.clone(),
         comments: given.comments.clone(),
+        unit: given.unit.clone(),
+        metadata: given.metadata.clone(),
         stl_header: given.stl_header,
         folder: given.folder.clone(),
         ..Attributes::default()

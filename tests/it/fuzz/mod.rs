@@ -221,6 +221,43 @@ fn gltf() {
 }
 
 #[test]
+fn threemf() {
+    let texts = [
+        r##"<model unit="inch" xmlns="core" xmlns:m="materials"><metadata name="Title">a &lt; b</metadata>
+        <resources><basematerials id="1"><base name="a" displaycolor="#FF8000"/></basematerials>
+        <m:colorgroup id="2"><m:color color="#FF0000"/><m:color color="#00FF0080"/></m:colorgroup>
+        <m:texture2dgroup id="3" texid="9"><m:tex2coord u="0" v=".5"/></m:texture2dgroup>
+        <object id="4" name="one" pid="1" pindex="0"><mesh><vertices><vertex x="0" y="0" z="0"/>
+        <vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/><vertex x="0" y="0" z="1"/></vertices>
+        <triangles><triangle v1="0" v2="1" v3="2"/><triangle v1="0" v2="3" v3="1" pid="2" p1="0" p2="1"
+        p3="1"/><triangle v1="0" v2="2" v3="3" pid="3" p1="0"/></triangles></mesh></object>
+        <object id="5" type="model"><components><component objectid="4"/><component objectid="4"
+        transform="-1 0 0 0 1 0 0 0 1 5 0 0"/></components></object></resources>
+        <build><item objectid="5"/><item objectid="4" transform="1 0 0 0 1 0 0 0 1 0 9 0"/></build></model>"##,
+    ];
+    let words = [
+        "<object id=\"6\">",
+        "<component objectid=\"5\"/>",
+        "<item objectid=\"4\"/>",
+        "<mesh>",
+        "</mesh>",
+        "pid=\"2\"",
+        "p1=\"1\"",
+        "path=\"/3D/3dmodel.model\"",
+        "transform=\"",
+        "<!--",
+        "<![CDATA[",
+        "&amp;",
+        "1e999",
+        "/>",
+        ">",
+        "\"",
+    ];
+    let seeds = with_texts(mesh_files(Format::ThreeMf), &texts);
+    fuzz("threemf", targets::threemf, &seeds, &words);
+}
+
+#[test]
 fn expressions() {
     let texts = [
         "H^2+K^2",

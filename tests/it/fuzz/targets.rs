@@ -33,6 +33,35 @@ pub fn gltf(bytes: &[u8]) {
     mesh_file(Format::Glb, bytes);
 }
 
+/// The bytes are the model of an archive. Changed bytes of an archive would only fail its checksums.
+pub fn threemf(bytes: &[u8]) {
+    mesh_file(Format::ThreeMf, bytes);
+    mesh_file(Format::ThreeMf, &archive("3D/3dmodel.model", bytes));
+}
+
+/// A ZIP archive with one part that is stored as it is.
+fn archive(name: &str, bytes: &[u8]) -> Vec<u8> {
+    let crc = !bytes.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            (crc >> 1) ^ (0xedb8_8320 * (crc & 1))
+        })
+    });
+    let (size, length) = (bytes.len() as u32, name.len() as u16);
+    let mut entry = vec![10, 0, 0, 0, 0, 0, 0, 0, 0x21, 0];
+    for number in [crc, size, size] {
+        entry.extend(number.to_le_bytes());
+    }
+    entry.extend(length.to_le_bytes());
+    entry.extend([0; 2]);
+    let local = [b"PK\x03\x04", &entry[..], name.as_bytes(), bytes].concat();
+    let central = [b"PK\x01\x02\x0a\0", &entry[..], &[0; 14], name.as_bytes()].concat();
+    let mut end = b"PK\x05\x06\0\0\0\0\x01\0\x01\0".to_vec();
+    for number in [central.len(), local.len()] {
+        end.extend((number as u32).to_le_bytes());
+    }
+    [local, central, end, vec![0; 2]].concat()
+}
+
 /// A reader refuses a file or gives a sound soup; building refuses the soup or gives a valid mesh; a
 /// mesh that is written reads back with the same bits.
 fn mesh_file(format: Format, bytes: &[u8]) {
@@ -70,7 +99,7 @@ fn mesh_file(format: Format, bytes: &[u8]) {
             );
             assert_eq!(again.corners, output.triangles.as_flattened());
         }
-        for format in [Format::Glb, Format::Gltf] {
+        for format in [Format::Glb, Format::Gltf, Format::ThreeMf] {
             if io::check(format, output).is_ok() {
                 let mut written = Vec::new();
                 io::write(format, output, &mut written).expect("a vector takes everything");

@@ -1,0 +1,236 @@
+//! Files as programs for scans write them, rebuilt small from what is reported of them.
+
+use std::fs;
+
+use serde_json::json;
+
+use super::super::Format::{Glb, Ply};
+use super::super::{copy_companions, load, materials, open_joined, save_mesh, with_output};
+use super::gltf::{one_node, square};
+use super::{bad, good};
+use crate::mesh::{ImageSource, Material, Weld};
+
+const SQUARE: &str =
+    "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nvt 0 0 0\r\nvt 1 0 0\r\nvt 1 1 0\r\n";
+
+fn image_file(material: &Material) -> Option<&std::path::Path> {
+    match &material.image {
+        Some(ImageSource::File(path)) => Some(path),
+        _ => None,
+    }
+}
+
+// Names with blanks, separators of Windows, the path of a disk, options and three texture coordinates
+// (MeshLab issues 66 and 512, wow.export issue 430, RealityCapture).
+#[test]
+fn materials_with_paths_of_windows_are_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir_all(at("in/my maps")).expect("made");
+    fs::create_dir(at("out")).expect("made");
+    let library = "newmtl material_0\r\nKd 1 1 1\r\nmap_Kd my maps\\scan 0.png\r\n\r\n\
+        newmtl material 1\r\nmap_Kd -blendu on -s 1 1 1 C:\\Users\\me\\scan_1.png\r\n";
+    fs::write(at("in/my scan.mtl"), library).expect("written");
+    for name in ["in/my maps/scan 0.png", "in/scan_1.png"] {
+        fs::write(at(name), name).expect("written");
+    }
+    let text = format!(
+        "# Capturing Reality\r\nmtllib .\\my scan.mtl\r\nusemtl material_0\r\no first\r\n{SQUARE}\
+         f 1/1 2/2 3/3\r\nusemtl material 1\r\nf -4/-3 -2/-2 -1/-1\r\n"
+    );
+    fs::write(at("in/scan.obj"), &text).expect("written");
+    let soup = load(&at("in/scan.obj")).expect("read");
+    assert!(soup.notes.is_empty(), "{:?}", soup.notes);
+    let all = &soup.attributes;
+    assert_eq!(all.texture.len(), 3);
+    let names: Vec<&str> = all.tags.iter().map(|tag| tag.material.as_str()).collect();
+    assert_eq!(names, ["material_0", "material 1"]);
+    let found = materials(all);
+    let files: Vec<_> = found.iter().filter_map(image_file).collect();
+    assert_eq!(files.len(), 2);
+    assert!(files.iter().all(|path| path.is_file()), "{files:?}");
+    let messages = copy_companions(&at("out/scan.obj"), all);
+    assert!(
+        messages.len() == 1 && messages[0].contains("'my scan.mtl'"),
+        "{messages:?}"
+    );
+    fs::write(at("out/scan.obj"), &text).expect("written");
+    let copied = materials(&load(&at("out/scan.obj")).expect("read").attributes);
+    let files: Vec<_> = copied.iter().filter_map(image_file).collect();
+    assert!(
+        files.len() == 2 && files.iter().all(|path| path.is_file()),
+        "{files:?}"
+    );
+}
+
+// A library with one material that no face names (PyTorch3D issue 1068, objects of the YCB set).
+#[test]
+fn the_only_material_is_that_of_all_faces() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("a.mtl"), "newmtl skin\nmap_Kd a.png\n").expect("written");
+    fs::write(
+        at("a.obj"),
+        format!("mtllib a.mtl\n{SQUARE}f 1/1 2/2 3/3\n"),
+    )
+    .expect("written");
+    let soup = load(&at("a.obj")).expect("read");
+    let found = materials(&soup.attributes);
+    let nameless = found.iter().find(|material| material.name.is_empty());
+    assert_eq!(
+        image_file(nameless.expect("a material")),
+        Some(&*at("a.png"))
+    );
+    assert_eq!(soup.attributes.material_of(0), "");
+}
+
+// Faces with the number of their image (MeshLab, PyMeshLab issue 244).
+#[test]
+fn faces_of_ply_files_have_one_of_several_images() {
+    let text = "ply\nformat ascii 1.0\ncomment VCGLIB generated\ncomment TextureFile a.png\n\
+        comment TextureFile b c.png\nelement vertex 4\nproperty double x\nproperty double y\n\
+        property double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+        property uchar alpha\nelement face 2\nproperty list uchar int vertex_indices\n\
+        property list uchar float texcoord\nproperty int texnumber\nend_header\n\
+        0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n1 1 0 0 0 255 255\n0 1 0 9 9 9 128\n\
+        3 0 1 2 6 0 0 1 0 1 1 1\n3 0 2 3 6 0 0 1 1 0 1 0\n";
+    let mut soup = good(Ply, text);
+    soup.attributes.folder = Some("in".into());
+    let all = &soup.attributes;
+    assert_eq!([0, 1].map(|face| all.material_of(face)), ["b c.png", ""]);
+    let found = materials(all);
+    let images: Vec<_> = found
+        .iter()
+        .map(|m| (m.name.as_str(), image_file(m)))
+        .collect();
+    let file = |name: &str| std::path::Path::new("in").join(name);
+    assert_eq!(
+        images,
+        [
+            ("", Some(&*file("a.png"))),
+            ("b c.png", Some(&*file("b c.png")))
+        ]
+    );
+}
+
+// Transforms of textures, and colours of an older extension (Sketchfab).
+#[test]
+fn images_of_other_materials_of_gltf_are_found() {
+    let (mut document, mesh) = square();
+    let image = document.view(b"an image");
+    let mut json = one_node(&json!([mesh]));
+    let transform = json!({ "KHR_texture_transform": { "offset": [0.5, 0.25], "scale": [0.5, 2.0],
+        "rotation": std::f64::consts::FRAC_PI_2 } });
+    json["images"] = json!([{ "bufferView": image, "mimeType": "image/png" }]);
+    json["textures"] = json!([{ "source": 0 }]);
+    json["materials"] = json!([
+        { "name": "old", "extensions": { "KHR_materials_pbrSpecularGlossiness": {
+            "diffuseFactor": [1.0, 0.0, 0.0, 1.0],
+            "diffuseTexture": { "index": 0, "extensions": transform } } } },
+        { "name": "plain", "pbrMetallicRoughness": { "baseColorTexture": { "index": 0,
+            "extensions": { "KHR_texture_transform": {} } } } },
+    ]);
+    let soup = good(Glb, document.glb(json));
+    let all = materials(&soup.attributes);
+    assert!(
+        all.iter()
+            .all(|m| m.image == Some(ImageSource::Bytes(b"an image".to_vec())))
+    );
+    assert_eq!(all[0].color, Some([1.0, 0.0, 0.0]));
+    // scaled to (0.5, 2), turned to (2, -0.5), moved
+    let [u, v] = all[0].place([1.0, 1.0]);
+    assert!(
+        (u - 2.5).abs() < 1e-12 && (v + 0.25).abs() < 1e-12,
+        "{u} {v}"
+    );
+    assert_eq!(all[1].transform, None);
+}
+
+// Blender writes sparse accessors for shape keys, which are not kept (glTF-Blender-IO issue 1346).
+#[test]
+fn sparse_accessors_of_shape_keys_are_no_obstacle() {
+    let (document, mesh) = square();
+    let mut json = document.json(one_node(&json!([mesh])), None);
+    let accessors = json["accessors"].as_array_mut().expect("an array");
+    accessors.push(
+        json!({ "componentType": 5126, "count": 4, "type": "VEC3", "sparse": {
+        "count": 1, "indices": { "bufferView": 0, "componentType": 5121 },
+        "values": { "bufferView": 0 } } }),
+    );
+    let primitive = &mut json["meshes"][0]["primitives"][0];
+    primitive["targets"] = json!([{ "POSITION": 2 }]);
+    let bytes = super::gltf::glb(&json, &document.bytes());
+    let soup = good(Glb, bytes);
+    assert_eq!(soup.notes, ["not kept: morph targets"]);
+    json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 2.into();
+    let message = bad(Glb, super::gltf::glb(&json, &document.bytes()));
+    assert!(message.contains("without sparse accessors"), "{message}");
+}
+
+// Two files with materials of the same name are one mesh with both, also as OBJ.
+#[test]
+fn materials_of_joined_files_stay_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    for name in ["a", "b"] {
+        let (mut document, mut mesh) = square();
+        let image = document.view(format!("\u{89}image {name}").as_bytes());
+        let texture = document.floats("VEC2", &[[0.0, 0.25_f32]; 4]);
+        mesh["primitives"][0]["attributes"]["TEXCOORD_0"] = texture.into();
+        mesh["primitives"][0]["material"] = 0.into();
+        let mut json = one_node(&json!([mesh]));
+        if name == "b" {
+            json["nodes"][0]["translation"] = json!([5, 0, 0]);
+        }
+        json["images"] = json!([{ "bufferView": image, "mimeType": "image/png" }]);
+        json["samplers"] = json!([{ "wrapS": 33071 }]);
+        json["textures"] = json!([{ "source": 0, "sampler": 0 }]);
+        json["materials"] = json!([{ "name": "skin", "pbrMetallicRoughness": {
+            "baseColorFactor": [1.0, 0.0, 0.0, 1.0], "baseColorTexture": { "index": 0 } } }]);
+        fs::write(at(name).with_extension("glb"), document.glb(json)).expect("written");
+    }
+    let paths = [at("a.glb"), at("b.glb")];
+    let mesh = open_joined(&paths, Weld::Auto).expect("opened").mesh;
+    let names: Vec<&str> = [0, 2]
+        .map(|face| mesh.attributes.material_of(face))
+        .to_vec();
+    assert_eq!(names, ["skin", "skin_2"]);
+    assert!(mesh.attributes.texture_is_down);
+    let image = |all: &[Material], name: &str| {
+        let material = all
+            .iter()
+            .find(|material| material.name == name)
+            .expect("a material");
+        assert_eq!(material.color, Some([1.0, 0.0, 0.0]));
+        let image = material.image.as_ref().expect("an image");
+        String::from_utf8_lossy(&image.bytes().expect("read")).into_owned()
+    };
+    let both = materials(&mesh.attributes);
+    assert_eq!(
+        [image(&both, "skin"), image(&both, "skin_2")],
+        ["\u{89}image a", "\u{89}image b"]
+    );
+    let samplers = &mesh
+        .attributes
+        .gltf_materials
+        .as_ref()
+        .expect("materials")
+        .json["textures"];
+    assert_eq!(
+        *samplers,
+        json!([{ "source": 0, "sampler": 0 }, { "source": 1, "sampler": 1 }])
+    );
+    // OBJ gets a library with the images beside it
+    let said = save_mesh(&at("out.obj"), &mesh).expect("written");
+    let beside = "written beside it: out_meniscus.mtl, out_skin.png, out_skin_2.png";
+    assert_eq!(said, [beside]);
+    let soup = load(&at("out.obj")).expect("read");
+    let of_obj = materials(&soup.attributes);
+    assert_eq!(
+        [image(&of_obj, "skin"), image(&of_obj, "skin_2")],
+        ["\u{89}image a", "\u{89}image b"]
+    );
+    let v = soup.attributes.texture[1].numbers.get(0);
+    assert_eq!(v, 0.75);
+    with_output(&mesh, |output| assert_eq!(output.triangles.len(), 4));
+}
