@@ -1,17 +1,24 @@
 //! `meniscus fill` with several files.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError, mpsc};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
+use indicatif::ProgressBar;
+use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 
 use crate::cli::fill::{FillArguments, fill_file};
-use crate::cli::flow::{FlowArguments, MeshFiles, write_text};
-use crate::cli::print::print;
+use crate::cli::flow::{FlowArguments, MeshFiles, Written, write_text};
+use crate::cli::print::{kept, print};
+use crate::cli::progress::spinner;
 use crate::cli::report::FillReport;
+use crate::cli::side_by_side::{Place, SideBySide};
 use crate::cli::targets::{Named, check_targets};
 use crate::cli::{UsageError, message};
 use crate::fill::LoopChoice;
@@ -35,8 +42,8 @@ struct FileReport {
     report: Option<FillReport>,
 }
 
-/// Fills all input files one after the other, each into the folder under its own name. A file that
-/// fails does not end the batch.
+/// Fills all input files, each into the folder under its own name, side by side as far as processors and
+/// memory allow. A file that fails does not end the batch. What is printed has the order of the files.
 pub fn batch(args: &FillArguments, folder: &Path) -> Result<()> {
     refuse_options_for_one_mesh(args)?;
     args.flow.check()?;
@@ -48,20 +55,23 @@ pub fn batch(args: &FillArguments, folder: &Path) -> Result<()> {
     };
     let quiet = args.files.options.quiet;
     let (mut rows, mut entries, mut failed) = (vec![HEAD.map(String::from)], Vec::new(), 0);
-    for (k, files) in jobs.iter().enumerate() {
-        let file = files.input.display().to_string();
+    let fill = |k: usize, place: Place<'_>| fill_file(args, &jobs[k], &flow, Some(place));
+    let progress = Progress::new(&jobs, quiet);
+    side_by_side(jobs.len(), &progress, &fill, |k, (written, mut said)| {
+        let file = jobs[k].input.display().to_string();
         if !quiet {
-            eprintln!("{} of {}: {file}", k + 1, jobs.len());
+            said.insert_str(0, &format!("{} of {}: {file}\n", k + 1, jobs.len()));
         }
-        let (report_of_file, result) = match fill_file(args, files, &flow) {
+        let (report_of_file, result) = match written {
             Ok(written) => (Some(written.report), written.failures),
             Err(error) => (None, Err(error)),
         };
         let error = result.err().map(|e| with_name(&file, message(&e)));
         if let Some(error) = &error {
-            eprintln!("meniscus: {error}");
+            said.extend(["meniscus: ", error, "\n"]);
             failed += 1;
         }
+        progress.bar.suspend(|| eprint!("{said}"));
         rows.push(row(&file, report_of_file.as_ref()));
         if report.is_some() {
             entries.push(FileReport {
@@ -70,7 +80,8 @@ pub fn batch(args: &FillArguments, folder: &Path) -> Result<()> {
                 report: report_of_file,
             });
         }
-    }
+    });
+    progress.bar.finish_and_clear();
     if let Some(path) = report {
         let version = env!("CARGO_PKG_VERSION");
         let files = entries;
@@ -84,6 +95,106 @@ pub fn batch(args: &FillArguments, folder: &Path) -> Result<()> {
         bail!("{failed} of {} files failed", jobs.len());
     }
     Ok(())
+}
+
+/// The result of a file, and what it says.
+type Done = (Result<Written>, String);
+
+/// Fills `count` files side by side and takes the results in the order of the files.
+fn side_by_side(
+    count: usize,
+    progress: &Progress,
+    fill: &(dyn Fn(usize, Place<'_>) -> Result<Written> + Sync),
+    mut take: impl FnMut(usize, Done),
+) {
+    let all = SideBySide::default();
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    let one = |number: usize| -> Done {
+        let place = Place { all: &all, number };
+        kept(|| {
+            let filled = catch_unwind(AssertUnwindSafe(|| fill(number, place)));
+            filled.unwrap_or_else(|_| Err(anyhow!("the fill ended by an error of the program")))
+        })
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..rayon::current_num_threads().min(count) {
+            let (sender, next, one) = (sender.clone(), &next, &one);
+            scope.spawn(move || {
+                // each in a pool of its own, so that no thread that waits begins with another file
+                let pool = ThreadPoolBuilder::new().build();
+                loop {
+                    let number = next.fetch_add(1, Ordering::Relaxed);
+                    if number >= count {
+                        return;
+                    }
+                    progress.begin(number);
+                    let done = match &pool {
+                        Ok(pool) => pool.install(|| one(number)),
+                        Err(_) => one(number),
+                    };
+                    progress.end(number);
+                    if sender.send((number, done)).is_err() {
+                        return;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        let (mut waiting, mut concluded) = (BTreeMap::new(), 0);
+        for (number, done) in receiver {
+            waiting.insert(number, done);
+            while let Some(done) = waiting.remove(&concluded) {
+                take(concluded, done);
+                concluded += 1;
+                all.conclude();
+            }
+        }
+    });
+}
+
+/// A line on a terminal with the files that are being filled.
+struct Progress<'a> {
+    bar: ProgressBar,
+    jobs: &'a [MeshFiles],
+    /// The number of files that were filled, and those that are being filled.
+    state: Mutex<(usize, BTreeSet<usize>)>,
+}
+
+impl<'a> Progress<'a> {
+    fn new(jobs: &'a [MeshFiles], quiet: bool) -> Self {
+        Self {
+            bar: spinner(quiet),
+            jobs,
+            state: Mutex::default(),
+        }
+    }
+
+    fn begin(&self, number: usize) {
+        self.show(|(_, running)| {
+            running.insert(number);
+        });
+    }
+
+    fn end(&self, number: usize) {
+        self.show(|(filled, running)| {
+            *filled += 1;
+            running.remove(&number);
+        });
+    }
+
+    fn show(&self, change: impl FnOnce(&mut (usize, BTreeSet<usize>))) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        change(&mut state);
+        let (filled, running) = &*state;
+        let names = running
+            .iter()
+            .map(|&k| self.jobs[k].input.display().to_string());
+        let names = names.collect::<Vec<_>>().join(", ");
+        let count = self.jobs.len();
+        self.bar
+            .set_message(format!("{filled} of {count} files; now {names}"));
+    }
 }
 
 /// Refuses options with places, loop numbers or steps of one mesh, or with one file to write.

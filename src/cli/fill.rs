@@ -12,6 +12,7 @@ use crate::cli::options::OptionArguments;
 use crate::cli::parse::point;
 use crate::cli::progress::{Progress, Work};
 use crate::cli::report::skipped;
+use crate::cli::side_by_side::Place;
 use crate::fill::LoopLimits;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, boundary_loops};
 use crate::ops::{FillPartSpec, FillSpec, Operation, Outcome};
@@ -19,10 +20,10 @@ use crate::ops::{FillPartSpec, FillSpec, Operation, Outcome};
 /// The files of `meniscus fill`.
 #[derive(Debug, Args)]
 pub struct FillFiles {
-    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf). Several need --out-dir or --join.
+    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf, .3mf). Several need --out-dir or --join.
     #[arg(value_name = "IN", required = true)]
     pub inputs: Vec<PathBuf>,
-    /// The mesh to write (.obj, .ply, .stl, .off, .glb, .gltf).
+    /// The mesh to write (.obj, .ply, .stl, .off, .glb, .gltf, .3mf).
     #[arg(
         short,
         long,
@@ -100,12 +101,19 @@ pub fn fill(args: &FillArguments) -> Result<()> {
         output: output.clone(),
         options: options.clone(),
     };
-    fill_file(args, &files, &args.flow)?.conclude(options.quiet)
+    fill_file(args, &files, &args.flow, None)?.conclude(options.quiet)
 }
 
 /// Fills one file. `files` and `flow` replace those of the arguments.
-pub fn fill_file(args: &FillArguments, files: &MeshFiles, flow: &FlowArguments) -> Result<Written> {
-    let task = Task::new(files, flow)?;
+pub fn fill_file(
+    args: &FillArguments,
+    files: &MeshFiles,
+    flow: &FlowArguments,
+    place: Option<Place<'_>>,
+) -> Result<Written> {
+    let share = place.map(|place| place.all.memory(files.memory_to_read()));
+    let task = Task::new(files, flow)?.at(place);
+    drop(share);
     let mesh = &task.opened.mesh;
     if let [from, to] = args.part[..] {
         let progress = Progress::new(Work::Holes(1), files.options.quiet);

@@ -8,19 +8,20 @@ use clap::Args;
 use crate::cli::UsageError;
 use crate::cli::hints::{invalid_energy, print_warnings, with_memory_hint};
 use crate::cli::options::OptionArguments;
-use crate::cli::print::{Textures, print, save};
+use crate::cli::print::{Textures, print, save, say};
 use crate::cli::progress::{Progress, Work};
 use crate::cli::report::{FailedHole, FillReport, SkippedLoop, hole_reports, totals};
 use crate::cli::result_picture::ResultPicture;
+use crate::cli::side_by_side::Place;
 use crate::cli::targets::{Named, check_targets};
 use crate::cli::trace::Trace;
 use crate::fill::{
-    Continuity, Controls, ControlsError, Filled, LoopChoice, RimSet, choose, fill_rim_sets,
+    Continuity, Controls, ControlsError, Filled, LoopChoice, PreparedFill, RimSet, choose,
     nearest_loop,
 };
 use crate::io::{self, OpenError, Opened, open_joined, open_welded};
 use crate::memory::peak_memory;
-use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId, Weld};
+use crate::mesh::{Attributes, BoundaryLoop, DVec3, LoopId, Mesh, VertexId, Weld};
 use crate::ops::FlowSpec;
 use crate::options::Choice;
 use crate::runner::{RunControls, Schedule};
@@ -30,13 +31,13 @@ use super::parse::point;
 /// The files of a command that changes a mesh.
 #[derive(Debug, Args)]
 pub struct MeshFiles {
-    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf).
+    /// The mesh to read (.obj, .ply, .stl, .off, .glb, .gltf, .3mf).
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// Further meshes to read, which are joined with the first.
     #[arg(skip)]
     pub more: Vec<PathBuf>,
-    /// The mesh to write (.obj, .ply, .stl, .off, .glb, .gltf).
+    /// The mesh to write (.obj, .ply, .stl, .off, .glb, .gltf, .3mf).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// How they are read and written.
@@ -80,6 +81,14 @@ impl MeshFiles {
         }
         let all: Vec<PathBuf> = self.inputs().cloned().collect();
         open_joined(&all, self.options.weld)
+    }
+
+    /// The memory in bytes that reading IN takes at most: binary files become ten times as large.
+    pub fn memory_to_read(&self) -> f64 {
+        let sizes = self
+            .inputs()
+            .filter_map(|path| Some(path.metadata().ok()?.len()));
+        10.0 * sizes.sum::<u64>() as f64
     }
 
     fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
@@ -185,6 +194,8 @@ pub struct Task<'a> {
     pub opened: Opened,
     /// The flow.
     pub flow: FlowSpec,
+    /// Its place among files that are processed at the same time.
+    place: Option<Place<'a>>,
 }
 
 impl<'a> Task<'a> {
@@ -215,28 +226,40 @@ impl<'a> Task<'a> {
             args,
             opened: files.read()?,
             flow: FlowSpec { schedule, controls },
+            place: None,
         })
+    }
+
+    /// The same beside other files.
+    #[must_use]
+    pub fn at(self, place: Option<Place<'a>>) -> Self {
+        Self { place, ..self }
     }
 
     /// Fills holes and writes all requested files. `skipped` are the loops left open.
     pub fn fill(self, rim_sets: &[RimSet<'_>], skipped: Vec<SkippedLoop>) -> Result<Written> {
         if !self.files.options.quiet {
             for note in &self.opened.report.notes {
-                eprintln!("{}: {note}", self.files.input_names());
+                say(&format!("{}: {note}", self.files.input_names()));
             }
             for s in &skipped {
-                eprintln!("loop {} ({} edges) left open: {}", s.id, s.edges, s.reason);
+                let SkippedLoop { id, edges, reason } = s;
+                say(&format!("loop {id} ({edges} edges) left open: {reason}"));
             }
             if rim_sets.is_empty() {
-                eprintln!("{}", nothing_to_do(skipped.len()));
+                say(&nothing_to_do(skipped.len()));
             }
         }
         let progress = Progress::new(Work::Holes(rim_sets.len()), self.files.options.quiet);
         let options = self.flow.options()?;
-        let filled = fill_rim_sets(&self.opened.mesh, rim_sets, options, &|group, record| {
+        let prepared = PreparedFill::new(&self.opened.mesh, rim_sets, options);
+        let memory = prepared.memory();
+        let share = self.place.map(|place| place.all.memory(memory));
+        let filled = prepared.run(&|group, record| {
             progress.step(group, record);
             true
         });
+        drop(share);
         let filled = filled.map_err(with_memory_hint)?;
         progress.finish();
         // both sides of a rim joined without continuous normals are drawn separately
@@ -262,7 +285,12 @@ impl<'a> Task<'a> {
             args,
             opened,
             flow,
+            place,
         } = self;
+        // files that another one copies or writes as well are always those of the first
+        if let Some(place) = place.filter(|_| refers_to_files(&filled.mesh.attributes)) {
+            place.wait_for_turn();
+        }
         save(
             &files.output,
             &filled.mesh,
@@ -311,6 +339,12 @@ impl<'a> Task<'a> {
         let failures = failures(&report, filled, &files.output);
         Ok(Written { report, failures })
     }
+}
+
+/// Whether a written mesh has material libraries or images beside it.
+fn refers_to_files(all: &Attributes) -> bool {
+    let has_libraries = !all.own_materials.is_empty() || !all.material_libraries.is_empty();
+    has_libraries || all.gltf_materials.is_some() || all.texture_files().next().is_some()
 }
 
 /// A mesh that was filled and written.

@@ -1,6 +1,7 @@
 //! Warnings and errors with hints that name options of the command line.
 
 use crate::cli::UsageError;
+use crate::cli::print::say;
 use crate::energy::ExprError;
 use crate::fill::FillError;
 use crate::warning::Warning;
@@ -8,9 +9,9 @@ use crate::warning::Warning;
 /// Prints warnings, each with its hint on a line of its own.
 pub fn print_warnings<'a>(prefix: &str, warnings: impl IntoIterator<Item = &'a Warning>) {
     for warning in warnings {
-        eprintln!("{prefix}{warning}");
+        say(&format!("{prefix}{warning}"));
         if let Some(hint) = hint(warning) {
-            eprintln!("  hint: {hint}");
+            say(&format!("  hint: {hint}"));
         }
     }
 }

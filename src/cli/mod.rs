@@ -32,6 +32,7 @@ mod result_picture;
 mod result_picture;
 mod sample;
 mod selection;
+mod side_by_side;
 mod targets;
 mod trace;
 

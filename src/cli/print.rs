@@ -1,5 +1,6 @@
-//! Output to standard output and to mesh files.
+//! Output to standard output and standard error, and to mesh files.
 
+use std::cell::RefCell;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
@@ -20,6 +21,34 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
+thread_local! {
+    /// The lines that [`kept`] keeps.
+    static KEPT: RefCell<Option<String>> = const { RefCell::new(None) };
+}
+
+/// Prints a line to standard error, or keeps it inside [`kept`].
+pub fn say(line: &str) {
+    KEPT.with_borrow_mut(|kept| match kept {
+        Some(text) => {
+            text.push_str(line);
+            text.push('\n');
+        }
+        None => eprintln!("{line}"),
+    });
+}
+
+/// Keeps the lines that `work` says on this thread. Returns them with its result.
+pub fn kept<T>(work: impl FnOnce() -> T) -> (T, String) {
+    KEPT.set(Some(String::new()));
+    let result = work();
+    (result, KEPT.take().unwrap_or_default())
+}
+
+/// Whether lines are kept.
+pub fn are_lines_kept() -> bool {
+    KEPT.with_borrow(Option::is_some)
+}
+
 /// What happens to the material libraries and images of a mesh that is written to another folder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Textures {
@@ -38,7 +67,7 @@ pub fn save(path: &Path, mesh: &Mesh, textures: Textures, quiet: bool) -> Result
         messages.extend(copy_companions(path, &mesh.attributes));
     }
     for message in messages.iter().filter(|_| !quiet) {
-        eprintln!("{}: {message}", path.display());
+        say(&format!("{}: {message}", path.display()));
     }
     Ok(())
 }

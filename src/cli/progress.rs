@@ -6,6 +6,7 @@ use std::sync::Mutex;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::cli::print::are_lines_kept;
 use crate::solver::StepRecord;
 
 /// The kind of work.
@@ -48,7 +49,19 @@ impl Work {
     }
 }
 
-/// A spinner that shows the last step. It is hidden if stderr is not a terminal.
+/// A spinner, hidden if standard error is no terminal.
+pub fn spinner(quiet: bool) -> ProgressBar {
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{spinner} {msg}")
+        .unwrap_or_else(|_| ProgressStyle::default_spinner());
+    let bar = ProgressBar::new_spinner().with_style(style);
+    bar.enable_steady_tick(std::time::Duration::from_millis(100));
+    bar
+}
+
+/// A spinner that shows the last step. It is hidden if other files are processed beside this one.
 pub struct Progress {
     bar: ProgressBar,
     work: Work,
@@ -58,16 +71,8 @@ pub struct Progress {
 impl Progress {
     /// Shows the line, unless `quiet`.
     pub fn new(work: Work, quiet: bool) -> Self {
-        let bar = if quiet || work == Work::Holes(0) || !std::io::stderr().is_terminal() {
-            ProgressBar::hidden()
-        } else {
-            let style = ProgressStyle::with_template("{spinner} {msg}")
-                .unwrap_or_else(|_| ProgressStyle::default_spinner());
-            let bar = ProgressBar::new_spinner().with_style(style);
-            bar.enable_steady_tick(std::time::Duration::from_millis(100));
-            bar.set_message(work.start());
-            bar
-        };
+        let bar = spinner(quiet || work == Work::Holes(0) || are_lines_kept());
+        bar.set_message(work.start());
         Self {
             bar,
             work,

@@ -64,5 +64,5 @@ pub use process::{
 pub use refill::{ErasedRegion, Refilled, fair, open_selection, refill};
 pub use result::{FillError, Filled, FilledHole, GroupResult, RefillError, Timings};
 pub use rim::RimSet;
-pub use run::{Observer, ScheduledOptions, fill_rim_sets};
+pub use run::{Observer, PreparedFill, ScheduledOptions, fill_rim_sets};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};

@@ -1,5 +1,6 @@
 //! Fills from end to end: first patches, flows, the filled mesh.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -68,13 +69,49 @@ pub fn fill_rim_sets(
     options: impl Into<ScheduledOptions>,
     observe: Observer<'_>,
 ) -> Result<Filled, FillError> {
-    let start = Instant::now();
-    let options = options.into();
-    let Prepared { plan, longer } = prepare(mesh, rim_sets, &options.options);
-    let mesh = longer.as_ref().unwrap_or(mesh);
-    let mut filled = run_plan(mesh, plan, &options, observe)?;
-    filled.milliseconds = milliseconds(start);
-    Ok(filled)
+    PreparedFill::new(mesh, rim_sets, options).run(observe)
+}
+
+/// A fill whose first patches are made and whose flows have not started.
+pub struct PreparedFill<'a> {
+    mesh: Cow<'a, Mesh>,
+    plan: Plan,
+    options: ScheduledOptions,
+    milliseconds: f64,
+}
+
+impl<'a> PreparedFill<'a> {
+    /// Makes one patch for each set of rims.
+    pub fn new(
+        mesh: &'a Mesh,
+        rim_sets: &[RimSet<'_>],
+        options: impl Into<ScheduledOptions>,
+    ) -> Self {
+        let start = Instant::now();
+        let options = options.into();
+        let Prepared { plan, longer } = prepare(mesh, rim_sets, &options.options);
+        Self {
+            mesh: longer.map_or(Cow::Borrowed(mesh), Cow::Owned),
+            plan,
+            options,
+            milliseconds: milliseconds(start),
+        }
+    }
+
+    /// The memory in bytes that the flows and the filled mesh take.
+    pub fn memory(&self) -> f64 {
+        memory_of(&self.mesh, &self.plan, &self.options.options)
+    }
+
+    /// Runs the flows and inserts the patches into the mesh.
+    ///
+    /// # Errors
+    /// As [`fill_rim_sets`].
+    pub fn run(self, observe: Observer<'_>) -> Result<Filled, FillError> {
+        let mut filled = run_plan(&self.mesh, self.plan, &self.options, observe)?;
+        filled.milliseconds += self.milliseconds;
+        Ok(filled)
+    }
 }
 
 /// Runs the flows of a plan and inserts the patches into the mesh.

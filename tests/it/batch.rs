@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::desk::Desk;
+use crate::common::desk::{Desk, Run};
 
 /// A folder with meshes of three formats, two of them in a folder `scans`.
 fn desk() -> Desk {
@@ -105,6 +105,71 @@ fn a_bad_file_does_not_end_the_batch() {
         entry["holes"][0]["energy_end"],
         one["holes"][0]["energy_end"]
     );
+}
+
+/// The number of threads changes neither what is printed nor what is written, also where two files have
+/// libraries of one name.
+#[test]
+fn the_order_is_that_of_the_files_for_any_number_of_threads() {
+    let desk = desk();
+    for folder in ["x", "y"] {
+        fs::create_dir(desk.path(folder)).expect("a folder");
+        let file = format!("{folder}/{folder}.obj");
+        desk.runs(&["sample", "sphere", "-o", &file]);
+        let text = format!("mtllib all.mtl\n{}", desk.text(&file));
+        desk.write(&file, &text);
+        desk.write(&format!("{folder}/all.mtl"), &format!("newmtl {folder}\n"));
+    }
+    desk.write("bad.ply", "ply\n");
+    // a large file before small ones
+    let files = [
+        "scans/b.obj",
+        "bad.ply",
+        "x/x.obj",
+        "a.ply",
+        "y/y.obj",
+        "scans/c.stl",
+    ];
+    let results = [1, 4].map(|threads: usize| {
+        let folder = format!("filled-{threads}");
+        let words = [&["fill"], &files[..], &["--out-dir", &folder]].concat();
+        let mut command = desk.command(&words);
+        command.env("RAYON_NUM_THREADS", threads.to_string());
+        let run = Run::of(command).ends(1);
+        let without_time = |row: &str| {
+            let cells: Vec<&str> = row.split_whitespace().collect();
+            cells[..cells.len() - 1].join(" ")
+        };
+        let table: Vec<String> = run.stdout.lines().map(without_time).collect();
+        let said = run.stderr.replace(&folder, "filled");
+        let numbers = said.lines().filter(|line| line.contains(" of 6: "));
+        let wanted = (1..)
+            .zip(files)
+            .map(|(k, file)| format!("{k} of 6: {file}"));
+        assert!(numbers.eq(wanted), "{said}");
+        let mut names: Vec<_> = fs::read_dir(desk.path(&folder))
+            .expect("a folder")
+            .map(|entry| entry.expect("an entry").file_name())
+            .collect();
+        names.sort();
+        let bytes =
+            |name: &std::ffi::OsString| desk.bytes(&format!("{folder}/{}", name.to_string_lossy()));
+        let contents: Vec<Vec<u8>> = names.iter().map(bytes).collect();
+        (table, said, names, contents)
+    });
+    assert!(
+        results[0] == results[1],
+        "{}\n{}",
+        results[0].1,
+        results[1].1
+    );
+    assert_eq!(results[0].2.len(), 6);
+    assert!(
+        results[0].1.contains("another file of this name"),
+        "{}",
+        results[0].1
+    );
+    assert_eq!(desk.text("filled-4/all.mtl"), "newmtl x\n");
 }
 
 #[test]
