@@ -311,6 +311,17 @@ pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std:
     }
 }
 
+/// The type of an image file that glTF and 3MF may contain: PNG or JPEG.
+fn media_type(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(b"\x89PNG") {
+        Some("image/png")
+    } else if bytes.starts_with(&[0xff, 0xd8, 0xff]) {
+        Some("image/jpeg")
+    } else {
+        None
+    }
+}
+
 /// Whether both paths refer to the same file, also by links or different spellings. If one does not
 /// exist, they are the same if directory and name are equal.
 pub fn same_file(a: &Path, b: &Path) -> bool {

@@ -7,7 +7,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Map, Value, json};
 
-use super::super::OutputMesh;
+use super::super::{OutputMesh, companions, media_type};
 use super::{
     BINARY_CHUNK, DATA, FLOAT, JSON_CHUNK, MAGIC, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT,
     materials,
@@ -44,7 +44,10 @@ pub(in super::super) fn losses(mesh: &OutputMesh<'_>) -> Vec<String> {
         lost.push("glTF cannot store smoothing groups".to_owned());
     }
     if !all.material_libraries.is_empty() {
-        lost.push("glTF files get the names of materials, not what their libraries say".to_owned());
+        lost.push(
+            "glTF files get the colours and images of materials, not what else libraries say"
+                .to_owned(),
+        );
     }
     let numbers = all.texture.iter().chain(all.normals.iter());
     let is_rounded = |column: &Column| {
@@ -144,13 +147,14 @@ pub(in super::super) fn write(
     let mut file = File::default();
     let mut materials = Materials::new(all.gltf_materials.as_deref(), &mut file);
     materials.add(&all.own_materials, &mut file);
+    materials.add_others(all, &mut file);
     let light = Light::of(&all.vertices);
     let mut meshes: Vec<(FaceTag, Vec<Value>)> = Vec::new();
     for (key, faces) in &faces_of {
         let tag = key.tag.map(|tag| all.tags[tag as usize].clone());
         let tag = tag.unwrap_or_default();
         let mut primitive = primitive(mesh, &sources, light.as_ref(), key, faces, &mut file);
-        if !tag.material.is_empty() {
+        if !tag.material.is_empty() || materials.of_name.contains_key("") {
             primitive["material"] = materials.index(&tag.material).into();
         }
         match meshes.last_mut() {
@@ -243,6 +247,45 @@ impl Materials {
             entry["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": texture });
             let index = self.push("materials", entry);
             self.of_name.insert(material.name.clone(), index);
+        }
+    }
+
+    /// Adds the materials of faces that are in a library of an OBJ file, and the image of a PLY file, with
+    /// their colours and images.
+    fn add_others(&mut self, all: &Attributes, file: &mut File) {
+        let used: BTreeSet<&str> = all.tags.iter().map(|tag| tag.material.as_str()).collect();
+        for material in companions::materials(all) {
+            let name = material.name.as_str();
+            // faces without a material have that without a name
+            let is_used = used.contains(name) || name.is_empty() && all.tags.is_empty();
+            if !is_used || self.of_name.contains_key(name) {
+                continue;
+            }
+            let mut entry =
+                json!({ "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 1 } });
+            if !name.is_empty() {
+                entry["name"] = name.into();
+            }
+            if let Some([r, g, b]) = material.color {
+                let light = [r, g, b].map(|x| to_light(f64::from(x.clamp(0.0, 1.0))));
+                let factor = [light[0], light[1], light[2], 1.0];
+                entry["pbrMetallicRoughness"]["baseColorFactor"] = json!(factor);
+            }
+            // an image that cannot be read could not be read before
+            let image = material.image.as_ref().and_then(|image| image.bytes().ok());
+            if let Some(bytes) = image
+                && let Some(media) = media_type(&bytes)
+            {
+                file.align();
+                let start = file.bytes.len();
+                file.bytes.extend_from_slice(&bytes);
+                let view = file.view(start, None, None);
+                let image = self.push("images", json!({ "bufferView": view, "mimeType": media }));
+                let texture = self.push("textures", json!({ "source": image }));
+                entry["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": texture });
+            }
+            let index = self.push("materials", entry);
+            self.of_name.insert(name.to_owned(), index);
         }
     }
 

@@ -234,3 +234,39 @@ fn materials_of_joined_files_stay_apart() {
     assert_eq!(v, 0.75);
     with_output(&mesh, |output| assert_eq!(output.triangles.len(), 4));
 }
+
+#[test]
+fn images_of_libraries_and_of_ply_files_are_written_into_gltf_and_3mf() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let png = b"\x89PNG and so on";
+    fs::write(at("a.png"), png).expect("written");
+    fs::write(
+        at("a.mtl"),
+        "newmtl skin\nKd 1 0.5 0\nmap_Kd a.png\nnewmtl unused\n",
+    )
+    .expect("written");
+    let faces = "usemtl skin\nf 1/1 2/2 3/3\n";
+    fs::write(at("a.obj"), format!("mtllib a.mtl\n{SQUARE}{faces}")).expect("written");
+    let ply = "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 3\nproperty float x\n\
+        property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+        property list uchar float texcoord\nend_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2 6 0 0 1 0 1 1\n";
+    fs::write(at("a.ply"), ply).expect("written");
+    for (from, name) in [("a.obj", "skin"), ("a.ply", "")] {
+        let mesh = super::super::open(&at(from)).expect("opened").mesh;
+        for to in ["out.glb", "out.3mf"] {
+            save_mesh(&at(to), &mesh).expect("written");
+            let soup = load(&at(to)).expect("read");
+            let found = materials(&soup.attributes);
+            assert_eq!(found.len(), 1, "{from} {to}");
+            assert_eq!(found[0].image, Some(ImageSource::Bytes(png.to_vec())));
+            assert_eq!(soup.attributes.material_of(0), found[0].name);
+            if to == "out.glb" && name == "skin" {
+                let color = found[0].color.expect("a colour");
+                assert!((color[1] - 0.5).abs() < 1e-6 && found[0].name == name);
+            }
+            let rows = &soup.attributes.faces.texture;
+            assert!(rows.iter().all(|row| *row < 3), "{from} {to}");
+        }
+    }
+}

@@ -11,7 +11,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::super::number::{push_f64, push_index, push_number};
-use super::super::{OutputMesh, companions, gltf};
+use super::super::{OutputMesh, companions, gltf, media_type};
 use super::{CORE, MATERIALS, MODEL_RELATION, RELATIONS, TEXTURE_RELATION, TILES};
 use crate::mesh::{
     Attributes, Colors, Column, FaceTag, GltfMaterials, Material, NO_VALUE, colors, columns_named,
@@ -191,7 +191,8 @@ impl<'a> Sheet<'a> {
             }
             let image = material.image.as_ref().map(|image| {
                 let bytes = image.bytes().map_err(|error| error.to_string())?;
-                let media = media(&bytes).ok_or_else(|| "it is no PNG or JPEG file".to_owned())?;
+                let media =
+                    media_type(&bytes).ok_or_else(|| "it is no PNG or JPEG file".to_owned())?;
                 Ok::<_, String>((bytes.into_owned(), media))
             });
             match image {
@@ -312,17 +313,6 @@ impl<'a> Sheet<'a> {
         }
         let [group, base] = self.of_tag[self.tag_index(face)].1?;
         Some((group, [base; 3]))
-    }
-}
-
-/// The type of an image file that the format allows.
-fn media(bytes: &[u8]) -> Option<&'static str> {
-    if bytes.starts_with(b"\x89PNG") {
-        Some("image/png")
-    } else if bytes.starts_with(&[0xff, 0xd8, 0xff]) {
-        Some("image/jpeg")
-    } else {
-        None
     }
 }
 
