@@ -39,9 +39,6 @@ pub(super) fn shape(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions
     move_to_warm_start(mesh, drafts, options);
     each_blend(drafts, |rims, draft| {
         let membrane = draft.as_ref().ok();
-        if membrane.is_some_and(|patch| patch.new_points().is_empty()) {
-            return;
-        }
         let membrane = membrane.map(|patch| StartQuality::new(mesh, rims, patch));
         let is_fine = |membrane: &StartQuality| {
             !membrane.intersects && membrane.bending < GENTLE * rims.loops.len() as f64
@@ -91,12 +88,16 @@ fn move_to_warm_start(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptio
     }
 }
 
-/// Calls `change` for all blends in parallel, with their rims and patches.
+/// Calls `change` for all blends in parallel, with their rims and patches. Strips without new vertices are
+/// what they should be.
 fn each_blend(
     drafts: &mut [DraftHole],
     change: impl Fn(&HoleRims, &mut Result<Patch, patch::PatchError>) + Sync,
 ) {
-    let blends = drafts.par_iter_mut().filter(|draft| draft.rims.is_blend());
+    let is_strip = |patch: &Patch| patch.new_points().is_empty();
+    let blends = drafts
+        .par_iter_mut()
+        .filter(|draft| draft.rims.is_blend() && !draft.patch.as_ref().is_ok_and(is_strip));
     blends.for_each(|draft| {
         let start = Instant::now();
         change(&draft.rims, &mut draft.patch);

@@ -14,6 +14,7 @@ mod cancel_tests;
 mod context;
 mod controls;
 mod counterpart;
+mod crack;
 mod defects;
 mod estimate;
 mod fairing;

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::fill::blend;
 use crate::fill::context::FillContext;
+use crate::fill::crack::with_joined_cracks;
 use crate::fill::features::{self, SplitHole};
 use crate::fill::hole::{DraftHole, HoleRims};
 use crate::fill::options::{Features, FillOptions};
@@ -29,8 +30,9 @@ pub(super) struct Prepared {
 }
 
 /// Builds first patches (in parallel) and groups the holes whose support regions meet. A hole through
-/// which a sharp edge continues gets two patches.
+/// which a sharp edge continues gets two patches, and the two sides of a crack get one.
 pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOptions) -> Prepared {
+    let rim_sets = with_joined_cracks(mesh, rim_sets);
     let draft = |rims: HoleRims| {
         let start = Instant::now();
         DraftHole {

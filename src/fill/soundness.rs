@@ -294,7 +294,7 @@ pub(super) fn make_patch_sound(
         let room = Room::around(mesh, rims, &[]);
         defects(mesh, obstacles, rims, room, &own, loose, new)
     };
-    if rims.is_blend() || !patch.new_points().is_empty() {
+    if !patch.new_points().is_empty() {
         return Warnings::default();
     }
     let mut left = defects(patch);

@@ -8,7 +8,7 @@
 //! and relaxes to the rim's density (`remesh`). Meanwhile a membrane of constant mean curvature
 //! that continues the existing faces stands in for the final surface, so that triangles are
 //! equilateral in space and not in a flat projection. [`blend()`] does the same between several
-//! rims.
+//! rims; two rims that face each other less than an edge apart get a `strip`.
 //!
 //! [`warm_start`] spreads the new vertices smoothly across the rim. There a flow starts.
 
@@ -23,6 +23,7 @@ mod grading;
 mod planar;
 mod remesh;
 mod slit;
+mod strip;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -38,4 +39,5 @@ pub use fair::warm_start;
 pub(crate) use fair::warm_start_with_creases;
 pub use fill::fill;
 pub(crate) use fill::{OtherPatches, fill_excluding};
+pub(crate) use strip::strip;
 pub(crate) use transfer::{TransferError, transfer};

@@ -28,6 +28,7 @@ use super::fill::{fineness, loose_angles, rim_sizes};
 use super::frame::Frame;
 use super::grading::{expected_vertices, require_memory, set_grading};
 use super::remesh::{refit, rim_valences, split_chords};
+use super::strip::strip;
 use super::surface::Surface;
 use crate::mesh::DVec3;
 
@@ -35,7 +36,8 @@ pub use bending::bending;
 pub use lofted::lofted_candidates;
 
 /// The first surface that joins the rims: triangulated between them, refined to their densities
-/// (graded from one rim to the other), flipped and relaxed.
+/// (graded from one rim to the other), flipped and relaxed. Two rims that face each other less than an
+/// edge apart are joined by triangles without new vertices.
 ///
 /// The result is a sphere with a hole for every rim: Euler characteristic 2 − n, the rims as
 /// its only boundary, rim points unchanged and first. With one rim this is [`super::fill()`].
@@ -51,6 +53,9 @@ pub fn blend(geometry: &RimGeometry, options: PatchOptions) -> Result<Patch, Pat
         validate(rim, options.density)?;
     }
     check_apart(geometry)?;
+    if let Some(strip) = strip(geometry) {
+        return Ok(strip);
+    }
     let frame = Frame::around(geometry.points());
     let rims: Vec<Rim> = geometry.rims.iter().map(|r| frame.local(r)).collect();
     let chords = geometry.chords();
