@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use meniscus::cli::{Arguments, UsageError, message, run, watch_interrupts};
+use meniscus::cli::{Arguments, UsageError, complain, message, run, watch_interrupts};
 
 fn main() -> ExitCode {
     // wrong usage ends here with exit code 2, --help and --version with 0
@@ -28,7 +28,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("meniscus: {}", message(&error));
+            complain(&format!("meniscus: {}\n", message(&error)));
             if error.is::<UsageError>() {
                 ExitCode::from(2)
             } else {

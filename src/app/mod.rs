@@ -29,6 +29,7 @@ mod ui;
 mod update;
 mod view_state;
 
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -236,7 +237,7 @@ impl App {
             "peak_memory_bytes": crate::memory::peak_memory(),
         });
         if let Err(error) = crate::io::save_text(path, &format!("{text:#}\n")) {
-            eprintln!("meniscus: {error}");
+            let _ = writeln!(std::io::stderr(), "meniscus: {error}");
         }
     }
 }

@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::cli::fill::{FillArguments, fill_file};
 use crate::cli::flow::{FlowArguments, MeshFiles, Written, write_text};
-use crate::cli::print::{kept, print};
+use crate::cli::print::{complain, kept, print};
 use crate::cli::progress::spinner;
 use crate::cli::report::FillReport;
 use crate::cli::side_by_side::{Place, SideBySide};
@@ -71,7 +71,7 @@ pub fn batch(args: &FillArguments, folder: &Path) -> Result<()> {
             said.extend(["meniscus: ", error, "\n"]);
             failed += 1;
         }
-        progress.bar.suspend(|| eprint!("{said}"));
+        progress.bar.suspend(|| complain(&said));
         rows.push(row(&file, report_of_file.as_ref()));
         if report.is_some() {
             entries.push(FileReport {

@@ -6,7 +6,7 @@ use clap::Args;
 use crate::cli::flow::MeshFiles;
 use crate::cli::options::OptionArguments;
 use crate::cli::parse::point;
-use crate::cli::print::{print, save};
+use crate::cli::print::{print, save, say};
 use crate::cli::selection::SelectionArguments;
 use crate::fill::{bridge_warning, nearest_loop};
 use crate::io::Opened;
@@ -114,7 +114,7 @@ pub fn bridge(args: &BridgeArguments) -> Result<()> {
     };
     let mesh = done(&args.files, &opened, &Operation::Bridge(spec))?;
     if let Some(warning) = bridge_warning(before, &mesh) {
-        eprintln!("warning: {warning}");
+        say(&format!("warning: {warning}"));
     }
     report(
         &args.files,

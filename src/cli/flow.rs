@@ -368,10 +368,13 @@ impl Written {
 /// The error if a chosen hole was not filled.
 fn failures(report: &FillReport, filled: &Filled, output: &Path) -> Result<()> {
     if let Some(first) = report.failed.first() {
+        let (failed, filled) = (report.failed.len(), report.holes.len());
+        if filled == 0 {
+            bail!("no hole could be filled. First error: {}", first.reason);
+        }
         bail!(
-            "{} of {} holes could not be filled; {} contains the others. First error: {}",
-            report.failed.len(),
-            report.failed.len() + report.holes.len(),
+            "{failed} of {} holes could not be filled; {} contains the others. First error: {}",
+            failed + filled,
             output.display(),
             first.reason
         );

@@ -38,6 +38,7 @@ mod trace;
 
 pub use args::{Arguments, Command};
 pub use interrupt::watch as watch_interrupts;
+pub use print::complain;
 
 use anyhow::Result;
 

@@ -6,6 +6,7 @@ use anyhow::Result;
 
 use crate::cli::UsageError;
 use crate::cli::picture_args::{PictureArguments, Up};
+use crate::cli::print::say;
 use crate::io::materials;
 use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops, grow};
 use crate::options::Choice;
@@ -153,7 +154,7 @@ fn surfaces(
     };
     let (textures, notes) = Textures::read(&materials);
     for note in notes {
-        eprintln!("{note}");
+        say(&note);
     }
     let textures = (!textures.is_empty()).then(|| Arc::new(textures.of_faces(mesh)));
     let flag = |f: &FaceId| {

@@ -33,8 +33,13 @@ pub fn say(line: &str) {
             text.push_str(line);
             text.push('\n');
         }
-        None => eprintln!("{line}"),
+        None => complain(&format!("{line}\n")),
     });
+}
+
+/// Writes text to standard error. If that is not possible, there is nobody to tell.
+pub fn complain(text: &str) {
+    let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
 /// Keeps the lines that `work` says on this thread. Returns them with its result.

@@ -7,6 +7,7 @@ use clap::Args;
 
 use crate::cli::picture::Shot;
 use crate::cli::picture_args::{PictureArguments, choice};
+use crate::cli::print::say;
 use crate::cli::targets::check_targets;
 use crate::io::open_welded;
 use crate::mesh::Weld;
@@ -63,7 +64,7 @@ pub fn render(args: &RenderArguments) -> Result<()> {
     let opened = open_welded(&args.input, args.weld)?;
     if !args.quiet {
         for note in &opened.report.notes {
-            eprintln!("{}: {note}", args.input.display());
+            say(&format!("{}: {note}", args.input.display()));
         }
     }
     let shot = Shot::new(
