@@ -488,3 +488,38 @@ fn half_of_a_file_never_panics() {
         assert!(read(ThreeMf, &whole[..length], Path::new("mesh")).is_err());
     }
 }
+
+#[test]
+fn base_materials_stay_beside_objects_with_colours() {
+    let resources = [
+        "<basematerials id=\"1\"><base name=\"red\" displaycolor=\"#FF0000\"/></basematerials>\
+         <m:colorgroup id=\"2\"><m:color color=\"#00FF00\"/></m:colorgroup>",
+        &square(3, "name=\"a\" pid=\"1\" pindex=\"0\"", ["", ""]),
+        &square(4, "name=\"b\" pid=\"2\" pindex=\"0\"", ["", ""]),
+    ];
+    let items = "<item objectid=\"3\"/><item objectid=\"4\"/>";
+    let soup = good(ThreeMf, file(&model("", &resources.concat(), items)));
+    let back = good(ThreeMf, written(ThreeMf, &soup));
+    for all in [&soup.attributes, &back.attributes] {
+        let material = |face: usize| &all.tags[all.faces.tags[face] as usize].material;
+        assert_eq!([0, 1, 2, 3].map(material), ["red", "red", "", ""]);
+        assert_eq!(column(&all.vertices, "red")[4..], [0.0; 4]);
+        assert_eq!(column(&all.vertices, "green")[4..], [255.0; 4]);
+    }
+}
+
+#[test]
+fn copies_of_a_part_have_names_of_their_own() {
+    let resources = [
+        square(1, "name=\"part\"", ["", ""]),
+        square(2, "name=\"part_2\"", ["", ""]),
+    ];
+    let items = "<item objectid=\"2\"/>".to_owned() + &"<item objectid=\"1\"/>".repeat(2000);
+    let soup = good(ThreeMf, file(&model("", &resources.concat(), &items)));
+    let tags = soup.attributes.tags.iter();
+    let mut names: Vec<&str> = tags.map(|tag| tag.object.as_str()).collect();
+    assert_eq!(names[..4], ["part_2", "part", "part_3", "part_4"]);
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), 2001);
+}

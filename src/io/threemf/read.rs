@@ -306,7 +306,11 @@ struct Reader<'a> {
 
 /// The names of objects in the build, which are all different.
 #[derive(Default)]
-struct Names(HashSet<String>);
+struct Names {
+    taken: HashSet<String>,
+    /// The next number of each wanted name, so that many copies of a part take no time.
+    next: HashMap<String, usize>,
+}
 
 impl Names {
     fn made(&mut self, wanted: &str, id: u32) -> String {
@@ -316,10 +320,10 @@ impl Names {
             wanted.to_owned()
         };
         let mut name = base.clone();
-        let mut number = 2;
-        while !self.0.insert(name.clone()) {
+        while !self.taken.insert(name.clone()) {
+            let number = self.next.entry(base.clone()).or_insert(2);
             name = format!("{base}_{number}");
-            number += 1;
+            *number += 1;
         }
         name
     }

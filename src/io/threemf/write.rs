@@ -307,12 +307,20 @@ impl<'a> Sheet<'a> {
             let entry = |k: usize| rows.partition_point(|&row| row < corners[k]) as u32;
             return Some((self.images[image].id + 1, [entry(0), entry(1), entry(2)]));
         }
-        if !self.palette.is_empty() {
-            let row = |v: u32| if self.is_of_faces { face } else { v as usize };
-            return Some((self.colors_id, triangle.map(|v| self.entries[row(v)])));
+        let material = self.of_tag[self.tag_index(face)].1;
+        let material = material.map(|[group, base]| (group, [base; 3]));
+        if self.palette.is_empty() {
+            return material;
         }
-        let [group, base] = self.of_tag[self.tag_index(face)].1?;
-        Some((group, [base; 3]))
+        let row = |v: u32| if self.is_of_faces { face } else { v as usize };
+        let colors = triangle.map(|v| self.entries[row(v)]);
+        // vertices without a colour are white, which leaves a material as it is
+        let is_white = colors
+            .iter()
+            .all(|&entry| self.palette[entry as usize] == [255; 4]);
+        material
+            .filter(|_| is_white)
+            .or(Some((self.colors_id, colors)))
     }
 }
 
