@@ -19,6 +19,7 @@
 //! final surface. [`refit`] does the same for a patch that has its shape already: its vertices move
 //! along the surface only.
 
+use super::grading::expected_vertices;
 use super::surface::{NONE, SHRINK, Surface, next, prev};
 use crate::cancel::is_cancelled;
 use crate::mesh::DVec3;
@@ -196,13 +197,21 @@ pub(super) fn split_chords(s: &mut Surface, chords: &[[u32; 2]]) {
     }
 }
 
+/// Most vertices after a refinement, relative to those before and the expected ones together. On a surface that is folded onto itself
+/// flips make long edges again, and splits would not end.
+const MOST: f64 = 16.0;
+
 /// First refinement of a coarse triangulation: halves long edges, restoring the Delaunay property
 /// after each round of splits.
 fn refine(s: &mut Surface, membrane: &mut Membrane) {
     flip_to_delaunay(s);
+    let most = MOST * (s.points.len() as f64 + expected_vertices(s));
     // every round halves the long edges, so this bounds extents of 2^40 edge lengths
     for _ in 0..40 {
         let before = s.points.len();
+        if before as f64 > most {
+            return;
+        }
         if is_cancelled() || !split_long(s) {
             return;
         }

@@ -433,3 +433,12 @@ fn a_patch_that_has_grown_out_of_all_proportion_stays() {
         (&patch.points, &patch.triangles)
     );
 }
+
+/// The surface between them is folded onto itself, where flips make long edges again.
+#[test]
+fn rims_beside_each_other_in_a_plane_get_a_patch_of_limited_size() {
+    let rim = |x: f64| flat(DVec3::new(x, 0.0, 0.0), DVec3::Z, 3.2, 8, false);
+    let gap = gap(vec![rim(0.0), rim(30.0)]);
+    let patch = blend(&gap, PatchOptions::default()).expect("a patch");
+    assert!(patch.points.len() < 10_000, "{}", patch.points.len());
+}
