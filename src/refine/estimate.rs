@@ -114,6 +114,13 @@ mod tests {
         assert!((fixed.seconds - 1.2e-4 * 64_000.0).abs() < 1e-9 && !fixed.is_measured);
         assert!((measured.seconds - 5e-4 * 64_000.0).abs() < 1e-9 && measured.is_measured);
         assert_eq!(measured.bytes, fixed.bytes);
+        // 0.12 ms for each face of the last of nine levels, and a third more before it
+        let large = RefineControls {
+            levels: 9,
+            ..controls
+        };
+        let seconds = large.estimate_at(None, 20, 20).seconds;
+        assert!((830.0..850.0).contains(&seconds), "{seconds}");
     }
 
     #[test]

@@ -237,12 +237,9 @@ fn a_large_refinement_is_asked_about() {
         panic!("no question: {:?}", m.view.modal);
     };
     assert_eq!(faces, 20 << 18);
-    // 3.5 kB and 0.12 ms for each face of the last level, and a third more time before it
+    // 3.5 kB for each face of the last level; the seconds are at the rate of this process
     assert!((18.3e9..18.4e9).contains(&estimate.bytes), "{estimate:?}");
-    if !estimate.is_measured {
-        // no other test has refined enough to measure the rate of this process
-        assert!((830.0..850.0).contains(&estimate.seconds), "{estimate:?}");
-    }
+    assert!(estimate.seconds > 0.0, "{estimate:?}");
     assert!(m.run.is_none());
     act(&mut m, Action::Escape);
     assert!(m.run.is_none() && m.view.modal == Modal::None);
