@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::{Format, gltf, obj};
-use crate::mesh::{Attributes, ImageSource, Material};
+use crate::mesh::{Attributes, ImageSource, Material, NO_VALUE};
 
 /// Copies the material libraries of an OBJ file and the texture images of an OBJ, PLY or glTF file beside
 /// `path`, where a mesh with these attributes was written, so that its references stay valid. Files in
@@ -31,7 +31,10 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
     }
     let names: BTreeSet<String> = match Format::from_path(path) {
         Some(Format::Obj) => obj::companions(from, attributes),
-        Some(Format::Ply) => attributes.texture_files().map(str::to_owned).collect(),
+        Some(Format::Ply) => {
+            let named = attributes.texture_files().map(str::to_owned);
+            named.chain(only_image(attributes)).collect()
+        }
         Some(Format::Glb | Format::Gltf) => gltf::companions(attributes),
         _ => BTreeSet::new(),
     };
@@ -46,7 +49,12 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
     }
     if !copied.is_empty() {
         let names = copied.join("', '");
-        messages.insert(0, format!("copied from {}: '{names}'", from.display()));
+        let from = if from.as_os_str().is_empty() {
+            "the current folder".to_owned()
+        } else {
+            from.display().to_string()
+        };
+        messages.insert(0, format!("copied from {from}: '{names}'"));
     }
     messages
 }
@@ -82,6 +90,36 @@ pub fn materials(attributes: &Attributes) -> Vec<Material> {
         );
     }
     all
+}
+
+/// The only image file of the faces with texture coordinates, under its name relative to the folder of the
+/// mesh file, for a format that names images and not materials. `None` if there is none or several, or if
+/// the mesh names image files itself.
+pub(super) fn only_image(attributes: &Attributes) -> Option<String> {
+    if attributes.texture_files().next().is_some() {
+        return None;
+    }
+    let folder = attributes.folder.as_deref()?;
+    let faces = &attributes.faces;
+    let corners = faces.texture.chunks_exact(3).enumerate();
+    let textured = corners.filter(|(_, rows)| !rows.contains(&NO_VALUE));
+    let tags: BTreeSet<Option<&u32>> = textured.map(|(face, _)| faces.tags.get(face)).collect();
+    let name =
+        |tag: Option<&u32>| tag.map_or("", |&tag| attributes.tags[tag as usize].material.as_str());
+    let names: BTreeSet<&str> = tags.into_iter().map(name).collect();
+    let own = &attributes.own_materials;
+    let is_used = |material: &Material| {
+        names.contains(&*material.name) && own.iter().all(|own| own.name != material.name)
+    };
+    let used = materials(attributes).into_iter().filter(is_used);
+    let mut images: Vec<ImageSource> = used.filter_map(|material| material.image).collect();
+    images.sort();
+    images.dedup();
+    let [ImageSource::File(path)] = &images[..] else {
+        return None;
+    };
+    let name = path.strip_prefix(folder).unwrap_or(path);
+    Some(name.to_string_lossy().into_owned())
 }
 
 /// Copies a file into a folder, under a name relative to it. Returns whether it had to be copied.

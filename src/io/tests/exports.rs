@@ -270,3 +270,66 @@ fn images_of_libraries_and_of_ply_files_are_written_into_gltf_and_3mf() {
         }
     }
 }
+
+// MeshLab and others take the image of a PLY file from a comment.
+#[test]
+fn the_only_image_of_an_obj_file_is_named_in_ply() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir_all(at("in/maps")).expect("made");
+    fs::create_dir(at("out")).expect("made");
+    let library = "newmtl skin\nmap_Kd maps/my skin.png\nnewmtl same\nmap_Kd maps/my skin.png\n\
+        newmtl plain\nKd 1 0 0\nnewmtl other\nmap_Kd b.png\n";
+    fs::write(at("in/a.mtl"), library).expect("written");
+    for name in ["in/maps/my skin.png", "in/b.png"] {
+        fs::write(at(name), name).expect("written");
+    }
+    let line = "comment TextureFile maps/my skin.png\n";
+    for (second, named) in [
+        ("usemtl same\nf 1/1 3/3 4/1\n", true),
+        ("usemtl plain\nf 1 3 4\n", true),
+        ("usemtl other\nf 1 3 4\n", true),
+        ("usemtl other\nf 1/1 3/3 4/1\n", false),
+    ] {
+        let faces = format!("usemtl skin\nf 1/1 2/2 3/3\n{second}");
+        fs::write(at("in/a.obj"), format!("mtllib a.mtl\n{SQUARE}{faces}")).expect("written");
+        let mesh = super::super::open(&at("in/a.obj")).expect("opened").mesh;
+        save_mesh(&at("out/a.ply"), &mesh).expect("written");
+        let bytes = fs::read(at("out/a.ply")).expect("there");
+        let header = String::from_utf8_lossy(&bytes).into_owned();
+        assert_eq!(
+            header.matches("TextureFile").count(),
+            usize::from(named),
+            "{second}"
+        );
+        if !named {
+            continue;
+        }
+        assert!(header.contains(line), "{header}");
+        copy_companions(&at("out/a.ply"), &mesh.attributes);
+        assert!(at("out/maps/my skin.png").is_file() && !at("out/b.png").exists());
+        // what was written is read and written as the same bytes
+        let again = super::super::open(&at("out/a.ply")).expect("opened").mesh;
+        let found = materials(&again.attributes);
+        assert_eq!(image_file(&found[0]), Some(&*at("out/maps/my skin.png")));
+        save_mesh(&at("out/b.ply"), &again).expect("written");
+        assert!(
+            fs::read(at("out/b.ply")).expect("there") == bytes,
+            "{second}"
+        );
+    }
+}
+
+// A mesh without a folder in its path.
+#[test]
+fn the_current_folder_is_named_in_messages() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // a file that is in the current folder of the tests
+    let text = "ply\nformat ascii 1.0\ncomment TextureFile Cargo.toml\nelement vertex 3\n\
+        property float x\nproperty float y\nproperty float z\nelement face 1\n\
+        property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n";
+    let mut soup = good(Ply, text);
+    soup.attributes.folder = Some("".into());
+    let messages = copy_companions(&folder.path().join("a.ply"), &soup.attributes);
+    assert_eq!(messages, ["copied from the current folder: 'Cargo.toml'"]);
+}
