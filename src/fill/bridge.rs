@@ -81,35 +81,18 @@ pub fn bridge(
     from: RimSegment,
     to: RimSegment,
 ) -> Result<Mesh, BridgeError> {
-    check(loops, from, to)?;
+    let strip = bridge_strip(mesh, loops, from, to)?;
+    let rows = strip.len() - 1;
     let (near, far) = (&loops[from.hole.index()], &loops[to.hole.index()]);
     let width = from.edges;
-    // the far rim has the opposite direction: its last vertex is opposite the first
-    let at = |k: usize| (from.start + k) % near.edges();
-    let across = |k: usize| (to.start + width - k) % far.edges();
-    let rails: Vec<[RimFrame; 2]> = (0..=width)
-        .map(|k| {
-            [
-                RimFrame::of(mesh, near, at(k)),
-                RimFrame::of(mesh, far, across(k)),
-            ]
-        })
-        .collect();
-    let curve = |k: usize, t: f64| {
-        let [a, b] = rails[k];
-        hermite_between(a.point, a.ahead, b.point, -b.ahead)(t)
-    };
-    let size = near.perimeter / near.edges() as f64 + far.perimeter / far.edges() as f64;
-    // at least two rows, so that no edge occurs twice
-    let rows = pieces(length(|t| curve(width / 2, t)), 0.5 * size, 2);
-
+    let (at, across) = (near_index(near, from), far_index(far, to));
     let first = mesh.vertex_count();
     let mut positions = mesh.positions.clone();
     let mut ends = Vec::new();
-    for row in 1..rows {
+    for (row, points) in strip.iter().enumerate().take(rows).skip(1) {
         let t = row as f64 / rows as f64;
-        for k in 0..=width {
-            positions.push(curve(k, t));
+        for (k, &point) in points.iter().enumerate() {
+            positions.push(point);
             ends.push(([near.vertices[at(k)], far.vertices[across(k)]], t));
         }
     }
@@ -144,6 +127,55 @@ pub fn bridge(
         attributes,
         ..mesh.clone()
     })
+}
+
+/// The points of a [`bridge`] in rows from rim to rim. Each row has one point more than the bridge is wide.
+///
+/// # Errors
+/// [`BridgeError`], but whether the bridged mesh is a manifold is not known yet.
+pub fn bridge_strip(
+    mesh: &Mesh,
+    loops: &[BoundaryLoop],
+    from: RimSegment,
+    to: RimSegment,
+) -> Result<Vec<Vec<DVec3>>, BridgeError> {
+    check(loops, from, to)?;
+    let (near, far) = (&loops[from.hole.index()], &loops[to.hole.index()]);
+    let width = from.edges;
+    let (at, across) = (near_index(near, from), far_index(far, to));
+    let rails: Vec<[RimFrame; 2]> = (0..=width)
+        .map(|k| {
+            [
+                RimFrame::of(mesh, near, at(k)),
+                RimFrame::of(mesh, far, across(k)),
+            ]
+        })
+        .collect();
+    let curve = |k: usize, t: f64| {
+        let [a, b] = rails[k];
+        hermite_between(a.point, a.ahead, b.point, -b.ahead)(t)
+    };
+    let size = near.perimeter / near.edges() as f64 + far.perimeter / far.edges() as f64;
+    // at least two rows, so that no edge occurs twice
+    let rows = pieces(length(|t| curve(width / 2, t)), 0.5 * size, 2);
+
+    let row = |row: usize| {
+        let t = row as f64 / rows as f64;
+        (0..=width).map(|k| curve(k, t)).collect()
+    };
+    Ok((0..=rows).map(row).collect())
+}
+
+/// Indices along the near rim of a bridge, by the rail.
+fn near_index(near: &BoundaryLoop, from: RimSegment) -> impl Fn(usize) -> usize {
+    let n = near.edges();
+    move |k| (from.start + k) % n
+}
+
+/// The same along the far rim, which has the opposite direction: its last vertex is opposite the first.
+fn far_index(far: &BoundaryLoop, to: RimSegment) -> impl Fn(usize) -> usize {
+    let n = far.edges();
+    move |k| (to.start + to.edges - k) % n
 }
 
 /// The warning that a [`bridge`] intersects itself or the mesh `before` it; `None` if it does not.
@@ -208,6 +240,14 @@ mod tests {
         for width in 1..5 {
             let across = bridge(&mesh, &loops, at(-1.0, 0.7, width), at(1.0, 0.7, width));
             let across = across.expect("a bridge");
+            let strip = bridge_strip(&mesh, &loops, at(-1.0, 0.7, width), at(1.0, 0.7, width));
+            let strip = strip.expect("a strip");
+            let [inner @ .., last] = &strip[1..] else {
+                panic!("one row")
+            };
+            assert_eq!(inner.concat(), across.positions[mesh.vertex_count()..]);
+            let is_on_rim = |p: &DVec3| mesh.positions.iter().any(|q| q.distance(*p) < 1e-12);
+            assert!(strip[0].iter().chain(last).all(is_on_rim));
             check_mesh(&across).expect("sound");
             assert_eq!(across.topology.boundary_loops().len(), 3);
             let triangles: Vec<_> = across.topology.triangles().collect();

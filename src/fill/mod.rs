@@ -50,7 +50,7 @@ mod symmetric_errors;
 mod texture;
 mod warm_start;
 
-pub use bridge::{BridgeError, RimSegment, bridge, bridge_warning, segment_at};
+pub use bridge::{BridgeError, RimSegment, bridge, bridge_strip, bridge_warning, segment_at};
 pub use controls::{Controls, ControlsError, Linear, LoopLimits};
 pub use features::crease_through;
 pub use islands::with_islands;
