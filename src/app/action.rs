@@ -158,6 +158,8 @@ pub enum TaskAction {
     Refining(Box<Refining>),
     /// Limits of the holes that are selected together.
     Limits(LoopLimits),
+    /// Whether patches join the rims of islands.
+    Islands(bool),
     /// Order and content of the list of loops.
     List(LoopList),
     /// Start, change or cancel a bridge.

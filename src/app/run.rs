@@ -144,7 +144,14 @@ impl Run {
             let task = match operation {
                 Operation::Fair(spec) => FillTask::Fair(face_flags(&spec.faces, base.face_count())),
                 Operation::Blend(_) => FillTask::Blend(ids()),
-                _ => FillTask::Holes(ids()),
+                Operation::Fill(spec) => FillTask::Holes {
+                    loops: ids(),
+                    islands: spec.islands,
+                },
+                _ => FillTask::Holes {
+                    loops: ids(),
+                    islands: true,
+                },
             };
             LiveFill::spawn(
                 Arc::clone(&base),

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use super::cached::{Cached, SharedKey};
 use super::model::Model;
 use crate::app::view_state::Task;
-use crate::fill::{Features, crease_through};
-use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh};
+use crate::fill::{Features, crease_through, with_islands};
+use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, boundary_loops};
 use crate::ops::Operation;
 use crate::render::{Grid, LineStyle, Marker, Overlay, Polyline, Scene, rim_points};
 pub(crate) use report::{ReportOverlays, natural_length};
@@ -38,7 +38,7 @@ pub(crate) struct OverlayCache {
     rims: Cached<RimKey<bool>, Arc<Overlay>>,
     selection: Cached<RimKey<Vec<LoopId>>, Arc<Overlay>>,
     hover: Cached<RimKey<Vec<LoopId>>, Arc<Overlay>>,
-    creases: Cached<RimKey<(Vec<LoopId>, f64)>, Arc<Overlay>>,
+    creases: Cached<RimKey<(Vec<LoopId>, f64, bool)>, Arc<Overlay>>,
     crossing: Cached<DVec3, Arc<Overlay>>,
     given: Cached<SharedKey<Mesh>, Arc<Overlay>>,
     grid: Cached<Grid, Arc<Overlay>>,
@@ -172,15 +172,28 @@ fn continued_edges(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overla
     let hovered = model.view.hover.iter().filter(|id| !ids.contains(id));
     ids.extend(hovered.copied().collect::<Vec<_>>());
     let density = controls.density;
+    let islands = match model.run.as_ref().map(|run| &run.operation) {
+        Some(Operation::Fill(spec)) => spec.islands,
+        None if model.view.task == Task::Fill => model.view.islands,
+        _ => true,
+    };
     let key = RimKey {
         mesh: SharedKey::of(mesh),
         limit: false,
-        rims: (ids.clone(), density),
+        rims: (ids.clone(), density, islands),
     };
     Some(cache.creases.get(key, || {
         let holes = ids.iter().filter_map(|&id| model.shown_loop(id));
-        let curves = holes.filter_map(|hole| crease_through(mesh, hole, density));
-        let lines = curves.map(|points| Polyline {
+        let curve = |hole: &BoundaryLoop| Some((hole.id, crease_through(mesh, hole, density)?));
+        let mut curves: Vec<(LoopId, Vec<DVec3>)> = holes.filter_map(curve).collect();
+        if islands && !curves.is_empty() {
+            // a hole with islands gets one patch without a crease
+            let loops = boundary_loops(mesh);
+            let rim_sets = with_islands(mesh, &loops, &ids);
+            let is_alone = |id| rim_sets.iter().any(|set| set.len() == 1 && set[0].id == id);
+            curves.retain(|&(id, _)| is_alone(id));
+        }
+        let lines = curves.iter().map(|(_, points)| Polyline {
             points: points.iter().map(|&p| narrow(p - model.centre())).collect(),
             closed: false,
             color: CHOSEN,

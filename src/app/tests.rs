@@ -23,6 +23,7 @@ use super::view_state::{
 use crate::fill::{Features, LoopLimits, Surface};
 use crate::io;
 use crate::mesh::{DVec3, LoopId, Soup, check_mesh, components};
+use crate::ops::Operation;
 use crate::render::{Vertex, ViewMode};
 use crate::shapes::{Hole, HoleShape, cut_holes, sphere};
 use crate::solver::{End, Mode};
@@ -820,7 +821,7 @@ fn warnings_are_those_of_the_shown_state() {
 }
 
 /// A roof with a hole across its ridge.
-fn roof() -> Document {
+fn roof(island: bool) -> Document {
     const N: u32 = 24;
     let place = |i: u32| 2.0 * f64::from(i) / f64::from(N) - 1.0;
     let at = |i: u32, j: u32| DVec3::new(place(i), place(j), -1.2 * place(i).abs());
@@ -832,7 +833,9 @@ fn roof() -> Document {
             [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| number(i, j));
         [[a, b, c], [a, c, d]]
     });
-    let is_kept = |t: &[u32; 3]| t.iter().any(|&v| positions[v as usize].length() > 0.4);
+    let far = |&v: &u32| positions[v as usize].length() > 0.4;
+    let near = |&v: &u32| positions[v as usize].length() < 0.2;
+    let is_kept = |t: &[u32; 3]| t.iter().any(far) || island && t.iter().all(near);
     let corners: Vec<u32> = corners.filter(is_kept).flatten().collect();
     let soup = Soup {
         offsets: (0..=corners.len() as u32 / 3).map(|i| 3 * i).collect(),
@@ -847,7 +850,7 @@ fn roof() -> Document {
 #[test]
 fn a_crease_through_a_hole_is_shown_and_the_hole_counts_once() {
     let wake: crate::app::jobs::Wake = Arc::new(|| ());
-    let mut m = Model::new(roof(), Settings::default(), Autosave::off(), wake);
+    let mut m = Model::new(roof(false), Settings::default(), Autosave::off(), wake);
     let hole = *m.document.holes().first().expect("a hole");
     // lines along the ridge through the hole
     let creases = |m: &Model| {
@@ -881,6 +884,35 @@ fn a_crease_through_a_hole_is_shown_and_the_hole_counts_once() {
         "{}",
         last_message(&m)
     );
+}
+
+/// The patch of a hole joins the islands in it, or passes them by, and has a crease only in that case.
+#[test]
+fn islands_are_joined_unless_switched_off() {
+    let wake: crate::app::jobs::Wake = Arc::new(|| ());
+    let mut m = Model::new(roof(true), Settings::default(), Autosave::off(), wake);
+    let loops = &m.document.loops;
+    let holes = loops.iter().filter(|l| !l.is_outer_boundary);
+    let hole = holes.max_by_key(|l| l.edges()).expect("a hole").id;
+    let has_crease = |m: &Model| {
+        let scene = scene_builder::scene(m, 0);
+        let lines = scene.overlays.iter().flat_map(|overlay| &overlay.lines);
+        lines.filter(|line| !line.closed).count() > 0
+    };
+    for joins in [true, false] {
+        act(&mut m, TaskAction::Islands(joins));
+        act(&mut m, SelectAction::Loop(hole, SelectHow::Replace));
+        assert_eq!(has_crease(&m), !joins);
+        let before = m.document.loops.len();
+        filled(&mut m);
+        assert_eq!(has_crease(&m), !joins);
+        act(&mut m, RunAction::Accept(0));
+        let gone = before - m.document.loops.len();
+        assert_eq!(gone, if joins { 2 } else { 1 });
+        let operation = &m.document.accepted.last().expect("done").operation;
+        assert!(matches!(operation, Operation::Fill(spec) if spec.islands == joins));
+        act(&mut m, EditAction::Undo);
+    }
 }
 
 #[test]

@@ -410,6 +410,8 @@ pub struct ViewState {
     pub refining: Refining,
     /// Limits of the holes that are selected together.
     pub limits: LoopLimits,
+    /// Whether patches join the rims of islands, the loose components inside holes.
+    pub islands: bool,
     /// Order and content of the list of loops.
     pub list: LoopList,
     /// Whether the limit surface is drawn instead of the control mesh.
@@ -464,6 +466,7 @@ impl ViewState {
             selecting: Selecting::default(),
             refining: Refining::default(),
             limits: LoopLimits::default(),
+            islands: true,
             list: LoopList::default(),
             limit_surface: true,
             show_original: true,

@@ -113,7 +113,11 @@ fn processes_end_wherever_they_are_cancelled() {
     let id = hole(&mesh).id;
     let run = || {
         let options = Controls::default().options().expect("valid");
-        let process = FillProcess::new(Arc::clone(&mesh), FillTask::Holes(vec![id]), &options);
+        let task = FillTask::Holes {
+            loops: vec![id],
+            islands: true,
+        };
+        let process = FillProcess::new(Arc::clone(&mesh), task, &options);
         let mut process = process.expect("set up");
         let mut failed = Vec::new();
         for clock in 1.. {

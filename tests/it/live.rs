@@ -42,7 +42,10 @@ fn ids(loops: &[BoundaryLoop]) -> Vec<LoopId> {
 }
 
 fn holes(loops: &[BoundaryLoop]) -> FillTask {
-    FillTask::Holes(ids(loops))
+    FillTask::Holes {
+        loops: ids(loops),
+        islands: true,
+    }
 }
 
 struct Watched {

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use eframe::egui::{self, RichText, Slider, Ui};
 
 use super::widgets::{Asks, choice, row, slider_row};
-use crate::app::action::{Action, ControlsAction};
+use crate::app::action::{Action, ControlsAction, TaskAction};
 use crate::app::document::window_controls;
 use crate::app::model::Model;
 use crate::app::view_state::Task;
@@ -198,6 +198,22 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
     });
 }
 
+/// Whether patches join islands, on a mesh that may have some.
+fn islands_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let components = model.document.loops.iter().map(|l| l.component);
+    let several = components.clone().min() != components.max();
+    if model.view.task != Task::Fill || !several {
+        return;
+    }
+    let mut joins = model.view.islands;
+    let tip = "the patch of a hole joins the rims of loose components inside it; otherwise it passes them by";
+    let islands = egui::Checkbox::new(&mut joins, "Join islands");
+    let islands = ui.add_enabled(model.run.is_none(), islands);
+    if islands.on_hover_text(tip).changed() {
+        actions.push(TaskAction::Islands(joins).into());
+    }
+}
+
 fn patch_ui(
     ui: &mut Ui,
     model: &Model,
@@ -254,6 +270,7 @@ fn patch_ui(
     } else {
         Features::Off
     };
+    islands_ui(ui, model, actions);
     let label = egui::Checkbox::new(&mut next.label_patches, "Label patches");
     ui.add_enabled(model.run.is_none(), label)
         .on_hover_text("put the faces of each patch into a group: patch_1, patch_2, …");

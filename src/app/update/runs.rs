@@ -140,13 +140,14 @@ fn start(model: &mut Model) {
         return;
     }
     let loops: Vec<LoopId> = model.document.selection.iter().copied().collect();
+    let islands = model.view.islands;
     spawn(model, |flow| {
         let loops = loops.clone();
         match task {
             Task::Blend => Operation::Blend(BlendSpec { loops, flow }),
             _ => Operation::Fill(FillSpec {
                 loops,
-                islands: true,
+                islands,
                 flow,
             }),
         }

@@ -28,6 +28,7 @@ pub(crate) fn update_task(model: &mut Model, action: TaskAction) {
         TaskAction::Selecting(selecting) => model.view.selecting = selecting,
         TaskAction::Refining(refining) => model.view.refining = *refining,
         TaskAction::Limits(limits) => model.view.limits = limits,
+        TaskAction::Islands(islands) => model.view.islands = islands,
         TaskAction::List(list) => model.view.list = list,
     }
 }

@@ -49,8 +49,13 @@ pub type FillTimeline = Timeline<FillState>;
 /// The task of a fill.
 #[derive(Clone, Debug)]
 pub enum FillTask {
-    /// Fills each of these loops with a separate patch, islands included.
-    Holes(Vec<LoopId>),
+    /// Fills each of these loops with a separate patch.
+    Holes {
+        /// The loops.
+        loops: Vec<LoopId>,
+        /// Whether patches join the rims of islands, the loose components inside holes.
+        islands: bool,
+    },
     /// One patch joins these loops.
     Blend(Vec<LoopId>),
     /// The inner vertices of the selected faces (one flag each) flow; the triangles stay.
@@ -123,11 +128,18 @@ impl FillProcess {
                 plan: plan_fairing(&mesh, &selected)?,
                 longer: None,
             },
-            FillTask::Holes(listed) => prepare(
-                &mesh,
-                &with_islands(&mesh, &loops, &chosen(listed)?),
-                options,
-            ),
+            FillTask::Holes {
+                loops: listed,
+                islands,
+            } => {
+                let chosen = chosen(listed)?;
+                let rim_sets = if islands {
+                    with_islands(&mesh, &loops, &chosen)
+                } else {
+                    chosen.iter().map(|id| vec![&loops[id.index()]]).collect()
+                };
+                prepare(&mesh, &rim_sets, options)
+            }
             FillTask::Blend(listed) => {
                 let rims = chosen(listed)?
                     .iter()

@@ -250,7 +250,10 @@ fn a_live_fill_is_repeated_to_the_bit() {
     let wake = Arc::new(move || {
         bell.send(()).ok();
     });
-    let task = FillTask::Holes(chosen);
+    let task = FillTask::Holes {
+        loops: chosen,
+        islands: true,
+    };
     let mut live = LiveFill::spawn(Arc::clone(&given), task, controls.clone(), settings, wake)
         .expect("a thread");
     while !live.ended() {
