@@ -281,20 +281,22 @@ fn help_group<'a>(
     }
     ui.add_space(4.0);
     ui.heading(title);
-    Grid::new(title)
-        .striped(true)
-        .num_columns(2)
-        .show(ui, |ui| {
-            for (about, keys) in rows {
-                ui.horizontal(|ui| {
-                    ui.set_min_width(150.0);
-                    ui.strong(keys);
-                });
-                ui.add(egui::Label::new(about).wrap());
-                ui.end_row();
-            }
+    for (about, keys) in rows {
+        // no grid, which knows the heights of wrapped rows only in its second frame
+        ui.horizontal_top(|ui| {
+            let column = egui::vec2(KEYS, ui.spacing().interact_size.y);
+            let layout = egui::Layout::top_down(egui::Align::Min);
+            ui.allocate_ui_with_layout(column, layout, |ui| {
+                ui.set_min_width(KEYS);
+                ui.add(egui::Label::new(RichText::new(keys).strong()).wrap());
+            });
+            ui.add(egui::Label::new(about).wrap());
         });
+    }
 }
+
+/// Width of the column of keys.
+const KEYS: f32 = 150.0;
 
 fn settings_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let settings = &model.settings;
