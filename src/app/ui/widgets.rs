@@ -1,8 +1,8 @@
 //! Widgets shared by several panels.
 
 use eframe::egui::{
-    Align, Atom, Button, Color32, DragValue, Id, Label, Layout, Response, RichText, Slider, Ui,
-    Widget, vec2,
+    Align, Atom, Button, Color32, DragValue, Id, Label, Layout, Response, RichText, Slider,
+    TextStyle, Ui, Widget, vec2,
 };
 
 use super::format::format_number;
@@ -153,6 +153,9 @@ pub(crate) fn wide_button(ui: &Ui, text: &str) -> Button<'static> {
     Button::new(atoms).min_size(vec2(ui.available_width(), 26.0))
 }
 
+/// Distance of the values of a choice.
+const GAP: f32 = 2.0;
+
 /// A choice between values, with its name before them. Each value has a title and a tooltip.
 pub(crate) fn choice<T: PartialEq, const N: usize>(
     ui: &mut Ui,
@@ -161,10 +164,19 @@ pub(crate) fn choice<T: PartialEq, const N: usize>(
     choices: [(T, &str, &str); N],
 ) {
     row(ui, name, "", |ui, _| {
+        // as much room around the titles as one row has
+        let font = TextStyle::Button.resolve(ui.style());
+        let width = |title: &str| {
+            let galley = (ui.painter()).layout_no_wrap(title.into(), font.clone(), Color32::WHITE);
+            galley.size().x.ceil()
+        };
+        let titles: f32 = choices.iter().map(|(_, title, _)| width(title)).sum();
+        let gaps = GAP * N as f32;
+        let padding = (ui.available_width() - titles - gaps) / (2 * N) as f32;
         ui.horizontal_wrapped(|ui| {
             let spacing = ui.spacing_mut();
-            spacing.item_spacing.x = 2.0;
-            spacing.button_padding.x = 6.0;
+            spacing.item_spacing.x = GAP;
+            spacing.button_padding.x = padding.floor().clamp(1.0, 6.0);
             for (one, title, tip) in choices {
                 ui.selectable_value(value, one, title).on_hover_text(tip);
             }
