@@ -502,6 +502,47 @@ fn nothing_leaves_its_panel_in_a_small_window() {
     }
 }
 
+/// Side panels end where the bottom panel begins, titles of a choice are in one row, and the legend is apart
+/// from axes and buttons, in a low window and in a narrow comparison.
+#[test]
+fn a_low_window_has_room_for_all() {
+    let mut harness = window_on(riddled(), [800.0, 500.0], true);
+    let top = |harness: &Harness<'_, App>, name: &str| harness.get_by_label(name).rect().top();
+    let scheme = ["normal", "mixed", "corrected"].map(|name| top(&harness, name));
+    assert!(
+        scheme.iter().all(|y| (y - scheme[0]).abs() < 0.5),
+        "{scheme:?}"
+    );
+    fill_all(&mut harness);
+    harness.key_press(Key::H);
+    harness.key_press(Key::F7);
+    harness.run_steps(20);
+    let bar = top(&harness, "Numbers and plots");
+    let edges = harness
+        .get_all_by_role(Role::Splitter)
+        .map(|edge| edge.rect());
+    let upright: Vec<_> = edges.filter(|edge| edge.height() > edge.width()).collect();
+    assert_eq!(upright.len(), 2);
+    assert!(
+        upright.iter().all(|edge| edge.bottom() <= bar),
+        "{upright:?}, {bar}"
+    );
+    harness.remove_cursor();
+    dismiss_toasts(&mut harness);
+    let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(60);
+    harness.snapshot_options("window_low", &options);
+
+    let mut harness = window();
+    let compare = ControlsAction::CompareEnergy(Some("H^2+K^2".into()));
+    act(&mut harness.state_mut().model, compare);
+    fill_all(&mut harness);
+    harness.key_press(Key::H);
+    harness.run_steps(5);
+    harness.remove_cursor();
+    dismiss_toasts(&mut harness);
+    harness.snapshot_options("window_narrow_comparison", &options);
+}
+
 /// The parameters of both energies have sliders, which do not change each other.
 #[test]
 fn parameters_of_both_energies_are_set() {
@@ -555,8 +596,30 @@ fn parameters_of_both_energies_are_set() {
 fn the_shortcut_sheet_is_searched() {
     let mut harness = window();
     harness.key_press(Key::F1);
+    harness.step();
+    // each row is below the one before it in the first frame already
+    let rows = |harness: &Harness<'_, App>| {
+        let rows = [
+            "Select a hole",
+            "Add a hole to the selection",
+            "Add or remove a hole",
+        ];
+        let rows = rows.map(|row| harness.get_by_label(row).rect());
+        let heading = harness.get_by_label("Camera").rect();
+        [rows[0], rows[1], rows[2], heading].map(|rect| [rect.top(), rect.bottom()])
+    };
+    let first = rows(&harness);
+    assert!(
+        first.windows(2).all(|rows| rows[0][1] <= rows[1][0]),
+        "{first:?}"
+    );
     harness.run_steps(20);
-    harness.get_by_label("Camera");
+    let later = rows(&harness);
+    let from_first = |rows: &[[f32; 2]; 4], i: usize| rows[i][1] - rows[0][0];
+    assert!(
+        (0..4).all(|i| (from_first(&later, i) - from_first(&first, i)).abs() < 0.5),
+        "{first:?}, {later:?}"
+    );
     let search = |harness: &mut Harness<'_, App>, text: &str| {
         let field = harness
             .get_all_by_label("Search")

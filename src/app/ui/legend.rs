@@ -30,21 +30,37 @@ pub(crate) fn shared_range(model: &Model, mode: ViewMode, known: &mut MapRange) 
 
 /// Width of the legend with its margin, at the right end of a view.
 pub(crate) const WIDTH: f32 = 116.0;
+/// Room above the colours of the legend, for its title, and below them.
+const ABOVE: f32 = 30.0;
+const BELOW: f32 = 12.0;
 
-/// Colours, ticks and name of a map.
-pub(crate) fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
-    let height = (rect.height() * 0.4).clamp(80.0, 260.0);
-    let bar = Rect::from_min_size(
-        Pos2::new(rect.right() - 104.0, rect.bottom() - height - 40.0),
-        egui::vec2(16.0, height),
+/// The place of the legend at the right end of a view, above what is at the bottom of the view. `None`
+/// in a view that is too low for it.
+pub(crate) fn legend_place(view: Rect, below: Option<Rect>) -> Option<Rect> {
+    let column = view.right() - WIDTH;
+    let floor = below
+        .filter(|below| below.right() > column)
+        .map_or(view.bottom() - 28.0, |below| below.top() - 8.0);
+    let room = floor - view.top() - ABOVE - BELOW - 4.0;
+    let height = (view.height() * 0.4).clamp(80.0, 260.0).min(room);
+    (height >= 40.0).then(|| {
+        Rect::from_min_max(
+            Pos2::new(column + 2.0, floor - BELOW - height - ABOVE),
+            Pos2::new(view.right() - 8.0, floor),
+        )
+    })
+}
+
+/// Colours, ticks and name of a map at its [place](legend_place).
+pub(crate) fn legend(ui: &Ui, place: Rect, mode: ViewMode, range: [f32; 2]) {
+    let left = place.left() + 10.0;
+    let bar = Rect::from_min_max(
+        Pos2::new(left, place.top() + ABOVE),
+        Pos2::new(left + 16.0, place.bottom() - BELOW),
     );
     let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.72);
-    let around = Rect::from_min_max(
-        bar.min - egui::vec2(10.0, 30.0),
-        Pos2::new(rect.right() - 8.0, bar.max.y + 12.0),
-    );
     let painter = ui.painter();
-    painter.rect_filled(around, 6.0, ground);
+    painter.rect_filled(place, 6.0, ground);
     let font = FontId::proportional(13.0);
     let ink = ui.visuals().strong_text_color();
     painter.text(
@@ -84,5 +100,32 @@ pub(crate) fn legend(ui: &Ui, rect: Rect, mode: ViewMode, range: [f32; 2]) {
             font.clone(),
             ink,
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The legend leaves the buttons at the bottom of a narrow view free, and is not drawn beyond a low one.
+    #[test]
+    fn the_legend_has_room_of_its_own() {
+        let buttons = Rect::from_min_max(Pos2::new(33.0, 340.0), Pos2::new(165.0, 386.0));
+        for height in [60.0, 130.0, 200.0, 400.0, 1000.0] {
+            let view =
+                Rect::from_min_size(Pos2::new(0.0, 400.0 - height), egui::vec2(198.0, height));
+            for below in [None, Some(buttons)] {
+                let place = legend_place(view, below);
+                assert!(place.is_none_or(|place| view.contains_rect(place)));
+                assert!(place.is_none_or(|place| below.is_none_or(|b| !b.intersects(place))));
+                assert_eq!(
+                    place.is_some(),
+                    height > if below.is_some() { 150.0 } else { 114.0 }
+                );
+            }
+        }
+        // beside buttons in a wide view it stays where it is
+        let view = Rect::from_min_size(Pos2::ZERO, egui::vec2(900.0, 400.0));
+        assert_eq!(legend_place(view, Some(buttons)), legend_place(view, None));
     }
 }

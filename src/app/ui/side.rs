@@ -16,8 +16,19 @@ use crate::mesh::{BoundaryLoop, LoopId};
 /// Number of loops from which the list can be filtered.
 const MANY: usize = 8;
 
-/// The task, the loops and the start button.
+/// Least height of the list of loops.
+const LIST: f32 = 96.0;
+
+/// The task, the loops and the start button. The whole panel scrolls where it is low.
 pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+    let height = ui.available_height();
+    let area = egui::ScrollArea::vertical().auto_shrink(false);
+    area.show(ui, |ui| task_ui(ui, model, height, actions));
+}
+
+/// The content of a panel of a height.
+fn task_ui(ui: &mut Ui, model: &Model, height: f32, actions: &mut Vec<Action>) {
+    let top = ui.cursor().top();
     let document = &model.document;
     ui.add_space(4.0);
     tasks_ui(ui, model, actions);
@@ -75,7 +86,10 @@ pub(crate) fn side_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.weak("The mesh is closed: it has no holes.");
         return;
     }
-    loops_ui(ui, model, actions);
+    filter_ui(ui, model, actions);
+    let used = ui.cursor().top() - top;
+    let size = egui::vec2(ui.available_width(), (height - used).max(LIST));
+    ui.allocate_ui(size, |ui| loops_ui(ui, model, actions));
 }
 
 /// The tasks as a row of equal buttons.
@@ -284,7 +298,6 @@ fn filter_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 
 fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let list = &model.view.list;
-    filter_ui(ui, model, actions);
     let loops = list.listed(&model.document.loops);
     // where a range begins
     let anchor = ui.scope_id().with("anchor");

@@ -6,7 +6,8 @@ use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sen
 
 use super::UiState;
 use super::format::format_number;
-use super::legend::{WIDTH, legend, shared_range};
+use super::gizmo::{GIZMO, gizmo_ui, scale_bar};
+use super::legend::{WIDTH, legend, legend_place, shared_range};
 use super::navigation::{CLICK, navigate};
 use super::repair;
 use super::side::how;
@@ -49,7 +50,8 @@ pub(crate) fn viewports_ui(
             rect.min.x = whole.left() + width * side as f32;
             rect.max.x = rect.min.x + width - if side + 1 < sides { 1.0 } else { 0.0 };
         }
-        let mut below = viewport_ui(ui, model, state, format, side, rect, actions);
+        let range = map_range(model, state);
+        let mut below = viewport_ui(ui, model, state, format, side, rect, range, actions);
         if let Some(run) = model.run.as_ref() {
             let rect = beside_legend(model, rect);
             if run.diverged() {
@@ -63,8 +65,18 @@ pub(crate) fn viewports_ui(
                 below = Some(text(ui, rect, at, Align2::CENTER_BOTTOM, &words, 14.0));
             }
         }
+        let place = range.and_then(|_| legend_place(rect, below));
+        if let (Some(range), Some(place)) = (range, place) {
+            legend(ui, place, model.view.style.mode, range);
+        }
         if side == 0 {
-            super::gizmo::scale_bar(ui, model, rect, below);
+            let mut corner = rect;
+            // beside the legend in a low view
+            if let Some(place) = place.filter(|place| place.top() < rect.top() + GIZMO) {
+                corner.max.x = place.left();
+            }
+            gizmo_ui(ui, model, corner, actions);
+            scale_bar(ui, model, rect, below);
         }
         if let Some(run) = model.run.as_ref().filter(|r| r.sides.len() > 1) {
             badge_ui(ui, &run.title(side), side, rect);
@@ -199,6 +211,16 @@ fn text(ui: &Ui, room: Rect, at: Pos2, align: Align2, text: &str, size: f32) -> 
     rect
 }
 
+/// The range of the shown colour map.
+fn map_range(model: &Model, state: &mut UiState) -> Option<[f32; 2]> {
+    let style = &model.view.style;
+    style.mode.is_map().then(|| {
+        style
+            .range
+            .unwrap_or_else(|| shared_range(model, style.mode, &mut state.range))
+    })
+}
+
 /// One view. Returns the place of the hint for the next action.
 fn viewport_ui(
     ui: &mut Ui,
@@ -207,6 +229,7 @@ fn viewport_ui(
     format: Option<wgpu::TextureFormat>,
     side: usize,
     rect: Rect,
+    range: Option<[f32; 2]>,
     actions: &mut Vec<Action>,
 ) -> Option<Rect> {
     let response = ui.interact(
@@ -248,11 +271,6 @@ fn viewport_ui(
     style.line_scale = points;
     // edges are visible while the user picks edges
     style.wireframe |= model.view.report.pick == Pick::Edges;
-    let range = style.mode.is_map().then(|| {
-        style
-            .range
-            .unwrap_or_else(|| shared_range(model, style.mode, &mut state.range))
-    });
     style.range = range;
     let value = range.and_then(|_| value_under(model, &scene, &response, rect));
     let size = rect.size() * points;
@@ -272,9 +290,6 @@ fn viewport_ui(
         };
         ui.painter().add(callback.shape(rect));
     }
-    if let Some(range) = range {
-        legend(ui, rect, style.mode, range);
-    }
     if let (Some(value), Some(at)) = (value, response.hover_pos()) {
         let (name, _) = super::format::mode_words(style.mode);
         let words = format!("{name} = {}", format_number(value));
@@ -286,7 +301,6 @@ fn viewport_ui(
     if side != 0 {
         return None;
     }
-    super::gizmo::gizmo_ui(ui, model, rect, actions);
     rim_numbers(ui, model, rect);
     super::bridge::bridge_ends(ui, model, state.rim_vertex, rect);
     hover_figures(ui, model, rect);
