@@ -71,8 +71,12 @@ pub(crate) fn viewports_ui(
         }
         if side == 0 {
             let mut corner = rect;
+            // below the title
+            if sides > 1 {
+                corner.min.y += 24.0;
+            }
             // beside the legend in a low view
-            if let Some(place) = place.filter(|place| place.top() < rect.top() + GIZMO) {
+            if let Some(place) = place.filter(|place| place.top() < corner.top() + GIZMO) {
                 corner.max.x = place.left();
             }
             gizmo_ui(ui, model, corner, actions);
