@@ -50,17 +50,21 @@ pub(in super::super) fn losses(mesh: &OutputMesh<'_>) -> Vec<String> {
     for (name, reason) in &sheet.unread {
         lost.push(format!("3MF gets no image of material '{name}': {reason}"));
     }
-    let faces = 0..mesh.triangles.len();
     if !all.faces.texture.is_empty() {
         let has_texture = |face: usize| all.faces.texture[3 * face] != NO_VALUE;
-        let mut bare = faces.clone().filter(|&face| has_texture(face));
+        let mut bare = (0..mesh.triangles.len()).filter(|&face| has_texture(face));
         if bare.any(|face| sheet.texture_of(face).is_none()) {
             lost.push("3MF cannot store texture coordinates of faces without an image".to_owned());
         }
     }
-    let has_colors = !sheet.palette.is_empty();
-    let mut others = faces.filter(|_| has_colors);
-    if others.any(|face| sheet.texture_of(face).is_some() || !sheet.tag(face).material.is_empty()) {
+    let triangles = mesh.triangles.iter().enumerate();
+    let mut colored = triangles.filter(|&(face, triangle)| {
+        let colors = sheet.colors_of(face, triangle);
+        colors.is_some_and(|colors| !sheet.are_white(colors))
+    });
+    let has_other =
+        |face: usize| sheet.texture_of(face).is_some() || !sheet.tag(face).material.is_empty();
+    if colored.any(|(face, _)| has_other(face)) {
         lost.push("3MF stores one of an image, colours and a material for a face".to_owned());
     }
     if sheet.is_rounded {
@@ -309,18 +313,21 @@ impl<'a> Sheet<'a> {
         }
         let material = self.of_tag[self.tag_index(face)].1;
         let material = material.map(|[group, base]| (group, [base; 3]));
-        if self.palette.is_empty() {
-            return material;
-        }
-        let row = |v: u32| if self.is_of_faces { face } else { v as usize };
-        let colors = triangle.map(|v| self.entries[row(v)]);
+        let colors = self.colors_of(face, triangle);
         // vertices without a colour are white, which leaves a material as it is
-        let is_white = colors
-            .iter()
-            .all(|&entry| self.palette[entry as usize] == [255; 4]);
-        material
-            .filter(|_| is_white)
-            .or(Some((self.colors_id, colors)))
+        let seen = colors.filter(|&colors| material.is_none() || !self.are_white(colors));
+        seen.map(|colors| (self.colors_id, colors)).or(material)
+    }
+
+    /// The entries of the colours at the corners of a triangle.
+    fn colors_of(&self, face: usize, triangle: &[u32; 3]) -> Option<[u32; 3]> {
+        let row = |v: u32| if self.is_of_faces { face } else { v as usize };
+        (!self.palette.is_empty()).then(|| triangle.map(|v| self.entries[row(v)]))
+    }
+
+    fn are_white(&self, colors: [u32; 3]) -> bool {
+        let mut colors = colors.iter().map(|&entry| self.palette[entry as usize]);
+        colors.all(|color| color == [255; 4])
     }
 }
 
