@@ -95,13 +95,13 @@ impl GroupSurface {
             .filter(|_| !self.others.contains(&hole))
     }
 
-    /// The model with the error to expect, for users.
+    /// The error to expect and the model, for users.
     pub fn words(&self) -> String {
         let model = self.model.words();
         match self.expected_error() {
             Some(error) => {
                 let percent = 100.0 * error;
-                format!("{model}, expected error {percent:.2} % of the hole radius")
+                format!("expected error {percent:.2} % of the hole radius, {model}")
             }
             None => model,
         }
