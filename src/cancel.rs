@@ -40,16 +40,12 @@ impl Cancel {
         let shared = Arc::clone(self);
         let share = move || SHARED.set(Some(Arc::clone(&shared)));
         let start = share.clone();
-        match rayon::ThreadPoolBuilder::new()
-            .start_handler(move |_| start())
-            .build()
-        {
-            Ok(pool) => pool.install(work),
-            Err(_) => {
-                share();
-                work()
-            }
-        }
+        let pool = rayon::ThreadPoolBuilder::new().start_handler(move |_| start());
+        let Ok(pool) = pool.build() else {
+            share();
+            return work();
+        };
+        pool.install(work)
     }
 }
 

@@ -32,13 +32,16 @@ const GIVEN: [f32; 4] = [1.0, 0.78, 0.25, 1.0];
 /// Maximum number of marked vertices.
 const MAX_MARKERS: usize = 3000;
 
+/// Loops with the density of their patches and whether these join islands: what creases depend on.
+type Creases = (Vec<LoopId>, f64, bool);
+
 /// Overlays of one view, rebuilt only when their content changes.
 #[derive(Default)]
 pub(crate) struct OverlayCache {
     rims: Cached<RimKey<bool>, Arc<Overlay>>,
     selection: Cached<RimKey<Vec<LoopId>>, Arc<Overlay>>,
     hover: Cached<RimKey<Vec<LoopId>>, Arc<Overlay>>,
-    creases: Cached<RimKey<(Vec<LoopId>, f64, bool)>, Arc<Overlay>>,
+    creases: Cached<RimKey<Creases>, Arc<Overlay>>,
     crossing: Cached<DVec3, Arc<Overlay>>,
     given: Cached<SharedKey<Mesh>, Arc<Overlay>>,
     grid: Cached<Grid, Arc<Overlay>>,

@@ -306,7 +306,9 @@ fn projects_keep_everything_that_a_file_holds() {
         if !document.mesh.attributes.faces.texture.is_empty() {
             let fewer = text.replacen("\nf ", "\n# f ", 1);
             std::fs::write(&path, fewer).expect("written");
-            let error = project::read(&path).err().expect("one face too few");
+            let Err(error) = project::read(&path) else {
+                panic!("one face too few")
+            };
             assert!(error.contains("do not fit its mesh"), "{name}: {error}");
         }
     }

@@ -71,14 +71,14 @@ fn window_on(document: Document, size: [f32; 2], dark: bool) -> Harness<'static,
         .with_theme(if dark { Theme::Dark } else { Theme::Light })
         .with_max_steps(40)
         .wgpu()
-        .build_eframe(|cc| {
+        .build_eframe(move |cc| {
             let ctx = cc.egui_ctx.clone();
             let wake = Arc::new(move || ctx.request_repaint());
             let settings = Settings {
                 dark,
                 ..Settings::default()
             };
-            let model = Model::new(document.clone(), settings, Autosave::off(), wake);
+            let model = Model::new(document, settings, Autosave::off(), wake);
             App::new(model, &cc.egui_ctx, cc.wgpu_render_state.as_ref())
         });
     until(&mut harness, |app| {

@@ -86,8 +86,8 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
         .allow_drag(false)
         .allow_zoom(false)
         .allow_boxed_zoom(false)
-        .x_grid_spacer(|input| marks(input, WIDE, true))
-        .y_grid_spacer(move |input| marks(input, HIGH, !energy))
+        .x_grid_spacer(|input| marks(&input, WIDE, true))
+        .y_grid_spacer(move |input| marks(&input, HIGH, !energy))
         .custom_x_axes(vec![
             AxisHints::new_x()
                 .label_spacing(LABELS)
@@ -155,7 +155,7 @@ const LABELS: egui::Rangef = egui::Rangef {
 
 /// The marks of an axis at multiples of a round step, at least `least` points apart. Of a `whole` axis
 /// they are whole numbers.
-fn marks(input: GridInput, least: f64, whole: bool) -> Vec<GridMark> {
+fn marks(input: &GridInput, least: f64, whole: bool) -> Vec<GridMark> {
     // the step that is given is eight points
     let least = input.base_step_size / 8.0 * least;
     let step_size = round_step(if whole { least.max(1.0) } else { least });
@@ -287,7 +287,7 @@ mod tests {
                 bounds,
                 base_step_size,
             };
-            marks(input, least, whole)
+            marks(&input, least, whole)
         };
         for (low, high) in [(0.017, 0.0184), (0.9999, 1.0), (0.3, 90.0), (-3.0, 1.0)] {
             let all = axis(low, high, 100.0, HIGH, false);

@@ -15,7 +15,7 @@ const MARK: &str = "comment written by meniscus";
 /// Columns are written in their declared type, and decimals as `double`, except colours: those that
 /// are exact in 8 or in 16 bits are written as such integers, which most programs expect, and others as
 /// `float`. The image of a mesh with only one, which is in a material library, is named in a comment, as
-/// MeshLab reads it. If there are groups of patches, each face has the number of its patch, 0 without one.
+/// `MeshLab` reads it. If there are groups of patches, each face has the number of its patch, 0 without one.
 pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io::Result<()> {
     let all = mesh.attributes;
     let converted = decimal_colors(&all.vertices);

@@ -457,7 +457,8 @@ fn archives_that_would_fill_the_memory_are_refused() {
     let mut resources = square(1, "", ["", ""]);
     for id in 2..40 {
         let one = format!("<component objectid=\"{}\"/>", id - 1);
-        resources += &format!("<object id=\"{id}\"><components>{one}{one}</components></object>");
+        let object = format!("<object id=\"{id}\"><components>{one}{one}</components></object>");
+        resources.push_str(&object);
     }
     let nested = |id: u32| {
         file(&model(
