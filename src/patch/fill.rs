@@ -126,7 +126,7 @@ fn without_intersections(rim: &Rim, excluded: &impl Fn([u32; 3]) -> bool) -> Vec
 /// A triangulation of the rim with the wanted edge lengths.
 fn triangulated(rim: &Rim, triangles: &[[u32; 3]], density: f64) -> Surface {
     let n = rim.points.len();
-    let size = rim_sizes(&rim.points, density.min(1.0) * fineness(n));
+    let size = rim_sizes(&rim.points, density, n);
     let mut surface = Surface::new(rim.points.clone(), size, n, triangles);
     set_grading(&mut surface, density);
     surface
@@ -188,10 +188,11 @@ fn mean_curvature(rim: &Rim) -> f64 {
 /// area.
 const FLATTEST: f64 = 0.15;
 
-/// Wanted edge length at every rim vertex: the mean of the lengths of the rim edges near it over a
-/// density.
-pub(super) fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
+/// Wanted edge length at every vertex of one of some rims with `edges` edges together: the mean of the
+/// lengths of the rim edges near it, over a density below 1.
+pub(super) fn rim_sizes(points: &[DVec3], density: f64, edges: usize) -> Vec<f64> {
     let n = points.len();
+    let density = density.min(1.0) * fineness(edges);
     let mut size: Vec<f64> = (0..n)
         .map(|i| {
             let (before, after) = (points[(i + n - 1) % n], points[(i + 1) % n]);
@@ -214,7 +215,7 @@ pub(super) fn rim_sizes(points: &[DVec3], density: f64) -> Vec<f64> {
 /// one, and a patch stretches a little between the relaxed membrane and the end of the flow. In a
 /// hole of few edges, all near the rim, up to 15 % more improve the accuracy (measured on the
 /// analytic test surfaces after the flow).
-pub(super) fn fineness(edges: usize) -> f64 {
+fn fineness(edges: usize) -> f64 {
     (0.97 + 4.0 / edges as f64).min(1.15)
 }
 

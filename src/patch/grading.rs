@@ -13,8 +13,9 @@ use crate::memory::{TooLittleMemory, require};
 /// Patches with up to this many new vertices have the density of the rim everywhere (a round rim of 890
 /// edges at density 1).
 const MAX_EVEN: f64 = 100_000.0;
-/// The largest growth: triangles of the next ring are 1.3 times as large.
-const STEEPEST: f64 = 0.3;
+/// The largest change of the wanted edge length, a length: the triangles of the next ring are 1.3 times as
+/// large, or those of a finer patch than its rim that much smaller.
+pub(super) const STEEPEST: f64 = 0.3;
 
 /// Sets the grading of a triangulation with known sizes at its rims. `density` is relative to the rim.
 pub(super) fn set_grading(s: &mut Surface, density: f64) {

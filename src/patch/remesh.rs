@@ -19,8 +19,8 @@
 //! final surface. [`refit`] does the same for a patch that has its shape already: its vertices move
 //! along the surface only.
 
-use super::grading::expected_vertices;
-use super::surface::{NONE, SHRINK, Surface, next, prev};
+use super::grading::{STEEPEST, expected_vertices};
+use super::surface::{NONE, Surface, next, prev};
 use crate::cancel::is_cancelled;
 use crate::mesh::DVec3;
 
@@ -197,8 +197,8 @@ pub(super) fn split_chords(s: &mut Surface, chords: &[[u32; 2]]) {
     }
 }
 
-/// Most vertices after a refinement, relative to those before and the expected ones together. On a surface that is folded onto itself
-/// flips make long edges again, and splits would not end.
+/// Most vertices after a refinement, relative to those before and the expected ones together. On a surface
+/// that is folded onto itself flips make long edges again, and splits would not end.
 const MOST: f64 = 16.0;
 
 /// First refinement of a coarse triangulation: halves long edges, restoring the Delaunay property
@@ -256,7 +256,7 @@ fn wanted_length(s: &Surface, h: u32) -> f64 {
     let (a, b) = (s.from(h), s.to(h));
     let mean = f64::midpoint(s.size[a as usize], s.size[b as usize]);
     if s.refinement > 1.0 && s.is_rim(a) && s.is_rim(b) {
-        let middle = mean - 0.5 * SHRINK * s.length2(h).sqrt();
+        let middle = mean - 0.5 * STEEPEST * s.length2(h).sqrt();
         return middle.max(mean / s.refinement);
     }
     mean

@@ -1,7 +1,7 @@
 //! A strip of triangles between two rims that face each other less than an edge apart.
 
 use super::data::{Patch, Rim, RimGeometry};
-use crate::mesh::{DVec3, closest_point_on_segment};
+use crate::mesh::{DVec3, closest_point_on_polygon, perimeter};
 
 /// Largest distance of a rim vertex from the other rim, in mean edges of the two rims.
 const REACH: f64 = 1.0;
@@ -17,7 +17,7 @@ pub(crate) fn strip(geometry: &RimGeometry) -> Option<Patch> {
     let [a, b] = &geometry.rims[..] else {
         return None;
     };
-    let mean = (length(a) + length(b)) / geometry.vertex_count() as f64;
+    let mean = (perimeter(&a.points) + perimeter(&b.points)) / geometry.vertex_count() as f64;
     let cosines = facing(a, b, REACH * mean)? + facing(b, a, REACH * mean)?;
     if cosines < FACING * geometry.vertex_count() as f64 {
         return None;
@@ -37,10 +37,6 @@ pub(crate) fn strip(geometry: &RimGeometry) -> Option<Patch> {
     })
 }
 
-fn length(rim: &Rim) -> f64 {
-    crate::mesh::perimeter(&rim.points)
-}
-
 /// The sum over the edges of a rim of the cosine of the angle between the ways to the other rim and across
 /// the edge. `None` if an edge is farther than `reach` from the other rim, or on it.
 fn facing(rim: &Rim, other: &Rim, reach: f64) -> Option<f64> {
@@ -48,21 +44,12 @@ fn facing(rim: &Rim, other: &Rim, reach: f64) -> Option<f64> {
     let cosines = (0..n).map(|i| {
         let (start, end) = (rim.points[i], rim.points[(i + 1) % n]);
         let middle = start.midpoint(end);
-        let across = nearest(&other.points, middle) - middle;
+        let across = closest_point_on_polygon(middle, &other.points) - middle;
         let inward = (start - rim.opposite[i]).reject_from(end - start);
         let is_near = across.length() <= reach && across != DVec3::ZERO;
         is_near.then(|| inward.normalize_or_zero().dot(across.normalize()))
     });
     cosines.sum()
-}
-
-/// The point of a closed polygon nearest to a point.
-fn nearest(polygon: &[DVec3], p: DVec3) -> DVec3 {
-    let edges = polygon.iter().zip(polygon.iter().cycle().skip(1));
-    let points = edges.map(|(&a, &b)| closest_point_on_segment(p, a, b));
-    points
-        .min_by(|a, b| a.distance_squared(p).total_cmp(&b.distance_squared(p)))
-        .unwrap_or(p)
 }
 
 /// The triangles between two closed polygons that run against each other, in numbers of both, one after

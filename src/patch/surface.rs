@@ -20,14 +20,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::data::Patch;
+use super::grading::STEEPEST;
 use crate::mesh::DVec3;
 
 /// Stands for "no half-edge": the other side of a rim edge.
 pub(super) const NONE: u32 = u32::MAX;
-
-/// Decrease of the wanted edge length with the distance from the rim of a finer patch, per length: the
-/// edges of the rim stay whole, and much smaller triangles beside them would be thin.
-pub(super) const SHRINK: f64 = 0.3;
 
 /// Patches of fewer triangles fit into the cache in any order.
 const MIN_REORDERED: usize = 4000;
@@ -434,13 +431,14 @@ impl Surface {
     pub fn grade(&mut self) {
         let (rim, count) = (self.rim, self.points.len());
         if self.refinement > 1.0 {
+            // the edges of the rim stay whole, and much smaller triangles beside them would be thin
             for (v, (path, nearest)) in self.nearest_of_rim().into_iter().enumerate().skip(rim) {
                 let coarse = self.size[nearest as usize];
                 let fine = coarse / self.refinement + self.growth * path;
-                self.size[v] = fine.max(coarse - SHRINK * path);
+                self.size[v] = fine.max(coarse - STEEPEST * path);
             }
             // where places of different density meet
-            self.limit_slope(self.growth.max(SHRINK), count);
+            self.limit_slope(self.growth.max(STEEPEST), count);
         } else {
             self.size[rim..].fill(f64::INFINITY);
             self.limit_slope(self.growth, rim);

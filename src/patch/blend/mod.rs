@@ -24,7 +24,7 @@ use curve::RimCurve;
 
 use super::data::{Patch, PatchOptions, Rim, RimGeometry};
 use super::error::{PatchError, validate};
-use super::fill::{fineness, loose_angles, rim_sizes};
+use super::fill::{loose_angles, rim_sizes};
 use super::frame::Frame;
 use super::grading::{expected_vertices, require_memory, set_grading};
 use super::remesh::{refit, rim_valences, split_chords};
@@ -117,7 +117,7 @@ const MAX_GROWTH: f64 = 16.0;
 fn sizes(rims: &[Rim], options: PatchOptions) -> Vec<f64> {
     let count = rims.iter().map(|r| r.points.len()).sum();
     rims.iter()
-        .flat_map(|r| rim_sizes(&r.points, options.density.min(1.0) * fineness(count)))
+        .flat_map(|r| rim_sizes(&r.points, options.density, count))
         .collect()
 }
 
