@@ -80,7 +80,7 @@ mod tests {
     use super::*;
     use crate::fill::{FillOptions, fill_rim_sets};
     use crate::mesh::{boundary_loops, check_filled, folded_edges, self_intersections};
-    use crate::shapes::{self, TriangleMesh};
+    use crate::shapes;
 
     /// A sphere that is cut apart below a height, its lower part moved down by `gap`.
     fn cut_apart(gap: f64) -> Mesh {
@@ -91,21 +91,8 @@ mod tests {
         let moved: Vec<DVec3> = positions.iter().map(|p| *p - gap * DVec3::Z).collect();
         positions.extend(moved);
         let low = low.into_iter().map(|t| t.map(|v| v + count));
-        mesh(&(positions, high.into_iter().chain(low).collect()))
-    }
-
-    /// The mesh of the vertices that triangles use.
-    fn mesh((positions, triangles): &TriangleMesh) -> Mesh {
-        let mut number = vec![None; positions.len()];
-        let mut used = Vec::new();
-        let mut named = |v: u32| {
-            *number[v as usize].get_or_insert_with(|| {
-                used.push(positions[v as usize]);
-                used.len() as u32 - 1
-            })
-        };
-        let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(&mut named)).collect();
-        Mesh::from_triangles(used, &triangles).expect("a manifold")
+        let triangles: Vec<[u32; 3]> = high.into_iter().chain(low).collect();
+        Mesh::from_triangles(positions, &triangles).expect("a manifold")
     }
 
     #[test]
@@ -147,8 +134,8 @@ mod tests {
         let below = triangles
             .iter()
             .map(|&[a, b, c]| [a, c, b].map(|v| v + count));
-        let triangles = triangles.iter().copied().chain(below).collect();
-        let (all, left) = counts(&mesh(&(positions, triangles)));
-        assert_eq!((all, left), (4, 4));
+        let triangles: Vec<[u32; 3]> = triangles.iter().copied().chain(below).collect();
+        let plate = Mesh::from_triangles(positions, &triangles).expect("a manifold");
+        assert_eq!(counts(&plate), (4, 4));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::fill::rim::{RimSet, rim_of};
 use crate::mesh::{
-    BoundaryLoop, DVec3, LoopId, Mesh, TriangleBvh, closest_point_on_segment, vector_area,
+    BoundaryLoop, DVec3, LoopId, Mesh, TriangleBvh, closest_point_on_polygon, vector_area,
 };
 use crate::patch::{self, PatchOptions};
 
@@ -13,6 +13,20 @@ const NEAR: f64 = 0.5;
 const BESIDE: f64 = 1e-6;
 /// Approximate number of vertices of a rim that are checked.
 const SAMPLES: usize = 64;
+
+/// The chosen loops as rim sets, with the islands in them if patches join these.
+pub fn rim_sets<'a>(
+    mesh: &Mesh,
+    loops: &'a [BoundaryLoop],
+    chosen: &[LoopId],
+    islands: bool,
+) -> Vec<RimSet<'a>> {
+    if islands {
+        with_islands(mesh, loops, chosen)
+    } else {
+        chosen.iter().map(|id| vec![&loops[id.index()]]).collect()
+    }
+}
 
 /// The chosen loops as rim sets, each with the islands in it.
 ///
@@ -28,7 +42,7 @@ pub fn with_islands<'a>(
 ) -> Vec<RimSet<'a>> {
     let first = loops.first().map_or(0, |l| l.component);
     if loops.iter().all(|l| l.component == first) {
-        return chosen.iter().map(|id| vec![&loops[id.index()]]).collect();
+        return rim_sets(mesh, loops, chosen, false);
     }
     let mut holes: Vec<CandidateHole> = chosen
         .iter()
@@ -75,7 +89,7 @@ pub fn with_islands<'a>(
         }
     }
     let is_island = |i: usize| matches!(kind[i], Some(LoopRole::Island(_)));
-    let mut rim_sets = Vec::new();
+    let mut sets = Vec::new();
     for (h, hole) in holes.iter().enumerate() {
         if is_island(hole.index) {
             continue;
@@ -83,9 +97,9 @@ pub fn with_islands<'a>(
         let mut rim_set = vec![&loops[hole.index]];
         let mine = |i: &usize| matches!(kind[*i], Some(LoopRole::Island(owner)) if owner == h);
         rim_set.extend((0..loops.len()).filter(mine).map(|i| &loops[i]));
-        rim_sets.push(without_touching(mesh, rim_set));
+        sets.push(without_touching(mesh, rim_set));
     }
-    rim_sets
+    sets
 }
 
 /// The rims of a hole, the first, without the islands that have a point in common with another of
@@ -161,16 +175,10 @@ impl CandidateHole {
             let nearest = patch.closest_point(mesh.position(v));
             nearest.is_some_and(|c| {
                 c.distance < NEAR * self.radius
-                    && self.distance_from_rim(c.point) > BESIDE * self.radius
+                    && closest_point_on_polygon(c.point, &self.rim).distance(c.point)
+                        > BESIDE * self.radius
             })
         })
-    }
-
-    fn distance_from_rim(&self, p: DVec3) -> f64 {
-        let n = self.rim.len();
-        (0..n)
-            .map(|i| closest_point_on_segment(p, self.rim[i], self.rim[(i + 1) % n]).distance(p))
-            .fold(f64::INFINITY, f64::min)
     }
 }
 

@@ -53,7 +53,7 @@ mod warm_start;
 pub use bridge::{BridgeError, RimSegment, bridge, bridge_strip, bridge_warning, segment_at};
 pub use controls::{Controls, ControlsError, Linear, LoopLimits};
 pub use features::crease_through;
-pub use islands::with_islands;
+pub use islands::{rim_sets, with_islands};
 pub use options::{Continuity, Features, FillOptions, PatchTexture, Surface, Symmetry};
 pub use partial::{PartialError, fill_part};
 pub use prediction::{Candidate, GroupSurface, Prediction};

@@ -54,8 +54,8 @@ pub use selection::{
 };
 pub use soup::{FaceTag, Soup};
 pub use spatial::{
-    ClosestPoint, RayHit, TriangleBvh, bounds, boxes_overlap, closest_point_on_segment,
-    closest_point_on_triangle,
+    ClosestPoint, RayHit, TriangleBvh, bounds, boxes_overlap, closest_point_on_polygon,
+    closest_point_on_segment, closest_point_on_triangle,
 };
 pub use split::{Split, edge_diamond, split_all, split_faces};
 pub use submesh::Submesh;

@@ -285,6 +285,17 @@ pub fn closest_point_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec
     nearest
 }
 
+/// The point of a closed polygon nearest to `p`.
+///
+/// # Panics
+/// If there are no corners.
+pub fn closest_point_on_polygon(p: DVec3, corners: &[DVec3]) -> DVec3 {
+    let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+    let points = edges.map(|(&a, &b)| closest_point_on_segment(p, a, b));
+    let nearer = |a: &DVec3, b: &DVec3| a.distance_squared(p).total_cmp(&b.distance_squared(p));
+    points.min_by(nearer).expect("a corner")
+}
+
 /// The point of segment `ab` nearest to `p`.
 pub fn closest_point_on_segment(p: DVec3, a: DVec3, b: DVec3) -> DVec3 {
     let d = b - a;
@@ -303,6 +314,21 @@ mod tests {
 
     fn random_point(rng: &mut SplitMix) -> DVec3 {
         DVec3::new(rng.unit(), rng.unit(), rng.unit()) * 2.0 - 1.0
+    }
+
+    #[test]
+    fn points_of_polygons_are_those_of_their_nearest_sides() {
+        let square =
+            [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        for ([x, y, z], nearest) in [
+            ([1.0, -3.0, 1.0], [1.0, 0.0]),
+            ([3.0, 3.0, 0.0], [2.0, 2.0]),
+            // the last side
+            ([0.25, 1.0, 0.0], [0.0, 1.0]),
+        ] {
+            let found = closest_point_on_polygon(DVec3::new(x, y, z), &square);
+            assert_eq!(found, DVec3::new(nearest[0], nearest[1], 0.0));
+        }
     }
 
     #[test]

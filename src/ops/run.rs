@@ -8,7 +8,7 @@ use super::{
 use crate::fill::{
     self, BridgeError, ControlsError, FillError, Filled, LoopChoice, NoSuchLoop, Observer,
     PartialError, RefillError, Refilled, RimSet, ScheduledOptions, choose, fill_part,
-    fill_rim_sets, nearest_loop, segment_at, with_islands,
+    fill_rim_sets, nearest_loop, rim_sets, segment_at,
 };
 use crate::mesh::{
     BoundaryLoop, BuildError, DVec3, Erased, LoopId, Mesh, boundary_loops, erase, face_flags,
@@ -169,11 +169,7 @@ impl FillSpec {
         loops: &'a [BoundaryLoop],
     ) -> Result<Vec<RimSet<'a>>, NoSuchLoop> {
         let chosen = chosen(loops, &self.loops)?;
-        Ok(if self.islands {
-            with_islands(mesh, loops, &chosen)
-        } else {
-            chosen.iter().map(|id| vec![&loops[id.index()]]).collect()
-        })
+        Ok(rim_sets(mesh, loops, &chosen, self.islands))
     }
 }
 

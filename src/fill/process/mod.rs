@@ -23,7 +23,7 @@ use crate::fill::hole::PlannedHole;
 use crate::fill::plan::Plan;
 use crate::fill::prepare::{Prepared, prepare};
 use crate::fill::{
-    Controls, ControlsError, FillError, FillOptions, LoopChoice, RefillError, choose, with_islands,
+    Controls, ControlsError, FillError, FillOptions, LoopChoice, RefillError, choose, rim_sets,
 };
 use crate::memory::require;
 use crate::mesh::{LoopId, Mesh, boundary_loops};
@@ -132,12 +132,7 @@ impl FillProcess {
                 loops: listed,
                 islands,
             } => {
-                let chosen = chosen(listed)?;
-                let rim_sets = if islands {
-                    with_islands(&mesh, &loops, &chosen)
-                } else {
-                    chosen.iter().map(|id| vec![&loops[id.index()]]).collect()
-                };
+                let rim_sets = rim_sets(&mesh, &loops, &chosen(listed)?, islands);
                 prepare(&mesh, &rim_sets, options)
             }
             FillTask::Blend(listed) => {
