@@ -103,10 +103,9 @@ pub(super) fn only_image(attributes: &Attributes) -> Option<String> {
     let faces = &attributes.faces;
     let corners = faces.texture.chunks_exact(3).enumerate();
     let textured = corners.filter(|(_, rows)| !rows.contains(&NO_VALUE));
-    let tags: BTreeSet<Option<&u32>> = textured.map(|(face, _)| faces.tags.get(face)).collect();
-    let name =
-        |tag: Option<&u32>| tag.map_or("", |&tag| attributes.tags[tag as usize].material.as_str());
-    let names: BTreeSet<&str> = tags.into_iter().map(name).collect();
+    let names: BTreeSet<&str> = textured
+        .map(|(face, _)| attributes.material_of(face))
+        .collect();
     let own = &attributes.own_materials;
     let is_used = |material: &Material| {
         names.contains(&*material.name) && own.iter().all(|own| own.name != material.name)

@@ -1,6 +1,6 @@
 //! Materials of a glTF file, kept as they are.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde_json::{Map, Value};
@@ -50,18 +50,9 @@ pub(super) fn keep(
             "{removed} textures with other coordinates than TEXCOORD_0 are not kept"
         ));
     }
-    let mut taken = HashSet::new();
-    let mut names = Vec::new();
-    for (k, material) in list_mut(&mut json, "materials").iter().enumerate() {
-        let mut name = match material.get("name").and_then(Value::as_str) {
-            Some(name) if !name.is_empty() => name.to_owned(),
-            _ => format!("material_{k}"),
-        };
-        while !taken.insert(name.clone()) {
-            name = format!("{name}_{k}");
-        }
-        names.push(name);
-    }
+    let given = list_mut(&mut json, "materials").iter();
+    let given = given.map(|material| material.get("name").and_then(Value::as_str));
+    let names = GltfMaterials::different_names(given.map(Option::unwrap_or_default));
     if names.is_empty() {
         return Ok(None);
     }

@@ -239,9 +239,7 @@ impl Materials {
             };
             let like = self.of_name.get(&material.like).copied();
             let like = like.and_then(|k| self.json.get("materials")?.get(k).cloned());
-            let like = like.unwrap_or_else(
-                || json!({ "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 1 } }),
-            );
+            let like = like.unwrap_or_else(GltfMaterials::plain);
             let mut entry = materials::without_textures(like);
             entry["name"] = material.name.clone().into();
             entry["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": texture });
@@ -261,8 +259,7 @@ impl Materials {
             if !is_used || self.of_name.contains_key(name) {
                 continue;
             }
-            let mut entry =
-                json!({ "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 1 } });
+            let mut entry = GltfMaterials::plain();
             if !name.is_empty() {
                 entry["name"] = name.into();
             }

@@ -194,19 +194,7 @@ impl Materials {
         package: &mut Package<'_>,
         notes: &mut Vec<String>,
     ) -> Result<Self, ParseError> {
-        let (mut names, mut first) = (Vec::new(), HashMap::new());
-        let mut taken = HashSet::new();
-        let mut new_name = |wanted: &str, k: usize| {
-            let mut name = if wanted.is_empty() {
-                format!("material_{k}")
-            } else {
-                wanted.to_owned()
-            };
-            while !taken.insert(name.clone()) {
-                name = format!("{name}_{k}");
-            }
-            name
-        };
+        let mut first = HashMap::new();
         let (mut list, mut textures, mut samplers, mut images) =
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut bytes_of = Vec::new();
@@ -214,9 +202,8 @@ impl Materials {
             for (k, resource) in model.resources.iter().enumerate() {
                 match resource {
                     Resource::Base(bases) => {
-                        first.insert((part, k), names.len());
+                        first.insert((part, k), list.len());
                         for base in bases {
-                            names.push(new_name(&base.name, names.len()));
                             let [r, g, b, opacity] = base.color.map(|c| f64::from(c) / 255.0);
                             let factor = [to_light(r), to_light(g), to_light(b), opacity];
                             let mut material = plain(&base.name);
@@ -235,10 +222,9 @@ impl Materials {
                             ));
                             continue;
                         };
-                        first.insert((part, k), names.len());
+                        first.insert((part, k), list.len());
                         let file = path.rsplit('/').next().unwrap_or_default();
                         let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-                        names.push(new_name(stem, names.len()));
                         let mut material = plain(stem);
                         material["pbrMetallicRoughness"]["baseColorTexture"] =
                             json!({ "index": textures.len() });
@@ -257,6 +243,9 @@ impl Materials {
                 }
             }
         }
+        let given = list.iter().map(|material: &Value| material.get("name"));
+        let given = given.map(|name| name.and_then(Value::as_str).unwrap_or_default());
+        let names = GltfMaterials::different_names(given);
         let arrays = [
             ("materials", list),
             ("textures", textures),
@@ -282,8 +271,7 @@ impl Materials {
 }
 
 fn plain(name: &str) -> Value {
-    let mut material =
-        json!({ "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 1 } });
+    let mut material = GltfMaterials::plain();
     if !name.is_empty() {
         material["name"] = name.into();
     }

@@ -62,8 +62,11 @@ pub(in super::super) fn losses(mesh: &OutputMesh<'_>) -> Vec<String> {
         let colors = sheet.colors_of(face, triangle);
         colors.is_some_and(|colors| !sheet.are_white(colors))
     });
-    let has_other =
-        |face: usize| sheet.texture_of(face).is_some() || !sheet.tag(face).material.is_empty();
+    let has_material = |face: usize| {
+        let tag = all.tags.get(sheet.tag_index(face));
+        tag.is_some_and(|tag| !tag.material.is_empty())
+    };
+    let has_other = |face: usize| sheet.texture_of(face).is_some() || has_material(face);
     if colored.any(|(face, _)| has_other(face)) {
         lost.push("3MF stores one of an image, colours and a material for a face".to_owned());
     }
@@ -288,11 +291,6 @@ impl<'a> Sheet<'a> {
     fn tag_index(&self, face: usize) -> usize {
         let tag = self.all.faces.tags.get(face);
         tag.map_or(self.all.tags.len(), |&tag| tag as usize)
-    }
-
-    fn tag(&self, face: usize) -> FaceTag {
-        let tag = self.all.tags.get(self.tag_index(face));
-        tag.cloned().unwrap_or_default()
     }
 
     /// The image of a face with texture coordinates.

@@ -1,6 +1,7 @@
 //! Materials.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -91,6 +92,28 @@ pub struct GltfMaterials {
 }
 
 impl GltfMaterials {
+    /// A material without colour and image.
+    pub fn plain() -> Value {
+        json!({ "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 1 } })
+    }
+
+    /// Different names for materials with these names, which may be empty or equal.
+    pub fn different_names<'a>(given: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+        let mut taken = HashSet::new();
+        let different = |(k, given): (usize, &str)| {
+            let mut name = if given.is_empty() {
+                format!("material_{k}")
+            } else {
+                given.to_owned()
+            };
+            while !taken.insert(name.clone()) {
+                name = format!("{name}_{k}");
+            }
+            name
+        };
+        given.into_iter().enumerate().map(different).collect()
+    }
+
     /// Appends the materials of another file. Returns their names here, where no other material has them.
     pub fn append(&mut self, other: &Self) -> Vec<String> {
         let count = |name: &str| {
