@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError, mpsc};
@@ -141,14 +141,21 @@ fn side_by_side(
             });
         }
         drop(sender);
-        let (mut waiting, mut concluded) = (BTreeMap::new(), 0);
-        for (number, done) in receiver {
-            waiting.insert(number, done);
-            while let Some(done) = waiting.remove(&concluded) {
-                take(concluded, done);
-                concluded += 1;
-                all.conclude();
+        let taken = catch_unwind(AssertUnwindSafe(|| {
+            let (mut waiting, mut concluded) = (BTreeMap::new(), 0);
+            for (number, done) in receiver {
+                waiting.insert(number, done);
+                while let Some(done) = waiting.remove(&concluded) {
+                    take(concluded, done);
+                    concluded += 1;
+                    all.conclude();
+                }
             }
+        }));
+        if let Err(panic) = taken {
+            // the scope waits for its threads, and these may wait for their turn
+            all.end();
+            resume_unwind(panic);
         }
     });
 }
@@ -312,4 +319,31 @@ fn table(rows: &[[String; 6]]) -> String {
         text.push('\n');
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        files: MeshFiles,
+    }
+
+    /// The files that wait for their turn end too.
+    #[test]
+    fn a_panic_while_results_are_taken_ends_the_batch() {
+        let job = |_| Line::parse_from(["fill", "in.obj", "-o", "out.obj"]).files;
+        let jobs: Vec<MeshFiles> = (0..3).map(job).collect();
+        let progress = Progress::new(&jobs, true);
+        let fill = |_: usize, place: Place<'_>| {
+            place.wait_for_turn();
+            bail!("not filled")
+        };
+        let batch = || side_by_side(jobs.len(), &progress, &fill, |_, _| panic!("not taken"));
+        assert!(catch_unwind(AssertUnwindSafe(batch)).is_err());
+    }
 }

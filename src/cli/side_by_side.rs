@@ -64,6 +64,12 @@ impl SideBySide {
         self.state().concluded += 1;
         self.changed.notify_all();
     }
+
+    /// Lets no file wait for its turn any more, because none is concluded after this.
+    pub fn end(&self) {
+        self.state().concluded = usize::MAX;
+        self.changed.notify_all();
+    }
 }
 
 impl Place<'_> {
