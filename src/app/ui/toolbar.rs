@@ -1,9 +1,9 @@
 //! The row of view modes and switches.
 
-use eframe::egui::{self, Color32, Ui};
+use eframe::egui::{self, Ui};
 
 use super::format::{format_number, mode_words};
-use super::widgets::{Asks, row};
+use super::widgets::{Asks, row, title_width};
 use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::model::Model;
 use crate::app::view_state::ViewState;
@@ -107,16 +107,12 @@ fn switches_ui(ui: &mut Ui, switches: &[ViewSwitch], actions: &mut Vec<Action>) 
 
 /// Width of the switches in one row.
 fn switches_width(ui: &Ui, switches: &[ViewSwitch]) -> f32 {
-    let font = egui::TextStyle::Button.resolve(ui.style());
     let spacing = ui.spacing();
     let beside = 2.0 * spacing.button_padding.x + spacing.item_spacing.x;
-    let width = |title: &str| {
-        let galley = ui
-            .painter()
-            .layout_no_wrap(title.into(), font.clone(), Color32::WHITE);
-        galley.size().x + beside
-    };
-    switches.iter().map(|switch| width(switch.0)).sum()
+    let widths = switches
+        .iter()
+        .map(|switch| title_width(ui, switch.0) + beside);
+    widths.sum()
 }
 
 /// The material of shaded surfaces.

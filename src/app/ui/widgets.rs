@@ -153,6 +153,13 @@ pub(crate) fn wide_button(ui: &Ui, text: &str) -> Button<'static> {
     Button::new(atoms).min_size(vec2(ui.available_width(), 26.0))
 }
 
+/// Width of the title of a button in points.
+pub(crate) fn title_width(ui: &Ui, title: &str) -> f32 {
+    let font = TextStyle::Button.resolve(ui.style());
+    let galley = (ui.painter()).layout_no_wrap(title.into(), font, Color32::WHITE);
+    galley.size().x
+}
+
 /// Distance of the values of a choice.
 const GAP: f32 = 2.0;
 
@@ -165,12 +172,8 @@ pub(crate) fn choice<T: PartialEq, const N: usize>(
 ) {
     row(ui, name, "", |ui, _| {
         // as much room around the titles as one row has
-        let font = TextStyle::Button.resolve(ui.style());
-        let width = |title: &str| {
-            let galley = (ui.painter()).layout_no_wrap(title.into(), font.clone(), Color32::WHITE);
-            galley.size().x.ceil()
-        };
-        let titles: f32 = choices.iter().map(|(_, title, _)| width(title)).sum();
+        let widths = (choices.iter()).map(|(_, title, _)| title_width(ui, title).ceil());
+        let titles: f32 = widths.sum();
         let gaps = GAP * N as f32;
         let padding = (ui.available_width() - titles - gaps) / (2 * N) as f32;
         ui.horizontal_wrapped(|ui| {
