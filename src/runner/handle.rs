@@ -30,6 +30,8 @@ pub struct Runner<P: Process> {
     controls: P::Controls,
     commands: Sender<Command<P>>,
     messages: Receiver<Message<P>>,
+    /// Received events whose status has not been received yet.
+    early: Vec<Event<P::Event>>,
     timeline: SharedTimeline<P::State>,
     cancel: Arc<Cancel>,
     playing: AtomicBool,
@@ -77,6 +79,7 @@ where
             controls,
             commands,
             messages,
+            early: Vec::new(),
             timeline,
             cancel,
             playing: AtomicBool::new(settings.playing),
@@ -160,7 +163,8 @@ where
             .is_some()
     }
 
-    /// The events since the last call, in order; never blocks.
+    /// The events since the last call, in order; never blocks. An event is returned together with
+    /// the status after it, so that [`Self::clock`] and [`Self::status`] include its effect.
     pub fn poll(&mut self) -> Vec<Event<P::Event>> {
         let mut events = Vec::new();
         while let Ok(message) = self.messages.try_recv() {
@@ -171,16 +175,22 @@ where
                     ended,
                 } => (self.status, self.clock, self.ended) = (*status, clock, ended),
                 Message::Event(event) => {
-                    match &event {
-                        Event::Paused => self.playing.store(false, Ordering::Relaxed),
-                        Event::Failed { text } => {
-                            (self.ended, self.failed) = (true, Some(text.clone()));
-                        }
-                        _ => {}
+                    let failed = match &event {
+                        Event::Failed { text } => Some(text.clone()),
+                        _ => None,
+                    };
+                    self.early.push(event);
+                    if failed.is_none() {
+                        continue;
                     }
-                    events.push(event);
+                    // no status follows
+                    (self.ended, self.failed) = (true, failed);
                 }
             }
+            events.append(&mut self.early);
+        }
+        if events.iter().any(|e| matches!(e, Event::Paused)) {
+            self.playing.store(false, Ordering::Relaxed);
         }
         events
     }

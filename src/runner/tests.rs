@@ -54,6 +54,8 @@ struct Counter {
     state: Arc<Count>,
     is_new: bool,
     stopped: bool,
+    /// Called before a status is returned.
+    before_status: Option<Box<dyn FnMut() + Send>>,
 }
 
 impl Counter {
@@ -64,6 +66,7 @@ impl Counter {
             state: Arc::new(Count { value, steps }),
             is_new: true,
             stopped: false,
+            before_status: None,
         }
     }
 }
@@ -123,6 +126,9 @@ impl Process for Counter {
     }
 
     fn status(&mut self, _: f64, _: &mut dyn FnMut(usize)) -> usize {
+        if let Some(before_status) = &mut self.before_status {
+            before_status();
+        }
         self.state.steps
     }
 
@@ -139,6 +145,10 @@ struct Watched {
 
 impl Watched {
     fn start(playing: bool) -> Self {
+        Self::start_with(playing, None)
+    }
+
+    fn start_with(playing: bool, before_status: Option<Box<dyn FnMut() + Send>>) -> Self {
         let (bell, woken) = channel();
         let wake = Arc::new(move || {
             bell.send(()).ok();
@@ -150,7 +160,11 @@ impl Watched {
         };
         let controls = CounterControls::default();
         let first = controls.clone();
-        let set_up = move || Ok(Counter::new(first));
+        let set_up = move || {
+            let mut counter = Counter::new(first);
+            counter.before_status = before_status;
+            Ok(counter)
+        };
         let runner = Runner::start("counter", controls, settings, wake, set_up);
         Self {
             runner: runner.expect("a thread"),
@@ -239,6 +253,27 @@ fn a_run_pauses_by_itself_unless_it_is_to_finish() {
     run.runner.finish();
     run.until(|runner, _| runner.ended());
     assert!(!run.events.iter().any(|e| matches!(e, Event::Paused)));
+}
+
+#[test]
+fn events_are_returned_with_the_status_after_them() {
+    let (enter, entered) = channel();
+    let (open, opened) = channel::<()>();
+    let before_status = move || {
+        enter.send(()).ok();
+        opened.recv().ok();
+    };
+    let mut run = Watched::start_with(false, Some(Box::new(before_status)));
+    run.runner.step();
+    let minute = Duration::from_mins(1);
+    for clock in 0..2 {
+        // the events of the action are sent, its status is not
+        entered.recv_timeout(minute).expect("a status");
+        assert!(run.runner.poll().is_empty());
+        open.send(()).expect("a thread");
+        run.until(|_, events| events.len() > clock);
+        assert_eq!(run.runner.clock(), clock);
+    }
 }
 
 #[test]
