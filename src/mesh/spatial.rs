@@ -52,12 +52,13 @@ pub struct ClosestPoint {
 impl TriangleBvh {
     /// Builds the hierarchy over `triangles`, whose corners are indices into `positions`.
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]]) -> Self {
-        let corner = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
-        let centroids: Vec<DVec3> = triangles.iter().map(|t| centre(&corner(t))).collect();
-        let mut faces: Vec<u32> = (0..triangles.len() as u32).collect();
+        let at = |v: u32| positions[v as usize];
+        let corner = |&[a, b, c]: &[u32; 3]| [at(a), at(b), at(c)];
+        let centroids = triangles.iter().map(|t| centre(&corner(t)));
+        let mut items: Vec<(DVec3, u32)> = centroids.zip(0..).collect();
         let mut nodes = Vec::with_capacity(triangles.len().div_ceil(LEAF) * 2);
         // (start, end, the inner node whose right child this range becomes)
-        let mut stack = vec![(0, faces.len(), usize::MAX)];
+        let mut stack = vec![(0, items.len(), usize::MAX)];
         while let Some((start, end, parent)) = stack.pop() {
             if start == end {
                 continue;
@@ -67,33 +68,43 @@ impl TriangleBvh {
                 let parent: &mut Node = &mut nodes[parent];
                 parent.first = node as u32;
             }
-            let range = &mut faces[start..end];
-            let (low, high) = bounds(range.iter().flat_map(|&f| corner(&triangles[f as usize])));
             let is_leaf = end - start <= LEAF;
             nodes.push(Node {
-                low,
-                high,
+                low: DVec3::INFINITY,
+                high: DVec3::NEG_INFINITY,
                 first: start as u32,
                 count: if is_leaf { (end - start) as u32 } else { 0 },
             });
             if is_leaf {
                 continue;
             }
-            let (c_low, c_high) = bounds(range.iter().map(|&f| centroids[f as usize]));
+            let range = &mut items[start..end];
+            let (c_low, c_high) = bounds(range.iter().map(|item| item.0));
             let axis = longest_axis(c_high - c_low);
             let middle = (end - start) / 2;
-            range.select_nth_unstable_by(middle, |&a, &b| {
-                let (p, q) = (centroids[a as usize], centroids[b as usize]);
-                p[axis].total_cmp(&q[axis]).then(a.cmp(&b))
+            range.select_nth_unstable_by(middle, |(p, a), (q, b)| {
+                p[axis].total_cmp(&q[axis]).then(a.cmp(b))
             });
             // the left half is taken next, so that it follows its parent
             stack.push((start + middle, end, node));
             stack.push((start, start + middle, usize::MAX));
         }
-        let corners = faces
-            .iter()
-            .map(|&f| corner(&triangles[f as usize]))
-            .collect();
+        let faces: Vec<u32> = items.iter().map(|item| item.1).collect();
+        let corners = faces.iter().map(|&f| corner(&triangles[f as usize]));
+        let corners: Vec<[DVec3; 3]> = corners.collect();
+        // children follow their parents
+        for i in (0..nodes.len()).rev() {
+            let Node { first, count, .. } = nodes[i];
+            let first = first as usize;
+            let (low, high) = if count > 0 {
+                let own = corners[first..first + count as usize].iter();
+                bounds(own.flatten().copied())
+            } else {
+                let (left, right) = (nodes[i + 1], nodes[first]);
+                (left.low.min(right.low), left.high.max(right.high))
+            };
+            (nodes[i].low, nodes[i].high) = (low, high);
+        }
         Self {
             nodes,
             faces,
