@@ -130,7 +130,9 @@ impl Sheet {
     }
 
     fn corners(&self, f: u32) -> [DVec3; 3] {
-        self.triangles[f as usize].map(|v| self.points[v as usize])
+        let at = |v: u32| self.points[v as usize];
+        let [a, b, c] = self.triangles[f as usize];
+        [at(a), at(b), at(c)]
     }
 
     fn is_given(&self, f: u32) -> bool {

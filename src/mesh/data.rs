@@ -102,7 +102,8 @@ impl Mesh {
     /// The corner positions of a face.
     #[inline]
     pub fn corners(&self, f: FaceId) -> [DVec3; 3] {
-        self.topology.face_vertices(f).map(|v| self.position(v))
+        let [a, b, c] = self.topology.face_vertices(f);
+        [self.position(a), self.position(b), self.position(c)]
     }
 
     /// The length of an edge.

@@ -17,7 +17,8 @@ pub fn vertex_normal(
 ) -> Option<DVec3> {
     let faces = topology.outgoing(v).map(|h| topology.face(h));
     let areas = faces.filter(|f| f.is_some()).map(|f| {
-        let [a, b, c] = topology.face_vertices(f).map(&place);
+        let [a, b, c] = topology.face_vertices(f);
+        let [a, b, c] = [place(a), place(b), place(c)];
         (b - a).cross(c - a)
     });
     areas.sum::<DVec3>().try_normalize()

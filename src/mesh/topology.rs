@@ -337,7 +337,10 @@ impl Topology {
 
     /// All triangles, in order.
     pub fn triangles(&self) -> impl ExactSizeIterator<Item = [u32; 3]> + '_ {
-        self.faces().map(|f| self.face_vertices(f).map(|v| v.0))
+        self.faces().map(|f| {
+            let [a, b, c] = self.face_vertices(f);
+            [a.0, b.0, c.0]
+        })
     }
 
     /// Outgoing half-edges, turning clockwise from [`Self::halfedge_of_vertex`] (so that at a
