@@ -34,16 +34,20 @@ impl Envelope {
 
     /// Adds `factor` times a vector to row `i` of a matrix: `entries` are columns of the envelope, of
     /// which those beyond the diagonal are ignored.
+    #[inline]
     pub fn add_to_row(
         &self,
         values: &mut [f64],
         i: usize,
         factor: f64,
-        entries: impl Iterator<Item = (usize, f64)>,
+        entries: impl IntoIterator<Item = (usize, f64)>,
     ) {
+        let first = self.first[i];
         let row = &mut values[self.start[i]..self.start[i + 1]];
-        for (j, value) in entries.filter(|e| e.0 <= i) {
-            row[j - self.first[i]] += factor * value;
+        for (j, value) in entries {
+            if j <= i {
+                row[j - first] += factor * value;
+            }
         }
     }
 

@@ -76,14 +76,64 @@ impl Laplacian {
     }
 }
 
+/// Derivatives of the curvature vectors at the first vertices by the moving ones: pairs of a moving vertex
+/// and a factor.
+struct Derivatives {
+    /// Start of each vertex in `pairs`; one more at the end.
+    start: Vec<usize>,
+    pairs: Vec<(usize, f64)>,
+    /// The first moving vertex on which each curvature vector depends.
+    least: Vec<usize>,
+}
+
+impl Derivatives {
+    /// At the first `near` vertices, of which the first `moving` move.
+    fn new(laplacian: &Laplacian, moving: usize, near: usize) -> Self {
+        let mut out = Self {
+            start: vec![0],
+            pairs: Vec::with_capacity(8 * near),
+            least: Vec::with_capacity(near),
+        };
+        for i in 0..near {
+            let edges = laplacian.edges(i).iter();
+            let sum: f64 = edges.clone().map(|e| e.1).sum();
+            let own = edges.map(|&(j, w)| (j as usize, w)).chain([(i, -sum)]);
+            let own = own.filter(|e| e.0 < moving);
+            let begin = out.pairs.len();
+            let mass = laplacian.mass[i];
+            out.pairs.extend(own.map(|(j, w)| (j, w / mass)));
+            let least = out.pairs[begin..].iter().map(|e| e.0).min();
+            out.least.push(least.unwrap_or(usize::MAX));
+            out.start.push(out.pairs.len());
+        }
+        out
+    }
+
+    fn len(&self) -> usize {
+        self.least.len()
+    }
+
+    /// Those at a vertex; none beyond the first.
+    fn of(&self, i: usize) -> &[(usize, f64)] {
+        match self.start.get(i + 1) {
+            Some(&end) => &self.pairs[self.start[i]..end],
+            None => &[],
+        }
+    }
+
+    /// The first moving vertex on which the curvature vector at a vertex depends.
+    fn least(&self, i: usize) -> usize {
+        self.least.get(i).copied().unwrap_or(usize::MAX)
+    }
+}
+
 /// The energy of `g2` in a given metric as a function of some vertices, the moving ones, with `N`
 /// tensions.
 pub struct LocalG2<const N: usize> {
     /// On the rings before the last, in the order of the rings.
     laplacian: Laplacian,
-    /// Derivatives of the curvature vectors at rings 0 and 1 by the moving vertices: pairs of a moving
-    /// vertex and a factor.
-    derivatives: Vec<Vec<(usize, f64)>>,
+    /// Derivatives of the curvature vectors at rings 0 and 1 by the moving vertices.
+    derivatives: Derivatives,
     tensions: [f64; N],
     envelope: Envelope,
     /// The Cholesky factors of the matrices.
@@ -102,21 +152,14 @@ impl<const N: usize> LocalG2<N> {
     ) -> Self {
         let [moving, near, inner, _] = *ends;
         let laplacian = laplacian.restricted(vertices, inner);
-        let derivatives = |i: usize| {
-            let edges = laplacian.edges(i).iter();
-            let sum: f64 = edges.clone().map(|e| e.1).sum();
-            let own = edges.map(|&(j, w)| (j as usize, w)).chain([(i, -sum)]);
-            let own = own.filter(|e| e.0 < moving);
-            own.map(|(j, w)| (j, w / laplacian.mass[i])).collect()
-        };
-        let derivatives: Vec<Vec<(usize, f64)>> = (0..near).map(derivatives).collect();
-        let of = |i: usize| derivatives.get(i).map_or(&[][..], |own| own);
+        let derivatives = Derivatives::new(&laplacian, moving, near);
+        let of = |i: usize| derivatives.of(i);
         // two vertices have an entry if the curvatures at the ends of an edge depend on them
         let mut first: Vec<usize> = (0..moving).collect();
-        for (i, own) in derivatives.iter().enumerate() {
+        for i in 0..near {
             let around = laplacian.edges(i).iter().map(|e| e.0 as usize).chain([i]);
-            let least = around.flat_map(of).map(|e| e.0).min();
-            for &(v, _) in own {
+            let least = around.map(|j| derivatives.least(j)).min();
+            for &(v, _) in of(i) {
                 first[v] = first[v].min(least.unwrap_or(v));
             }
         }
@@ -126,7 +169,8 @@ impl<const N: usize> LocalG2<N> {
         let mut differences = vec![0.0; moving];
         let mut used = Vec::new();
         let mut used_by = vec![usize::MAX; moving];
-        for (i, own) in derivatives.iter().enumerate() {
+        for i in 0..near {
+            let own = of(i);
             let mut add = |entries: &[(usize, f64)], factor: f64| {
                 for &(v, d) in entries {
                     if used_by[v] != i {
@@ -149,9 +193,12 @@ impl<const N: usize> LocalG2<N> {
             }
             used.clear();
         }
-        let pairs = stiffness.iter().zip(&bending);
-        let sums = pairs.map(|(a, b)| tensions.map(|tension| a + tension * b));
-        let mut factors: Vec<[f64; N]> = sums.collect();
+        let mut factors = vec![[0.0; N]; stiffness.len()];
+        for ((sums, a), b) in factors.iter_mut().zip(&stiffness).zip(&bending) {
+            for (sum, tension) in sums.iter_mut().zip(tensions) {
+                *sum = a + tension * b;
+            }
+        }
         envelope.factorize(&mut factors);
         Self {
             laplacian,
@@ -177,7 +224,7 @@ impl<const N: usize> LocalG2<N> {
         };
         let curvatures: Vec<Option<DVec3>> = (0..laplacian.mass.len()).map(curvature).collect();
         let mut steps = vec![[[0.0; N]; 3]; self.envelope.unknowns()];
-        for (i, derivatives) in self.derivatives.iter().enumerate() {
+        for i in 0..self.derivatives.len() {
             let Some(own) = curvatures[i] else { continue };
             // derivatives of ½∫|∇h|² and ½∫|h|² by the curvature vector
             let edges = laplacian.edges(i).iter();
@@ -188,7 +235,7 @@ impl<const N: usize> LocalG2<N> {
                 let force = self
                     .tensions
                     .map(|tension| stiff[axis] + tension * bending[axis]);
-                for &(v, d) in derivatives {
+                for &(v, d) in self.derivatives.of(i) {
                     for (step, force) in steps[v][axis].iter_mut().zip(force) {
                         *step -= d * force;
                     }
