@@ -111,6 +111,8 @@ struct Search<'a> {
     numbers: FxHashMap<VertexId, u32>,
     vertices: Vec<VertexId>,
     points: Vec<DVec3>,
+    /// Unit normals, if they were needed so far; 0 for none.
+    normals: Vec<Option<DVec3>>,
     on_boundary: Vec<bool>,
     /// Where the neighbours of each vertex are in `around`, if they were needed so far.
     neighbours: Vec<Option<Range<usize>>>,
@@ -127,6 +129,7 @@ impl<'a> Search<'a> {
             numbers: FxHashMap::default(),
             vertices: Vec::new(),
             points: Vec::new(),
+            normals: Vec::new(),
             on_boundary: Vec::new(),
             neighbours: Vec::new(),
             around: Vec::new(),
@@ -142,6 +145,7 @@ impl<'a> Search<'a> {
         if number == next {
             self.vertices.push(v);
             self.points.push(self.mesh.position(v));
+            self.normals.push(None);
             self.on_boundary
                 .push(self.mesh.topology.is_boundary_vertex(v));
             self.neighbours.push(None);
@@ -164,6 +168,13 @@ impl<'a> Search<'a> {
         let range = begin..self.around.len();
         self.neighbours[v as usize] = Some(range.clone());
         range
+    }
+
+    /// The unit normal at a vertex; 0 for none.
+    fn normal(&mut self, v: u32) -> DVec3 {
+        let (mesh, id) = (self.mesh, self.vertices[v as usize]);
+        let normal = || vertex_normal(&mesh.topology, id, |v| mesh.position(v));
+        *self.normals[v as usize].get_or_insert_with(|| normal().unwrap_or_default())
     }
 
     /// Begins a breadth-first search.
@@ -235,13 +246,14 @@ impl<'a> Search<'a> {
         let near: Vec<u32> = near.iter().copied().filter(is_free).collect();
         let mut out: Vec<Disc> = Vec::new();
         let mut total = 0;
+        let places: Vec<DVec3> = near.iter().map(|&v| self.points[v as usize]).collect();
+        // squared distances from the nearest pseudo-hole so far
         let mut apart: Vec<f64> = vec![f64::INFINITY; near.len()];
-        let from_centre = |&v: &u32| self.points[v as usize].distance_squared(centre);
-        let distances: Vec<f64> = near.iter().map(from_centre).collect();
+        let from_centre = places.iter().map(|p| p.distance_squared(centre));
+        let distances: Vec<f64> = from_centre.collect();
         let mut next = (0..near.len()).min_by(|&i, &j| distances[i].total_cmp(&distances[j]));
         for _ in 0..3 * DISCS[0] {
             let Some(i) = next else { break };
-            let at = self.points[near[i] as usize];
             if let Some(disc) = self.disc(near[i], size, &is_blocked) {
                 total += disc.normals.len();
                 out.push(disc);
@@ -249,11 +261,16 @@ impl<'a> Search<'a> {
             if out.len() >= DISCS[0] || total > MOST_VERTICES[1] {
                 break;
             }
-            for (d, &v) in apart.iter_mut().zip(&near) {
-                *d = d.min(self.points[v as usize].distance_squared(at));
+            let at = places[i];
+            let mut farthest = 0.0;
+            next = None;
+            for (k, (d, p)) in apart.iter_mut().zip(&places).enumerate() {
+                *d = d.min(p.distance_squared(at));
+                if *d > 0.0 && *d >= farthest {
+                    farthest = *d;
+                    next = Some(k);
+                }
             }
-            let farthest = |&i: &usize, &j: &usize| apart[i].total_cmp(&apart[j]);
-            next = (0..near.len()).max_by(farthest).filter(|&k| apart[k] > 0.0);
         }
         out
     }
@@ -293,15 +310,13 @@ impl<'a> Search<'a> {
         if !(radius.is_finite() && radius > 0.0) {
             return None;
         }
-        let mesh = self.mesh;
-        let normal = |&v: &u32| {
-            let v = self.vertices[v as usize];
-            vertex_normal(&mesh.topology, v, |v| mesh.position(v)).unwrap_or_default()
-        };
         let rim = &vertices[ends[0]..ends[1]];
         Some(Disc {
-            turning: turning(rim.iter().map(normal), rim.len()),
-            normals: vertices[..ends[0]].iter().map(normal).collect(),
+            turning: turning(rim.iter().map(|&v| self.normal(v)), rim.len()),
+            normals: vertices[..ends[0]]
+                .iter()
+                .map(|&v| self.normal(v))
+                .collect(),
             vertices,
             ends,
             radius,
