@@ -144,7 +144,8 @@ pub(super) fn place(mesh: &Mesh, new: &[DVec3], v: u32) -> DVec3 {
     given.unwrap_or_else(|| new[at - mesh.vertex_count()])
 }
 
-/// Number of holes from which a search tree is built instead of reading all triangles for each hole.
+/// Number of holes from which a search tree is built, unless there is one, instead of reading all triangles for
+/// each hole.
 const MANY_HOLES: usize = 64;
 
 /// The triangles of the mesh, to be searched for those that overlap a box.
@@ -171,7 +172,7 @@ impl Obstacles {
 
     /// The triangles that overlap a box, in the order of the mesh.
     pub fn overlapping(&self, mesh: &Mesh, low: DVec3, high: DVec3) -> Vec<[u32; 3]> {
-        if self.holes < MANY_HOLES {
+        if self.holes < MANY_HOLES && self.bvh.get().is_none() {
             // the sides of the box beyond which each vertex lies
             let beyond = |p: &DVec3| p.cmplt(low).bitmask() | p.cmpgt(high).bitmask() << 3;
             let beyond: Vec<u8> = mesh.positions.iter().map(|p| beyond(p) as u8).collect();
