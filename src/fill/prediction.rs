@@ -16,6 +16,7 @@ use rustc_hash::FxHashMap;
 use crate::cancel::is_cancelled;
 use crate::fill::context::FillContext;
 use crate::fill::counterpart::Counterpart;
+use crate::fill::hole::PlannedHole;
 use crate::fill::options::Symmetry;
 use crate::fill::pseudo_hole::{Disc, Surroundings};
 use crate::fill::symmetric_errors::SymmetricErrors;
@@ -157,41 +158,30 @@ impl Prediction {
         flow: &FlowOptions,
         symmetry: Symmetry,
     ) -> Self {
+        let alone = context.plan.groups[group].holes.len() == 1;
+        let holes: Vec<&PlannedHole> = context.plan.holes_of(group).collect();
+        let predicted = holes
+            .par_iter()
+            .map(|hole| HolePrediction::new(context, hole, flow, symmetry, alone));
+        let predicted: Vec<Option<HolePrediction>> = predicted.collect();
         // squared errors in the unit of the mesh, weighted by the new vertices of the holes
         let mut sums = [0.0; TENSIONS.len() + 1];
         let mut symmetric_sums = [0.0; TENSIONS.len()];
         let (mut extent, mut turning, mut count) = (0.0, 0.0, 0);
-        let alone = context.plan.groups[group].holes.len() == 1;
-        let mut found = Vec::new();
-        for hole in context.plan.holes_of(group) {
-            if is_cancelled() {
-                break;
-            }
-            let surroundings = Surroundings::new(context.mesh, &hole.rims);
-            if surroundings.discs.is_empty() {
-                found.push(None);
-                continue;
-            }
-            let (errors, restored) = mean_squares(context.mesh, &surroundings, flow, alone);
-            count += restored.len();
-            let is_exact = errors[TENSIONS.len()] <= EXACT * EXACT;
-            let symmetric = (symmetry == Symmetry::Auto && !is_exact)
-                .then(|| {
-                    let errors = &errors[..TENSIONS.len()];
-                    SymmetricErrors::least(context, hole, &surroundings, restored, errors)
-                })
-                .flatten();
+        for (hole, one) in holes.iter().zip(&predicted) {
+            let Some(one) = one else { continue };
+            count += one.discs;
             let radius = hole.rims.radius();
             let weight = hole.patch.new_points().len() as f64 * radius * radius;
             extent += weight;
-            turning += weight * surroundings.turning_ratio();
-            for (sum, error) in sums.iter_mut().zip(errors) {
+            turning += weight * one.turning_ratio;
+            for (sum, error) in sums.iter_mut().zip(one.errors) {
                 *sum += weight * error;
             }
             for (k, sum) in symmetric_sums.iter_mut().enumerate() {
-                *sum += weight * errors[k] * symmetric.as_ref().map_or(1.0, |s| s.ratio(k));
+                let symmetric = one.symmetric.as_ref();
+                *sum += weight * one.errors[k] * symmetric.map_or(1.0, |s| s.ratio(k));
             }
-            found.push(symmetric);
         }
         let root = |sum: f64| (sum / extent).sqrt();
         let errors = candidates().zip(sums.map(root));
@@ -199,8 +189,9 @@ impl Prediction {
         // the tension is that of the fill without symmetry: holes of the group may have no counterpart
         let best = |&i: &usize, &j: &usize| sums[i].total_cmp(&sums[j]);
         let best = (0..TENSIONS.len()).min_by(best).unwrap_or(0);
-        let counterpart = |one: &Option<SymmetricErrors>| one.as_ref()?.counterpart(best);
-        let counterparts: Vec<_> = found.iter().map(counterpart).collect();
+        let counterpart =
+            |one: &Option<HolePrediction>| one.as_ref()?.symmetric.as_ref()?.counterpart(best);
+        let counterparts: Vec<_> = predicted.iter().map(counterpart).collect();
         if counterparts.iter().any(Option::is_some) {
             let candidate = Candidate {
                 symmetric: true,
@@ -231,6 +222,49 @@ impl Prediction {
         let symmetric = self.errors.iter().find(|e| e.0.symmetric);
         let symmetric = symmetric.filter(|e| e.1 <= limit * plain.1);
         symmetric.or(Some(plain)).copied()
+    }
+}
+
+/// What was predicted for one hole.
+struct HolePrediction {
+    /// Squared errors of the candidates, relative to the radius of the pseudo-holes.
+    errors: [f64; TENSIONS.len() + 1],
+    symmetric: Option<SymmetricErrors>,
+    discs: usize,
+    turning_ratio: f64,
+}
+
+impl HolePrediction {
+    /// `None` if there is no room for a pseudo-hole, or if the run was cancelled.
+    fn new(
+        context: FillContext<'_>,
+        hole: &PlannedHole,
+        flow: &FlowOptions,
+        symmetry: Symmetry,
+        alone: bool,
+    ) -> Option<Self> {
+        if is_cancelled() {
+            return None;
+        }
+        let surroundings = Surroundings::new(context.mesh, &hole.rims);
+        if surroundings.discs.is_empty() {
+            return None;
+        }
+        let (errors, restored) = mean_squares(context.mesh, &surroundings, flow, alone);
+        let discs = restored.len();
+        let is_exact = errors[TENSIONS.len()] <= EXACT * EXACT;
+        let symmetric = (symmetry == Symmetry::Auto && !is_exact)
+            .then(|| {
+                let errors = &errors[..TENSIONS.len()];
+                SymmetricErrors::least(context, hole, &surroundings, restored, errors)
+            })
+            .flatten();
+        Some(Self {
+            errors,
+            symmetric,
+            discs,
+            turning_ratio: surroundings.turning_ratio(),
+        })
     }
 }
 
