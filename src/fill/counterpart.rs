@@ -6,20 +6,36 @@
 //! smoothly to fit the rim. The *share* of a counterpart scales the reference: 0 gives the fill without
 //! it, 1 the whole counterpart. The share is the one of least error on the pseudo-holes of the hole.
 
+use std::cell::Cell;
 use std::sync::Arc;
+
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use crate::fill::context::FillContext;
 use crate::fill::patch_topology::PatchTopology;
-use crate::mesh::{DVec3, Neighbourhood, VertexId, vertex_normal};
-use crate::solver::{Flow, FlowProblem, G2_RINGS, Reference};
-use crate::symmetry::{
-    Isometry, Sample, nearest_alike, nearest_inside, nearest_smooth, symmetries,
+use crate::fill::pseudo_hole::{Disc, Surroundings};
+use crate::mesh::{
+    ClosestPoint, DVec3, FaceId, Neighbourhood, Topology, VertexId, closest_point_from,
+    vertex_normal, vertex_normals,
 };
+use crate::solver::{Flow, FlowProblem, G2_RINGS, Reference};
+use crate::symmetry::{Isometry, Sample, alike, inside, smooth, symmetries};
 
-/// Most vertices at which the distance of a counterpart is measured.
-const MEASURED: usize = 100;
 /// The share of the vertices around a hole that counts in the fit of a symmetry.
 const SHARE: f64 = 0.7;
+/// Most vertices to which a symmetry is fitted around a hole, and most rounds.
+const FITTED: [usize; 2] = [100, 8];
+/// Those around a pseudo-hole, where the fit to the hole is a good start.
+const FITTED_DISC: [usize; 2] = [30, 3];
+
+/// A vertex of the mesh near a hole, and the face with the point nearest to its image under the symmetry
+/// of the hole.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Image {
+    sample: Sample,
+    face: FaceId,
+}
 
 /// What fills a hole by symmetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,9 +47,9 @@ pub(super) struct Counterpart {
 }
 
 impl FillContext<'_> {
-    /// The point of the mesh nearest to a sample; see [`nearest_alike`].
-    fn nearest(&self, to: &Sample) -> Option<Sample> {
-        nearest_alike(self.mesh, self.plan.obstacles.bvh(self.mesh), to)
+    /// The point of the mesh nearest to a point.
+    fn closest(&self, to: DVec3) -> Option<ClosestPoint> {
+        self.plan.obstacles.bvh(self.mesh).closest_point(to)
     }
 
     /// The symmetries of the mesh.
@@ -42,85 +58,154 @@ impl FillContext<'_> {
         all.get_or_init(|| Arc::new(symmetries(self.mesh)))
     }
 
-    /// A symmetry fitted to at most so many of some vertices of the mesh, in at most so many rounds. `None`
-    /// if fewer than half have a counterpart.
-    pub fn fitted(
-        &self,
-        symmetry: &Isometry,
-        vertices: &[VertexId],
-        [most, rounds]: [usize; 2],
-    ) -> Option<Isometry> {
-        let samples = self.samples(vertices, most);
-        symmetry.fitted(&samples, SHARE, rounds, |sample| self.nearest(sample))
+    /// Unit normals at the vertices of the mesh; 0 for none.
+    fn normals(&self) -> &[DVec3] {
+        let all = &self.plan.normals;
+        all.get_or_init(|| Arc::new(vertex_normals(self.mesh)))
     }
 
-    /// The median distance of the counterparts of some vertices from them along the normals. `None` if
-    /// fewer than half have a counterpart.
-    pub fn distance(&self, isometry: &Isometry, vertices: &[VertexId]) -> Option<f64> {
-        let samples = self.samples(vertices, MEASURED);
-        isometry.median(&samples, |sample| self.nearest(sample))
+    /// A vertex of the mesh. `None` if it has no normal.
+    fn sample(&self, v: VertexId) -> Option<Sample> {
+        let normal = self.normals()[v.index()];
+        let point = self.mesh.position(v);
+        (normal != DVec3::ZERO).then_some(Sample { point, normal })
     }
 
-    /// At most `most` of some vertices of the mesh, evenly.
-    fn samples(&self, vertices: &[VertexId], most: usize) -> Vec<Sample> {
+    /// A symmetry fitted to at most [`FITTED`] of the surroundings of a hole, `vertices` of the mesh, and the median
+    /// distance of their counterparts from them along the normals. `None` if fewer than half have a
+    /// counterpart.
+    pub fn fitted(&self, symmetry: &Isometry, vertices: &[VertexId]) -> Option<(Isometry, f64)> {
+        let [most, rounds] = FITTED;
         let step = vertices.len().div_ceil(most).max(1);
         let vertices = vertices.iter().step_by(step);
-        let samples = vertices.filter_map(|&v| Sample::of_vertex(self.mesh, v));
-        samples.collect()
+        let samples: Vec<Sample> = vertices.filter_map(|&v| self.sample(v)).collect();
+        // the faces found in the round before
+        let faces = vec![Cell::new(None); samples.len()];
+        let nearest = |i: usize, image: &Sample| {
+            let found = match faces[i].get() {
+                Some(face) => closest_point_from(self.mesh, face, image.point),
+                None => self.closest(image.point)?,
+            };
+            faces[i].set(Some(FaceId(found.face)));
+            alike(self.mesh, &found, image)
+        };
+        let fit = symmetry.fitted(&samples, SHARE, rounds, nearest)?;
+        let distance = fit.median(&samples, nearest)?;
+        Some((fit, distance))
     }
 
     /// The share of points that have a counterpart.
     pub fn covered(&self, isometry: &Isometry, points: &[DVec3]) -> f64 {
-        let bvh = self.plan.obstacles.bvh(self.mesh);
-        let images = points.iter().map(|&p| isometry.apply(p));
-        let found = images.filter(|&p| nearest_inside(self.mesh, bvh, p).is_some());
+        let closest = |&p: &DVec3| self.closest(isometry.apply(p));
+        let found = points.iter().filter_map(closest);
+        let found = found.filter(|found| inside(self.mesh, found).is_some());
         found.count() as f64 / points.len().max(1) as f64
     }
 
-    /// Where a sample would lie on its counterpart, taken back to it. `None` if the mesh has none.
-    pub fn counterpart(&self, isometry: &Isometry, of: &Sample) -> Option<DVec3> {
-        let image = Sample {
-            point: isometry.apply(of.point),
-            normal: isometry.turn(of.normal),
+    /// The images of the vertices of some pseudo-holes under the symmetry of their hole, by the numbers of its
+    /// surroundings.
+    pub fn images(
+        &self,
+        isometry: &Isometry,
+        surroundings: &Surroundings,
+        discs: &[Disc],
+    ) -> Vec<Option<Image>> {
+        let mut is_used = vec![false; surroundings.vertices.len()];
+        for &v in discs.iter().flat_map(|disc| &disc.vertices) {
+            is_used[v as usize] = true;
+        }
+        let image = |(&v, is_used): (&VertexId, bool)| {
+            let sample = is_used.then(|| self.sample(v)).flatten()?;
+            let face = FaceId(self.closest(isometry.apply(sample.point))?.face);
+            Some(Image { sample, face })
         };
-        let bvh = self.plan.obstacles.bvh(self.mesh);
-        Some(isometry.invert(nearest_smooth(self.mesh, bvh, &image)?))
+        let vertices = surroundings.vertices.par_iter().with_min_len(64);
+        vertices.zip(is_used).map(image).collect()
+    }
+
+    /// A symmetry fitted to at most [`FITTED_DISC`] of the vertices around a pseudo-hole. `None` if fewer than half
+    /// have a counterpart.
+    pub fn fitted_to_disc(
+        &self,
+        symmetry: &Isometry,
+        images: &[Option<Image>],
+    ) -> Option<Isometry> {
+        let [most, rounds] = FITTED_DISC;
+        let step = images.len().div_ceil(most).max(1);
+        let images: Vec<&Image> = images.iter().step_by(step).flatten().collect();
+        let samples: Vec<Sample> = images.iter().map(|image| image.sample).collect();
+        symmetry.fitted(&samples, SHARE, rounds, |i, image| {
+            let found = closest_point_from(self.mesh, images[i].face, image.point);
+            alike(self.mesh, &found, image)
+        })
+    }
+
+    /// Where a sample would lie on its counterpart, taken back to it; `None` if the mesh has none. A walk finds
+    /// it from a face near to it, which becomes the face on which it lies.
+    fn counterpart(
+        &self,
+        isometry: &Isometry,
+        of: &Sample,
+        face: &mut Option<FaceId>,
+    ) -> Option<DVec3> {
+        let image = isometry.image(of);
+        let found = match *face {
+            Some(face) => closest_point_from(self.mesh, face, image.point),
+            None => self.closest(image.point)?,
+        };
+        *face = Some(FaceId(found.face));
+        Some(isometry.invert(smooth(self.mesh, self.normals(), &found, &image)?))
+    }
+
+    /// Where the vertex of an image would lie on its counterpart under a symmetry that is near to the one of the
+    /// hole. `None` if the mesh has none.
+    pub fn counterpart_of(&self, isometry: &Isometry, of: &Image) -> Option<DVec3> {
+        self.counterpart(isometry, &of.sample, &mut Some(of.face))
     }
 
     /// The references of the patches of `topology` that have a counterpart, with the region at
-    /// `positions` (relative to the centre of the problem).
+    /// `positions` (relative to the centre of the problem). `faces` are those on which the counterparts of
+    /// vertices lay before.
     pub fn references(
         &self,
         problem: &FlowProblem,
         topology: &PatchTopology,
         positions: &[DVec3],
         counterparts: &[Option<Counterpart>],
+        faces: &mut Faces,
     ) -> Vec<Reference> {
         let all: Vec<u32> = (0..topology.new_vertices() as u32).collect();
         let own = topology.split(&all).map(|part| part.1);
         let pairs = own.zip(counterparts);
         let pairs = pairs.filter_map(|(own, counterpart)| Some((own, counterpart.as_ref()?)));
         pairs
-            .map(|(own, counterpart)| self.reference(problem, positions, own, counterpart))
+            .enumerate()
+            .map(|(number, (own, counterpart))| {
+                self.reference(problem, positions, own, counterpart, number, faces)
+            })
             .collect()
     }
 
-    /// The reference of the patch whose new vertices are `own`, with the region at `positions`
-    /// (relative to the centre of the problem).
+    /// The reference of the patch whose new vertices are `own`, the one of this number with a counterpart, with
+    /// the region at `positions` (relative to the centre of the problem).
     fn reference(
         &self,
         problem: &FlowProblem,
         positions: &[DVec3],
         own: &[u32],
         counterpart: &Counterpart,
+        number: usize,
+        faces: &mut Faces,
     ) -> Reference {
         let topology = problem.topology();
         let seeds = own.iter().map(|&v| VertexId(v));
         let near = Neighbourhood::small(topology, seeds, G2_RINGS);
-        let at = |v: VertexId| {
+        let mut at = |v: VertexId| {
             let normal = vertex_normal(topology, v, |v| positions[v.index()])?;
             let point = positions[v.index()] + problem.centre();
-            let there = self.counterpart(&counterpart.isometry, &Sample { point, normal })?;
+            let sample = Sample { point, normal };
+            let face = faces.entry((number, v.0)).or_default();
+            let there = self.counterpart(&counterpart.isometry, &sample, face)?;
             Some(there - problem.centre())
         };
         Reference {
@@ -129,6 +214,10 @@ impl FillContext<'_> {
         }
     }
 }
+
+/// The faces of the mesh on which the counterparts of vertices of a region lie, if they were looked for, by the
+/// number of the patch with a counterpart and that of the vertex.
+pub(super) type Faces = FxHashMap<(usize, u32), Option<FaceId>>;
 
 /// Movement of a vertex, relative to the hole radius, below which the references are not updated again,
 /// and how often they are updated at most.
@@ -141,6 +230,9 @@ pub(super) struct Following {
     /// The positions at the last update.
     before: Vec<DVec3>,
     updates: usize,
+    /// The counterparts of the vertices at the last update, in the numbers of this region.
+    faces: Faces,
+    region: Option<Arc<Topology>>,
 }
 
 impl Following {
@@ -169,7 +261,18 @@ impl Following {
         }
         self.before = positions.to_vec();
         self.updates += 1;
-        let references = context.references(flow.problem(), topology, positions, counterparts);
+        let problem = flow.problem();
+        let region = problem.topology();
+        if self
+            .region
+            .as_ref()
+            .is_none_or(|of| !Arc::ptr_eq(of, region))
+        {
+            self.region = Some(Arc::clone(region));
+            self.faces.clear();
+        }
+        let faces = &mut self.faces;
+        let references = context.references(problem, topology, positions, counterparts, faces);
         flow.set_references(references);
         true
     }

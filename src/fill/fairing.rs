@@ -32,6 +32,7 @@ pub(super) fn plan_fairing(mesh: &Mesh, selected: &[bool]) -> Result<Plan, Refil
         loose: Vec::new(),
         obstacles: Obstacles::new(0),
         symmetries: OnceLock::new(),
+        normals: OnceLock::new(),
         groups: vec![Group {
             holes: Vec::new(),
             topology: Arc::default(),

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::energy::Order;
 use crate::fill::context::{ChangeError, FillContext};
-use crate::fill::counterpart::{Counterpart, Following};
+use crate::fill::counterpart::{Counterpart, Faces, Following};
 use crate::fill::hole::PlannedHole;
 use crate::fill::noise::roughened;
 use crate::fill::options::{Continuity, FillOptions};
@@ -478,7 +478,8 @@ impl GroupFlow {
         let mut problem = region::problem(context, self.group, topology, positions, options)?;
         if self.following.has_begun() {
             let (positions, counterparts) = (problem.positions(), self.counterparts(options));
-            let references = context.references(&problem, topology, positions, counterparts);
+            let faces = &mut Faces::default();
+            let references = context.references(&problem, topology, positions, counterparts, faces);
             problem = problem.with_references(references);
         }
         if self.remeshing.has_evened() {

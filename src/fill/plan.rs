@@ -33,6 +33,8 @@ pub(crate) struct Plan {
     pub obstacles: Obstacles,
     /// The approximate symmetries of the mesh, found when they are first needed.
     pub symmetries: OnceLock<Arc<Vec<Isometry>>>,
+    /// Unit normals at the vertices of the mesh, found when they are first needed; 0 for none.
+    pub normals: OnceLock<Arc<Vec<DVec3>>>,
 }
 
 impl Plan {
@@ -69,6 +71,7 @@ impl Plan {
             groups: groups(mesh, &holes),
             obstacles,
             symmetries: OnceLock::new(),
+            normals: OnceLock::new(),
             domain: Domain::Holes(holes),
             failed,
         }

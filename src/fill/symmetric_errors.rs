@@ -4,19 +4,15 @@ use rayon::prelude::*;
 
 use crate::cancel::is_cancelled;
 use crate::fill::context::FillContext;
-use crate::fill::counterpart::Counterpart;
+use crate::fill::counterpart::{Counterpart, Image};
 use crate::fill::hole::PlannedHole;
 use crate::fill::prediction::{Restored, TENSIONS, WORTH};
 use crate::fill::pseudo_hole::{Disc, Surroundings};
 use crate::mesh::{DVec3, VertexId};
-use crate::symmetry::{Isometry, Sample};
+use crate::symmetry::Isometry;
 
 /// Vertices around a hole to which a symmetry is fitted, over those of its rim: about six rings.
 const NEAR: usize = 6;
-/// Most vertices to which a symmetry is fitted around a hole, and most rounds.
-const FITTED: [usize; 2] = [100, 8];
-/// Those around a pseudo-hole, where the fit to the hole is a good start.
-const FITTED_DISC: [usize; 2] = [30, 3];
 /// Most pseudo-holes of a hole on which a symmetry is tried.
 const DISCS: usize = 16;
 /// Least share of the vertices in a hole that have a counterpart. With 0.3 the geometric mean of the ratios on
@@ -70,6 +66,16 @@ impl Moments {
         }
     }
 
+    /// Whether so much of the counterpart is known that the pseudo-hole tells whether a whole one helps.
+    fn is_comparable(&self) -> bool {
+        self.known >= COVERED[1]
+    }
+
+    /// Whether a whole counterpart lowers the error.
+    fn gains(&self) -> bool {
+        self.error(1.0) < self.ss
+    }
+
     /// Squared error with the best share, relative to that without a counterpart.
     fn ratio(&self) -> f64 {
         let ratio = self.error(self.share()) / self.ss;
@@ -101,8 +107,8 @@ impl SymmetricErrors {
             if is_cancelled() {
                 return None;
             }
-            let isometry = context.fitted(symmetry, &near, FITTED)?;
-            let distance = context.distance(&isometry, &near)? / hole.rims.radius();
+            let (isometry, distance) = context.fitted(symmetry, &near)?;
+            let distance = distance / hole.rims.radius();
             if errors.iter().all(|error| distance * distance > *error) {
                 return None;
             }
@@ -114,10 +120,10 @@ impl SymmetricErrors {
             if restored.len() < discs.len() {
                 restored.extend(Restored::all(surroundings, &discs[restored.len()..]));
             }
+            let images = context.images(&isometry, surroundings, discs);
             let pairs = discs.par_iter().zip(&restored);
-            let found = pairs
-                .map(|(disc, restored)| moments(context, &isometry, surroundings, disc, restored));
-            let found: Vec<_> = found.collect();
+            let of_pair = |(disc, restored)| moments(context, &isometry, &images, disc, restored);
+            let found: Vec<_> = pairs.map(of_pair).collect();
             Self::on(&found, isometry, [distance, covered])
         });
         let least = |one: &Self| {
@@ -142,15 +148,11 @@ impl SymmetricErrors {
         }
         let mut sums = [Moments::default(); TENSIONS.len()];
         let mut gaining = [0.0; TENSIONS.len()];
-        let comparable: Vec<_> = found
-            .iter()
-            .filter(|one| one[0].known >= COVERED[1])
-            .collect();
+        let comparable = found.iter().filter(|one| one[0].is_comparable());
+        let comparable: Vec<_> = comparable.collect();
         let total: f64 = found.iter().map(|one| one[0].known * one[0].known).sum();
         for k in 0..TENSIONS.len() {
-            let gains = comparable
-                .iter()
-                .filter(|one| one[k].error(1.0) < one[k].ss);
+            let gains = comparable.iter().filter(|one| one[k].gains());
             gaining[k] = gains.count() as f64 / comparable.len().max(1) as f64;
             for Moments { ss, su, uu, known } in found.iter().map(|one| one[k]) {
                 // pseudo-holes with a whole counterpart say most about a whole counterpart
@@ -199,23 +201,19 @@ impl SymmetricErrors {
 }
 
 /// Errors of a pseudo-hole by [`TENSIONS`], relative to its radius, where it has a counterpart. The
-/// symmetry is fitted to its surroundings. `None` if too much of the counterpart is missing.
+/// symmetry is fitted to its surroundings, whose `images` are those under the symmetry. `None` if too much of the counterpart is missing.
 fn moments(
     context: FillContext<'_>,
     symmetry: &Isometry,
-    surroundings: &Surroundings,
+    images: &[Option<Image>],
     disc: &Disc,
     restored: &Restored,
 ) -> Option<[Moments; TENSIONS.len()]> {
-    let vertices = disc.vertices.iter();
-    let vertices: Vec<VertexId> = vertices
-        .map(|&v| surroundings.vertices[v as usize])
-        .collect();
-    let isometry = context.fitted(symmetry, &vertices[disc.ends[0]..], FITTED_DISC)?;
-    let there = vertices.iter().map(|&v| {
-        let sample = Sample::of_vertex(context.mesh, v)?;
-        context.counterpart(&isometry, &sample)
-    });
+    let images = disc.vertices.iter().map(|&v| images[v as usize]);
+    let images: Vec<Option<Image>> = images.collect();
+    let isometry = context.fitted_to_disc(symmetry, &images[disc.ends[0]..])?;
+    let there = images.iter();
+    let there = there.map(|image| context.counterpart_of(&isometry, image.as_ref()?));
     let there: Vec<Option<DVec3>> = there.collect();
     let known = there.iter().flatten().count() as f64 / there.len() as f64;
     if known < COVERED[0] {

@@ -46,7 +46,7 @@ pub use intersect::{
 pub(crate) use intersect::{canonical_vertices, pair_meets};
 pub use joined::joined;
 pub use loose::{LooseParts, loose_parts};
-pub use measures::{perimeter, rms_distance, vector_area, vertex_normal};
+pub use measures::{perimeter, rms_distance, vector_area, vertex_normal, vertex_normals};
 pub use neighbourhood::{Neighbourhood, NeighbourhoodSearch, faces_around};
 pub use selection::{
     connected_faces, face_flags, face_list, faces_in_ball, faces_near, grow, inner_vertices,
@@ -54,8 +54,8 @@ pub use selection::{
 };
 pub use soup::{FaceTag, Soup};
 pub use spatial::{
-    ClosestPoint, RayHit, TriangleBvh, bounds, boxes_overlap, closest_point_on_polygon,
-    closest_point_on_segment, closest_point_on_triangle,
+    ClosestPoint, RayHit, TriangleBvh, bounds, boxes_overlap, closest_point_from,
+    closest_point_on_polygon, closest_point_on_segment, closest_point_on_triangle,
 };
 pub use split::{Split, edge_diamond, split_all, split_faces};
 pub use submesh::Submesh;

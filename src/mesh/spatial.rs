@@ -3,7 +3,7 @@
 #[path = "ray.rs"]
 mod ray;
 
-use super::DVec3;
+use super::{DVec3, FaceId, Mesh};
 pub use ray::RayHit;
 
 /// Maximum number of triangles in a leaf. Smaller leaves need more memory, larger ones more tests.
@@ -270,6 +270,13 @@ const FLAT: f64 = 1e-20;
 /// The point of triangle `abc` nearest to `p`; triangles of zero area (segments, points) are
 /// allowed.
 pub fn closest_point_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
+    closest_on_triangle(p, [a, b, c]).0
+}
+
+/// [`closest_point_on_triangle`], and the nearer end of the edge on which the point lies, unless it is
+/// the projection of `p`.
+#[inline]
+fn closest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> (DVec3, Option<usize>) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let normal = ab.cross(ac);
     let area = normal.length_squared();
@@ -280,20 +287,54 @@ pub fn closest_point_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec
     let is_outside = [w < 0.0, u < 0.0, v < 0.0];
     let is_flat = area <= FLAT * ab.length_squared() * ac.length_squared();
     if !is_flat && !is_outside.contains(&true) {
-        return a + ab * (v / area) + ac * (w / area);
+        return (a + ab * (v / area) + ac * (w / area), None);
     }
     // the nearest point lies on an edge that has the projection on its outer side
-    let (mut nearest, mut least) = (a, f64::INFINITY);
-    for (is_outside, [from, to]) in is_outside.into_iter().zip([[a, b], [b, c], [c, a]]) {
+    let corners = [a, b, c];
+    let (mut nearest, mut least, mut edge) = (a, f64::INFINITY, [0, 1]);
+    for (is_outside, [from, to]) in is_outside.into_iter().zip([[0, 1], [1, 2], [2, 0]]) {
         if is_outside || is_flat {
-            let point = closest_point_on_segment(p, from, to);
+            let point = closest_point_on_segment(p, corners[from], corners[to]);
             let distance = point.distance_squared(p);
             if distance < least {
-                (nearest, least) = (point, distance);
+                (nearest, least, edge) = (point, distance, [from, to]);
             }
         }
     }
-    nearest
+    let [from, to] = edge.map(|k| nearest.distance_squared(corners[k]));
+    (nearest, Some(if to < from { edge[1] } else { edge[0] }))
+}
+
+/// The point of a mesh near to `query` to which a walk over its faces leads: from `start` to the nearest
+/// one of the faces around the nearest corner, as long as they are nearer. If `start` has the point nearest to
+/// a neighbour of `query`, this is the point of [`TriangleBvh::closest_point`], unless another part of the surface
+/// is nearer, or one of several faces inside a bend that are nearly as near.
+pub fn closest_point_from(mesh: &Mesh, start: FaceId, query: DVec3) -> ClosestPoint {
+    let topology = &mesh.topology;
+    let on = |face: FaceId| {
+        let (point, corner) = closest_on_triangle(query, mesh.corners(face));
+        (point.distance_squared(query), face, point, corner)
+    };
+    let mut best = on(start);
+    while let (_, face, _, Some(corner)) = best {
+        let corner = topology.face_vertices(face)[corner];
+        let around = topology.outgoing(corner).map(|h| topology.face(h));
+        for next in around.filter(|f| f.is_some()).map(on) {
+            let is_nearer = next.0 < best.0 || (next.0 == best.0 && next.1 < best.1);
+            if is_nearer {
+                best = next;
+            }
+        }
+        if best.1 == face {
+            break;
+        }
+    }
+    let (squared, face, point, _) = best;
+    ClosestPoint {
+        face: face.0,
+        point,
+        distance: squared.sqrt(),
+    }
 }
 
 /// The point of a closed polygon nearest to `p`.
@@ -322,6 +363,7 @@ pub fn closest_point_on_segment(p: DVec3, a: DVec3, b: DVec3) -> DVec3 {
 mod tests {
     use super::*;
     use crate::random::SplitMix;
+    use crate::shapes;
 
     fn random_point(rng: &mut SplitMix) -> DVec3 {
         DVec3::new(rng.unit(), rng.unit(), rng.unit()) * 2.0 - 1.0
@@ -362,6 +404,24 @@ mod tests {
             let hit = bvh.closest_point(q).expect("not empty");
             assert_eq!(hit.distance, brute);
             assert_eq!(hit.point.distance(q), brute);
+        }
+    }
+
+    #[test]
+    fn walks_lead_to_the_closest_point() {
+        let (positions, triangles) = shapes::sphere(800, 1);
+        let mesh = Mesh::from_triangles(positions, &triangles).expect("a sphere");
+        let bvh = TriangleBvh::new(&mesh.positions, &triangles);
+        let mut rng = SplitMix::new(5);
+        for _ in 0..300 {
+            // outside, where no other face is the nearest one around it
+            let query = (1.0 + 0.6 * rng.unit()) * random_point(&mut rng).normalize();
+            let nearest = bvh.closest_point(query).expect("not empty");
+            let start = bvh.closest_point(query + 0.5 * random_point(&mut rng));
+            let start = FaceId(start.expect("not empty").face);
+            let found = closest_point_from(&mesh, start, query);
+            assert!((found.distance - nearest.distance).abs() < 1e-14);
+            assert!(found.point.distance(nearest.point) < 1e-7);
         }
     }
 

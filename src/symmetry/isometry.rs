@@ -33,32 +33,28 @@ impl Isometry {
         self.matrix * p + self.shift
     }
 
-    /// The image of a unit normal, which points to the same side of the image of its surface.
-    pub fn turn(&self, normal: DVec3) -> DVec3 {
-        self.matrix * normal
-    }
-
     /// The point whose image is `p`.
     pub fn invert(&self, p: DVec3) -> DVec3 {
         self.matrix.transpose() * (p - self.shift)
     }
 
-    fn image(&self, sample: &Sample) -> Sample {
+    /// The image of a sample, whose normal points to the same side of the image of the surface.
+    pub fn image(&self, sample: &Sample) -> Sample {
         Sample {
             point: self.apply(sample.point),
-            normal: self.turn(sample.normal),
+            normal: self.matrix * sample.normal,
         }
     }
 
     /// This isometry after a motion that brings the images of `samples` nearer to a surface, of which
-    /// `nearest` gives points near to a sample. Only the `share` of the nearest pairs counts: parts of a
+    /// `nearest` gives points near to the image of a sample with its number. Only the `share` of the nearest pairs counts: parts of a
     /// surface that have no counterpart must not move the others. `None` if fewer than half have one.
     pub fn fitted(
         self,
         samples: &[Sample],
         share: f64,
         rounds: usize,
-        nearest: impl Fn(&Sample) -> Option<Sample>,
+        nearest: impl Fn(usize, &Sample) -> Option<Sample>,
     ) -> Option<Self> {
         let mut fit = self;
         for _ in 0..rounds {
@@ -76,7 +72,7 @@ impl Isometry {
         self,
         samples: &[Sample],
         share: f64,
-        nearest: impl Fn(&Sample) -> Option<Sample>,
+        nearest: impl Fn(usize, &Sample) -> Option<Sample>,
     ) -> Option<(Self, f64)> {
         let mut pairs = self.pairs(samples, nearest)?;
         pairs.truncate((share * pairs.len() as f64) as usize);
@@ -114,10 +110,10 @@ impl Isometry {
     fn pairs(
         &self,
         samples: &[Sample],
-        nearest: impl Fn(&Sample) -> Option<Sample>,
+        nearest: impl Fn(usize, &Sample) -> Option<Sample>,
     ) -> Option<Vec<(Sample, Sample)>> {
-        let images = samples.iter().map(|sample| self.image(sample));
-        let pairs = images.filter_map(|p| nearest(&p).map(|q| (p, q)));
+        let images = samples.iter().map(|sample| self.image(sample)).enumerate();
+        let pairs = images.filter_map(|(i, p)| nearest(i, &p).map(|q| (p, q)));
         let mut pairs: Vec<(Sample, Sample)> = pairs.collect();
         let distance = |(p, q): &(Sample, Sample)| p.point.distance_squared(q.point);
         pairs.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -129,7 +125,7 @@ impl Isometry {
     pub fn median(
         &self,
         samples: &[Sample],
-        nearest: impl Fn(&Sample) -> Option<Sample>,
+        nearest: impl Fn(usize, &Sample) -> Option<Sample>,
     ) -> Option<f64> {
         let pairs = self.pairs(samples, nearest)?;
         let distance = |(p, q): &(Sample, Sample)| (p.point - q.point).dot(q.normal).abs();

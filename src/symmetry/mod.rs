@@ -17,7 +17,7 @@ use nalgebra_sparse::na;
 use crate::mesh::{DVec3, Mesh};
 pub use isometry::Isometry;
 use target::Target;
-pub use target::{Sample, nearest_alike, nearest_inside, nearest_smooth};
+pub use target::{Sample, alike, inside, smooth};
 
 /// Largest median distance of the moved surface from itself, relative to its RMS radius, up to which
 /// an isometry counts as a symmetry. On scans (`real/`) those of the shapes have up to 0.016, others from
@@ -42,10 +42,10 @@ pub fn symmetries(mesh: &Mesh) -> Vec<Isometry> {
     let all = Target::coarse(mesh, TARGETS);
     let fit_once = |start: Isometry, stage: usize| {
         let moved = all.some(MOVED[stage]);
-        let fit = start.fitted(&moved, SHARE[stage], ROUNDS[stage], |sample| {
+        let fit = start.fitted(&moved, SHARE[stage], ROUNDS[stage], |_, sample| {
             all.nearest(sample)
         })?;
-        let distance = fit.median(&moved, |sample| all.nearest(sample))?;
+        let distance = fit.median(&moved, |_, sample| all.nearest(sample))?;
         (distance <= TOLERANCE[stage] * inertia.radius).then_some((fit, distance))
     };
     let starts = (1..8u8).map(|signs| {
@@ -86,7 +86,7 @@ impl Inertia {
     /// By the centroids of the faces, weighted by area. `None` for a surface without area.
     fn new(mesh: &Mesh) -> Option<Self> {
         let faces = mesh.topology.faces().map(|f| {
-            let [a, b, c] = mesh.topology.face_vertices(f).map(|v| mesh.position(v));
+            let [a, b, c] = mesh.corners(f);
             ((a + b + c) / 3.0, (b - a).cross(c - a).length())
         });
         let (sum, area) = faces

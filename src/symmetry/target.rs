@@ -1,7 +1,8 @@
 //! The surface to which an isometry is fitted.
 
 use crate::mesh::{
-    DVec3, FaceId, Mesh, TriangleBvh, VertexId, closest_point_on_segment, vertex_normal,
+    ClosestPoint, DVec3, FaceId, Mesh, TriangleBvh, VertexId, closest_point_on_segment,
+    vertex_normal,
 };
 
 /// A point of a surface with its unit normal.
@@ -63,18 +64,12 @@ impl Target {
     }
 }
 
-/// The point of a mesh nearest to a point, with the normal of its face. `None` if it lies on a boundary,
+/// The point found to be nearest to some point, with the normal of its face. `None` if it lies on a boundary,
 /// where the surface ends before the true nearest point.
-pub fn nearest_inside(mesh: &Mesh, bvh: &TriangleBvh, to: DVec3) -> Option<Sample> {
-    nearest_on_face(mesh, bvh, to).map(|found| found.1)
-}
-
-/// [`nearest_inside`] with the face.
-fn nearest_on_face(mesh: &Mesh, bvh: &TriangleBvh, to: DVec3) -> Option<(FaceId, Sample)> {
-    let found = bvh.closest_point(to)?;
-    let face = FaceId(found.face);
+pub fn inside(mesh: &Mesh, found: &ClosestPoint) -> Option<Sample> {
     let topology = &mesh.topology;
-    let [a, b, c] = topology.face_vertices(face).map(|v| mesh.position(v));
+    let face = FaceId(found.face);
+    let [a, b, c] = mesh.corners(face);
     let is_outside = topology.face_halfedges(face).into_iter().any(|h| {
         topology.is_boundary_edge(h) && {
             let [a, b] = [topology.origin(h), topology.target(h)].map(|v| mesh.position(v));
@@ -84,36 +79,42 @@ fn nearest_on_face(mesh: &Mesh, bvh: &TriangleBvh, to: DVec3) -> Option<(FaceId,
     });
     let normal = (b - a).cross(c - a).try_normalize()?;
     let point = found.point;
-    (!is_outside).then_some((face, Sample { point, normal }))
+    (!is_outside).then_some(Sample { point, normal })
 }
 
-/// [`nearest_inside`] of a sample, if the normals are similar.
-pub fn nearest_alike(mesh: &Mesh, bvh: &TriangleBvh, to: &Sample) -> Option<Sample> {
-    nearest_inside(mesh, bvh, to.point).filter(|found| found.normal.dot(to.normal) >= LEAST_COSINE)
+/// [`inside`] for the point nearest to a sample, if the normals are similar.
+pub fn alike(mesh: &Mesh, found: &ClosestPoint, to: &Sample) -> Option<Sample> {
+    inside(mesh, found).filter(|found| found.normal.dot(to.normal) >= LEAST_COSINE)
 }
 
-/// [`nearest_alike`], moved from its triangle onto a smooth surface through the vertices.
-pub fn nearest_smooth(mesh: &Mesh, bvh: &TriangleBvh, to: &Sample) -> Option<DVec3> {
-    let (face, found) = nearest_on_face(mesh, bvh, to.point)?;
-    (found.normal.dot(to.normal) >= LEAST_COSINE).then(|| smooth(mesh, face, &found))
+/// [`alike`], moved from its triangle onto a smooth surface through the vertices, whose unit normals are given; 0
+/// for none.
+pub fn smooth(mesh: &Mesh, normals: &[DVec3], found: &ClosestPoint, to: &Sample) -> Option<DVec3> {
+    let sample = alike(mesh, found, to)?;
+    Some(on_tangent_planes(
+        mesh,
+        normals,
+        FaceId(found.face),
+        &sample,
+    ))
 }
 
 /// A point of a face moved to the middle between it and the mean of its projections onto the tangent planes at
 /// the corners, weighted by its barycentric coordinates (Boubekeur and Alexa, Phong tessellation, 2008, with
 /// half of the displacement). A quadratic surface whose normals are exact is restored exactly. At sharp edges,
 /// whose vertices have no tangent plane, the point stays.
-fn smooth(mesh: &Mesh, face: FaceId, at: &Sample) -> DVec3 {
+fn on_tangent_planes(mesh: &Mesh, normals: &[DVec3], face: FaceId, at: &Sample) -> DVec3 {
     let vertices = mesh.topology.face_vertices(face);
-    let [a, b, c] = vertices.map(|v| mesh.position(v));
+    let [a, b, c] = mesh.corners(face);
     let part = |from: DVec3, to: DVec3| (from - at.point).cross(to - at.point).dot(at.normal);
     let parts = [part(b, c), part(c, a), part(a, b)];
     let area: f64 = parts.iter().sum();
     let mut shift = DVec3::ZERO;
     for (v, part) in vertices.into_iter().zip(parts) {
-        let normal = vertex_normal(&mesh.topology, v, |v| mesh.position(v));
-        let Some(normal) = normal.filter(|n| n.dot(at.normal) >= LEAST_TANGENT_COSINE) else {
+        let normal = normals[v.index()];
+        if normal.dot(at.normal) < LEAST_TANGENT_COSINE {
             return at.point;
-        };
+        }
         shift += part / area * (mesh.position(v) - at.point).dot(normal) * normal;
     }
     at.point + 0.5 * shift

@@ -3,6 +3,7 @@
 use glam::DQuat;
 
 use super::*;
+use crate::mesh::vertex_normals;
 use crate::shapes;
 
 /// A bumpy body, symmetric to the plane x = 0 only if `symmetric`, after a motion.
@@ -65,17 +66,17 @@ fn a_fit_restores_a_motion_exactly() {
     let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.01, -0.02, 0.015)));
     let start = Isometry::about(DVec3::new(2.5, -2.0, 7.5), turn);
     let samples = all.some(300);
-    let fit = start.fitted(&samples, 0.7, 30, |sample| all.nearest(sample));
+    let fit = start.fitted(&samples, 0.7, 30, |_, sample| all.nearest(sample));
     let fit = fit.expect("pairs");
     // the identity is the only symmetry
     for sample in &samples {
         assert!(fit.apply(sample.point).distance(sample.point) < 1e-4);
         assert!(start.apply(sample.point).distance(sample.point) > 1e-3);
     }
-    let distance = fit.median(&samples, |sample| all.nearest(sample));
+    let distance = fit.median(&samples, |_, sample| all.nearest(sample));
     assert!(distance.expect("pairs") < 1e-5);
     // nothing is near
-    assert_eq!(start.fitted(&samples, 0.7, 30, |_| None), None);
+    assert_eq!(start.fitted(&samples, 0.7, 30, |_, _| None), None);
 }
 
 #[test]
@@ -86,7 +87,7 @@ fn beyond_a_boundary_nothing_is_nearest() {
     let bvh = crate::mesh::TriangleBvh::new(&mesh.positions, &triangles);
     let look = |x: f64, y: f64, normal: DVec3| {
         let point = DVec3::new(x, y, 0.3);
-        nearest_alike(&mesh, &bvh, &Sample { point, normal }).map(|found| found.point)
+        alike(&mesh, &bvh.closest_point(point)?, &Sample { point, normal }).map(|found| found.point)
     };
     assert_eq!(look(0.5, 0.25, DVec3::Z), Some(DVec3::new(0.5, 0.25, 0.0)));
     // on the edge between the triangles, beyond the rim, on the other side
@@ -100,7 +101,8 @@ fn a_smooth_surface_is_nearer_to_a_sphere_than_its_triangles_and_keeps_sharp_edg
     let (positions, triangles) = shapes::icosphere(12);
     let mesh = Mesh::from_triangles(positions, &triangles).expect("a sphere");
     let bvh = crate::mesh::TriangleBvh::new(&mesh.positions, &triangles);
-    let (mut flat, mut smooth) = (0.0f64, 0.0f64);
+    let normals = vertex_normals(&mesh);
+    let (mut flat, mut rounded) = (0.0f64, 0.0f64);
     for k in 0..200 {
         let k = f64::from(k);
         let normal = DVec3::new(k.sin(), (1.7 * k).cos(), (0.3 * k).sin()).normalize();
@@ -109,15 +111,16 @@ fn a_smooth_surface_is_nearer_to_a_sphere_than_its_triangles_and_keeps_sharp_edg
             normal,
         };
         let distance = |p: DVec3| (p.length() - 1.0).abs();
+        let found = bvh.closest_point(sample.point).expect("a face");
         flat = flat.max(distance(
-            nearest_alike(&mesh, &bvh, &sample).expect("inside").point,
+            alike(&mesh, &found, &sample).expect("inside").point,
         ));
-        smooth = smooth.max(distance(
-            nearest_smooth(&mesh, &bvh, &sample).expect("inside"),
+        rounded = rounded.max(distance(
+            smooth(&mesh, &normals, &found, &sample).expect("inside"),
         ));
     }
     // measured: 2.3e-3 and 3.3e-5
-    assert!(smooth < 0.05 * flat, "{flat:e} {smooth:e}");
+    assert!(rounded < 0.05 * flat, "{flat:e} {rounded:e}");
     // two squares that meet at a right angle
     let corners = [
         DVec3::ZERO,
@@ -134,8 +137,9 @@ fn a_smooth_surface_is_nearer_to_a_sphere_than_its_triangles_and_keeps_sharp_edg
         point: DVec3::new(0.4, 0.3, 0.1),
         normal: DVec3::Z,
     };
+    let found = bvh.closest_point(above.point).expect("a face");
     assert_eq!(
-        nearest_smooth(&mesh, &bvh, &above),
+        smooth(&mesh, &vertex_normals(&mesh), &found, &above),
         Some(DVec3::new(0.4, 0.3, 0.0))
     );
 }
