@@ -15,6 +15,8 @@ use crate::symmetry::Isometry;
 const NEAR: usize = 6;
 /// Most pseudo-holes of a hole on which a symmetry is tried.
 const DISCS: usize = 16;
+/// Number of pseudo-holes after which it is looked whether the rest can change the outcome.
+const AT_ONCE: usize = 4;
 /// Least share of the vertices in a hole that have a counterpart. With 0.3 the geometric mean of the ratios on
 /// `real/` is 0.72 instead of 0.75, but one fill, of a hole of which a quarter has no counterpart, has twice
 /// the error.
@@ -117,13 +119,21 @@ impl SymmetricErrors {
                 return None;
             }
             let discs = &surroundings.discs[..surroundings.discs.len().min(DISCS)];
-            if restored.len() < discs.len() {
+            let count = discs.len();
+            if restored.len() < count {
                 restored.extend(Restored::all(surroundings, &discs[restored.len()..]));
             }
             let images = context.images(&isometry, surroundings, discs);
-            let pairs = discs.par_iter().zip(&restored);
-            let of_pair = |(disc, restored)| moments(context, &isometry, &images, disc, restored);
-            let found: Vec<_> = pairs.map(of_pair).collect();
+            let mut found = Vec::new();
+            for (discs, restored) in discs.chunks(AT_ONCE).zip(restored.chunks(AT_ONCE)) {
+                let pairs = discs.par_iter().zip(restored);
+                let of_pair =
+                    |(disc, restored)| moments(context, &isometry, &images, disc, restored);
+                found.par_extend(pairs.map(of_pair));
+                if is_hopeless(&found, count - found.len()) {
+                    return None;
+                }
+            }
             Self::on(&found, isometry, [distance, covered])
         });
         let least = |one: &Self| {
@@ -200,6 +210,20 @@ impl SymmetricErrors {
     }
 }
 
+/// Whether a counterpart is not worth while with any tension, whatever `left` more pseudo-holes say.
+fn is_hopeless(found: &[Option<[Moments; TENSIONS.len()]>], left: usize) -> bool {
+    let some = found.iter().flatten();
+    if 3 * (some.clone().count() + left) < found.len() + left {
+        return true;
+    }
+    let comparable = || some.clone().filter(|one| one[0].is_comparable());
+    let is_lost = |k: usize| {
+        let gains = comparable().filter(|one| one[k].gains()).count() + left;
+        (gains as f64) < MAJORITY * (comparable().count() + left) as f64
+    };
+    (0..TENSIONS.len()).all(is_lost)
+}
+
 /// Errors of a pseudo-hole by [`TENSIONS`], relative to its radius, where it has a counterpart. The
 /// symmetry is fitted to its surroundings, whose `images` are those under the symmetry. `None` if too much of the counterpart is missing.
 fn moments(
@@ -242,6 +266,38 @@ fn moments(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_outcome_is_known_early_only_if_no_further_pseudo_hole_can_change_it() {
+        let of = |su: f64, known: f64| {
+            let moments = Moments {
+                ss: 1.0,
+                su,
+                uu: 1.0,
+                known,
+            };
+            Some([moments; TENSIONS.len()])
+        };
+        let [gain, loss, unclear] = [of(-0.9, 1.0), of(0.0, 1.0), of(0.0, 0.5)];
+        // every outcome of `left` more pseudo-holes
+        let can_gain = |found: &[Option<[Moments; TENSIONS.len()]>], left: usize| {
+            (0..4usize.pow(left as u32)).any(|code| {
+                let kinds = [gain, loss, unclear, None];
+                let more = (0..left as u32).map(|digit| kinds[code / 4usize.pow(digit) % 4]);
+                let all: Vec<_> = found.iter().copied().chain(more).collect();
+                let isometry = Isometry::about(DVec3::ZERO, glam::DMat3::IDENTITY);
+                let errors = SymmetricErrors::on(&all, isometry, [0.0, 1.0]);
+                errors.is_some_and(|errors| errors.gaining[0] >= MAJORITY)
+            })
+        };
+        for code in 0..256 {
+            let kinds = [gain, loss, unclear, None];
+            let found: Vec<_> = (0..4).map(|digit| kinds[code >> (2 * digit) & 3]).collect();
+            for left in 0..4 {
+                assert_eq!(is_hopeless(&found, left), !can_gain(&found, left));
+            }
+        }
+    }
 
     #[test]
     fn the_share_has_the_least_error() {
