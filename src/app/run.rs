@@ -297,7 +297,7 @@ impl Run {
         if !matches!(self.operation, Operation::Fill(_)) {
             return None;
         }
-        // a hole in two parts, with a crease between them, ends as the worse of them
+        // a hole in parts, with creases between them, ends as the worst of them
         let mut ends: BTreeMap<LoopId, usize> = BTreeMap::new();
         for row in self.sides.first()?.handle.figures(None) {
             let kind = match row.end? {

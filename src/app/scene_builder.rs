@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::cached::{Cached, SharedKey};
 use super::model::Model;
 use crate::app::view_state::Task;
-use crate::fill::{Features, crease_through, with_islands};
+use crate::fill::{Features, creases_through, with_islands};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, boundary_loops};
 use crate::ops::Operation;
 use crate::render::{Grid, LineStyle, Marker, Overlay, Polyline, Scene, rim_points};
@@ -187,8 +187,12 @@ fn continued_edges(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overla
     };
     Some(cache.creases.get(key, || {
         let holes = ids.iter().filter_map(|&id| model.shown_loop(id));
-        let curve = |hole: &BoundaryLoop| Some((hole.id, crease_through(mesh, hole, density)?));
-        let mut curves: Vec<(LoopId, Vec<DVec3>)> = holes.filter_map(curve).collect();
+        let curves_of = |hole: &BoundaryLoop| {
+            let curves = creases_through(mesh, hole, density).into_iter();
+            let id = hole.id;
+            curves.map(move |curve| (id, curve))
+        };
+        let mut curves: Vec<(LoopId, Vec<DVec3>)> = holes.flat_map(curves_of).collect();
         if islands && !curves.is_empty() {
             // a hole with islands gets one patch without a crease
             let loops = boundary_loops(mesh);

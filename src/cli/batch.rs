@@ -292,7 +292,7 @@ fn row(file: &str, report: Option<&FillReport>) -> [String; 6] {
     let Some(report) = report else {
         return [file, "failed", "-", "-", "-", "-"].map(String::from);
     };
-    let filled = report.holes.len();
+    let filled = report.totals.holes;
     let warnings: usize = report.holes.iter().map(|h| h.warnings.iter().count()).sum();
     let expected = report.expected_error();
     [

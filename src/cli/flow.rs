@@ -368,7 +368,7 @@ impl Written {
 /// The error if a chosen hole was not filled.
 fn failures(report: &FillReport, filled: &Filled, output: &Path) -> Result<()> {
     if let Some(first) = report.failed.first() {
-        let (failed, filled) = (report.failed.len(), report.holes.len());
+        let (failed, filled) = (report.failed.len(), report.totals.holes);
         if filled == 0 {
             bail!("no hole could be filled. First error: {}", first.reason);
         }

@@ -1,5 +1,7 @@
 //! The JSON report of a fill.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::fill::{Candidate, Filled, GroupSurface, Timings};
@@ -60,6 +62,9 @@ pub struct HoleReport {
     /// The loop.
     #[serde(rename = "loop")]
     pub id: LoopId,
+    /// Number of the part, from 1, of a hole that creases divide; each part has its own entry.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<usize>,
     /// All loops that its patch joins.
     pub loops: Vec<LoopId>,
     /// Edges of the rims.
@@ -168,7 +173,7 @@ pub struct SkippedLoop {
 /// Sums over all holes.
 #[derive(Debug, Serialize)]
 pub struct Totals {
-    /// Holes filled.
+    /// Holes filled; one that creases divide counts once.
     pub holes: usize,
     /// New vertices.
     pub vertices_added: usize,
@@ -198,12 +203,22 @@ pub struct TotalTimings {
 
 /// Reports of all filled holes, in order.
 pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
+    let mut parts: BTreeMap<LoopId, usize> = BTreeMap::new();
+    for hole in &filled.holes {
+        *parts.entry(hole.id()).or_default() += 1;
+    }
+    parts.retain(|_, count| *count > 1);
+    parts.values_mut().for_each(|count| *count = 0);
     filled
         .holes
         .iter()
         .map(|hole| {
             let mut report = HoleReport {
                 id: hole.id(),
+                part: parts.get_mut(&hole.id()).map(|number| {
+                    *number += 1;
+                    *number
+                }),
                 loops: hole.loops.clone(),
                 edges: hole.edges,
                 radius: hole.radius,
@@ -266,7 +281,10 @@ pub fn totals(filled: &Filled, holes: &[HoleReport]) -> Totals {
         stages.soundness += group.timings.soundness;
     }
     Totals {
-        holes: holes.len(),
+        holes: holes
+            .iter()
+            .filter(|hole| hole.part.is_none_or(|p| p == 1))
+            .count(),
         vertices_added: filled.vertices_added(),
         faces_added: filled.faces_added(),
         vertices: filled.mesh.vertex_count(),

@@ -1,6 +1,5 @@
 //! Holes with their rims and first patches.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use crate::fill::patch_topology::HoleTopology;
@@ -19,8 +18,8 @@ pub(crate) struct HoleRims {
     pub vertices: Vec<VertexId>,
     pub geometry: RimGeometry,
     /// The vertices of the patch along which it ends in a crease though its rim is smooth: those of
-    /// the curve along which a hole is split. Mostly none.
-    pub crease: Range<usize>,
+    /// the curves along which a hole is split. Mostly none.
+    pub crease: Vec<usize>,
 }
 
 impl HoleRims {
@@ -34,7 +33,7 @@ impl HoleRims {
             vertices: loops.iter().flat_map(|l| l.vertices.clone()).collect(),
             loops,
             geometry,
-            crease: 0..0,
+            crease: Vec::new(),
         }
     }
 

@@ -27,6 +27,7 @@ mod hole;
 mod islands;
 mod noise;
 mod options;
+mod part;
 mod partial;
 mod patch_topology;
 mod plan;
@@ -52,7 +53,7 @@ mod warm_start;
 
 pub use bridge::{BridgeError, RimSegment, bridge, bridge_strip, bridge_warning, segment_at};
 pub use controls::{Controls, ControlsError, Linear, LoopLimits};
-pub use features::crease_through;
+pub use features::creases_through;
 pub use islands::{rim_sets, with_islands};
 pub use options::{Continuity, Features, FillOptions, PatchTexture, Surface, Symmetry};
 pub use partial::{PartialError, fill_part};

@@ -63,10 +63,11 @@ pub enum Symmetry {
 
 choices!(Symmetry: Auto "auto", Off "off");
 
-/// Whether sharp edges that end at a hole on both sides continue through it.
+/// Whether the sharp lines that end at a hole continue through it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Features {
-    /// Where two lines of sharp edges lead to each other and no other sharp edge ends at the hole.
+    /// Where they lead to a common corner or in pairs to each other, and no other sharp edge ends at the
+    /// hole.
     #[default]
     Auto,
     /// Never.

@@ -4,14 +4,14 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::fill::hermite::{RimFrame, hermite_between, length, pieces};
-use crate::fill::hole::{DraftHole, HoleRims};
+use crate::fill::hole::DraftHole;
 use crate::fill::options::FillOptions;
+use crate::fill::part::{Corner, NewVertices, rims_of_part, with_vertices};
 use crate::fill::plan::Plan;
 use crate::fill::result::{FillError, Filled, milliseconds};
-use crate::fill::rim::rim_of;
 use crate::fill::run::{Observer, run_plan};
-use crate::mesh::{BoundaryLoop, DVec3, Mesh, Topology, TopologyError, VertexId, rms_distance};
-use crate::patch::{self, Rim, RimGeometry};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh};
+use crate::patch;
 
 /// Why part of a hole cannot be filled.
 #[derive(Debug, thiserror::Error)]
@@ -53,20 +53,16 @@ pub fn fill_part(
     if edges < 2 {
         return Err(PartialError::TooShort { edges });
     }
+    let mut new = NewVertices::default();
     let chord = chord(mesh, hole, from, to, options.patch.density);
-    let along: Vec<usize> = (0..edges).map(|k| (from + k) % n).collect();
-    let rim = part_of_rim(mesh, hole, &along, to, &chord);
-    let ends = [to, from].map(|i| hole.vertices[i]);
-    let longer = with_vertices(mesh, &[(&chord, ends)]).map_err(FillError::from)?;
-    let new = (mesh.vertex_count()..longer.vertex_count()).map(VertexId::from);
-    let part = part_of_loop(hole, &along, to, &rim, &new.collect::<Vec<_>>());
-    let patch = patch::fill(&rim, options.patch);
+    let chord = new.add_curve(&chord, [to, from].map(|i| hole.vertices[i]), 1.0);
+    let along = (0..=edges).map(|k| Corner::Rim((from + k) % n));
+    let corners: Vec<Corner> = along.chain(chord).collect();
+    let rims = rims_of_part(mesh, hole, &corners, &new.points, mesh.vertex_count());
+    let longer = with_vertices(mesh, &[&new]).map_err(FillError::from)?;
     let draft = DraftHole {
-        rims: Arc::new(HoleRims::with_geometry(
-            vec![part],
-            RimGeometry::single(rim),
-        )),
-        patch,
+        patch: patch::fill(&rims.geometry.rims[0], options.patch),
+        rims: Arc::new(rims),
         has_initial_shape: false,
         patch_ms: milliseconds(start),
     };
@@ -93,80 +89,6 @@ fn chord(mesh: &Mesh, hole: &BoundaryLoop, from: usize, to: usize, density: f64)
     // at least one vertex, so that no edge occurs twice
     let count = pieces(length(&curve), size, 2);
     (1..count).map(|i| curve(i as f64 / count as f64)).collect()
-}
-
-/// The rim of the part: that of the hole from `along` to `to`, then the chord, which has no faces.
-pub(super) fn part_of_rim(
-    mesh: &Mesh,
-    hole: &BoundaryLoop,
-    along: &[usize],
-    to: usize,
-    chord: &[DVec3],
-) -> Rim {
-    let whole = rim_of(mesh, hole);
-    let mut points: Vec<DVec3> = along.iter().map(|&i| whole.points[i]).collect();
-    let mut opposite: Vec<DVec3> = along.iter().map(|&i| whole.opposite[i]).collect();
-    points.push(whole.points[to]);
-    points.extend_from_slice(chord);
-    // on the edge: a degenerate face has no influence
-    opposite.extend_from_slice(&points[along.len()..]);
-    let mut place = vec![u32::MAX; whole.points.len()];
-    for (k, &i) in along.iter().chain([&to]).enumerate() {
-        place[i] = k as u32;
-    }
-    let forbidden = whole
-        .forbidden
-        .iter()
-        .map(|pair| pair.map(|i| place[i as usize]))
-        .filter(|pair| !pair.contains(&u32::MAX))
-        .map(|[i, j]| [i.min(j), i.max(j)])
-        .collect();
-    Rim {
-        points,
-        opposite,
-        forbidden,
-    }
-}
-
-/// The part as a loop: its vertices with those of the chord, and the half-edges it has.
-pub(super) fn part_of_loop(
-    hole: &BoundaryLoop,
-    along: &[usize],
-    to: usize,
-    rim: &Rim,
-    chord: &[VertexId],
-) -> BoundaryLoop {
-    let mut vertices: Vec<VertexId> = along.iter().map(|&i| hole.vertices[i]).collect();
-    vertices.push(hole.vertices[to]);
-    vertices.extend_from_slice(chord);
-    let centroid = rim.points.iter().sum::<DVec3>() / rim.points.len() as f64;
-    BoundaryLoop {
-        halfedges: along.iter().map(|&i| hole.halfedges[i]).collect(),
-        vertices,
-        centroid,
-        radius: rms_distance(rim.points.iter().copied(), centroid),
-        ..hole.clone()
-    }
-}
-
-/// The mesh with additional vertices along curves that join two of its own, which have no faces yet.
-pub(super) fn with_vertices(
-    mesh: &Mesh,
-    curves: &[(&[DVec3], [VertexId; 2])],
-) -> Result<Mesh, TopologyError> {
-    let mut longer = mesh.clone();
-    let mut between = Vec::new();
-    for &(new, ends) in curves {
-        longer.positions.extend_from_slice(new);
-        let ratio = |i: usize| (i + 1) as f64 / (new.len() + 1) as f64;
-        between.extend((0..new.len()).map(|i| (ends, ratio(i))));
-    }
-    longer
-        .attributes
-        .append_vertices(mesh.vertex_count(), &between);
-    let faces: Vec<[u32; 3]> = mesh.topology.triangles().collect();
-    longer.topology = Topology::from_triangles(longer.positions.len(), &faces)?;
-    Ok(longer)
 }
 
 #[cfg(test)]

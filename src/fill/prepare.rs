@@ -11,7 +11,7 @@ use crate::fill::crack::with_joined_cracks;
 use crate::fill::features::{self, SplitHole};
 use crate::fill::hole::{DraftHole, HoleRims};
 use crate::fill::options::{Features, FillOptions};
-use crate::fill::partial::with_vertices;
+use crate::fill::part::{NewVertices, with_vertices};
 use crate::fill::plan::Plan;
 use crate::fill::region;
 use crate::fill::result::milliseconds;
@@ -30,7 +30,7 @@ pub(super) struct Prepared {
 }
 
 /// Builds first patches (in parallel) and groups the holes whose support regions meet. A hole through
-/// which a sharp edge continues gets two patches, and the two sides of a crack get one.
+/// which sharp lines continue gets a patch for each part, and the two sides of a crack get one.
 pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOptions) -> Prepared {
     let rim_sets = with_joined_cracks(mesh, rim_sets);
     let draft = |rims: HoleRims| {
@@ -48,12 +48,15 @@ pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOption
         }
         _ => None,
     };
-    let mut splits: Vec<Option<SplitHole>> = rim_sets.par_iter().map(split).collect();
-    let longer = number(mesh, &mut splits);
-    let drafts = rim_sets.par_iter().zip(splits);
-    let drafts = drafts.flat_map_iter(|(rims, split)| match split {
-        Some(split) => split.parts.map(&draft).to_vec(),
-        None => vec![draft(HoleRims::new(mesh, rims))],
+    let splits: Vec<Option<SplitHole>> = rim_sets.par_iter().map(split).collect();
+    let (longer, firsts) = with_creases(mesh, &splits);
+    let drafts = rim_sets.par_iter().zip(splits).zip(firsts);
+    let drafts = drafts.flat_map_iter(|((rims, split), first)| {
+        let rims = match split {
+            Some(split) if longer.is_some() => split.parts(mesh, rims[0], first),
+            _ => vec![HoleRims::new(mesh, rims)],
+        };
+        rims.into_iter().map(&draft).collect::<Vec<_>>()
     });
     let mut drafts: Vec<DraftHole> = drafts.collect();
     let mesh = longer.as_ref().unwrap_or(mesh);
@@ -66,25 +69,20 @@ pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOption
     }
 }
 
-/// The mesh with the new vertices of split holes, which it numbers. `None` if there are none.
-fn number(mesh: &Mesh, splits: &mut [Option<SplitHole>]) -> Option<Mesh> {
-    let curves: Vec<_> = (splits.iter().flatten())
-        .map(|split| (&split.chord[..], split.ends))
-        .collect();
-    if curves.is_empty() {
-        return None;
-    }
-    let Ok(longer) = with_vertices(mesh, &curves) else {
-        // vertices without faces do not change a manifold
-        splits.fill_with(|| None);
-        return None;
-    };
-    let mut first = mesh.vertex_count();
-    for split in splits.iter_mut().flatten() {
-        split.number(first);
-        first += split.chord.len();
-    }
-    Some(longer)
+/// The mesh with the new vertices of split holes, and the number of the first one of each. `None` if
+/// there are none.
+fn with_creases(mesh: &Mesh, splits: &[Option<SplitHole>]) -> (Option<Mesh>, Vec<usize>) {
+    let mut next = mesh.vertex_count();
+    let firsts = splits.iter().map(|split| {
+        let count = split.as_ref().map_or(0, |split| split.new.points.len());
+        next += count;
+        next - count
+    });
+    let firsts = firsts.collect();
+    let new: Vec<&NewVertices> = splits.iter().flatten().map(|split| &split.new).collect();
+    // vertices without faces do not change a manifold
+    let longer = (!new.is_empty()).then(|| with_vertices(mesh, &new).ok());
+    (longer.flatten(), firsts)
 }
 
 /// The problem from which the flow of a single hole starts: its patch and support region at the

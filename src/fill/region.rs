@@ -198,7 +198,7 @@ impl<'a> Region<'a> {
         let mut creased: Vec<bool> = rim
             .flat_map(|l| std::iter::repeat_n(is_creased(l), l.vertices.len()))
             .collect();
-        creased[rims.crease.clone()].fill(true);
+        rims.crease.iter().for_each(|&v| creased[v] = true);
         let mut copies: Vec<Option<u32>> = vec![None; creased.len()];
         for t in &topology.triangles {
             let t = t.map(|v| {

@@ -261,8 +261,8 @@ fn patch_ui(
     choice(ui, "At the rim", &mut next.continuity, choices);
     let mut continues = next.features == Features::Auto;
     let sharp = egui::Checkbox::new(&mut continues, "Continue sharp edges");
-    let tip = "where the sharp edges that end at a hole on both sides lead to each other, the patch gets \
-               a crease between them";
+    let tip = "where the sharp edges that end at a hole lead to each other or to a corner, the patch gets \
+               creases between them";
     ui.add_enabled(model.run.is_none(), sharp)
         .on_hover_text(tip);
     next.features = if continues {

@@ -46,8 +46,8 @@ options! {
         /// Whether `auto` may fill holes after their counterparts under an approximate symmetry of the
         /// mesh: `auto` where prediction expects less error, `off` never.
         symmetry: Symmetry = Symmetry::default(),
-        /// Whether the sharp edges that end at a hole on both sides continue through it: `auto` where
-        /// two lines of them lead to each other, `off` never.
+        /// Whether the sharp lines that end at a hole continue through it: `auto` where they lead to a
+        /// common corner or in pairs to each other, `off` never.
         features: Features = Features::default(),
         /// Method: `normal` is the fast linearly implicit normal flow, `mixed` the paper's mixed
         /// finite elements, `mixed-corrected` the same matrix with the exact gradient.
