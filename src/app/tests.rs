@@ -418,7 +418,7 @@ fn pause_step_scrub_and_replay() {
     let settle = |m: &mut Model| {
         let mut last = 0;
         loop {
-            for _ in 0..20 {
+            for _ in 0..250 {
                 tick(m, Instant::now());
                 std::thread::sleep(Duration::from_millis(2));
             }
@@ -580,7 +580,8 @@ fn compared_energies_keep_their_own_parameters_when_a_control_is_changed() {
     );
     act(&mut m, RunAction::Start);
     until(&mut m, |m| {
-        m.run.as_ref().is_some_and(|r| r.state_count() > 2)
+        let sides = m.run.as_ref().map(|run| &run.sides);
+        sides.is_some_and(|sides| sides.iter().all(|side| side.state_count() > 2))
     });
     let mut controls = m.document.controls.clone();
     controls.relaxation = 0.5;
