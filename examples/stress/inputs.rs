@@ -83,7 +83,7 @@ pub fn noisy_body(vertices: usize, rng: &mut SplitMix) -> (TriangleMesh, f64) {
 
 fn body(vertices: usize, rng: &mut SplitMix) -> TriangleMesh {
     let (seed, cells) = (rng.next_u64(), (vertices as f64).sqrt().round() as usize);
-    match rng.below(6) {
+    match rng.below(7) {
         0 | 1 => shapes::sphere(vertices, seed),
         2 => {
             let axes = [0; 3].map(|_| rng.range(0.4, 1.2));
@@ -93,6 +93,13 @@ fn body(vertices: usize, rng: &mut SplitMix) -> TriangleMesh {
         4 => {
             let (a, k) = (rng.range(0.0, 0.3), rng.range(1.0, 6.0));
             shapes::graph(2.0, cells, |x, y| a * (k * x).sin() * (k * y).cos(), seed)
+        }
+        5 => {
+            let across = (vertices as f64 / 6.0).sqrt().round() as usize;
+            let (mut positions, triangles) = shapes::cube(across);
+            let turn = glam::DQuat::from_rotation_arc(DVec3::Z, rng.direction());
+            positions.iter_mut().for_each(|p| *p = turn * *p);
+            (positions, triangles)
         }
         _ => {
             let slope = rng.range(0.5, 3.0);

@@ -41,20 +41,34 @@ impl NewVertices {
     }
 }
 
-/// The rim of a part with these corners, in the loop's direction. The edges along the rim of the hole
-/// keep their faces; the others have none. `first` is the number in the mesh of the first new vertex.
+/// For each corner of a part the edge of the hole's rim that begins there, by its index, if the part has
+/// that edge and it is not one of those `without` faces.
+pub(super) fn rim_edges(
+    hole: &BoundaryLoop,
+    corners: &[Corner],
+    without: &[usize],
+) -> Vec<Option<usize>> {
+    let rim_edge = |k: usize| match [corners[k], corners[(k + 1) % corners.len()]] {
+        [Corner::Rim(i), Corner::Rim(j)] if j == (i + 1) % hole.edges() => {
+            (!without.contains(&i)).then_some(i)
+        }
+        _ => None,
+    };
+    (0..corners.len()).map(rim_edge).collect()
+}
+
+/// The rim of a part with these corners and [edges](rim_edges), in the loop's direction. The edges along
+/// the rim of the hole keep their faces; the others have none. `first` is the number in the mesh of the
+/// first new vertex.
 pub(super) fn rims_of_part(
     mesh: &Mesh,
     hole: &BoundaryLoop,
     corners: &[Corner],
+    edges: &[Option<usize>],
     new: &[DVec3],
     first: usize,
 ) -> HoleRims {
     let whole = rim_of(mesh, hole);
-    let rim_edge = |k: usize| match [corners[k], corners[(k + 1) % corners.len()]] {
-        [Corner::Rim(i), Corner::Rim(j)] if j == (i + 1) % hole.edges() => Some(i),
-        _ => None,
-    };
     let point = |&corner: &Corner| match corner {
         Corner::Rim(i) => whole.points[i],
         Corner::New(i) => new[i],
@@ -64,8 +78,7 @@ pub(super) fn rims_of_part(
         Corner::New(i) => VertexId::from(first + i),
     };
     let points: Vec<DVec3> = corners.iter().map(point).collect();
-    let edges = (0..corners.len()).map(rim_edge);
-    let opposite = edges.clone().zip(&points);
+    let opposite = edges.iter().zip(&points);
     let mut place = vec![u32::MAX; hole.edges()];
     for (k, corner) in (0..).zip(corners) {
         if let &Corner::Rim(i) = corner {
@@ -86,7 +99,7 @@ pub(super) fn rims_of_part(
     };
     let centroid = rim.points.iter().sum::<DVec3>() / rim.points.len() as f64;
     let part = BoundaryLoop {
-        halfedges: edges.flatten().map(|i| hole.halfedges[i]).collect(),
+        halfedges: edges.iter().flatten().map(|&i| hole.halfedges[i]).collect(),
         vertices: corners.iter().map(vertex).collect(),
         centroid,
         radius: rms_distance(rim.points.iter().copied(), centroid),

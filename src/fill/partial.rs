@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::fill::hermite::{RimFrame, hermite_between, length, pieces};
 use crate::fill::hole::DraftHole;
 use crate::fill::options::FillOptions;
-use crate::fill::part::{Corner, NewVertices, rims_of_part, with_vertices};
+use crate::fill::part::{Corner, NewVertices, rim_edges, rims_of_part, with_vertices};
 use crate::fill::plan::Plan;
 use crate::fill::result::{FillError, Filled, milliseconds};
 use crate::fill::run::{Observer, run_plan};
@@ -58,7 +58,9 @@ pub fn fill_part(
     let chord = new.add_curve(&chord, [to, from].map(|i| hole.vertices[i]), 1.0);
     let along = (0..=edges).map(|k| Corner::Rim((from + k) % n));
     let corners: Vec<Corner> = along.chain(chord).collect();
-    let rims = rims_of_part(mesh, hole, &corners, &new.points, mesh.vertex_count());
+    let edges = rim_edges(hole, &corners, &[]);
+    let first = mesh.vertex_count();
+    let rims = rims_of_part(mesh, hole, &corners, &edges, &new.points, first);
     let longer = with_vertices(mesh, &[&new]).map_err(FillError::from)?;
     let draft = DraftHole {
         patch: patch::fill(&rims.geometry.rims[0], options.patch),

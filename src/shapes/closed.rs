@@ -1,11 +1,48 @@
-//! Spheres, ellipsoids and tori.
+//! Cubes, spheres, ellipsoids and tori.
 
 use std::f64::consts::PI;
+
+use rustc_hash::FxHashMap;
 
 use super::TriangleMesh;
 use super::implicit::implicit_surface;
 use super::relax::{jitter, relax};
 use crate::mesh::DVec3;
+
+/// Cube with the corners (±1, ±1, ±1), regular: each side has `across`² squares of two triangles, which
+/// gives 6 `across`² + 2 vertices.
+pub fn cube(across: usize) -> TriangleMesh {
+    let n = across.max(1);
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    let mut numbers: FxHashMap<[usize; 3], u32> = FxHashMap::default();
+    let mut vertex = |place: [usize; 3]| {
+        *numbers.entry(place).or_insert_with(|| {
+            positions.push(DVec3::from_array(
+                place.map(|i| 2.0 * i as f64 / n as f64 - 1.0),
+            ));
+            positions.len() as u32 - 1
+        })
+    };
+    for (axis, side) in (0..3).flat_map(|axis| [(axis, 0), (axis, n)]) {
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            // counterclockwise from the positive end of the axis
+            let [a, b, c, d] = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| {
+                let mut place = [0; 3];
+                for (k, at) in [side, i, j].into_iter().enumerate() {
+                    place[(axis + k) % 3] = at;
+                }
+                vertex(place)
+            });
+            triangles.extend(if side == n {
+                [[a, b, c], [a, c, d]]
+            } else {
+                [[a, c, b], [a, d, c]]
+            });
+        }
+    }
+    (positions, triangles)
+}
 
 /// Geodesic sphere of radius 1: each edge of the icosahedron is divided into `frequency` parts,
 /// which gives 10 f² + 2 vertices. Regular; the twelve corners come first.

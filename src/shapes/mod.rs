@@ -17,7 +17,7 @@ mod relax;
 mod samples;
 
 pub use blends::{Tube, four_cylinders, three_y, tube_onto_plane, tubes};
-pub use closed::{ellipsoid, icosphere, sphere, torus};
+pub use closed::{cube, ellipsoid, icosphere, sphere, torus};
 pub use cut::{Hole, HoleShape, cut_holes, cut_where};
 pub use demo::{demo, demo_body};
 pub use implicit::implicit_surface;
@@ -79,6 +79,19 @@ mod tests {
             assert!(shape.0.iter().all(|p| (p.length() - 1.0).abs() < 1e-15));
         }
         assert!((volume(&icosphere(20)) / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 5e-3);
+    }
+
+    #[test]
+    fn cubes() {
+        for across in [1, 2, 5] {
+            let shape = cube(across);
+            let t = check(&shape, 44.9);
+            assert_eq!(shape.0.len(), 6 * across * across + 2);
+            assert_eq!(t.face_count(), 12 * across * across);
+            assert_eq!(euler(&t), 2);
+            assert!(shape.0.iter().all(|p| p.abs().max_element() == 1.0));
+            assert!((volume(&shape) - 8.0).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -42,16 +42,23 @@ impl LineEnd {
     }
 }
 
-/// The ends of sharp lines at a rim, in its direction. `None` if a sharp edge at the rim does not belong
-/// to a line, or if two lines or too many end there.
+/// The ends of sharp lines at a rim, in its direction. A line that passes a vertex does not end there.
+/// `None` if a sharp edge at the rim does not belong to a line, or if there are too many.
 pub(super) fn line_ends(mesh: &Mesh, hole: &BoundaryLoop) -> Option<Vec<LineEnd>> {
     let mut ends: Vec<LineEnd> = Vec::new();
     for (index, &v) in hole.vertices.iter().enumerate() {
-        for h in mesh.topology.outgoing(v).filter(|&h| is_sharp(mesh, h)) {
-            let is_second = ends.last().is_some_and(|end| end.index == index);
-            if is_second || ends.len() == MOST_LINES {
-                return None;
+        let outgoing = mesh.topology.outgoing(v);
+        let sharp: Vec<HalfedgeId> = outgoing.filter(|&h| is_sharp(mesh, h)).collect();
+        if let [one, other] = sharp[..] {
+            let turn = direction(mesh, one).angle_between(-direction(mesh, other));
+            if turn <= LARGEST_TURN.to_radians() {
+                continue;
             }
+        }
+        if ends.len() + sharp.len() > MOST_LINES {
+            return None;
+        }
+        for h in sharp {
             ends.push(line_end(mesh, index, h)?);
         }
     }

@@ -8,7 +8,8 @@
 //!        o---------o                  o----a-------o       meet there, in a corner.
 //! ```
 //!
-//! Each part continues the faces on its own side of the lines.
+//! Each part continues the faces on its own side of the lines. Where a line continues along the rim, because
+//! only the faces on one side of it are missing, the patch has a crease there.
 
 mod lines;
 #[cfg(test)]
@@ -20,8 +21,8 @@ use glam::DMat3;
 
 use crate::fill::hermite::{hermite_between, length, pieces};
 use crate::fill::hole::HoleRims;
-use crate::fill::part::{Corner, NewVertices, rims_of_part};
-use crate::mesh::{BoundaryLoop, DVec3, Mesh};
+use crate::fill::part::{Corner, NewVertices, rim_edges, rims_of_part};
+use crate::mesh::{BoundaryLoop, DVec3, Mesh, closest_point_on_segment};
 use lines::{LineEnd, line_ends};
 
 pub(super) use lines::is_sharp;
@@ -36,11 +37,16 @@ const LEAST_SPREAD: f64 = 0.05;
 /// Largest distance of a corner from the mean of the rim, in radii of the hole.
 const FARTHEST_CORNER: f64 = 1.5;
 
+/// Largest distance of a rim from the line along which it runs, in lengths of its edges.
+const FARTHEST_FROM_LINE: f64 = 0.25;
+
 /// A hole in parts, with creases between them.
 pub(super) struct SplitHole {
     parts: Vec<Vec<Corner>>,
+    /// Edges of the rim at which the patch has a crease, because a sharp line continues along them.
+    creased: Vec<usize>,
     pub new: NewVertices,
-    /// The creases, with their ends.
+    /// The creases through the hole, with their ends.
     creases: Vec<Vec<DVec3>>,
 }
 
@@ -51,7 +57,8 @@ impl SplitHole {
             .map(|part| part.iter().copied().collect())
             .collect();
         let part = |(k, corners): (usize, &Vec<Corner>)| {
-            let mut rims = rims_of_part(mesh, hole, corners, &self.new.points, first);
+            let edges = rim_edges(hole, corners, &self.creased);
+            let mut rims = rims_of_part(mesh, hole, corners, &edges, &self.new.points, first);
             let among = |set: &HashSet<Corner>| -> Vec<usize> {
                 let indices = 0..corners.len();
                 indices.filter(|&i| set.contains(&corners[i])).collect()
@@ -64,37 +71,40 @@ impl SplitHole {
                     forbidden.extend(shared[..at].iter().map(|&i| [i as u32, j as u32]));
                 }
             }
-            let is_new = |&i: &usize| matches!(corners[i], Corner::New(_));
-            rims.crease = (0..corners.len()).filter(is_new).collect();
+            rims.crease = without_faces(&edges).collect();
             rims
         };
         self.parts.iter().enumerate().map(part).collect()
     }
 }
 
+/// The corners of a part between two edges without faces.
+fn without_faces(edges: &[Option<usize>]) -> impl Iterator<Item = usize> {
+    let n = edges.len();
+    (0..n).filter(move |&k| edges[k].is_none() && edges[(k + n - 1) % n].is_none())
+}
+
 /// Splits a hole along the continuations of the sharp lines that end at it. `None` if there are none, or
 /// if they lead neither to a common point nor in pairs to each other.
 pub(super) fn split(mesh: &Mesh, hole: &BoundaryLoop, density: f64) -> Option<SplitHole> {
     let ends = line_ends(mesh, hole)?;
-    let n = hole.edges();
-    let next = |i: usize| ends[(i + 1) % ends.len()].index;
-    let edges_to_next = |i: usize| (next(i) + n - 1 - ends[i].index) % n + 1;
-    if ends.len() < 2 || (0..ends.len()).any(|i| edges_to_next(i) < 2) {
+    if ends.len() < 2 {
         return None;
     }
     let splitter = Splitter {
         mesh,
         hole,
         ends: &ends,
-        size: hole.perimeter / n as f64 / density,
+        size: hole.perimeter / hole.edges() as f64 / density,
     };
     let corner = if ends.len() > 2 {
         splitter.corner()
     } else {
         None
     };
-    match corner {
-        Some(corner) => splitter.at_corner(corner),
+    match corner.map(|corner| (corner, splitter.rim_vertex_at(corner))) {
+        Some((corner, None)) => splitter.at_corner(corner),
+        Some((_, Some(at))) => splitter.at_rim_vertex(at),
         None => splitter.between_pairs(),
     }
 }
@@ -115,6 +125,12 @@ struct Splitter<'a> {
     size: f64,
 }
 
+/// A curve between two rim vertices, by their indices: its inner points run from the second to the first.
+struct Chord {
+    ends: [usize; 2],
+    points: Vec<DVec3>,
+}
+
 impl Splitter<'_> {
     /// The point to which all lines lead: the nearest to them by least squares.
     fn corner(&self) -> Option<DVec3> {
@@ -132,14 +148,20 @@ impl Splitter<'_> {
         }
         let corner = across.inverse() * sum;
         let limit = LARGEST_DEVIATION_TO_CORNER.to_radians();
-        let leads = |end: &LineEnd| end.deviation(corner) <= limit;
+        let leads = |end: &LineEnd| {
+            end.point.distance(corner) <= self.size || end.deviation(corner) <= limit
+        };
         let is_near = corner.distance(self.hole.centroid) <= FARTHEST_CORNER * self.hole.radius;
         (is_near && self.ends.iter().all(leads)).then_some(corner)
     }
 
-    /// A crease from each line to a corner.
+    /// A crease from each line to a corner inside the hole.
     fn at_corner(&self, corner: DVec3) -> Option<SplitHole> {
         let count = self.ends.len();
+        let indices: Vec<usize> = self.ends.iter().map(|end| end.index).collect();
+        if !self.are_apart(&indices) {
+            return None;
+        }
         let mut new = NewVertices::default();
         let mut creases = Vec::new();
         let mut spokes = Vec::new();
@@ -152,60 +174,125 @@ impl Splitter<'_> {
                 return None;
             }
             creases.push([&[end.point], &points[..], &[corner]].concat());
-            let ends = [i, (i + 1) % count].map(|i| self.hole.vertices[self.ends[i].index]);
+            let ends = [i, (i + 1) % count].map(|i| self.hole.vertices[indices[i]]);
             spokes.push((new.add_curve(&points, ends, 0.5), ends));
         }
         let middle = new.add_curve(&[corner], spokes[0].1, 1.0);
         let part = |i: usize| {
             let [from, to] = [i, (i + 1) % count];
             let [back, on] = [&spokes[from].0, &spokes[to].0];
-            let rim = self.rim_between(from, to);
-            rim.chain(on.clone())
+            let rim = self.rim_between(indices[from], indices[to]);
+            rim.map(Corner::Rim)
+                .chain(on.clone())
                 .chain(middle.clone())
                 .chain(back.clone().rev())
                 .collect()
         };
         Some(SplitHole {
             parts: (0..count).map(part).collect(),
+            creased: Vec::new(),
             new,
             creases,
         })
     }
 
+    /// A crease from each line to a corner that is a vertex of the rim, through the hole or along the rim.
+    fn at_rim_vertex(&self, at: usize) -> Option<SplitHole> {
+        let corner = self.mesh.position(self.hole.vertices[at]);
+        let (mut chords, mut creased) = (Vec::new(), Vec::new());
+        for end in self.ends.iter().filter(|end| end.index != at) {
+            let arrive = (corner - end.point).normalize_or_zero();
+            let mut points = self.points(end.point, end.ahead, corner, arrive, 1);
+            let ends = [at, end.index];
+            if let Some(edges) = self.rim_along(ends, &points) {
+                creased.extend(edges);
+            } else {
+                points = self.points(end.point, end.ahead, corner, arrive, 2);
+                chords.push(Chord { ends, points });
+            }
+        }
+        self.cut(&chords, creased)
+    }
+
     /// A crease from line to line, for pairs of lines whose creases do not cross.
     fn between_pairs(&self) -> Option<SplitHole> {
         let (_, pairs) = self.pairs(0, self.ends.len())?;
+        let (mut chords, mut creased) = (Vec::new(), Vec::new());
+        for [a, b] in pairs.iter().map(|pair| pair.map(|i| &self.ends[i])) {
+            let points = self.points(b.point, b.ahead, a.point, -a.ahead, 2);
+            let ends = [a.index, b.index];
+            match self.rim_along(ends, &points) {
+                Some(edges) => creased.extend(edges),
+                None => chords.push(Chord { ends, points }),
+            }
+        }
+        self.cut(&chords, creased)
+    }
+
+    /// Cuts the hole along chords that do not cross.
+    fn cut(&self, chords: &[Chord], creased: Vec<usize>) -> Option<SplitHole> {
+        let mut indices: Vec<usize> = chords.iter().flat_map(|chord| chord.ends).collect();
+        indices.sort_unstable();
+        indices.dedup();
+        if !self.are_apart(&indices) {
+            return None;
+        }
         let mut new = NewVertices::default();
         let mut creases: Vec<Vec<DVec3>> = Vec::new();
         let mut parts: Vec<Vec<Corner>> = vec![(0..self.hole.edges()).map(Corner::Rim).collect()];
-        for [a, b] in pairs.iter().map(|pair| pair.map(|i| &self.ends[i])) {
-            // from b back to a, as the rim of the part from a to b runs
-            let points = self.points(b.point, b.ahead, a.point, -a.ahead, 2);
+        for Chord { ends, points } in chords {
             let middle = &points[points.len() / 4..points.len() - points.len() / 4];
             let is_near = |p: &DVec3| middle.iter().any(|q| p.distance(*q) < 0.5 * self.size);
             if !self.is_apart(middle.iter()) || creases.iter().flatten().any(is_near) {
                 return None;
             }
-            let ends = [b, a].map(|end| self.hole.vertices[end.index]);
-            let chord = new.add_curve(&points, ends, 1.0);
-            creases.push([&[b.point], &points[..], &[a.point]].concat());
-            let [from, to] = [a, b].map(|end| Corner::Rim(end.index));
-            let find = |part: &Vec<Corner>, corner| part.iter().position(|&c| c == corner);
-            let found = |part| Some([find(part, from)?, find(part, to)?]);
-            // creases that do not cross have both ends in one part
-            let k = parts.iter().position(|part| found(part).is_some())?;
-            let mut part = parts.swap_remove(k);
+            let [a, b] = ends.map(|i| self.hole.vertices[i]);
+            let inner = new.add_curve(points, [b, a], 1.0);
+            let [from, to] = [a, b].map(|v| self.mesh.position(v));
+            creases.push([&[to], &points[..], &[from]].concat());
+            let [from, to] = ends.map(Corner::Rim);
+            let find = |part: &[Corner], corner| part.iter().position(|&c| c == corner);
+            let has_both = |part: &Vec<Corner>| find(part, from).and(find(part, to)).is_some();
+            // chords that do not cross have both ends in one part
+            let mut part = parts.swap_remove(parts.iter().position(has_both)?);
             let first = find(&part, from)?;
             part.rotate_left(first);
             let second = find(&part, to)?;
-            let one = part[..=second].iter().copied().chain(chord.clone());
+            let one = part[..=second].iter().copied().chain(inner.clone());
             let other = part[second..].iter().copied().chain([from]);
-            parts.extend([one.collect(), other.chain(chord.rev()).collect()]);
+            parts.extend([one.collect(), other.chain(inner.rev()).collect()]);
         }
-        Some(SplitHole {
+        // each part continues some faces, and has a crease
+        let is_sound = |part: &Vec<Corner>| {
+            let edges = rim_edges(self.hole, part, &creased);
+            edges.iter().any(Option::is_some) && without_faces(&edges).next().is_some()
+        };
+        parts.iter().all(is_sound).then_some(SplitHole {
             parts,
+            creased,
             new,
             creases,
+        })
+    }
+
+    /// The edges of the rim from one vertex to another, in either direction, if they run along a curve
+    /// with these inner points.
+    fn rim_along(&self, ends: [usize; 2], inner: &[DVec3]) -> Option<Vec<usize>> {
+        let position = |i: usize| self.mesh.position(self.hole.vertices[i]);
+        let [from, to] = ends.map(position);
+        // inner points run from the second end to the first
+        let curve = [&[to], inner, &[from]].concat();
+        let is_on = |&i: &usize| {
+            let p = position(i);
+            let nearest = |s: &[DVec3]| closest_point_on_segment(p, s[0], s[1]);
+            let mut nearest = curve.windows(2).map(nearest);
+            nearest.any(|q| p.distance(q) < FARTHEST_FROM_LINE * self.size)
+        };
+        let [a, b] = ends;
+        [(a, b), (b, a)].into_iter().find_map(|(from, to)| {
+            let mut along: Vec<usize> = self.rim_between(from, to).collect();
+            along.pop();
+            along.iter().all(is_on).then_some(along)
         })
     }
 
@@ -245,16 +332,29 @@ impl Splitter<'_> {
         (1..count).map(|i| curve(i as f64 / count as f64)).collect()
     }
 
-    /// The corners along the rim from the end of a line to that of another.
-    fn rim_between(&self, from: usize, to: usize) -> impl Iterator<Item = Corner> {
+    /// The indices of the rim's vertices from one to another.
+    fn rim_between(&self, from: usize, to: usize) -> impl Iterator<Item = usize> {
         let n = self.hole.edges();
-        let [from, to] = [from, to].map(|i| self.ends[i].index);
         let edges = (to + n - from) % n;
-        (0..=edges).map(move |k| Corner::Rim((from + k) % n))
+        (0..=edges).map(move |k| (from + k) % n)
     }
 
-    /// Whether points stay away from the rim. Those of a crease do not where the rim itself runs along
-    /// the sharp line, because only the faces on one side of it are missing.
+    /// The vertex of the rim at a point.
+    fn rim_vertex_at(&self, p: DVec3) -> Option<usize> {
+        let distance = |i: usize| self.mesh.position(self.hole.vertices[i]).distance(p);
+        let nearest = (0..self.hole.edges()).min_by(|&i, &j| distance(i).total_cmp(&distance(j)));
+        nearest.filter(|&i| distance(i) < 0.5 * self.size)
+    }
+
+    /// Whether at least two edges of the rim are between vertices of it with ascending indices.
+    fn are_apart(&self, indices: &[usize]) -> bool {
+        let n = self.hole.edges();
+        let next = indices.iter().cycle().skip(1);
+        let mut edges = indices.iter().zip(next).map(|(i, j)| (j + n - i) % n);
+        indices.len() < 2 || edges.all(|edges| edges >= 2)
+    }
+
+    /// Whether points stay away from the rim.
     fn is_apart<'a>(&self, points: impl Iterator<Item = &'a DVec3> + Clone) -> bool {
         let mut rim = self.hole.vertices.iter().map(|&v| self.mesh.position(v));
         rim.all(|p| points.clone().all(|q| p.distance(*q) >= 0.5 * self.size))
