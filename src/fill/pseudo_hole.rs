@@ -19,7 +19,7 @@ const DISCS: [usize; 2] = [20, 5];
 /// Rings of known vertices between a pseudo-hole and the nearest boundary.
 const MARGIN: usize = 3;
 /// Most vertices of a pseudo-hole, and of all of a hole.
-const MOST_VERTICES: [usize; 2] = [100, 3000];
+const MOST_VERTICES: [usize; 2] = [150, 3000];
 /// Most vertices among which the pseudo-holes of a hole are found.
 const MOST_NEAR: usize = 12_000;
 
