@@ -52,6 +52,14 @@ impl FillContext<'_> {
         self.plan.obstacles.bvh(self.mesh).closest_point(to)
     }
 
+    /// The point of the mesh nearest to a sample. A walk from a face nearby finds it; where that ends on a boundary,
+    /// which it cannot cross, or on the other side of the surface, the whole mesh is searched.
+    fn closest_from(&self, face: Option<FaceId>, to: &Sample) -> Option<ClosestPoint> {
+        let walked = face.map(|face| closest_point_from(self.mesh, face, to.point));
+        let walked = walked.filter(|found| alike(self.mesh, found, to).is_some());
+        walked.or_else(|| self.closest(to.point))
+    }
+
     /// The symmetries of the mesh.
     pub fn symmetries(&self) -> &[Isometry] {
         let all = &self.plan.symmetries;
@@ -82,10 +90,7 @@ impl FillContext<'_> {
         // the faces found in the round before
         let faces = vec![Cell::new(None); samples.len()];
         let nearest = |i: usize, image: &Sample| {
-            let found = match faces[i].get() {
-                Some(face) => closest_point_from(self.mesh, face, image.point),
-                None => self.closest(image.point)?,
-            };
+            let found = self.closest_from(faces[i].get(), image)?;
             faces[i].set(Some(FaceId(found.face)));
             alike(self.mesh, &found, image)
         };
@@ -135,7 +140,7 @@ impl FillContext<'_> {
         let images: Vec<&Image> = images.iter().step_by(step).flatten().collect();
         let samples: Vec<Sample> = images.iter().map(|image| image.sample).collect();
         symmetry.fitted(&samples, SHARE, rounds, |i, image| {
-            let found = closest_point_from(self.mesh, images[i].face, image.point);
+            let found = self.closest_from(Some(images[i].face), image)?;
             alike(self.mesh, &found, image)
         })
     }
@@ -149,10 +154,7 @@ impl FillContext<'_> {
         face: &mut Option<FaceId>,
     ) -> Option<DVec3> {
         let image = isometry.image(of);
-        let found = match *face {
-            Some(face) => closest_point_from(self.mesh, face, image.point),
-            None => self.closest(image.point)?,
-        };
+        let found = self.closest_from(*face, &image)?;
         *face = Some(FaceId(found.face));
         Some(isometry.invert(smooth(self.mesh, self.normals(), &found, &image)?))
     }
