@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::energy::Energy;
 use crate::mesh::{DVec3, FaceId, Mesh, Topology, components};
 use crate::subdivision::{Elements, Rule, elements};
-use crate::surface::{Interpolation, each_point};
+use crate::surface::{Interpolation, MeanVariation, each_point};
 
 /// The meaning of the vertices of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -152,6 +152,11 @@ impl Integrals {
                     given += d_area * energy.jet(h, k).f;
                 }
             });
+        }
+        if let Some(energy) = energy.filter(|energy| energy.gradient() != 0.0) {
+            let faces: Vec<FaceId> = topology.faces().collect();
+            let mut variation = MeanVariation::new(topology, &faces, Rule::Twelve);
+            given += energy.gradient() * variation.evaluate(control).0;
         }
         let [willmore, total_curvature, gauss_squared, bending] = sums;
         Self {

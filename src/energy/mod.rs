@@ -1,7 +1,7 @@
-//! Energy densities `f(H, K)` of `E(S) = ∫ f(H, K) dA`, with exact first and second derivatives.
+//! Energy densities `f(H, K) + c |∇H|²` of `E(S)`, with exact first and second derivatives of `f`.
 //!
-//! An energy is one of the [`Preset`]s or a typed expression in `H`, `K`, `k1`, `k2` and named
-//! parameters ([`Energy::parse`]). Signs are those of formulation.md section 1: on a sphere of
+//! An energy is one of the [`Preset`]s or a typed expression in `H`, `K`, `k1`, `k2`, `gradH2` and
+//! named parameters ([`Energy::parse`]). Signs are those of formulation.md section 1: on a sphere of
 //! radius R with outward normal `κ1 = κ2 = H = −1/R`, `K = 1/R²`. `f` is in the units of the file.
 //!
 //! ```
@@ -34,14 +34,19 @@ pub enum Order {
     Stationary,
     /// `f_HH = f_HK = f_KK = 0` everywhere, as for `f = 1` or `f = H`.
     Second,
-    /// All others.
+    /// All others without `|∇H|²`.
     Fourth,
+    /// With `|∇H|²`.
+    Sixth,
 }
 
-/// An energy density `f(H, K)`; cheap to clone, immutable.
+/// An energy density `f(H, K) + c |∇H|²`; cheap to clone, immutable.
 #[derive(Clone)]
 pub struct Energy {
+    /// `f`.
     density: Density,
+    /// `c`.
+    gradient: f64,
     order: Order,
     text: Arc<str>,
     params: Arc<BTreeMap<String, f64>>,
@@ -69,9 +74,11 @@ impl Energy {
         }
         Self {
             density: Density::Preset(preset, parameter.map_or(0.0, |p| p.1)),
+            gradient: preset.gradient(),
             order: match preset {
                 Preset::K => Order::Stationary,
                 Preset::One => Order::Second,
+                Preset::MeanVariation => Order::Sixth,
                 _ => Order::Fourth,
             },
             text: preset.text().into(),
@@ -80,7 +87,8 @@ impl Energy {
     }
 
     /// Parses an expression in `H`, `K`, `k1`, `k2`, numbers, `pi`, the parameters in `params`,
-    /// `+ − * / ^`, parentheses and `abs sqrt exp log sin cos tanh min max`.
+    /// `+ − * / ^`, parentheses and `abs sqrt exp log sin cos tanh min max`, plus terms `gradH2`
+    /// (`|∇H|²`), alone or times numbers and parameters.
     ///
     /// `^` is right associative and binds more tightly than the sign: `-H^2 = -(H^2)`,
     /// `2^-1 = 0.5`. Integer powers are exact for every base, including zero (`0^0 = 1`); other
@@ -95,16 +103,20 @@ impl Energy {
     ///
     /// # Errors
     /// [`ExprError`] for text outside this grammar (with the position), unknown names, parameters
-    /// that are not finite or have a reserved name, expressions not symmetric in κ1 and κ2, and
-    /// expressions without a finite value at any curvature.
+    /// that are not finite or have a reserved name, expressions not symmetric in κ1 and κ2 or not
+    /// linear in `|∇H|²`, and expressions without a finite value at any curvature.
     pub fn parse(text: &str, params: &BTreeMap<String, f64>) -> Result<Self, ExprError> {
         for (name, &value) in params {
             check_parameter(name, value)?;
         }
         let (program, used) = expr::parse(text, params)?;
+        let (program, gradient) = expr::split_gradient(text, &program)?;
         expr::check_symmetry(text, &program)?;
         let polynomial = expr::as_polynomial(&program);
         let preset = match &polynomial {
+            Some(p) if gradient == 1.0 && *p == expr::Polynomial::default() => {
+                Some((Preset::MeanVariation, 0.0))
+            }
             Some(polynomial) => as_preset(polynomial),
             None => program.radicand().and_then(|p| as_root(&p)),
         };
@@ -118,11 +130,13 @@ impl Energy {
         };
         let mut energy = Self {
             density,
+            gradient,
             order: Order::Fourth,
             text: text.trim().into(),
             params: Arc::new(used),
         };
         energy.order = match &polynomial {
+            _ if gradient != 0.0 => Order::Sixth,
             Some(p) => polynomial_order(p),
             None => energy.sampled_order(),
         };
@@ -170,9 +184,14 @@ impl Energy {
     /// The preset it is evaluated as, if it is one.
     pub fn as_preset(&self) -> Option<Preset> {
         match self.density {
-            Density::Preset(preset, _) => Some(preset),
+            Density::Preset(preset, _) if preset.gradient() == self.gradient => Some(preset),
             _ => None,
         }
+    }
+
+    /// The coefficient `c` of `|∇H|²`, 0 for most energies.
+    pub fn gradient(&self) -> f64 {
+        self.gradient
     }
 
     /// The order of the flow.
@@ -266,7 +285,7 @@ fn as_preset(p: &expr::Polynomial) -> Option<(Preset, f64)> {
     let h0 = -0.5 * p[1][0];
     Preset::ALL
         .into_iter()
-        .filter(|&preset| preset != Preset::CurvatureNorm)
+        .filter(|preset| !matches!(preset, Preset::CurvatureNorm | Preset::MeanVariation))
         .find(|preset| preset.coefficients(h0) == *p)
         .map(|x| (x, h0))
 }

@@ -2,7 +2,7 @@
 
 use super::jet::Jet2;
 
-/// A named energy density.
+/// A named energy density. The closed forms are those of its part `f(H, K)`.
 ///
 /// The first six are those of Xu 2008, Fig. 2. `κ1, κ2 = H ± √(H² − K)`, hence
 /// `κ1⁴ + κ2⁴ = 16H⁴ − 16H²K + 2K²`, `κ1² + κ2² = 4H² − 2K`, `(κ1 − κ2)² = 4H² − 4K`.
@@ -32,11 +32,14 @@ pub enum Preset {
     /// (default 1). A bend costs its angle, not the square of its angle, so the flow keeps sharp
     /// edges. `H²` rounds them off and bulges beside them.
     CurvatureNorm,
+    /// `|∇H|²`: variation of the mean curvature. Its flow is of sixth order and continues curvatures
+    /// across a rim; surfaces of constant mean curvature have none.
+    MeanVariation,
 }
 
 impl Preset {
     /// All presets, in the order they are listed to users.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::One,
         Self::H2,
         Self::K2,
@@ -48,6 +51,7 @@ impl Preset {
         Self::K1SqPlusK2Sq,
         Self::K1MinusK2Squared,
         Self::CurvatureNorm,
+        Self::MeanVariation,
     ];
 
     /// The expression that [`Energy::parse`](super::Energy::parse) reads back as this preset.
@@ -64,6 +68,7 @@ impl Preset {
             Self::K1SqPlusK2Sq => "k1^2+k2^2",
             Self::K1MinusK2Squared => "(k1-k2)^2",
             Self::CurvatureNorm => "sqrt(k1^2+k2^2+c^2)",
+            Self::MeanVariation => "gradH2",
         }
     }
 
@@ -87,6 +92,7 @@ impl Preset {
             Self::K1SqPlusK2Sq => "Bending energy",
             Self::K1MinusK2Squared => "Difference of curvatures",
             Self::CurvatureNorm => "Curvature norm",
+            Self::MeanVariation => "Mean curvature variation",
         }
     }
 
@@ -99,6 +105,14 @@ impl Preset {
         }
     }
 
+    /// The coefficient of `|∇H|²`.
+    pub(super) const fn gradient(self) -> f64 {
+        match self {
+            Self::MeanVariation => 1.0,
+            _ => 0.0,
+        }
+    }
+
     /// The degree `p` of `f(cH, c²K) = c^p f(H, K)`, where there is one for every parameter value.
     #[cfg(test)]
     pub(super) const fn degree(self) -> Option<i32> {
@@ -107,7 +121,9 @@ impl Preset {
             Self::H2 | Self::K | Self::K1SqPlusK2Sq | Self::K1MinusK2Squared => Some(2),
             Self::K2 | Self::K1P4PlusK2P4 => Some(4),
             Self::H2K2 => Some(6),
-            Self::H2PlusK2 | Self::HMinusH0Squared | Self::CurvatureNorm => None,
+            Self::H2PlusK2 | Self::HMinusH0Squared | Self::CurvatureNorm | Self::MeanVariation => {
+                None
+            }
         }
     }
 
@@ -148,6 +164,7 @@ impl Preset {
                 c[0][1] = -2.0;
                 c[0][0] = parameter * parameter;
             }
+            Self::MeanVariation => {}
         }
         c
     }
@@ -236,6 +253,7 @@ impl Preset {
                     kk: -third,
                 }
             }
+            Self::MeanVariation => zero,
         }
     }
 }

@@ -13,7 +13,7 @@ pub(super) struct Shift {
 }
 
 impl Energy {
-    /// `f(k1 − c, k2 − c) + t`. The tension t is the weight of the area. Curvatures are measured
+    /// `f(k1 − c, k2 − c) + t`, with the same term of `|∇H|²`. The tension t is the weight of the area. Curvatures are measured
     /// from the spontaneous `curvature` c; a negative c makes the surface bulge along its normals.
     /// For `H^2` the result is `(H − c)² + t`. Units are those of f and of H.
     ///
@@ -30,6 +30,7 @@ impl Energy {
                 tension,
                 curvature,
             }),
+            gradient: self.gradient,
             order: match self.order {
                 Order::Stationary => Order::Second,
                 order => order,

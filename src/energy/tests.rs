@@ -20,6 +20,7 @@ fn parsed(text: &str) -> Energy {
 fn unrecognised(text: &str) -> Energy {
     let mut energy = parsed(text);
     let (program, _) = expr::parse(text, energy.params()).expect("parsed before");
+    let (program, _) = expr::split_gradient(text, &program).expect("linear");
     let even = program.is_smooth_in_principal();
     energy.density = if program.uses_principal() {
         Density::Principal(Arc::new(program), even)
@@ -272,6 +273,7 @@ fn spheres_flow_as_in_section_9() {
         (Preset::K1SqPlusK2Sq, 0.5),
         (Preset::K1MinusK2Squared, 0.0),
         (Preset::CurvatureNorm, 1.5f64.sqrt()),
+        (Preset::MeanVariation, 0.0),
     ] {
         assert_eq!(Energy::preset(preset).jet(-0.5, 0.25).f, value, "{preset}");
     }
@@ -352,9 +354,38 @@ fn orders_are_recognised() {
         ("H^2", Order::Fourth),
         ("H^2-k1*k2+exp(H)", Order::Fourth),
         ("H^7", Order::Fourth),
+        ("gradH2", Order::Sixth),
+        ("H^2+a*gradH2", Order::Sixth),
+        ("1-gradH2", Order::Sixth),
+        ("H^2+0*gradH2", Order::Fourth),
+        ("gradH2+K-gradH2", Order::Stationary),
     ] {
         assert_eq!(parsed(text).order(), order, "{text}");
     }
+}
+
+/// `a` is 1.7.
+#[test]
+fn the_coefficient_of_the_gradient_is_split_off() {
+    for (text, coefficient, rest) in [
+        ("gradH2", 1.0, "0"),
+        ("-gradH2", -1.0, "0"),
+        ("a*gradH2", 1.7, "0"),
+        ("H^2 + gradH2*a^2", 1.7 * 1.7, "H^2"),
+        ("(2*(K^2 + gradH2/4) - 3)/2", 0.25, "K^2 - 1.5"),
+        ("gradH2 + k1^4 + k2^4 + gradH2", 2.0, "k1^4+k2^4"),
+        ("exp(H)-0.5*gradH2", -0.5, "exp(H)"),
+        ("H^2", 0.0, "H^2"),
+    ] {
+        let (energy, rest) = (parsed(text), parsed(rest));
+        assert!((energy.gradient() - coefficient).abs() < 1e-15, "{text}");
+        assert_eq!(energy.jet(0.3, -0.7), rest.jet(0.3, -0.7), "{text}");
+        let is_preset = text == "gradH2" || text == "H^2";
+        assert_eq!(energy.as_preset().is_some(), is_preset, "{text}");
+        let shifted = energy.shifted(0.3, 0.1);
+        assert_eq!(shifted.gradient(), energy.gradient());
+    }
+    assert_eq!(parsed("gradH2").as_preset(), Some(Preset::MeanVariation));
 }
 
 #[test]

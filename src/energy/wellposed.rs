@@ -3,7 +3,8 @@
 //! The linearised flow has the symbol `q(b) = ¼ f_HH + f_HK b + f_KK b²` in the directions whose
 //! normal curvature, rotated by 90°, is `b`, so `b` runs over the interval between κ2 and κ1:
 //! the symbol of `½Δ` is `−½|ξ|²`, that of `□` is `−b|ξ|²`. Where `f` has no second derivatives
-//! the flow is of second order with symbol `η + f_H b`, `η = f − f_H H − f_K K`.
+//! the flow is of second order with symbol `η + f_H b`, `η = f − f_H H − f_K K`. A term `c |∇H|²` makes
+//! it of sixth order with symbol `½ c`, in all directions.
 
 use super::{Energy, Jet2, Order, Preset};
 
@@ -45,6 +46,7 @@ impl Energy {
                     | Preset::K1SqPlusK2Sq
                     | Preset::K1MinusK2Squared
                     | Preset::CurvatureNorm
+                    | Preset::MeanVariation
             )
         )
     }
@@ -53,7 +55,7 @@ impl Energy {
     /// symbol's terms; 1e-12 is above roundoff.
     #[cfg(test)]
     pub(super) fn well_posedness(&self, h: f64, k: f64, tol: f64) -> WellPosed {
-        classify(self.order(), &self.jet(h, k), h, k, tol, 0.0).0
+        classify(self, h, k, tol, 0.0).0
     }
 
     /// The size of the symbol on spheres and saddles of radius `length`.
@@ -61,7 +63,7 @@ impl Energy {
         let c = length.recip();
         [[c, c * c], [-c, c * c], [0.0, -c * c]]
             .into_iter()
-            .map(|[h, k]| symbol(self.order(), &self.jet(h, k), h, k).scale)
+            .map(|[h, k]| symbol(self, &self.jet(h, k), h, k).scale)
             .filter(|scale| scale.is_finite())
             .fold(0.0, f64::max)
     }
@@ -120,7 +122,7 @@ pub fn scan_well_posedness(
         ..WellPosedScan::default()
     };
     for (index, &[h, k]) in samples.iter().enumerate() {
-        let (class, symbol) = classify(energy.order(), &energy.jet(h, k), h, k, tol, floor);
+        let (class, symbol) = classify(energy, h, k, tol, floor);
         *match class {
             WellPosed::Stationary => &mut scan.stationary,
             WellPosed::Strict => &mut scan.strict,
@@ -145,12 +147,13 @@ pub fn scan_well_posedness(
     scan
 }
 
-fn classify(order: Order, jet: &Jet2, h: f64, k: f64, tol: f64, floor: f64) -> (WellPosed, Symbol) {
-    let symbol = symbol(order, jet, h, k);
+fn classify(energy: &Energy, h: f64, k: f64, tol: f64, floor: f64) -> (WellPosed, Symbol) {
+    let jet = energy.jet(h, k);
+    let symbol = symbol(energy, &jet, h, k);
     let bound = tol * symbol.scale.max(floor);
     let class = if !(jet.is_finite() && symbol.min.is_finite()) {
         WellPosed::Undefined
-    } else if order == Order::Stationary {
+    } else if energy.order() == Order::Stationary {
         WellPosed::Stationary
     } else if symbol.min > bound {
         WellPosed::Strict
@@ -162,11 +165,19 @@ fn classify(order: Order, jet: &Jet2, h: f64, k: f64, tol: f64, floor: f64) -> (
     (class, symbol)
 }
 
-fn symbol(order: Order, jet: &Jet2, h: f64, k: f64) -> Symbol {
+fn symbol(energy: &Energy, jet: &Jet2, h: f64, k: f64) -> Symbol {
+    if energy.order() == Order::Sixth {
+        let min = 0.5 * energy.gradient();
+        return Symbol {
+            min,
+            b: h,
+            scale: min.abs(),
+        };
+    }
     let [low, high] = principal_curvatures(h, k);
     let largest = low.abs().max(high.abs());
     // c0 + c1 b + c2 b²
-    let (c0, c1, c2, c0_scale) = if order == Order::Fourth {
+    let (c0, c1, c2, c0_scale) = if energy.order() == Order::Fourth {
         (0.25 * jet.hh, jet.hk, jet.kk, 0.25 * jet.hh.abs())
     } else {
         let eta = jet.f - jet.h * h - jet.k * k;

@@ -254,11 +254,11 @@ impl GroupFlow {
     /// Replaces triangles that a large deformation has degraded.
     fn remesh_if_degraded(&mut self, context: FillContext<'_>) {
         let end = self.end();
-        let is_fourth = self.options.flow.order() == Order::Fourth;
+        let has_order_four = matches!(self.options.flow.order(), Order::Fourth | Order::Sixth);
         match end {
             None | Some(End::Converged) => {}
             // the cause is not a closing neck but zero-area triangles of a large deformation
-            Some(End::Pinched) if is_fourth => {}
+            Some(End::Pinched) if has_order_four => {}
             _ => return,
         }
         let start = Instant::now();

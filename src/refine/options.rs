@@ -117,6 +117,13 @@ impl RefineControls {
     }
 
     fn flow_of(&self, energy: Energy, tension: f64) -> Result<FlowOptions, RefineError> {
+        if energy.gradient() != 0.0 {
+            return Err(RefineError::Solver(SolverError::BadOption {
+                option: "energy",
+                value: energy.text().to_owned(),
+                expected: "a refinement needs an energy without gradH2",
+            }));
+        }
         let mut flow = FlowOptions::new(energy);
         flow.tension = self.tension.unwrap_or(tension);
         flow.mode = self.mode;

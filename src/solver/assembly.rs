@@ -39,6 +39,13 @@ pub struct EnergySum {
     pub scale: f64,
 }
 
+impl std::ops::AddAssign for EnergySum {
+    fn add_assign(&mut self, other: Self) {
+        self.value += other.value;
+        self.scale += other.scale;
+    }
+}
+
 /// The displacements for which the matrix of scheme B is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixForm {
@@ -63,7 +70,7 @@ pub struct Assembler {
     batches: Vec<Batch>,
     /// Elements in batch order.
     order: Vec<u32>,
-    scatter: Option<SymmetricScatter>,
+    scatter: Option<Arc<SymmetricScatter>>,
     form: MatrixForm,
     buffers: [Buffer; 2],
 }
@@ -138,10 +145,15 @@ impl Assembler {
         }
     }
 
-    /// The same with the sparsity of a matrix over its unknowns, found by [`Unknowns::dissected`].
+    /// The same with the sparsity of a matrix over its unknowns, found by [`Unknowns::dissected`]; the
+    /// first lists of `scatter` are those of the elements.
     #[must_use]
-    pub fn with_matrix(mut self, scatter: SymmetricScatter, form: MatrixForm) -> Self {
-        self.scatter = Some(scatter);
+    pub fn with_matrix(
+        mut self,
+        scatter: impl Into<Arc<SymmetricScatter>>,
+        form: MatrixForm,
+    ) -> Self {
+        self.scatter = Some(scatter.into());
         self.form = form;
         self
     }

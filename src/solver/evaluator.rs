@@ -7,6 +7,7 @@ use crate::linear::SymmetricPattern;
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum, MatrixForm};
 use crate::solver::constraints::Constraints;
+use crate::solver::gradient_term::GradientTerm;
 use crate::solver::relax::may_slide;
 use crate::solver::unknowns::Unknowns;
 use crate::solver::{FlowProblem, SolverError};
@@ -33,6 +34,8 @@ pub struct Evaluator {
     assembler: Assembler,
     /// For matrices, if they use fewer quadrature points than the energy.
     coarse: Option<Assembler>,
+    /// The term of `|∇H|²`, if the energy has one.
+    gradient_term: Option<GradientTerm>,
     energy: Energy,
     radius: f64,
     /// The constrained limit positions.
@@ -57,9 +60,15 @@ impl Evaluator {
         form: MatrixForm,
     ) -> Result<Self, SolverError> {
         let elements = |rule| problem.discretization().elements(rule);
-        let (unknowns, scatter) =
-            Unknowns::dissected(elements(rule), problem.positions(), problem.moving());
-        let unknowns = Arc::new(unknowns);
+        let mut gradient_term = GradientTerm::of(problem, energy, rule);
+        let (unknowns, scatter) = match &mut gradient_term {
+            Some(term) => term.dissected(problem, rule),
+            None => {
+                let (unknowns, scatter) =
+                    Unknowns::dissected(elements(rule), problem.positions(), problem.moving());
+                (Arc::new(unknowns), Arc::new(scatter))
+            }
+        };
         let constraints = Constraints::of(problem, &unknowns, &scatter.pattern);
         let assembler = Assembler::new(elements(rule), rule, Arc::clone(&unknowns));
         let (assembler, coarse) = if rule <= matrix_rule {
@@ -68,7 +77,7 @@ impl Evaluator {
             let coarse = Assembler::new(elements(matrix_rule), matrix_rule, unknowns);
             (assembler, Some(coarse.with_matrix(scatter, form)))
         };
-        let mut out = Self::without_matrix(problem, energy, assembler)?;
+        let mut out = Self::with_term(problem, energy, assembler, gradient_term)?;
         if let Some(constraints) = &constraints {
             constraints.pull_back(out.assembler.unknowns(), &mut out.state.gradient);
         }
@@ -76,7 +85,7 @@ impl Evaluator {
         Ok(out)
     }
 
-    /// The same with an assembler for energy and gradient only.
+    /// The same with an assembler for energy and gradient only, of `f(H, K)` alone.
     ///
     /// # Errors
     /// [`SolverError::EnergyNotFinite`].
@@ -85,6 +94,15 @@ impl Evaluator {
         energy: &Energy,
         assembler: Assembler,
     ) -> Result<Self, SolverError> {
+        Self::with_term(problem, energy, assembler, None)
+    }
+
+    fn with_term(
+        problem: &FlowProblem,
+        energy: &Energy,
+        assembler: Assembler,
+        gradient_term: Option<GradientTerm>,
+    ) -> Result<Self, SolverError> {
         let start = State {
             positions: problem.positions().to_vec(),
             ..State::default()
@@ -92,6 +110,7 @@ impl Evaluator {
         let mut out = Self {
             assembler,
             coarse: None,
+            gradient_term,
             energy: energy.clone(),
             radius: problem.radius(),
             constraints: None,
@@ -132,6 +151,7 @@ impl Evaluator {
         let constraints = self.constraints.as_ref();
         evaluate(
             &mut self.assembler,
+            self.gradient_term.as_mut(),
             &self.energy,
             constraints,
             &mut self.state,
@@ -143,6 +163,7 @@ impl Evaluator {
         let constraints = self.constraints.as_ref();
         evaluate(
             &mut self.assembler,
+            self.gradient_term.as_mut(),
             &self.energy,
             constraints,
             &mut self.trial,
@@ -178,6 +199,11 @@ impl Evaluator {
             &mut trial.gradient,
             values,
         );
+        if let Some(term) = &mut self.gradient_term {
+            let unknowns = self.assembler.unknowns();
+            trial.energy += term.add_gradient(&trial.positions, unknowns, &mut trial.gradient);
+            term.add_matrix(normals, values);
+        }
     }
 
     /// Computes the matrix at the current point for displacements along `normals`, including
@@ -193,6 +219,10 @@ impl Evaluator {
             &mut Vec::new(),
             values,
         );
+        if let Some(term) = &mut self.gradient_term {
+            term.evaluate(&self.state.positions);
+            term.add_matrix(normals, values);
+        }
         if let Some(constraints) = &mut self.constraints {
             constraints.add_to_matrix(normals, values);
         }
@@ -224,11 +254,16 @@ impl Evaluator {
 
 fn evaluate(
     assembler: &mut Assembler,
+    gradient_term: Option<&mut GradientTerm>,
     energy: &Energy,
     constraints: Option<&Constraints>,
     state: &mut State,
 ) {
     state.energy = assembler.gradient(&state.positions, energy, &mut state.gradient);
+    if let Some(term) = gradient_term {
+        let unknowns = assembler.unknowns();
+        state.energy += term.add_gradient(&state.positions, unknowns, &mut state.gradient);
+    }
     if let Some(constraints) = constraints {
         constraints.pull_back(assembler.unknowns(), &mut state.gradient);
     }

@@ -9,6 +9,7 @@ use crate::solver::control::{
     StepSizeControl, Tau,
 };
 use crate::solver::diffusion::DiffusionFlow;
+use crate::solver::gradient_term::GradientTerm;
 use crate::solver::mixed::MixedFlow;
 use crate::solver::normal::NormalFlow;
 use crate::solver::options::{FlowOptions, Scheme, SurfaceModel};
@@ -42,7 +43,7 @@ pub struct Flow {
     stepper: Box<dyn Stepper>,
     control: StepSizeControl,
     /// Computes reported energies; made when needed.
-    report: Option<Assembler>,
+    report: Option<Report>,
     relaxation: Option<Relaxation>,
     stagnation: StagnationTest,
     pinch: PinchWatch,
@@ -77,7 +78,7 @@ impl Flow {
         let energy = options.energy_at(problem.radius());
         let prepare = || Start::new(&problem, &options, &energy, make);
         let (report, start) = if options.surface == SurfaceModel::Energy {
-            let (report, start) = rayon::join(|| report_of(&problem, &energy, &options), prepare);
+            let (report, start) = rayon::join(|| Report::new(&problem, &energy, &options), prepare);
             (Some(report), start?)
         } else {
             (None, prepare()?)
@@ -171,8 +172,8 @@ impl Flow {
         let (problem, energy, options) = (&self.problem, &self.energy, &self.options);
         let report = self
             .report
-            .get_or_insert_with(|| report_of(problem, energy, options).0);
-        report.energy(&state.positions, energy).value
+            .get_or_insert_with(|| Report::new(problem, energy, options).0);
+        report.energy(&state.positions, energy)
     }
 
     /// Numbers of accepted and rejected steps.
@@ -224,6 +225,9 @@ impl Flow {
         self.stagnation = StagnationTest::default();
         self.factorized = 0;
         self.end = None;
+        if energy.gradient() != self.energy.gradient() {
+            self.report = None;
+        }
         self.stepper = now.stepper;
         self.options = options;
         self.energy = energy;
@@ -456,15 +460,33 @@ impl Start {
     }
 }
 
-/// Computes reported energies by at least twelve points (steps may use fewer), and the energy at
-/// the starting positions.
-fn report_of(problem: &FlowProblem, energy: &Energy, options: &FlowOptions) -> (Assembler, f64) {
-    let rule = options.quadrature.max(Rule::Twelve);
-    let nothing = Unknowns::none(problem.positions().len());
-    let elements = problem.discretization().elements(rule);
-    let mut report = Assembler::new(elements, rule, nothing);
-    let start = report.energy(problem.positions(), energy);
-    (report, start.value)
+/// Computes reported energies by at least twelve points (steps may use fewer).
+struct Report {
+    assembler: Assembler,
+    gradient_term: Option<GradientTerm>,
+}
+
+impl Report {
+    /// The report, and the energy at the starting positions.
+    fn new(problem: &FlowProblem, energy: &Energy, options: &FlowOptions) -> (Self, f64) {
+        let rule = options.quadrature.max(Rule::Twelve);
+        let nothing = Unknowns::none(problem.positions().len());
+        let elements = problem.discretization().elements(rule);
+        let mut report = Self {
+            assembler: Assembler::new(elements, rule, nothing),
+            gradient_term: GradientTerm::of(problem, energy, rule),
+        };
+        let start = report.energy(problem.positions(), energy);
+        (report, start)
+    }
+
+    fn energy(&mut self, positions: &[DVec3], energy: &Energy) -> f64 {
+        let mut sum = self.assembler.energy(positions, energy);
+        if let Some(term) = &mut self.gradient_term {
+            sum += term.evaluate(positions);
+        }
+        sum.value
+    }
 }
 
 /// Makes the stepper of the surface model and scheme in the options.

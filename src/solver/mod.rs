@@ -1,4 +1,4 @@
-//! The flows: `∂x/∂t = −δE` for `E(S) = ∫ f(H, K) dA` over a region of a Loop limit surface.
+//! The flows: `∂x/∂t = −δE` for `E(S) = ∫ f(H, K) + c |∇H|² dA` over a region of a Loop limit surface.
 //!
 //! Sign conventions: the normal `n` points to the side from which faces are seen
 //! counter-clockwise; `H = (k1 + k2)/2` is negative on a sphere with outward normal, `K` positive.
@@ -14,6 +14,7 @@ mod evaluator;
 mod flow;
 mod fold_guard;
 pub mod forms;
+mod gradient_term;
 mod kernel;
 mod local_g2;
 mod mixed;

@@ -1,7 +1,7 @@
 //! Options of a flow.
 
 use crate::energy::{Energy, Order};
-use crate::options::choices;
+use crate::options::{Choice, choices};
 use crate::solver::SolverError;
 use crate::solver::control::{Mode, Tau};
 use crate::solver::mixed::LinearSolver;
@@ -52,7 +52,7 @@ choices!(Scheme: Normal "normal", Mixed "mixed", MixedCorrected "mixed-corrected
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FlowOptions {
-    /// f(H, K).
+    /// f(H, K) + c |∇H|².
     pub energy: Energy,
     /// Weight, in units of 1 / r² (r is the hole radius), of the energy of two orders less: the area
     /// beside an f of the dimension of `H²`, `½∫|∇x|²` for diffusion, `½∫|Δx|²` for g2. 0 gives the
@@ -147,6 +147,15 @@ impl FlowOptions {
                     expected: "a finite number, 0 for none",
                 });
             }
+        }
+        let needs_normal =
+            self.surface == SurfaceModel::Energy && self.energy.order() == Order::Sixth;
+        if needs_normal && self.scheme != Scheme::Normal {
+            return Err(SolverError::BadOption {
+                option: "scheme",
+                value: self.scheme.name().into(),
+                expected: "an energy with gradH2 needs the scheme `normal`",
+            });
         }
         if !(0.0..=1.0).contains(&self.relaxation) {
             return Err(SolverError::BadOption {

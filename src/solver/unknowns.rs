@@ -48,8 +48,18 @@ impl Unknowns {
         positions: &[DVec3],
         moving: Vec<u32>,
     ) -> (Self, SymmetricScatter) {
+        Self::dissected_by(|unknowns| unknowns.lists(elements), positions, moving)
+    }
+
+    /// The same for the graph of vertices that share a list; `lists` makes them for the vertices in the
+    /// order given.
+    pub(super) fn dissected_by(
+        lists: impl FnOnce(&Self) -> IndexLists,
+        positions: &[DVec3],
+        moving: Vec<u32>,
+    ) -> (Self, SymmetricScatter) {
         let unordered = Self::new(positions.len(), moving);
-        let lists = unordered.lists(elements);
+        let lists = lists(&unordered);
         let graph = ListGraph::new(&lists, unordered.len());
         let order = graph.dissect(&unordered.points(positions));
         (unordered.reordered(&order), graph.scatter(&order))

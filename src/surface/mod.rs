@@ -5,11 +5,13 @@
 //! curvature `K = k1 k2` positive. Flipping the orientation flips `n` and `H`, not `K`.
 
 mod interpolation;
+mod mean_variation;
 mod point;
 mod projection;
 mod stats;
 
 pub use interpolation::Interpolation;
+pub use mean_variation::MeanVariation;
 pub use point::{Coefficients, PointGeometry, each_point, mean_curvature, surface_point};
 pub use projection::project_to_vertices;
 pub use stats::{SurfaceStats, sample_surface};

@@ -28,6 +28,9 @@ fn about(preset: Preset) -> &'static str {
         Preset::K1SqPlusK2Sq => "of a thin plate",
         Preset::K1MinusK2Squared => "favours umbilics: spheres",
         Preset::CurvatureNorm => "keeps sharp edges and flat sides",
+        Preset::MeanVariation => {
+            "continues curvatures across the rim; spheres, cylinders and planes cost nothing"
+        }
     }
 }
 
@@ -121,10 +124,10 @@ fn expression_ui(ui: &mut Ui, name: &str, current: &str, params: &BTreeMap<Strin
     let field = egui::TextEdit::singleline(&mut text)
         .font(egui::TextStyle::Monospace)
         .desired_width(f32::INFINITY)
-        .hint_text("an expression in H, K, k1, k2");
+        .hint_text("an expression in H, K, k1, k2, gradH2");
     let response = named(ui, name, field).on_hover_text(
         "H, K, k1, k2, numbers and parameters with + - * / ^, abs, sqrt, exp, log, sin, cos, \
-         tanh, min, max; Enter takes it",
+         tanh, min, max; and gradH2, the square of the gradient of H, times a number; Enter takes it",
     );
     let parsed = parsed(ui, name, &text, &params_for(text.trim(), params));
     let error = parsed.as_ref().as_ref().err();

@@ -2,6 +2,7 @@
 
 mod build;
 mod error;
+mod gradient;
 mod lex;
 mod pair;
 mod parse;
@@ -11,6 +12,7 @@ mod scalar;
 mod symmetry;
 
 pub use error::{ExprError, SyntaxError};
+pub(super) use gradient::split_gradient;
 pub(super) use pair::PairAlgebra;
 pub(super) use parse::{is_name, is_reserved, parse};
 pub(super) use poly::{Polynomial, as_polynomial};

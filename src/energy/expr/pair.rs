@@ -219,6 +219,7 @@ impl Algebra for PairAlgebra {
             Variable::Gauss => even(Jet2::gauss(self.k)),
             Variable::Kappa1 => kappa(1.0),
             Variable::Kappa2 => kappa(-1.0),
+            Variable::Gradient(_) => even(Jet2::constant(f64::NAN)),
         }
     }
 

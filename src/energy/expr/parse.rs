@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 
 use super::build::Builder;
 use super::error::SyntaxError;
+use super::gradient;
 use super::lex::{Kind, Token, tokens};
 use super::program::{Function, MAX_STACK, Op, Program, Variable};
 
@@ -27,7 +28,7 @@ pub const MAX_DEPTH: usize = 30;
 const FUNCTIONS: [&str; 9] = [
     "abs", "sqrt", "exp", "log", "sin", "cos", "tanh", "min", "max",
 ];
-const NAMES: [&str; 5] = ["H", "K", "k1", "k2", "pi"];
+const NAMES: [&str; 6] = ["H", "K", "k1", "k2", "pi", gradient::NAME];
 
 /// Whether `name` is a variable, constant or function and so cannot be a parameter.
 pub fn is_reserved(name: &str) -> bool {
@@ -212,6 +213,7 @@ impl<'a> Parser<'a> {
             "k1" => Op::Variable(Variable::Kappa1),
             "k2" => Op::Variable(Variable::Kappa2),
             "pi" => Op::Constant(std::f64::consts::PI),
+            gradient::NAME => Op::Variable(Variable::Gradient(token.start)),
             _ => {
                 let Some(&value) = self.params.get(name) else {
                     let mut error = self.error(token, self.unknown(name));
@@ -242,6 +244,7 @@ impl<'a> Parser<'a> {
             "K1" | "κ1" | "kappa1" | "k_1" => "; did you mean k1?",
             "K2" | "κ2" | "kappa2" | "k_2" => "; did you mean k2?",
             "Pi" | "PI" | "π" => "; did you mean pi?",
+            "gradH" | "gradh2" | "GradH2" | "grad_H2" => "; did you mean gradH2?",
             _ => "",
         };
         let given = if self.params.is_empty() {
@@ -251,8 +254,8 @@ impl<'a> Parser<'a> {
             names.join(", ")
         };
         format!(
-            "unknown name '{name}'{meant} Known are H, K, k1, k2, pi, the functions {functions}, \
-             and the parameters that have a value ({given})",
+            "unknown name '{name}'{meant} Known are H, K, k1, k2, gradH2, pi, the functions \
+             {functions}, and the parameters that have a value ({given})",
             meant = if meant.is_empty() { "." } else { meant },
         )
     }

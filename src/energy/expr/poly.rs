@@ -30,12 +30,13 @@ impl Algebra for Polynomials {
 
     fn variable(&self, v: Variable) -> Extended {
         let h = monomial(1, 0, 1.0);
-        Some(match v {
-            Variable::Mean => (h, ZERO),
-            Variable::Gauss => (monomial(0, 1, 1.0), ZERO),
-            Variable::Kappa1 => (h, monomial(0, 0, 1.0)),
-            Variable::Kappa2 => (h, monomial(0, 0, -1.0)),
-        })
+        match v {
+            Variable::Mean => Some((h, ZERO)),
+            Variable::Gauss => Some((monomial(0, 1, 1.0), ZERO)),
+            Variable::Kappa1 => Some((h, monomial(0, 0, 1.0))),
+            Variable::Kappa2 => Some((h, monomial(0, 0, -1.0))),
+            Variable::Gradient(_) => None,
+        }
     }
 
     fn unary(&self, op: Op, x: Extended) -> Extended {

@@ -11,6 +11,10 @@ pub enum Variable {
     Kappa1,
     /// `κ2 = H − √(H² − K)`.
     Kappa2,
+    /// `|∇H|²`; the byte of the text where it stands. Only [`split_gradient`] evaluates it.
+    ///
+    /// [`split_gradient`]: super::split_gradient
+    Gradient(usize),
 }
 
 /// A smooth function of one argument. (`sqrt` is `Power(0.5)`.)
@@ -117,6 +121,14 @@ impl Program {
             slots = slots.max(depth);
         }
         (depth == 1 && slots <= MAX_STACK).then_some(Self { ops, slots })
+    }
+
+    /// The same with `change(op)` in place of each instruction `op`, which must take as many operands.
+    pub(super) fn map(&self, change: impl Fn(Op) -> Op) -> Self {
+        Self {
+            ops: self.ops.iter().copied().map(change).collect(),
+            slots: self.slots,
+        }
     }
 
     /// The radicand of an expression that is a square root.

@@ -68,6 +68,7 @@ impl Algebra for ScalarAlgebra {
             Variable::Gauss => self.k1 * self.k2,
             Variable::Kappa1 => self.k1,
             Variable::Kappa2 => self.k2,
+            Variable::Gradient(_) => f64::NAN,
         })
     }
 
@@ -193,6 +194,7 @@ impl Algebra for JetAlgebra {
             Variable::Gauss => Jet2::gauss(self.k),
             Variable::Kappa1 => self.principal.map_or(Jet2::constant(f64::NAN), |k| k[0]),
             Variable::Kappa2 => self.principal.map_or(Jet2::constant(f64::NAN), |k| k[1]),
+            Variable::Gradient(_) => Jet2::constant(f64::NAN),
         }
     }
 

@@ -82,6 +82,32 @@ fn constants_are_folded() {
     }
 }
 
+/// `gradH2` occurs linearly, with a coefficient that is a number.
+#[test]
+fn other_uses_of_the_gradient_are_refused_at_their_place() {
+    for marked in [
+        "»gradH2^2",
+        "H*»gradH2",
+        "H^2 + 3*»gradH2*gradH2",
+        "gradH2 + sqrt(»gradH2)",
+        "gradH2 - max(1, »gradH2)",
+        "1/»gradH2",
+        "2^»gradH2",
+        "»gradH2^H",
+        "(H+1)*(2-»gradH2)",
+        "K + »gradH2/(H-H)",
+        "»gradH2/0",
+    ] {
+        let text = marked.replace('»', "");
+        let error = Energy::parse(&text, &params()).expect_err(marked);
+        let place = error.syntax().expect("a place");
+        assert_eq!(Some(place.byte), marked.find('»'), "{marked}: {error}");
+        assert!(place.message.contains("gradH2 must be a term"), "{error}");
+    }
+    let reserved = BTreeMap::from([("gradH2".to_owned(), 1.0)]);
+    assert!(Energy::parse("H", &reserved).is_err());
+}
+
 /// The text with `»` where the error is expected, and a part of the message.
 #[test]
 fn errors_point_at_the_character() {
@@ -124,6 +150,7 @@ fn errors_point_at_the_character() {
         ("max(H,»)", "found ')'"),
         ("H + »b", "parameters that have a value (a, n)"),
         ("»h^2", "did you mean H?"),
+        ("»gradH^2", "did you mean gradH2?"),
         ("»k*H", "did you mean K?"),
         ("»K1 + K2", "did you mean k1?"),
         (
@@ -334,7 +361,7 @@ proptest::proptest! {
     #[test]
     fn no_soup_of_tokens_panics(
         tokens in proptest::collection::vec(proptest::sample::select(&[
-            "H", "K", "k1", "k2", "a", "+", "-", "*", "/", "^", "(", ")", ",", "2", "0", "1e3",
+            "H", "K", "k1", "k2", "gradH2", "a", "+", "-", "*", "/", "^", "(", ")", ",", "2", "0", "1e3",
             "sin(", "min(", "log(", "abs(", "²", " ",
         ][..]), 0..24),
         h in -3.0..3.0, k in -3.0..3.0,

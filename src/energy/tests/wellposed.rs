@@ -27,6 +27,12 @@ fn well_posedness_is_that_of_section_8() {
         ("H", saddle, IllPosed),
         ("H^4+K", flat, Degenerate),
         ("sqrt(H)", sphere, Undefined),
+        // of sixth order, whatever the rest
+        ("gradH2", saddle, Strict),
+        ("-H^2+1e-3*gradH2", flat, Strict),
+        ("H^2-1e-3*gradH2", flat, IllPosed),
+        ("H^2-0*gradH2", flat, Strict),
+        ("sqrt(H)+gradH2", sphere, Undefined),
     ] {
         let found = parsed(text).well_posedness(at[0], at[1], 1e-12);
         assert_eq!(found, class, "{text} {at:?}");
