@@ -155,7 +155,7 @@ impl Integrals {
         }
         if let Some(energy) = energy.filter(|energy| energy.gradient() != 0.0) {
             let faces: Vec<FaceId> = topology.faces().collect();
-            let mut variation = MeanVariation::new(topology, &faces, Rule::Twelve);
+            let mut variation = MeanVariation::new(topology, &faces, |_| false, Rule::Twelve);
             given += energy.gradient() * variation.evaluate(control).0;
         }
         let [willmore, total_curvature, gauss_squared, bending] = sums;

@@ -249,6 +249,15 @@ impl<'a> Task<'a> {
             if rim_sets.is_empty() {
                 say(&nothing_to_do(skipped.len()));
             }
+            let unused = self.flow.controls.unused();
+            if !unused.is_empty() && self.flow.schedule.entries.is_empty() {
+                let names: Vec<String> = unused.iter().map(|name| format!("--{name}")).collect();
+                let surface = self.flow.controls.surface.name();
+                say(&format!(
+                    "no effect with --surface {surface}: {}",
+                    names.join(", ")
+                ));
+            }
         }
         let progress = Progress::new(Work::Holes(rim_sets.len()), self.files.options.quiet);
         let options = self.flow.options()?;
@@ -299,7 +308,7 @@ impl<'a> Task<'a> {
         )?;
         let first = filled.mesh.face_count() - filled.faces_added();
         args.picture.save(&filled.mesh, first, creases)?;
-        let holes = hole_reports(filled);
+        let holes = hole_reports(filled, &flow.controls.options()?);
         let failed: Vec<FailedHole> = filled
             .failed
             .iter()

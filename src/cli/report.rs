@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::fill::{Candidate, Filled, GroupSurface, Timings};
+use crate::fill::{Candidate, FillOptions, Filled, GroupSurface, Timings};
 use crate::mesh::{BoundaryLoop, LoadReport, LoopId};
+use crate::options::Choice;
 use crate::solver::End;
 use crate::warning::{Warning, Warnings};
 
@@ -67,6 +68,8 @@ pub struct HoleReport {
     pub part: Option<usize>,
     /// All loops that its patch joins.
     pub loops: Vec<LoopId>,
+    /// Continuity at each of them.
+    pub continuity: Vec<&'static str>,
     /// Edges of the rims.
     pub edges: usize,
     /// Radius: RMS distance of the rim vertices from their mean, the maximum over several rims.
@@ -202,7 +205,7 @@ pub struct TotalTimings {
 }
 
 /// Reports of all filled holes, in order.
-pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
+pub fn hole_reports(filled: &Filled, options: &FillOptions) -> Vec<HoleReport> {
     let mut parts: BTreeMap<LoopId, usize> = BTreeMap::new();
     for hole in &filled.holes {
         *parts.entry(hole.id()).or_default() += 1;
@@ -213,6 +216,11 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
         .holes
         .iter()
         .map(|hole| {
+            let group = hole.group.and_then(|g| filled.groups[g].as_ref().ok());
+            let mut flow = options.flow.clone();
+            flow.surface = group.map_or(flow.surface, |group| group.surface.model.surface);
+            let order = flow.order();
+            let continuity = |id| options.continuity_at(id).under(order);
             let mut report = HoleReport {
                 id: hole.id(),
                 part: parts.get_mut(&hole.id()).map(|number| {
@@ -220,6 +228,7 @@ pub fn hole_reports(filled: &Filled) -> Vec<HoleReport> {
                     *number
                 }),
                 loops: hole.loops.clone(),
+                continuity: hole.loops.iter().map(|&id| continuity(id).name()).collect(),
                 edges: hole.edges,
                 radius: hole.radius,
                 vertices_added: hole.vertices.len(),

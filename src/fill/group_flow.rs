@@ -105,7 +105,7 @@ impl GroupFlow {
     fn resolved(&mut self, context: FillContext<'_>, options: &FillOptions) -> FillOptions {
         let mut resolved = options.clone();
         let mut holes = context.plan.holes_of(self.group);
-        let is_smooth = |l: &BoundaryLoop| options.continuity_at(l.id) == Continuity::G1;
+        let is_smooth = |l: &BoundaryLoop| options.continuity_at(l.id) == Continuity::Auto;
         let is_predictable = |hole: &PlannedHole| {
             let rims = &hole.rims;
             !rims.is_blend() && rims.crease.is_empty() && rims.loops.iter().all(is_smooth)
@@ -193,7 +193,7 @@ impl GroupFlow {
 
     /// Whether a rim is smooth though the flow of the energy is of second order.
     fn has_unfit_rim(&self, context: FillContext<'_>) -> bool {
-        let is_smooth = |l: &BoundaryLoop| self.options.continuity_at(l.id) == Continuity::G1;
+        let is_smooth = |l: &BoundaryLoop| self.options.continuity_at(l.id).is_smooth();
         let mut holes = context.plan.holes_of(self.group);
         self.options.flow.order() == Order::Second
             && holes.any(|hole| hole.rims.loops.iter().any(is_smooth))

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::energy::{Energy, Preset};
+use crate::energy::{Energy, Order, Preset};
 use crate::mesh::LoopId;
 use crate::options::choices;
 use crate::patch::PatchOptions;
@@ -11,20 +11,41 @@ use crate::solver::{FlowOptions, SurfaceModel};
 /// The continuity of a patch and the mesh along a rim.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Continuity {
+    /// `G2` if the flow is of sixth order, otherwise `G1`.
+    #[default]
+    Auto,
     /// Continuous positions: the rim is a crease, and the mesh around it has no influence.
     G0,
-    /// Continuous positions and normals: the surface is smooth across the rim.
-    #[default]
+    /// Continuous positions and normals.
     G1,
+    /// Continuous positions, normals and curvatures. Only flows of sixth order have it.
+    G2,
 }
 
-choices!(Continuity: G1 "g1", G0 "g0");
+choices!(Continuity: Auto "auto", G0 "g0", G1 "g1", G2 "g2");
+
+impl Continuity {
+    /// What it is under a flow of that order.
+    #[must_use]
+    pub fn under(self, order: Order) -> Self {
+        match self {
+            Self::Auto if order == Order::Sixth => Self::G2,
+            Self::Auto => Self::G1,
+            other => other,
+        }
+    }
+
+    /// Whether normals are continuous.
+    pub fn is_smooth(self) -> bool {
+        self != Self::G0
+    }
+}
 
 /// The surface model of a fill.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Surface {
     /// The model that predicts the surroundings of the holes best; see [`Prediction`]. `Energy` for
-    /// blends, fairings and creased rims, and where another energy than `H²` is chosen.
+    /// blends, fairings and rims that are `G0` or `G1`, and where another energy than `H²` is chosen.
     ///
     /// [`Prediction`]: crate::fill::Prediction
     #[default]
@@ -48,6 +69,11 @@ impl Surface {
             Self::Diffusion => Some(SurfaceModel::Diffusion),
             Self::G2 => Some(SurfaceModel::G2),
         }
+    }
+
+    /// Whether energies have an effect.
+    pub fn has_energy(self) -> bool {
+        !matches!(self, Self::Diffusion | Self::G2)
     }
 }
 

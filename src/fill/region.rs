@@ -25,7 +25,7 @@ use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::fill::plan::Domain;
 use crate::fill::sheets;
 use crate::mesh::union_find::{find, unite};
-use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, TopologyError, VertexId, Weld};
+use crate::mesh::{DVec3, FaceId, Mesh, TopologyError, VertexId, Weld};
 use crate::solver::{FlowProblem, SolverError};
 
 /// The flow of a group's vertices from `positions`, those of `topology` (or of a fairing).
@@ -94,6 +94,7 @@ struct Region<'a> {
     positions: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     creases: Vec<u32>,
+    free_curvatures: Vec<u32>,
 }
 
 impl<'a> Region<'a> {
@@ -104,6 +105,7 @@ impl<'a> Region<'a> {
             positions: new_positions.to_vec(),
             triangles: Vec::new(),
             creases: Vec::new(),
+            free_curvatures: Vec::new(),
         }
     }
 
@@ -122,7 +124,7 @@ impl<'a> Region<'a> {
     ) -> Result<FlowProblem, SolverError> {
         let has_support = |hole: &PlannedHole| {
             let mut loops = hole.rims.loops.iter();
-            loops.any(|l| options.continuity_at(l.id) == Continuity::G1)
+            loops.any(|l| options.continuity_at(l.id).is_smooth())
         };
         let mut first = 0;
         for (&h, patch) in group.holes.iter().zip(&topology.holes) {
@@ -193,20 +195,23 @@ impl<'a> Region<'a> {
         first: u32,
         options: &FillOptions,
     ) {
-        let is_creased = |l: &BoundaryLoop| options.continuity_at(l.id) == Continuity::G0;
         let rim = rims.loops.iter();
-        let mut creased: Vec<bool> = rim
-            .flat_map(|l| std::iter::repeat_n(is_creased(l), l.vertices.len()))
+        let mut at: Vec<Continuity> = rim
+            .flat_map(|l| std::iter::repeat_n(options.continuity_at(l.id), l.vertices.len()))
             .collect();
-        rims.crease.iter().for_each(|&v| creased[v] = true);
-        let mut copies: Vec<Option<u32>> = vec![None; creased.len()];
+        rims.crease.iter().for_each(|&v| at[v] = Continuity::G0);
+        let mut copies: Vec<Option<u32>> = vec![None; at.len()];
         for t in &topology.triangles {
             let t = t.map(|v| {
                 let Some(&given) = rims.vertices.get(v as usize) else {
                     return first + (v - rims.vertices.len() as u32);
                 };
-                if !creased[v as usize] {
-                    return self.number(given);
+                if at[v as usize].is_smooth() {
+                    let own = self.number(given);
+                    if at[v as usize] == Continuity::G1 {
+                        self.free_curvatures.push(own);
+                    }
+                    return own;
                 }
                 *copies[v as usize].get_or_insert_with(|| {
                     let copy = self.positions.len() as u32;
@@ -246,6 +251,7 @@ impl<'a> Region<'a> {
         if let Some(triangles) = self.without_zero_edges(&interior)
             && let Ok(problem) = FlowProblem::new(&self.positions, &triangles, &interior, radius)
         {
+            let problem = problem.with_free_curvatures(self.free_curvatures);
             return problem.with_creases(self.creases);
         }
         let problem = match FlowProblem::new(&self.positions, &self.triangles, &interior, radius) {
@@ -255,6 +261,7 @@ impl<'a> Region<'a> {
             }
             problem => problem,
         };
-        problem?.with_creases(self.creases)
+        let problem = problem?.with_free_curvatures(self.free_curvatures);
+        problem.with_creases(self.creases)
     }
 }

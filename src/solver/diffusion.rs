@@ -7,7 +7,8 @@
 //! - order 4: `½∫|h|² + t/(2R²) ∫|∇x|²`, the flow `x_t = −Δ²x` (quasi surface diffusion, Xu, Pan &
 //!   Bajaj 2006);
 //! - order 6: `½∫|∇h|² + t/(2R²) ∫|h|²`, the flow `x_t = Δ³x`. Here h is given on the second ring
-//!   around the moving vertices, so that curvatures continue across the rim.
+//!   around the moving vertices, so that curvatures continue across the rim, apart from parts of it with
+//!   free curvature: edges from there to the second ring are left out.
 //!
 //! t is the tension, R the hole radius. Where the problem has a [`Reference`] of share s with the
 //! curvature vector `h'` (in the metric of the triangles), the flow of order 6 contains `h − s h'`
@@ -209,8 +210,13 @@ impl Squares {
         };
         let is_near = |v: VertexId| ring[v.index()] <= 1;
         if model == SurfaceModel::G2 {
+            let is_free = problem.free_curvature_marks();
             for h in topology.edges() {
                 let ends = [topology.origin(h), topology.target(h)];
+                let is_outside = |v: &VertexId| ring[v.index()] > 1;
+                if ends.iter().any(|v| is_free[v.index()]) && ends.iter().any(is_outside) {
+                    continue;
+                }
                 let known = ends.map(|v| number[v.index()].is_some() || is_crease[v.index()]);
                 if known == [true; 2] && ends.iter().any(|&v| is_near(v)) {
                     out.push(Term::Gradient(h, ends.map(|v| number[v.index()])), problem);

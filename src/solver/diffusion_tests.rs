@@ -337,3 +337,15 @@ fn a_kept_metric_is_that_of_the_start() {
     assert_eq!(rises(&energies(problem.clone())), 1);
     assert_eq!(rises(&energies(problem.keeping_metric())), 0);
 }
+
+/// With a free curvature at the rim, that of the surroundings has no influence.
+#[test]
+fn a_rim_with_free_curvature_continues_normals_only() {
+    use crate::solver::test_surfaces::distance_from_paraboloid;
+    let mut options = options(SurfaceModel::G2);
+    options.tau = crate::solver::Tau::Fixed(1e9);
+    options.max_steps = 20;
+    let [free, given] = [true, false].map(|is| distance_from_paraboloid(options.clone(), is));
+    assert!(free < 1e-6, "{free:e}");
+    assert!(given > 0.01, "{given:e}");
+}

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use crate::energy::{Energy, Jet2};
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, FaceId};
 use crate::solver::FlowProblem;
 use crate::solver::assembly::EnergySum;
 use crate::solver::forms::{mean_variation, variation};
@@ -30,7 +30,7 @@ use crate::surface::{MeanVariation, PointGeometry};
 /// Elements of one task.
 const TASK: usize = 64;
 
-/// The term over the active faces of a problem.
+/// The term over the active faces of a problem, without those beyond a rim with free curvature.
 pub struct GradientTerm {
     surface: MeanVariation,
     /// c.
@@ -70,8 +70,15 @@ impl GradientTerm {
     /// The term of an energy over the active faces of a problem, by `rule`; `None` if the energy has no
     /// such term.
     pub fn of(problem: &FlowProblem, energy: &Energy, rule: Rule) -> Option<Self> {
-        (energy.gradient() != 0.0).then(|| Self {
-            surface: MeanVariation::new(problem.topology(), problem.active_faces(), rule),
+        if energy.gradient() == 0.0 {
+            return None;
+        }
+        let is_free = problem.free_curvature_marks();
+        let is_beyond = |f: FaceId| problem.is_beyond_free_curvature(&is_free, f);
+        let active = problem.active_faces().iter().copied();
+        let faces: Vec<FaceId> = active.filter(|&f| !is_beyond(f)).collect();
+        Some(Self {
+            surface: MeanVariation::new(problem.topology(), &faces, is_beyond, rule),
             weight: energy.gradient(),
             dual: vec![[0.0; 2]; problem.positions().len()],
             matrix: None,

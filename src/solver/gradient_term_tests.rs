@@ -2,7 +2,7 @@ use super::*;
 use crate::linear::{Cholesky, CholeskySymbolic};
 use crate::solver::assembly::{Assembler, MatrixForm};
 use crate::solver::evaluator::Evaluator;
-use crate::solver::test_surfaces::{bumps, energy, lattice, raised};
+use crate::solver::test_surfaces::{bumps, distance_from_paraboloid, energy, lattice, raised};
 use crate::solver::{End, Flow, FlowOptions};
 
 const RULE: Rule = Rule::Three;
@@ -167,4 +167,15 @@ fn cubic_polynomials_of_small_height_are_restored() {
         .map(|(p, q)| p.distance(*q))
         .fold(0.0, f64::max);
     assert!(error < 1e-3 * size, "{error:e}");
+}
+
+/// With a free curvature at the rim, that of the surroundings has no influence.
+#[test]
+fn a_rim_with_free_curvature_continues_normals_only() {
+    let mut options = FlowOptions::new(energy("gradH2"));
+    options.tau = crate::solver::Tau::Fixed(1e9);
+    options.max_steps = 20;
+    let [free, given] = [true, false].map(|is| distance_from_paraboloid(options.clone(), is));
+    assert!(free < 1e-3, "{free:e}");
+    assert!(given > 0.01, "{given:e}");
 }

@@ -101,12 +101,12 @@ impl FlowOptions {
         }
     }
 
-    /// Order of the flow without tension: that of the energy, at least four for the other surface
-    /// models.
+    /// Order of the flow without tension.
     pub fn order(&self) -> Order {
         match self.surface {
             SurfaceModel::Energy => self.energy.order(),
-            SurfaceModel::Diffusion | SurfaceModel::G2 => Order::Fourth,
+            SurfaceModel::Diffusion => Order::Fourth,
+            SurfaceModel::G2 => Order::Sixth,
         }
     }
 

@@ -38,6 +38,7 @@ pub struct FlowProblem {
     interior: Vec<u32>,
     radius: f64,
     creases: Vec<u32>,
+    free_curvatures: Vec<u32>,
     interpolation: Option<Arc<Interpolation>>,
     references: Arc<[Reference]>,
     keeps_metric: bool,
@@ -91,6 +92,7 @@ impl FlowProblem {
             interior: interior.to_vec(),
             radius,
             creases: Vec::new(),
+            free_curvatures: Vec::new(),
             interpolation: None,
             references: Arc::default(),
             keeps_metric: false,
@@ -107,6 +109,7 @@ impl FlowProblem {
         let mut part = Self::new(&world, &triangles, vertices, self.radius)?;
         // the same origin, so that positions of both can be exchanged
         (part.centre, part.positions) = (self.centre, self.positions.clone());
+        part.free_curvatures.clone_from(&self.free_curvatures);
         part.with_creases(self.creases.clone())
     }
 
@@ -125,6 +128,26 @@ impl FlowProblem {
         Ok(self)
     }
 
+    /// The same problem with vertices of ring 1 across which flows of sixth order continue normals only
+    /// (G1): the curvature there is free.
+    #[must_use]
+    pub fn with_free_curvatures(mut self, vertices: Vec<u32>) -> Self {
+        self.free_curvatures = vertices;
+        self
+    }
+
+    /// For each vertex whether the surface has a free curvature there.
+    pub fn free_curvature_marks(&self) -> Vec<bool> {
+        self.marks(&self.free_curvatures)
+    }
+
+    /// Whether a face lies outside a part of the rim with free curvature: it has a vertex there and one
+    /// of ring 2 or more.
+    pub(super) fn is_beyond_free_curvature(&self, free: &[bool], face: FaceId) -> bool {
+        let corners = self.topology().face_vertices(face).map(VertexId::index);
+        corners.iter().any(|&v| free[v]) && corners.iter().any(|&v| self.ring[v] > 1)
+    }
+
     /// Vertices at which the surface ends in a crease.
     pub fn creases(&self) -> &[u32] {
         &self.creases
@@ -132,8 +155,12 @@ impl FlowProblem {
 
     /// For each vertex whether it is one of [`Self::creases`].
     pub fn crease_marks(&self) -> Vec<bool> {
+        self.marks(&self.creases)
+    }
+
+    fn marks(&self, vertices: &[u32]) -> Vec<bool> {
         let mut marks = vec![false; self.positions.len()];
-        for &v in &self.creases {
+        for &v in vertices {
             marks[v as usize] = true;
         }
         marks

@@ -35,8 +35,14 @@ pub struct MeanVariation {
 pub type Stiffness = [f64; 3];
 
 impl MeanVariation {
-    /// For the integral over `faces`. The projection uses all faces at their corners.
-    pub fn new(topology: &Topology, faces: &[FaceId], rule: Rule) -> Self {
+    /// For the integral over `faces`. The projection uses the faces at their corners that are not
+    /// `excluded`.
+    pub fn new(
+        topology: &Topology,
+        faces: &[FaceId],
+        excluded: impl Fn(FaceId) -> bool,
+        rule: Rule,
+    ) -> Self {
         let mut is_corner = vec![false; topology.vertex_count()];
         for v in faces.iter().flat_map(|&f| topology.face_vertices(f)) {
             is_corner[v.index()] = true;
@@ -45,7 +51,8 @@ impl MeanVariation {
             let corners = topology.face_vertices(*f);
             corners.iter().any(|v| is_corner[v.index()])
         };
-        let around: Vec<FaceId> = topology.faces().filter(touches).collect();
+        let around = topology.faces().filter(touches);
+        let around: Vec<FaceId> = around.filter(|&f| !excluded(f)).collect();
         let mut wanted = vec![false; topology.face_count()];
         for f in faces {
             wanted[f.index()] = true;
@@ -180,7 +187,7 @@ mod tests {
     fn value(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
         let topology = Topology::from_triangles(points.len(), triangles).expect("a surface");
         let faces: Vec<FaceId> = topology.faces().collect();
-        let mut variation = MeanVariation::new(&topology, &faces, Rule::Twelve);
+        let mut variation = MeanVariation::new(&topology, &faces, |_| false, Rule::Twelve);
         let (value, regular) = variation.evaluate(points);
         assert!(regular);
         value
@@ -255,7 +262,7 @@ mod tests {
             };
             let faces: Vec<FaceId> = topology.faces().filter(is_inside).collect();
             assert!(faces.len() > 60);
-            let mut variation = MeanVariation::new(&topology, &faces, Rule::Three);
+            let mut variation = MeanVariation::new(&topology, &faces, |_| false, Rule::Three);
             let (value, _) = variation.evaluate(&points);
             assert!(value < 1e-12, "{radius}: {value:e}");
         }

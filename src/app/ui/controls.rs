@@ -23,6 +23,9 @@ pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>)
             ui.separator();
         }
         ui.heading("Energy");
+        if model.view.task != Task::Refine && !model.document.controls.surface.has_energy() {
+            ui.weak("not used by this surface model");
+        }
         if model.view.task == Task::Refine && model.view.refining.controls.energy.is_none() {
             ui.weak("adapted to the edge length of the mesh, see the task on the left");
         } else {
@@ -43,7 +46,7 @@ pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>)
         ui.separator();
         if ui
             .button("Defaults")
-            .on_hover_text("automatic surface model, H^2, normal flow, automatic time step, density of the rim, G1")
+            .on_hover_text("automatic surface model, H^2, normal flow, automatic time step, density of the rim, automatic continuity")
             .clicked()
         {
             let defaults = window_controls();
@@ -214,6 +217,22 @@ fn islands_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     }
 }
 
+/// The choices at a rim.
+const CONTINUITIES: [(Continuity, &str, &str); 4] = [
+    (
+        Continuity::Auto,
+        "auto",
+        "G2 with the surface model g2 or an energy with gradH2, otherwise G1",
+    ),
+    (Continuity::G0, "G0", "the rim is a crease"),
+    (Continuity::G1, "G1", "normals continue across the rim"),
+    (
+        Continuity::G2,
+        "G2",
+        "curvatures continue across the rim: needs the surface model g2 or an energy with gradH2",
+    ),
+];
+
 fn patch_ui(
     ui: &mut Ui,
     model: &Model,
@@ -250,15 +269,7 @@ fn patch_ui(
     if refining {
         return;
     }
-    let choices = [
-        (
-            Continuity::G1,
-            "G1 smooth",
-            "normals are continuous across the rim",
-        ),
-        (Continuity::G0, "G0 crease", "the rim is a crease"),
-    ];
-    choice(ui, "At the rim", &mut next.continuity, choices);
+    choice(ui, "At the rim", &mut next.continuity, CONTINUITIES);
     let mut continues = next.features == Features::Auto;
     let sharp = egui::Checkbox::new(&mut continues, "Continue sharp edges");
     let tip = "where the sharp edges that end at a hole lead to each other or to a corner, the patch gets \
@@ -305,8 +316,10 @@ fn patch_ui(
                     ui.label(RichText::new(format!("loop {}", l.id)));
                     let mut own = next.continuity_at(l.id);
                     let before = own;
-                    ui.selectable_value(&mut own, Continuity::G1, "G1");
-                    ui.selectable_value(&mut own, Continuity::G0, "G0");
+                    for (value, name, tip) in CONTINUITIES {
+                        ui.selectable_value(&mut own, value, name)
+                            .on_hover_text(tip);
+                    }
                     if own != before {
                         if own == next.continuity {
                             next.loop_continuity.remove(&l.id);

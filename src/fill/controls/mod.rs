@@ -8,12 +8,12 @@ mod tests;
 
 use std::collections::BTreeMap;
 
-use crate::energy::{Energy, ExprError};
+use crate::energy::{Energy, ExprError, Order};
 use crate::fill::options::{Continuity, Features, FillOptions, PatchTexture, Surface, Symmetry};
 use crate::mesh::LoopId;
-use crate::options::{choices, options, text_keys};
+use crate::options::{Options, choices, options, text_keys};
 use crate::patch::PatchOptions;
-use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, SolverError, Tau};
+use crate::solver::{FlowOptions, LinearSolver, Mode, Scheme, SolverError, SurfaceModel, Tau};
 
 pub use limits::LoopLimits;
 
@@ -77,11 +77,12 @@ options! {
         noise("A"): f64 = 0.0,
         /// Density of the patch relative to the rim: 2 halves the edge length.
         density("F"): f64 = 1.0,
-        /// Continuity at the rims: `g1` for continuous normals, `g0` for a crease.
+        /// Continuity at the rims: `g0` for a crease, `g1` for continuous normals, `g2` for continuous
+        /// curvatures (surface model `g2` or energy with gradH2), `auto` for the most of the surface model.
         continuity: Continuity = Continuity::default(),
         /// Continuity at one loop, by its number (repeatable).
         #[serde(alias = "loop_continuity", deserialize_with = "text_keys")]
-        loop_continuity("LOOP=g0|g1"): BTreeMap<LoopId, Continuity> = BTreeMap::new(),
+        loop_continuity("LOOP=auto|g0|g1|g2"): BTreeMap<LoopId, Continuity> = BTreeMap::new(),
         /// Put the faces of each patch into a group, such as `patch_1`: groups of OBJ, or the
         /// property `patch` of the faces of PLY, which is 0 elsewhere.
         label_patches: bool = false,
@@ -91,6 +92,9 @@ options! {
         patch_texture: PatchTexture = PatchTexture::default(),
     }
 }
+
+/// The options that only the surface model `energy` uses.
+const OF_ENERGY: [&str; 6] = ["energy", "param", "scheme", "linear", "relaxation", "bulge"];
 
 /// Invalid options.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -108,6 +112,9 @@ pub enum ControlsError {
     /// The noise is not a non-negative number.
     #[error("noise must be a non-negative number of edge lengths, not {0}")]
     Noise(f64),
+    /// A rim is `G2`, but the flow is not of sixth order.
+    #[error("continuity g2 needs the surface model g2 or an energy with gradH2")]
+    Curvature,
 }
 
 impl ControlsError {
@@ -133,7 +140,11 @@ impl Controls {
             return Err(ControlsError::Noise(self.noise));
         }
         let mut flow = FlowOptions::new(Energy::parse(&self.energy, &self.param)?);
-        flow.surface = self.surface.model().unwrap_or_default();
+        flow.surface = match self.surface.model() {
+            Some(model) => model,
+            None if self.is_plain() && self.has_g2_rim() => SurfaceModel::G2,
+            None => SurfaceModel::default(),
+        };
         flow.scheme = self.scheme;
         flow.mode = self.mode;
         flow.linear = match self.linear {
@@ -147,6 +158,9 @@ impl Controls {
         flow.relaxation = self.relaxation;
         flow.max_steps = self.steps;
         flow.validate()?;
+        if self.has_g2_rim() && flow.order() != Order::Sixth {
+            return Err(ControlsError::Curvature);
+        }
         Ok(FillOptions {
             patch: PatchOptions {
                 density: self.density,
@@ -163,9 +177,37 @@ impl Controls {
         })
     }
 
-    /// Whether the surface model is to be predicted: `auto`, and no option of the model `energy` is
-    /// set.
+    /// Whether the surface model is to be predicted: `auto`, no option of the model `energy` is set, and
+    /// no rim has to be `G2`.
     pub fn predicts_surface(&self) -> bool {
+        self.surface == Surface::Auto && self.is_plain() && !self.has_g2_rim()
+    }
+
+    fn has_g2_rim(&self) -> bool {
+        let own = self.loop_continuity.values();
+        std::iter::once(&self.continuity)
+            .chain(own)
+            .any(|c| *c == Continuity::G2)
+    }
+
+    /// Names of the options that are set but have no effect with the surface model.
+    pub fn unused(&self) -> Vec<String> {
+        if self.surface.has_energy() {
+            return Vec::new();
+        }
+        let set = Self::default()
+            .difference(self)
+            .into_iter()
+            .map(|(name, _)| name);
+        let mut names: Vec<String> = set
+            .filter(|name| OF_ENERGY.contains(&name.as_str()))
+            .collect();
+        names.dedup();
+        names
+    }
+
+    /// Whether no option is set that only the model `energy` has, and no tension.
+    fn is_plain(&self) -> bool {
         let default = Self::default();
         let parts = |c: &Self| {
             (
@@ -176,7 +218,7 @@ impl Controls {
                 c.bulge,
             )
         };
-        self.surface == Surface::Auto && parts(self) == parts(&default)
+        parts(self) == parts(&default)
     }
 
     /// How the patch of a loop joins its rim.

@@ -96,3 +96,58 @@ fixed = 0.25
     assert!(written.contains("loop-continuity") && written.contains("\"g0\""));
     assert_eq!(toml::from_str::<Controls>(&written), Ok(wanted));
 }
+
+/// A rim can be G2 only under a flow of sixth order, which `auto` then is.
+#[test]
+fn continuous_curvatures_need_a_flow_of_sixth_order() {
+    let with = |surface, energy: &str| Controls {
+        surface,
+        energy: energy.into(),
+        loop_continuity: [(3.into(), Continuity::G2)].into(),
+        ..Controls::default()
+    };
+    for (surface, energy, model) in [
+        (Surface::Auto, "H^2", Some(SurfaceModel::G2)),
+        (Surface::G2, "H^2", Some(SurfaceModel::G2)),
+        (Surface::Auto, "K^2", None),
+        (Surface::Energy, "H^2", None),
+        (Surface::Diffusion, "gradH2", None),
+        (Surface::Energy, "H^2+gradH2", Some(SurfaceModel::Energy)),
+        (Surface::Auto, "gradH2", Some(SurfaceModel::Energy)),
+    ] {
+        let controls = with(surface, energy);
+        assert!(!controls.predicts_surface());
+        let found = controls.options().map(|options| options.flow.surface);
+        match model {
+            Some(model) => assert_eq!(found.expect("valid"), model, "{surface:?} {energy}"),
+            None => assert!(
+                matches!(found, Err(ControlsError::Curvature)),
+                "{surface:?}"
+            ),
+        }
+    }
+    for (continuity, order, found) in [
+        (Continuity::Auto, Order::Sixth, Continuity::G2),
+        (Continuity::Auto, Order::Fourth, Continuity::G1),
+        (Continuity::G1, Order::Sixth, Continuity::G1),
+        (Continuity::G0, Order::Sixth, Continuity::G0),
+    ] {
+        assert_eq!(continuity.under(order), found);
+    }
+}
+
+#[test]
+fn options_that_a_surface_model_does_not_use_are_named() {
+    let mut controls = Controls {
+        energy: "a*K".into(),
+        param: [("a".into(), 1.0), ("b".into(), 1.0)].into(),
+        tension: 3.0,
+        bulge: 0.5,
+        ..Controls::default()
+    };
+    assert!(controls.unused().is_empty());
+    controls.surface = Surface::G2;
+    assert_eq!(controls.unused(), ["energy", "param", "bulge"]);
+    controls.surface = Surface::Energy;
+    assert!(controls.unused().is_empty());
+}
