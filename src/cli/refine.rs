@@ -11,6 +11,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::analysis::{Distances, distances};
+use crate::cli::UsageError;
 use crate::cli::creases::CreaseArguments;
 use crate::cli::flow::{MeshFiles, schedule, write_text};
 use crate::cli::hints::{invalid_energy, print_warnings};
@@ -121,6 +122,8 @@ pub fn refine(args: &RefineArguments) -> Result<()> {
     )?;
     let energy = args.controls.0.given_energy();
     energy.map_err(|e| invalid_energy(&e))?;
+    let checked = args.controls.0.check();
+    checked.map_err(|e| UsageError(e.to_string()))?;
     let creases = args.creases.chains()?;
     let schedule = match &args.schedule {
         Some(path) => schedule(path, &args.controls.0)?,

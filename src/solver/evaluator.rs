@@ -61,13 +61,12 @@ impl Evaluator {
     ) -> Result<Self, SolverError> {
         let elements = |rule| problem.discretization().elements(rule);
         let mut gradient_term = GradientTerm::of(problem, energy, rule);
-        let (unknowns, scatter) = match &mut gradient_term {
-            Some(term) => term.dissected(problem, rule),
-            None => {
-                let (unknowns, scatter) =
-                    Unknowns::dissected(elements(rule), problem.positions(), problem.moving());
-                (Arc::new(unknowns), Arc::new(scatter))
-            }
+        let (unknowns, scatter) = if let Some(term) = &mut gradient_term {
+            term.dissected(problem, rule)
+        } else {
+            let (unknowns, scatter) =
+                Unknowns::dissected(elements(rule), problem.positions(), problem.moving());
+            (Arc::new(unknowns), Arc::new(scatter))
         };
         let constraints = Constraints::of(problem, &unknowns, &scatter.pattern);
         let assembler = Assembler::new(elements(rule), rule, Arc::clone(&unknowns));
@@ -220,11 +219,22 @@ impl Evaluator {
             values,
         );
         if let Some(term) = &mut self.gradient_term {
-            term.evaluate(&self.state.positions);
+            let unknowns = self.assembler.unknowns();
+            let mut gradient = vec![DVec3::ZERO; unknowns.len()];
+            term.add_gradient(&self.state.positions, unknowns, &mut gradient);
             term.add_matrix(normals, values);
         }
         if let Some(constraints) = &mut self.constraints {
             constraints.add_to_matrix(normals, values);
+        }
+    }
+
+    /// Adapts the matrix to the outcome of a step with it: stiffer if the step did not lower the energy.
+    pub fn learn(&mut self, lowered: bool) {
+        match &mut self.gradient_term {
+            Some(term) if lowered => term.soften(),
+            Some(term) => term.stiffen(),
+            None => {}
         }
     }
 

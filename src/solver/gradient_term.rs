@@ -22,7 +22,7 @@ use crate::mesh::{DVec3, FaceId};
 use crate::solver::FlowProblem;
 use crate::solver::assembly::EnergySum;
 use crate::solver::forms::{mean_variation, variation};
-use crate::solver::sparsity::{IndexLists, SymmetricScatter};
+use crate::solver::sparsity::{IndexLists, SymmetricScatter, packed};
 use crate::solver::unknowns::Unknowns;
 use crate::subdivision::Rule;
 use crate::surface::{MeanVariation, PointGeometry};
@@ -30,13 +30,19 @@ use crate::surface::{MeanVariation, PointGeometry};
 /// Elements of one task.
 const TASK: usize = 64;
 
-/// The term over the active faces of a problem, without those beyond a rim with free curvature.
+/// The first ring whose projected mean curvatures do not depend on moving vertices.
+const FIXED_RING: u8 = 3;
+
+/// The term over the faces of a problem with a vertex inside the [`FIXED_RING`], without those beyond a
+/// rim with free curvature.
 pub struct GradientTerm {
     surface: MeanVariation,
     /// c.
     weight: f64,
     /// `y_v/m_v` and `H_v y_v/m_v` by vertex.
     dual: Vec<[f64; 2]>,
+    /// Factor of the membrane term of the matrix.
+    stiffening: f64,
     matrix: Option<MatrixPart>,
 }
 
@@ -62,27 +68,50 @@ struct Rows {
     edge_of: Vec<[u32; 3]>,
     /// For each edge, for each item of its two rows, the place in the list of the edge.
     merged: IndexLists,
+    /// For each edge, the places of its ends in its list; [`NOWHERE`] for fixed ends.
+    ends: Vec<[u32; 2]>,
 }
 
 const NOWHERE: u32 = u32::MAX;
 
 impl GradientTerm {
-    /// The term of an energy over the active faces of a problem, by `rule`; `None` if the energy has no
-    /// such term.
+    /// The term of an energy, by `rule`; `None` if the energy has no such term.
     pub fn of(problem: &FlowProblem, energy: &Energy, rule: Rule) -> Option<Self> {
         if energy.gradient() == 0.0 {
             return None;
         }
+        let (topology, ring) = (problem.topology(), problem.ring());
+        let rings = |f: FaceId| topology.face_vertices(f).map(|v| ring[v.index()]);
         let is_free = problem.free_curvature_marks();
-        let is_beyond = |f: FaceId| problem.is_beyond_free_curvature(&is_free, f);
-        let active = problem.active_faces().iter().copied();
-        let faces: Vec<FaceId> = active.filter(|&f| !is_beyond(f)).collect();
+        // farther out the region ends
+        let is_excluded = |f: FaceId| {
+            rings(f).iter().any(|&r| r > FIXED_RING)
+                || problem.is_beyond_free_curvature(&is_free, f)
+        };
+        let is_moved = |f: &FaceId| rings(*f).iter().any(|&r| r < FIXED_RING);
+        let faces = topology.faces().filter(|f| is_moved(f) && !is_excluded(*f));
+        let faces: Vec<FaceId> = faces.collect();
         Some(Self {
-            surface: MeanVariation::new(problem.topology(), &faces, is_beyond, rule),
+            surface: MeanVariation::new(topology, &faces, is_excluded, rule),
             weight: energy.gradient(),
             dual: vec![[0.0; 2]; problem.positions().len()],
+            stiffening: 0.0,
             matrix: None,
         })
+    }
+
+    /// Makes the membrane term of the matrix stronger after a step that does not lower the energy.
+    pub fn stiffen(&mut self) {
+        self.stiffening = (4.0 * self.stiffening).clamp(1.0, 256.0);
+    }
+
+    /// Makes it weaker again after one that does.
+    pub fn soften(&mut self) {
+        self.stiffening = if self.stiffening > 1.0 {
+            0.5 * self.stiffening
+        } else {
+            0.0
+        };
     }
 
     /// The unknowns and the sparsity of a matrix with this term and the elements of the problem by
@@ -225,7 +254,7 @@ impl GradientTerm {
         }
     }
 
-    /// Adds the matrix at the point of the last evaluation, for displacements along `normals`, one
+    /// Adds the matrix at the point of the last gradient, for displacements along `normals`, one
     /// for each unknown. Adds nothing if the coefficient is negative.
     ///
     /// # Panics
@@ -238,6 +267,7 @@ impl GradientTerm {
         let (rows, surface) = (&part.rows, &self.surface);
         let mut derivatives = vec![0.0; rows.vertices.items.len()];
         let mut stiffness = vec![0.0; rows.edges.len()];
+        let mut bend = vec![0.0; self.dual.len()];
         let mut along = Vec::new();
         let mut at_place = 0;
         let unit = 0.5 * surface.rule().weight();
@@ -270,6 +300,10 @@ impl GradientTerm {
                     unit * p.sqrt_g * value * normal.dot(p.normal)
                 }));
                 let hats = [1.0 - v - w, v, w];
+                let square = 4.0 * p.mean * p.mean - 2.0 * p.gauss;
+                for (corner, hat) in surface.corners(e).into_iter().zip(hats) {
+                    bend[corner as usize] += hat * unit * p.sqrt_g * square.max(0.0).sqrt();
+                }
                 for (own, hat) in places.chunks_exact(vertices.len()).zip(hats) {
                     for (&place, value) in own.iter().zip(&along) {
                         if place != NOWHERE {
@@ -280,6 +314,13 @@ impl GradientTerm {
             }
         }
         part.add_edges(surface, &derivatives, &stiffness, 2.0 * self.weight, values);
+        if self.stiffening > 0.0 {
+            let of = |v: u32| {
+                let (mass, _) = surface.at(v);
+                self.stiffening * self.dual[v as usize][0].abs() * bend[v as usize] / mass
+            };
+            part.add_membrane(of, values);
+        }
     }
 }
 
@@ -315,6 +356,28 @@ impl MatrixPart {
                     values[slot as usize] += factor * stiff * a * b;
                 }
             }
+        }
+    }
+}
+
+impl MatrixPart {
+    /// Adds `Σ k (d_v − d_w)²` over the edges `vw` for displacements d, k the larger of `weight` at
+    /// both ends.
+    fn add_membrane(&self, weight: impl Fn(u32) -> f64, values: &mut [f64]) {
+        let rows = &self.rows;
+        for (k, (edge, places)) in rows.edges.iter().zip(&rows.ends).enumerate() {
+            let [a, b] = edge.map(&weight);
+            let stiff = a.max(b);
+            let slots = self.scatter.slots(self.first_list + k);
+            let mut add = |i: u32, j: u32, value: f64| {
+                if i != NOWHERE && j != NOWHERE {
+                    values[slots[packed(i as usize, j as usize)] as usize] += value;
+                }
+            };
+            let [i, j] = *places;
+            add(i, i, stiff);
+            add(j, j, stiff);
+            add(i, j, -stiff);
         }
     }
 }
@@ -370,6 +433,7 @@ impl Rows {
             places,
             edges: Vec::new(),
             edge_of: vec![[NOWHERE; 3]; elements.len()],
+            ends: Vec::new(),
             merged: IndexLists {
                 start: vec![0],
                 items: Vec::new(),
@@ -404,6 +468,12 @@ impl Rows {
                 self.merged.items.push(place as u32);
             }
         }
+        let list = &lists.items[begin..];
+        self.ends.push(edge.map(|v| {
+            let own = unknowns.of_vertex[v as usize];
+            let place = list.iter().position(|&u| u == own);
+            place.map_or(NOWHERE, |place| place as u32)
+        }));
         lists.start.push(lists.items.len() as u32);
         self.merged.start.push(self.merged.items.len() as u32);
         self.edges.push(edge);

@@ -136,6 +136,7 @@ impl NormalFlow {
         let longest = match self.try_step(request.next_tau, may_freeze) {
             Ok(longest) => longest,
             Err(reason) => {
+                self.evaluator.learn(false);
                 return Attempt {
                     // retry the same τ if the other vertices can move without those at a fold
                     needs_refactorization: reason == RejectReason::Fold && self.freeze_marked(),
@@ -143,6 +144,7 @@ impl NormalFlow {
                 };
             }
         };
+        self.evaluator.learn(true);
         if may_freeze {
             let mut memory = Lbfgs::new();
             self.remember(&mut memory);

@@ -2,7 +2,7 @@
 //!
 //! The limit surface has no third derivatives across edges and no curvature at irregular vertices,
 //! so its mean curvature is first projected to a continuous piecewise linear function `H_h`: its
-//! value at a vertex v is the average of H around v, weighted with the hat function ψ_v (L2
+//! value at a vertex v is the average of H around v, weighted with the hat function `ψ_v` (L2
 //! projection with lumped mass). The integral is that of `|∇H_h|²` in the metric of the limit
 //! surface.
 

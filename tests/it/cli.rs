@@ -862,3 +862,112 @@ fn a_given_energy_selects_the_surface_model_energy() {
         );
     }
 }
+
+#[test]
+fn each_rim_has_its_continuity() {
+    let desk = Desk::with_sample("three-y");
+    let blend = |arguments: &[&str]| {
+        let blend = [
+            "blend",
+            "in.obj",
+            "-o",
+            "out.obj",
+            "--report",
+            "report.json",
+        ];
+        desk.runs(&[&blend, arguments].concat());
+        let hole = desk.json("report.json")["holes"][0].clone();
+        (
+            hole["loops"].clone(),
+            hole["continuity"].clone(),
+            desk.bytes("out.obj"),
+        )
+    };
+    let (loops, continuity, all) = blend(&["--surface", "g2"]);
+    assert_eq!(continuity, serde_json::json!(["g2", "g2", "g2"]));
+    let [first, second] = [0, 1].map(|i| format!("{}=g{}", loops[i], 1 - i));
+    let each = ["--loop-continuity", &first, "--loop-continuity", &second];
+    let (_, mixed, other) = blend(&[&["--surface", "g2"], &each[..]].concat());
+    assert_eq!(mixed, serde_json::json!(["g1", "g0", "g2"]));
+    assert_ne!(all, other);
+    let (_, of_energy, _) = blend(&["--energy", "gradH2", "--loop-continuity", &first]);
+    assert_eq!(of_energy, serde_json::json!(["g1", "g2", "g2"]));
+    let (_, plain, _) = blend(&[]);
+    assert_eq!(plain, serde_json::json!(["g1", "g1", "g1"]));
+    for model in [&["--surface", "diffusion"][..], &["--energy", "H^2"]] {
+        let words = [
+            &["blend", "in.obj", "-o", "out.obj", "--continuity", "g2"],
+            model,
+        ]
+        .concat();
+        let text = desk.fails(2, &words);
+        assert!(text.contains("continuity g2 needs"), "{text}");
+    }
+}
+
+#[test]
+fn the_gradient_of_the_mean_curvature_is_an_energy() {
+    let desk = Desk::with_sample("saddle");
+    let fill = ["fill", "in.obj", "-o", "out.obj"];
+    let words = [
+        "--energy",
+        "H^2 + c*gradH2",
+        "--param",
+        "c=0.02",
+        "--report",
+        "report.json",
+    ];
+    desk.runs(&[&fill[..], &words].concat());
+    let hole = desk.json("report.json")["holes"][0].clone();
+    assert_eq!(hole["surface"]["surface"], "energy");
+    assert_eq!(
+        (&hole["converged"], &hole["continuity"][0]),
+        (&true.into(), &"g2".into())
+    );
+    let ill_posed = ["--energy", "0-gradH2", "--steps", "3"];
+    let ill_posed = desk.run(&[&fill[..], &ill_posed].concat());
+    assert!(
+        ill_posed.stderr.contains("ill-posed"),
+        "{}",
+        ill_posed.stderr
+    );
+    let nonlinear = desk.fails(2, &[&fill[..], &["--energy", "H*gradH2"]].concat());
+    assert!(nonlinear.contains("    ^^^^^^\n"), "{nonlinear}");
+    let mixed = ["--energy", "gradH2", "--scheme", "mixed"];
+    let mixed = desk.fails(2, &[&fill[..], &mixed].concat());
+    assert!(mixed.contains("scheme `normal`"), "{mixed}");
+    let refine = desk.fails(
+        2,
+        &["refine", "in.obj", "-o", "out.obj", "--energy", "gradH2"],
+    );
+    assert!(refine.contains("without gradH2"), "{refine}");
+    let text = desk
+        .run(&["analyze", "out.obj", "--energy", "gradH2", "--json"])
+        .ends(0)
+        .stdout;
+    let report: Value = serde_json::from_str(&text).expect("JSON");
+    assert!(
+        report["shape"]["energies"]["given"]
+            .as_f64()
+            .is_some_and(|e| e > 0.0),
+        "{text}"
+    );
+}
+
+#[test]
+fn options_that_the_surface_model_does_not_use_are_named() {
+    let desk = Desk::with_sample("sphere");
+    let fill = ["fill", "in.obj", "-o", "out.obj", "--surface", "g2"];
+    let given = desk
+        .run(&[&fill[..], &["--energy", "K", "--tension", "1"]].concat())
+        .ends(0);
+    assert!(
+        given
+            .stderr
+            .contains("no effect with --surface g2: --energy\n"),
+        "{}",
+        given.stderr
+    );
+    let plain = desk.run(&fill).ends(0);
+    assert!(!plain.stderr.contains("no effect"), "{}", plain.stderr);
+}

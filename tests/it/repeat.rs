@@ -90,6 +90,12 @@ fn the_copied_command_gives_the_same_file() {
     act(&mut m, RunAction::Scrub(Some(6)));
     act(&mut m, RunAction::ContinueFromShown);
     until(&mut m, "states after the rewind", |m| states(m) > 16);
+    act(
+        &mut m,
+        ControlsAction::EnergyText("H^2 + 0.02*gradH2".into()),
+    );
+    act(&mut m, ControlsAction::ApplyEnergy);
+    until(&mut m, "states of sixth order", |m| states(m) > 18);
     act(&mut m, RunAction::Finish);
     until(&mut m, "the end", ended);
     act(&mut m, RunAction::Accept(0));

@@ -10,6 +10,7 @@ use eframe::egui::{self, Key, Modifiers, Pos2, Role, Theme};
 use egui_kittest::kittest::{By, NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
 use meniscus::app::{App, Autosave, ControlsAction, Document, Model, Run, Settings, Source, act};
+use meniscus::fill::{Continuity, Surface};
 use meniscus::io;
 use meniscus::mesh::{DVec3, LoopId, Soup};
 use meniscus::render::{Bounds, Camera, Material};
@@ -184,6 +185,38 @@ fn hovered_rows_are_highlighted_in_the_view() {
             assert!(hovered(&harness).is_empty(), "{row}");
         }
     }
+}
+
+/// A typed energy with `gradH2` runs and is scrubbed; each rim has its own continuity under it.
+#[test]
+fn an_energy_of_sixth_order_runs_with_a_continuity_at_each_rim() {
+    let mut harness = window_of([1280.0, 1000.0], true);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(2);
+    let model = &mut harness.state_mut().model;
+    act(model, ControlsAction::EnergyText("H^2 + 0.1*gradH2".into()));
+    act(model, ControlsAction::ApplyEnergy);
+    harness.run_steps(3);
+    harness.get_by_label("Each rim").click();
+    harness.run_steps(20);
+    // the choices of all rims stand above those of each
+    let of_first = harness.get_all_by_label("G1").nth(1).expect("of the first");
+    of_first.click();
+    harness.run_steps(3);
+    let of_last = harness.get_all_by_label("G2").last().expect("of the last");
+    of_last.click();
+    harness.run_steps(3);
+    let controls = &harness.state().model.document.controls;
+    let own: Vec<_> = controls.loop_continuity.values().copied().collect();
+    assert_eq!(own, [Continuity::G1, Continuity::G2]);
+    assert_eq!(controls.surface, Surface::Energy);
+    harness.key_press(Key::Enter);
+    until(&mut harness, ended);
+    let run = harness.state().model.run.as_ref().expect("there");
+    assert!(run.state_count() > 5);
+    harness.get_by_label("Accept").click();
+    harness.run_steps(3);
+    assert!(harness.state().model.document.loops.is_empty());
 }
 
 #[test]
