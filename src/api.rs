@@ -2,7 +2,7 @@
 
 use crate::fill::{Continuity, Controls, ControlsError, Filled, LoopChoice, choose};
 use crate::mesh::{Mesh, boundary_loops};
-use crate::ops::{BlendSpec, FillSpec, FlowSpec, OperationError};
+use crate::ops::{BlendSpec, Faces, FillSpec, FlowSpec, OperationError};
 use crate::solver::StepRecord;
 
 /// Fills the holes of a mesh as `meniscus fill` does without options. Every boundary loop that is
@@ -123,10 +123,10 @@ impl<'a> Fill<'a> {
         if self.joined {
             BlendSpec { loops, flow }.run(mesh, &observe)
         } else {
-            let islands = true;
             FillSpec {
                 loops,
-                islands,
+                islands: true,
+                bridges: Faces::default(),
                 flow,
             }
             .run(mesh, &observe)

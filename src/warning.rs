@@ -338,7 +338,7 @@ fn counted_pairs(pairs: usize) -> String {
 }
 
 /// A number with its noun.
-fn counted(n: usize, one: &str, many: &str) -> String {
+pub(crate) fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use super::faces::FaceEdit;
 use super::report::ReportAction;
 use super::view_state::{
-    Bridging, LoopList, Modal, Navigation, PathUse, PictureSettings, Refining, Selecting, Task,
+    Bridging, LoopList, Modal, Navigation, Part, PathUse, PictureSettings, Refining, Selecting,
+    Task,
 };
 use crate::fill::{Controls, LoopLimits};
 use crate::mesh::{DVec3, LoopId};
@@ -164,6 +165,8 @@ pub enum TaskAction {
     List(LoopList),
     /// Start, change or cancel a bridge.
     Bridging(Option<Bridging>),
+    /// Start, change or cancel the choice of a part of a hole.
+    Part(Option<Part>),
 }
 
 /// Energy and controls.

@@ -15,6 +15,7 @@ use crate::mesh::{
 };
 use crate::ops::Operation;
 use crate::render::Bounds;
+use crate::warning::counted;
 
 /// The name of a file without its folders.
 pub fn file_name(path: &Path) -> String {
@@ -182,10 +183,15 @@ impl Document {
 
     /// The number of loops, in words.
     pub fn loop_count(&self) -> String {
-        match self.loops.len() {
-            1 => "1 loop".into(),
-            n => format!("{n} loops"),
-        }
+        counted(self.loops.len(), "loop", "loops")
+    }
+
+    /// The faces of the bridges, ascending, as far as no later operation has replaced them.
+    pub fn bridge_faces(&self) -> Vec<u32> {
+        let accepted = self.accepted.iter();
+        let bridges = accepted.filter(|one| matches!(one.operation, Operation::Bridge(_)));
+        let faces = bridges.flat_map(|one| one.faces.start as u32..one.faces.end as u32);
+        faces.collect()
     }
 
     /// A loop, if it exists.

@@ -50,7 +50,7 @@ pub use project::rewrite_project;
 pub use run::Run;
 pub use settings::Settings;
 pub use update::{act, tick};
-pub use view_state::{Modal, Navigation, Refining, Selecting, Task, Tool};
+pub use view_state::{Modal, Navigation, Part, Refining, Selecting, Task, Tool};
 
 use crate::render::{Gpu, ViewportCallback};
 use crate::runner::panic_text;
@@ -259,6 +259,7 @@ impl eframe::App for App {
         if ctx.input(|i| i.viewport().close_requested()) && self.model.must_ask_before_closing() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             act(&mut self.model, FileAction::Close);
+            ctx.request_repaint();
         }
         self.take_window_picture();
         let wait = tick(&mut self.model, begun);

@@ -14,7 +14,7 @@ use super::document::{Document, left_of};
 use super::jobs::Wake;
 use super::log::Level;
 use crate::energy::Preset;
-use crate::fill::{Controls, ErasedRegion, FillTask, LiveFill, Surface, open_selection};
+use crate::fill::{Controls, ErasedRegion, FillTask, LiveFill, Surface, open_selection, release};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, face_flags};
 use crate::ops::Operation;
 use crate::options::{Choice as _, Options as _};
@@ -115,10 +115,26 @@ impl Run {
         let operation = operations.first().ok_or("nothing to start")?;
         let mut base = Arc::clone(&document.mesh);
         let mut first_patch_face = document.first_patch_face;
-        let (mut kept, mut loops) = (None, Vec::new());
+        let (mut without, mut loops, mut part_ends) = (None, Vec::new(), [0; 2]);
         match operation {
+            Operation::Fill(spec) if !spec.bridges.is_empty() => {
+                let rim_sets = spec.rim_sets(&base, &document.loops);
+                let rim_sets = rim_sets.map_err(|e| e.to_string())?;
+                if let Some(released) = release(&base, &rim_sets, &spec.bridges) {
+                    loops = released.rims.concat();
+                    without = Some(released.erased);
+                } else {
+                    loops = document.selected().into_iter().cloned().collect();
+                }
+            }
             Operation::Fill(_) | Operation::Blend(_) => {
                 loops = document.selected().into_iter().cloned().collect();
+            }
+            Operation::FillPart(spec) => {
+                let part = spec.segment(&base, &document.loops);
+                let (hole, ends) = part.ok_or("the mesh has no boundary loop")?;
+                part_ends = ends;
+                loops = vec![hole.clone()];
             }
             Operation::Refill(spec) => {
                 let flags = face_flags(&spec.faces, base.face_count());
@@ -132,29 +148,44 @@ impl Run {
                     .into_iter()
                     .map(|id| all[id.index()].clone())
                     .collect();
-                first_patch_face = left_of(&erased.old_face, first_patch_face);
-                base = Arc::new(erased.mesh);
-                kept = Some(erased.old_face);
+                without = Some(erased);
             }
             Operation::Fair(_) => {}
             _ => return Err("unsupported operation".into()),
         }
+        let mut kept = None;
+        if let Some(erased) = without {
+            first_patch_face = left_of(&erased.old_face, first_patch_face);
+            base = Arc::new(erased.mesh);
+            kept = Some(erased.old_face);
+        }
         let spawn = |operation: &Operation, controls: Controls| {
+            // a fill releases strips by itself
+            let given = match operation {
+                Operation::Fill(_) => &document.mesh,
+                _ => &base,
+            };
             let ids = || loops.iter().map(|l| l.id).collect();
             let task = match operation {
                 Operation::Fair(spec) => FillTask::Fair(face_flags(&spec.faces, base.face_count())),
                 Operation::Blend(_) => FillTask::Blend(ids()),
                 Operation::Fill(spec) => FillTask::Holes {
-                    loops: ids(),
+                    loops: spec.loops.clone(),
                     islands: spec.islands,
+                    bridges: spec.bridges.to_vec(),
+                },
+                Operation::FillPart(_) => FillTask::Part {
+                    hole: loops[0].id,
+                    ends: part_ends,
                 },
                 _ => FillTask::Holes {
                     loops: ids(),
                     islands: true,
+                    bridges: Vec::new(),
                 },
             };
             LiveFill::spawn(
-                Arc::clone(&base),
+                Arc::clone(given),
                 task,
                 controls,
                 settings(pace),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::cached::{Cached, SharedKey};
 use super::model::Model;
+use super::run::Run;
 use crate::app::view_state::Task;
 use crate::fill::{Features, creases_through, with_islands};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, boundary_loops};
@@ -164,7 +165,9 @@ fn continued_edges(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overla
         Some(run) => matches!(run.operation, Operation::Fill(_) | Operation::Refill(_)),
         None => matches!(model.view.task, Task::Fill | Task::Repair),
     };
-    if controls.features == Features::Off || !fills {
+    // holes beside a released bridge are filled smoothly
+    let is_bridged = |run: &Run| run.kept.is_some() && matches!(run.operation, Operation::Fill(_));
+    if controls.features == Features::Off || !fills || model.run.as_ref().is_some_and(is_bridged) {
         return None;
     }
     let mesh = model.looped_mesh();

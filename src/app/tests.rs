@@ -22,7 +22,7 @@ use super::view_state::{
 };
 use crate::fill::{Features, LoopLimits, Surface};
 use crate::io;
-use crate::mesh::{DVec3, LoopId, Soup, check_mesh, components};
+use crate::mesh::{DVec3, LoopId, Mesh, Soup, check_mesh, components};
 use crate::ops::Operation;
 use crate::render::{Vertex, ViewMode};
 use crate::shapes::{Hole, HoleShape, cut_holes, sphere};
@@ -662,6 +662,7 @@ fn saved_files_get_an_extension_and_enter_the_title_and_the_recent_files() {
     let mut m = model();
     for (typed, written) in [
         ("out", "out.obj"),
+        ("scan.v2", "scan.v2.obj"),
         ("b.ply", "b.ply"),
         ("c.meniscus", "c.meniscus"),
     ] {
@@ -795,6 +796,28 @@ fn a_stopped_run_has_ended_at_once() {
 }
 
 /// What is known about a state does not hold for earlier ones, nor after the flow went on from one.
+#[test]
+fn escape_before_the_first_state_leaves_nothing_to_decide() {
+    let hole = Hole {
+        centre: DVec3::X,
+        shape: HoleShape::Disc { radius: 0.9 },
+        turn: 0.0,
+        seed: 1,
+    };
+    let (positions, triangles) = cut_holes(&sphere(20_000, 5), &[hole]);
+    let opened = io::Opened {
+        mesh: Mesh::from_triangles(positions, &triangles).expect("manifold"),
+        report: Default::default(),
+    };
+    let document = Document::new(opened, Source::Sample("test".into()));
+    let settings = Settings::default();
+    let mut m = Model::new(document, settings, Autosave::off(), Arc::new(|| ()));
+    act(&mut m, RunAction::Start);
+    assert!(m.run.is_some());
+    act(&mut m, Action::Escape);
+    assert!(m.run.is_none(), "the first patch takes long");
+}
+
 #[test]
 fn warnings_are_those_of_the_shown_state() {
     let mut m = model();

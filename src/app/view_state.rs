@@ -74,6 +74,35 @@ pub struct Bridging {
     pub width: usize,
 }
 
+/// The part of a hole to fill: the ends on its rim, as far as they were clicked.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Part {
+    /// The rim vertex where it begins.
+    pub from: Option<DVec3>,
+    /// The rim vertex where it ends.
+    pub to: Option<DVec3>,
+}
+
+impl Part {
+    /// The part after a click on a rim vertex: its end, or where another part begins.
+    #[must_use]
+    pub fn with(self, vertex: DVec3) -> Self {
+        match self {
+            Self {
+                from: Some(from),
+                to: None,
+            } if from != vertex => Self {
+                from: Some(from),
+                to: Some(vertex),
+            },
+            _ => Self {
+                from: Some(vertex),
+                to: None,
+            },
+        }
+    }
+}
+
 /// The tool that changes the selection of faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
@@ -404,6 +433,8 @@ pub struct ViewState {
     pub task: Task,
     /// The bridge under construction.
     pub bridging: Option<Bridging>,
+    /// The part of a hole that is being chosen.
+    pub part: Option<Part>,
     /// How faces are selected.
     pub selecting: Selecting,
     /// How the mesh is refined.
@@ -463,6 +494,7 @@ impl ViewState {
             style,
             task: Task::default(),
             bridging: None,
+            part: None,
             selecting: Selecting::default(),
             refining: Refining::default(),
             limits: LoopLimits::default(),

@@ -212,6 +212,7 @@ fn refuse_options_for_one_mesh(args: &FillArguments) -> Result<()> {
         ("--loop-at", !args.loops.loop_at.is_empty()),
         ("--loops with numbers", listed),
         ("--part", !args.part.is_empty()),
+        ("--bridge-faces", args.bridge_faces.is_some()),
         (
             "--loop-continuity",
             !flow.controls.0.loop_continuity.is_empty(),

@@ -36,6 +36,7 @@ pub fn demo(args: &DemoArguments) -> Result<()> {
         print(&format!("{}: the sample with its holes\n", holed.display()))?;
     }
     fill(&FillArguments {
+        bridge_faces: None,
         files: FillFiles {
             inputs: vec![holed],
             output: Some(args.out.join("filled.obj")),

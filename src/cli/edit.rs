@@ -12,6 +12,7 @@ use crate::fill::{bridge_warning, nearest_loop};
 use crate::io::Opened;
 use crate::mesh::{DVec3, LoopId, Mesh, boundary_loops};
 use crate::ops::{BridgeSpec, CleanSpec, EraseSpec, FlipSpec, Operation, StitchSpec};
+use crate::warning::counted;
 
 /// `meniscus erase`.
 #[derive(Debug, Args)]
@@ -77,15 +78,17 @@ pub struct StitchArguments {
 /// Runs `meniscus erase`.
 pub fn erase(args: &EraseArguments) -> Result<()> {
     let opened = args.files.open()?;
-    let faces = args.selection.required(&opened.mesh)?;
-    let mesh = done(&args.files, &opened, &Operation::Erase(EraseSpec { faces }))?;
+    let erase = EraseSpec {
+        faces: args.selection.required(&opened.mesh)?,
+    };
+    let mesh = done(&args.files, &opened, &Operation::Erase(erase))?;
     report(
         &args.files,
         &format!(
-            "{} faces and {} vertices erased; {} loops now",
-            opened.mesh.face_count() - mesh.face_count(),
-            opened.mesh.vertex_count() - mesh.vertex_count(),
-            mesh.topology.boundary_loops().len(),
+            "{} and {} erased; {} now",
+            faces(opened.mesh.face_count() - mesh.face_count()),
+            vertices(opened.mesh.vertex_count() - mesh.vertex_count()),
+            loops_of(&mesh),
         ),
     )
 }
@@ -119,10 +122,13 @@ pub fn bridge(args: &BridgeArguments) -> Result<()> {
     report(
         &args.files,
         &format!(
-            "a bridge {ends}, {} vertices and {} faces added; {} loops now",
-            mesh.vertex_count() - before.vertex_count(),
-            mesh.face_count() - before.face_count(),
-            mesh.topology.boundary_loops().len(),
+            "a bridge {ends}, {} and {} added; {} now\n  --bridge-faces {}-{} of `meniscus fill` lets \
+             it flow with the patches beside it",
+            vertices(mesh.vertex_count() - before.vertex_count()),
+            faces(mesh.face_count() - before.face_count()),
+            loops_of(&mesh),
+            before.face_count() + 1,
+            mesh.face_count(),
         ),
     )
 }
@@ -137,12 +143,12 @@ pub fn clean(args: &CleanArguments) -> Result<()> {
     report(
         &args.files,
         &format!(
-            "{} components and {} flaps removed, with {} faces and {} vertices; {} loops now",
-            parts.components,
-            parts.flaps,
-            before.face_count() - mesh.face_count(),
-            before.vertex_count() - mesh.vertex_count(),
-            mesh.topology.boundary_loops().len(),
+            "{} and {} removed, with {} and {}; {} now",
+            counted(parts.components, "component", "components"),
+            counted(parts.flaps, "flap", "flaps"),
+            faces(before.face_count() - mesh.face_count()),
+            vertices(before.vertex_count() - mesh.vertex_count()),
+            loops_of(&mesh),
         ),
     )
 }
@@ -158,11 +164,14 @@ pub fn stitch(args: &StitchArguments) -> Result<()> {
     report(
         &args.files,
         &format!(
-            "{} pairs of edges and {} vertices joined within {tolerance:.3e}; {} loops now, {} \
-             before",
-            edges(before) - edges(&mesh),
-            before.vertex_count() - mesh.vertex_count(),
-            mesh.topology.boundary_loops().len(),
+            "{} and {} joined within {tolerance:.3e}; {} now, {} before",
+            counted(
+                edges(before) - edges(&mesh),
+                "pair of edges",
+                "pairs of edges"
+            ),
+            vertices(before.vertex_count() - mesh.vertex_count()),
+            loops_of(&mesh),
             before.topology.boundary_loops().len(),
         ),
     )
@@ -178,6 +187,19 @@ fn done(files: &MeshFiles, opened: &Opened, operation: &Operation) -> Result<Mes
         files.options.quiet,
     )?;
     Ok(mesh)
+}
+
+fn vertices(n: usize) -> String {
+    counted(n, "vertex", "vertices")
+}
+
+fn faces(n: usize) -> String {
+    counted(n, "face", "faces")
+}
+
+/// The number of boundary loops in words.
+fn loops_of(mesh: &Mesh) -> String {
+    counted(mesh.topology.boundary_loops().len(), "loop", "loops")
 }
 
 fn report(files: &MeshFiles, text: &str) -> Result<()> {

@@ -12,6 +12,7 @@ use crate::cli::options::OptionArguments;
 use crate::cli::parse::point;
 use crate::cli::progress::{Progress, Work};
 use crate::cli::report::skipped;
+use crate::cli::selection::listed_faces;
 use crate::cli::side_by_side::Place;
 use crate::fill::LoopLimits;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, boundary_loops};
@@ -64,10 +65,14 @@ pub struct FillArguments {
         value_parser = point,
         allow_hyphen_values = true,
         conflicts_with_all = [
-            "loops", "loop_at", "schedule", "max-edges", "max-perimeter", "max-diameter"
+            "loops", "loop_at", "max-edges", "max-perimeter", "max-diameter"
         ]
     )]
     pub part: Vec<DVec3>,
+    /// These triangles of IN are the strips of bridges, as in 801-840: they flow with the patches of the
+    /// holes beside them, and only say how the holes are divided. `meniscus bridge` prints their numbers.
+    #[arg(long, value_name = "LIST", conflicts_with = "part")]
+    pub bridge_faces: Option<String>,
     /// Ignore loose components (islands) inside a hole. Without it the patch joins their rims.
     #[arg(long)]
     pub no_islands: bool,
@@ -119,7 +124,7 @@ pub fn fill_file(
         let progress = Progress::new(Work::Holes(1), files.options.quiet);
         let operation = Operation::FillPart(FillPartSpec {
             ends: [from, to],
-            controls: task.flow.controls.clone(),
+            flow: task.flow.clone(),
         });
         let outcome = operation.run(mesh, &|group, record| {
             progress.step(group, record);
@@ -139,8 +144,13 @@ pub fn fill_file(
         args.limits.0.clone()
     };
     chosen.retain(|id| limits.exceeded(&loops[id.index()]).is_none());
+    let bridges = match &args.bridge_faces {
+        Some(list) => listed_faces("--bridge-faces", list, mesh.face_count())?,
+        None => Vec::new(),
+    };
     let spec = FillSpec {
         loops: chosen,
+        bridges: bridges.into(),
         islands: !args.no_islands,
         flow: task.flow.clone(),
     };
@@ -151,5 +161,5 @@ pub fn fill_file(
         Some(reason) if !is_outer(l) => reason,
         _ => args.loops.reason_to_skip(l),
     };
-    task.fill(&rim_sets, skipped(&loops, &joined, reason))
+    task.fill(&rim_sets, &spec.bridges, skipped(&loops, &joined, reason))
 }

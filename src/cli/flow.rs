@@ -236,8 +236,14 @@ impl<'a> Task<'a> {
         Self { place, ..self }
     }
 
-    /// Fills holes and writes all requested files. `skipped` are the loops left open.
-    pub fn fill(self, rim_sets: &[RimSet<'_>], skipped: Vec<SkippedLoop>) -> Result<Written> {
+    /// Fills holes and writes all requested files. `strips` are the faces of bridges that flow with the
+    /// patches beside them, `skipped` the loops left open.
+    pub fn fill(
+        self,
+        rim_sets: &[RimSet<'_>],
+        strips: &[u32],
+        skipped: Vec<SkippedLoop>,
+    ) -> Result<Written> {
         if !self.files.options.quiet {
             for note in &self.opened.report.notes {
                 say(&format!("{}: {note}", self.files.input_names()));
@@ -261,9 +267,12 @@ impl<'a> Task<'a> {
         }
         let progress = Progress::new(Work::Holes(rim_sets.len()), self.files.options.quiet);
         let options = self.flow.options()?;
-        let prepared = PreparedFill::new(&self.opened.mesh, rim_sets, options);
+        let prepared = PreparedFill::new(&self.opened.mesh, rim_sets, strips, options);
         let memory = prepared.memory();
         let share = self.place.map(|place| place.all.memory(memory));
+        // both sides of a rim joined without continuous normals are drawn separately
+        let controls = &self.flow.controls;
+        let creases = prepared.rim_edges(|id| controls.continuity_at(id) == Continuity::G0);
         let filled = prepared.run(&|group, record| {
             progress.step(group, record);
             true
@@ -271,13 +280,6 @@ impl<'a> Task<'a> {
         drop(share);
         let filled = filled.map_err(with_memory_hint)?;
         progress.finish();
-        // both sides of a rim joined without continuous normals are drawn separately
-        let controls = &self.flow.controls;
-        let sharp = rim_sets
-            .iter()
-            .flatten()
-            .filter(|l| controls.continuity_at(l.id) == Continuity::G0);
-        let creases = sharp.flat_map(|l| l.edge_ends()).collect();
         self.save(&filled, skipped, creases)
     }
 

@@ -88,17 +88,14 @@ impl SelectionArguments {
             add(faces_in_ball(mesh, centre, radius));
         }
         if let Some(list) = &self.faces {
-            let faces = parse_ranges(list, count);
-            let faces = faces.map_err(|fault| UsageError(format!("--faces: {fault}")))?;
-            add(face_flags(&faces, count));
+            add(face_flags(&listed_faces("--faces", list, count)?, count));
         }
         if let Some(path) = &self.faces_from {
             let name = path.display();
             let text = std::fs::read_to_string(path)
                 .map_err(|e| UsageError(format!("cannot read {name}: {e}")))?;
-            let faces = parse_ranges(&text, count);
-            let faces = faces.map_err(|fault| UsageError(format!("{name}: {fault}")))?;
-            add(face_flags(&faces, count));
+            let name = name.to_string();
+            add(face_flags(&listed_faces(&name, &text, count)?, count));
         }
         for flaw in self.flaws() {
             add(flawed_faces(mesh, flaw));
@@ -108,4 +105,14 @@ impl SelectionArguments {
         }
         Ok(Faces::new(face_list(&flags)))
     }
+}
+
+/// Face indices from a list of face numbers, counted from 1, of a mesh with `count` faces. `name` is where
+/// the list comes from.
+///
+/// # Errors
+/// The list is invalid or contains faces that do not exist.
+pub fn listed_faces(name: &str, list: &str, count: usize) -> Result<Vec<u32>> {
+    let faces = parse_ranges(list, count);
+    Ok(faces.map_err(|fault| UsageError(format!("{name}: {fault}")))?)
 }

@@ -62,7 +62,7 @@ fn first_patches_are() {
 fn predictions_are() {
     let mesh = cup(0.9);
     let one = hole(&mesh);
-    let plan = prepare(&mesh, &[vec![&one]], &FillOptions::default()).plan;
+    let plan = prepare(&mesh, &[vec![&one]], &[], &FillOptions::default()).plan;
     let context = FillContext {
         mesh: &mesh,
         plan: &plan,
@@ -116,6 +116,7 @@ fn processes_end_wherever_they_are_cancelled() {
         let task = FillTask::Holes {
             loops: vec![id],
             islands: true,
+            bridges: Vec::new(),
         };
         let process = FillProcess::new(Arc::clone(&mesh), task, &options);
         let mut process = process.expect("set up");

@@ -334,7 +334,7 @@ mod tests {
         let (whole, broken) = bodies();
         let loops = boundary_loops(&broken);
         let options = FillOptions::default();
-        let plan = prepare(&broken, &[vec![&loops[0]]], &options).plan;
+        let plan = prepare(&broken, &[vec![&loops[0]]], &[], &options).plan;
         let (mesh, plan) = (&broken, &plan);
         let context = FillContext { mesh, plan };
         let mut group = GroupFlow::start(context, 0, &options);
@@ -362,7 +362,7 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build();
         let pool = pool.expect("a thread pool");
         for _ in 0..20 {
-            let plan = prepare(&broken, &[vec![&loops[0]]], &FillOptions::default()).plan;
+            let plan = prepare(&broken, &[vec![&loops[0]]], &[], &FillOptions::default()).plan;
             let (mesh, plan) = (&broken, &plan);
             let context = FillContext { mesh, plan };
             // idle threads would take over parts of the search, and the thread that searches would wait for them

@@ -292,7 +292,7 @@ mod tests {
     fn crossings_escapes_folds_and_triangles_without_area_are_found() {
         let mesh = cap();
         let loops = boundary_loops(&mesh);
-        let plan = prepare(&mesh, &[vec![&loops[0]]], &FillOptions::default()).plan;
+        let plan = prepare(&mesh, &[vec![&loops[0]]], &[], &FillOptions::default()).plan;
         let context = FillContext {
             mesh: &mesh,
             plan: &plan,

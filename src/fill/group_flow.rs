@@ -108,7 +108,8 @@ impl GroupFlow {
         let is_smooth = |l: &BoundaryLoop| options.continuity_at(l.id) == Continuity::Auto;
         let is_predictable = |hole: &PlannedHole| {
             let rims = &hole.rims;
-            !rims.is_blend() && rims.crease.is_empty() && rims.loops.iter().all(is_smooth)
+            let is_whole = rims.crease.is_empty() && !rims.is_part();
+            is_whole && !rims.is_blend() && rims.loops.iter().all(is_smooth)
         };
         let is_patched = matches!(context.plan.domain, Domain::Holes(_));
         resolved.predicts_surface &= is_patched && holes.all(is_predictable);

@@ -46,6 +46,12 @@ impl HoleRims {
         self.loops.len() > 1
     }
 
+    /// Whether the patch ends at a curve through the hole, across which nothing continues.
+    pub fn is_part(&self) -> bool {
+        let has_curve = |l: &BoundaryLoop| l.edges() < l.vertices.len();
+        self.loops.iter().any(has_curve)
+    }
+
     /// The largest radius of the rims.
     pub fn radius(&self) -> f64 {
         self.loops.iter().map(|l| l.radius).fold(0.0, f64::max)

@@ -9,6 +9,7 @@ mod assemble;
 mod attributes;
 mod blend;
 mod bridge;
+mod bridged;
 #[cfg(test)]
 mod cancel_tests;
 mod context;
@@ -52,11 +53,12 @@ mod texture;
 mod warm_start;
 
 pub use bridge::{BridgeError, RimSegment, bridge, bridge_strip, bridge_warning, segment_at};
+pub use bridged::{Released, release};
 pub use controls::{Controls, ControlsError, Linear, LoopLimits};
 pub use features::creases_through;
 pub use islands::{rim_sets, with_islands};
 pub use options::{Continuity, Features, FillOptions, PatchTexture, Surface, Symmetry};
-pub use partial::{PartialError, fill_part};
+pub use partial::{PartialError, fill_part, part_chord};
 pub use prediction::{Candidate, GroupSurface, Prediction};
 pub use prepare::flow_problem;
 pub use process::{
@@ -66,5 +68,5 @@ pub use process::{
 pub use refill::{ErasedRegion, Refilled, fair, open_selection, refill};
 pub use result::{FillError, Filled, FilledHole, GroupResult, RefillError, Timings};
 pub use rim::RimSet;
-pub use run::{Observer, PreparedFill, ScheduledOptions, fill_rim_sets};
+pub use run::{Observer, PreparedFill, ScheduledOptions, fill_bridged, fill_rim_sets};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};

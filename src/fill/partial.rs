@@ -9,7 +9,7 @@ use crate::fill::options::FillOptions;
 use crate::fill::part::{Corner, NewVertices, rim_edges, rims_of_part, with_vertices};
 use crate::fill::plan::Plan;
 use crate::fill::result::{FillError, Filled, milliseconds};
-use crate::fill::run::{Observer, run_plan};
+use crate::fill::run::{Observer, ScheduledOptions, run_plan};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh};
 use crate::patch;
 
@@ -44,9 +44,24 @@ pub fn fill_part(
     hole: &BoundaryLoop,
     from: usize,
     to: usize,
-    options: &FillOptions,
+    options: impl Into<ScheduledOptions>,
     observe: Observer<'_>,
 ) -> Result<Filled, PartialError> {
+    let options = options.into();
+    let start = Instant::now();
+    let (longer, plan) = plan_part(mesh, hole, [from, to], &options.options)?;
+    let mut filled = run_plan(&longer, plan, &options, observe)?;
+    filled.milliseconds = milliseconds(start);
+    Ok(filled)
+}
+
+/// The plan of a patch over part of a hole, and its mesh: with the vertices of the curve where it ends.
+pub(super) fn plan_part(
+    mesh: &Mesh,
+    hole: &BoundaryLoop,
+    [from, to]: [usize; 2],
+    options: &FillOptions,
+) -> Result<(Mesh, Plan), PartialError> {
     let start = Instant::now();
     let n = hole.edges();
     let edges = (to + n - from) % n;
@@ -54,7 +69,7 @@ pub fn fill_part(
         return Err(PartialError::TooShort { edges });
     }
     let mut new = NewVertices::default();
-    let chord = chord(mesh, hole, from, to, options.patch.density);
+    let chord = part_chord(mesh, hole, [from, to], options.patch.density);
     let chord = new.add_curve(&chord, [to, from].map(|i| hole.vertices[i]), 1.0);
     let along = (0..=edges).map(|k| Corner::Rim((from + k) % n));
     let corners: Vec<Corner> = along.chain(chord).collect();
@@ -68,20 +83,24 @@ pub fn fill_part(
         has_initial_shape: false,
         patch_ms: milliseconds(start),
     };
-    // the chord is a boundary, across which no curvature continues
-    let options = FillOptions {
-        predicts_surface: false,
-        ..options.clone()
-    };
     let plan = Plan::of_holes(&longer, vec![draft], options.patch);
-    if let Some(error) = plan.failed.first() {
-        return Err(error.clone().into());
+    match plan.failed.first() {
+        Some(error) => Err(error.clone().into()),
+        None => Ok((longer, plan)),
     }
-    Ok(run_plan(&longer, plan, &(&options).into(), observe)?)
 }
 
-/// New vertices from `to` back to `from`, without the ends.
-fn chord(mesh: &Mesh, hole: &BoundaryLoop, from: usize, to: usize, density: f64) -> Vec<DVec3> {
+/// The new vertices of the curve where the patch over a part of a hole ends, from the rim vertex of index
+/// `to` back to that of index `from`, without these two.
+///
+/// # Panics
+/// If an index is out of range.
+pub fn part_chord(
+    mesh: &Mesh,
+    hole: &BoundaryLoop,
+    [from, to]: [usize; 2],
+    density: f64,
+) -> Vec<DVec3> {
     let (a, b) = (RimFrame::of(mesh, hole, to), RimFrame::of(mesh, hole, from));
     let straight = b.point - a.point;
     // in the tangent plane, as close as possible to the straight direction

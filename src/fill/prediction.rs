@@ -102,7 +102,7 @@ impl GroupSurface {
         match self.expected_error() {
             Some(error) => {
                 let percent = 100.0 * error;
-                format!("expected error {percent:.2} % of the hole radius, {model}")
+                format!("expected error {percent:.2} %, {model}")
             }
             None => model,
         }

@@ -6,6 +6,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::fill::blend;
+use crate::fill::bridged::{Released, joined_draft, release};
 use crate::fill::context::FillContext;
 use crate::fill::crack::with_joined_cracks;
 use crate::fill::features::{self, SplitHole};
@@ -24,14 +25,71 @@ use crate::solver::{FlowProblem, SolverError};
 /// First patches and groups of holes.
 pub(super) struct Prepared {
     pub plan: Plan,
-    /// The mesh with the vertices of creases that continue through holes, if there are any. The plan
-    /// is one of this mesh.
-    pub longer: Option<Mesh>,
+    /// The mesh of the plan, if it is another one: with the vertices of creases that continue through holes,
+    /// or without the strips of bridges.
+    pub mesh: Option<Mesh>,
 }
 
 /// Builds first patches (in parallel) and groups the holes whose support regions meet. A hole through
-/// which sharp lines continue gets a patch for each part, and the two sides of a crack get one.
-pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOptions) -> Prepared {
+/// which sharp lines continue gets a patch for each part, and the two sides of a crack get one. The faces
+/// `strips` of bridges (ascending) are replaced with the patches of the holes beside them, see [`release`].
+pub(super) fn prepare(
+    mesh: &Mesh,
+    rim_sets: &[RimSet<'_>],
+    strips: &[u32],
+    options: &FillOptions,
+) -> Prepared {
+    let (drafts, other) = match release(mesh, rim_sets, strips) {
+        Some(released) => released_drafts(mesh, rim_sets, released, options),
+        None => drafts(mesh, rim_sets, options),
+    };
+    let mut drafts = drafts;
+    let mesh = other.as_ref().unwrap_or(mesh);
+    if drafts.iter().any(|draft| draft.rims.is_blend()) {
+        blend::shape(mesh, &mut drafts, options);
+    }
+    Prepared {
+        plan: Plan::of_holes(mesh, drafts, options.patch),
+        mesh: other,
+    }
+}
+
+/// The holes of a mesh, some strips of which are replaced with patches, and the mesh without them.
+fn released_drafts(
+    mesh: &Mesh,
+    rim_sets: &[RimSet<'_>],
+    released: Released,
+    options: &FillOptions,
+) -> (Vec<DraftHole>, Option<Mesh>) {
+    let Released {
+        erased,
+        rims,
+        parts,
+    } = released;
+    let plain = rims.iter().zip(&parts);
+    let plain = plain.filter(|(_, parts)| parts.strips.is_empty());
+    let plain: Vec<RimSet<'_>> = plain.map(|(rims, _)| rims.iter().collect()).collect();
+    let (mut drafts, longer) = drafts(&erased.mesh, &plain, options);
+    let joined = rims
+        .par_iter()
+        .zip(&parts)
+        .filter(|(_, parts)| !parts.strips.is_empty());
+    let joined = joined.map(|(rims, parts)| {
+        let rims: RimSet<'_> = rims.iter().collect();
+        let rims = HoleRims::new(&erased.mesh, &rims);
+        joined_draft(mesh, rim_sets, &erased.old_vertex, parts, rims, options)
+    });
+    drafts.extend(joined.collect::<Vec<_>>());
+    drafts.sort_by_key(|draft| draft.rims.id());
+    (drafts, Some(longer.unwrap_or(erased.mesh)))
+}
+
+/// The holes with their first patches, and the mesh with the vertices of creases, if there are any.
+fn drafts(
+    mesh: &Mesh,
+    rim_sets: &[RimSet<'_>],
+    options: &FillOptions,
+) -> (Vec<DraftHole>, Option<Mesh>) {
     let rim_sets = with_joined_cracks(mesh, rim_sets);
     let draft = |rims: HoleRims| {
         let start = Instant::now();
@@ -58,15 +116,8 @@ pub(super) fn prepare(mesh: &Mesh, rim_sets: &[RimSet<'_>], options: &FillOption
         };
         rims.into_iter().map(&draft).collect::<Vec<_>>()
     });
-    let mut drafts: Vec<DraftHole> = drafts.collect();
-    let mesh = longer.as_ref().unwrap_or(mesh);
-    if drafts.iter().any(|draft| draft.rims.is_blend()) {
-        blend::shape(mesh, &mut drafts, options);
-    }
-    Prepared {
-        plan: Plan::of_holes(mesh, drafts, options.patch),
-        longer,
-    }
+    let drafts = drafts.collect();
+    (drafts, longer)
 }
 
 /// The mesh with the new vertices of split holes, and the number of the first one of each. `None` if
@@ -100,7 +151,7 @@ pub fn flow_problem(
         features: Features::Off,
         ..options.clone()
     };
-    let plan = prepare(mesh, &[vec![hole]], options).plan;
+    let plan = prepare(mesh, &[vec![hole]], &[], options).plan;
     if plan.groups.is_empty() {
         return Ok(None);
     }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::time::Instant;
 
+use crate::fill::partial::PartialError;
 use crate::fill::prediction::GroupSurface;
 use crate::fill::select::NoSuchLoop;
 use crate::memory::TooLittleMemory;
@@ -57,6 +58,9 @@ pub enum RefillError {
         /// Faces selected.
         faces: usize,
     },
+    /// Part of a hole cannot be filled.
+    #[error(transparent)]
+    Part(#[from] PartialError),
     /// A boundary loop that does not exist.
     #[error(transparent)]
     NoSuchLoop(#[from] NoSuchLoop),

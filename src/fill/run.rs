@@ -14,12 +14,12 @@ use crate::fill::defects::crossing_groups;
 use crate::fill::estimate::memory_of;
 use crate::fill::options::FillOptions;
 use crate::fill::plan::Plan;
-use crate::fill::prepare::{Prepared, prepare};
+use crate::fill::prepare::prepare;
 use crate::fill::result::{FillError, Filled, milliseconds};
 use crate::fill::rim::RimSet;
 use crate::fill::scheduled::run_group;
 use crate::memory::require;
-use crate::mesh::Mesh;
+use crate::mesh::{LoopId, Mesh, VertexId};
 use crate::runner::{Recording, Schedule, ScheduleError};
 use crate::solver::StepRecord;
 
@@ -69,7 +69,22 @@ pub fn fill_rim_sets(
     options: impl Into<ScheduledOptions>,
     observe: Observer<'_>,
 ) -> Result<Filled, FillError> {
-    PreparedFill::new(mesh, rim_sets, options).run(observe)
+    PreparedFill::new(mesh, rim_sets, &[], options).run(observe)
+}
+
+/// As [`fill_rim_sets`]; the faces `strips` of bridges (ascending) flow with the patches of the holes beside
+/// them, if these are all filled (see [`release`](crate::fill::release)). They are not in the result.
+///
+/// # Errors
+/// As [`fill_rim_sets`].
+pub fn fill_bridged(
+    mesh: &Mesh,
+    rim_sets: &[RimSet<'_>],
+    strips: &[u32],
+    options: impl Into<ScheduledOptions>,
+    observe: Observer<'_>,
+) -> Result<Filled, FillError> {
+    PreparedFill::new(mesh, rim_sets, strips, options).run(observe)
 }
 
 /// A fill whose first patches are made and whose flows have not started.
@@ -81,18 +96,19 @@ pub struct PreparedFill<'a> {
 }
 
 impl<'a> PreparedFill<'a> {
-    /// Makes one patch for each set of rims.
+    /// Makes one patch for each set of rims, or for several with the strips of bridges between them.
     pub fn new(
         mesh: &'a Mesh,
         rim_sets: &[RimSet<'_>],
+        strips: &[u32],
         options: impl Into<ScheduledOptions>,
     ) -> Self {
         let start = Instant::now();
         let options = options.into();
-        let Prepared { plan, longer } = prepare(mesh, rim_sets, &options.options);
+        let prepared = prepare(mesh, rim_sets, strips, &options.options);
         Self {
-            mesh: longer.map_or(Cow::Borrowed(mesh), Cow::Owned),
-            plan,
+            mesh: prepared.mesh.map_or(Cow::Borrowed(mesh), Cow::Owned),
+            plan: prepared.plan,
             options,
             milliseconds: milliseconds(start),
         }
@@ -101,6 +117,17 @@ impl<'a> PreparedFill<'a> {
     /// The memory in bytes that the flows and the filled mesh take.
     pub fn memory(&self) -> f64 {
         memory_of(&self.mesh, &self.plan, &self.options.options)
+    }
+
+    /// The rim edges of some loops, as vertices of the filled mesh.
+    pub fn rim_edges(&self, is_wanted: impl Fn(LoopId) -> bool) -> Vec<[VertexId; 2]> {
+        let topology = &self.mesh.topology;
+        let rims = self.plan.holes().iter().flat_map(|hole| &hole.rims.loops);
+        let wanted = rims.filter(|rim| is_wanted(rim.id));
+        let halfedges = wanted.flat_map(|rim| &rim.halfedges);
+        halfedges
+            .map(|&h| [topology.origin(h), topology.target(h)])
+            .collect()
     }
 
     /// Runs the flows and inserts the patches into the mesh.

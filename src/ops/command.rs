@@ -98,6 +98,11 @@ impl Operation {
         } else if !list.is_empty() {
             words.extend(flag("faces", list));
         }
+        if let Self::Fill(spec) = self
+            && !spec.bridges.is_empty()
+        {
+            words.extend(flag("bridge-faces", ranges_text(&spec.bridges)));
+        }
         match self {
             Self::Fill(spec) if !spec.islands => words.push("--no-islands".into()),
             Self::Fair(_) => words.push("--fair".into()),
@@ -105,7 +110,6 @@ impl Operation {
         }
         words.extend(match self {
             Self::Refine(spec) => spec.controls.to_arguments(),
-            Self::FillPart(spec) => spec.controls.to_arguments(),
             Self::Clean(spec) => spec.to_arguments(),
             Self::Stitch(spec) => spec.to_arguments(),
             _ => (self.flow()).map_or_else(Vec::new, |flow| flow.controls.to_arguments()),

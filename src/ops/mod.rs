@@ -87,6 +87,9 @@ pub struct FillSpec {
     /// Whether patches join the rims of islands, the loose components inside holes.
     #[serde(default = "yes")]
     pub islands: bool,
+    /// The faces of bridges that flow with the patches of the holes beside them.
+    #[serde(default, skip_serializing_if = "no_faces", with = "file::faces")]
+    pub bridges: Faces,
     /// The flow.
     #[serde(flatten)]
     pub flow: FlowSpec,
@@ -119,8 +122,9 @@ pub struct FillPartSpec {
     /// The ends are the rim vertices nearest to these points, on the loop nearest to the first.
     #[serde(with = "file::points")]
     pub ends: [DVec3; 2],
-    /// Options of the flow.
-    pub controls: Controls,
+    /// The flow.
+    #[serde(flatten)]
+    pub flow: FlowSpec,
 }
 
 /// A refinement.
@@ -166,6 +170,10 @@ fn yes() -> bool {
     true
 }
 
+fn no_faces(faces: &Faces) -> bool {
+    faces.is_empty()
+}
+
 impl Operation {
     /// The loops of the operation.
     pub fn loops(&self) -> &[LoopId] {
@@ -193,6 +201,7 @@ impl Operation {
             Self::Fill(spec) => Some(&spec.flow),
             Self::Blend(spec) => Some(&spec.flow),
             Self::Refill(spec) | Self::Fair(spec) => Some(&spec.flow),
+            Self::FillPart(spec) => Some(&spec.flow),
             _ => None,
         }
     }
@@ -203,6 +212,7 @@ impl Operation {
             Self::Fill(spec) => Some(&mut spec.flow),
             Self::Blend(spec) => Some(&mut spec.flow),
             Self::Refill(spec) | Self::Fair(spec) => Some(&mut spec.flow),
+            Self::FillPart(spec) => Some(&mut spec.flow),
             _ => None,
         }
     }

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::fill::{
     self, BridgeError, ControlsError, FillError, Filled, LoopChoice, NoSuchLoop, Observer,
-    PartialError, RefillError, Refilled, RimSet, ScheduledOptions, choose, fill_part,
+    PartialError, RefillError, Refilled, RimSet, ScheduledOptions, choose, fill_bridged, fill_part,
     fill_rim_sets, nearest_loop, rim_sets, segment_at,
 };
 use crate::mesh::{
@@ -151,10 +151,20 @@ impl FillSpec {
     pub fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Filled, OperationError> {
         let loops = boundary_loops(mesh);
         let rim_sets = self.rim_sets(mesh, &loops)?;
-        Ok(fill_rim_sets(
+        if let Some(&face) = self
+            .bridges
+            .last()
+            .filter(|&&f| f as usize >= mesh.face_count())
+        {
+            let faces = mesh.face_count();
+            return Err(OperationError::NoSuchFace { face, faces });
+        }
+        let options = self.flow.options()?;
+        Ok(fill_bridged(
             mesh,
             &rim_sets,
-            self.flow.options()?,
+            &self.bridges,
+            options,
             observe,
         )?)
     }
@@ -190,21 +200,26 @@ impl BlendSpec {
 }
 
 impl FillPartSpec {
-    fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Filled, OperationError> {
-        let loops = boundary_loops(mesh);
+    /// The hole, and the indices along it between which it is filled, in its direction.
+    pub fn segment<'a>(
+        &self,
+        mesh: &Mesh,
+        loops: &'a [BoundaryLoop],
+    ) -> Option<(&'a BoundaryLoop, [usize; 2])> {
         let [from, to] = self.ends;
-        let hole = nearest_loop(mesh, &loops, from).ok_or(OperationError::NoLoops)?;
-        let hole = &loops[hole.index()];
+        let hole = &loops[nearest_loop(mesh, loops, from)?.index()];
         let [from, to] = [from, to].map(|point| nearest_index(mesh, hole, point));
         let n = hole.edges();
         // the shorter segment
-        let [from, to] = if (to + n - from) % n <= n / 2 {
-            [from, to]
-        } else {
-            [to, from]
-        };
-        let options = self.controls.options()?;
-        Ok(fill_part(mesh, hole, from, to, &options, observe)?)
+        let is_shorter = (to + n - from) % n <= n / 2;
+        Some((hole, if is_shorter { [from, to] } else { [to, from] }))
+    }
+
+    fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Filled, OperationError> {
+        let loops = boundary_loops(mesh);
+        let (hole, [from, to]) = (self.segment(mesh, &loops)).ok_or(OperationError::NoLoops)?;
+        let options = self.flow.options()?;
+        Ok(fill_part(mesh, hole, from, to, options, observe)?)
     }
 }
 

@@ -34,15 +34,16 @@ pub fn samples() -> Vec<Operation> {
         Operation::Fill(FillSpec {
             loops: vec![0.into(), 2.into()],
             islands: false,
+            bridges: Faces::new(vec![3, 4, 5]),
             flow: flow.clone(),
         }),
         Operation::Blend(BlendSpec {
             loops: vec![0.into(), 1.into()],
-            flow,
+            flow: flow.clone(),
         }),
         Operation::Refill(on_faces.clone()),
         Operation::Fair(on_faces),
-        Operation::FillPart(FillPartSpec { ends, controls }),
+        Operation::FillPart(FillPartSpec { ends, flow }),
         Operation::Refine(RefineSpec {
             controls: RefineControls {
                 levels: 2,
@@ -183,6 +184,7 @@ fn operations_give_the_expected_meshes() {
     let fill = done(Operation::Fill(FillSpec {
         loops: vec![0.into()],
         islands: true,
+        bridges: Faces::default(),
         flow: FlowSpec::default(),
     }));
     let filled = fill.expect("a patch").into_mesh();
@@ -229,6 +231,7 @@ fn operations_that_do_not_fit_the_mesh_are_refused() {
     let text = refused(Operation::Fill(FillSpec {
         loops: vec![4.into()],
         islands: true,
+        bridges: Faces::default(),
         flow: FlowSpec::default(),
     }));
     assert!(text.starts_with("loop 5 does not exist"), "{text}");

@@ -9,7 +9,7 @@ use meniscus::fill::Controls;
 use meniscus::io;
 use meniscus::mesh::{Column, FaceTag, LoopId, NO_VALUE, Soup, boundary_loops, row_count};
 use meniscus::ops::{
-    BridgeSpec, CleanSpec, EraseSpec, FacesSpec, FillSpec, FlipSpec, Operation, RefineSpec,
+    BridgeSpec, CleanSpec, EraseSpec, Faces, FacesSpec, FillSpec, FlipSpec, Operation, RefineSpec,
     StitchSpec,
 };
 use meniscus::refine::RefineControls;
@@ -590,6 +590,7 @@ fn fills_and_bridges_keep_what_was_there() {
         let fill = Operation::Fill(FillSpec {
             loops: vec![hole.0],
             islands: true,
+            bridges: Faces::default(),
             flow: Controls::default().into(),
         });
         let new = after(&fill, &path);

@@ -133,6 +133,45 @@ fn parts_and_bridges_leave_smaller_holes() {
     ]);
     verdict(&desk, Keep::Everything);
     assert_eq!(holes("out.obj"), before + 1);
+    // the strip flows with the fills beside it and is not in the result
+    let to_bridge = ["bridge", "in.obj", "-o", "bridged.obj", "--from", &first];
+    let said = desk
+        .run(&[&to_bridge[..], &["--to", &half]].concat())
+        .ends(0)
+        .stdout;
+    let list = said
+        .split("--bridge-faces ")
+        .nth(1)
+        .expect("the faces of the bridge");
+    let list = list.split_whitespace().next().expect("a list");
+    let to_fill = [
+        "fill",
+        "bridged.obj",
+        "-o",
+        "out.obj",
+        "--bridge-faces",
+        list,
+    ];
+    desk.runs(&to_fill);
+    verdict(&desk, Keep::Everything);
+    let mesh = desk.mesh("out.obj");
+    let strip = desk
+        .mesh("bridged.obj")
+        .positions
+        .split_off(desk.mesh("in.obj").positions.len());
+    assert!(!strip.iter().any(|p| mesh.positions.contains(p)));
+    let error = desk.fails(
+        2,
+        &[
+            "fill",
+            "bridged.obj",
+            "-o",
+            "out.obj",
+            "--bridge-faces",
+            "9-999999",
+        ],
+    );
+    assert!(error.contains("--bridge-faces"), "{error}");
 }
 
 #[test]

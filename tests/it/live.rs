@@ -45,6 +45,7 @@ fn holes(loops: &[BoundaryLoop]) -> FillTask {
     FillTask::Holes {
         loops: ids(loops),
         islands: true,
+        bridges: Vec::new(),
     }
 }
 

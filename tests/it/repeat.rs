@@ -8,8 +8,8 @@ use std::time::Instant;
 use crate::common::wait::wait_for;
 use meniscus::app::{
     Autosave, BrushStamp, ControlsAction, Document, EditAction, Effect, FaceEdit, FileAction,
-    Model, Refining, Run, RunAction, SelectAction, SelectHow, Settings, Source, Task, TaskAction,
-    act, tick,
+    Model, Part, Refining, Run, RunAction, SelectAction, SelectHow, Settings, Source, Task,
+    TaskAction, act, tick,
 };
 use meniscus::fill::{Continuity, LoopLimits};
 use meniscus::io;
@@ -276,6 +276,46 @@ fn repairs_are_repeated_too() {
     // a list that fits on the line
     paint(&mut m, DVec3::NEG_Z, 0.1);
     act(&mut m, EditAction::Erase);
+    repeats(&mut m, &output);
+}
+
+/// A part of a hole, and a bridge that flows with the patches on both sides.
+#[test]
+fn parts_and_bridges_are_repeated_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("scan.obj");
+    let output = folder.path().join("done.obj");
+    scan(&input);
+    let mut m = opened(input);
+    let across = |m: &Model, number: usize, part: usize| {
+        let l = &m.document.loops[number];
+        [0, l.edges() / part].map(|i| m.document.mesh.position(l.vertices[i]))
+    };
+    let [from, to] = across(&m, 0, 3).map(Some);
+    act(&mut m, TaskAction::Part(Some(Part { from, to })));
+    act(&mut m, RunAction::Start);
+    until(&mut m, "states", |m| states(m) > 4);
+    let mut controls = m.document.controls.clone();
+    controls.density = 1.3;
+    act(&mut m, ControlsAction::Set(Box::new(controls)));
+    until(&mut m, "states at the new density", |m| states(m) > 8);
+    act(&mut m, RunAction::Finish);
+    until(&mut m, "the end", ended);
+    act(&mut m, RunAction::Accept(0));
+    assert_eq!(m.document.loops.len(), 3);
+
+    let ends = across(&m, 1, 2);
+    act(&mut m, EditAction::Bridge(ends, 2));
+    assert_eq!(m.document.loops.len(), 4);
+    act(&mut m, RunAction::Start);
+    until(&mut m, "states", |m| states(m) > 4);
+    act(&mut m, ControlsAction::EnergyText("H^2 + 0.1*K^2".into()));
+    act(&mut m, ControlsAction::ApplyEnergy);
+    until(&mut m, "more states", |m| states(m) > 8);
+    act(&mut m, RunAction::Finish);
+    until(&mut m, "the end", ended);
+    act(&mut m, RunAction::Accept(0));
+    assert!(m.document.loops.is_empty());
     repeats(&mut m, &output);
 }
 

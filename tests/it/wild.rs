@@ -152,7 +152,7 @@ fn clean_removes_what_is_loose_and_no_other() {
     faces.push([b, a, n + 3]);
     desk.write("in.obj", &obj(&points, &faces));
     let run = desk.run(&["clean", "in.obj", "-o", "out.obj"]).ends(0);
-    let wanted = "1 components and 1 flaps removed, with 2 faces and 4 vertices; 3 loops now";
+    let wanted = "1 component and 1 flap removed, with 2 faces and 4 vertices; 3 loops now";
     assert!(run.stdout.contains(wanted), "{}", run.stdout);
     are_equal(&desk, "out.obj", "clean.obj");
     let none = ["--min-faces", "0", "--flap-faces", "0"];
@@ -195,7 +195,7 @@ fn stitch_joins_the_sides_of_a_slit() {
     let wanted = "3 pairs of edges and 4 vertices joined";
     assert!(run.stdout.contains(wanted), "{}", run.stdout);
     assert!(
-        run.stdout.contains("1 loops now, 2 before"),
+        run.stdout.contains("1 loop now, 2 before"),
         "{}",
         run.stdout
     );

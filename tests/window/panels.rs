@@ -157,6 +157,47 @@ fn the_hole_under_the_cursor_is_the_one_that_is_picked() {
     assert_eq!(harness.state().model.document.selection, [other].into());
 }
 
+/// Two clicks on the rim of the front hole choose a part of it, which Enter fills.
+#[test]
+fn part_of_a_hole_is_chosen_by_two_clicks() {
+    let mut harness = window();
+    harness.get_by_label("Part of a hole").click();
+    harness.run_steps(3);
+    let view = harness.get_by_label("view").rect();
+    let model = &harness.state().model;
+    let hole = &model.document.loops[front(harness.state()).index()];
+    let before = model.document.mesh.face_count();
+    let ends = [0, hole.edges() / 3].map(|i| {
+        let point = model.document.mesh.position(hole.vertices[i]);
+        let aspect = f64::from(view.width() / view.height());
+        let [x, y] = model.view.camera.project(point, aspect).expect("in front");
+        let at = [0.5 * (1.0 + x as f32), 0.5 * (1.0 - y as f32)];
+        (point, view.min + egui::Vec2::from(at) * view.size())
+    });
+    for (_, at) in ends {
+        harness.hover_at(at);
+        harness.run_steps(2);
+        harness.drag_at(at);
+        harness.step();
+        harness.drop_at(at);
+        harness.run_steps(3);
+    }
+    let part = harness.state().model.view.part.expect("chosen");
+    assert_eq!([part.from, part.to], ends.map(|(point, _)| Some(point)));
+    harness.get_by_label("Fill part of a hole");
+    harness.remove_cursor();
+    harness.run_steps(3);
+    let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(40);
+    harness.snapshot_options("window_part", &options);
+    harness.key_press(Key::Enter);
+    until(&mut harness, ended);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    let document = &harness.state().model.document;
+    assert!(document.mesh.face_count() > before);
+    assert_eq!(document.loops.len(), 2, "the rest of the hole is open");
+}
+
 /// A row of any list highlights its loop in the view, and leaving the row ends that.
 #[test]
 fn hovered_rows_are_highlighted_in_the_view() {

@@ -114,15 +114,14 @@ impl Patches {
             return Self(Vec::new());
         }
         let kept = run.as_ref().and_then(|(run, ..)| run.kept.as_deref());
-        let renumbers = |o: &Operation| {
-            matches!(
-                o,
-                Operation::Refill(_)
-                    | Operation::Erase(_)
-                    | Operation::Refine(_)
-                    | Operation::Clean(_)
-                    | Operation::Stitch(_)
-            )
+        let renumbers = |o: &Operation| match o {
+            Operation::Fill(spec) => !spec.bridges.is_empty(),
+            Operation::Refill(_)
+            | Operation::Erase(_)
+            | Operation::Refine(_)
+            | Operation::Clean(_)
+            | Operation::Stitch(_) => true,
+            _ => false,
         };
         let mut patches: Vec<Patch> = accepted
             .iter()

@@ -6,9 +6,9 @@ use super::*;
 use crate::app::document::AppliedOperation;
 use crate::app::faces::{BrushStamp, FaceEdit};
 use crate::app::run::Run;
-use crate::app::view_state::Bridging;
+use crate::app::view_state::{Bridging, Part};
 use crate::mesh::{FaceId, Flaw, face_list, flawed_faces};
-use crate::ops::{BridgeSpec, FacesSpec, Operation};
+use crate::ops::{BridgeSpec, FacesSpec, FillPartSpec, Operation};
 
 /// A stroke far from both holes, ended.
 fn paint(m: &mut Model, radius: f64) {
@@ -247,6 +247,78 @@ fn a_bridge_makes_two_holes_of_one() {
     assert!(last_message(&m).contains("ends of the bridge meet"));
     act(&mut m, EditAction::Undo);
     assert_eq!(m.document.loops.len(), 2);
+}
+
+#[test]
+fn a_bridge_flows_with_the_fills_beside_it() {
+    let mut m = model();
+    let before = Arc::clone(&m.document.mesh);
+    let l = &m.document.loops[0];
+    let at = |i: usize| m.document.mesh.position(l.vertices[i]);
+    let ends = [at(0), at(l.edges() / 2)];
+    act(&mut m, EditAction::Bridge(ends, 2));
+    let strip = m.document.bridge_faces();
+    assert_eq!(
+        strip.len(),
+        m.document.mesh.face_count() - before.face_count()
+    );
+    filled(&mut m);
+    let run = m.run.as_ref().expect("a run");
+    assert_eq!(run.base.positions, before.positions, "the strip is gone");
+    // numbers are those of the list
+    let mut numbered: Vec<LoopId> = run.loops.iter().map(|l| l.id).collect();
+    numbered.sort_unstable();
+    let rows = run.sides[0].handle.figures(None);
+    let mut holes: Vec<LoopId> = rows.iter().flat_map(|row| row.holes.clone()).collect();
+    holes.sort_unstable();
+    assert_eq!(holes, numbered);
+    assert!(holes.iter().all(|&id| m.document.loop_of(id).is_some()));
+    act(&mut m, RunAction::Accept(0));
+    assert!(m.document.loops.is_empty());
+    check_mesh(&m.document.mesh).expect("sound");
+    let given = before.vertex_count();
+    assert_eq!(m.document.mesh.positions[..given], before.positions);
+    let triangles = m.document.mesh.topology.triangles();
+    assert!(
+        triangles
+            .take(before.face_count())
+            .eq(before.topology.triangles())
+    );
+    assert_eq!(m.document.first_patch_face, before.face_count());
+    assert!(m.document.bridge_faces().is_empty());
+    act(&mut m, EditAction::Undo);
+    assert_eq!(m.document.bridge_faces(), strip);
+}
+
+#[test]
+fn part_of_a_hole_is_filled_between_two_clicks() {
+    let mut m = model();
+    act(&mut m, TaskAction::Part(Some(Part::default())));
+    act(&mut m, RunAction::Proceed);
+    assert!(m.run.is_none());
+    assert!(last_message(&m).starts_with("click the two rim vertices"));
+    let before = Arc::clone(&m.document.mesh);
+    let l = &m.document.loops[0];
+    let (edges, count) = (l.edges(), m.document.loops.len());
+    let at = |i: usize| m.document.mesh.position(l.vertices[i]);
+    let ends = [at(1), at(1 + edges / 2)];
+    let part = Part::default().with(ends[0]).with(ends[0]).with(ends[1]);
+    assert_eq!([part.from, part.to], ends.map(Some));
+    // a third click begins another part
+    assert_eq!(part.with(ends[0]).to, None);
+    act(&mut m, TaskAction::Part(Some(part)));
+    filled(&mut m);
+    assert!(m.view.part.is_none());
+    act(&mut m, RunAction::Accept(0));
+    assert_eq!(m.document.loops.len(), count);
+    check_mesh(&m.document.mesh).expect("sound");
+    assert!(m.document.mesh.face_count() > before.face_count());
+    assert_eq!(m.history.next_undo(), Some("fill of part of a hole"));
+    let flow = m.document.controls.clone().into();
+    let spec = FillPartSpec { ends, flow };
+    assert_eq!(last(&m).operation, Operation::FillPart(spec));
+    act(&mut m, EditAction::Undo);
+    assert_eq!(*m.document.mesh, *before);
 }
 
 #[test]

@@ -106,6 +106,7 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let words = format!("{name} {}: {}", holes.join(", "), row.surface);
         let words = words.trim_start();
         ui.add(egui::Label::new(RichText::new(words).weak()).truncate())
+            .on_hover_text("the error to expect is relative to the hole radius")
             .hovers(&row.holes, actions);
     }
     if next != model.document.controls {

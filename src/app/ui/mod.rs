@@ -1,6 +1,5 @@
 //! The panels: functions of the model that collect actions.
 
-mod bridge;
 mod controls;
 mod dialogs;
 mod energy;
@@ -14,6 +13,7 @@ pub(crate) mod plots;
 mod refine;
 mod repair;
 mod report;
+mod rim_tools;
 mod samples;
 mod side;
 mod status;

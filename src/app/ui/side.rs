@@ -77,7 +77,7 @@ fn task_ui(ui: &mut Ui, model: &Model, height: f32, actions: &mut Vec<Action>) {
         limits_ui(ui, model, actions);
     }
     run_ui(ui, model, actions);
-    super::bridge::bridge_ui(ui, model, actions);
+    super::rim_tools::rim_tools_ui(ui, model, actions);
     ui.separator();
     if document.is_blank() {
         return;
@@ -217,6 +217,7 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
         let n = model.document.selection.len();
         let text = match (model.view.task, n) {
+            (Task::Fill, _) if model.view.part.is_some() => "Fill part of a hole".into(),
             (Task::Fill, 0) => "Fill all holes".into(),
             (Task::Fill, 1) => "Fill the hole".into(),
             (Task::Blend, 0 | 1) => "Blend (click at least two rims)".into(),
@@ -310,7 +311,7 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         .max_scroll_height(f32::INFINITY)
         .column(Column::exact(22.0))
         .column(Column::exact(40.0))
-        .columns(Column::exact(50.0), 2)
+        .columns(Column::exact(57.0), 2)
         .column(Column::remainder().clip(true))
         .header(18.0, |mut header| {
             for (column, title, tip) in [

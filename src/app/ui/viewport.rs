@@ -306,7 +306,7 @@ fn viewport_ui(
         return None;
     }
     rim_numbers(ui, model, rect);
-    super::bridge::bridge_ends(ui, model, state.rim_vertex, rect);
+    super::rim_tools::draw(ui, model, state.rim_vertex, rect);
     hover_figures(ui, model, rect);
     corner_words(ui, model, rect)
 }
@@ -367,13 +367,10 @@ fn pick(
     if let Some(at) = response.hover_pos()
         && !down
     {
-        state.rim_vertex = model
-            .view
-            .bridging
-            .and_then(|_| picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH)));
-        let picks = picks_loops(model)
-            && model.view.bridging.is_none()
-            && model.view.report.pick == Pick::Holes;
+        let picks_vertices = model.view.bridging.is_some() || model.view.part.is_some();
+        let vertex = || picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH));
+        state.rim_vertex = picks_vertices.then(vertex).flatten();
+        let picks = picks_loops(model) && !picks_vertices && model.view.report.pick == Pick::Holes;
         if picks && let Some(over) = picker.pick_loop(camera, size, place(at), f64::from(REACH)) {
             actions.push(ViewAction::Hover(vec![over]).into());
         }
@@ -410,6 +407,13 @@ fn pick(
                     .into(),
                 ),
                 (_, None) => {}
+            }
+            return;
+        }
+        if let Some(part) = model.view.part {
+            let at = picker.pick_rim_vertex(camera, size, place(at), f64::from(REACH));
+            if let Some(at) = at {
+                actions.push(TaskAction::Part(Some(part.with(at))).into());
             }
             return;
         }
@@ -481,6 +485,12 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) -> Option<Rect> {
         match bridging.from {
             None => "Click the rim where the bridge starts.",
             Some(_) => "Click the rim where the bridge ends. Esc cancels.",
+        }
+    } else if let Some(part) = model.view.part {
+        match (part.from, part.to) {
+            (None, _) => "Click the rim vertex where the part of the hole begins.",
+            (_, None) => "Click the rim vertex where it ends. Esc cancels.",
+            _ => "Press Enter to fill the part. Esc cancels.",
         }
     } else if model.view.task == Task::Repair {
         if document.faces.is_empty() {

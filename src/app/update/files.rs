@@ -178,10 +178,8 @@ fn use_path(model: &mut Model, purpose: PathUse, mut path: PathBuf) {
         PathUse::SaveAs | PathUse::ExportPatch => Some("obj"),
         PathUse::Report(file) => Some(file.extension()),
     };
-    if let Some(extension) = extension
-        && path.extension().is_none()
-    {
-        path.set_extension(extension);
+    if let Some(extension) = extension {
+        path = with_extension(path, extension);
     }
     match purpose {
         PathUse::Open => load(model, path),
@@ -190,6 +188,23 @@ fn use_path(model: &mut Model, purpose: PathUse, mut path: PathBuf) {
         PathUse::Reference => report::set_reference(model, path),
         PathUse::Report(file) => report_files::save(model, file, path),
     }
+}
+
+/// The path with an extension if it has none. What follows the last dot is part of the name if it has
+/// digits, as in `scan.v2`, and is not that of a format.
+pub(super) fn with_extension(mut path: PathBuf, extension: &str) -> PathBuf {
+    let own = path
+        .extension()
+        .map(|own| own.to_string_lossy().into_owned());
+    let is_format = own.is_some_and(|own| {
+        let is_known =
+            io::Format::from_path(&path).is_some() || own.eq_ignore_ascii_case(extension);
+        is_known || own.chars().all(char::is_alphabetic)
+    });
+    if !is_format {
+        path.as_mut_os_string().push(format!(".{extension}"));
+    }
+    path
 }
 
 /// Opens the content that was read.

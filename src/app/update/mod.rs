@@ -40,8 +40,8 @@ pub fn act(model: &mut Model, action: impl Into<Action>) {
     }
 }
 
-/// Closes the topmost dialog or tool, else stops the run, else closes the report, else clears the
-/// selection.
+/// Closes the topmost dialog or tool, else stops the run (or rejects it before its first state), else closes
+/// the report, else clears the selection.
 fn escape(model: &mut Model) {
     if model.view.modal != Modal::None {
         model.view.modal = Modal::None;
@@ -54,8 +54,8 @@ fn escape(model: &mut Model) {
     if model.view.report.pick != Pick::Holes {
         model.view.report.pick = Pick::Holes;
     } else if let Some(run) = &model.run {
-        let ended = run.ended();
-        let action = if ended {
+        // without a state there is nothing to accept
+        let action = if run.ended() || run.state_count() == 0 {
             RunAction::Reject
         } else {
             RunAction::Stop
@@ -63,6 +63,8 @@ fn escape(model: &mut Model) {
         runs::update(model, action);
     } else if model.view.bridging.is_some() {
         model.view.bridging = None;
+    } else if model.view.part.is_some() {
+        model.view.part = None;
     } else if model.view.windows.analysis {
         model.view.windows.analysis = false;
     } else {

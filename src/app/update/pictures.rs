@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::files::NO_DIALOG;
+use super::files::{NO_DIALOG, with_extension};
 use crate::app::action::PictureAction;
 use crate::app::display::{DisplayWorker, Request};
 use crate::app::jobs::Reporter;
@@ -187,10 +187,7 @@ fn make(model: &mut Model, mut settings: PictureSettings) {
         model.log.error("enter a file name for the picture");
         return;
     }
-    let mut path = PathBuf::from(settings.path.trim());
-    if path.extension().is_none() {
-        path.set_extension(extension(&settings));
-    }
+    let path = with_extension(settings.path.trim().into(), extension(&settings));
     settings.path = path.display().to_string();
     let flow = settings.kind == PictureKind::Flow;
     if flow && model.run.is_none() {

@@ -7,10 +7,10 @@ use crate::app::action::RunAction;
 use crate::app::document::{AppliedOperation, window_controls};
 use crate::app::model::Model;
 use crate::app::run::Run;
-use crate::app::view_state::{Modal, Task};
+use crate::app::view_state::{Modal, Part, Task};
 use crate::fill::{Controls, Surface};
 use crate::mesh::LoopId;
-use crate::ops::{BlendSpec, FacesSpec, FillSpec, FlowSpec, Operation};
+use crate::ops::{BlendSpec, FacesSpec, FillPartSpec, FillSpec, FlowSpec, Operation};
 
 /// A refinement to more faces than this is started only after a question.
 const LARGE: u64 = 500_000;
@@ -97,6 +97,10 @@ fn start(model: &mut Model) {
         return;
     }
     model.view.bridging = None;
+    if let Some(part) = model.view.part {
+        start_part(model, part);
+        return;
+    }
     if model.view.task == Task::Refine {
         let document = &model.document;
         let (all, selected) = (document.mesh.face_count(), document.faces.len());
@@ -141,6 +145,7 @@ fn start(model: &mut Model) {
     }
     let loops: Vec<LoopId> = model.document.selection.iter().copied().collect();
     let islands = model.view.islands;
+    let bridges = Arc::new(model.document.bridge_faces());
     spawn(model, |flow| {
         let loops = loops.clone();
         match task {
@@ -148,10 +153,28 @@ fn start(model: &mut Model) {
             _ => Operation::Fill(FillSpec {
                 loops,
                 islands,
+                bridges: Arc::clone(&bridges),
                 flow,
             }),
         }
     });
+}
+
+/// Starts the fill of part of a hole.
+fn start_part(model: &mut Model, part: Part) {
+    let (Some(from), Some(to)) = (part.from, part.to) else {
+        model
+            .log
+            .warning("click the two rim vertices between which the hole is to be filled");
+        return;
+    };
+    spawn(model, |flow| {
+        let ends = [from, to];
+        Operation::FillPart(FillPartSpec { ends, flow })
+    });
+    if model.run.is_some() {
+        model.view.part = None;
+    }
 }
 
 fn refine(model: &mut Model) {

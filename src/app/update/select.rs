@@ -17,12 +17,20 @@ pub(crate) fn update_task(model: &mut Model, action: TaskAction) {
             if !refuse_while_running(model, "changing the selection") {
                 model.view.task = task;
                 model.view.bridging = None;
+                model.view.part = None;
                 model.view.hover.clear();
             }
         }
         TaskAction::Bridging(bridging) => {
             if !refuse_while_running(model, "changing the selection") {
                 model.view.bridging = bridging;
+                model.view.part = None;
+            }
+        }
+        TaskAction::Part(part) => {
+            if !refuse_while_running(model, "changing the selection") {
+                model.view.part = part;
+                model.view.bridging = None;
             }
         }
         TaskAction::Selecting(selecting) => model.view.selecting = selecting,

@@ -20,6 +20,7 @@ use crate::fill::defects::crossing_groups;
 use crate::fill::estimate::memory_of;
 use crate::fill::fairing::plan_fairing;
 use crate::fill::hole::PlannedHole;
+use crate::fill::partial::plan_part;
 use crate::fill::plan::Plan;
 use crate::fill::prepare::{Prepared, prepare};
 use crate::fill::{
@@ -55,6 +56,15 @@ pub enum FillTask {
         loops: Vec<LoopId>,
         /// Whether patches join the rims of islands, the loose components inside holes.
         islands: bool,
+        /// The faces of bridges, ascending, whose strips flow with the patches of the holes beside them.
+        bridges: Vec<u32>,
+    },
+    /// Fills part of a hole: along its rim from one index to another, in the loop's direction.
+    Part {
+        /// The loop.
+        hole: LoopId,
+        /// The indices.
+        ends: [usize; 2],
     },
     /// One patch joins these loops.
     Blend(Vec<LoopId>),
@@ -123,27 +133,39 @@ impl FillProcess {
         // any loop may be the rim of an island
         let loops = boundary_loops(&mesh);
         let chosen = |listed| choose(&loops, &LoopChoice::Listed(listed));
-        let Prepared { mut plan, longer } = match task {
+        let Prepared {
+            mut plan,
+            mesh: other,
+        } = match task {
             FillTask::Fair(selected) => Prepared {
                 plan: plan_fairing(&mesh, &selected)?,
-                longer: None,
+                mesh: None,
             },
             FillTask::Holes {
                 loops: listed,
                 islands,
+                bridges,
             } => {
                 let rim_sets = rim_sets(&mesh, &loops, &chosen(listed)?, islands);
-                prepare(&mesh, &rim_sets, options)
+                prepare(&mesh, &rim_sets, &bridges, options)
+            }
+            FillTask::Part { hole, ends } => {
+                let hole = chosen(vec![hole])?[0];
+                let (longer, plan) = plan_part(&mesh, &loops[hole.index()], ends, options)?;
+                Prepared {
+                    plan,
+                    mesh: Some(longer),
+                }
             }
             FillTask::Blend(listed) => {
                 let rims = chosen(listed)?
                     .iter()
                     .map(|id| &loops[id.index()])
                     .collect();
-                prepare(&mesh, &[rims], options)
+                prepare(&mesh, &[rims], &[], options)
             }
         };
-        let mesh = longer.map_or(mesh, Arc::new);
+        let mesh = other.map_or(mesh, Arc::new);
         let failed_holes = std::mem::take(&mut plan.failed);
         let of_hole = |hole: &PlannedHole| {
             let id = hole.rims.id();

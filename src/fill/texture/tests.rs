@@ -253,6 +253,7 @@ fn a_live_fill_is_repeated_to_the_bit() {
     let task = FillTask::Holes {
         loops: chosen,
         islands: true,
+        bridges: Vec::new(),
     };
     let mut live = LiveFill::spawn(Arc::clone(&given), task, controls.clone(), settings, wake)
         .expect("a thread");
