@@ -87,7 +87,10 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
         .allow_zoom(false)
         .allow_boxed_zoom(false)
         .x_grid_spacer(|input| marks(&input, WIDE, true))
-        .y_grid_spacer(move |input| marks(&input, HIGH, !energy))
+        .y_grid_spacer(move |input| match energy {
+            true => marks(&input, HIGH, false),
+            false => logarithmic_marks(&input),
+        })
         .custom_x_axes(vec![
             AxisHints::new_x()
                 .label_spacing(LABELS)
@@ -101,7 +104,7 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
                     if energy {
                         mark_words(mark.value, mark.step_size)
                     } else {
-                        format!("1e{:.0}", mark.value)
+                        power_words(mark.value)
                     }
                 }),
         ])
@@ -167,6 +170,30 @@ fn marks(input: &GridInput, least: f64, whole: bool) -> Vec<GridMark> {
         step_size,
     };
     (0..count).map(at).collect()
+}
+
+/// The marks of an axis of decadic logarithms: at powers of ten, and at 2 and 5 times these if fewer than two
+/// are visible.
+fn logarithmic_marks(input: &GridInput) -> Vec<GridMark> {
+    let powers = marks(input, HIGH, true);
+    if powers.len() > 1 {
+        return powers;
+    }
+    let (low, high) = input.bounds;
+    let powers = low.floor() as i32..=high.ceil() as i32;
+    let values = powers.flat_map(|k| [1.0f64, 2.0, 5.0].map(|m| f64::from(k) + m.log10()));
+    let visible = values.filter(|value| (low..=high).contains(value));
+    let mark = |value| GridMark {
+        value,
+        step_size: 2f64.log10(),
+    };
+    visible.map(mark).collect()
+}
+
+/// The number with a decadic logarithm, as in `2e-3`.
+fn power_words(log: f64) -> String {
+    let power = (log + 1e-6).floor();
+    format!("{:.0}e{power:.0}", 10f64.powf(log - power))
 }
 
 /// The smallest of 1, 2 and 5 times a power of ten that is not below a length.
@@ -303,5 +330,20 @@ mod tests {
         assert_eq!(whole.iter().map(|m| m.value).collect::<Vec<_>>(), [1.0]);
         let powers = axis(-7.0, 0.2, 100.0, HIGH, true);
         assert!(powers.len() > 2 && powers.iter().all(|m| m.value.fract() == 0.0));
+    }
+
+    #[test]
+    fn logarithmic_axes_have_marks_in_any_range() {
+        let words = |low: f64, high: f64| -> Vec<String> {
+            let input = GridInput {
+                bounds: (low, high),
+                base_step_size: 8.0 * (high - low) / 120.0,
+            };
+            let marks = logarithmic_marks(&input);
+            marks.iter().map(|mark| power_words(mark.value)).collect()
+        };
+        assert_eq!(words(-2.5, 0.5), ["1e-2", "1e-1", "1e0"]);
+        assert_eq!(words(-0.8, 0.1), ["2e-1", "5e-1", "1e0"]);
+        assert_eq!(words(-2.8, -2.2), ["2e-3", "5e-3"]);
     }
 }
