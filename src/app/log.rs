@@ -24,6 +24,8 @@ pub struct Entry {
     pub at: Instant,
     /// Whether the user has closed its toast.
     pub dismissed: bool,
+    /// Whether what it says is over.
+    pub past: bool,
 }
 
 impl Entry {
@@ -75,6 +77,7 @@ impl Log {
         {
             last.at = Instant::now();
             last.dismissed = false;
+            last.past = false;
             return;
         }
         if self.entries.len() == LIMIT {
@@ -85,7 +88,21 @@ impl Log {
             text,
             at: Instant::now(),
             dismissed: false,
+            past: false,
         });
+    }
+
+    /// Closes the toasts of all messages so far and ends them as the latest: the user has acted on them.
+    pub fn settle(&mut self) {
+        for entry in &mut self.entries {
+            entry.dismissed = true;
+            entry.past = true;
+        }
+    }
+
+    /// The last message, unless it is over.
+    pub fn latest(&self) -> Option<&Entry> {
+        self.entries.last().filter(|entry| !entry.past)
     }
 
     /// All messages.
@@ -148,5 +165,10 @@ mod tests {
                 .is_some_and(|d| d <= Duration::from_secs(5))
         );
         assert_eq!(log.entries().len(), 2);
+        assert!(log.latest().is_some_and(|e| e.level == Level::Error));
+        log.settle();
+        assert!(log.latest().is_none() && log.toasts(now).is_empty());
+        log.error("no such file");
+        assert!(log.latest().is_some());
     }
 }

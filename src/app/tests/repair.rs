@@ -307,6 +307,9 @@ fn part_of_a_hole_is_filled_between_two_clicks() {
     // a third click begins another part
     assert_eq!(part.with(ends[0]).to, None);
     act(&mut m, TaskAction::Part(Some(part)));
+    act(&mut m, RunAction::Start);
+    let asks = |m: &Model| m.log.latest().is_some_and(|e| e.text.starts_with("click"));
+    assert!(m.run.is_some() && !asks(&m));
     filled(&mut m);
     assert!(m.view.part.is_none());
     act(&mut m, RunAction::Accept(0));

@@ -58,7 +58,7 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 FileAction::CopyCommand,
                 actions,
             );
-            if let Some(entry) = model.log.entries().last() {
+            if let Some(entry) = model.log.latest() {
                 let color = match entry.level {
                     Level::Info => ui.visuals().weak_text_color(),
                     Level::Warning => ui.visuals().warn_fg_color,

@@ -198,6 +198,8 @@ fn refine(model: &mut Model) {
 fn show(model: &mut Model, run: Run) {
     // side-by-side views are narrower than a single one
     model.view.fit |= run.sides.len() > 1;
+    // such as the question for a selection
+    model.log.settle();
     model.run = Some(run);
 }
 
