@@ -22,7 +22,7 @@ use super::view_state::{
 };
 use crate::fill::{Features, LoopLimits, Surface};
 use crate::io;
-use crate::mesh::{DVec3, LoopId, Mesh, Soup, check_mesh, components};
+use crate::mesh::{DVec3, LoadReport, LoopId, Mesh, Soup, check_mesh, components};
 use crate::ops::Operation;
 use crate::render::{Vertex, ViewMode};
 use crate::shapes::{Hole, HoleShape, cut_holes, sphere};
@@ -807,7 +807,7 @@ fn escape_before_the_first_state_leaves_nothing_to_decide() {
     let (positions, triangles) = cut_holes(&sphere(20_000, 5), &[hole]);
     let opened = io::Opened {
         mesh: Mesh::from_triangles(positions, &triangles).expect("manifold"),
-        report: Default::default(),
+        report: LoadReport::default(),
     };
     let document = Document::new(opened, Source::Sample("test".into()));
     let settings = Settings::default();

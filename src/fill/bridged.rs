@@ -228,18 +228,20 @@ fn is_sphere(
         part.strips.binary_search(&face.0).is_ok()
     };
     // the Euler characteristics of the strips and of the patches beside them, less those of their
-    // common arcs
-    let mut euler = (vertices.len() + part.strips.len()) as i64 - edges.len() as i64;
+    // common arcs: what is added, and what is taken away
+    let mut plus = vertices.len() + part.strips.len();
+    let mut minus = edges.len();
     for &set in &part.sets {
-        euler += 2 - rim_sets[set].len() as i64;
+        plus += 2;
+        minus += rim_sets[set].len();
         for rim in &rim_sets[set] {
             let flags: Vec<bool> = rim.halfedges.iter().map(is_of_strip).collect();
             let n = flags.len();
             let starts = (0..n).filter(|&i| flags[i] && !flags[(i + n - 1) % n]);
-            euler -= starts.count() as i64;
+            minus += starts.count();
         }
     }
-    on_rims.len() == count && euler == 2 - rims.len() as i64
+    on_rims.len() == count && plus + rims.len() == minus + 2
 }
 
 /// The hole over `rims`, whose first patch is put together from the strips and patches over the rim sets

@@ -87,9 +87,12 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
         .allow_zoom(false)
         .allow_boxed_zoom(false)
         .x_grid_spacer(|input| marks(&input, WIDE, true))
-        .y_grid_spacer(move |input| match energy {
-            true => marks(&input, HIGH, false),
-            false => logarithmic_marks(&input),
+        .y_grid_spacer(move |input| {
+            if energy {
+                marks(&input, HIGH, false)
+            } else {
+                logarithmic_marks(&input)
+            }
         })
         .custom_x_axes(vec![
             AxisHints::new_x()
