@@ -239,7 +239,7 @@ impl Model {
 
     /// Whether the document has colours or texture images.
     pub fn has_colors(&self) -> bool {
-        self.document.mesh.attributes.has_vertex_colors() || !self.textures.is_empty()
+        self.document.mesh.attributes.has_colors() || !self.textures.is_empty()
     }
 
     /// The available view modes.

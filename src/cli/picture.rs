@@ -147,11 +147,13 @@ fn surfaces(
         chosen.map(FaceId::from).collect()
     };
     let (moving, rest) = (faces(true), faces(false));
-    let (materials, colors) = if style.shows_colors() {
-        (materials(&mesh.attributes), mesh.colors())
+    let (materials, colors, face_colors) = if style.shows_colors() {
+        let all = &mesh.attributes;
+        (materials(all), mesh.colors(), all.face_colors())
     } else {
         Default::default()
     };
+    let face_colors = Arc::new(face_colors);
     let (textures, notes) = Textures::read(&materials);
     for note in notes {
         say(&note);
@@ -168,12 +170,14 @@ fn surfaces(
         creases,
         flags: moving.iter().map(flag).collect(),
         textures: textures.clone(),
+        face_colors: Arc::clone(&face_colors),
         ..SurfaceOptions::default()
     };
     let near = DynamicSurface::new(&mesh.topology, &moving, &options);
     let coarse = SurfaceOptions {
         samples_per_edge: Some(1),
         textures,
+        face_colors,
         ..SurfaceOptions::default()
     };
     let far = DynamicSurface::new(&mesh.topology, &rest, &coarse);

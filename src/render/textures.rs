@@ -193,14 +193,18 @@ impl Textures {
         self.images.is_empty()
     }
 
-    /// The images of the faces of a mesh.
+    /// The images of the faces of a mesh. Colours of vertices or faces other than white hide that of a material.
     pub fn of_faces(&self, mesh: &Mesh) -> FaceTextures {
         let attributes = &mesh.attributes;
         let coordinates = Coordinates::of(attributes);
+        let painted = Painted::of(mesh);
         let faces = mesh.topology.faces().map(|f| {
             let name = attributes.material_of(f.index());
             let image = self.images.get(name)?;
             let corners = mesh.topology.face_vertices(f).map(|v| v.0);
+            if image.is_plain() && painted.has_color(f, corners) {
+                return None;
+            }
             let at = coordinates.as_ref().and_then(|c| c.of_face(f, corners));
             let at = match self.moved.get(name) {
                 Some(material) => at.map(|corners| {
@@ -213,6 +217,29 @@ impl Textures {
             Some((Arc::clone(image), at))
         });
         FaceTextures(faces.collect())
+    }
+}
+
+/// The colours of the vertices, or of the faces, of a mesh.
+struct Painted {
+    vertices: Vec<[f32; 4]>,
+    faces: Vec<Option<[f32; 3]>>,
+}
+
+impl Painted {
+    fn of(mesh: &Mesh) -> Self {
+        Self {
+            vertices: mesh.colors(),
+            faces: mesh.attributes.face_colors(),
+        }
+    }
+
+    /// Whether a face, or a vertex of it, has a colour other than white.
+    fn has_color(&self, f: FaceId, corners: [u32; 3]) -> bool {
+        let of_vertex = |&v: &u32| self.vertices.get(v as usize).map(|c| [c[0], c[1], c[2]]);
+        let of_face = self.faces.get(f.index()).copied().flatten();
+        let mut colors = corners.iter().filter_map(of_vertex).chain(of_face);
+        colors.any(|color| color != [1.0; 3])
     }
 }
 
@@ -367,6 +394,30 @@ mod tests {
         let faces = textures.of_faces(&mesh);
         let (_, at) = faces.of(FaceId(1)).expect("an image");
         assert_eq!(*at, [[0.0, 0.0], [1.0, 0.5], [0.25, 0.75]]);
+    }
+
+    #[test]
+    fn colours_hide_those_of_materials_unless_they_are_white() {
+        let material = Material {
+            name: "red".into(),
+            color: Some([1.0, 0.0, 0.0]),
+            ..Material::default()
+        };
+        let (textures, _) = Textures::read(&[material]);
+        let mut mesh = square();
+        mesh.attributes.faces.tags = vec![0, 0];
+        let is_red = |mesh: &Mesh| {
+            let faces = textures.of_faces(mesh);
+            [0, 1].map(|f| faces.of(FaceId(f)).is_some())
+        };
+        assert_eq!(is_red(&mesh), [true, true]);
+        let [white, gray] = [[1.0; 4], [0.5, 0.5, 0.5, 1.0]];
+        // the second vertex is in the first face only
+        mesh.attributes.vertices = crate::mesh::color_columns(&[white, gray, white, white]);
+        assert_eq!(is_red(&mesh), [false, true]);
+        mesh.attributes.vertices.clear();
+        mesh.attributes.faces.columns = crate::mesh::color_columns(&[white, gray]);
+        assert_eq!(is_red(&mesh), [true, false]);
     }
 
     #[test]

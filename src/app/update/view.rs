@@ -70,11 +70,11 @@ fn choose_mode(model: &mut Model, mode: ViewMode) {
     }
 }
 
-/// The view mode of an opened document: its colours if it has colours of vertices or texture images,
+/// The view mode of an opened document: its colours if it has colours of vertices or faces or texture images,
 /// otherwise the last mode that was chosen. At first, samples are smooth and show isophotes; scans have
 /// noise, which isophotes would exaggerate.
 pub(super) fn first_mode(model: &mut Model) {
-    if model.document.mesh.attributes.has_vertex_colors() || model.textures.has_pictures() {
+    if model.document.mesh.attributes.has_colors() || model.textures.has_pictures() {
         return set_mode(model, ViewMode::Color);
     }
     let first = if matches!(model.document.origin.source, Source::Sample(_)) {

@@ -1,4 +1,4 @@
-//! Colours among the columns of vertices.
+//! Colours among the columns of vertices and faces.
 
 use super::column::{Column, NumberType, Numbers};
 
@@ -101,6 +101,53 @@ pub fn colors(columns: &[Column]) -> Vec<[f32; 4]> {
     all
 }
 
+/// Colours of the faces of a binary STL file: five bits for each channel in the attribute of a face.
+pub(super) struct StlColors<'a> {
+    attributes: &'a [u16],
+    /// The colour of faces without one of their own.
+    default: Option<[f32; 3]>,
+    /// Whether the highest bit marks faces without a colour of their own and red has the lowest bits, as
+    /// Materialise writes them. In other files it marks faces with a colour, and blue has the lowest bits.
+    is_materialise: bool,
+}
+
+impl<'a> StlColors<'a> {
+    /// Those in the attributes among these columns of faces, in a file with this header. `None` if no face has
+    /// one.
+    pub fn of(columns: &'a [Column], header: Option<&[u8; 80]>) -> Option<Self> {
+        const MARK: &[u8] = b"COLOR=";
+        let header = header?;
+        let attributes = columns.iter().find_map(|column| match &column.numbers {
+            Numbers::U16(attributes) if column.name == "attribute" => Some(&attributes[..]),
+            _ => None,
+        })?;
+        let at = header.windows(MARK.len()).position(|text| text == MARK);
+        let default = at.and_then(|at| header.get(at + MARK.len()..)?.first_chunk());
+        let default = default.map(|bytes: &[u8; 3]| bytes.map(|byte| f32::from(byte) / 255.0));
+        let is_materialise = default.is_some();
+        let has_some = is_materialise || attributes.iter().any(|bits| bits & 0x8000 != 0);
+        has_some.then_some(Self {
+            attributes,
+            default,
+            is_materialise,
+        })
+    }
+
+    /// Red, green and blue in 0..=1 for each face.
+    pub fn all(&self) -> Vec<Option<[f32; 3]>> {
+        let color = |&bits: &u16| {
+            let is_own = (bits & 0x8000 != 0) != self.is_materialise;
+            let [low, middle, high] = [0, 5, 10].map(|k| f32::from(bits >> k & 31) / 31.0);
+            match (is_own, self.is_materialise) {
+                (false, _) => self.default,
+                (true, true) => Some([low, middle, high]),
+                (true, false) => Some([high, middle, low]),
+            }
+        };
+        self.attributes.iter().map(color).collect()
+    }
+}
+
 /// Columns of colours in 0..=1 without a declared type; with opacity only if one differs from 1.
 pub fn color_columns(colors: &[[f32; 4]]) -> Vec<Column> {
     if colors.is_empty() {
@@ -189,6 +236,31 @@ mod tests {
         assert!(shades(["r", "g", "b"], Numbers::F32(vec![f32::NAN])).is_empty());
         assert!(shades(["r", "g", "b"], Numbers::I32(vec![5])).is_empty());
         assert!(shades(["r", "g", "c"], Numbers::U8(vec![5])).is_empty());
+    }
+
+    #[test]
+    fn attributes_of_stl_files_are_colours() {
+        let columns = [Column {
+            name: "attribute".into(),
+            numbers: Numbers::U16(vec![0x8000 | 31, 31, 31 << 10, 0x8000]),
+            is_typed: true,
+        }];
+        let colors = |header: &[u8]| {
+            let mut all = [b' '; 80];
+            all[..header.len()].copy_from_slice(header);
+            StlColors::of(&columns, Some(&all)).expect("colours").all()
+        };
+        let [red, blue, black] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]].map(Some);
+        assert_eq!(colors(b"some program"), [blue, None, None, black]);
+        let orange = Some([1.0, 128.0 / 255.0, 0.0]);
+        let magics = b"COLOR=\xff\x80\x00\xff,MATERIAL=";
+        assert_eq!(colors(magics), [orange, red, blue, orange]);
+        assert!(StlColors::of(&columns, None).is_none());
+        let plain = [Column {
+            numbers: Numbers::U16(vec![1, 2]),
+            ..columns[0].clone()
+        }];
+        assert!(StlColors::of(&plain, Some(&[b' '; 80])).is_none());
     }
 
     #[test]

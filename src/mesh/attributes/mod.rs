@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use super::{FaceTag, Mesh, VertexId};
 
 pub use colors::{Colors, color_columns, color_steps, colors, to_light, to_signal};
+use colors::StlColors;
 pub use column::{Column, NumberType, Numbers, columns_named, picked_rows, row_count};
 pub use faces::{FaceData, NO_VALUE};
 pub use materials::{GltfMaterials, ImageSource, Material, OwnMaterial};
@@ -207,6 +208,33 @@ impl Attributes {
             let new = given..given + count;
             self.vertex_of_row.extend(new.map(|v| v as u32));
         }
+    /// Red, green and blue in 0..=1 for each face, where they are known; empty if the vertices have colours or
+    /// the faces have none. They are columns of faces, or the attributes of an STL file.
+    pub fn face_colors(&self) -> Vec<Option<[f32; 3]>> {
+        if self.has_vertex_colors() {
+            return Vec::new();
+        }
+        let of_columns = colors(&self.faces.columns);
+        if !of_columns.is_empty() {
+            let shades = of_columns.into_iter().map(|[r, g, b, _]| Some([r, g, b]));
+            return shades.collect();
+        }
+        let of_stl = StlColors::of(&self.faces.columns, self.stl_header.as_ref());
+        of_stl.map_or_else(Vec::new, |colors| colors.all())
+    }
+
+    /// Whether faces have a colour, perhaps beside vertices.
+    pub fn has_face_colors(&self) -> bool {
+        let columns = &self.faces.columns;
+        let of_stl = || StlColors::of(columns, self.stl_header.as_ref());
+        Colors::channels(columns).is_some() || of_stl().is_some()
+    }
+
+    /// Whether vertices or faces have a colour.
+    pub fn has_colors(&self) -> bool {
+        self.has_vertex_colors() || self.has_face_colors()
+    }
+
     }
 
     /// Appends the data of new triangles, which follow the `given` ones: that of face `like`, with

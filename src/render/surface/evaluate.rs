@@ -43,20 +43,21 @@ impl DynamicSurface {
             let start = self.cut.positions(start, what.centre);
             self.positions_at_samples(&start, what.limit)
         });
-        let vertex = |((&s, &flags), &uv): ((&u32, &u32), &[f32; 2])| {
-            let sample = &samples[s as usize];
-            let from = deviation.as_ref().map(|d| d[s as usize]);
-            Vertex {
-                uv,
-                ..as_vertex(sample, from, flags, what)
-            }
-        };
         let of = &self.samples;
-        let vertices = of
-            .sample_of
-            .par_iter()
-            .zip(&of.flags_of)
-            .zip(&of.places)
+        let vertex = |k: usize| {
+            let s = of.sample_of[k] as usize;
+            let from = deviation.as_ref().map(|d| d[s]);
+            let mut vertex = Vertex {
+                uv: of.places[k],
+                ..as_vertex(&samples[s], from, of.flags_of[k], what)
+            };
+            if of.colors_of[k][3] > 0 {
+                vertex.color = of.colors_of[k];
+            }
+            vertex
+        };
+        let vertices = (0..of.sample_of.len())
+            .into_par_iter()
             .map(vertex)
             .collect();
         let mut geometry = Geometry::new(vertices, of.triangles.clone(), of.edges.clone());

@@ -35,6 +35,9 @@ pub struct SurfaceOptions {
     pub flags: Vec<u32>,
     /// Texture images of the faces of the whole mesh.
     pub textures: Option<Arc<FaceTextures>>,
+    /// Red, green and blue (sRGB, 0 to 1) of the first faces of the whole mesh, if they are known. They hide
+    /// colours of vertices.
+    pub face_colors: Arc<Vec<Option<[f32; 3]>>>,
 }
 
 /// The settings of an evaluation.
@@ -86,7 +89,15 @@ impl DynamicSurface {
         let textures = options.textures.as_deref();
         let textures = faces.iter().map(|&f| textures.and_then(|all| all.of(f)));
         let textures: Vec<Option<&FaceTexture>> = textures.collect();
-        let samples = Samples::new(&cut, &elements, &lattice, options, &textures);
+        let colors = faces.iter().map_while(|f| {
+            let known = options.face_colors.get(f.index());
+            let byte = |x: f32| (255.0 * x).round() as u8;
+            let shade = |[r, g, b]: [f32; 3]| [byte(r), byte(g), byte(b), u8::MAX];
+            (!options.face_colors.is_empty())
+                .then(|| known.copied().flatten().map_or([0; 4], shade))
+        });
+        let colors: Vec<[u8; 4]> = colors.collect();
+        let samples = Samples::new(&cut, &elements, &lattice, options, &textures, &colors);
         Self {
             cut,
             elements,

@@ -107,6 +107,8 @@ pub(super) struct Samples {
     pub(super) flags_of: Vec<u32>,
     /// The place of each vertex in the texture image.
     pub(super) places: Vec<[f32; 2]>,
+    /// The colour of the faces at each vertex; opacity 0 if it is unknown.
+    pub(super) colors_of: Vec<[u8; 4]>,
     /// Runs of triangles with one texture image.
     pub(super) textures: Vec<(Range<u32>, Arc<Image>)>,
     /// Triangles, wireframe and seams between vertices.
@@ -122,6 +124,7 @@ impl Samples {
         lattice: &Lattice,
         options: &SurfaceOptions,
         textures: &[Option<&FaceTexture>],
+        colors: &[[u8; 4]],
     ) -> Self {
         let mut numbering = Numbering::new(cut, elements, lattice, options.is_cut);
         for &f in &cut.faces {
@@ -142,12 +145,13 @@ impl Samples {
             sample_of: Vec::new(),
             flags_of: Vec::new(),
             places: Vec::new(),
+            colors_of: Vec::new(),
             textures: Vec::new(),
             triangles: Vec::new(),
             edges: Vec::new(),
             seam: Vec::new(),
         };
-        samples.make_vertices(&options.flags, textures, lattice);
+        samples.make_vertices(&options.flags, textures, colors, lattice);
         samples
     }
 
@@ -155,12 +159,13 @@ impl Samples {
         self.corners.len() + self.inner.len()
     }
 
-    /// Creates a vertex for each sample and each value of the flags and place in the texture image of its
-    /// faces.
+    /// Creates a vertex for each sample and each value of the flags, place in the texture image and colour of
+    /// its faces. `colors` are those of the faces; empty for none.
     fn make_vertices(
         &mut self,
         flags: &[u32],
         textures: &[Option<&FaceTexture>],
+        colors: &[[u8; 4]],
         lattice: &Lattice,
     ) {
         let faces = self.sample_triangles.len() / self.triangles_per_face;
@@ -173,11 +178,16 @@ impl Samples {
         // the next vertex of the same sample
         let mut next: Vec<u32> = Vec::new();
         let (sample_of, flags_of) = (&mut self.sample_of, &mut self.flags_of);
-        let places = &mut self.places;
-        let mut vertex = |sample: u32, flags: u32, place: [f32; 2]| {
+        let (places, colors_of) = (&mut self.places, &mut self.colors_of);
+        let mut vertex = |sample: u32, flags: u32, place: [f32; 2], color: [u8; 4]| {
             let mut at = first[sample as usize];
-            while at != NONE && (flags_of[at as usize], places[at as usize]) != (flags, place) {
-                at = next[at as usize];
+            let wanted = (flags, place, color);
+            while at != NONE {
+                let k = at as usize;
+                if (flags_of[k], places[k], colors_of[k]) == wanted {
+                    break;
+                }
+                at = next[k];
             }
             if at == NONE {
                 at = next.len() as u32;
@@ -185,6 +195,7 @@ impl Samples {
                 sample_of.push(sample);
                 flags_of.push(flags);
                 places.push(place);
+                colors_of.push(color);
             }
             at
         };
@@ -196,7 +207,8 @@ impl Samples {
                 let (face, triangle) = (i / self.triangles_per_face, i % self.triangles_per_face);
                 let flags = flags.get(face).copied().unwrap_or(0);
                 let Some((_, corners)) = textures[face] else {
-                    return t.map(|s| vertex(s, flags, [0.0; 2]));
+                    let color = colors.get(face).copied().unwrap_or_default();
+                    return t.map(|s| vertex(s, flags, [0.0; 2], color));
                 };
                 let at = lattice.triangles[triangle];
                 [0, 1, 2].map(|k| {
@@ -205,7 +217,7 @@ impl Samples {
                         let [a, b, c] = corners.map(|corner| corner[axis]);
                         a + v * (b - a) + w * (c - a)
                     });
-                    vertex(t[k], flags | Vertex::TEXTURED, place)
+                    vertex(t[k], flags | Vertex::TEXTURED, place, [0; 4])
                 })
             })
             .collect();

@@ -371,6 +371,38 @@ fn a_patch_has_a_seam_along_its_border() {
 }
 
 #[test]
+fn colours_of_faces_hide_those_of_vertices_where_they_are_known() {
+    let shape = shapes::icosphere(2);
+    let (topology, positions) = mesh(&shape);
+    let faces = all_faces(&topology);
+    let known = 10;
+    let shades = (0..known).map(|f| (f % 3 != 0).then_some([f as f32 / 255.0, 1.0, 0.5]));
+    let options = SurfaceOptions {
+        face_colors: Arc::new(shades.collect()),
+        ..options(2)
+    };
+    // a part of the faces in another order
+    let drawn: Vec<FaceId> = faces.iter().rev().copied().collect();
+    let surface = DynamicSurface::new(&topology, &drawn, &options);
+    let evaluation = Evaluation {
+        colors: &vec![[1.0; 4]; positions.len()],
+        ..Evaluation::default()
+    };
+    let geometry = surface.evaluate_with(positions, &evaluation);
+    for (triangles, f) in geometry.triangles.chunks(4).zip(drawn) {
+        let k = f.index();
+        let wanted = if k < known && k % 3 != 0 {
+            [k as u8, 255, 128, 255]
+        } else {
+            [255; 4]
+        };
+        for v in triangles.iter().flatten() {
+            assert_eq!(geometry.vertices[*v as usize].color, wanted, "face {k}");
+        }
+    }
+}
+
+#[test]
 fn colours_are_those_of_the_vertices_and_linear_between_them() {
     let shape = shapes::icosphere(3);
     let (topology, positions) = mesh(&shape);
