@@ -221,8 +221,70 @@ fn texture_images_are_drawn_and_missing_ones_are_said() {
     }
 }
 
-/// Patches across a seam are drawn with their image as soon as they are accepted, an undo takes it back,
-/// and a project keeps it.
+/// The drawn vertices of patches.
+fn drawn_patches(m: &Model) -> Vec<Vertex> {
+    let display = m.displays[0].latest();
+    let surfaces = display.iter().flat_map(|display| &display.surfaces);
+    let vertices = surfaces.flat_map(|surface| surface.vertices.iter().copied());
+    vertices.filter(|v| v.flags & Vertex::PATCH != 0).collect()
+}
+
+/// Starts a fill that is not yet near its end when its first state is drawn.
+fn starts_slowly(m: &mut Model) {
+    act(m, RunAction::Pace(0.5));
+    act(m, RunAction::Start);
+    until(m, |m| !drawn_patches(m).is_empty());
+    assert!(!m.run.as_ref().expect("a run").ended());
+}
+
+#[test]
+fn a_patch_has_colours_while_it_grows() {
+    let mut m = model();
+    act(&mut m, FileAction::Sample("ring".into()));
+    until(&mut m, |m| m.view.style.mode == ViewMode::Color);
+    starts_slowly(&mut m);
+    let patches = drawn_patches(&m);
+    assert!(patches.iter().all(|v| v.color[3] == u8::MAX));
+    // in other views its colours are not computed
+    act(&mut m, ViewAction::Mode(ViewMode::Shaded));
+    until(&mut m, |m| {
+        let patches = drawn_patches(m);
+        patches.iter().any(|v| v.color[3] == 0)
+    });
+}
+
+#[test]
+fn faces_with_colours_are_drawn_in_them() {
+    let mut m = model();
+    let mut coloured = opened();
+    let faces = coloured.mesh.face_count();
+    let shades: Vec<[f32; 4]> = (0..faces)
+        .map(|face| [face as f32 / faces as f32, 0.0, 1.0, 1.0])
+        .collect();
+    coloured.mesh.attributes.faces.columns = crate::mesh::color_columns(&shades);
+    replace(
+        &mut m,
+        Document::new(coloured, Source::File("a.off".into())),
+    );
+    assert_eq!(m.view.style.mode, ViewMode::Color);
+    until(&mut m, |m| m.displays[0].latest().is_some());
+    let display = m.displays[0].latest().expect("drawn");
+    let surface = &display.surfaces[0];
+    assert!(surface.triangles.len() >= faces);
+    for triangle in &surface.triangles {
+        let [a, b, c] = triangle.map(|v| surface.vertices[v as usize].color);
+        assert!(
+            a == b && b == c && a[1..] == [0, 255, 255],
+            "{a:?} {b:?} {c:?}"
+        );
+    }
+    starts_slowly(&mut m);
+    let patches = drawn_patches(&m);
+    assert!(patches.iter().all(|v| v.color[1..] == [0, 255, 255]));
+}
+
+/// Patches across a seam are drawn with their image while they grow and when they are accepted, an undo takes
+/// it back, and a project keeps it.
 #[test]
 fn images_of_patches_are_drawn_undone_and_kept_in_projects() {
     let mut m = model();
@@ -236,6 +298,14 @@ fn images_of_patches_are_drawn_undone_and_kept_in_projects() {
             .collect();
         ids.len()
     };
+    until(&mut m, |m| images(m) == 1);
+    starts_slowly(&mut m);
+    // before, the patches are plain
+    until(&mut m, |m| images(m) == 2);
+    assert!(!m.run.as_ref().expect("a run").ended());
+    let patches = drawn_patches(&m);
+    assert!(patches.iter().all(|v| v.flags & Vertex::TEXTURED != 0));
+    act(&mut m, RunAction::Reject);
     until(&mut m, |m| images(m) == 1);
     filled(&mut m);
     act(&mut m, RunAction::Accept(0));

@@ -2,16 +2,15 @@
 
 use std::sync::Arc;
 
-use super::{Display, Request, same_list};
-use crate::app::cached::{Cached, SharedKey};
+use super::look::{Look, LookKey};
+use super::{Continued, Display, Request, same_list};
+use crate::app::cached::Cached;
 use crate::app::report::Reference;
 use crate::app::run::RunState;
 use crate::app::seam::seam;
 use crate::energy::{WellPosed, scan_well_posedness};
 use crate::mesh::{DVec3, FaceId, Mesh, Neighbourhood, Topology, VertexId};
-use crate::render::{
-    Bounds, DynamicSurface, Evaluation, FaceTextures, Geometry, SurfaceOptions, Textures, Vertex,
-};
+use crate::render::{Bounds, DynamicSurface, Evaluation, Geometry, SurfaceOptions, Vertex};
 
 /// Rings of faces around a patch that are drawn as limit surface, like the patch.
 const LIMIT_RINGS: usize = 3;
@@ -26,8 +25,6 @@ const SINGLE: f64 = 1e-5;
 pub(super) struct DisplayBuilder {
     split: Option<Split>,
     still: Cached<StillKey, Arc<Geometry>>,
-    /// The colours of the vertices of the mesh.
-    colors: Cached<SharedKey<Mesh>, Arc<Vec<[f32; 4]>>>,
     /// The mesh that the distances in `still` refer to.
     reference: Option<Arc<Reference>>,
     /// The last display and its request.
@@ -41,8 +38,8 @@ struct Split {
     first_patch_face: usize,
     faired: Arc<Vec<u32>>,
     original: bool,
-    textures: Arc<Textures>,
-    of_faces: Option<Arc<FaceTextures>>,
+    look_key: LookKey,
+    look: Look,
     moving: DynamicSurface,
     moving_faces: Vec<FaceId>,
     still: Vec<FaceId>,
@@ -104,6 +101,18 @@ impl DisplayBuilder {
         display
     }
 
+    /// Whether the first patches of a run would be drawn only when images are read, which may take seconds.
+    pub(super) fn waits_for_images(&self, request: &Request) -> bool {
+        let drawn = self.last.as_ref().map(|(asked, _)| asked);
+        let is_drawn = |r: &Request| r.state.is_some() && Arc::ptr_eq(&r.mesh, &request.mesh);
+        let has_patches = request
+            .state
+            .as_ref()
+            .is_some_and(|s| s.patch_faces().is_some());
+        let is_wanted = request.continued != Continued::No && !request.textures.is_empty();
+        has_patches && is_wanted && !drawn.is_some_and(is_drawn)
+    }
+
     fn surfaces(&mut self, request: &Request) -> Display {
         let key = TopologyKey::of(request);
         let fits = self.split.as_ref().is_some_and(|s| {
@@ -112,7 +121,7 @@ impl DisplayBuilder {
                 && s.first_patch_face == request.first_patch_face
                 && same_list(&s.faired, &request.faired)
                 && s.original == request.original
-                && Arc::ptr_eq(&s.textures, &request.textures)
+                && s.look_key.fits(request)
         });
         if !fits {
             self.split = Some(Split::new(key, request));
@@ -127,9 +136,6 @@ impl DisplayBuilder {
         let distance = distance
             .as_ref()
             .map(|f| f as &(dyn Fn(DVec3) -> f64 + Sync));
-        let mesh = &request.mesh;
-        let colors = || Arc::new(mesh.colors());
-        let colors = self.colors.get(SharedKey::of(mesh), colors);
         let Some(split) = &self.split else {
             unreachable!("made above");
         };
@@ -155,7 +161,8 @@ impl DisplayBuilder {
             surfaces.push(self.still.get(key, || {
                 let options = SurfaceOptions {
                     samples_per_edge: Some(1),
-                    textures: split.of_faces.clone(),
+                    textures: split.look.textures.clone(),
+                    face_colors: Arc::clone(&split.look.face_colors),
                     ..SurfaceOptions::default()
                 };
                 let still = DynamicSurface::new(topology, &split.still, &options);
@@ -163,7 +170,7 @@ impl DisplayBuilder {
                     centre: request.centre,
                     limit,
                     distance,
-                    colors: &colors,
+                    colors: &split.look.colors,
                     ..Evaluation::default()
                 };
                 Arc::new(still.evaluate_with(&positions, &evaluation))
@@ -187,7 +194,7 @@ impl DisplayBuilder {
                     limit,
                     start: start.as_deref(),
                     distance,
-                    colors: &colors,
+                    colors: &split.look.colors,
                     ill_posed,
                 },
             );
@@ -254,15 +261,14 @@ impl Split {
             around(topology, &flows, LIMIT_RINGS)
         };
         let flag = |&f: &FaceId| if flows(f) && !whole { Vertex::PATCH } else { 0 };
-        // the faces of a refinement are others
-        let has_textures = !whole && !request.textures.is_empty();
-        let of_faces = has_textures.then(|| Arc::new(request.textures.of_faces(&request.mesh)));
+        let look = Look::new(request, topology);
         let options = SurfaceOptions {
             samples_per_edge: None,
             creases: request.creases.to_vec(),
             is_cut: request.state.as_ref().is_some_and(|s| s.is_cut()),
             flags: moving.iter().map(flag).collect(),
-            textures: of_faces.clone(),
+            textures: look.textures.clone(),
+            face_colors: Arc::clone(&look.face_colors),
         };
         Self {
             moving: DynamicSurface::new(topology, &moving, &options),
@@ -272,8 +278,8 @@ impl Split {
             first_patch_face: first,
             faired: Arc::clone(&request.faired),
             original: request.original,
-            textures: Arc::clone(&request.textures),
-            of_faces,
+            look_key: LookKey::of(request),
+            look,
             topology: key,
         }
     }

@@ -2,6 +2,7 @@
 //! request replaces older ones.
 
 mod builder;
+mod look;
 
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
@@ -45,6 +46,20 @@ pub struct Request {
     pub reference: Option<Arc<Reference>>,
     /// The texture images of the materials.
     pub textures: Arc<Textures>,
+    /// Which state new faces have their colours and textures from.
+    pub continued: Continued,
+}
+
+/// Which state of a run its faces have their colours and textures from. They depend on the triangulation, and
+/// hardly on the shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Continued {
+    /// None: patches have no colours.
+    No,
+    /// The first one that was drawn of those with the same triangulation.
+    WithTriangulation,
+    /// The drawn one.
+    WithShape,
 }
 
 impl Request {
@@ -68,6 +83,7 @@ impl Request {
             && self.centre == other.centre
             && self.energy == other.energy
             && Arc::ptr_eq(&self.textures, &other.textures)
+            && self.continued == other.continued
     }
 }
 
@@ -211,15 +227,24 @@ fn work(shared: &Shared, wake: &Wake) {
                 slot = shared.1.wait(slot).unwrap_or_else(PoisonError::into_inner);
             }
         };
-        let display = builder.build(&request);
-        {
-            let mut slot = lock(&shared.0);
-            slot.building = false;
-            if slot.epoch != epoch {
-                continue;
+        let publish = |display: Display, is_last: bool| {
+            {
+                let mut slot = lock(&shared.0);
+                slot.building &= !is_last;
+                if slot.epoch != epoch {
+                    return;
+                }
+                slot.ready = Some(display);
             }
-            slot.ready = Some(display);
+            wake();
+        };
+        if builder.waits_for_images(&request) {
+            let plain = Request {
+                continued: Continued::No,
+                ..request.clone()
+            };
+            publish(builder.build(&plain), false);
         }
-        wake();
+        publish(builder.build(&request), true);
     }
 }

@@ -40,6 +40,42 @@ fn on_mesh((positions, triangles): TriangleMesh, refining: Refining) -> Model {
 }
 
 #[test]
+fn refined_meshes_are_drawn_in_their_colours() {
+    let colors: Vec<[f32; 4]> = vec![[0.5, 0.25, 1.0, 1.0]; 12];
+    for creases in [false, true] {
+        let mut m = on_icosahedron(Refining::default());
+        let mut document = m.document.clone();
+        let mesh = Arc::make_mut(&mut document.mesh);
+        mesh.attributes.vertices = crate::mesh::color_columns(&colors);
+        replace(&mut m, document);
+        act(&mut m, ViewAction::Mode(ViewMode::Color));
+        act(&mut m, TaskAction::Choose(Task::Refine));
+        let refining = Refining {
+            controls: RefineControls {
+                crease_angle: creases.then_some(10.0),
+                ..levels(1)
+            },
+            ..Refining::default()
+        };
+        act(&mut m, TaskAction::Refining(Box::new(refining)));
+        act(&mut m, RunAction::Start);
+        act(&mut m, RunAction::Finish);
+        until(&mut m, |m| m.run.as_ref().is_some_and(Run::ended));
+        let is_colored = |m: &Model| {
+            let display = m.displays[0].latest();
+            let mut drawn = display.iter().flat_map(|d| &d.surfaces);
+            drawn.all(|s| s.vertices.iter().all(|v| v.color == [128, 64, 255, 255]))
+        };
+        until(&mut m, |m| m.displays[0].is_settled());
+        assert!(is_colored(&m), "creases: {creases}");
+        act(&mut m, RunAction::Accept(0));
+        tick(&mut m, Instant::now());
+        until(&mut m, |m| m.displays[0].is_settled());
+        assert!(is_colored(&m), "creases: {creases}");
+    }
+}
+
+#[test]
 fn three_methods_side_by_side_and_one_is_taken() {
     let mut m = on_icosahedron(Refining {
         controls: RefineControls {

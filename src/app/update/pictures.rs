@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::files::{NO_DIALOG, with_extension};
 use crate::app::action::PictureAction;
-use crate::app::display::{DisplayWorker, Request};
+use crate::app::display::{Continued, DisplayWorker, Request};
 use crate::app::jobs::Reporter;
 use crate::app::model::{Done, Effect, Model};
 use crate::app::run::RunState;
@@ -276,8 +276,13 @@ impl PictureJob {
             let sides = scenes.iter().zip(requests).zip(states).zip(&mut builders);
             let frames: Vec<Scene> = sides
                 .map(|(((scene, request), states), build)| {
+                    let continued = match request.continued {
+                        Continued::No => Continued::No,
+                        _ => Continued::WithTriangulation,
+                    };
                     let display = build(&Request {
                         state: states.get(at).or(states.last()).cloned(),
+                        continued,
                         ..request.clone()
                     });
                     Scene {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::{files, pictures, report, select};
 use crate::app::action::SelectAction;
 use crate::app::cached::SharedKey;
-use crate::app::display::Request;
+use crate::app::display::{Continued, Request};
 use crate::app::model::{CreaseKey, Done, Effect, Model};
 use crate::app::run::RunVariant;
 use crate::app::view_state::Task;
@@ -141,6 +141,15 @@ fn request(model: &mut Model, side: usize) -> Request {
     let accepted = document.surface.clone().filter(|_| is_there);
     let state = shown.and_then(RunVariant::state).or(accepted);
     let repairs = model.view.task == Task::Repair && run.is_none();
+    // what is drawn at the end of a run is what will be accepted
+    let is_last = run.is_none_or(|run| run.ended() && !run.scrubbed());
+    let continued = if !(model.has_colors() && model.view.style.shows_colors()) {
+        Continued::No
+    } else if is_last {
+        Continued::WithShape
+    } else {
+        Continued::WithTriangulation
+    };
     Request {
         mesh: Arc::clone(mesh),
         faired,
@@ -162,6 +171,7 @@ fn request(model: &mut Model, side: usize) -> Request {
         energy: energy.filter(|_| radius > 0.0).map(|e| (e, radius)),
         reference: model.report.shown_reference(model.view.style.mode),
         textures: Arc::clone(&model.textures),
+        continued,
     }
 }
 
