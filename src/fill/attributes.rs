@@ -58,8 +58,8 @@ impl Look {
 /// Numbers of vertices continue harmonically from the rims, labels are those of the nearest rim
 /// vertex, normals those of the patch. Texture coordinates continue harmonically where the rim lies in
 /// one chart and has room in its image; other patches get a chart in an image of their own.
-/// Faces have the data of the face across the first edge of their first rim, and the tags of `holes` among
-/// `tags`.
+/// Numbers of faces continue likewise. Else faces have the data of the face across the first edge of their first
+/// rim, and the tags of `holes` among `tags`.
 pub(super) fn filled_attributes(
     mesh: &Mesh,
     holes: &[FilledHole],
@@ -85,6 +85,7 @@ pub(super) fn filled_attributes(
         let mut patch = PatchData::new(mesh, hole, topology, positions);
         patch.prepare_equation(&mesh.attributes);
         patch.vertices(&mut attributes);
+        patch.faces(&mut attributes);
         let tag = (!tags.is_empty()).then_some(hole.tag);
         let (first, like) = (hole.faces.start, hole.like.index());
         attributes.append_triangles(first, like, tag, &patch.triangles);
@@ -190,7 +191,8 @@ impl<'a> PatchData<'a> {
 
     /// Prepares the equation if some of the attributes are interpolated.
     fn prepare_equation(&mut self, all: &Attributes) {
-        let is_needed = all.has_vertex_columns() || !all.faces.texture.is_empty();
+        let has_columns = all.has_vertex_columns() || !all.faces.columns.is_empty();
+        let is_needed = has_columns || !all.faces.texture.is_empty();
         let new = self.hole.vertices.clone();
         if is_needed && !new.is_empty() {
             let triangles = self.triangles.iter().copied();
@@ -219,6 +221,46 @@ impl<'a> PatchData<'a> {
                 }
             }
         }
+    }
+
+    /// Appends the numbers of the new faces: the means of those at their corners, which continue harmonically
+    /// from those of the faces beside the rim.
+    fn faces(&mut self, attributes: &mut Attributes) {
+        if attributes.faces.columns.is_empty() || self.rim.is_empty() {
+            return;
+        }
+        let mut known: Vec<u32> = self.rim.iter().map(|[at, _]| at.face() as u32).collect();
+        known.sort_unstable();
+        known.dedup();
+        let (rim, triangles, equation) = (&self.rim, &self.triangles, &mut self.equation);
+        let first = self.hole.vertices.start;
+        let like = self.hole.like.index() as u32;
+        attributes.append_face_numbers(&known, like, triangles.len(), |of_known| {
+            // the sum of the numbers beside each rim vertex, and their count
+            let mut beside: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
+            for edge in rim {
+                let face = edge[0].face() as u32;
+                let number = of_known[known.partition_point(|&other| other < face)];
+                for at in edge {
+                    let [sum, count] = beside.entry(at.vertex).or_default();
+                    (*sum, *count) = (*sum + number, *count + 1.0);
+                }
+            }
+            // at vertices that are only beside other patches
+            let mean = of_known.iter().sum::<f64>() / of_known.len() as f64;
+            let at_rim = |v: u32| beside.get(&v).map_or(mean, |[sum, count]| sum / count);
+            let inside = equation.as_mut().map_or_else(Vec::new, |equation| {
+                let given: Vec<f64> = equation.rim.iter().map(|v| at_rim(v.0)).collect();
+                equation.solve(&given)
+            });
+            let number = |v: u32| {
+                let new = (v as usize).checked_sub(first);
+                let new = new.and_then(|place| inside.get(place));
+                new.copied().unwrap_or_else(|| at_rim(v))
+            };
+            let corners = triangles.iter().map(|t| t.map(number));
+            corners.map(|t| t.iter().sum::<f64>() / 3.0).collect()
+        });
     }
 
     /// The unit normals of the patch at its new vertices, on the side of the normals in the columns
@@ -453,7 +495,7 @@ fn crosses_itself(segments: &[[u32; 2]], at: impl Fn(u32) -> Coord<f64>) -> bool
 mod tests {
     use super::*;
     use crate::fill::{FillOptions, fill_rim_sets};
-    use crate::mesh::{boundary_loops, color_columns};
+    use crate::mesh::{Numbers, boundary_loops, color_columns};
     use crate::shapes;
 
     /// A plane with a round hole, with texture coordinates x and y, normals, and colours.
@@ -493,6 +535,38 @@ mod tests {
         let number = |k: usize, row: u32| all.texture[k].numbers.get(row as usize);
         rows.map(|&row| (row != NO_VALUE).then(|| [number(0, row), number(1, row)]))
             .collect()
+    }
+
+    #[test]
+    fn numbers_of_faces_continue_those_beside_the_rim() {
+        let mut given = plane();
+        let centres: Vec<DVec3> = (0..given.face_count())
+            .map(|f| given.corners(FaceId::from(f)).iter().sum::<DVec3>() / 3.0)
+            .collect();
+        let shades = |p: &DVec3| [0.5, 0.5 + 0.25 * p.x as f32, 0.5, 1.0];
+        let columns = &mut given.attributes.faces.columns;
+        *columns = color_columns(&centres.iter().map(shades).collect::<Vec<_>>());
+        let height = centres.iter().map(|p| p.y).collect();
+        columns.push(Column::decimals("height", height));
+        let labels = (0..centres.len()).map(|f| f as u32).collect();
+        columns.push(Column {
+            name: "label".into(),
+            numbers: Numbers::U32(labels),
+            is_typed: true,
+        });
+        let mesh = filled(&given);
+        let columns = &mesh.attributes.faces.columns;
+        let number = |k: usize, f: usize| columns[k].numbers.get(f);
+        let label = number(4, given.face_count());
+        for f in given.face_count()..mesh.face_count() {
+            let centre = mesh.corners(FaceId::from(f)).iter().sum::<DVec3>() / 3.0;
+            assert!((number(3, f) - centre.y).abs() < 0.12, "{f}");
+            // mixed in light
+            assert!((number(1, f) - (0.5 + 0.25 * centre.x)).abs() < 0.05, "{f}");
+            assert!((number(0, f) - 0.5).abs() < 1e-6 && number(4, f) == label);
+        }
+        let rows = columns.iter().map(|column| column.numbers.len());
+        assert!(rows.clone().all(|rows| rows == mesh.face_count()));
     }
 
     #[test]

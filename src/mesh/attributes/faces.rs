@@ -75,13 +75,13 @@ impl FaceData {
     }
 
     /// Appends a copy of the data of triangle `like` for each of `count` new triangles behind the
-    /// `given` ones; their corners have no values.
+    /// `given` ones; their corners have no values. Columns that have rows for them stay.
     pub(super) fn append_like(&mut self, given: usize, like: usize, count: usize) {
         if !self.tags.is_empty() {
             self.tags.resize(given + count, self.tags[like]);
         }
         for column in &mut self.columns {
-            for _ in 0..count {
+            for _ in column.numbers.len()..given + count {
                 column.numbers.repeat(like);
             }
         }

@@ -273,6 +273,17 @@ impl Attributes {
             part.vertices = picked_rows(&self.vertices, vertices);
             return part;
         }
+    /// Appends the numbers of `count` new faces as `append_interpolated` does from those of the faces
+    /// `known`. Labels are those of face `like`.
+    pub fn append_face_numbers(
+        &mut self,
+        known: &[u32],
+        like: u32,
+        count: usize,
+        interpolate: impl FnMut(&[f64]) -> Vec<f64>,
+    ) {
+        let nearest = vec![like; count];
+        append_interpolated(&mut self.faces.columns, known, &nearest, interpolate);
         let mut rows = Vec::new();
         let mut new_row = vec![NO_VALUE; self.vertex_of_row.len()];
         for (row, vertex) in self.vertex_of_row.iter().enumerate() {
