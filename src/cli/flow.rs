@@ -8,7 +8,7 @@ use clap::Args;
 use crate::cli::UsageError;
 use crate::cli::hints::{invalid_energy, print_warnings, with_memory_hint};
 use crate::cli::options::OptionArguments;
-use crate::cli::print::{Textures, print, save, say};
+use crate::cli::print::{Textures, print, save_with_companions, say};
 use crate::cli::progress::{Progress, Work};
 use crate::cli::report::{FailedHole, FillReport, SkippedLoop, hole_reports, totals};
 use crate::cli::result_picture::ResultPicture;
@@ -302,7 +302,7 @@ impl<'a> Task<'a> {
         if let Some(place) = place.filter(|_| refers_to_files(&filled.mesh.attributes)) {
             place.wait_for_turn();
         }
-        save(
+        let companions = save_with_companions(
             &files.output,
             &filled.mesh,
             files.options.textures,
@@ -347,7 +347,7 @@ impl<'a> Task<'a> {
                 print_warnings(&format!("hole {}: ", hole.id), hole.warnings.iter());
             }
         }
-        let failures = failures(&report, filled, &files.output);
+        let failures = failures(&report, filled, &files.output).and(companions);
         Ok(Written { report, failures })
     }
 }
@@ -362,7 +362,7 @@ fn refers_to_files(all: &Attributes) -> bool {
 pub struct Written {
     /// The report.
     pub report: FillReport,
-    /// The error if a chosen hole was not filled.
+    /// The error if a chosen hole was not filled, or a file beside the mesh is another one.
     pub failures: Result<()>,
 }
 

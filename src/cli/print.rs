@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 
 use crate::io::{copy_companions, save_mesh};
 use crate::mesh::Mesh;
@@ -66,13 +66,40 @@ pub enum Textures {
 
 /// Writes a mesh, and copies the files that it refers to. Unless `quiet`, prints to standard error
 /// what was copied and what the format cannot store.
+///
+/// # Errors
+/// The mesh is not written, or it is written and refers to another file than the input.
 pub fn save(path: &Path, mesh: &Mesh, textures: Textures, quiet: bool) -> Result<()> {
+    save_with_companions(path, mesh, textures, quiet)?
+}
+
+/// [`save`] with the error about a written mesh inside.
+///
+/// # Errors
+/// The mesh is not written.
+pub fn save_with_companions(
+    path: &Path,
+    mesh: &Mesh,
+    textures: Textures,
+    quiet: bool,
+) -> Result<Result<()>> {
     let mut messages = save_mesh(path, mesh)?;
+    let mut others = Vec::new();
     if textures == Textures::Copy {
-        messages.extend(copy_companions(path, &mesh.attributes));
+        let companions = copy_companions(path, &mesh.attributes);
+        messages.extend(companions.messages);
+        others = companions.others;
     }
     for message in messages.iter().filter(|_| !quiet) {
         say(&format!("{}: {message}", path.display()));
     }
-    Ok(())
+    if others.is_empty() {
+        return Ok(Ok(()));
+    }
+    Ok(Err(anyhow!(
+        "{} is written, but another file than that of the input is beside it: '{}'; write to another folder, \
+         or use --textures keep",
+        path.display(),
+        others.join("', '")
+    )))
 }

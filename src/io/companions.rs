@@ -7,15 +7,25 @@ use std::path::{Component, Path, PathBuf};
 use super::{Format, gltf, obj};
 use crate::mesh::{Attributes, ImageSource, Material, NO_VALUE};
 
+/// What became of the files to which a written mesh refers.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Companions {
+    /// Messages for the user: what was copied and what could not be copied.
+    pub messages: Vec<String>,
+    /// The names of files that were not copied because other files have them. The written mesh refers to
+    /// these.
+    pub others: Vec<String>,
+}
+
 /// Copies the material libraries of an OBJ file and the texture images of an OBJ, PLY or glTF file beside
 /// `path`, where a mesh with these attributes was written, so that its references stay valid. Files in
-/// the folder of `path` are never replaced. Returns messages for the user: what was copied and what
-/// could not be copied.
+/// the folder of `path` are never replaced.
 ///
 /// Nothing is copied if the mesh was read from that folder, or if its folder is unknown.
-pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
+pub fn copy_companions(path: &Path, attributes: &Attributes) -> Companions {
+    let mut companions = Companions::default();
     let Some(from) = &attributes.folder else {
-        return Vec::new();
+        return companions;
     };
     let to = path.parent().unwrap_or(Path::new(""));
     let resolved = |folder: &Path| {
@@ -27,7 +37,7 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
         fs::canonicalize(folder).ok()
     };
     if resolved(from) == resolved(to) {
-        return Vec::new();
+        return companions;
     }
     let names: BTreeSet<String> = match Format::from_path(path) {
         Some(Format::Obj) => obj::companions(from, attributes),
@@ -39,13 +49,21 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
         _ => BTreeSet::new(),
     };
     let mut copied = Vec::new();
-    let mut messages = Vec::new();
     for name in names {
-        match copy(&from.join(&name), to, Path::new(&name)) {
-            Ok(true) => copied.push(name),
-            Ok(false) => {}
-            Err(reason) => messages.push(format!("'{name}' was not copied: {reason}")),
-        }
+        let reason = match copy(&from.join(&name), to, Path::new(&name)) {
+            Ok(Copied::Now) => {
+                copied.push(name);
+                continue;
+            }
+            Ok(Copied::NotNeeded) => continue,
+            Ok(Copied::OtherThere) => {
+                companions.others.push(name.clone());
+                "another file of this name is there and was not changed".to_owned()
+            }
+            Err(reason) => reason,
+        };
+        let message = format!("'{name}' was not copied: {reason}");
+        companions.messages.push(message);
     }
     if !copied.is_empty() {
         let names = copied.join("', '");
@@ -54,9 +72,10 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Vec<String> {
         } else {
             from.display().to_string()
         };
-        messages.insert(0, format!("copied from {from}: '{names}'"));
+        let message = format!("copied from {from}: '{names}'");
+        companions.messages.insert(0, message);
     }
-    messages
+    companions
 }
 
 /// The materials of a mesh: its own, those of a glTF or 3MF file and of the libraries of an OBJ file, and for
@@ -121,8 +140,17 @@ pub(super) fn only_image(attributes: &Attributes) -> Option<String> {
     Some(name.to_string_lossy().into_owned())
 }
 
-/// Copies a file into a folder, under a name relative to it. Returns whether it had to be copied.
-fn copy(source: &Path, folder: &Path, name: &Path) -> Result<bool, String> {
+/// What became of a file.
+enum Copied {
+    Now,
+    /// It is there, or does not exist.
+    NotNeeded,
+    /// Another file has its name.
+    OtherThere,
+}
+
+/// Copies a file into a folder, under a name relative to it.
+fn copy(source: &Path, folder: &Path, name: &Path) -> Result<Copied, String> {
     let is_inside = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
     if !name.components().all(is_inside) {
         return Err("its path leaves the folder of the mesh; copy it by hand".to_owned());
@@ -130,13 +158,13 @@ fn copy(source: &Path, folder: &Path, name: &Path) -> Result<bool, String> {
     let contents = match fs::read(source) {
         Ok(contents) => contents,
         // a missing file was missing before
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Copied::NotNeeded),
         Err(error) => return Err(error.to_string()),
     };
     let target: PathBuf = folder.join(name);
     match fs::read(&target) {
-        Ok(there) if there == contents => return Ok(false),
-        Ok(_) => return Err("another file of this name is there and was not changed".to_owned()),
+        Ok(there) if there == contents => return Ok(Copied::NotNeeded),
+        Ok(_) => return Ok(Copied::OtherThere),
         Err(_) => {}
     }
     if let Some(parent) = target.parent() {
@@ -144,5 +172,5 @@ fn copy(source: &Path, folder: &Path, name: &Path) -> Result<bool, String> {
     }
     super::save_with(&target, |out| out.write_all(&contents))
         .map_err(|error| error.kind.to_string())?;
-    Ok(true)
+    Ok(Copied::Now)
 }

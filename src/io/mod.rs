@@ -48,7 +48,7 @@ use std::sync::LazyLock;
 
 pub use atomic::abandon_unfinished;
 pub use check::{check, losses};
-pub use companions::{copy_companions, materials};
+pub use companions::{Companions, copy_companions, materials};
 pub use error::{
     LoadError, LoadErrorKind, MeshFault, ParseError, ParseErrorKind, Place, SaveError,
     SaveErrorKind, UnknownFormat,

@@ -779,10 +779,16 @@ fn libraries_and_images_go_along() {
     )
     .expect("written");
     let mesh = io::open(&at("in/mesh.obj")).expect("opened").mesh;
-    assert!(io::copy_companions(&at("in/other.obj"), &mesh.attributes).is_empty());
+    let nothing = io::Companions::default();
+    assert_eq!(
+        io::copy_companions(&at("in/other.obj"), &mesh.attributes),
+        nothing
+    );
     std::fs::create_dir_all(at("out/maps")).expect("made");
     std::fs::write(at("out/maps/b.png"), "another").expect("written");
-    let messages = io::copy_companions(&at("out/mesh.obj"), &mesh.attributes);
+    let companions = io::copy_companions(&at("out/mesh.obj"), &mesh.attributes);
+    assert_eq!(companions.others, ["maps/b.png"]);
+    let messages = companions.messages;
     let read = |name: &str| std::fs::read_to_string(at(name)).expect("there");
     assert_eq!(read("out/scan.mtl"), library);
     assert_eq!(read("out/maps/my image.png"), "in/maps/my image.png");

@@ -169,6 +169,10 @@ fn the_order_is_that_of_the_files_for_any_number_of_threads() {
         "{}",
         results[0].1
     );
+    // its library is another file
+    let error = "y/y.obj: filled/y.obj is written, but another file than that of the input is beside it: 'all.mtl'";
+    assert!(results[0].1.contains(error), "{}", results[0].1);
+    assert!(results[0].1.contains("2 of 6 files failed"));
     assert_eq!(desk.text("filled-4/all.mtl"), "newmtl x\n");
 }
 

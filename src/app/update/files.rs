@@ -455,7 +455,7 @@ fn save(model: &mut Model, path: &Path) {
             io::save_text(path, &project::write(&document, &view, folder)).map(|()| Vec::new())
         } else {
             io::save_mesh(path, &document.mesh).map(|mut messages| {
-                messages.extend(io::copy_companions(path, &document.mesh.attributes));
+                messages.extend(io::copy_companions(path, &document.mesh.attributes).messages);
                 messages
             })
         };

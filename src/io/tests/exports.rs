@@ -49,7 +49,7 @@ fn materials_with_paths_of_windows_are_found() {
     let files: Vec<_> = found.iter().filter_map(image_file).collect();
     assert_eq!(files.len(), 2);
     assert!(files.iter().all(|path| path.is_file()), "{files:?}");
-    let messages = copy_companions(&at("out/scan.obj"), all);
+    let messages = copy_companions(&at("out/scan.obj"), all).messages;
     assert!(
         messages.len() == 1 && messages[0].contains("'my scan.mtl'"),
         "{messages:?}"
@@ -330,6 +330,6 @@ fn the_current_folder_is_named_in_messages() {
         property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n";
     let mut soup = good(Ply, text);
     soup.attributes.folder = Some("".into());
-    let messages = copy_companions(&folder.path().join("a.ply"), &soup.attributes);
+    let messages = copy_companions(&folder.path().join("a.ply"), &soup.attributes).messages;
     assert_eq!(messages, ["copied from the current folder: 'Cargo.toml'"]);
 }

@@ -265,7 +265,7 @@ fn materials_and_images_are_kept_as_they_are() {
     let mesh = opened.mesh;
     let lost = save_mesh(&at("out/cube.gltf"), &mesh).expect("saved");
     assert!(lost.is_empty(), "{lost:?}");
-    let messages = copy_companions(&at("out/cube.gltf"), &mesh.attributes);
+    let messages = copy_companions(&at("out/cube.gltf"), &mesh.attributes).messages;
     assert!(messages[0].contains("'wood grain.png'"), "{messages:?}");
     assert_eq!(
         std::fs::read(at("out/wood grain.png")).expect("copied"),
