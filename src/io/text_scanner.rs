@@ -133,16 +133,20 @@ impl<'a> Scanner<'a> {
         let sign = self.bytes.get(at);
         let negative = sign == Some(&b'-');
         at += usize::from(negative || sign == Some(&b'+'));
-        let digits = at;
         let mut value = 0_i64;
-        while let Some(digit) = digit_at(self.bytes, at) {
+        let mut digits = 0;
+        for byte in self.bytes.get(at..)? {
+            let digit = byte.wrapping_sub(b'0');
+            if digit > 9 {
+                break;
+            }
             value = value.wrapping_mul(10).wrapping_add(i64::from(digit));
-            at += 1;
+            digits += 1;
         }
-        if at == digits || at - digits > 18 {
+        if digits == 0 || digits > 18 {
             return None;
         }
-        self.at = at;
+        self.at = at + digits;
         Some(if negative { -value } else { value })
     }
 

@@ -13,12 +13,15 @@ struct List {
     width: usize,
     /// The value of each corner; empty until a corner has one.
     of_corner: Vec<u32>,
+    /// Values and corners that there is room for, once there is one.
+    room: [usize; 2],
 }
 
 impl List {
-    fn new(names: [&'static str; 3]) -> Self {
+    fn new(names: [&'static str; 3], room: [usize; 2]) -> Self {
         Self {
             names,
+            room,
             numbers: Default::default(),
             width: 0,
             of_corner: Vec::new(),
@@ -33,8 +36,11 @@ impl List {
             }
             return;
         };
-        // filled up here, because a list that is empty before the first corner stays so until then
-        self.of_corner.resize(before, NO_VALUE);
+        if self.of_corner.len() != before || before == 0 {
+            // filled up here, because a list that is empty before the first corner stays so until then
+            self.of_corner.reserve(self.room[1].saturating_sub(before));
+            self.of_corner.resize(before, NO_VALUE);
+        }
         let value = match usize::try_from(index) {
             // 0 wraps to an index that does not exist
             Ok(index) => index.wrapping_sub(1),
@@ -75,15 +81,15 @@ pub(super) struct Corners {
     lists: [List; 2],
 }
 
-impl Default for Corners {
-    fn default() -> Self {
+impl Corners {
+    /// No values, and room for those of a file in which `room` values and corners are typical.
+    pub fn new(room: [usize; 2]) -> Self {
+        let names = [["u", "v", "w"], ["nx", "ny", "nz"]];
         Self {
-            lists: [["u", "v", "w"], ["nx", "ny", "nz"]].map(List::new),
+            lists: names.map(|names| List::new(names, room)),
         }
     }
-}
 
-impl Corners {
     /// Adds a texture coordinate or a normal of `count` numbers; the others are 0.
     #[inline]
     pub fn value(&mut self, is_normal: bool, numbers: [f64; 3], count: usize) {
@@ -92,6 +98,7 @@ impl Corners {
             // earlier values had fewer numbers
             let before = list.numbers[0].len();
             for column in &mut list.numbers[list.width..count] {
+                column.reserve(list.room[0]);
                 column.resize(before, 0.0);
             }
             list.width = count;

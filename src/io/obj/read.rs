@@ -53,9 +53,10 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     fn new(bytes: &'a [u8]) -> Self {
         // Typical sizes of a triangle mesh; unused capacity costs nothing.
+        let room = [bytes.len() / 80, bytes.len() / 14];
         let mut soup = Soup {
-            positions: Vec::with_capacity(bytes.len() / 80),
-            corners: Vec::with_capacity(bytes.len() / 14),
+            positions: Vec::with_capacity(room[0]),
+            corners: Vec::with_capacity(room[1]),
             offsets: Vec::with_capacity(bytes.len() / 40),
             ..Soup::default()
         };
@@ -64,7 +65,7 @@ impl<'a> Reader<'a> {
             text: Scanner::new(bytes, without_mark(bytes), 1),
             soup,
             extras: Extras::default(),
-            corners: Corners::default(),
+            corners: Corners::new(room),
             tags: TagRuns::default(),
             ignored: IgnoredStatements::new(bytes),
             ahead: Vec::new(),

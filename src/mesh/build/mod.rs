@@ -218,6 +218,10 @@ fn face_data(
         return FaceData::default();
     }
     let origins = || (0..faces.len()).map(|i| faces.origin(i));
+    // the usual case: the triangles of the file as they are
+    if faces.are_those_of_file() && triangles.are_polygons() && repaired.flipped.is_empty() {
+        return given.clone();
+    }
     let of_file: Vec<u32> = origins().map(|t| triangles.file_face(t)).collect();
     let corners = (0..faces.len()).flat_map(|i| file_corners(triangles, repaired, faces.origin(i)));
     given.picked(&of_file, &corners)

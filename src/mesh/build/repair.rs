@@ -26,6 +26,11 @@ impl Faces {
         self.corners.is_empty()
     }
 
+    /// Whether they have the numbers of the triangles of the file, and all of them are here.
+    pub fn are_those_of_file(&self) -> bool {
+        self.origin.is_none() && !self.is_empty()
+    }
+
     /// The triangle of the file for face `i`.
     pub fn origin(&self, i: usize) -> usize {
         self.origin.as_ref().map_or(i, |of| of[i] as usize)

@@ -19,6 +19,11 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
+    /// Whether they are the polygons of the file, with the same corners.
+    pub fn are_polygons(&self) -> bool {
+        self.file_face.is_none() && self.file_corners.is_none()
+    }
+
     /// The places of a triangle's corners in the list of corners of the polygons.
     pub fn file_corners(&self, triangle: usize) -> [u32; 3] {
         let t = triangle as u32;
