@@ -11,6 +11,10 @@ pub struct Pixels {
     pub rgba: Vec<u8>,
 }
 
+/// The most bytes of a decoded image: 16384 x 16384 pixels with eight bytes each.
+#[cfg(feature = "textures")]
+const LARGEST: u64 = 1 << 31;
+
 #[cfg(not(feature = "textures"))]
 const MISSING: &str = "this build has no cargo feature `textures`, which reads and writes images";
 
@@ -21,7 +25,25 @@ impl Pixels {
     /// A message for the user.
     #[cfg(feature = "textures")]
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
-        let image = image::load_from_memory(bytes).map_err(|e| e.to_string())?;
+        use image::{ImageError, ImageReader, Limits};
+        const REMEDY: &str = "convert it to PNG or JPEG";
+        if bytes.is_empty() {
+            return Err("the file is empty; export it again".to_owned());
+        }
+        let format = image::guess_format(bytes)
+            .map_err(|_| format!("it is no PNG, JPEG or GIF file; {REMEDY}"))?;
+        if !format.reading_enabled() {
+            let name = format!("{format:?}").to_uppercase();
+            return Err(format!("{name} images are not supported; {REMEDY}"));
+        }
+        let mut reader = ImageReader::with_format(std::io::Cursor::new(bytes), format);
+        let mut limits = Limits::default();
+        limits.max_alloc = Some(LARGEST);
+        reader.limits(limits);
+        let image = reader.decode().map_err(|error| match error {
+            ImageError::Limits(_) => "it is too large; scale it down".to_owned(),
+            error => format!("{}; export it again", error.to_string().trim()),
+        })?;
         Ok(Self {
             width: image.width(),
             height: image.height(),
@@ -88,6 +110,32 @@ mod tests {
             let png = pixels.to_png().expect("written");
             assert_eq!(Pixels::decode(&png), Ok(pixels));
         }
-        assert!(Pixels::decode(b"no image").is_err());
+    }
+
+    #[test]
+    fn other_files_are_refused_with_a_remedy() {
+        let message = |bytes: &[u8]| Pixels::decode(bytes).expect_err("no image");
+        assert_eq!(message(b""), "the file is empty; export it again");
+        let other = "it is no PNG, JPEG or GIF file; convert it to PNG or JPEG";
+        assert_eq!(message(b"no image"), other);
+        let webp = "WEBP images are not supported; convert it to PNG or JPEG";
+        assert_eq!(message(b"RIFF\x10\0\0\0WEBPVP8 "), webp);
+        let pixels = Pixels {
+            width: 40,
+            height: 40,
+            rgba: (0..40 * 40 * 4).map(|k| (k % 251) as u8).collect(),
+        };
+        let png = pixels.to_png().expect("written");
+        let cut = message(&png[..png.len() / 2]);
+        assert!(cut.ends_with("; export it again"), "{cut}");
+        // 40000 x 40000 pixels
+        let mut huge = png;
+        for at in [16, 20] {
+            huge[at..at + 4].copy_from_slice(&40_000_u32.to_be_bytes());
+        }
+        let mut sum = flate2::Crc::new();
+        sum.update(&huge[12..29]);
+        huge[29..33].copy_from_slice(&sum.sum().to_be_bytes());
+        assert_eq!(message(&huge), "it is too large; scale it down");
     }
 }

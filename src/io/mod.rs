@@ -57,7 +57,7 @@ pub use mesh_file::{
     OpenError, Opened, from_soup, open, open_joined, open_welded, save_mesh, with_output,
 };
 
-use crate::mesh::{Attributes, DVec3, Soup};
+use crate::mesh::{Attributes, DVec3, ImageSource, Soup};
 use own_materials::Beside;
 
 /// A mesh file format.
@@ -346,3 +346,12 @@ fn resolve(path: &Path) -> Option<std::path::PathBuf> {
         .unwrap_or(Path::new("."));
     Some(fs::canonicalize(parent).ok()?.join(path.file_name()?))
 }
+/// The [`media_type`] of an image; of a file, only the beginning is read.
+///
+/// # Errors
+/// Why glTF and 3MF cannot contain it.
+fn stored_media(image: &ImageSource) -> Result<&'static str, String> {
+    let start = image.start().map_err(|error| error.to_string())?;
+    media_type(&start).ok_or_else(|| "it is no PNG or JPEG file; convert it".to_owned())
+}
+

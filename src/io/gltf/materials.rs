@@ -142,7 +142,11 @@ pub(in super::super) fn materials(folder: Option<&Path>, all: &GltfMaterials) ->
     let entry = |list: &str, k: &Value| all.json.get(list)?.get(usize::try_from(k.as_u64()?).ok()?);
     let image = |texture: &Value| {
         let texture = entry("textures", texture.get("index")?)?;
-        let source = texture.get("source")?;
+        // the formats of extensions, such as WebP, have their own source
+        let others = || texture.get("extensions")?.as_object();
+        let mut others = others().into_iter().flat_map(|list| list.values());
+        let source = texture.get("source");
+        let source = source.or_else(|| others.find_map(|other| other.get("source")))?;
         let bytes = all.images.get(usize::try_from(source.as_u64()?).ok()?);
         if let Some(Some(bytes)) = bytes {
             return Some(ImageSource::Bytes(bytes.clone()));

@@ -7,14 +7,14 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Map, Value, json};
 
-use super::super::{OutputMesh, companions, media_type};
+use super::super::{OutputMesh, companions, media_type, stored_media};
 use super::{
     BINARY_CHUNK, DATA, FLOAT, JSON_CHUNK, MAGIC, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT,
     materials,
 };
 use crate::mesh::{
-    Attributes, Colors, Column, FaceTag, GltfMaterials, NO_VALUE, OwnMaterial, color_steps, colors,
-    columns_named, to_light,
+    Attributes, Colors, Column, FaceTag, GltfMaterials, Material, NO_VALUE, OwnMaterial,
+    color_steps, colors, columns_named, to_light,
 };
 
 /// Values of `target` of buffer views.
@@ -48,6 +48,13 @@ pub(in super::super) fn losses(mesh: &OutputMesh<'_>) -> Vec<String> {
             "glTF files get the colours and images of materials, not what else libraries say"
                 .to_owned(),
         );
+    }
+    for material in other_materials(all) {
+        let media = material.image.as_ref().map(stored_media);
+        if let Some(Err(reason)) = media {
+            let name = &material.name;
+            lost.push(format!("glTF gets no image of material '{name}': {reason}"));
+        }
     }
     let numbers = all.texture.iter().chain(all.normals.iter());
     let is_rounded = |column: &Column| {
@@ -187,6 +194,19 @@ pub(in super::super) fn write(
     file.finish(document, &scene, is_binary, out)
 }
 
+/// The materials of faces that are in a library of an OBJ file, and those of the images of a PLY file.
+fn other_materials(all: &Attributes) -> Vec<Material> {
+    let used: BTreeSet<&str> = all.tags.iter().map(|tag| tag.material.as_str()).collect();
+    let given = all.gltf_materials.iter().flat_map(|given| &given.names);
+    let own = all.own_materials.iter().map(|own| &own.name);
+    let others: BTreeSet<&String> = given.chain(own).collect();
+    // faces without a material have that without a name
+    let is_used = |name: &str| used.contains(name) || name.is_empty() && all.tags.is_empty();
+    let mut found = companions::materials(all);
+    found.retain(|material| is_used(&material.name) && !others.contains(&material.name));
+    found
+}
+
 /// The materials of a file that is being written.
 struct Materials {
     json: Map<String, Value>,
@@ -251,12 +271,9 @@ impl Materials {
     /// Adds the materials of faces that are in a library of an OBJ file, and the image of a PLY file, with
     /// their colours and images.
     fn add_others(&mut self, all: &Attributes, file: &mut File) {
-        let used: BTreeSet<&str> = all.tags.iter().map(|tag| tag.material.as_str()).collect();
-        for material in companions::materials(all) {
+        for material in other_materials(all) {
             let name = material.name.as_str();
-            // faces without a material have that without a name
-            let is_used = used.contains(name) || name.is_empty() && all.tags.is_empty();
-            if !is_used || self.of_name.contains_key(name) {
+            if self.of_name.contains_key(name) {
                 continue;
             }
             let mut entry = GltfMaterials::plain();
@@ -268,7 +285,6 @@ impl Materials {
                 let factor = [light[0], light[1], light[2], 1.0];
                 entry["pbrMetallicRoughness"]["baseColorFactor"] = json!(factor);
             }
-            // an image that cannot be read could not be read before
             let image = material.image.as_ref().and_then(|image| image.bytes().ok());
             if let Some(bytes) = image
                 && let Some(media) = media_type(&bytes)

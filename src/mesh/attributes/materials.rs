@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashSet;
+use std::io::Read as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -49,6 +50,21 @@ impl ImageSource {
         match self {
             Self::File(path) => path.display().to_string(),
             Self::Bytes(_) => "in the mesh file".to_owned(),
+        }
+    }
+
+    /// The first bytes of the image file, at most eight.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn start(&self) -> std::io::Result<Vec<u8>> {
+        match self {
+            Self::File(path) => {
+                let mut start = Vec::new();
+                std::fs::File::open(path)?.take(8).read_to_end(&mut start)?;
+                Ok(start)
+            }
+            Self::Bytes(bytes) => Ok(bytes.iter().take(8).copied().collect()),
         }
     }
 
