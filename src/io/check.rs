@@ -1,7 +1,10 @@
 //! Checks of a mesh for a format, and losses of a format.
 
-use super::{Format, MeshFault, OutputMesh, gltf, off, threemf};
-use crate::mesh::{Colors, Column, DVec3, FaceTag, NO_VALUE, NumberType, row_count};
+use std::borrow::Cow;
+
+use super::threemf::{self, Sheet};
+use super::{Format, MeshFault, OutputMesh, gltf, off};
+use crate::mesh::{Attributes, Colors, Column, DVec3, FaceTag, NO_VALUE, NumberType, row_count};
 
 /// Checks that `mesh` can be written in `format`: finite coordinates, indices in range, attribute
 /// arrays of the right length.
@@ -86,28 +89,55 @@ pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
 
 /// The attributes of `mesh` that a file in `format` cannot store, as messages for the user.
 pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
-    let name = match format {
+    let attributes = storable(format, mesh.attributes);
+    let stored = OutputMesh {
+        attributes: &attributes,
+        ..*mesh
+    };
+    let sheet = (format == Format::ThreeMf).then(|| Sheet::of(&stored));
+    let mut lost = other_losses(format, &stored, sheet.as_ref());
+    if !format.has_materials() && !mesh.attributes.own_materials.is_empty() {
+        lost.push(format!(
+            "{} cannot store texture images of patches and samples, whose faces get no texture \
+             coordinates; write OBJ, glTF or 3MF",
+            name(format)
+        ));
+    }
+    lost
+}
+
+/// The attributes in the form in which a format stores them, except the direction of texture coordinates: without
+/// own materials where it has none, and with materials instead of numbers of images.
+pub(super) fn storable(format: Format, attributes: &Attributes) -> Cow<'_, Attributes> {
+    if !format.has_materials() && !attributes.own_materials.is_empty() {
+        return Cow::Owned(attributes.without_own_materials());
+    }
+    let is_embedded = matches!(format, Format::Glb | Format::Gltf | Format::ThreeMf);
+    let numbered = is_embedded.then(|| attributes.with_numbered_materials());
+    numbered
+        .flatten()
+        .map_or(Cow::Borrowed(attributes), Cow::Owned)
+}
+
+/// The name of a format in messages.
+fn name(format: Format) -> &'static str {
+    match format {
         Format::Obj => "OBJ",
         Format::Ply => "PLY",
         Format::Stl => "STL",
         Format::Off => "OFF",
         Format::Glb | Format::Gltf => "glTF",
         Format::ThreeMf => "3MF",
-    };
-    if !format.has_materials() && !mesh.attributes.own_materials.is_empty() {
-        let mut lost = losses(
-            format,
-            &OutputMesh {
-                attributes: &mesh.attributes.without_own_materials(),
-                ..*mesh
-            },
-        );
-        lost.push(format!(
-            "{name} cannot store texture images of patches and samples, whose faces get no texture \
-             coordinates; write OBJ, glTF or 3MF"
-        ));
-        return lost;
     }
+}
+
+/// The losses of a mesh with [`storable`] attributes. A 3MF file has a sheet.
+pub(super) fn other_losses(
+    format: Format,
+    mesh: &OutputMesh<'_>,
+    sheet: Option<&Sheet<'_>>,
+) -> Vec<String> {
+    let name = name(format);
     let mut lost = Vec::new();
     let all = mesh.attributes;
     let colors = Colors::of(&all.vertices);
@@ -196,8 +226,8 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
     }
     if is_gltf {
         lost.extend(gltf::losses(mesh));
-    } else if format == Format::ThreeMf {
-        lost.extend(threemf::losses(mesh));
+    } else if let Some(sheet) = sheet {
+        lost.extend(threemf::losses(mesh, sheet));
     } else if let Some(materials) = &all.gltf_materials {
         if format != Format::Obj {
             lost.push(format!(
@@ -215,6 +245,11 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
         let given: Vec<String> = unit.into_iter().chain(metadata).collect();
         if !given.is_empty() {
             lost.push(format!("{name} cannot store {}", given.join(", ")));
+        }
+        if !all.objects.is_empty() {
+            lost.push(format!(
+                "{name} cannot store types and part numbers of objects"
+            ));
         }
     }
     if format.is_single() {

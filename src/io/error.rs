@@ -310,6 +310,12 @@ pub enum ParseErrorKind {
         /// What was expected and what was found.
         what: String,
     },
+    /// The bytes of the file are not those that were written.
+    #[error("the file is damaged: {what}; copy or export it again")]
+    Damaged {
+        /// What cannot be read.
+        what: String,
+    },
     /// A statement that cannot be parsed.
     #[error("{what}: '{found}'")]
     Syntax {
@@ -370,6 +376,10 @@ impl ParseErrorKind {
 
     pub(super) fn truncated(what: impl Into<String>) -> Self {
         Self::Truncated { what: what.into() }
+    }
+
+    pub(super) fn damaged(what: impl Into<String>) -> Self {
+        Self::Damaged { what: what.into() }
     }
 
     pub(super) fn invalid(what: impl Into<String>) -> Self {

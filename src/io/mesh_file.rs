@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::own_materials::Beside;
-use super::{Format, LoadError, OutputMesh, SaveError, load, losses, save};
+use super::{LoadError, OutputMesh, SaveError, load, save_with_messages};
 use crate::mesh::{self, BuildError, LoadReport, Mesh, Soup, Weld};
 
 /// A mesh read from a file.
@@ -80,22 +79,12 @@ fn repaired(soup: &Soup, path: &Path, weld: Weld) -> Result<Opened, OpenError> {
 }
 
 /// Writes a mesh atomically in the format of the extension. Returns messages for the user: the
-/// [`losses`], and what was written beside an OBJ file.
+/// [losses](super::losses), and what was written beside an OBJ file.
 ///
 /// # Errors
-/// As [`save`].
+/// As [`save`](super::save).
 pub fn save_mesh(path: &Path, mesh: &Mesh) -> Result<Vec<String>, SaveError> {
-    with_output(mesh, |output| {
-        save(path, output)?;
-        let format = Format::from_path(path);
-        let mut messages = format.map_or_else(Vec::new, |format| losses(format, output));
-        if format == Some(Format::Obj)
-            && let Some(beside) = Beside::of(path, output.attributes)
-        {
-            messages.push(format!("written beside it: {}", beside.names().join(", ")));
-        }
-        Ok(messages)
-    })
+    with_output(mesh, |output| save_with_messages(path, output))
 }
 
 /// Calls `write` with the lists of a file of a mesh.

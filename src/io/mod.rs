@@ -41,6 +41,7 @@ mod tests;
 mod text_scanner;
 mod threemf;
 
+use std::borrow::Cow;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -59,6 +60,7 @@ pub use mesh_file::{
 
 use crate::mesh::{Attributes, DVec3, ImageSource, Soup};
 use own_materials::Beside;
+use threemf::Sheet;
 
 /// A mesh file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -229,18 +231,25 @@ fn read_in(
 /// # Errors
 /// [`SaveError`]; an existing file is unchanged.
 pub fn save(path: &Path, mesh: &OutputMesh<'_>) -> Result<(), SaveError> {
+    save_named(path, mesh).map(drop)
+}
+
+/// [`save`], which returns the names of the files that were written beside an OBJ file.
+fn save_named(path: &Path, mesh: &OutputMesh<'_>) -> Result<Vec<String>, SaveError> {
     let format = Format::from_path(path).ok_or_else(|| unknown_target(path))?;
     check(format, mesh).map_err(|reason| SaveErrorKind::Mesh(reason).of(path))?;
     let beside = (format == Format::Obj).then(|| Beside::of(path, mesh.attributes));
     let Some(beside) = beside.flatten() else {
-        return atomic::replace(path, |out| write(format, mesh, out));
+        atomic::replace(path, |out| write(format, mesh, out))?;
+        return Ok(Vec::new());
     };
     beside.write()?;
     let mesh = OutputMesh {
         attributes: &beside.referred(mesh.attributes),
         ..*mesh
     };
-    atomic::replace(path, |out| write(format, &mesh, out))
+    atomic::replace(path, |out| write(format, &mesh, out))?;
+    Ok(beside.names())
 }
 
 /// Writes a text file atomically.
@@ -289,17 +298,11 @@ pub fn check_text_target(path: &Path) -> Result<(), SaveError> {
 /// # Panics
 /// May panic on a mesh that [`check()`] refuses.
 pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std::io::Result<()> {
-    let is_down = matches!(format, Format::Glb | Format::Gltf);
-    let (turned, stored);
-    let mut mesh = *mesh;
-    if !format.has_materials() && !mesh.attributes.own_materials.is_empty() {
-        stored = mesh.attributes.without_own_materials();
-        mesh.attributes = &stored;
-    }
-    if mesh.attributes.texture_is_down != is_down && !mesh.attributes.faces.texture.is_empty() {
-        turned = mesh.attributes.with_turned_texture();
-        mesh.attributes = &turned;
-    }
+    let attributes = converted(format, mesh.attributes);
+    let mesh = OutputMesh {
+        attributes: &attributes,
+        ..*mesh
+    };
     match format {
         Format::Obj => obj::write(&mesh, out),
         Format::Ply => ply::write(&mesh, out),
@@ -307,7 +310,43 @@ pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std:
         Format::Off => off::write(&mesh, out),
         Format::Glb => gltf::write(&mesh, true, out),
         Format::Gltf => gltf::write(&mesh, false, out),
-        Format::ThreeMf => threemf::write(&mesh, out),
+        Format::ThreeMf => threemf::write(&mesh, &Sheet::of(&mesh), out),
+    }
+}
+
+/// The attributes as a format stores them.
+fn converted(format: Format, attributes: &Attributes) -> Cow<'_, Attributes> {
+    let is_down = matches!(format, Format::Glb | Format::Gltf);
+    let stored = check::storable(format, attributes);
+    if stored.texture_is_down != is_down && !stored.faces.texture.is_empty() {
+        return Cow::Owned(stored.with_turned_texture());
+    }
+    stored
+}
+
+/// [`save`], which returns messages for the user: the [`losses`], and what was written beside an OBJ file. Images
+/// are read once.
+fn save_with_messages(path: &Path, mesh: &OutputMesh<'_>) -> Result<Vec<String>, SaveError> {
+    match Format::from_path(path) {
+        Some(Format::ThreeMf) => {
+            let attributes = converted(Format::ThreeMf, mesh.attributes);
+            let mesh = OutputMesh {
+                attributes: &attributes,
+                ..*mesh
+            };
+            check(Format::ThreeMf, &mesh).map_err(|reason| SaveErrorKind::Mesh(reason).of(path))?;
+            let sheet = Sheet::of(&mesh);
+            atomic::replace(path, |out| threemf::write(&mesh, &sheet, out))?;
+            Ok(check::other_losses(Format::ThreeMf, &mesh, Some(&sheet)))
+        }
+        format => {
+            let beside = save_named(path, mesh)?;
+            let mut messages = format.map_or_else(Vec::new, |format| losses(format, mesh));
+            if !beside.is_empty() {
+                messages.push(format!("written beside it: {}", beside.join(", ")));
+            }
+            Ok(messages)
+        }
     }
 }
 
@@ -320,6 +359,15 @@ fn media_type(bytes: &[u8]) -> Option<&'static str> {
     } else {
         None
     }
+}
+
+/// The [`media_type`] of an image; of a file, only the beginning is read.
+///
+/// # Errors
+/// Why glTF and 3MF cannot contain it.
+fn stored_media(image: &ImageSource) -> Result<&'static str, String> {
+    let start = image.start().map_err(|error| error.to_string())?;
+    media_type(&start).ok_or_else(|| "it is no PNG or JPEG file; convert it".to_owned())
 }
 
 /// Whether both paths refer to the same file, also by links or different spellings. If one does not
@@ -346,12 +394,3 @@ fn resolve(path: &Path) -> Option<std::path::PathBuf> {
         .unwrap_or(Path::new("."));
     Some(fs::canonicalize(parent).ok()?.join(path.file_name()?))
 }
-/// The [`media_type`] of an image; of a file, only the beginning is read.
-///
-/// # Errors
-/// Why glTF and 3MF cannot contain it.
-fn stored_media(image: &ImageSource) -> Result<&'static str, String> {
-    let start = image.start().map_err(|error| error.to_string())?;
-    media_type(&start).ok_or_else(|| "it is no PNG or JPEG file; convert it".to_owned())
-}
-

@@ -101,11 +101,10 @@ impl Beside {
     }
 
     /// The names of the files, for messages.
-    pub fn names(&self) -> Vec<&str> {
-        let images = self.images.iter().map(|(name, _)| name.as_str());
-        std::iter::once(self.library.0.as_str())
-            .chain(images)
-            .collect()
+    pub fn names(&self) -> Vec<String> {
+        let images = self.images.iter().map(|(name, _)| name);
+        let names = std::iter::once(&self.library.0).chain(images);
+        names.cloned().collect()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::attributes::{Column, GltfMaterials, NO_VALUE, row_count};
+use super::attributes::{Column, GltfMaterials, NO_VALUE, ObjectSettings, row_count};
 use super::{FaceTag, Soup};
 
 /// The contents of files with their names, one after the other: vertices and polygons of the first, then
@@ -105,6 +105,15 @@ pub fn joined(parts: &[(String, Soup)]) -> Soup {
                 material: renamed.get(&tag.material).cloned().unwrap_or(tag.material),
                 ..tag
             }));
+            out.objects
+                .extend(from.objects.iter().cloned().map(|settings| ObjectSettings {
+                    object: if settings.object.is_empty() {
+                        name.clone()
+                    } else {
+                        settings.object
+                    },
+                    ..settings
+                }));
             let of_face = |f: usize| first + from.faces.tags.get(f).copied().unwrap_or(0);
             out.faces.tags.extend((0..soup.face_count()).map(of_face));
         }

@@ -113,6 +113,53 @@ fn faces_of_ply_files_have_one_of_several_images() {
     );
 }
 
+// The images of a PLY file with several are materials of glTF and 3MF.
+#[test]
+fn each_image_of_a_ply_file_is_written_into_gltf_and_3mf() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let text = "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment TextureFile b c.png\n\
+        element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n\
+        property list uchar int vertex_indices\nproperty list uchar float texcoord\n\
+        property int texnumber\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n\
+        3 0 1 2 6 0 0 1 0 1 1 1\n3 0 2 3 6 0 0 1 1 0 1 0\n";
+    fs::write(at("in.ply"), text).expect("written");
+    let bytes = |name: &str| [&b"\x89PNG "[..], name.as_bytes()].concat();
+    for name in ["a.png", "b c.png"] {
+        fs::write(at(name), bytes(name)).expect("written");
+    }
+    let mesh = super::super::open(&at("in.ply")).expect("opened").mesh;
+    for to in ["out.glb", "out.3mf"] {
+        let said = save_mesh(&at(to), &mesh).expect("written");
+        let name = if to == "out.glb" { "glTF" } else { "3MF" };
+        assert_eq!(
+            said,
+            [format!("{name} cannot store names of texture files")]
+        );
+        let soup = load(&at(to)).expect("read");
+        let all = &soup.attributes;
+        let found = materials(all);
+        // faces have the image that their number chose
+        let image = |face: usize| {
+            let name = all.material_of(face);
+            let material = found.iter().find(|material| material.name == name);
+            let image = material.and_then(|material| material.image.clone());
+            let corner = soup.positions[soup.corners[3 * face + 1] as usize];
+            (corner.x, corner.y, image.expect("an image"))
+        };
+        let mut images = [image(0), image(1)];
+        images.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let wanted = ["b c.png", "a.png"].map(|name| ImageSource::Bytes(bytes(name)));
+        assert_eq!(
+            [&images[0].2, &images[1].2],
+            [&wanted[0], &wanted[1]],
+            "{to}"
+        );
+        let again = save_mesh(&at(to), &super::super::open(&at(to)).expect("opened").mesh);
+        assert_eq!(again.expect("written"), [""; 0]);
+    }
+}
+
 // Transforms of textures, and colours of an older extension (Sketchfab).
 #[test]
 fn images_of_other_materials_of_gltf_are_found() {

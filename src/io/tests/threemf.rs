@@ -165,6 +165,51 @@ fn items_and_components_are_placed() {
 }
 
 #[test]
+fn types_and_part_numbers_of_objects_come_back() {
+    let resources = square(
+        1,
+        "type=\"support\" partnumber=\"A &amp; 1\" name=\"leg\"",
+        ["", ""],
+    ) + &square(2, "type=\"model\" name=\"top\"", ["", ""])
+        + &square(3, "type=\"other\" name=\"a\"", ["", ""])
+        + &square(4, "name=\"b\"", ["", ""])
+        + "<object id=\"5\" type=\"solidsupport\" name=\"both\"><components>\
+           <component objectid=\"3\"/><component objectid=\"4\"/></components></object>";
+    let items = "<item objectid=\"1\"/><item objectid=\"2\"/><item objectid=\"5\"/>";
+    let soup = good(ThreeMf, file(&model("", &resources, items)));
+    let found: Vec<(&str, &str, Vec<String>)> = (soup.attributes.objects.iter())
+        .map(|s| {
+            (
+                &*s.object,
+                &*s.group,
+                s.values.iter().map(|v| v.join("=")).collect(),
+            )
+        })
+        .collect();
+    let text = |list: &[&str]| list.iter().map(|text| (*text).to_owned()).collect();
+    assert_eq!(
+        found,
+        [
+            ("leg", "", text(&["type=support", "partnumber=A & 1"])),
+            ("both", "", text(&["type=solidsupport"])),
+            ("both", "a", text(&["type=other"])),
+        ]
+    );
+    comes_back(&soup);
+    let (mesh, _) = build(&soup).expect("a mesh");
+    let lost = super::super::with_output(&mesh, |output| losses(Obj, output));
+    assert_eq!(lost, ["OBJ cannot store types and part numbers of objects"]);
+    // what belongs to one file only is said
+    let resources = square(1, "p:UUID=\"1\" thumbnail=\"t.png\"", ["", ""]);
+    let item = "<item objectid=\"1\" p:UUID=\"2\" printable=\"1\"/>";
+    let soup = good(ThreeMf, file(&model("", &resources, item)));
+    assert_eq!(
+        soup.notes,
+        ["not kept: UUIDs, item printable, object thumbnail"]
+    );
+}
+
+#[test]
 fn an_object_alone_has_no_group() {
     let soup = good(
         ThreeMf,
@@ -317,7 +362,7 @@ fn objects_of_other_parts_are_read() {
         soup.notes,
         [
             "the transforms of 1 items and components are applied to their objects",
-            "not kept: triangle paint_color, Metadata/project_settings.config"
+            "not kept: UUIDs, item printable, triangle paint_color, Metadata/project_settings.config"
         ]
     );
 }
@@ -413,19 +458,44 @@ fn broken_files_are_refused() {
         &["requires the extension beamlattice/2017/02 is not supported"],
     );
     says(with("0.1", "0.1\u{e9}"), &["is not a number"]);
+    let wide = |unit: fn(u16) -> [u8; 2], mark: &[u8]| {
+        let text = model("", &square(1, "", ["", ""]), item);
+        let units = text.encode_utf16().flat_map(unit);
+        archive(&[(
+            MODEL,
+            &mark.iter().copied().chain(units).collect::<Vec<u8>>(),
+        )])
+    };
+    let same = good(ThreeMf, file(&model("", &square(1, "", ["", ""]), item)));
+    assert_eq!(good(ThreeMf, wide(u16::to_le_bytes, b"\xff\xfe")), same);
+    assert_eq!(good(ThreeMf, wide(u16::to_be_bytes, b"\xfe\xff")), same);
     let latin: Vec<u8> = model("", &square(1, "", ["", ""]), item)
         .into_bytes()
         .into_iter()
         .map(|b| if b == b'8' { 0xe9 } else { b })
         .collect();
     says(
-        archive(&[(MODEL, &[&b"\xff\xfe"[..], &latin].concat())]),
-        &["line 1", "not UTF-8"],
+        archive(&[(MODEL, &latin)]),
+        &["line 1", "neither UTF-8 nor UTF-16", "export it with UTF-8"],
     );
     let mut changed = archive(&[(MODEL, model("", "", "").as_bytes())]);
     changed[60] ^= 1;
-    says(changed, &["the part '3D/3dmodel.model' cannot be read"]);
-    says(file(&model("", "", "")), &["no vertices"]);
+    says(
+        changed,
+        &[
+            "the file is damaged",
+            "the part '3D/3dmodel.model' cannot be read",
+        ],
+    );
+    let mut changed = builder();
+    while let Some(at) = changed.windows(4).position(|four| four == b"PK\x01\x02") {
+        changed[at] = b'Q';
+    }
+    says(changed, &["the file is damaged", "no valid directory"]);
+    says(
+        file(&model("", &square(1, "", ["", ""]), "")),
+        &["the build places none of the 1 objects; place them"],
+    );
     let resources = COLORS.to_owned() + &square(1, "pid=\"2\" pindex=\"0\"", ["p1=\"3\"", ""]);
     says(
         file(&model("", &resources, item)),

@@ -13,7 +13,7 @@ mod read;
 mod write;
 
 pub(super) use read::read;
-pub(super) use write::{face_columns, losses, write};
+pub(super) use write::{Sheet, face_columns, losses, write};
 
 /// Namespaces of the core and of the materials and production extensions.
 const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";

@@ -54,6 +54,8 @@ pub(super) struct Base {
 
 pub(super) struct Object {
     pub name: String,
+    /// Names and values of the other attributes that are kept.
+    pub settings: Vec<[String; 2]>,
     pub content: Content,
 }
 
@@ -88,21 +90,41 @@ pub(super) struct Placement {
     pub transform: DMat4,
 }
 
+/// The attributes of objects, and those of items and components, that are read.
+const OBJECT: [&[u8]; 6] = [b"id", b"name", b"type", b"partnumber", b"pid", b"pindex"];
+const PLACEMENT: [&[u8]; 3] = [b"objectid", b"transform", b"path"];
+
 /// The value of an attribute, by its name with prefix; `None` without it or if it is malformed.
 pub(super) fn attribute<'a>(element: &'a BytesStart<'_>, name: &[u8]) -> Option<Cow<'a, str>> {
     let attribute = element.try_get_attribute(name).ok()??;
     attribute.normalized_value(XmlVersion::Implicit1_0).ok()
 }
 
-/// The text of a part in UTF-8.
-fn text<'a>(part: &str, bytes: &'a [u8]) -> Result<&'a str, ParseError> {
+/// The text of a part in UTF-8, or in UTF-16 with a byte order mark.
+fn text<'a>(part: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>, ParseError> {
+    let wide = |rest: &[u8], unit: fn([u8; 2]) -> u16| {
+        let units = rest.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+        let text: Result<String, _> = char::decode_utf16(units).collect();
+        text.ok().filter(|_| rest.len().is_multiple_of(2))
+    };
+    let decoded = match bytes {
+        [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
+        _ => None,
+    };
+    if let Some(text) = decoded {
+        return Ok(Cow::Owned(text));
+    }
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    std::str::from_utf8(bytes).map_err(|error| {
-        let what = format!("text that is not UTF-8 (at byte {})", error.valid_up_to());
-        let remedy = "export it with UTF-8";
-        let kind = ParseErrorKind::Unsupported { what, remedy };
-        in_part(part, bytes, error.valid_up_to(), kind)
-    })
+    std::str::from_utf8(bytes)
+        .map(Cow::Borrowed)
+        .map_err(|error| {
+            let at = error.valid_up_to();
+            let what = format!("text that is neither UTF-8 nor UTF-16 (at byte {at})");
+            let remedy = "export it with UTF-8";
+            let kind = ParseErrorKind::Unsupported { what, remedy };
+            in_part(part, bytes, at, kind)
+        })
 }
 
 /// An error at a byte of a part.
@@ -125,7 +147,8 @@ pub(super) fn starts(
     bytes: &[u8],
     mut visit: impl FnMut(&BytesStart<'_>),
 ) -> Result<(), ParseError> {
-    let mut reader = Reader::from_str(text(part, bytes)?);
+    let text = text(part, bytes)?;
+    let mut reader = Reader::from_str(&text);
     loop {
         match reader.read_event() {
             Ok(Event::Start(element) | Event::Empty(element)) => visit(&element),
@@ -133,7 +156,7 @@ pub(super) fn starts(
             Ok(_) => {}
             Err(error) => {
                 let at = reader.error_position() as usize;
-                return Err(in_part(part, bytes, at, malformed(&error)));
+                return Err(in_part(part, text.as_bytes(), at, malformed(&error)));
             }
         }
     }
@@ -142,7 +165,7 @@ pub(super) fn starts(
 /// Reads a model part of this name.
 pub(super) fn read(part: &str, bytes: &[u8]) -> Result<Model, ParseError> {
     let text = text(part, bytes)?;
-    let mut xml = Reader::from_str(text);
+    let mut xml = Reader::from_str(&text);
     let mut parser = Parser::default();
     loop {
         let event = xml.read_event();
@@ -301,6 +324,7 @@ impl Parser {
             }
             b"component" => {
                 let component = placement(element)?;
+                self.note_others(element, &PLACEMENT);
                 if let Some(OpenObject {
                     object:
                         Object {
@@ -313,8 +337,12 @@ impl Parser {
                     list.push(component);
                 }
             }
-            b"item" => self.model.items.push(placement(element)?),
-            b"mesh" | b"vertices" | b"triangles" | b"resources" | b"build" | b"metadatagroup" => {}
+            b"item" => {
+                self.model.items.push(placement(element)?);
+                self.note_others(element, &PLACEMENT);
+            }
+            b"build" => self.note_others(element, &[]),
+            b"mesh" | b"vertices" | b"triangles" | b"resources" | b"metadatagroup" => {}
             other => {
                 let name = excerpt(element.name().as_ref());
                 // those around a model are no part of it
@@ -377,15 +405,40 @@ impl Parser {
             }
             None => None,
         };
+        let setting = |name: &str| {
+            let value = attribute(element, name.as_bytes())?.into_owned();
+            let is_default = name == "type" && value == "model";
+            (!is_default).then(|| [name.to_owned(), value])
+        };
+        let settings = ["type", "partnumber"]
+            .into_iter()
+            .filter_map(setting)
+            .collect();
+        self.note_others(element, &OBJECT);
         self.object = Some(OpenObject {
             id,
             property,
             object: Object {
                 name: attribute(element, b"name").unwrap_or_default().into_owned(),
+                settings,
                 content: Content::Mesh(Mesh::default()),
             },
         });
         Ok(())
+    }
+
+    /// Notes the attributes of an element that are not kept, all but `known`.
+    fn note_others(&mut self, element: &BytesStart<'_>, known: &[&[u8]]) {
+        for attribute in element.attributes().with_checks(false).flatten() {
+            let name = attribute.key.local_name();
+            if name.as_ref() == b"UUID" {
+                self.model.lost.insert("UUIDs".to_owned());
+            } else if !known.contains(&name.as_ref()) {
+                let (element, name) = (element.local_name(), excerpt(name.as_ref()));
+                let element = excerpt(element.as_ref());
+                self.model.lost.insert(format!("{element} {name}"));
+            }
+        }
     }
 
     /// The mesh of the open object.

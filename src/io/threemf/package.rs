@@ -15,6 +15,8 @@ use crate::memory::free_memory;
 /// Text of meshes compresses to a tenth, and hardly to a fiftieth of its size. What is larger was made to
 /// fill the memory.
 const LARGEST_RATIO: u64 = 200;
+/// The bytes before the end of the directory of an archive.
+const END: &[u8] = b"PK\x05\x06";
 /// What a small file may have in any case, bytes.
 const ALWAYS: u64 = 1 << 20;
 
@@ -38,9 +40,14 @@ impl<'a> Package<'a> {
             return Err(in_file(ParseErrorKind::NotThisFormat { format, found }));
         }
         let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| {
-            in_file(ParseErrorKind::truncated(format!(
-                "the ZIP archive has no valid directory ({error})"
-            )))
+            // the directory is at the end
+            let what = format!("the ZIP archive has no valid directory ({error})");
+            let has_end = bytes.windows(END.len()).any(|part| part == END);
+            in_file(if has_end {
+                ParseErrorKind::damaged(what)
+            } else {
+                ParseErrorKind::truncated(what)
+            })
         })?;
         let of_file = (bytes.len() as u64).saturating_mul(LARGEST_RATIO);
         let free = free_memory().unwrap_or(u64::MAX);
@@ -58,7 +65,7 @@ impl<'a> Package<'a> {
             return Ok(None);
         };
         let failed = |error: &dyn std::fmt::Display| {
-            in_file(ParseErrorKind::truncated(format!(
+            in_file(ParseErrorKind::damaged(format!(
                 "the part '{}' cannot be read ({error})",
                 excerpt(wanted.as_bytes())
             )))

@@ -9,10 +9,12 @@ use serde_json::{Map, Value, json};
 
 use super::super::error::{ParseError, ParseErrorKind, excerpt, in_file};
 use super::TILES;
-use super::model::{self, Content, Mesh, Model, Placement, Property, Resource};
+use super::model::{self, Content, Mesh, Model, Object, Placement, Property, Resource};
 use super::package::Package;
 use crate::memory;
-use crate::mesh::{Column, FaceTag, GltfMaterials, NO_VALUE, NumberType, Numbers, Soup, to_light};
+use crate::mesh::{
+    Column, FaceTag, GltfMaterials, NO_VALUE, NumberType, Numbers, ObjectSettings, Soup, to_light,
+};
 
 /// Objects that contain each other are nested at most as deep.
 const DEEPEST: usize = 64;
@@ -321,6 +323,12 @@ impl Reader<'_> {
     fn build(&mut self) -> Result<(), ParseError> {
         let models = self.models;
         let root = &models.list[0].1;
+        if root.items.is_empty() {
+            let count = root.objects.len();
+            return Err(invalid(format!(
+                "the build places none of the {count} objects; place them before the export"
+            )));
+        }
         let mut names = Names::default();
         // the rows of the texture groups that were used
         let mut rows = HashMap::new();
@@ -336,6 +344,7 @@ impl Reader<'_> {
             let leaves = self.leaves(part, id, item.transform)?;
             let mut groups = Names::default();
             let is_alone = leaves.len() == 1;
+            self.keep_settings(&models.list[part].1.objects[&id], &object, "");
             for (is_inner, part, id, matrix) in leaves {
                 let name = &models.list[part].1.objects[&id].name;
                 let tag = FaceTag {
@@ -347,12 +356,27 @@ impl Reader<'_> {
                     },
                     ..FaceTag::default()
                 };
-                if let Content::Mesh(mesh) = &models.list[part].1.objects[&id].content {
+                let placed = &models.list[part].1.objects[&id];
+                if !tag.group.is_empty() {
+                    self.keep_settings(placed, &tag.object, &tag.group);
+                }
+                if let Content::Mesh(mesh) = &placed.content {
                     self.mesh(part, mesh, &matrix, &tag, &mut rows)?;
                 }
             }
         }
         Ok(())
+    }
+
+    /// Keeps the settings of an object whose faces have these names.
+    fn keep_settings(&mut self, placed: &Object, object: &str, group: &str) {
+        if !placed.settings.is_empty() {
+            self.soup.attributes.objects.push(ObjectSettings {
+                object: object.to_owned(),
+                group: group.to_owned(),
+                values: placed.settings.clone(),
+            });
+        }
     }
 
     /// The meshes that an object places, and whether they are components.

@@ -14,8 +14,8 @@ use super::super::number::{push_f64, push_index, push_number};
 use super::super::{OutputMesh, companions, gltf, media_type};
 use super::{CORE, MATERIALS, MODEL_RELATION, RELATIONS, TEXTURE_RELATION, TILES};
 use crate::mesh::{
-    Attributes, Colors, Column, FaceTag, GltfMaterials, Material, NO_VALUE, colors, columns_named,
-    row_count,
+    Attributes, Colors, Column, FaceTag, GltfMaterials, Material, NO_VALUE, ObjectSettings, colors,
+    columns_named, row_count,
 };
 
 /// The part with the model, and that with its relationships.
@@ -39,10 +39,9 @@ pub(in super::super) fn face_columns(all: &Attributes) -> Vec<usize> {
 }
 
 /// What the format cannot store besides columns and normals, as messages for the user.
-pub(in super::super) fn losses(mesh: &OutputMesh<'_>) -> Vec<String> {
+pub(in super::super) fn losses(mesh: &OutputMesh<'_>, sheet: &Sheet<'_>) -> Vec<String> {
     let mut lost = Vec::new();
     let all = mesh.attributes;
-    let sheet = Sheet::of(mesh);
     let mut tags = all.faces.tags.iter().map(|&tag| &all.tags[tag as usize]);
     if tags.any(|tag| !tag.smoothing.is_empty()) {
         lost.push("3MF cannot store smoothing groups".to_owned());
@@ -83,7 +82,7 @@ pub(in super::super) fn losses(mesh: &OutputMesh<'_>) -> Vec<String> {
 }
 
 /// What faces show: images, colours and materials, numbered for the file.
-struct Sheet<'a> {
+pub(in super::super) struct Sheet<'a> {
     all: &'a Attributes,
     images: Vec<Image>,
     /// Groups of base materials.
@@ -131,7 +130,8 @@ struct Image {
 }
 
 impl<'a> Sheet<'a> {
-    fn of(mesh: &OutputMesh<'a>) -> Self {
+    /// That of a mesh. Reads the images of its materials.
+    pub fn of(mesh: &OutputMesh<'a>) -> Self {
         let all = mesh.attributes;
         let mut sheet = Self {
             all,
@@ -198,8 +198,8 @@ impl<'a> Sheet<'a> {
             }
             let image = material.image.as_ref().map(|image| {
                 let bytes = image.bytes().map_err(|error| error.to_string())?;
-                let media =
-                    media_type(&bytes).ok_or_else(|| "it is no PNG or JPEG file".to_owned())?;
+                let media = media_type(&bytes)
+                    .ok_or_else(|| "it is no PNG or JPEG file; convert it".to_owned())?;
                 Ok::<_, String>((bytes.into_owned(), media))
             });
             match image {
@@ -440,8 +440,11 @@ fn parts(mesh: &OutputMesh<'_>, sheet: &Sheet<'_>) -> Vec<(FaceTag, Part)> {
 ///
 /// # Errors
 /// The error of the writer.
-pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let sheet = Sheet::of(mesh);
+pub(in super::super) fn write(
+    mesh: &OutputMesh<'_>,
+    sheet: &Sheet<'_>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     // the same mesh gives the same bytes at any time
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
@@ -455,7 +458,7 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
     let model = [(format!("/{MODEL}"), MODEL_RELATION)];
     zip.write_all(relations(&model).as_bytes())?;
     zip.start_file(MODEL, options)?;
-    model_part(mesh, &sheet, &mut zip)?;
+    model_part(mesh, sheet, &mut zip)?;
     if !sheet.images.is_empty() {
         zip.start_file(MODEL_RELATIONS, options)?;
         let paths = sheet.images.iter();
@@ -538,13 +541,16 @@ fn model_part(mesh: &OutputMesh<'_>, sheet: &Sheet<'_>, out: &mut dyn Write) -> 
         let object = &parts[0].0.object;
         let mut components = Vec::new();
         for (tag, part) in parts {
+            let group = if is_single { "" } else { &tag.group };
             let name = if is_single { object } else { &tag.group };
-            object_part(mesh, sheet, part, id, name, out)?;
+            let head = format!("{}{}", named(name), settings(all, object, group));
+            object_part(mesh, sheet, part, id, &head, out)?;
             components.push(id);
             id += 1;
         }
         if !is_single {
-            writeln!(out, "<object id=\"{id}\"{}><components>", named(object))?;
+            let head = format!("{}{}", named(object), settings(all, object, ""));
+            writeln!(out, "<object id=\"{id}\"{head}><components>")?;
             for component in components {
                 writeln!(out, "<component objectid=\"{component}\"/>")?;
             }
@@ -558,6 +564,18 @@ fn model_part(mesh: &OutputMesh<'_>, sheet: &Sheet<'_>, out: &mut dyn Write) -> 
         writeln!(out, "<item objectid=\"{item}\"/>")?;
     }
     writeln!(out, "</build>\n</model>")
+}
+
+/// The attributes of an object that the file had.
+fn settings(all: &Attributes, object: &str, group: &str) -> String {
+    let is_it = |s: &&ObjectSettings| s.object == object && s.group == group;
+    let values = all.objects.iter().find(is_it).map(|s| &s.values);
+    let mut text = String::new();
+    for [name, value] in values.into_iter().flatten() {
+        // writing to a string cannot fail
+        let _ = write!(text, " {}=\"{}\"", plain(name), plain(value));
+    }
+    text
 }
 
 fn named(name: &str) -> String {
@@ -635,13 +653,13 @@ fn flush(text: &mut Vec<u8>, limit: usize, out: &mut dyn Write) -> io::Result<()
     Ok(())
 }
 
-/// Writes an object with a mesh.
+/// Writes an object with a mesh and the attributes `head`.
 fn object_part(
     mesh: &OutputMesh<'_>,
     sheet: &Sheet<'_>,
     part: &Part,
     id: u32,
-    name: &str,
+    head: &str,
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let property = |face: usize| sheet.property(face, &mesh.triangles[face]);
@@ -651,11 +669,7 @@ fn object_part(
         Some((group, [entry, ..])) if has_all => format!(" pid=\"{group}\" pindex=\"{entry}\""),
         _ => String::new(),
     };
-    writeln!(
-        out,
-        "<object id=\"{id}\"{}{default}><mesh><vertices>",
-        named(name)
-    )?;
+    writeln!(out, "<object id=\"{id}\"{head}{default}><mesh><vertices>")?;
     let mut text = Vec::new();
     for &v in &part.vertices {
         let p = mesh.positions[v as usize].to_array();

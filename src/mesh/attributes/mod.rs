@@ -9,24 +9,27 @@ mod column;
 mod faces;
 mod materials;
 mod mixing;
+mod objects;
 mod serial;
 mod split;
 mod summary;
 mod written;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::{FaceTag, Mesh, VertexId};
+use colors::StlColors;
 
 pub use colors::{Colors, color_columns, color_steps, colors, to_light, to_signal};
-use colors::StlColors;
 pub use column::{Column, NumberType, Numbers, columns_named, picked_rows, row_count};
 pub use faces::{FaceData, NO_VALUE};
 pub use materials::{GltfMaterials, ImageSource, Material, OwnMaterial};
 pub use mixing::{append_between, append_interpolated};
+pub use objects::ObjectSettings;
 pub use written::Written;
 
 /// What a mesh file holds besides positions and faces. Lists are empty if it has no such data.
@@ -67,6 +70,8 @@ pub struct Attributes {
     pub unit: String,
     /// Names and values of the metadata of a 3MF file, such as `Title`.
     pub metadata: Vec<[String; 2]>,
+    /// What a 3MF file says of its objects.
+    pub objects: Vec<ObjectSettings>,
     /// The header of a binary STL file.
     #[serde(with = "serial::header")]
     pub stl_header: Option<[u8; 80]>,
@@ -167,9 +172,67 @@ impl Attributes {
         rest
     }
 
+    /// The same attributes with the numbers of texture images of a PLY file as materials of the faces, which have
+    /// the names of the images; the first one has no name. `None` unless there are several images.
+    #[must_use]
+    pub fn with_numbered_materials(&self) -> Option<Self> {
+        let is_number = |column: &Column| column.name == "texnumber";
+        let numbers = self.faces.columns.iter().position(is_number)?;
+        self.texture_files().nth(1)?;
+        let mut all = self.clone();
+        let faces = all.faces.columns.remove(numbers).numbers.len();
+        if all.tags.is_empty() {
+            all.tags.push(FaceTag::default());
+        }
+        all.faces.tags.resize(faces, 0);
+        let mut known: BTreeMap<(u32, &str), u32> = BTreeMap::new();
+        for (face, tag) in all.faces.tags.iter_mut().enumerate() {
+            let material = self.material_of(face);
+            *tag = *known.entry((*tag, material)).or_insert_with(|| {
+                let old = &all.tags[*tag as usize];
+                if old.material == material {
+                    return *tag;
+                }
+                all.tags.push(FaceTag {
+                    material: material.to_owned(),
+                    ..old.clone()
+                });
+                all.tags.len() as u32 - 1
+            });
+        }
+        Some(all)
+    }
+
     /// Whether vertices have numbers.
     pub fn has_vertex_columns(&self) -> bool {
         !self.vertices.is_empty()
+    }
+
+    /// Red, green and blue in 0..=1 for each face, where they are known; empty if the vertices have colours or
+    /// the faces have none. They are columns of faces, or the attributes of an STL file.
+    pub fn face_colors(&self) -> Vec<Option<[f32; 3]>> {
+        if self.has_vertex_colors() {
+            return Vec::new();
+        }
+        let of_columns = colors(&self.faces.columns);
+        if !of_columns.is_empty() {
+            let shades = of_columns.into_iter().map(|[r, g, b, _]| Some([r, g, b]));
+            return shades.collect();
+        }
+        let of_stl = StlColors::of(&self.faces.columns, self.stl_header.as_ref());
+        of_stl.map_or_else(Vec::new, |colors| colors.all())
+    }
+
+    /// Whether faces have a colour, perhaps beside vertices.
+    pub fn has_face_colors(&self) -> bool {
+        let columns = &self.faces.columns;
+        let of_stl = || StlColors::of(columns, self.stl_header.as_ref());
+        Colors::channels(columns).is_some() || of_stl().is_some()
+    }
+
+    /// Whether vertices or faces have a colour.
+    pub fn has_colors(&self) -> bool {
+        self.has_vertex_colors() || self.has_face_colors()
     }
 
     /// Appends the numbers of new vertices, which follow the `given` ones: each is at `t` of the way
@@ -208,37 +271,23 @@ impl Attributes {
             let new = given..given + count;
             self.vertex_of_row.extend(new.map(|v| v as u32));
         }
-    /// Red, green and blue in 0..=1 for each face, where they are known; empty if the vertices have colours or
-    /// the faces have none. They are columns of faces, or the attributes of an STL file.
-    pub fn face_colors(&self) -> Vec<Option<[f32; 3]>> {
-        if self.has_vertex_colors() {
-            return Vec::new();
-        }
-        let of_columns = colors(&self.faces.columns);
-        if !of_columns.is_empty() {
-            let shades = of_columns.into_iter().map(|[r, g, b, _]| Some([r, g, b]));
-            return shades.collect();
-        }
-        let of_stl = StlColors::of(&self.faces.columns, self.stl_header.as_ref());
-        of_stl.map_or_else(Vec::new, |colors| colors.all())
     }
 
-    /// Whether faces have a colour, perhaps beside vertices.
-    pub fn has_face_colors(&self) -> bool {
-        let columns = &self.faces.columns;
-        let of_stl = || StlColors::of(columns, self.stl_header.as_ref());
-        Colors::channels(columns).is_some() || of_stl().is_some()
+    /// Appends the numbers of `count` new faces as `append_interpolated` does from those of the faces
+    /// `known`. Labels are those of face `like`.
+    pub fn append_face_numbers(
+        &mut self,
+        known: &[u32],
+        like: u32,
+        count: usize,
+        interpolate: impl FnMut(&[f64]) -> Vec<f64>,
+    ) {
+        let nearest = vec![like; count];
+        append_interpolated(&mut self.faces.columns, known, &nearest, interpolate);
     }
 
-    /// Whether vertices or faces have a colour.
-    pub fn has_colors(&self) -> bool {
-        self.has_vertex_colors() || self.has_face_colors()
-    }
-
-    }
-
-    /// Appends the data of new triangles, which follow the `given` ones: that of face `like`, with
-    /// another tag if `tag` is given. Their corners have the first rows of their vertices, and no
+    /// Appends the data of new triangles, which follow the `given` ones: that of face `like`, except numbers
+    /// that they have already, with another tag if `tag` is given. Their corners have the first rows of their vertices, and no
     /// texture coordinates and normals.
     ///
     /// All new vertices must have been appended.
@@ -273,17 +322,6 @@ impl Attributes {
             part.vertices = picked_rows(&self.vertices, vertices);
             return part;
         }
-    /// Appends the numbers of `count` new faces as `append_interpolated` does from those of the faces
-    /// `known`. Labels are those of face `like`.
-    pub fn append_face_numbers(
-        &mut self,
-        known: &[u32],
-        like: u32,
-        count: usize,
-        interpolate: impl FnMut(&[f64]) -> Vec<f64>,
-    ) {
-        let nearest = vec![like; count];
-        append_interpolated(&mut self.faces.columns, known, &nearest, interpolate);
         let mut rows = Vec::new();
         let mut new_row = vec![NO_VALUE; self.vertex_of_row.len()];
         for (row, vertex) in self.vertex_of_row.iter().enumerate() {

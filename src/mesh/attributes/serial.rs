@@ -108,7 +108,7 @@ pub(super) mod header {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Attributes, Column, GltfMaterials, OwnMaterial};
+    use super::super::{Attributes, Column, GltfMaterials, ObjectSettings, OwnMaterial};
     use super::*;
     use crate::mesh::{FaceTag, NO_VALUE};
 
@@ -149,6 +149,11 @@ mod tests {
             comments: vec!["comment c".into()],
             unit: "inch".into(),
             metadata: vec![["Title".into(), "t".into()]],
+            objects: vec![ObjectSettings {
+                object: "a".into(),
+                group: String::new(),
+                values: vec![["type".into(), "support".into()]],
+            }],
             stl_header: Some([7; 80]),
             ..Attributes::default()
         };

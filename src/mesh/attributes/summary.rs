@@ -58,6 +58,13 @@ impl Attributes {
         for [name, value] in &self.metadata {
             lines.push(format!("{name}: {value}"));
         }
+        for settings in &self.objects {
+            let names = [&settings.object, &settings.group].map(String::as_str);
+            let name = names.join(" ");
+            let values = settings.values.iter().map(|value| value.join(" "));
+            let values = values.collect::<Vec<_>>().join(", ");
+            lines.push(format!("object '{}': {values}", name.trim()));
+        }
         for name in self.texture_files() {
             lines.push(format!("texture file: {name}"));
         }

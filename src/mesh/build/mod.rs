@@ -181,6 +181,7 @@ fn assemble(soup: &Soup, triangles: &Triangles, topology: Topology, repaired: &R
         comments: given.comments.clone(),
         unit: given.unit.clone(),
         metadata: given.metadata.clone(),
+        objects: given.objects.clone(),
         stl_header: given.stl_header,
         folder: given.folder.clone(),
         ..Attributes::default()
@@ -217,11 +218,11 @@ fn face_data(
     if *given == FaceData::default() {
         return FaceData::default();
     }
-    let origins = || (0..faces.len()).map(|i| faces.origin(i));
     // the usual case: the triangles of the file as they are
     if faces.are_those_of_file() && triangles.are_polygons() && repaired.flipped.is_empty() {
         return given.clone();
     }
+    let origins = || (0..faces.len()).map(|i| faces.origin(i));
     let of_file: Vec<u32> = origins().map(|t| triangles.file_face(t)).collect();
     let corners = (0..faces.len()).flat_map(|i| file_corners(triangles, repaired, faces.origin(i)));
     given.picked(&of_file, &corners)
