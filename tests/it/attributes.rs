@@ -86,6 +86,31 @@ fn obj(head: &str, decimals: usize, colors: bool, normals: bool, smooth: &str) -
     text
 }
 
+/// An OBJ file whose faces count from the end of the lists.
+fn with_negative_indices(text: &str) -> String {
+    let count = |keyword: &str| {
+        let lines = text.lines().filter(|line| line.starts_with(keyword));
+        i64::try_from(lines.count()).expect("few lines")
+    };
+    let counts = [count("v "), count("vt "), count("vn ")];
+    let corner = |corner: &str| -> String {
+        let numbers = corner.split('/').zip(counts);
+        let numbers = numbers.map(|(number, count)| {
+            let number: i64 = number.parse().expect("an index");
+            (number - count - 1).to_string()
+        });
+        numbers.collect::<Vec<_>>().join("/")
+    };
+    let line = |line: &str| match line.strip_prefix("f ") {
+        Some(corners) => {
+            let corners: Vec<String> = corners.split(' ').map(corner).collect();
+            format!("f {}\n", corners.join(" "))
+        }
+        None => format!("{line}\n"),
+    };
+    text.lines().map(line).collect()
+}
+
 /// A PLY file with these properties of vertices and faces, whose values count up.
 fn ply(head: &str, vertex: &[&str], face: &[&str], double_seam: bool) -> String {
     let (mut points, mut triangles) = sheet();
@@ -150,6 +175,52 @@ fn ply(head: &str, vertex: &[&str], face: &[&str], double_seam: bool) -> String 
     text
 }
 
+/// The same PLY file in binary.
+fn binary(text: &str) -> Vec<u8> {
+    let (head, body) = text.split_once("end_header\n").expect("a header");
+    let mut elements: Vec<(usize, Vec<Vec<&str>>)> = Vec::new();
+    for line in head.lines() {
+        let words: Vec<&str> = line.split(' ').collect();
+        match words[0] {
+            "element" => elements.push((words[2].parse().expect("a count"), Vec::new())),
+            "property" => elements
+                .last_mut()
+                .expect("an element")
+                .1
+                .push(words[1..].to_vec()),
+            _ => {}
+        }
+    }
+    let head = head.replace("format ascii", "format binary_little_endian");
+    let mut bytes = format!("{head}end_header\n").into_bytes();
+    let put = |bytes: &mut Vec<u8>, kind: &str, word: &str| match kind {
+        "uchar" => bytes.push(word.parse().expect("a byte")),
+        "int" => bytes.extend(word.parse::<i32>().expect("a number").to_le_bytes()),
+        "float" => bytes.extend(word.parse::<f32>().expect("a number").to_le_bytes()),
+        "double" => bytes.extend(word.parse::<f64>().expect("a number").to_le_bytes()),
+        other => panic!("no type {other}"),
+    };
+    let mut lines = body.lines();
+    for (count, properties) in elements {
+        for line in lines.by_ref().take(count) {
+            let mut words = line.split(' ');
+            let mut next = || words.next().expect("a number");
+            for property in &properties {
+                if let ["list", length, kind, _] = property[..] {
+                    let word = next();
+                    put(&mut bytes, length, word);
+                    for _ in 0..word.parse().expect("a length") {
+                        put(&mut bytes, kind, next());
+                    }
+                } else {
+                    put(&mut bytes, property[0], next());
+                }
+            }
+        }
+    }
+    bytes
+}
+
 /// An OFF file with colours of vertices, as programs for scans write it.
 fn off() -> String {
     let (points, triangles) = sheet();
@@ -164,8 +235,9 @@ fn off() -> String {
     text
 }
 
-/// A binary glTF file as Blender writes it: vertices are repeated along the seam of the texture.
-fn glb() -> Vec<u8> {
+/// A glTF file as Blender writes it: vertices are repeated along the seam of the texture. Its JSON without
+/// an address of its buffer, and the buffer.
+fn gltf() -> (serde_json::Value, Vec<u8>) {
     let (points, triangles) = sheet();
     let mut number = std::collections::BTreeMap::new();
     for t in &triangles {
@@ -228,6 +300,11 @@ fn glb() -> Vec<u8> {
         "bufferViews": views,
         "buffers": [{ "byteLength": binary.len() }],
     });
+    (text, binary)
+}
+
+/// A binary glTF file.
+fn glb((text, binary): (serde_json::Value, Vec<u8>)) -> Vec<u8> {
     let mut text = text.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
     let mut bytes = b"glTF\x02\0\0\0".to_vec();
@@ -238,6 +315,25 @@ fn glb() -> Vec<u8> {
         bytes.extend(chunk);
     }
     bytes
+}
+
+/// The same file as Polycam writes it: the light is in the texture.
+fn unlit() -> (serde_json::Value, Vec<u8>) {
+    let (mut text, binary) = gltf();
+    text["asset"]["generator"] = "Polycam".into();
+    text["extensionsUsed"] = json!(["KHR_materials_unlit"]);
+    text["materials"][0]["extensions"] = json!({ "KHR_materials_unlit": {} });
+    (text, binary)
+}
+
+/// The same file with its buffer in the JSON.
+fn gltf_text() -> Vec<u8> {
+    use base64::Engine as _;
+    let (mut text, binary) = gltf();
+    let encoded = base64::engine::general_purpose::STANDARD.encode(binary);
+    let uri = format!("data:application/octet-stream;base64,{encoded}");
+    text["buffers"][0]["uri"] = uri.into();
+    text.to_string().into_bytes()
 }
 
 /// A 3MF file with a chart of an image for each half, as 3D Builder writes it.
@@ -356,6 +452,38 @@ fn exports() -> Vec<(&'static str, Vec<u8>)> {
             obj("mtllib material.mtl\no mesh\n", 15, false, true, "s 0"),
         ),
         (
+            // metashape-scripts issue 62: a texture of two pages
+            "metashape-pages.obj",
+            with_negative_indices(&obj("mtllib model.mtl\n", 8, false, true, "")),
+        ),
+        (
+            // tiles of a texture, whose names have blanks
+            "realitycapture-tiles.obj",
+            (5..10).fold(
+                obj(
+                    "# Capturing Reality\nmtllib my scan.mtl\n",
+                    7,
+                    false,
+                    false,
+                    "",
+                )
+                .replace("left.001", "my scan_u1_v1")
+                .replace("right.001", "my scan_u2_v1"),
+                |text, digit| text.replace(&format!("vt 0.{digit}"), &format!("vt 1.{digit}")),
+            ),
+        ),
+        (
+            // loaders.gl issue 2568: colours since Blender 3.2; and loose edges
+            "blender-colors.obj",
+            obj(
+                "# Blender 4.1.1\no Sheet # from a scan\n",
+                6,
+                true,
+                false,
+                "s 0",
+            ) + "l 1 2\nl 2 3\n",
+        ),
+        (
             "cloudcompare.ply",
             ply(
                 "comment Created by CloudCompare v2.13.1\nobj_info Generated by CloudCompare!\n",
@@ -433,13 +561,27 @@ fn exports() -> Vec<(&'static str, Vec<u8>)> {
             ),
         ),
     ];
+    // CloudCompare issues 1476 and 1731: all scalar fields are floats with this prefix
+    let scalars = ply(
+        "comment Created by CloudCompare v2.11.1 (Anoia)\nobj_info Generated by CloudCompare!\n",
+        &with(&[
+            "float scalar_Intensity",
+            "float scalar_label",
+            "double scalar_Coord._Z",
+        ]),
+        &[],
+        false,
+    );
     let text = files
         .into_iter()
         .map(|(name, text)| (name, text.into_bytes()));
     text.chain([
         ("meshlab.off", off().into_bytes()),
         ("materialise.stl", stl()),
-        ("blender.glb", glb()),
+        ("blender.glb", glb(gltf())),
+        ("blender.gltf", gltf_text()),
+        ("polycam.glb", glb(unlit())),
+        ("cloudcompare-binary.ply", binary(&scalars)),
         ("builder.3mf", threemf()),
     ])
     .collect()
@@ -700,7 +842,7 @@ fn erased_and_refilled_meshes_keep_the_other_faces() {
             let patch = new.attributes.faces.texture.get(3 * left.len()..);
             let has_chart = path
                 .extension()
-                .is_some_and(|e| e == "obj" || e == "glb" || e == "3mf");
+                .is_some_and(|e| e == "obj" || e == "glb" || e == "gltf" || e == "3mf");
             let mut rows = patch.unwrap_or_default().iter();
             assert!(rows.all(|&row| (row != NO_VALUE) == has_chart), "{what}");
         }
@@ -805,6 +947,7 @@ fn libraries_and_images_go_along() {
     // nothing is left to copy
     assert!(
         !io::copy_companions(&at("out/mesh.obj"), &mesh.attributes)
+            .messages
             .join("")
             .contains("copied from")
     );
