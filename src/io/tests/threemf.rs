@@ -469,11 +469,8 @@ fn broken_files_are_refused() {
     let same = good(ThreeMf, file(&model("", &square(1, "", ["", ""]), item)));
     assert_eq!(good(ThreeMf, wide(u16::to_le_bytes, b"\xff\xfe")), same);
     assert_eq!(good(ThreeMf, wide(u16::to_be_bytes, b"\xfe\xff")), same);
-    let latin: Vec<u8> = model("", &square(1, "", ["", ""]), item)
-        .into_bytes()
-        .into_iter()
-        .map(|b| if b == b'8' { 0xe9 } else { b })
-        .collect();
+    let text = model("", &square(1, "", ["", ""]), item);
+    let latin = [&b"<!-- caf\xe9 -->"[..], text.as_bytes()].concat();
     says(
         archive(&[(MODEL, &latin)]),
         &["line 1", "neither UTF-8 nor UTF-16", "export it with UTF-8"],
