@@ -98,7 +98,9 @@ fn body(vertices: usize, rng: &mut SplitMix) -> TriangleMesh {
             let across = (vertices as f64 / 6.0).sqrt().round() as usize;
             let (mut positions, triangles) = shapes::cube(across);
             let turn = glam::DQuat::from_rotation_arc(DVec3::Z, rng.direction());
-            positions.iter_mut().for_each(|p| *p = turn * *p);
+            for p in &mut positions {
+                *p = turn * *p;
+            }
             (positions, triangles)
         }
         _ => {

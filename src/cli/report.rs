@@ -211,7 +211,9 @@ pub fn hole_reports(filled: &Filled, options: &FillOptions) -> Vec<HoleReport> {
         *parts.entry(hole.id()).or_default() += 1;
     }
     parts.retain(|_, count| *count > 1);
-    parts.values_mut().for_each(|count| *count = 0);
+    for count in parts.values_mut() {
+        *count = 0;
+    }
     filled
         .holes
         .iter()

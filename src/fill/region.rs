@@ -199,7 +199,9 @@ impl<'a> Region<'a> {
         let mut at: Vec<Continuity> = rim
             .flat_map(|l| std::iter::repeat_n(options.continuity_at(l.id), l.vertices.len()))
             .collect();
-        rims.crease.iter().for_each(|&v| at[v] = Continuity::G0);
+        for &v in &rims.crease {
+            at[v] = Continuity::G0;
+        }
         let mut copies: Vec<Option<u32>> = vec![None; at.len()];
         for t in &topology.triangles {
             let t = t.map(|v| {

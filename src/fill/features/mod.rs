@@ -169,8 +169,7 @@ impl Splitter<'_> {
             let arrive = (corner - end.point).normalize_or_zero();
             let points = self.points(end.point, end.ahead, corner, arrive, 1);
             // the inner half is away from the rim, so that the parts are no slivers
-            let inner = points[points.len() / 2..].iter().chain([&corner]);
-            if !self.is_apart(inner) {
+            if !self.is_apart(&points[points.len() / 2..]) || !self.is_apart(&[corner]) {
                 return None;
             }
             creases.push([&[end.point], &points[..], &[corner]].concat());
@@ -243,7 +242,7 @@ impl Splitter<'_> {
         for Chord { ends, points } in chords {
             let middle = &points[points.len() / 4..points.len() - points.len() / 4];
             let is_near = |p: &DVec3| middle.iter().any(|q| p.distance(*q) < 0.5 * self.size);
-            if !self.is_apart(middle.iter()) || creases.iter().flatten().any(is_near) {
+            if !self.is_apart(middle) || creases.iter().flatten().any(is_near) {
                 return None;
             }
             let [a, b] = ends.map(|i| self.hole.vertices[i]);
@@ -306,7 +305,8 @@ impl Splitter<'_> {
             let [a, b] = [from, k].map(|i| &self.ends[i]);
             let deviations = [a.deviation(b.point), b.deviation(a.point)];
             let limit = LARGEST_DEVIATION.to_radians();
-            if !a.is_as_sharp_as(b) || deviations.iter().any(|d| !(*d <= limit)) {
+            let leads = deviations.iter().all(|d| *d <= limit);
+            if !leads || !a.is_as_sharp_as(b) {
                 return None;
             }
             let (inner, pairs) = self.pairs(from + 1, k)?;
@@ -355,8 +355,8 @@ impl Splitter<'_> {
     }
 
     /// Whether points stay away from the rim.
-    fn is_apart<'a>(&self, points: impl Iterator<Item = &'a DVec3> + Clone) -> bool {
+    fn is_apart(&self, points: &[DVec3]) -> bool {
         let mut rim = self.hole.vertices.iter().map(|&v| self.mesh.position(v));
-        rim.all(|p| points.clone().all(|q| p.distance(*q) >= 0.5 * self.size))
+        rim.all(|p| points.iter().all(|q| p.distance(*q) >= 0.5 * self.size))
     }
 }

@@ -232,10 +232,10 @@ fn parts_of_a_patch_share_a_chart() {
 /// Sharp edges that meet in the hole meet in a corner, wherever the shape is.
 #[test]
 fn corners_come_back() {
+    type Distance = fn(DVec3) -> f64;
     let turn = DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(0.4);
     let to_cube = |p: DVec3| (p - DVec3::ONE).abs().min_element();
     let sides = |p: DVec3| (p.x.abs().max(p.y.abs()) - (1.0 - p.z)).abs() / 2.0_f64.sqrt();
-    type Distance = fn(DVec3) -> f64;
     let cases: [(Sheets, DVec3, DVec3, Distance); 4] = [
         (cube(), DVec3::ONE, DVec3::ONE, to_cube),
         // the corner is on the rim
