@@ -101,13 +101,18 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         rows.map(move |row| (name, row))
     });
     let rows = rows.filter(|(_, row)| !row.surface.is_empty());
+    let mut before = String::new();
     for (name, row) in rows.take(MOST_MODELS) {
         let holes: Vec<String> = row.holes.iter().map(LoopId::to_string).collect();
         let words = format!("{name} {}: {}", holes.join(", "), row.surface);
-        let words = words.trim_start();
-        ui.add(egui::Label::new(RichText::new(words).weak()).truncate())
+        // the parts of a hole between creases are mostly by one model
+        if words == before {
+            continue;
+        }
+        ui.add(egui::Label::new(RichText::new(words.trim_start()).weak()).truncate())
             .on_hover_text("the error to expect is relative to the hole radius")
             .hovers(&row.holes, actions);
+        before = words;
     }
     if next != model.document.controls {
         actions.push(ControlsAction::Set(Box::new(next)).into());

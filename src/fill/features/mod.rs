@@ -159,7 +159,8 @@ impl Splitter<'_> {
     fn at_corner(&self, corner: DVec3) -> Option<SplitHole> {
         let count = self.ends.len();
         let indices: Vec<usize> = self.ends.iter().map(|end| end.index).collect();
-        if !self.are_apart(&indices) {
+        // no part is between lines that end at one vertex
+        if indices.windows(2).any(|pair| pair[0] == pair[1]) {
             return None;
         }
         let mut new = NewVertices::default();

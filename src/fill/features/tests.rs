@@ -236,10 +236,12 @@ fn corners_come_back() {
     let turn = DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(0.4);
     let to_cube = |p: DVec3| (p - DVec3::ONE).abs().min_element();
     let sides = |p: DVec3| (p.x.abs().max(p.y.abs()) - (1.0 - p.z)).abs() / 2.0_f64.sqrt();
-    let cases: [(Sheets, DVec3, DVec3, Distance); 4] = [
+    let cases: [(Sheets, DVec3, DVec3, Distance); 5] = [
         (cube(), DVec3::ONE, DVec3::ONE, to_cube),
         // the corner is on the rim
         (cube(), DVec3::new(0.72, 1.0, 1.0), DVec3::ONE, to_cube),
+        // only the corner of the third side is missing
+        (cube(), DVec3::new(0.7201, 1.0, 1.0), DVec3::ONE, to_cube),
         // the corner is not the middle of the hole
         (cube(), DVec3::new(0.85, 1.0, 0.9), DVec3::ONE, to_cube),
         (pyramid(), DVec3::Z, DVec3::Z, sides),
