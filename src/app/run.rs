@@ -240,7 +240,7 @@ impl Run {
         for side in &mut self.sides {
             let mut stepped = false;
             for event in side.handle.poll() {
-                let attempt = side.handle.state(usize::MAX).map_or(0, |s| s.attempt());
+                let attempt = side.latest_attempt();
                 match event {
                     RunEvent::Step(group, record) => {
                         side.record(group, &record);
@@ -506,13 +506,19 @@ impl RunVariant {
         self.state().map_or(0, |state| state.attempt())
     }
 
-    /// Takes over changed controls from the next step on.
-    pub fn change_controls(&mut self, controls: Controls) {
+    /// The attempt of the latest state.
+    pub fn latest_attempt(&self) -> usize {
+        self.handle
+            .state(usize::MAX)
+            .map_or(0, |state| state.attempt())
+    }
+
+    /// Takes over controls that were changed after an attempt.
+    pub fn change_controls(&mut self, controls: Controls, attempt: usize) {
         let difference = self.controls.difference(&controls).into_iter();
         let words: Vec<String> = difference
             .map(|(name, value)| format!("{name} {value}"))
             .collect();
-        let attempt = self.handle.state(usize::MAX).map_or(0, |s| s.attempt());
         // a drag gives many changes before the next attempt
         self.changes.retain(|change| change.attempt != attempt);
         let what = words.join(", ");

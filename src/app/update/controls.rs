@@ -103,8 +103,10 @@ fn change_sides(model: &mut Model, own: impl Fn(bool, &Controls) -> Controls) ->
         if own == side.controls {
             continue;
         }
+        // before the flow continues with them
+        let attempt = side.latest_attempt();
         match side.handle.set_controls(&own) {
-            Ok(()) => side.change_controls(own),
+            Ok(()) => side.change_controls(own, attempt),
             Err(text) => {
                 model.log.error(text);
                 return false;
