@@ -238,15 +238,23 @@ fn an_energy_of_sixth_order_runs_with_a_continuity_at_each_rim() {
     act(model, ControlsAction::EnergyText("H^2 + 0.1*gradH2".into()));
     act(model, ControlsAction::ApplyEnergy);
     harness.run_steps(3);
-    harness.get_by_label("Each rim").click();
-    harness.run_steps(20);
+    // rows that appear later move the others from under a click
+    wait_for("the rims", || {
+        harness.get_by_label("Each rim").click();
+        harness.run_steps(20);
+        (harness.get_all_by_label("G1").count() == 3).then_some(())
+    });
     // the choices of all rims stand above those of each
-    let of_first = harness.get_all_by_label("G1").nth(1).expect("of the first");
-    of_first.click();
-    harness.run_steps(3);
-    let of_last = harness.get_all_by_label("G2").last().expect("of the last");
-    of_last.click();
-    harness.run_steps(3);
+    wait_for("both choices", || {
+        let of_first = harness.get_all_by_label("G1").nth(1);
+        of_first.expect("of the first").click();
+        harness.run_steps(3);
+        let of_last = harness.get_all_by_label("G2").last();
+        of_last.expect("of the last").click();
+        harness.run_steps(3);
+        let controls = &harness.state().model.document.controls;
+        (controls.loop_continuity.len() == 2).then_some(())
+    });
     let controls = &harness.state().model.document.controls;
     let own: Vec<_> = controls.loop_continuity.values().copied().collect();
     assert_eq!(own, [Continuity::G1, Continuity::G2]);
