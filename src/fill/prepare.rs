@@ -111,7 +111,9 @@ fn drafts(
     let drafts = rim_sets.par_iter().zip(splits).zip(firsts);
     let drafts = drafts.flat_map_iter(|((rims, split), first)| {
         let rims = match split {
-            Some(split) if longer.is_some() => split.parts(mesh, rims[0], first),
+            Some(split) if longer.is_some() || split.new.points.is_empty() => {
+                split.parts(mesh, rims[0], first)
+            }
             _ => vec![HoleRims::new(mesh, rims)],
         };
         rims.into_iter().map(&draft).collect::<Vec<_>>()
@@ -129,11 +131,13 @@ fn with_creases(mesh: &Mesh, splits: &[Option<SplitHole>]) -> (Option<Mesh>, Vec
         next += count;
         next - count
     });
-    let firsts = firsts.collect();
+    let firsts: Vec<usize> = firsts.collect();
+    if next == mesh.vertex_count() {
+        return (None, firsts);
+    }
     let new: Vec<&NewVertices> = splits.iter().flatten().map(|split| &split.new).collect();
     // vertices without faces do not change a manifold
-    let longer = (!new.is_empty()).then(|| with_vertices(mesh, &new).ok());
-    (longer.flatten(), firsts)
+    (with_vertices(mesh, &new).ok(), firsts)
 }
 
 /// The problem from which the flow of a single hole starts: its patch and support region at the

@@ -160,7 +160,7 @@ impl Splitter<'_> {
         let count = self.ends.len();
         let indices: Vec<usize> = self.ends.iter().map(|end| end.index).collect();
         // no part is between lines that end at one vertex
-        if indices.windows(2).any(|pair| pair[0] == pair[1]) {
+        if indices.windows(2).any(|pair| pair[0] == pair[1]) || !self.is_apart(&[corner]) {
             return None;
         }
         let mut new = NewVertices::default();
@@ -170,7 +170,7 @@ impl Splitter<'_> {
             let arrive = (corner - end.point).normalize_or_zero();
             let points = self.points(end.point, end.ahead, corner, arrive, 1);
             // the inner half is away from the rim, so that the parts are no slivers
-            if !self.is_apart(&points[points.len() / 2..]) || !self.is_apart(&[corner]) {
+            if !self.is_apart(&points[points.len() / 2..]) {
                 return None;
             }
             creases.push([&[end.point], &points[..], &[corner]].concat());
@@ -196,41 +196,42 @@ impl Splitter<'_> {
         })
     }
 
-    /// A crease from each line to a corner that is a vertex of the rim, through the hole or along the rim.
+    /// A crease from each line to a corner that is a vertex of the rim.
     fn at_rim_vertex(&self, at: usize) -> Option<SplitHole> {
         let corner = self.mesh.position(self.hole.vertices[at]);
-        let (mut chords, mut creased) = (Vec::new(), Vec::new());
-        for end in self.ends.iter().filter(|end| end.index != at) {
+        let others = self.ends.iter().filter(|end| end.index != at);
+        let curve = |end: &LineEnd| {
             let arrive = (corner - end.point).normalize_or_zero();
-            let mut points = self.points(end.point, end.ahead, corner, arrive, 1);
-            let ends = [at, end.index];
-            if let Some(edges) = self.rim_along(ends, &points) {
-                creased.extend(edges);
-            } else {
-                points = self.points(end.point, end.ahead, corner, arrive, 2);
-                chords.push(Chord { ends, points });
+            Chord {
+                ends: [at, end.index],
+                points: self.points(end.point, end.ahead, corner, arrive, 2),
             }
-        }
-        self.cut(&chords, creased)
+        };
+        self.cut(others.map(curve))
     }
 
     /// A crease from line to line, for pairs of lines whose creases do not cross.
     fn between_pairs(&self) -> Option<SplitHole> {
         let (_, pairs) = self.pairs(0, self.ends.len())?;
-        let (mut chords, mut creased) = (Vec::new(), Vec::new());
-        for [a, b] in pairs.iter().map(|pair| pair.map(|i| &self.ends[i])) {
-            let points = self.points(b.point, b.ahead, a.point, -a.ahead, 2);
-            let ends = [a.index, b.index];
-            match self.rim_along(ends, &points) {
-                Some(edges) => creased.extend(edges),
-                None => chords.push(Chord { ends, points }),
+        let curve = |pair: [usize; 2]| {
+            let [a, b] = pair.map(|i| &self.ends[i]);
+            Chord {
+                ends: [a.index, b.index],
+                points: self.points(b.point, b.ahead, a.point, -a.ahead, 2),
             }
-        }
-        self.cut(&chords, creased)
+        };
+        self.cut(pairs.into_iter().map(curve))
     }
 
-    /// Cuts the hole along chords that do not cross.
-    fn cut(&self, chords: &[Chord], creased: Vec<usize>) -> Option<SplitHole> {
+    /// Cuts the hole along curves that do not cross. Where the rim runs along one, it has the crease.
+    fn cut(&self, curves: impl Iterator<Item = Chord>) -> Option<SplitHole> {
+        let (mut chords, mut creased) = (Vec::new(), Vec::new());
+        for curve in curves {
+            match self.rim_along(&curve) {
+                Some(edges) => creased.extend(edges),
+                None => chords.push(curve),
+            }
+        }
         let mut indices: Vec<usize> = chords.iter().flat_map(|chord| chord.ends).collect();
         indices.sort_unstable();
         indices.dedup();
@@ -240,7 +241,7 @@ impl Splitter<'_> {
         let mut new = NewVertices::default();
         let mut creases: Vec<Vec<DVec3>> = Vec::new();
         let mut parts: Vec<Vec<Corner>> = vec![(0..self.hole.edges()).map(Corner::Rim).collect()];
-        for Chord { ends, points } in chords {
+        for Chord { ends, points } in &chords {
             let middle = &points[points.len() / 4..points.len() - points.len() / 4];
             let is_near = |p: &DVec3| middle.iter().any(|q| p.distance(*q) < 0.5 * self.size);
             if !self.is_apart(middle) || creases.iter().flatten().any(is_near) {
@@ -275,20 +276,18 @@ impl Splitter<'_> {
         })
     }
 
-    /// The edges of the rim from one vertex to another, in either direction, if they run along a curve
-    /// with these inner points.
-    fn rim_along(&self, ends: [usize; 2], inner: &[DVec3]) -> Option<Vec<usize>> {
+    /// The edges of the rim between the ends of a curve, in either direction, if they run along it.
+    fn rim_along(&self, Chord { ends, points }: &Chord) -> Option<Vec<usize>> {
         let position = |i: usize| self.mesh.position(self.hole.vertices[i]);
         let [from, to] = ends.map(position);
-        // inner points run from the second end to the first
-        let curve = [&[to], inner, &[from]].concat();
+        let curve = [&[to], &points[..], &[from]].concat();
         let is_on = |&i: &usize| {
             let p = position(i);
             let nearest = |s: &[DVec3]| closest_point_on_segment(p, s[0], s[1]);
             let mut nearest = curve.windows(2).map(nearest);
             nearest.any(|q| p.distance(q) < FARTHEST_FROM_LINE * self.size)
         };
-        let [a, b] = ends;
+        let [a, b] = *ends;
         [(a, b), (b, a)].into_iter().find_map(|(from, to)| {
             let mut along: Vec<usize> = self.rim_between(from, to).collect();
             along.pop();

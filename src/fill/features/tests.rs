@@ -5,6 +5,7 @@ use crate::random::SplitMix;
 use crate::shapes;
 
 /// A grid of points `at(i, j)` with the faces that `keep`, merged where points coincide.
+#[derive(Default)]
 struct Sheets {
     points: Vec<DVec3>,
     faces: Vec<[u32; 3]>,
@@ -39,10 +40,7 @@ impl Sheets {
 fn edge_of_cube() -> Sheets {
     let n = 20;
     let step = |i: usize| i as f64 / n as f64;
-    let mut sheets = Sheets {
-        points: Vec::new(),
-        faces: Vec::new(),
-    };
+    let mut sheets = Sheets::default();
     sheets.add(n, n, |i, j| DVec3::new(step(i), step(j), 1.0));
     sheets.add(n, n, |i, j| DVec3::new(1.0, step(j), 1.0 - step(i)));
     sheets
@@ -59,10 +57,7 @@ fn cube() -> Sheets {
 fn bar() -> Sheets {
     let n = 20;
     let step = |i: usize| i as f64 / n as f64;
-    let mut sheets = Sheets {
-        points: Vec::new(),
-        faces: Vec::new(),
-    };
+    let mut sheets = Sheets::default();
     sheets.add(6, n, |i, j| DVec3::new(step(i), step(j), 0.0));
     sheets.add(8, n, |i, j| DVec3::new(0.3, step(j), -step(i)));
     sheets.add(8, n, |i, j| DVec3::new(0.0, step(j), step(i) - 0.4));
@@ -72,10 +67,7 @@ fn bar() -> Sheets {
 /// The four sides of a pyramid with the apex (0, 0, 1).
 fn pyramid() -> Sheets {
     let n = 20;
-    let mut sheets = Sheets {
-        points: Vec::new(),
-        faces: Vec::new(),
-    };
+    let mut sheets = Sheets::default();
     for side in 0..4 {
         let turn = DMat3::from_rotation_z(f64::from(side) * std::f64::consts::FRAC_PI_2);
         // i rows down from the apex, j of 2 i places along the row
@@ -113,10 +105,7 @@ fn drum() -> Sheets {
         let (sin, cos) = (std::f64::consts::TAU * (j % 60) as f64 / 60.0).sin_cos();
         DVec3::new(r * cos, r * sin, z)
     };
-    let mut sheets = Sheets {
-        points: Vec::new(),
-        faces: Vec::new(),
-    };
+    let mut sheets = Sheets::default();
     sheets.add(8, 60, |i, j| around(j, 0.2 + 0.1 * i as f64, 0.0));
     sheets.add(10, 60, |i, j| around(j, 1.0, -0.1 * i as f64));
     sheets
