@@ -69,7 +69,12 @@ impl FillContext<'_> {
     /// Unit normals at the vertices of the mesh; 0 for none.
     fn normals(&self) -> &[DVec3] {
         let all = &self.plan.normals;
-        all.get_or_init(|| Arc::new(vertex_normals(self.mesh)))
+        all.get_or_init(|| {
+            Arc::new(vertex_normals(
+                &self.mesh.positions,
+                self.mesh.topology.triangles(),
+            ))
+        })
     }
 
     /// A vertex of the mesh. `None` if it has no normal.

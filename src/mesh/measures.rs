@@ -1,6 +1,6 @@
 //! Measures of points and polygons.
 
-use super::{DVec3, Mesh, Topology, VertexId};
+use super::{DVec3, Topology, VertexId};
 
 /// Root of the mean squared distance of points from `centre`; not a number without points.
 pub fn rms_distance(points: impl ExactSizeIterator<Item = DVec3>, centre: DVec3) -> f64 {
@@ -24,14 +24,17 @@ pub fn vertex_normal(
     areas.sum::<DVec3>().try_normalize()
 }
 
-/// The [`vertex_normal`] of every vertex of a mesh; 0 where there is none.
-pub fn vertex_normals(mesh: &Mesh) -> Vec<DVec3> {
-    let mut sums = vec![DVec3::ZERO; mesh.vertex_count()];
-    for f in mesh.topology.faces() {
-        let [a, b, c] = mesh.corners(f);
+/// The [`vertex_normal`] at each of the positions, the corners of these triangles; 0 where there is none.
+pub fn vertex_normals(
+    positions: &[DVec3],
+    triangles: impl IntoIterator<Item = [u32; 3]>,
+) -> Vec<DVec3> {
+    let mut sums = vec![DVec3::ZERO; positions.len()];
+    for t in triangles {
+        let [a, b, c] = t.map(|v| positions[v as usize]);
         let area = (b - a).cross(c - a);
-        for v in mesh.topology.face_vertices(f) {
-            sums[v.index()] += area;
+        for v in t {
+            sums[v as usize] += area;
         }
     }
     let normals = sums.into_iter().map(DVec3::normalize_or_zero);

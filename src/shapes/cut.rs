@@ -8,8 +8,8 @@ use super::TriangleMesh;
 pub use super::outline::HoleShape;
 use super::outline::Outline;
 use super::relax::Adjacency;
-use crate::mesh::DVec3;
 use crate::mesh::union_find::{find, unite};
+use crate::mesh::{DVec3, vertex_normals};
 
 /// A hole to cut: an outline mapped onto the surface around a point.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Hole {
 /// in [`cut_where`]; vertices keep their order.
 pub fn cut_holes(shape: &TriangleMesh, holes: &[Hole]) -> TriangleMesh {
     let rings = Adjacency::new(shape);
-    let normals = vertex_normals(shape);
+    let normals = vertex_normals(&shape.0, shape.1.iter().copied());
     let mut removed = vec![false; shape.1.len()];
     for hole in holes {
         let outline = Outline::new(&hole.shape, hole.seed);
@@ -67,17 +67,6 @@ pub fn cut_where(shape: &TriangleMesh, inside: impl Fn(DVec3) -> bool) -> Triang
         .map(|t| inside(t.iter().map(|&v| shape.0[v as usize]).sum::<DVec3>() / 3.0))
         .collect();
     without(shape, removed)
-}
-
-fn vertex_normals((positions, triangles): &TriangleMesh) -> Vec<DVec3> {
-    let mut normals = vec![DVec3::ZERO; positions.len()];
-    for t in triangles {
-        let [a, b, c] = t.map(|v| positions[v as usize]);
-        for v in t {
-            normals[*v as usize] += (b - a).cross(c - a);
-        }
-    }
-    normals.iter().map(|n| n.normalize_or_zero()).collect()
 }
 
 /// Coordinates, in units of length, of the vertices around the one nearest to `centre`, in order
