@@ -89,14 +89,16 @@ impl DynamicSurface {
         let textures = options.textures.as_deref();
         let textures = faces.iter().map(|&f| textures.and_then(|all| all.of(f)));
         let textures: Vec<Option<&FaceTexture>> = textures.collect();
-        let colors = faces.iter().map_while(|f| {
-            let known = options.face_colors.get(f.index());
+        let color = |f: &FaceId| {
+            let known = options.face_colors.get(f.index()).copied().flatten();
             let byte = |x: f32| (255.0 * x).round() as u8;
-            let shade = |[r, g, b]: [f32; 3]| [byte(r), byte(g), byte(b), u8::MAX];
-            (!options.face_colors.is_empty())
-                .then(|| known.copied().flatten().map_or([0; 4], shade))
-        });
-        let colors: Vec<[u8; 4]> = colors.collect();
+            known.map_or([0; 4], |[r, g, b]| [byte(r), byte(g), byte(b), u8::MAX])
+        };
+        let colors: Vec<[u8; 4]> = if options.face_colors.is_empty() {
+            Vec::new()
+        } else {
+            faces.iter().map(color).collect()
+        };
         let samples = Samples::new(&cut, &elements, &lattice, options, &textures, &colors);
         Self {
             cut,
