@@ -358,9 +358,7 @@ impl MatrixPart {
             }
         }
     }
-}
 
-impl MatrixPart {
     /// Adds `Σ k (d_v − d_w)²` over the edges `vw` for displacements d, k the larger of `weight` at
     /// both ends.
     fn add_membrane(&self, weight: impl Fn(u32) -> f64, values: &mut [f64]) {
