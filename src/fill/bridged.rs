@@ -322,6 +322,12 @@ mod tests {
         (mesh, with, strip.collect())
     }
 
+    /// A sphere with one hole and a bridge across it.
+    fn bridged_across() -> (Mesh, Mesh, Vec<u32>) {
+        let ends = [-0.77, 0.77].map(|x| DVec3::new(x, 0.0, 0.64));
+        bridged(0.64, -2.0, ends)
+    }
+
     fn farthest(mesh: &Mesh) -> f64 {
         let off = mesh.positions.iter().map(|p| (p.length() - 1.0).abs());
         off.fold(0.0, f64::max)
@@ -329,11 +335,7 @@ mod tests {
 
     #[test]
     fn a_bridge_across_a_hole_leaves_no_bump() {
-        let (mesh, with, strip) = bridged(
-            0.64,
-            -2.0,
-            [DVec3::new(-0.77, 0.0, 0.64), DVec3::new(0.77, 0.0, 0.64)],
-        );
+        let (mesh, with, strip) = bridged_across();
         let loops = boundary_loops(&with);
         assert_eq!(loops.len(), 2);
         let sets = rim_sets(&with, &loops, &[LoopId::FIRST, 1.into()], true);
@@ -380,11 +382,7 @@ mod tests {
 
     #[test]
     fn a_strip_beside_an_open_hole_is_kept() {
-        let (_, with, strip) = bridged(
-            0.64,
-            -2.0,
-            [DVec3::new(-0.77, 0.0, 0.64), DVec3::new(0.77, 0.0, 0.64)],
-        );
+        let (_, with, strip) = bridged_across();
         let loops = boundary_loops(&with);
         assert!(release(&with, &[vec![&loops[0]]], &strip).is_none());
         let filled = fill_bridged(

@@ -32,6 +32,18 @@ fn ended(model: &Model) -> bool {
     model.run.as_ref().is_some_and(Run::ended)
 }
 
+fn set_energy(model: &mut Model, energy: &str) {
+    act(model, ControlsAction::EnergyText(energy.into()));
+    act(model, ControlsAction::ApplyEnergy);
+}
+
+/// Runs the flow to its end and accepts it.
+fn finish(model: &mut Model) {
+    act(model, RunAction::Finish);
+    until(model, "the end", ended);
+    act(model, RunAction::Accept(0));
+}
+
 /// A sphere with three holes, as a file.
 fn scan(path: &Path) {
     let hole = |centre: [f64; 3], radius, seed| Hole {
@@ -79,8 +91,7 @@ fn the_copied_command_gives_the_same_file() {
     act(&mut m, SelectAction::Loop(2.into(), SelectHow::Add));
     act(&mut m, RunAction::Start);
     until(&mut m, "states", |m| states(m) > 4);
-    act(&mut m, ControlsAction::EnergyText("H^2 + 0.1*K^2".into()));
-    act(&mut m, ControlsAction::ApplyEnergy);
+    set_energy(&mut m, "H^2 + 0.1*K^2");
     until(&mut m, "more states", |m| states(m) > 8);
     let mut controls = m.document.controls.clone();
     controls.density = 1.4;
@@ -90,15 +101,9 @@ fn the_copied_command_gives_the_same_file() {
     act(&mut m, RunAction::Scrub(Some(6)));
     act(&mut m, RunAction::ContinueFromShown);
     until(&mut m, "states after the rewind", |m| states(m) > 16);
-    act(
-        &mut m,
-        ControlsAction::EnergyText("H^2 + 0.02*gradH2".into()),
-    );
-    act(&mut m, ControlsAction::ApplyEnergy);
+    set_energy(&mut m, "H^2 + 0.02*gradH2");
     until(&mut m, "states of sixth order", |m| states(m) > 18);
-    act(&mut m, RunAction::Finish);
-    until(&mut m, "the end", ended);
-    act(&mut m, RunAction::Accept(0));
+    finish(&mut m);
     // second run: a crease, stopped before its end
     act(&mut m, SelectAction::All);
     let mut controls = m.document.controls.clone();
@@ -256,12 +261,9 @@ fn repairs_are_repeated_too() {
     paint(&mut m, DVec3::Z, 0.45);
     act(&mut m, RunAction::Start);
     until(&mut m, "states", |m| states(m) > 4);
-    act(&mut m, ControlsAction::EnergyText("H^2 + 0.1*K^2".into()));
-    act(&mut m, ControlsAction::ApplyEnergy);
+    set_energy(&mut m, "H^2 + 0.1*K^2");
     until(&mut m, "more states", |m| states(m) > 8);
-    act(&mut m, RunAction::Finish);
-    until(&mut m, "the end", ended);
-    act(&mut m, RunAction::Accept(0));
+    finish(&mut m);
 
     paint(&mut m, DVec3::NEG_Y, 0.5);
     act(&mut m, RunAction::Fair);
@@ -299,9 +301,7 @@ fn parts_and_bridges_are_repeated_too() {
     controls.density = 1.3;
     act(&mut m, ControlsAction::Set(Box::new(controls)));
     until(&mut m, "states at the new density", |m| states(m) > 8);
-    act(&mut m, RunAction::Finish);
-    until(&mut m, "the end", ended);
-    act(&mut m, RunAction::Accept(0));
+    finish(&mut m);
     assert_eq!(m.document.loops.len(), 3);
 
     let ends = across(&m, 1, 2);
@@ -309,12 +309,9 @@ fn parts_and_bridges_are_repeated_too() {
     assert_eq!(m.document.loops.len(), 4);
     act(&mut m, RunAction::Start);
     until(&mut m, "states", |m| states(m) > 4);
-    act(&mut m, ControlsAction::EnergyText("H^2 + 0.1*K^2".into()));
-    act(&mut m, ControlsAction::ApplyEnergy);
+    set_energy(&mut m, "H^2 + 0.1*K^2");
     until(&mut m, "more states", |m| states(m) > 8);
-    act(&mut m, RunAction::Finish);
-    until(&mut m, "the end", ended);
-    act(&mut m, RunAction::Accept(0));
+    finish(&mut m);
     assert!(m.document.loops.is_empty());
     repeats(&mut m, &output);
 }
@@ -404,8 +401,7 @@ fn refinements_are_repeated_too() {
     let mut refining = Refining::default();
     refining.controls.levels = 2;
     act(&mut m, TaskAction::Refining(Box::new(refining)));
-    act(&mut m, ControlsAction::EnergyText("H^2 + 0.1*K^2".into()));
-    act(&mut m, ControlsAction::ApplyEnergy);
+    set_energy(&mut m, "H^2 + 0.1*K^2");
     act(&mut m, RunAction::Start);
     until(&mut m, "the end", ended);
     act(&mut m, RunAction::Accept(0));
