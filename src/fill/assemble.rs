@@ -217,7 +217,11 @@ impl Assembly {
     }
 }
 
-/// The face across the first edge of the first rim.
+/// The face across the first edge of the first rim; one at its first vertex if the patch continues no faces.
 fn face_beside(mesh: &Mesh, rims: &HoleRims) -> FaceId {
-    mesh.topology.face(rims.loops[0].halfedges[0].twin())
+    let (rim, topology) = (&rims.loops[0], &mesh.topology);
+    let across = rim.halfedges.iter().map(|h| h.twin());
+    let mut inside = across.chain(topology.outgoing(rim.vertices[0]));
+    let inside = inside.find(|&h| !topology.is_boundary(h));
+    inside.map_or(FaceId(0), |h| topology.face(h))
 }

@@ -3,7 +3,7 @@
 use crate::mesh::{BoundaryLoop, DVec3, HalfedgeId, Mesh, dihedral_angle};
 
 /// Edges with a larger angle between their faces are sharp, in degrees.
-const SHARP: f64 = 40.0;
+pub(super) const SHARP: f64 = 40.0;
 /// Sharp edges that a line consists of at least; an end of noise is shorter.
 const LEAST_EDGES: usize = 3;
 /// Largest turn of a line at a vertex, in degrees.

@@ -9,8 +9,10 @@
 //! ```
 //!
 //! Each part continues the faces on its own side of the lines. Where a line continues along the rim, because
-//! only the faces on one side of it are missing, the patch has a crease there.
+//! only the faces on one side of it are missing, the patch has a crease there. A hole that is a missing face of
+//! a body with flat faces has creases along its rim, and none through it.
 
+mod face;
 mod lines;
 #[cfg(test)]
 mod tests;
@@ -23,6 +25,7 @@ use crate::fill::hermite::{hermite_between, length, pieces};
 use crate::fill::hole::HoleRims;
 use crate::fill::part::{Corner, NewVertices, rim_edges, rims_of_part};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, closest_point_on_segment};
+use face::edges_of_missing_face;
 use lines::{LineEnd, line_ends};
 
 pub(super) use lines::is_sharp;
@@ -40,7 +43,7 @@ const FARTHEST_CORNER: f64 = 1.5;
 /// Largest distance of a rim from the line along which it runs, in lengths of its edges.
 const FARTHEST_FROM_LINE: f64 = 0.25;
 
-/// A hole in parts, with creases between them.
+/// A hole in parts, one or more, with creases between them or along the rim.
 pub(super) struct SplitHole {
     parts: Vec<Vec<Corner>>,
     /// Edges of the rim at which the patch has a crease, because a sharp line continues along them.
@@ -85,8 +88,17 @@ fn without_faces(edges: &[Option<usize>]) -> impl Iterator<Item = usize> {
 }
 
 /// Splits a hole along the continuations of the sharp lines that end at it. `None` if there are none, or
-/// if they lead neither to a common point nor in pairs to each other.
+/// if they lead neither to a common point nor in pairs to each other. A [missing
+/// face](edges_of_missing_face) is not split, and has creases along its rim.
 pub(super) fn split(mesh: &Mesh, hole: &BoundaryLoop, density: f64) -> Option<SplitHole> {
+    if let Some(creased) = edges_of_missing_face(mesh, hole) {
+        return Some(SplitHole {
+            parts: vec![(0..hole.edges()).map(Corner::Rim).collect()],
+            creased,
+            new: NewVertices::default(),
+            creases: Vec::new(),
+        });
+    }
     let ends = line_ends(mesh, hole)?;
     if ends.len() < 2 {
         return None;

@@ -305,6 +305,27 @@ fn a_side_of_a_cube_stays_flat() {
     }
 }
 
+/// A missing side of a cube, whole or half, is flat, whatever the size of the triangles.
+#[test]
+fn a_missing_side_of_a_cube_is_flat() {
+    for (across, least) in [(1, -2.0), (2, -2.0), (16, -2.0), (2, 0.0), (16, 0.0)] {
+        let (points, mut faces) = shapes::cube(across);
+        faces.retain(|t| {
+            let centre = t.iter().map(|&v| points[v as usize]).sum::<DVec3>() / 3.0;
+            centre.z < 1.0 - 1e-9 || centre.x < least
+        });
+        let mesh = Mesh::from_triangles(points, &faces).expect("manifold");
+        let highest = |features| {
+            let filled = filled(&mesh, DVec3::Z, features);
+            let new = filled.positions[mesh.vertex_count()..].iter();
+            new.map(|p| (p.z - 1.0).abs()).fold(0.0, f64::max)
+        };
+        let (with, without) = (highest(Features::Auto), highest(Features::Off));
+        assert!(with < 1e-9, "{across} {least}: {with}");
+        assert!(without > 0.05, "{across} {least}: {without}");
+    }
+}
+
 #[test]
 fn other_holes_are_not_split() {
     let split_first = |mesh: &Mesh| {
@@ -318,6 +339,11 @@ fn other_holes_are_not_split() {
     assert!(split_first(&edge_of_cube().without(edge, 0.25)));
     let away = DVec3::new(0.5, 0.5, 1.0);
     assert!(!split_first(&edge_of_cube().without(away, 0.25)));
+    // flat rims of a sphere and of a tube with a sharp edge at one end
+    let cap = shapes::cut_where(&shapes::icosphere(24), |p| p.z > 0.0);
+    let cap = Mesh::from_triangles(cap.0, &cap.1).expect("manifold");
+    assert!(!split_first(&cap));
+    assert!(!split_first(&drum().without(DVec3::ZERO, 0.0)));
     // noise with sharp edges everywhere
     let (mut points, faces) = shapes::cut_where(&shapes::sphere(2000, 7), |p: DVec3| p.z > 0.7);
     let mut random = SplitMix::new(3);
