@@ -93,7 +93,7 @@ pub enum Warning {
         /// One of the places.
         at: DVec3,
     },
-    /// The surface model gave an unsound surface; another model replaced it.
+    /// The surface model gave an unsound or wrinkled surface; another model replaced it.
     Replaced {
         /// The model, in words.
         model: String,
@@ -105,6 +105,8 @@ pub enum Warning {
         escaped: usize,
         /// Folded edges of the first.
         folds: usize,
+        /// How many times as much as the second the first bends, if that is far more.
+        bending: Option<f64>,
     },
     /// The result has more pairs of intersecting triangles than the input has.
     IntersectingResult {
@@ -272,6 +274,7 @@ impl fmt::Display for Warning {
                 pairs,
                 escaped,
                 folds,
+                bending,
             } => {
                 let defects = [
                     (*pairs, counted_pairs(*pairs)),
@@ -287,10 +290,13 @@ impl fmt::Display for Warning {
                 ];
                 let defects = defects.into_iter().filter(|defect| defect.0 > 0);
                 let defects: Vec<String> = defects.map(|defect| defect.1).collect();
-                let defects = defects.join(", ");
+                let has = (!defects.is_empty()).then(|| format!("has {}", defects.join(", ")));
+                let bends = bending.map(|ratio| format!("bends {ratio:.0} times as much"));
+                let reasons: Vec<String> = bends.into_iter().chain(has).collect();
+                let reasons = reasons.join(" and ");
                 write!(
                     f,
-                    "the surface by {model} was replaced by {by}, because it has {defects}"
+                    "the surface by {model} was replaced by {by}, because it {reasons}"
                 )
             }
             Self::SelfIntersection {
@@ -472,7 +478,7 @@ mod tests {
 
     #[test]
     fn a_replacement_names_the_defects_there_were() {
-        let text = |pairs, escaped, folds| {
+        let text = |pairs, escaped, folds, bending| {
             let (model, by) = ("g2".into(), "diffusion".into());
             Warning::Replaced {
                 model,
@@ -480,14 +486,26 @@ mod tests {
                 pairs,
                 escaped,
                 folds,
+                bending,
             }
             .to_string()
         };
         let ends = |text: String, end: &str| assert!(text.ends_with(end), "{text}");
-        ends(text(0, 0, 1), "diffusion, because it has 1 folded edge");
         ends(
-            text(MAX_PAIRS, 2, 0),
+            text(0, 0, 1, None),
+            "diffusion, because it has 1 folded edge",
+        );
+        ends(
+            text(MAX_PAIRS, 2, 0, None),
             "100 or more pairs of intersecting triangles, 2 vertices far from the rim",
+        );
+        ends(
+            text(0, 0, 0, Some(21.4)),
+            "because it bends 21 times as much",
+        );
+        ends(
+            text(0, 0, 2, Some(9.0)),
+            "it bends 9 times as much and has 2 folded edges",
         );
     }
 

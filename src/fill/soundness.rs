@@ -14,7 +14,7 @@ use crate::fill::region;
 use crate::fill::repair::repaired;
 use crate::fill::self_intersection::{CompactTriangles, Obstacles};
 use crate::fill::warm_start::{warm_start, warm_start_of};
-use crate::mesh::{DVec3, LoopId, Mesh, TriangleIntersections, VertexId, bounds};
+use crate::mesh::{DVec3, LoopId, Mesh, TriangleIntersections, VertexId, bending, bounds};
 use crate::patch::{self, OtherPatches, Patch, PatchOptions};
 use crate::solver::{End, Flow, FlowProblem, Mode, SurfaceModel, Tau};
 use crate::warning::{MAX_PAIRS, Warning, Warnings};
@@ -39,7 +39,8 @@ pub(super) struct Checked {
     pub others: Vec<LoopId>,
 }
 
-/// Checks the patches of a group with new vertices at `positions`, filled with `options`. An unsound
+/// Checks the patches of a group with new vertices at `positions`, filled with `options`. A wrinkled patch
+/// by a predicted model is replaced by a [smoother](HoleOfGroup::smoother) one. An unsound
 /// patch is [repaired] near its defects or else replaced by the first sound surface of
 /// [other models](SAFER) or of [other triangulations](other_patches), or by the least unsound. The
 /// other patches of its group are solved again beside one that was replaced.
@@ -71,10 +72,19 @@ pub(super) fn make_sound(
     let found: Vec<Option<Defects>> = found
         .map(|hole| hole.defects_among(&patches, &present.1))
         .collect();
-    // what each patch was replaced by
+    // what each patch was replaced by, and how much more than that it bends if that is why
     let mut origins: Vec<Option<Origin>> = vec![None; holes.len()];
-    let (sound, unsound): (Vec<_>, Vec<_>) =
-        holes.iter().partition(|hole| found[hole.number].is_none());
+    let mut wrinkled: Vec<Option<f64>> = vec![None; holes.len()];
+    for hole in holes.iter().filter(|_| options.predicts_surface) {
+        if let Some((smoother, ratio)) = hole.smoother(&present, options) {
+            present = smoother.surface;
+            origins[hole.number] = Some(smoother.origin);
+            wrinkled[hole.number] = Some(ratio);
+        }
+    }
+    let (sound, unsound): (Vec<_>, Vec<_>) = holes
+        .iter()
+        .partition(|hole| found[hole.number].is_none() || wrinkled[hole.number].is_some());
     for hole in &unsound {
         if is_cancelled() {
             break;
@@ -134,24 +144,25 @@ pub(super) fn make_sound(
         }
     }
     let (mut warnings, mut others) = (Vec::new(), Vec::new());
-    if !unsound.is_empty() {
+    if !unsound.is_empty() || wrinkled.iter().any(Option::is_some) {
         let patches = Patches::new(context, group, &present.0, &present.1);
         for hole in &holes {
             let id = hole.rims.id();
             let left = hole.defects_among(&patches, &present.1);
             let by = origins[hole.number].take();
             let by = by.filter(|_| !again.contains(&hole.number));
-            if let Some((found, by)) = found[hole.number].zip(by) {
+            if let Some(by) = by {
                 if by.other.is_some() {
                     others.push(id);
                 }
-                let [pairs, escaped, folds] = found.severity();
+                let [pairs, escaped, folds] = severity(found[hole.number]);
                 let replaced = Warning::Replaced {
                     model: model.words(),
                     by: by.words(model),
                     pairs: pairs.min(MAX_PAIRS),
                     escaped,
                     folds,
+                    bending: wrinkled[hole.number],
                 };
                 warnings.push((id, replaced));
             }
@@ -369,6 +380,13 @@ const SLOPE: f64 = 1.732;
 /// have 25 and more.
 const LOCAL: usize = 8;
 
+/// Bending of a patch up to which it is not compared with another one: that of two spheres.
+const WRINKLED: f64 = 8.0 * std::f64::consts::PI;
+
+/// How much more than the first of [`SAFER`] a wrinkled patch bends at least. Of the patches in scans with known truth that
+/// bend by more than [`WRINKLED`] none bends by more than 1.3 times as much.
+const MUCH_MORE: f64 = 3.0;
+
 /// Words for a surface on other triangles.
 const OTHERWISE: &str = " on another triangulation";
 
@@ -457,6 +475,23 @@ impl HoleOfGroup<'_> {
             self.search_domes(&mut best, &unsound.surface, options);
         }
         best.replacement
+    }
+
+    /// The surface by the first of the [safer models](SAFER), if the patch bends far more: a vector flow of
+    /// sixth order gets wrinkles where the mesh at the rim leads away from the hole. Also the ratio of the bendings.
+    fn smoother(&self, present: &Surface, options: &FillOptions) -> Option<(Replacement, f64)> {
+        let of = |surface: &Surface| {
+            let patch = self.patch(surface)?;
+            Some(bending(&patch.points, &patch.triangles))
+        };
+        let bends = of(present)?;
+        if bends <= WRINKLED || self.rims.is_blend() || Candidate::of(&options.flow) == SAFER[0] {
+            return None;
+        }
+        let smoother = self.by(present, SAFER[0], options)?;
+        let smoother = self.replacement(smoother, Some(SAFER[0].words()));
+        let ratio = bends / of(&smoother.surface)?;
+        (ratio >= MUCH_MORE && smoother.is_sound()).then_some((smoother, ratio))
     }
 
     /// Searches surfaces by models, and triangulations of the rim. Returns whether the best is sound.
