@@ -1,5 +1,6 @@
 //! The mesh type: an oriented manifold with positions and the attributes of its file.
 
+use super::union_find::unite;
 use super::{Attributes, DVec3, FaceId, HalfedgeId, Topology, TopologyError, VertexId};
 
 /// An oriented manifold triangle mesh, possibly with boundary, as [`build`](super::build()) builds
@@ -131,28 +132,61 @@ pub struct Components {
 
 /// Groups faces that are joined across edges.
 pub fn components(topology: &Topology) -> Components {
-    let mut of_face = vec![u32::MAX; topology.face_count()];
-    let mut count = 0u32;
-    let mut stack = Vec::new();
-    for seed in 0..of_face.len() {
-        if of_face[seed] != u32::MAX {
-            continue;
+    // the lowest face of a class stands for it
+    let mut of_face: Vec<u32> = (0..topology.face_count() as u32).collect();
+    for h in topology.edges() {
+        let [f, g] = [h, h.twin()].map(|h| topology.face(h));
+        if f.is_some() && g.is_some() {
+            unite(&mut of_face, f.0, g.0);
         }
-        of_face[seed] = count;
-        stack.push(FaceId::from(seed));
-        while let Some(f) = stack.pop() {
-            for h in topology.face_halfedges(f) {
-                let g = topology.face(h.twin());
-                if g.is_some() && of_face[g.index()] == u32::MAX {
-                    of_face[g.index()] = count;
-                    stack.push(g);
-                }
-            }
+    }
+    let mut count = 0;
+    for f in 0..of_face.len() {
+        let lower = of_face[f] as usize;
+        if lower == f {
+            of_face[f] = count;
+            count += 1;
+        } else {
+            // has its number already
+            of_face[f] = of_face[lower];
         }
-        count += 1;
     }
     Components {
         of_face,
         count: count as usize,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::SplitMix;
+    use crate::shapes::icosphere;
+
+    /// Faces in any order: those joined across edges have the same number, and numbers are in the order of the
+    /// lowest faces.
+    #[test]
+    fn components_are_numbered_by_their_lowest_faces() {
+        let (positions, triangles) = icosphere(4);
+        let n = positions.len() as u32;
+        let mut all: Vec<([u32; 3], u32)> = (0..3)
+            .flat_map(|k| triangles.iter().map(move |t| (t.map(|v| v + k * n), k)))
+            .collect();
+        let mut random = SplitMix::new(5);
+        for i in (1..all.len()).rev() {
+            all.swap(i, random.below(i + 1));
+        }
+        let faces: Vec<[u32; 3]> = all.iter().map(|f| f.0).collect();
+        let topology = Topology::from_triangles(3 * n as usize, &faces).expect("spheres");
+        let parts = components(&topology);
+        let mut order: Vec<u32> = Vec::new();
+        for (sphere, number) in all.iter().map(|f| f.1).zip(parts.of_face) {
+            let known = order.iter().position(|&s| s == sphere).unwrap_or_else(|| {
+                order.push(sphere);
+                order.len() - 1
+            });
+            assert_eq!(number as usize, known);
+        }
+        assert_eq!(parts.count, 3);
     }
 }
