@@ -88,11 +88,10 @@ impl<'a> Buffers<'a> {
         let start = view.byte_offset;
         part(data, start, view.byte_length).ok_or_else(|| {
             let (length, size) = (view.byte_length, data.len());
-            let what = format!(
+            invalid(format!(
                 "the buffer view of {what} has {length} bytes from byte {start} on, but the buffer has \
                  {size}"
-            );
-            in_file(ParseErrorKind::truncated(what))
+            ))
         })
     }
 
@@ -141,12 +140,11 @@ impl<'a> Buffers<'a> {
         let length = length.and_then(|length| length.checked_add(size as u64));
         let data = length.and_then(|length| part(bytes, start, length));
         let (Some(bytes), true) = (data, stride >= size) else {
-            let what = format!(
+            return Err(invalid(format!(
                 "{what} has {count} elements from byte {start} on, {stride} bytes apart, but its buffer \
                  view has {} bytes",
                 bytes.len()
-            );
-            return Err(in_file(ParseErrorKind::truncated(what)));
+            )));
         };
         Ok(Elements {
             bytes,

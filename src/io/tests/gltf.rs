@@ -580,11 +580,11 @@ fn broken_files_are_refused_with_place_and_remedy() {
     );
     with(
         &|j| j["accessors"][0]["byteOffset"] = u64::MAX.into(),
-        "cut off",
+        "from byte 18446744073709551615 on",
     );
     with(
         &|j| j["accessors"][1]["componentType"] = 5126.into(),
-        "cut off",
+        "its buffer view has 12 bytes; export the mesh again",
     );
     with(
         &|j| j["accessors"][1]["componentType"] = 7.into(),
@@ -616,11 +616,11 @@ fn broken_files_are_refused_with_place_and_remedy() {
     );
     with(
         &|j| j["bufferViews"][0]["byteStride"] = 4.into(),
-        "4 bytes apart",
+        "4 bytes apart, but its buffer view has 48 bytes; export the mesh again",
     );
     with(
         &|j| j["bufferViews"][0]["byteLength"] = 4_000_000_000_u32.into(),
-        "has 60",
+        "the buffer has 60; export the mesh again",
     );
     with(&|j| j["bufferViews"][0]["buffer"] = 1.into(), "no buffer");
     with(
