@@ -19,19 +19,23 @@ const LARGEST: u64 = 1 << 31;
 const MISSING: &str = "this build has no cargo feature `textures`, which reads and writes images";
 
 impl Pixels {
-    /// Reads the bytes of a PNG, JPEG or GIF file.
+    /// Reads the bytes of a PNG, JPEG, GIF, BMP, TGA, TIFF or WebP file.
     ///
     /// # Errors
     /// A message for the user.
     #[cfg(feature = "textures")]
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
-        use image::{ImageError, ImageReader, Limits};
+        use image::{ImageError, ImageFormat, ImageReader, Limits};
         const REMEDY: &str = "convert it to PNG or JPEG";
         if bytes.is_empty() {
             return Err("the file is empty; export it again".to_owned());
         }
         let format = image::guess_format(bytes)
-            .map_err(|_| format!("it is no PNG, JPEG or GIF file; {REMEDY}"))?;
+            .ok()
+            .or(is_tga(bytes).then_some(ImageFormat::Tga))
+            .ok_or_else(|| {
+                format!("it is no PNG, JPEG, GIF, BMP, TGA, TIFF or WebP file; {REMEDY}")
+            })?;
         if !format.reading_enabled() {
             let name = format!("{format:?}").to_uppercase();
             return Err(format!("{name} images are not supported; {REMEDY}"));
@@ -93,9 +97,57 @@ impl Pixels {
     }
 }
 
+/// Whether the header is one of a TGA file, which has no signature.
+#[cfg(feature = "textures")]
+fn is_tga(bytes: &[u8]) -> bool {
+    let Some(header) = bytes.first_chunk::<18>() else {
+        return false;
+    };
+    let (color_map, kind, depth) = (header[1], header[2], header[16]);
+    let sides = [12, 14].map(|at| u16::from_le_bytes([header[at], header[at + 1]]));
+    color_map <= 1
+        && matches!(kind, 1..=3 | 9..=11)
+        && matches!(depth, 8 | 15 | 16 | 24 | 32)
+        && !sides.contains(&0)
+}
+
 #[cfg(all(test, feature = "textures"))]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pixels_come_back_from_other_formats() {
+        use image::ImageFormat::{Bmp, Tga, Tiff, WebP};
+        let picture = image::RgbaImage::from_fn(5, 3, |x, y| {
+            image::Rgba([50 * x as u8, 80 * y as u8, 7, 255 - 20 * x as u8])
+        });
+        for format in [Bmp, Tga, Tiff, WebP] {
+            let mut bytes = std::io::Cursor::new(Vec::new());
+            picture.write_to(&mut bytes, format).expect("written");
+            let bytes = bytes.into_inner();
+            let pixels = Pixels::decode(&bytes).expect("read");
+            assert_eq!((pixels.width, pixels.height), (5, 3), "{format:?}");
+            assert_eq!(&pixels.rgba, picture.as_raw(), "{format:?}");
+            let cut = Pixels::decode(&bytes[..bytes.len() / 2]).expect_err("cut off");
+            assert!(cut.ends_with("; export it again"), "{format:?}: {cut}");
+        }
+    }
+
+    /// What a header declares is refused before it is allocated.
+    #[test]
+    fn large_images_of_other_formats_are_refused() {
+        let mut tga = vec![0; 18];
+        (tga[2], tga[16]) = (2, 32);
+        tga[12..16].fill(0xff);
+        let mut bmp = b"BM\0\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0".to_vec();
+        bmp.extend([40_000_u32, 40_000].map(u32::to_le_bytes).concat());
+        bmp.extend([1, 0, 32, 0]);
+        bmp.resize(54, 0);
+        for file in [tga, bmp] {
+            let message = Pixels::decode(&file).expect_err("too large");
+            assert_eq!(message, "it is too large; scale it down");
+        }
+    }
 
     #[test]
     fn pixels_come_back_from_png() {
@@ -116,10 +168,11 @@ mod tests {
     fn other_files_are_refused_with_a_remedy() {
         let message = |bytes: &[u8]| Pixels::decode(bytes).expect_err("no image");
         assert_eq!(message(b""), "the file is empty; export it again");
-        let other = "it is no PNG, JPEG or GIF file; convert it to PNG or JPEG";
+        let other =
+            "it is no PNG, JPEG, GIF, BMP, TGA, TIFF or WebP file; convert it to PNG or JPEG";
         assert_eq!(message(b"no image"), other);
-        let webp = "WEBP images are not supported; convert it to PNG or JPEG";
-        assert_eq!(message(b"RIFF\x10\0\0\0WEBPVP8 "), webp);
+        let dds = "DDS images are not supported; convert it to PNG or JPEG";
+        assert_eq!(message(b"DDS \x7c\0\0\0"), dds);
         let pixels = Pixels {
             width: 40,
             height: 40,
