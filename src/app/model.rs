@@ -14,7 +14,7 @@ use super::jobs::{Job, Reporter, Wake};
 use super::log::Log;
 use super::project::Project;
 use super::report::Report;
-use super::run::Run;
+use super::run::{Accepting, Run, RunState};
 use super::settings::Settings;
 use super::view_state::{AfterUnsaved, PathUse, ViewState};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
@@ -55,6 +55,8 @@ pub enum Done {
     /// The texture images of an opened mesh, for which the view had this mode, were read; with notes for
     /// the user.
     Textures(Arc<Origin>, ViewMode, Textures, Vec<String>),
+    /// The mesh of a state that is being accepted was made; with warnings.
+    Accepted(RunState, Box<Mesh>, Vec<String>),
     /// Faces to select were found.
     Faces(FaceEdit),
     /// A file dialog was closed after some time; `None` if it was cancelled or is not available.
@@ -216,6 +218,11 @@ impl Model {
     /// The origin of drawn positions.
     pub fn centre(&self) -> DVec3 {
         self.document.origin.bounds.centre()
+    }
+
+    /// The state of the run that is being accepted.
+    pub fn accepting(&mut self) -> Option<&mut Accepting> {
+        self.run.as_mut()?.accepting.as_mut()
     }
 
     /// A loop of the run's mesh, or of the document.

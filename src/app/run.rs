@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::action::Action;
 use super::document::{Document, left_of};
 use super::jobs::Wake;
 use super::log::Level;
@@ -75,6 +76,16 @@ pub struct Curve {
     pub rejection: Option<RejectReason>,
 }
 
+/// A state of a run that is being accepted.
+pub struct Accepting {
+    /// The side.
+    pub side: usize,
+    /// The state.
+    pub state: RunState,
+    /// Actions on the mesh, which follow the acceptance.
+    pub then: Vec<Action>,
+}
+
 /// A run of one flow, or of several flows that are compared.
 pub struct Run {
     /// The operation.
@@ -93,6 +104,8 @@ pub struct Run {
     pub playing: bool,
     /// Whether the user has stopped the run. A step that is being computed may still end.
     pub stopped: bool,
+    /// The state that is being accepted, while the textures of its patches are made.
+    pub accepting: Option<Accepting>,
     /// The time at which the replay shows the next state.
     next_frame: Option<Instant>,
     /// What a sensible surface does not exceed.
@@ -212,6 +225,7 @@ impl Run {
             sides,
             playing: true,
             stopped: false,
+            accepting: None,
             next_frame: None,
             summarised: false,
         })

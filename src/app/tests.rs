@@ -309,6 +309,7 @@ fn images_of_patches_are_drawn_undone_and_kept_in_projects() {
     until(&mut m, |m| images(m) == 1);
     filled(&mut m);
     act(&mut m, RunAction::Accept(0));
+    until(&mut m, |m| m.run.is_none());
     assert_eq!(m.document.mesh.attributes.own_materials.len(), 2);
     until(&mut m, |m| images(m) == 2);
     let folder = tempfile::tempdir().expect("a folder");
@@ -323,6 +324,51 @@ fn images_of_patches_are_drawn_undone_and_kept_in_projects() {
     until(&mut m, |m| images(m) == 1);
     act(&mut m, EditAction::Redo);
     until(&mut m, |m| images(m) == 2);
+}
+
+/// The textures of accepted patches are made in the background. Until then the patch can be rejected, and what
+/// follows the acceptance waits.
+#[test]
+fn textures_of_accepted_patches_are_made_in_the_background() {
+    let mut m = model();
+    act(&mut m, FileAction::Sample("egg".into()));
+    until(&mut m, |m| !m.textures.is_empty());
+    let before = Arc::clone(&m.document.mesh);
+    let folder = tempfile::tempdir().expect("a folder");
+    m.saved_to = Some(folder.path().join("out.ply"));
+
+    filled(&mut m);
+    act(&mut m, FileAction::Close);
+    act(&mut m, RunAction::Accept(0));
+    act(&mut m, RunAction::Accept(0));
+    let waits = |m: &Model| m.run.as_ref().is_some_and(|run| run.accepting.is_some());
+    assert!(waits(&m) && Arc::ptr_eq(&m.document.mesh, &before));
+    let making = |m: &Model| {
+        m.jobs
+            .iter()
+            .filter(|j| j.what.contains("textures"))
+            .count()
+    };
+    assert_eq!(making(&m), 1);
+    act(&mut m, FileAction::SaveAndContinue);
+    act(&mut m, RunAction::Reject);
+    assert_eq!(making(&m), 0);
+    until(&mut m, |m| m.jobs.is_empty());
+    assert!(m.run.is_none() && Arc::ptr_eq(&m.document.mesh, &before));
+    assert!(m.effects.is_empty() && !folder.path().join("out.ply").exists());
+    m.view.modal = Modal::None;
+
+    filled(&mut m);
+    act(&mut m, FileAction::Close);
+    act(&mut m, RunAction::Accept(0));
+    let run = m.run.as_ref().expect("it waits");
+    let state = run.sides[0].state().expect("a patch");
+    act(&mut m, FileAction::SaveAndContinue);
+    until(&mut m, |m| !m.effects.is_empty());
+    assert!(matches!(m.effects.pop(), Some(Effect::Close)));
+    assert!(m.run.is_none() && *m.document.mesh == state.mesh());
+    let saved = io::open(&folder.path().join("out.ply")).expect("saved");
+    assert_eq!(saved.mesh.positions, m.document.mesh.positions);
 }
 
 #[test]

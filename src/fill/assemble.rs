@@ -132,6 +132,11 @@ impl Assembly {
         self.look.prepare(mesh, &self.holes, &self.topology);
     }
 
+    /// Whether [`Self::mesh`] may make texture images.
+    pub fn makes_images(&self, mesh: &Mesh) -> bool {
+        self.look.makes_images(mesh)
+    }
+
     /// Whether the groups have these triangulations.
     pub fn fits<'a>(&self, groups: impl IntoIterator<Item = &'a Arc<PatchTopology>>) -> bool {
         let mut pairs = self.groups.iter().zip(groups);

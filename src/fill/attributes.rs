@@ -42,9 +42,14 @@ impl Look {
         })
     }
 
+    /// Whether patches may get images of their own.
+    pub fn makes_images(&self, mesh: &Mesh) -> bool {
+        self.texture.makes_images() && !mesh.attributes.faces.texture.is_empty()
+    }
+
     /// Reads the colours that the patches over `holes` may need, so that they are known later.
     pub fn prepare(&self, mesh: &Mesh, holes: &[FilledHole], topology: &Topology) {
-        if self.texture.makes_images() && !mesh.attributes.faces.texture.is_empty() {
+        if self.makes_images(mesh) {
             let patch = |hole| PatchData::new(mesh, hole, topology, &[]);
             let patches: Vec<PatchData<'_>> = holes.iter().map(patch).collect();
             self.colors(mesh, &patches);

@@ -136,7 +136,9 @@ fn texture_images_are_repeated() {
     until(&mut m, "the end", ended);
     act(&mut m, RunAction::Accept(0));
     act(&mut m, FileAction::SaveAs(at("done.obj")));
-    until(&mut m, "the file", |m| !m.is_dirty());
+    until(&mut m, "the file", |m| {
+        at("done.obj").exists() && !m.is_dirty()
+    });
     let beside = ["done_meniscus.mtl", "done_patches.png"];
     let saved = beside.map(|name| std::fs::read(at(name)).expect("saved"));
     repeats(&mut m, &at("done.obj"));
@@ -161,6 +163,7 @@ fn texture_images_of_several_fills_are_repeated() {
         act(&mut m, RunAction::Start);
         until(&mut m, "the end", ended);
         act(&mut m, RunAction::Accept(0));
+        until(&mut m, "the textures", |m| m.run.is_none());
     }
     let (mesh, script) = saved(&mut m, &at("done.obj"));
     let images = ["done_patches.png", "done_patches_2.png"].map(|name| {

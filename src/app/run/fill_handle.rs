@@ -36,6 +36,10 @@ impl StateView for FillSnapshot {
         (mesh, warnings.iter().map(words).collect())
     }
 
+    fn makes_images(&self) -> bool {
+        self.state.makes_images()
+    }
+
     fn patch_faces(&self) -> Option<Range<usize>> {
         Some(self.state.patch_faces())
     }

@@ -100,6 +100,11 @@ pub trait StateView: Any + Debug + Send + Sync {
         (self.mesh(), Vec::new())
     }
 
+    /// Whether [`Self::mesh_with_warnings`] may make texture images, which takes time.
+    fn makes_images(&self) -> bool {
+        false
+    }
+
     /// The faces added by the run; `None` if it replaces all faces.
     fn patch_faces(&self) -> Option<Range<usize>>;
 

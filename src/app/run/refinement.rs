@@ -70,6 +70,7 @@ impl Run {
             sides,
             playing: true,
             stopped: false,
+            accepting: None,
             summarised: false,
             next_frame: None,
         })

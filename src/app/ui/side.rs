@@ -236,7 +236,11 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let accept = |ui: &mut Ui, i: usize, name: &str, width: f32| {
         let name = format!("Accept {name}");
         let button = primary(ui, name.trim_end()).truncate();
-        ui.add_sized([width, 30.0], button)
+        let button = ui.add_enabled_ui(run.accepting.is_none(), |ui| {
+            ui.add_sized([width, 30.0], button)
+        });
+        button
+            .inner
             .key_tip("accept the patch as shown", RunAction::Accept(i))
             .clicked()
             .then_some(RunAction::Accept(i))

@@ -170,7 +170,9 @@ fn decide_ui(
     let height = rows * accept.y + (rows - 1.0) * 6.0;
     let left = rect.center_bottom() - egui::vec2(0.5 * width, 14.0 + height);
     let button = primary(ui, &words.join(" "));
-    ui.put(Rect::from_min_size(left, accept), button)
+    let place = Rect::from_min_size(left, accept);
+    ui.add_enabled_ui(run.accepting.is_none(), |ui| ui.put(place, button))
+        .inner
         .on_hover_text("accept the patch as shown")
         .asks(RunAction::Accept(side), actions);
     if first {

@@ -27,6 +27,10 @@ pub(crate) fn update(model: &mut Model, action: EditAction) {
 fn undo(model: &mut Model) {
     if model.run.is_some() {
         accept(model, 0);
+        if let Some(accepting) = model.accepting() {
+            accepting.then.push(EditAction::Undo.into());
+            return;
+        }
         model.run = None;
     }
     match model.history.undo(&mut model.document) {

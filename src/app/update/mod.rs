@@ -22,9 +22,15 @@ use super::model::Model;
 use super::report::Pick;
 use super::view_state::Modal;
 
-/// Executes an action and its consequences.
+/// Executes an action and its consequences. While a patch is being accepted, actions on files and on the mesh
+/// wait.
 pub fn act(model: &mut Model, action: impl Into<Action>) {
-    match action.into() {
+    let action = action.into();
+    if let (Action::File(_) | Action::Edit(_), Some(accepting)) = (&action, model.accepting()) {
+        accepting.then.push(action);
+        return;
+    }
+    match action {
         Action::File(action) => files::update(model, action),
         Action::Edit(action) => edits::update(model, action),
         Action::Select(action) => select::update(model, action),

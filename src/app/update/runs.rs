@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 
-use super::{edits, select};
+use super::{act, edits, select};
 use crate::app::action::RunAction;
 use crate::app::document::{AppliedOperation, window_controls};
-use crate::app::model::Model;
-use crate::app::run::Run;
+use crate::app::model::{Done, Model};
+use crate::app::run::{Accepting, Run, RunState, state_key};
 use crate::app::view_state::{Modal, Part, Task};
 use crate::fill::{Controls, Surface};
-use crate::mesh::LoopId;
+use crate::mesh::{LoopId, Mesh};
 use crate::ops::{BlendSpec, FacesSpec, FillPartSpec, FillSpec, FlowSpec, Operation};
+
+/// The job that makes the mesh of an accepted state.
+pub(super) const TEXTURES: &str = "textures of the patches";
 
 /// A refinement to more faces than this is started only after a question.
 const LARGE: u64 = 500_000;
@@ -84,7 +87,10 @@ fn on_sides(model: &mut Model, f: impl Fn(&mut crate::app::run::RunVariant)) {
 }
 
 fn reject(model: &mut Model) {
-    if model.run.take().is_some() {
+    if let Some(run) = model.run.take() {
+        if run.accepting.is_some() {
+            model.jobs.retain(|job| job.what != TEXTURES);
+        }
         model
             .log
             .info("the patch was rejected; the mesh is unchanged");
@@ -276,6 +282,9 @@ pub(super) fn accept(model: &mut Model, index: usize) {
     let Some(run) = &mut model.run else {
         return;
     };
+    if run.accepting.is_some() {
+        return;
+    }
     let Some(side) = run.sides.get_mut(index) else {
         return;
     };
@@ -288,7 +297,51 @@ pub(super) fn accept(model: &mut Model, index: usize) {
             .info("there is no patch yet: wait for the first patch or press Esc");
         return;
     };
-    let (filled, warnings) = state.mesh_with_warnings();
+    if !state.makes_images() {
+        let (filled, warnings) = state.mesh_with_warnings();
+        take_over(model, index, &state, filled, warnings);
+        return;
+    }
+    run.accepting = Some(Accepting {
+        side: index,
+        state: state.clone(),
+        then: Vec::new(),
+    });
+    model.spawn(TEXTURES, move |_| {
+        let (filled, warnings) = state.mesh_with_warnings();
+        Done::Accepted(state, Box::new(filled), warnings)
+    });
+}
+
+/// Takes over the mesh of a state that is being accepted.
+pub(super) fn accepted(model: &mut Model, state: &RunState, filled: Mesh, warnings: Vec<String>) {
+    // another run, or none, if the document was replaced
+    let is_same = |a: &mut Accepting| state_key(Some(&a.state)) == state_key(Some(state));
+    let accepting = model
+        .run
+        .as_mut()
+        .and_then(|run| run.accepting.take_if(is_same));
+    let Some(Accepting { side, then, .. }) = accepting else {
+        return;
+    };
+    take_over(model, side, state, filled, warnings);
+    for action in then {
+        act(model, action);
+    }
+}
+
+/// Makes the mesh of a state of a run that of the document.
+fn take_over(
+    model: &mut Model,
+    index: usize,
+    state: &RunState,
+    filled: Mesh,
+    warnings: Vec<String>,
+) {
+    let Some(run) = &mut model.run else {
+        return;
+    };
+    let side = &run.sides[index];
     let surface = (state.patch_faces().is_none() && state.has_limit()).then(|| state.clone());
     let mut operation = side.operation.clone();
     operation.set_schedule(state.schedule());

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::{files, pictures, report, select};
+use super::{files, pictures, report, runs, select};
 use crate::app::action::SelectAction;
 use crate::app::cached::SharedKey;
 use crate::app::display::{Continued, Request};
@@ -57,10 +57,15 @@ fn finish_jobs(model: &mut Model) {
             i += 1;
             continue;
         };
-        model.jobs.remove(i);
+        let job = model.jobs.remove(i);
         match result {
             Ok(done) => finish(model, done),
-            Err(text) => model.log.error(text),
+            Err(text) => {
+                model.log.error(text);
+                if let Some(run) = model.run.as_mut().filter(|_| job.what == runs::TEXTURES) {
+                    run.accepting = None;
+                }
+            }
         }
     }
 }
@@ -77,6 +82,7 @@ fn finish(model: &mut Model, done: Done) {
         Done::Textures(origin, mode, textures, notes) => {
             files::textures_read(model, &origin, mode, textures, notes);
         }
+        Done::Accepted(state, mesh, warnings) => runs::accepted(model, &state, *mesh, warnings),
         Done::Faces(edit) => select::update(model, SelectAction::Faces(edit)),
         Done::PathChosen(purpose, path, waited) => {
             files::path_chosen(model, purpose, path, waited);

@@ -66,6 +66,11 @@ impl FillState {
         self.assembly.mesh(&self.given, self.group_positions())
     }
 
+    /// Whether the patches may get texture images of their own, which take time to make.
+    pub fn makes_images(&self) -> bool {
+        self.assembly.makes_images(&self.given)
+    }
+
     fn group_positions(&self) -> impl Iterator<Item = &[DVec3]> {
         self.groups.iter().map(|group| &group.positions[..])
     }
