@@ -194,6 +194,12 @@ impl Document {
         faces.collect()
     }
 
+    /// Whether the last operation was a bridge, beside which are holes to fill.
+    pub fn ends_with_bridge(&self) -> bool {
+        let last = self.accepted.last();
+        last.is_some_and(|one| matches!(one.operation, Operation::Bridge(_)))
+    }
+
     /// A loop, if it exists.
     pub fn loop_of(&self, id: LoopId) -> Option<&BoundaryLoop> {
         self.loops.get(id.index())

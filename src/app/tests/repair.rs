@@ -236,6 +236,7 @@ fn a_bridge_makes_two_holes_of_one() {
     let first = m.document.mesh.face_count();
     act(&mut m, EditAction::Bridge(ends, 1));
     assert_eq!(m.document.loops.len(), 3);
+    assert!(m.document.ends_with_bridge());
     assert_eq!(
         last(&m).operation,
         Operation::Bridge(BridgeSpec { ends, width: 1 })
@@ -247,6 +248,7 @@ fn a_bridge_makes_two_holes_of_one() {
     assert!(last_message(&m).contains("ends of the bridge meet"));
     act(&mut m, EditAction::Undo);
     assert_eq!(m.document.loops.len(), 2);
+    assert!(!m.document.ends_with_bridge());
 }
 
 #[test]

@@ -506,7 +506,12 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) -> Option<Rect> {
         }
     } else if model.view.task == Task::Refine {
         "Press Enter to refine the mesh."
-    } else if document.is_changed() || document.loops.is_empty() {
+    } else if model.view.task == Task::Fill
+        && document.selection.is_empty()
+        && document.ends_with_bridge()
+    {
+        "Press Enter to fill all holes, or click those beside the bridge."
+    } else if document.is_changed() && document.selection.is_empty() || document.loops.is_empty() {
         return None;
     } else if model.view.task == Task::Blend {
         if document.selection.len() < 2 {
