@@ -95,18 +95,6 @@ impl GroupSurface {
         self.expected_error()
             .filter(|_| !self.others.contains(&hole))
     }
-
-    /// The error to expect and the model, for users.
-    pub fn words(&self) -> String {
-        let model = self.model.words();
-        match self.expected_error() {
-            Some(error) => {
-                let percent = 100.0 * error;
-                format!("expected error {percent:.2} %, {model}")
-            }
-            None => model,
-        }
-    }
 }
 
 /// What was predicted for the holes of a group.

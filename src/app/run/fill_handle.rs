@@ -1,5 +1,6 @@
 //! Fills in the window.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -101,6 +102,7 @@ impl WindowProcess for FillProcess {
     }
 
     fn figures(runner: &Runner<Self>, shown: Option<&FillSnapshot>) -> Vec<Figures> {
+        let names = part_names(runner.groups().iter().map(|group| &group.holes[..]));
         let groups = runner.groups().iter().enumerate();
         let row = |(g, group): (usize, &GroupStatus)| {
             let at = shown.and_then(|s| s.groups.get(g));
@@ -114,6 +116,7 @@ impl WindowProcess for FillProcess {
             let words = eta.map_or_else(String::new, |s| format!("about {} s left", s.ceil()));
             Figures {
                 holes: group.holes.clone(),
+                names: names[g].clone(),
                 level: None,
                 step: at.map(|s| s.step),
                 relative_tau: Some(at.and_then(|s| s.tau).unwrap_or(group.tau) / group.tau_ref),
@@ -122,7 +125,8 @@ impl WindowProcess for FillProcess {
                 rejected: group.rejected,
                 angle: at.map(|s| s.worst_angle),
                 end,
-                surface: group.surface.words(),
+                surface: group.surface.model.words(),
+                expected_error: group.surface.expected_error(),
                 eta: eta.filter(|_| group.end.is_none()),
                 doing: iterations + &words,
             }
@@ -131,7 +135,53 @@ impl WindowProcess for FillProcess {
     }
 }
 
+/// The names of the holes of each group: their numbers. A hole that occurs several times is in parts, and each
+/// of them has a number of its own.
+fn part_names<'a>(groups: impl Iterator<Item = &'a [LoopId]> + Clone) -> Vec<Vec<String>> {
+    let mut parts: BTreeMap<LoopId, [usize; 2]> = BTreeMap::new();
+    for id in groups.clone().flatten() {
+        parts.entry(*id).or_default()[1] += 1;
+    }
+    let mut name = |id: &LoopId| {
+        let [number, count] = parts.entry(*id).or_default();
+        *number += 1;
+        if *count > 1 {
+            format!("{id}.{number}")
+        } else {
+            id.to_string()
+        }
+    };
+    groups
+        .map(|holes| holes.iter().map(&mut name).collect())
+        .collect()
+}
+
 /// A warning about a hole with its remedy in the window.
 fn of_hole(hole: LoopId, warning: &Warning) -> String {
     format!("hole {hole}: {}", with_hint(warning))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_a_hole_have_names_of_their_own() {
+        let groups: [&[LoopId]; 4] = [
+            &[0.into()],
+            &[3.into()],
+            &[1.into(), 3.into()],
+            &[3.into(), 3.into()],
+        ];
+        let names = part_names(groups.into_iter());
+        let one = |id: usize| LoopId::from(id).to_string();
+        let part = |k| format!("{}.{k}", one(3));
+        let wanted = [
+            vec![one(0)],
+            vec![part(1)],
+            vec![one(1), part(2)],
+            vec![part(3), part(4)],
+        ];
+        assert_eq!(names, wanted);
+    }
 }

@@ -149,6 +149,9 @@ pub enum RunEvent {
 pub struct Figures {
     /// Loops solved together; none for a refinement.
     pub holes: Vec<LoopId>,
+    /// The names of the holes: their numbers, and those of the parts of a hole that sharp lines split, such
+    /// as `3.1`.
+    pub names: Vec<String>,
     /// The level of a refinement.
     pub level: Option<usize>,
     /// Accepted steps at the shown state.
@@ -169,8 +172,39 @@ pub struct Figures {
     pub eta: Option<f64>,
     /// The current activity.
     pub doing: String,
-    /// The surface model, with the error to expect; empty for a refinement.
+    /// The surface model; empty for a refinement.
     pub surface: String,
+    /// The error to expect, relative to the hole radius.
+    pub expected_error: Option<f64>,
+}
+
+impl Figures {
+    /// The names of the holes in one list, in which three or more holes with successive numbers are a range, as
+    /// in `1–4, 7`.
+    pub fn hole_list(&self) -> String {
+        let number = |k: usize| {
+            let is_whole = !self.names[k].contains('.');
+            is_whole.then(|| self.holes[k].index())
+        };
+        let follows = |k: usize| match (number(k - 1), number(k)) {
+            (Some(last), Some(this)) => last + 1 == this,
+            _ => false,
+        };
+        let mut parts = Vec::new();
+        let mut first = 0;
+        for k in 1..=self.names.len() {
+            if k < self.names.len() && follows(k) {
+                continue;
+            }
+            if k - first > 2 {
+                parts.push(format!("{}–{}", self.names[first], self.names[k - 1]));
+            } else {
+                parts.extend_from_slice(&self.names[first..k]);
+            }
+            first = k;
+        }
+        parts.join(", ")
+    }
 }
 
 /// The functions of a process that the window needs in addition to its [`Runner`].
@@ -313,4 +347,31 @@ pub(super) fn with_hint(warning: &Warning) -> String {
         _ => warning.hint(),
     };
     hint.map_or_else(|| warning.to_string(), |hint| format!("{warning} ({hint})"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn successive_holes_are_listed_as_a_range() {
+        let list = |names: &[&str]| {
+            let number = |name: &&str| name.split('.').next().and_then(|n| n.parse::<usize>().ok());
+            let figures = Figures {
+                holes: names
+                    .iter()
+                    .map(|n| number(n).expect("a number").into())
+                    .collect(),
+                names: names.iter().map(|&name| name.to_owned()).collect(),
+                ..Figures::default()
+            };
+            figures.hole_list()
+        };
+        assert_eq!(list(&[]), "");
+        assert_eq!(list(&["4"]), "4");
+        assert_eq!(list(&["1", "2", "4"]), "1, 2, 4");
+        assert_eq!(list(&["1", "2", "3", "4", "6", "7"]), "1–4, 6, 7");
+        assert_eq!(list(&["2", "5", "6", "7"]), "2, 5–7");
+        assert_eq!(list(&["1", "2.1", "2.2", "3", "4"]), "1, 2.1, 2.2, 3, 4");
+    }
 }

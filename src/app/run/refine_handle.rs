@@ -121,6 +121,7 @@ impl WindowProcess for RefineProcess {
         };
         vec![Figures {
             holes: Vec::new(),
+            names: Vec::new(),
             level: shown.map(|s| s.frame.level),
             step: shown.map(|s| s.step),
             relative_tau: status.relative_tau,
@@ -130,6 +131,7 @@ impl WindowProcess for RefineProcess {
             angle: None,
             end,
             surface: String::new(),
+            expected_error: None,
             eta: None,
             doing: format!(
                 "level {} of {}, {} vertices",

@@ -10,7 +10,6 @@ use crate::app::document::window_controls;
 use crate::app::model::Model;
 use crate::app::view_state::Task;
 use crate::fill::{Continuity, Controls, Features, Linear, PatchTexture, Surface, Symmetry};
-use crate::mesh::LoopId;
 use crate::options::Choice;
 use crate::solver::{FLOW_GROWTH, Mode, Scheme, Tau};
 
@@ -100,19 +99,23 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let rows = side.handle.figures(None).into_iter();
         rows.map(move |row| (name, row))
     });
-    let rows = rows.filter(|(_, row)| !row.surface.is_empty());
-    let mut before = String::new();
-    for (name, row) in rows.take(MOST_MODELS) {
-        let holes: Vec<String> = row.holes.iter().map(LoopId::to_string).collect();
-        let words = format!("{name} {}: {}", holes.join(", "), row.surface);
-        // the parts of a hole between creases are mostly by one model
-        if words == before {
-            continue;
-        }
-        ui.add(egui::Label::new(RichText::new(words.trim_start()).weak()).truncate())
-            .on_hover_text("the error to expect is relative to the hole radius")
+    let rows: Vec<_> = rows.filter(|(_, row)| !row.surface.is_empty()).collect();
+    let more = rows.len().saturating_sub(MOST_MODELS);
+    if rows.iter().any(|(_, row)| row.expected_error.is_some()) {
+        ui.weak("Expected errors, % of the hole radius")
+            .on_hover_text("and the surface model, from predictions of known parts of the mesh");
+    }
+    for (name, row) in rows.into_iter().take(MOST_MODELS) {
+        let error = row.expected_error;
+        let error = error.map_or_else(String::new, |error| format!("{:.2} %, ", 100.0 * error));
+        let words = format!("{name} {}: {error}{}", row.hole_list(), row.surface);
+        let words = words.trim_start();
+        ui.add(egui::Label::new(RichText::new(words).weak()).truncate())
+            .on_hover_text(words)
             .hovers(&row.holes, actions);
-        before = words;
+    }
+    if more > 0 {
+        ui.weak(format!("and {more} more"));
     }
     if next != model.document.controls {
         actions.push(ControlsAction::Set(Box::new(next)).into());

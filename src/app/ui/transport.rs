@@ -318,17 +318,16 @@ fn cell(ui: &mut Ui, text: impl Into<egui::WidgetText>, whole: &str) {
 
 /// The holes of a row.
 pub(super) fn holes_words(run: &Run, figures: &Figures) -> String {
-    let numbers = |holes: &[LoopId], between| {
-        let words: Vec<String> = holes.iter().map(LoopId::to_string).collect();
-        words.join(between)
-    };
     match &run.operation {
-        Operation::Blend(spec) => numbers(&spec.loops, "+"),
+        Operation::Blend(spec) => {
+            let rims: Vec<String> = spec.loops.iter().map(LoopId::to_string).collect();
+            rims.join("+")
+        }
         Operation::Fair(spec) => format!("{} faces", spec.faces.len()),
         Operation::Refine(_) => figures
             .level
             .map_or_else(String::new, |n| format!("level {n}")),
-        _ => numbers(&figures.holes, ", "),
+        _ => figures.hole_list(),
     }
 }
 
