@@ -686,6 +686,26 @@ fn two_energies_are_compared_and_one_is_taken() {
     assert_eq!(m.document.controls.energy, "1");
 }
 
+/// The curves of one side have one colour, and so one entry of the legend; those of a single side one each.
+#[test]
+fn the_legend_of_a_comparison_names_both_sides() {
+    let mut m = model();
+    act(&mut m, SelectAction::All);
+    let shown = |m: &Model| {
+        let run = m.run.as_ref().expect("a run");
+        let curves = plots::curves(run, true);
+        let entries = plots::entries(run, &curves).into_iter();
+        let entries: Vec<(String, usize)> = entries.map(|e| (e.0, e.1)).collect();
+        (curves.len(), entries)
+    };
+    filled(&mut m);
+    assert_eq!(shown(&m), (2, vec![("1".into(), 0), ("2".into(), 1)]));
+    act(&mut m, RunAction::Reject);
+    act(&mut m, ControlsAction::CompareEnergy(Some("1".into())));
+    filled(&mut m);
+    assert_eq!(shown(&m), (4, vec![("A".into(), 0), ("B".into(), 1)]));
+}
+
 #[test]
 fn compared_energies_keep_their_own_parameters_when_a_control_is_changed() {
     let mut m = model();

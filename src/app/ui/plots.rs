@@ -13,6 +13,8 @@ use crate::mesh::LoopId;
 
 /// Maximum number of curves in the legend.
 const LISTED: usize = 9;
+/// Width of the line before a name in the legend.
+const SWATCH: f32 = 12.0;
 /// Maximum number of curves in a readout.
 const READ: usize = 12;
 
@@ -43,7 +45,7 @@ pub(crate) fn plots_ui(ui: &mut Ui, run: &Run, actions: &mut Vec<Action>) {
     let both = [true, false].map(|energy| curves(run, energy));
     ui.vertical(|ui| {
         if both[0].len() > 1 {
-            legend_ui(ui, &both[0], actions);
+            legend_ui(ui, &entries(run, &both[0]), actions);
         }
         let height = ui.available_height().max(60.0);
         ui.columns(2, |columns| {
@@ -54,19 +56,59 @@ pub(crate) fn plots_ui(ui: &mut Ui, run: &Run, actions: &mut Vec<Action>) {
     });
 }
 
-/// The names of the curves in their colours, in one row.
-fn legend_ui(ui: &mut Ui, curves: &[PlotCurve], actions: &mut Vec<Action>) {
+/// The entries of the legend: name, number of the colour, and holes. The curves of one side of a comparison have
+/// one colour, and so one entry.
+pub(crate) fn entries(run: &Run, curves: &[PlotCurve]) -> Vec<(String, usize, Vec<LoopId>)> {
+    if run.sides.len() > 1 {
+        let sides = run.sides.iter().enumerate();
+        return sides
+            .map(|(s, side)| (side.name.to_owned(), s, Vec::new()))
+            .collect();
+    }
+    let entry = |curve: &PlotCurve| (curve.name.clone(), curve.color, curve.holes.clone());
+    curves.iter().map(entry).collect()
+}
+
+/// Names in the colours of the curves, in one row.
+fn legend_ui(ui: &mut Ui, entries: &[(String, usize, Vec<LoopId>)], actions: &mut Vec<Action>) {
+    let small = egui::TextStyle::Small.resolve(ui.style());
+    let width = |name: &str| {
+        let galley = ui
+            .painter()
+            .layout_no_wrap(name.into(), small.clone(), Color32::WHITE);
+        galley.size().x + SWATCH + 2.0 * ui.spacing().item_spacing.x
+    };
+    // the plots are as wide as the legend
+    let mut room = ui.available_width() - width("and 999 more");
+    let fits = |entry: &&(String, usize, Vec<LoopId>)| {
+        room -= width(&entry.0);
+        room >= 0.0
+    };
+    let listed = entries.iter().take(LISTED).take_while(fits).count();
     ui.horizontal(|ui| {
-        for curve in curves.iter().take(LISTED) {
-            let color = theme::series(ui, curve.color);
-            let (line, _) = ui.allocate_exact_size(egui::vec2(10.0, 3.0), egui::Sense::hover());
-            ui.painter().rect_filled(line, 1.0, color);
-            let name = RichText::new(&curve.name).color(color);
-            ui.add(egui::Label::new(name.small()).truncate())
-                .hovers(&curve.holes, actions);
+        for (name, number, holes) in &entries[..listed] {
+            let color = theme::series(ui, *number);
+            let (line, _) = ui.allocate_exact_size(egui::vec2(SWATCH, 3.0), egui::Sense::hover());
+            if theme::is_dashed(*number) {
+                for left in [line.left(), line.right() - 5.0] {
+                    let dash =
+                        egui::Rect::from_min_size([left, line.top()].into(), [5.0, 3.0].into());
+                    ui.painter().rect_filled(dash, 1.0, color);
+                }
+            } else {
+                ui.painter().rect_filled(line, 1.0, color);
+            }
+            let name = RichText::new(name).color(color);
+            let label = ui.add(egui::Label::new(name.small()).truncate());
+            if !holes.is_empty() {
+                label.hovers(holes, actions);
+            }
         }
-        if curves.len() > LISTED {
-            ui.small(format!("and {} more", curves.len() - LISTED));
+        match entries.len() - listed {
+            0 => {}
+            more => {
+                ui.small(format!("and {more} more"));
+            }
         }
     });
 }
@@ -128,7 +170,12 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
     let shown = plot.show(ui, |plot| {
         for (curve, ink) in curves.iter().zip(&inks) {
             let points = PlotPoints::from(curve.points.clone());
-            plot.line(Line::new("", points).width(1.8).color(*ink));
+            let style = if theme::is_dashed(curve.color) {
+                LineStyle::dashed_loose()
+            } else {
+                LineStyle::Solid
+            };
+            plot.line(Line::new("", points).width(1.8).color(*ink).style(style));
         }
         for change in changes(run) {
             let mark = VLine::new("", change.0).style(LineStyle::dashed_dense());

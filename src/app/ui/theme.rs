@@ -107,6 +107,11 @@ pub(crate) fn series(ui: &egui::Ui, number: usize) -> Color32 {
     all[number % all.len()]
 }
 
+/// Whether a curve is dashed, because a curve before it has the same colour.
+pub(crate) fn is_dashed(number: usize) -> bool {
+    (number / SERIES_DARK.len()) % 2 == 1
+}
+
 /// Colour of success, readable on the theme's background.
 pub(crate) fn success(ui: &egui::Ui) -> Color32 {
     palette(ui.visuals().dark_mode).success
@@ -224,6 +229,16 @@ fn visuals(dark: bool) -> Visuals {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn curves_of_one_colour_differ_in_their_lines() {
+        let dashed: Vec<bool> = (0..14).map(is_dashed).collect();
+        let count = SERIES_LIGHT.len();
+        for k in 0..count {
+            assert!(!dashed[k] && dashed[k + count]);
+        }
+        assert!(!dashed[2 * count]);
+    }
 
     /// Relative luminance of WCAG.
     fn luminance(c: Color32) -> f32 {

@@ -53,7 +53,7 @@ pub(crate) fn viewports_ui(
         let range = map_range(model, state);
         let mut below = viewport_ui(ui, model, state, format, side, rect, range, actions);
         if let Some(run) = model.run.as_ref() {
-            let rect = beside_legend(model, rect);
+            let rect = beside_legend(model, side, rect);
             if run.diverged() {
                 if side == 0 {
                     below = Some(diverged_ui(ui, run, rect, actions));
@@ -65,7 +65,9 @@ pub(crate) fn viewports_ui(
                 below = Some(text(ui, rect, at, Align2::CENTER_BOTTOM, &words, 14.0));
             }
         }
-        let place = range.and_then(|_| legend_place(rect, below));
+        // one legend for all sides, which have the same range
+        let place = range.filter(|_| side + 1 == sides);
+        let place = place.and_then(|_| legend_place(rect, below));
         if let (Some(range), Some(place)) = (range, place) {
             legend(ui, place, model.view.style.mode, range);
         }
@@ -192,9 +194,10 @@ fn decide_ui(
     Some(Rect::from_min_size(left, egui::vec2(width, height)))
 }
 
-/// The part of a view that the legend leaves.
-fn beside_legend(model: &Model, mut rect: Rect) -> Rect {
-    if model.view.style.mode.is_map() && rect.width() > 2.0 * WIDTH {
+/// The part of a view that the legend leaves. The last view has it.
+fn beside_legend(model: &Model, side: usize, mut rect: Rect) -> Rect {
+    let has_legend = side + 1 == model.sides() && model.view.style.mode.is_map();
+    if has_legend && rect.width() > 2.0 * WIDTH {
         rect.max.x -= WIDTH;
     }
     rect
@@ -300,7 +303,7 @@ fn viewport_ui(
         let (name, _) = super::format::mode_words(style.mode);
         let words = format!("{name} = {}", format_number(value));
         let at = at + egui::vec2(14.0, 18.0);
-        let room = beside_legend(model, rect);
+        let room = beside_legend(model, side, rect);
         text(ui, room, at, Align2::LEFT_TOP, &words, 13.0);
     }
     repair::draw(ui, model, state.draft.as_ref(), &response);
@@ -524,7 +527,7 @@ fn corner_words(ui: &Ui, model: &Model, rect: Rect) -> Option<Rect> {
     } else {
         "Press Enter to fill the selected loops."
     };
-    let rect = beside_legend(model, rect);
+    let rect = beside_legend(model, 0, rect);
     Some(text(
         ui,
         rect,
