@@ -453,7 +453,7 @@ pub(crate) fn on_screen(model: &Model, rect: Rect, point: DVec3) -> Option<Pos2>
     rect.contains(at).then_some(at)
 }
 
-/// The measures of the loop under the cursor, beside its centre.
+/// The measures of the loop under the cursor, above it or, where there is no room, below it.
 fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
     let [id] = model.view.hover[..] else {
         return;
@@ -461,9 +461,12 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
     let Some(l) = model.shown_loop(id) else {
         return;
     };
-    let Some(at) = on_screen(model, rect, l.centroid) else {
+    let shown = l.vertices.iter();
+    let shown = shown.filter_map(|&v| on_screen(model, rect, model.looped_mesh().position(v)));
+    let shown = Rect::from_points(&shown.collect::<Vec<_>>());
+    if !shown.is_positive() {
         return;
-    };
+    }
     let rim = if l.is_outer_boundary {
         ", outer boundary"
     } else {
@@ -476,7 +479,14 @@ fn hover_figures(ui: &Ui, model: &Model, rect: Rect) {
         format_number(l.perimeter),
         format_number(l.diameter)
     );
-    text(ui, rect, at, Align2::CENTER_CENTER, &words, 14.0);
+    let apart = egui::vec2(0.0, 10.0);
+    let above = shown.center_top() - apart;
+    if above.y > rect.top() + 30.0 {
+        text(ui, rect, above, Align2::CENTER_BOTTOM, &words, 14.0);
+    } else {
+        let below = shown.center_bottom() + apart;
+        text(ui, rect, below, Align2::CENTER_TOP, &words, 14.0);
+    }
 }
 
 /// A hint for the next action. Returns its place.
