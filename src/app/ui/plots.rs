@@ -198,7 +198,7 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
 }
 
 /// Least distance of two marks of an axis in points.
-const WIDE: f64 = 40.0;
+pub(crate) const WIDE: f64 = 40.0;
 const HIGH: f64 = 18.0;
 /// Distance of marks at which labels begin to show and are opaque: all marks are further apart.
 const LABELS: egui::Rangef = egui::Rangef {
@@ -206,9 +206,16 @@ const LABELS: egui::Rangef = egui::Rangef {
     max: 16.0,
 };
 
+/// A horizontal axis whose marks all have labels.
+pub(crate) fn axis() -> AxisHints<'static> {
+    AxisHints::new_x()
+        .label_spacing(LABELS)
+        .formatter(|mark, _| mark_words(mark.value, mark.step_size))
+}
+
 /// The marks of an axis at multiples of a round step, at least `least` points apart. Of a `whole` axis
 /// they are whole numbers.
-fn marks(input: &GridInput, least: f64, whole: bool) -> Vec<GridMark> {
+pub(crate) fn marks(input: &GridInput, least: f64, whole: bool) -> Vec<GridMark> {
     // the step that is given is eight points
     let least = input.base_step_size / 8.0 * least;
     let step_size = round_step(if whole { least.max(1.0) } else { least });

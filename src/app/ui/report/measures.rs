@@ -9,6 +9,7 @@ use crate::app::document::file_name;
 use crate::app::model::Model;
 use crate::app::report::{Measured, ReportAction};
 use crate::app::ui::format::format_number;
+use crate::app::ui::plots;
 use crate::app::ui::widgets::Asks;
 use crate::render::ViewMode;
 
@@ -37,7 +38,7 @@ pub(crate) fn shape_ui(ui: &mut Ui, measured: &Measured) {
             ("Area", Some(s.area), Some(s.mesh_area)),
             ("Volume", s.volume, s.mesh_volume),
         ] {
-            let both = format!("{}  (triangles {})", or_open(limit), or_open(mesh));
+            let both = format!("{}  (mesh {})", or_open(limit), or_open(mesh));
             row(ui, name, tip, both);
         }
         let tip = "integral over the limit surface, without the contribution of creases";
@@ -100,6 +101,8 @@ pub(crate) fn curvature_ui(
             .allow_boxed_zoom(false)
             .show_axes([true, true])
             .show_grid([false, true])
+            .x_grid_spacer(|input| plots::marks(&input, plots::WIDE, false))
+            .custom_x_axes(vec![plots::axis()])
             .show(ui, |plot| {
                 plot.bar_chart(BarChart::new(name, bars.collect()).allow_hover(false));
             })
@@ -138,10 +141,11 @@ pub(crate) fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Act
         row(ui, "Below 10°, zero area", "triangles", value);
         let tip = "twice the inscribed radius over the circumscribed radius, 1 for an equilateral \
                    triangle: minimum, mean";
-        let value = list(q.radius_ratio.map(format_number));
-        row(ui, "Radius ratio", tip, value);
-        let edges = list(q.edge_length.map(format_number));
-        row(ui, "Edges", "shortest, mean, longest", edges);
+        let [least, mean, _] = q.radius_ratio.map(format_number);
+        row(ui, "Radius ratio", tip, list([least, mean]));
+        let [shortest, mean, longest] = q.edge_length.map(format_number);
+        row(ui, "Shortest, mean edge", "lengths", list([shortest, mean]));
+        row(ui, "Longest edge", "length", longest);
         let tip = "degrees between the normals of neighbouring triangles";
         let value = format_number(q.max_dihedral);
         row(ui, "Maximum dihedral angle", tip, value);
