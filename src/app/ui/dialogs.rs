@@ -37,7 +37,7 @@ pub(crate) fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>
 fn over(ctx: &Context, body: impl FnOnce(&mut Ui)) -> bool {
     Over::new(egui::Id::unique("dialog"))
         .show(ctx, |ui| {
-            ui.set_width(440.0);
+            ui.set_width((ctx.content_rect().width() - 40.0).min(520.0));
             body(ui);
         })
         .should_close()

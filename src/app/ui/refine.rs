@@ -67,7 +67,7 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             .filter(|m| **m == own)
             .for_each(|m| *m = None);
         let mut own_energy = next.controls.energy.is_none();
-        ui.checkbox(&mut own_energy, "energy by edge length").on_hover_text(
+        ui.checkbox(&mut own_energy, "Energy by edge length").on_hover_text(
             "curvature norm and area with weights adapted to the edge length of the mesh: keeps \
              edges, does not bulge between sparse vertices; off: the energy and the tension of the \
              controls at the right",
@@ -110,7 +110,7 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             selected > 0 || next.selected_only,
             egui::Checkbox::new(
                 &mut next.selected_only,
-                format!("only the {selected} selected faces"),
+                counted("Only selected faces", selected),
             ),
         )
         .on_hover_text("neighbouring faces are split to match; select faces in task Repair (F4)");
@@ -145,12 +145,9 @@ fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<A
             .sum();
         ui.add_enabled(
             count > 0 || next.chosen_edges,
-            egui::Checkbox::new(
-                &mut next.chosen_edges,
-                format!("the {count} chosen edges sharp"),
-            ),
+            egui::Checkbox::new(&mut next.chosen_edges, counted("Picked edges sharp", count)),
         )
-        .on_hover_text("the edges picked here or for the report");
+        .on_hover_text("the edges picked here or for the report stay sharp");
         let tip = "a click adds an edge and its continuations, or removes them";
         next.chosen_edges |= pick_edges(ui, model.view.report.pick, tip, actions);
     });
@@ -159,10 +156,18 @@ fn sharp_ui(ui: &mut Ui, model: &Model, next: &mut Refining, actions: &mut Vec<A
         selected > 0 || next.selection_rim,
         egui::Checkbox::new(
             &mut next.selection_rim,
-            format!("rim of the {selected} selected faces sharp"),
+            counted("Border of selection sharp", selected),
         ),
     )
-    .on_hover_text("select faces in task Repair (F4)");
+    .on_hover_text("stays sharp; select faces in task Repair (F4)");
+}
+
+/// A title with the number of what it is about, if there is any.
+fn counted(title: &str, count: usize) -> String {
+    match count {
+        0 => title.to_owned(),
+        _ => format!("{title} ({count})"),
+    }
 }
 
 /// The button that starts the refinement.

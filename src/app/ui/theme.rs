@@ -158,6 +158,8 @@ fn restyle(style: &mut Style, dark: bool) {
     spacing.slider_rail_height = 5.0;
     spacing.menu_margin = egui::Margin::same(6);
     spacing.tooltip_width = 320.0;
+    // in the margin of a panel, not over its content
+    spacing.scroll.bar_outer_margin = -6.0;
     style.visuals = visuals(dark);
 }
 

@@ -21,6 +21,7 @@ pub(crate) fn toolbar_ui(
     let view = &model.view;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
+        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         for mode in model.view_modes() {
             let (title, about) = mode_words(mode);
             ui.selectable_label(view.style.mode == mode, title)

@@ -175,7 +175,7 @@ fn end_words(end: End) -> &'static str {
     }
 }
 
-/// The columns of the table: title, width, tooltip. The last one has the remaining width.
+/// The columns of the table: title, width, tooltip. The second one has the remaining width.
 const COLUMNS: [(&str, f32, &str); 8] = [
     (
         "holes",
@@ -210,10 +210,10 @@ fn numbers_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
             .vscroll(false)
             .sense(egui::Sense::hover());
         for (i, (_, width, _)) in COLUMNS.into_iter().enumerate() {
-            let column = if i + 1 < COLUMNS.len() {
-                Column::exact(width)
-            } else {
+            let column = if i == 1 {
                 Column::remainder().at_least(width)
+            } else {
+                Column::exact(width)
             };
             table = table.column(column.clip(true));
         }
@@ -292,12 +292,13 @@ fn groups_ui(
             "first patches…"
         };
         body.row(18.0, |mut row| {
-            for _ in 1..COLUMNS.len() {
-                row.col(|_| {});
-            }
+            row.col(|_| {});
             row.col(|ui| {
                 cell(ui, RichText::new(words).weak(), words);
             });
+            for _ in 2..COLUMNS.len() {
+                row.col(|_| {});
+            }
         });
     }
     for (g, figures) in rows.into_iter().enumerate() {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Context, Grid, RichText, ScrollArea, Ui, Window};
 
 use super::UiState;
-use super::widgets::{Asks, named};
+use super::widgets::{Asks, named, row};
 use crate::app::action::{Action, EditAction, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
@@ -74,10 +74,12 @@ pub(crate) fn windows_ui(
             return;
         }
         let mut stays = true;
+        let height = (ctx.content_rect().height() - 180.0).clamp(200.0, 560.0);
         Window::new(title)
             .open(&mut stays)
+            .collapsible(false)
             .default_pos([300.0, 90.0])
-            .default_width(420.0)
+            .default_size([420.0, height])
             .vscroll(false)
             .show(ctx, |ui| body(ui, actions));
         if !stays {
@@ -122,42 +124,45 @@ pub(crate) fn windows_ui(
 fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let document = &model.document;
     let r = &document.origin.report;
-    ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+    let buttons = ui.spacing().interact_size.y + 2.0 * ui.spacing().item_spacing.y;
+    let height = (ui.available_height() - buttons).max(80.0);
+    ScrollArea::vertical().max_height(height).show(ui, |ui| {
         Grid::new("counts")
             .striped(true)
             .num_columns(2)
+            .min_col_width(0.5 * ui.available_width() - ui.spacing().item_spacing.x)
             .show(ui, |ui| {
                 for (name, count, always) in [
-                    ("vertices in the file", r.file_vertices, true),
-                    ("faces in the file", r.file_faces, true),
-                    ("vertices", r.vertices, true),
-                    ("triangles", r.faces, true),
-                    ("components", r.components.len(), true),
-                    ("boundary loops", document.loops.len(), true),
-                    ("vertices merged", r.welded_vertices, false),
-                    ("polygons triangulated", r.polygons_triangulated, false),
-                    ("duplicate faces removed", r.duplicate_faces, false),
-                    ("degenerate faces removed", r.degenerate_faces, false),
-                    ("triangles of zero area", r.zero_area_faces, false),
-                    ("isolated vertices", r.isolated_vertices, false),
-                    ("faces flipped", r.flipped_faces, false),
+                    ("Vertices in the file", r.file_vertices, true),
+                    ("Faces in the file", r.file_faces, true),
+                    ("Vertices", r.vertices, true),
+                    ("Triangles", r.faces, true),
+                    ("Components", r.components.len(), true),
+                    ("Boundary loops", document.loops.len(), true),
+                    ("Vertices merged", r.welded_vertices, false),
+                    ("Polygons triangulated", r.polygons_triangulated, false),
+                    ("Duplicate faces removed", r.duplicate_faces, false),
+                    ("Degenerate faces removed", r.degenerate_faces, false),
+                    ("Triangles of zero area", r.zero_area_faces, false),
+                    ("Isolated vertices", r.isolated_vertices, false),
+                    ("Faces flipped", r.flipped_faces, false),
                     (
-                        "edges with more than two faces, cut",
+                        "Edges with more than two faces, cut",
                         r.non_manifold_edges,
                         false,
                     ),
                     (
-                        "vertices with several sheets, split",
+                        "Vertices with several sheets, split",
                         r.split_vertices,
                         false,
                     ),
                     (
-                        "vertices where a boundary touches itself",
+                        "Vertices where a boundary touches itself",
                         r.pinched_vertices,
                         false,
                     ),
                     (
-                        "faces of non-orientable components",
+                        "Faces of non-orientable components",
                         r.non_orientable_faces,
                         false,
                     ),
@@ -169,26 +174,6 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     }
                 }
             });
-        ui.horizontal_wrapped(|ui| {
-            for (name, tip, action) in [
-                (
-                    "Remove loose parts",
-                    "erase small components, and flaps that stick into holes (meniscus clean)",
-                    EditAction::Clean,
-                ),
-                (
-                    "Stitch slits",
-                    "join boundary edges that coincide within 1 % of their mean length (meniscus \
-                     stitch)",
-                    EditAction::Stitch,
-                ),
-            ] {
-                let idle = model.run.is_none() && !document.is_blank();
-                ui.add_enabled(idle, egui::Button::new(name))
-                    .on_hover_text(tip)
-                    .asks(action, actions);
-            }
-        });
         for note in &r.notes {
             ui.label(RichText::new(note).weak());
         }
@@ -196,7 +181,7 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             ui.label("No defects.");
             return;
         }
-        ui.separator();
+        ui.add_space(4.0);
         ui.strong("Defects (click one to show it)");
         for defect in &r.defects {
             let p = defect.position;
@@ -208,6 +193,26 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 p.z
             );
             ui.link(words).asks(ViewAction::FlyTo(p), actions);
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        for (name, tip, action) in [
+            (
+                "Remove loose parts",
+                "erase small components, and flaps that stick into holes (meniscus clean)",
+                EditAction::Clean,
+            ),
+            (
+                "Stitch slits",
+                "join boundary edges that coincide within 1 % of their mean length (meniscus \
+                 stitch)",
+                EditAction::Stitch,
+            ),
+        ] {
+            let idle = model.run.is_none() && !document.is_blank();
+            ui.add_enabled(idle, egui::Button::new(name))
+                .on_hover_text(tip)
+                .asks(action, actions);
         }
     });
 }
@@ -237,9 +242,12 @@ fn help_ui(ui: &mut Ui, model: &Model) {
     let id = ui.scope_id().with("search");
     let mut sought = ui.data(|data| data.get_temp::<String>(id).unwrap_or_default());
     let field = egui::TextEdit::singleline(&mut sought)
-        .hint_text("Search, for example undo or Ctrl")
+        .hint_text("for example undo or Ctrl")
         .desired_width(f32::INFINITY);
-    if named(ui, "Search", field).changed() {
+    let changed = row(ui, "Search", "", |ui, label| {
+        ui.add(field).labelled_by(label).changed()
+    });
+    if changed {
         ui.data_mut(|data| data.insert_temp(id, sought.clone()));
     }
     let sought = sought.trim().to_lowercase();
@@ -255,7 +263,7 @@ fn help_ui(ui: &mut Ui, model: &Model) {
         ("Set the pivot of rotations", "Double-click"),
         ("Open the menus; arrow keys move in them", "F10 or Alt"),
     ];
-    ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
+    ScrollArea::vertical().show(ui, |ui| {
         ui.set_min_width(ui.available_width());
         let rows = mouse.map(|(about, keys)| (about, keys.to_owned()));
         help_group(ui, "Mouse and menus", rows.into_iter(), &found);
@@ -335,20 +343,20 @@ fn diagnostics_ui(ui: &mut Ui, model: &Model, state: &UiState) {
         .num_columns(2)
         .show(ui, |ui| {
             for (name, value) in [
-                ("graphics adapter", state.adapter.clone()),
+                ("Graphics adapter", state.adapter.clone()),
                 (
-                    "from start to first frame",
+                    "From start to first frame",
                     f.first.map_or_else(String::new, ms),
                 ),
-                ("frames", f.count.to_string()),
-                ("last frame, without drawing", ms(f.last)),
+                ("Frames", f.count.to_string()),
+                ("Last frame, without drawing", ms(f.last)),
                 (
-                    "mean",
+                    "Mean",
                     ms(f.total / u32::try_from(f.count.max(1)).unwrap_or(u32::MAX)),
                 ),
-                ("longest", ms(f.longest)),
-                ("stored states", mib(kept)),
-                ("peak memory of the process", mib(peak_memory() as usize)),
+                ("Longest", ms(f.longest)),
+                ("Stored states", mib(kept)),
+                ("Peak memory of the process", mib(peak_memory() as usize)),
             ] {
                 ui.label(name);
                 ui.label(value);
