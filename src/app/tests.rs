@@ -221,6 +221,40 @@ fn texture_images_are_drawn_and_missing_ones_are_said() {
     }
 }
 
+/// The surfaces of a large mesh are made once, with its images.
+#[test]
+fn a_large_textured_mesh_is_first_drawn_with_its_images() {
+    use std::fmt::Write as _;
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let skin = image::RgbaImage::from_pixel(8, 8, image::Rgba([9, 99, 199, 255]));
+    skin.save(at("skin.png")).expect("saved");
+    std::fs::write(at("a.mtl"), "newmtl skin\nmap_Kd skin.png\n").expect("written");
+    let n = 160;
+    let mut text = String::from("mtllib a.mtl\nusemtl skin\nvt 0 0\nvt 1 0\nvt 1 1\n");
+    for k in 0..=n {
+        for i in 0..=n {
+            writeln!(text, "v {i} {k} 0").expect("text");
+        }
+    }
+    for k in 0..n {
+        for i in 1..=n {
+            let v = k * (n + 1) + i;
+            let (w, up, far) = (v + 1, v + n + 1, v + n + 2);
+            let faces = writeln!(text, "f {v}/1 {w}/2 {far}/3\nf {v}/1 {far}/3 {up}/2");
+            faces.expect("text");
+        }
+    }
+    std::fs::write(at("a.obj"), text).expect("written");
+    let mut m = model();
+    let opened = io::open_welded(&at("a.obj"), crate::mesh::Weld::default()).expect("sound");
+    replace(&mut m, Document::new(opened, Source::File(at("a.obj"))));
+    until(&mut m, |m| m.displays[0].latest().is_some());
+    let display = m.displays[0].latest().expect("drawn");
+    let runs = display.surfaces.iter().flat_map(|s| &s.textures);
+    assert_eq!(runs.map(|(run, _)| run.len()).sum::<usize>(), 2 * n * n);
+}
+
 /// The drawn vertices of patches.
 fn drawn_patches(m: &Model) -> Vec<Vertex> {
     let display = m.displays[0].latest();

@@ -136,7 +136,7 @@ impl DisplayBuilder {
         let distance = distance
             .as_ref()
             .map(|f| f as &(dyn Fn(DVec3) -> f64 + Sync));
-        let Some(split) = &self.split else {
+        let Some(split) = &mut self.split else {
             unreachable!("made above");
         };
         let topology = split.topology.topology();
@@ -158,19 +158,25 @@ impl DisplayBuilder {
                 limit,
                 centre: request.centre,
             };
+            let look = &mut split.look;
+            let has_textures = !request.textures.is_empty();
             surfaces.push(self.still.get(key, || {
+                // they are large and not kept beside what is made of them
+                let textures = look.textures.take();
+                let again = || Look::new(request, topology).textures;
                 let options = SurfaceOptions {
                     samples_per_edge: Some(1),
-                    textures: split.look.textures.clone(),
-                    face_colors: Arc::clone(&split.look.face_colors),
+                    textures: textures.or_else(|| has_textures.then(again).flatten()),
+                    face_colors: Arc::clone(&look.face_colors),
                     ..SurfaceOptions::default()
                 };
                 let still = DynamicSurface::new(topology, &split.still, &options);
+                drop(options);
                 let evaluation = Evaluation {
                     centre: request.centre,
                     limit,
                     distance,
-                    colors: &split.look.colors,
+                    colors: &look.colors,
                     ..Evaluation::default()
                 };
                 Arc::new(still.evaluate_with(&positions, &evaluation))
@@ -261,7 +267,7 @@ impl Split {
             around(topology, &flows, LIMIT_RINGS)
         };
         let flag = |&f: &FaceId| if flows(f) && !whole { Vertex::PATCH } else { 0 };
-        let look = Look::new(request, topology);
+        let mut look = Look::new(request, topology);
         let options = SurfaceOptions {
             samples_per_edge: None,
             creases: request.creases.to_vec(),
@@ -270,6 +276,9 @@ impl Split {
             textures: look.textures.clone(),
             face_colors: Arc::clone(&look.face_colors),
         };
+        if still.is_empty() {
+            look.textures = None;
+        }
         Self {
             moving: DynamicSurface::new(topology, &moving, &options),
             moving_faces: moving,

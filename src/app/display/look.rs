@@ -14,7 +14,7 @@ pub(super) struct Look {
     pub colors: Vec<[f32; 4]>,
     /// Red, green and blue of its first faces, where they are known.
     pub face_colors: Arc<Vec<Option<[f32; 3]>>>,
-    /// The images of its faces.
+    /// The images of its faces, until the surfaces are made.
     pub textures: Option<Arc<FaceTextures>>,
 }
 

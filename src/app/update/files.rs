@@ -20,6 +20,9 @@ use crate::io;
 use crate::render::{Textures, ViewMode};
 use crate::shapes::SAMPLES;
 
+/// The job that reads the texture images of an opened mesh.
+pub(super) const TEXTURES: &str = "texture images";
+
 /// A dialog that returns within this time was not shown.
 pub(super) const NO_DIALOG: Duration = Duration::from_millis(400);
 
@@ -313,7 +316,7 @@ fn read_textures(model: &mut Model) {
     }
     let origin = Arc::clone(&model.document.origin);
     let mode = model.view.style.mode;
-    model.spawn("texture images", move |_| {
+    model.spawn(TEXTURES, move |_| {
         let (textures, notes) = Textures::read(&materials);
         Done::Textures(origin, mode, textures, notes)
     });

@@ -7,6 +7,7 @@ use super::{files, pictures, report, runs, select};
 use crate::app::action::SelectAction;
 use crate::app::cached::SharedKey;
 use crate::app::display::{Continued, Request};
+use crate::app::jobs::Job;
 use crate::app::model::{CreaseKey, Done, Effect, Model};
 use crate::app::run::RunVariant;
 use crate::app::view_state::Task;
@@ -97,10 +98,20 @@ fn finish(model: &mut Model, done: Done) {
     }
 }
 
+/// Number of faces from which the surfaces of an opened mesh are made only once, with its texture images.
+const MANY: usize = 50_000;
+
 /// Requests the current displays.
 fn request_displays(model: &mut Model) {
     for display in &mut model.displays {
         display.poll();
+    }
+    let is_read = |job: &Job<Done>| job.what == files::TEXTURES;
+    if model.displays[0].latest().is_none()
+        && model.document.mesh.face_count() > MANY
+        && model.jobs.iter().any(is_read)
+    {
+        return;
     }
     for i in 0..model.sides() {
         let request = request(model, i);

@@ -1,8 +1,6 @@
 //! The neighbourhood of some faces as a separate mesh, cut along creases.
 
-use crate::mesh::{
-    DVec3, FaceId, Neighbourhood, Submesh, Topology, VertexId, edge_flags, faces_around,
-};
+use crate::mesh::{DVec3, FaceId, Neighbourhood, Submesh, Topology, VertexId, edge_flags};
 
 /// Rings of faces around the given ones. Curvatures at corners depend on the next ring of faces,
 /// whose stencils depend on one more ring.
@@ -43,7 +41,11 @@ impl Cut {
 
     /// The given faces and all faces that share a vertex with them, in ascending order.
     pub(super) fn faces_around(&self) -> Vec<FaceId> {
-        faces_around(&self.topology, &self.faces)
+        let corners = self
+            .faces
+            .iter()
+            .flat_map(|&f| self.topology.face_vertices(f));
+        Neighbourhood::new(&self.topology, corners, 1).faces
     }
 
     /// The vertex of the whole mesh that a vertex corresponds to.
