@@ -11,8 +11,8 @@ const REACH: f64 = 1.0;
 const FACING: f64 = 0.3;
 
 /// The triangles between two rims that run side by side and face each other, without new vertices: the
-/// ring between them, whose edges across the gap are kept short. `None` for other rims, and if the
-/// mesh has one of its edges already.
+/// ring between them, whose edges across the gap are kept short. `None` for other rims, if the mesh has one
+/// of its edges already, and if the ring has an edge twice.
 pub(crate) fn strip(geometry: &RimGeometry) -> Option<Patch> {
     let [a, b] = &geometry.rims[..] else {
         return None;
@@ -23,11 +23,15 @@ pub(crate) fn strip(geometry: &RimGeometry) -> Option<Patch> {
         return None;
     }
     let triangles = zipped(&a.points, &b.points);
-    let is_taken = |t: &[u32; 3]| {
-        let mut edges = [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]].into_iter();
-        edges.any(|[i, j]| geometry.forbidden.contains(&[i.min(j), i.max(j)]))
-    };
-    if triangles.iter().any(is_taken) {
+    let edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(edges).collect();
+    let is_taken = |&[i, j]: &[u32; 2]| geometry.forbidden.contains(&[i.min(j), i.max(j)]);
+    if edges.iter().any(is_taken) {
+        return None;
+    }
+    // all edges of a short rim may be nearest to one vertex of the other
+    edges.sort_unstable();
+    if edges.windows(2).any(|pair| pair[0] == pair[1]) {
         return None;
     }
     Some(Patch {
@@ -175,5 +179,53 @@ mod tests {
         assert!(joined.forbidden.is_empty());
         joined.forbidden.push([i.min(j), i.max(j)]);
         assert_eq!(strip(&joined), None);
+    }
+
+    #[test]
+    fn a_ring_whose_edges_all_end_at_one_vertex_is_refused() {
+        // two small holes of a riddled sheet, one above the other
+        let rim = |points: &[[f64; 3]], opposite: &[[f64; 3]]| {
+            let [points, opposite] =
+                [points, opposite].map(|all| all.iter().map(|&p| DVec3::from_array(p)).collect());
+            let forbidden = Vec::new();
+            Rim {
+                points,
+                opposite,
+                forbidden,
+            }
+        };
+        let four = rim(
+            &[
+                [-0.24, -0.69, -0.83],
+                [-5.07, -3.23, -0.79],
+                [-2.75, 1.56, -0.74],
+                [1.41, 4.07, -0.77],
+            ],
+            &[
+                [-3.38, -6.49, -0.86],
+                [-6.69, -0.58, -0.7],
+                [-0.47, 5.37, -0.69],
+                [3.93, 2.3, -0.82],
+            ],
+        );
+        let three = rim(
+            &[
+                [-1.67, -0.28, -0.01],
+                [0.74, -3.18, 0.06],
+                [2.88, 1.62, 0.02],
+            ],
+            &[
+                [-3.73, -5.31, 0.03],
+                [4.86, -1.85, 0.1],
+                [1.55, 4.61, -0.06],
+            ],
+        );
+        let triangles = zipped(&four.points, &three.points);
+        let edges = triangles
+            .iter()
+            .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let edges: std::collections::BTreeSet<[u32; 2]> = edges.collect();
+        assert!(edges.len() < 3 * triangles.len());
+        assert_eq!(strip(&geometry(four, three)), None);
     }
 }
