@@ -9,7 +9,7 @@ use std::ops::Deref;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use crate::energy::{Order, WellPosed};
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, LoopId};
 
 /// Maximum number of pairs of intersecting triangles that are counted.
 pub const MAX_PAIRS: usize = 100;
@@ -108,6 +108,13 @@ pub enum Warning {
         /// How many times as much as the second the first bends, if that is far more.
         bending: Option<f64>,
     },
+    /// The patch of a hole passes by some islands in it.
+    IslandsLeft {
+        /// Their outer boundaries.
+        islands: Vec<LoopId>,
+        /// Why.
+        why: WhyLeft,
+    },
     /// The result has more pairs of intersecting triangles than the input has.
     IntersectingResult {
         /// Pairs of the result.
@@ -132,6 +139,19 @@ pub enum Warning {
     },
 }
 
+/// Why a patch passes by an island.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WhyLeft {
+    /// Its faces have the opposite orientation of those around the hole.
+    InsideOut,
+    /// No orientable surface joins it.
+    OneSided,
+    /// No first patch joins it.
+    NoPatch,
+    /// The start surface that joins it crosses itself or the mesh, or is folded.
+    Unsound,
+}
+
 impl Warning {
     /// A stable name of this kind of warning, for scripts.
     pub fn code(&self) -> &'static str {
@@ -152,6 +172,7 @@ impl Warning {
             Self::Folded { .. } => "folded",
             Self::Escaped { .. } => "escaped",
             Self::Replaced { .. } => "surface-replaced",
+            Self::IslandsLeft { .. } => "islands-left",
             Self::IntersectingResult { .. } => "intersecting-result",
             Self::NoTexture { .. } => "no-texture",
             Self::ChangeRefused { .. } => "change-refused",
@@ -181,6 +202,12 @@ impl Warning {
             Self::SelfIntersection { .. } => {
                 "use another energy, add tension, or join fewer rims at a time"
             }
+            Self::IslandsLeft { why, .. } => match why {
+                WhyLeft::InsideOut => {
+                    "flip the component of that loop and join both loops, or remove that component"
+                }
+                _ => "remove these components if they are no part of the surface",
+            },
             Self::IntersectingResult { .. } => "increase the tension",
             Self::Escaped { .. } => "use another surface model or energy, or add tension",
             Self::Folded { .. } => {
@@ -318,6 +345,23 @@ impl fmt::Display for Warning {
                  without an intersection, after step {step}, is kept",
                 pairs_near(*pairs, *at)
             ),
+            Self::IslandsLeft { islands, why } => {
+                let loops: Vec<String> = islands.iter().map(ToString::to_string).collect();
+                let noun = if islands.len() == 1 { "loop" } else { "loops" };
+                let reason = match why {
+                    WhyLeft::InsideOut => "whose faces have the opposite orientation",
+                    WhyLeft::OneSided => "to which no orientable surface leads",
+                    WhyLeft::NoPatch => "between which no first patch can be made",
+                    WhyLeft::Unsound => {
+                        "because a surface that joins them crosses itself or the mesh"
+                    }
+                };
+                let loops = loops.join(", ");
+                write!(
+                    f,
+                    "the patch passes by the islands at {noun} {loops}, {reason}"
+                )
+            }
             Self::IntersectingResult { pairs, of_input } => write!(
                 f,
                 "two sheets of the mesh are too close together for a smooth surface through its \
@@ -454,6 +498,10 @@ mod tests {
                 kept_step: Some(6),
             },
             Warning::Escaped { vertices: 4, at },
+            Warning::IslandsLeft {
+                islands: vec![LoopId::FIRST],
+                why: WhyLeft::InsideOut,
+            },
             Warning::IntersectingResult {
                 pairs: 2,
                 of_input: 1,

@@ -55,6 +55,8 @@ enum Verdict {
 struct Counts {
     /// By verdict: holes whose surroundings have no intersection, and others.
     holes: BTreeMap<Verdict, [usize; 2]>,
+    /// Holes whose patches pass by islands, by their warnings.
+    left: usize,
     unconverged: usize,
     raised: usize,
     slowest: f64,
@@ -200,11 +202,17 @@ fn judge(seed: u64, input: &Input, counts: &mut Counts) -> Verdict {
         .iter()
         .map(|&(verdict, is_clean)| count(verdict, is_clean))
         .max();
+    let has_left = |hole: &&FilledHole| {
+        let mut warnings = hole.warnings.iter();
+        warnings.any(|warning| matches!(warning, Warning::IslandsLeft { .. }))
+    };
+    let left = filled.holes.iter().filter(has_left).count();
     let failed = filled.failed.iter().map(|error| {
         println!("seed {seed}: {error}");
         count(Verdict::Failed, true)
     });
     let worst = failed.max().max(worst);
+    counts.left += left;
     for group in filled.groups.iter().flatten() {
         let outcome = &group.outcome;
         counts.unconverged += usize::from(outcome.end != End::Converged);
@@ -325,12 +333,17 @@ fn table(all: &BTreeMap<String, Counts>) {
         Verdict::Broken,
         Verdict::Panic,
     ];
-    println!("\nHoles whose surroundings are free of intersections + others, groups, seconds");
+    println!(
+        "\nHoles whose surroundings are free of intersections + others, holes whose islands were left aside, groups, seconds"
+    );
     print!("{:<14}", "");
     for verdict in verdicts {
         print!("{:>12}", format!("{verdict:?}"));
     }
-    println!("{:>12}{:>8}{:>10}", "unconverged", "raised", "slowest");
+    println!(
+        "{:>8}{:>12}{:>8}{:>10}",
+        "left", "unconverged", "raised", "slowest"
+    );
     for (damage, counts) in all {
         print!("{damage:<14}");
         for verdict in verdicts {
@@ -338,8 +351,8 @@ fn table(all: &BTreeMap<String, Counts>) {
             print!("{:>12}", format!("{clean} + {other}"));
         }
         println!(
-            "{:>12}{:>8}{:>10.1}",
-            counts.unconverged, counts.raised, counts.slowest
+            "{:>8}{:>12}{:>8}{:>10.1}",
+            counts.left, counts.unconverged, counts.raised, counts.slowest
         );
     }
 }

@@ -70,7 +70,7 @@ pub fn blend(args: &BlendArguments) -> Result<()> {
     }
     let rims = chosen.iter().map(|id| &loops[id.index()]).collect();
     let open = skipped(&loops, &chosen, |l| args.loops.reason_to_skip(l));
-    let written = task.fill(&[rims], &[], open)?;
+    let written = task.fill(&[rims], &[], false, open)?;
     written.conclude(args.options.quiet)
 }
 

@@ -161,5 +161,6 @@ pub fn fill_file(
         Some(reason) if !is_outer(l) => reason,
         _ => args.loops.reason_to_skip(l),
     };
-    task.fill(&rim_sets, &spec.bridges, skipped(&loops, &joined, reason))
+    let skipped = skipped(&loops, &joined, reason);
+    task.fill(&rim_sets, &spec.bridges, true, skipped)
 }

@@ -237,11 +237,13 @@ impl<'a> Task<'a> {
     }
 
     /// Fills holes and writes all requested files. `strips` are the faces of bridges that flow with the
-    /// patches beside them, `skipped` the loops left open.
+    /// patches beside them, `skipped` the loops left open. `leaves_islands`: holes are filled
+    /// without islands in them where no sound first patch joins these.
     pub fn fill(
         self,
         rim_sets: &[RimSet<'_>],
         strips: &[u32],
+        leaves_islands: bool,
         skipped: Vec<SkippedLoop>,
     ) -> Result<Written> {
         if !self.files.options.quiet {
@@ -266,7 +268,10 @@ impl<'a> Task<'a> {
             }
         }
         let progress = Progress::new(Work::Holes(rim_sets.len()), self.files.options.quiet);
-        let options = self.flow.options()?;
+        let mut options = self.flow.options()?;
+        if leaves_islands {
+            options = options.leaving_islands();
+        }
         let prepared = PreparedFill::new(&self.opened.mesh, rim_sets, strips, options);
         let memory = prepared.memory();
         let share = self.place.map(|place| place.all.memory(memory));

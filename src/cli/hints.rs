@@ -4,7 +4,7 @@ use crate::cli::UsageError;
 use crate::cli::print::say;
 use crate::energy::ExprError;
 use crate::fill::FillError;
-use crate::warning::Warning;
+use crate::warning::{Warning, WhyLeft};
 
 /// Prints warnings, each with its hint on a line of its own.
 pub fn print_warnings<'a>(prefix: &str, warnings: impl IntoIterator<Item = &'a Warning>) {
@@ -27,6 +27,13 @@ fn hint(warning: &Warning) -> Option<&'static str> {
              do not drift along the surface"
         }
         Warning::Frozen { .. } => "increase --tension, or use a finer mesh there",
+        Warning::IslandsLeft { why, .. } => match why {
+            WhyLeft::InsideOut => {
+                "join the loops with `meniscus blend`, --loops and --flip, or remove the island \
+                 with `meniscus clean`"
+            }
+            _ => "remove the islands with `meniscus clean` if they are no part of the surface",
+        },
         Warning::IntersectingResult { .. } => "increase --tension",
         _ => return warning.hint(),
     })

@@ -14,6 +14,7 @@ use crate::mesh::{
     erase, face_flags,
 };
 use crate::patch::{self, Patch, PatchError};
+use crate::warning::Warnings;
 
 /// A mesh without the strips of bridges that flow with the patches of the holes beside them.
 #[derive(Clone, Debug)]
@@ -261,6 +262,7 @@ pub(super) fn joined_draft(
         rims: rims.into(),
         has_initial_shape: false,
         patch_ms: milliseconds(start),
+        warnings: Warnings::default(),
     }
 }
 

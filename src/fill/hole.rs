@@ -1,12 +1,15 @@
 //! Holes with their rims and first patches.
 
 use std::sync::Arc;
+use std::time::Instant;
 
+use crate::fill::options::FillOptions;
 use crate::fill::patch_topology::HoleTopology;
+use crate::fill::result::milliseconds;
 use crate::fill::rim::rim_geometry;
 use crate::mesh::DVec3;
 use crate::mesh::{BoundaryLoop, LoopId, Mesh, VertexId};
-use crate::patch::{Patch, PatchError, RimGeometry};
+use crate::patch::{self, Patch, PatchError, RimGeometry};
 use crate::warning::Warnings;
 
 /// The rims that one patch joins.
@@ -80,6 +83,22 @@ pub(super) struct DraftHole {
     pub has_initial_shape: bool,
     /// See [`PlannedHole::patch_ms`].
     pub patch_ms: f64,
+    /// About islands that the patch does not join.
+    pub warnings: Warnings,
+}
+
+impl DraftHole {
+    /// A hole with the first patch between its rims.
+    pub fn new(rims: HoleRims, options: &FillOptions) -> Self {
+        let start = Instant::now();
+        Self {
+            patch: patch::blend(&rims.geometry, options.patch),
+            rims: Arc::new(rims),
+            has_initial_shape: false,
+            patch_ms: milliseconds(start),
+            warnings: Warnings::default(),
+        }
+    }
 }
 
 /// A hole with its first patch.
@@ -91,7 +110,7 @@ pub(crate) struct PlannedHole {
     pub has_initial_shape: bool,
     /// Milliseconds the first patch took.
     pub patch_ms: f64,
-    /// Defects of a patch that no flow changes.
+    /// Islands that the patch does not join, and defects of a patch that no flow changes.
     pub warnings: Warnings,
 }
 

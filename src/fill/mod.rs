@@ -26,6 +26,7 @@ mod harmonic;
 mod hermite;
 mod hole;
 mod islands;
+mod left_islands;
 mod noise;
 mod options;
 mod part;

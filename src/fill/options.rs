@@ -142,6 +142,9 @@ pub struct FillOptions {
     pub label_patches: bool,
     /// How patches continue the texture around them; the value at the start counts.
     pub patch_texture: PatchTexture,
+    /// Whether a hole is filled without islands in it where no sound first patch joins them. Otherwise such
+    /// a hole fails or stays unsound.
+    pub leaves_islands: bool,
 }
 
 impl Default for FillOptions {
@@ -158,6 +161,7 @@ impl Default for FillOptions {
             loop_continuity: BTreeMap::new(),
             label_patches: false,
             patch_texture: PatchTexture::default(),
+            leaves_islands: false,
         }
     }
 }

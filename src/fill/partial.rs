@@ -12,6 +12,7 @@ use crate::fill::result::{FillError, Filled, milliseconds};
 use crate::fill::run::{Observer, ScheduledOptions, run_plan};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh};
 use crate::patch;
+use crate::warning::Warnings;
 
 /// Why part of a hole cannot be filled.
 #[derive(Debug, thiserror::Error)]
@@ -82,6 +83,7 @@ pub(super) fn plan_part(
         rims: Arc::new(rims),
         has_initial_shape: false,
         patch_ms: milliseconds(start),
+        warnings: Warnings::default(),
     };
     let plan = Plan::of_holes(&longer, vec![draft], options.patch);
     match plan.failed.first() {

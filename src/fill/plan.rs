@@ -47,8 +47,10 @@ impl Plan {
             match draft.patch {
                 Ok(mut patch) => {
                     let rims = draft.rims;
-                    let warnings =
+                    let mut warnings = draft.warnings;
+                    let left =
                         make_patch_sound(mesh, &obstacles, &rims, &mut patch, &loose, options);
+                    warnings.extend(left);
                     let hole = PlannedHole {
                         rims,
                         patch,

@@ -1,8 +1,5 @@
 //! First patches of holes.
 
-use std::sync::Arc;
-use std::time::Instant;
-
 use rayon::prelude::*;
 
 use crate::fill::blend;
@@ -11,15 +8,14 @@ use crate::fill::context::FillContext;
 use crate::fill::crack::with_joined_cracks;
 use crate::fill::features::{self, SplitHole};
 use crate::fill::hole::{DraftHole, HoleRims};
+use crate::fill::left_islands::{without_misfits, without_unsound};
 use crate::fill::options::{Features, FillOptions};
 use crate::fill::part::{NewVertices, with_vertices};
 use crate::fill::plan::Plan;
 use crate::fill::region;
-use crate::fill::result::milliseconds;
 use crate::fill::rim::RimSet;
 use crate::fill::warm_start::warm_start;
-use crate::mesh::{BoundaryLoop, Mesh};
-use crate::patch;
+use crate::mesh::{BoundaryLoop, LoopId, Mesh};
 use crate::solver::{FlowProblem, SolverError};
 
 /// First patches and groups of holes.
@@ -47,6 +43,9 @@ pub(super) fn prepare(
     let mesh = other.as_ref().unwrap_or(mesh);
     if drafts.iter().any(|draft| draft.rims.is_blend()) {
         blend::shape(mesh, &mut drafts, options);
+        if options.leaves_islands && strips.is_empty() {
+            without_unsound(mesh, &mut drafts, options);
+        }
     }
     Prepared {
         plan: Plan::of_holes(mesh, drafts, options.patch),
@@ -90,16 +89,17 @@ fn drafts(
     rim_sets: &[RimSet<'_>],
     options: &FillOptions,
 ) -> (Vec<DraftHole>, Option<Mesh>) {
-    let rim_sets = with_joined_cracks(mesh, rim_sets);
+    // the rims of others that are joined are those of cracks
+    let has_islands = |id: LoopId| (rim_sets.iter()).any(|rims| rims.len() > 1 && rims[0].id == id);
     let draft = |rims: HoleRims| {
-        let start = Instant::now();
-        DraftHole {
-            patch: patch::blend(&rims.geometry, options.patch),
-            rims: Arc::new(rims),
-            has_initial_shape: false,
-            patch_ms: milliseconds(start),
+        let draft = DraftHole::new(rims, options);
+        if options.leaves_islands && draft.patch.is_err() && has_islands(draft.rims.id()) {
+            without_misfits(mesh, draft, options)
+        } else {
+            draft
         }
     };
+    let rim_sets = with_joined_cracks(mesh, rim_sets);
     let split = |rims: &RimSet<'_>| match rims[..] {
         [hole] if options.features == Features::Auto => {
             features::split(mesh, hole, options.patch.density)

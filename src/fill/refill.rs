@@ -71,6 +71,7 @@ pub fn refill(
     let region = open_selection(mesh, selected)?;
     let left = &region.erased.mesh;
     let rim_sets = with_islands(left, &region.loops, &region.opened);
+    let options = options.into().leaving_islands();
     let filled = fill_rim_sets(left, &rim_sets, options, observe)?;
     Ok(Refilled { region, filled })
 }

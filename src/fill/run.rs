@@ -48,6 +48,16 @@ impl ScheduledOptions {
     }
 }
 
+impl ScheduledOptions {
+    /// The same for holes, which are filled without islands in them where no sound first patch joins these;
+    /// see [`FillOptions::leaves_islands`].
+    #[must_use]
+    pub fn leaving_islands(mut self) -> Self {
+        self.options.leaves_islands = true;
+        self
+    }
+}
+
 impl From<&FillOptions> for ScheduledOptions {
     /// No changes.
     fn from(options: &FillOptions) -> Self {

@@ -164,7 +164,7 @@ impl FillSpec {
             mesh,
             &rim_sets,
             &self.bridges,
-            options,
+            options.leaving_islands(),
             observe,
         )?)
     }

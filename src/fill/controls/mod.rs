@@ -174,6 +174,7 @@ impl Controls {
             loop_continuity: self.loop_continuity.clone(),
             label_patches: self.label_patches,
             patch_texture: self.patch_texture,
+            leaves_islands: false,
         })
     }
 

@@ -147,6 +147,11 @@ impl FillProcess {
                 bridges,
             } => {
                 let rim_sets = rim_sets(&mesh, &loops, &chosen(listed)?, islands);
+                let leaves_islands = islands;
+                let options = &FillOptions {
+                    leaves_islands,
+                    ..options.clone()
+                };
                 prepare(&mesh, &rim_sets, &bridges, options)
             }
             FillTask::Part { hole, ends } => {
