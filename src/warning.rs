@@ -108,7 +108,7 @@ pub enum Warning {
         /// How many times as much as the second the first bends, if that is far more.
         bending: Option<f64>,
     },
-    /// The patch of a hole passes by some islands in it.
+    /// The patch of a hole does not join some islands in it.
     IslandsLeft {
         /// Their outer boundaries.
         islands: Vec<LoopId>,
@@ -139,7 +139,7 @@ pub enum Warning {
     },
 }
 
-/// Why a patch passes by an island.
+/// Why a patch does not join an island.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhyLeft {
     /// Its faces have the opposite orientation of those around the hole.
@@ -347,7 +347,10 @@ impl fmt::Display for Warning {
             ),
             Self::IslandsLeft { islands, why } => {
                 let loops: Vec<String> = islands.iter().map(ToString::to_string).collect();
-                let noun = if islands.len() == 1 { "loop" } else { "loops" };
+                let noun = match islands.len() {
+                    1 => "island at loop",
+                    _ => "islands at loops",
+                };
                 let reason = match why {
                     WhyLeft::InsideOut => "whose faces have the opposite orientation",
                     WhyLeft::OneSided => "to which no orientable surface leads",
@@ -357,10 +360,7 @@ impl fmt::Display for Warning {
                     }
                 };
                 let loops = loops.join(", ");
-                write!(
-                    f,
-                    "the patch passes by the islands at {noun} {loops}, {reason}"
-                )
+                write!(f, "the patch does not join the {noun} {loops}, {reason}")
             }
             Self::IntersectingResult { pairs, of_input } => write!(
                 f,

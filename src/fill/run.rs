@@ -46,9 +46,7 @@ impl ScheduledOptions {
         let options = options.map_err(|error| ScheduleError::Start(error.to_string()))?;
         Ok(Self { options, recording })
     }
-}
 
-impl ScheduledOptions {
     /// The same for holes, which are filled without islands in them where no sound first patch joins these;
     /// see [`FillOptions::leaves_islands`].
     #[must_use]

@@ -695,6 +695,7 @@ impl HoleOfGroup<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fill::prepare::prepare;
     use crate::fill::{RimSet, fill_rim_sets};
     use crate::mesh::{boundary_loops, folded_edges, self_intersections};
     use crate::shapes;
@@ -750,6 +751,39 @@ mod tests {
         let pairs = self_intersections(&result.positions, &faces, None, usize::MAX);
         let folds = folded_edges(&result.positions, &result.topology, 150f64.to_radians());
         (codes, pairs.len() + folds.len())
+    }
+
+    #[test]
+    fn a_wrinkled_patch_becomes_smooth() {
+        let (positions, triangles) = shapes::cut_where(&shapes::icosphere(24), |p| p.z > 0.7);
+        let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
+        let loops = boundary_loops(&mesh);
+        let options = FillOptions::default();
+        let plan = prepare(&mesh, &[vec![&loops[0]]], &[], &options).plan;
+        let hole = HoleOfGroup {
+            context: FillContext {
+                mesh: &mesh,
+                plan: &plan,
+            },
+            group: 0,
+            number: 0,
+            rims: &plan.holes()[0].rims,
+        };
+        let topology = plan.groups[0].topology.as_ref().clone();
+        let present = (topology, plan.start_positions(&mesh, 0));
+        assert!(hole.smoother(&present, &options).is_none());
+        let waved = |p: &DVec3| *p + 0.1 * (30.0 * p.x).sin() * (30.0 * p.y).sin() * DVec3::Z;
+        let wrinkled = (present.0, present.1.iter().map(waved).collect());
+        let (smooth, ratio) = hole.smoother(&wrinkled, &options).expect("a smooth patch");
+        assert!(ratio > MUCH_MORE && smooth.is_sound());
+        let bends = |surface: &Surface| {
+            let patch = hole.patch(surface).expect("a patch");
+            bending(&patch.points, &patch.triangles)
+        };
+        assert_eq!(bends(&wrinkled) / bends(&smooth.surface), ratio);
+        // as far as `diffusion` is from the cap, whose share of the sphere is 0.15
+        let cap = 0.15 * 4.0 * std::f64::consts::PI;
+        assert!(bends(&smooth.surface) < 1.5 * cap);
     }
 
     #[test]
