@@ -230,6 +230,7 @@ impl GroupFlow {
     /// Attempts one step; `None` if the flow has ended.
     pub fn attempt(&mut self, context: FillContext<'_>) -> Option<StepRecord> {
         let start = Instant::now();
+        let had_ended = self.ended();
         let record = self.flow.as_mut()?.step();
         self.timings.flow += milliseconds(start);
         match record {
@@ -240,6 +241,9 @@ impl GroupFlow {
                     self.remesh_if_degraded(context);
                     self.follow_counterparts(context);
                     self.check_self_intersection(context);
+                }
+                // a flow may also end with a rejected step, or without one
+                if !had_ended {
                     self.make_sound(context);
                 }
                 record

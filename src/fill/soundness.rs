@@ -695,15 +695,15 @@ impl HoleOfGroup<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::energy::Energy;
     use crate::fill::prepare::prepare;
-    use crate::fill::{RimSet, fill_rim_sets};
+    use crate::fill::{Filled, RimSet, fill_rim_sets};
     use crate::mesh::{boundary_loops, folded_edges, self_intersections};
     use crate::shapes;
 
-    #[test]
-    fn an_unsound_patch_is_replaced_with_a_warning() {
-        // two parallel walls with a plate between them: a spherical cap over the hole of the lower
-        // wall would pass through the plate
+    /// The lower of two parallel walls with a plate between them: a spherical cap over its hole would pass
+    /// through the plate.
+    fn below_plate() -> Mesh {
         let (mut positions, mut triangles) =
             shapes::cut_where(&shapes::sphere(1000, 1), |p| p.z > 0.5);
         let first = positions.len() as u32;
@@ -716,25 +716,54 @@ mod tests {
         ]);
         triangles.push([first, first + 1, first + 2]);
         triangles.push([first, first + 2, first + 3]);
-        let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
-        let loops = boundary_loops(&mesh);
+        Mesh::from_triangles(positions, &triangles).expect("a manifold")
+    }
+
+    /// The fill of the hole [below the plate](below_plate).
+    fn filled_below_plate(mesh: &Mesh, options: &FillOptions) -> Filled {
+        let loops = boundary_loops(mesh);
         let hole = loops.iter().filter(|l| l.edges() > 4);
         let hole: Vec<RimSet<'_>> = hole.map(|l| vec![l]).collect();
-        let filled = fill_rim_sets(&mesh, &hole, &FillOptions::default(), &|_, _| true);
-        let filled = filled.expect("filled");
+        let filled = fill_rim_sets(mesh, &hole, options, &|_, _| true).expect("filled");
+        let new = &filled.mesh.positions[mesh.vertex_count()..];
+        assert!(new.iter().all(|p| p.z < 0.8));
+        let codes = filled.holes[0].warnings.iter().map(Warning::code);
+        assert_eq!(codes.filter(|&code| code == "surface-replaced").count(), 1);
+        filled
+    }
+
+    #[test]
+    fn an_unsound_patch_is_replaced_with_a_warning() {
+        let filled = filled_below_plate(&below_plate(), &FillOptions::default());
         let [hole] = &filled.holes[..] else {
             panic!("one hole")
         };
-        let codes: Vec<&str> = hole.warnings.iter().map(Warning::code).collect();
-        assert_eq!(codes, ["surface-replaced"]);
+        assert_eq!(hole.warnings.len(), 1);
         // no error was predicted for the model of the replacement
         let surface = &filled.groups[0].as_ref().expect("a flow").surface;
         assert_eq!(
             (&surface.others[..], &surface.prediction),
             (&[hole.id()][..], &None)
         );
-        let new = &filled.mesh.positions[mesh.vertex_count()..];
-        assert!(new.iter().all(|p| p.z < 0.8));
+    }
+
+    /// A flow may end without an accepted step: it has none left, or no step lowers its energy.
+    #[test]
+    fn patches_are_checked_however_the_flow_ends() {
+        let mesh = below_plate();
+        let with = |text: &str, max_steps: usize| {
+            let energy = Energy::parse(text, &std::collections::BTreeMap::new());
+            let mut options = FillOptions {
+                predicts_surface: false,
+                ..FillOptions::default()
+            };
+            options.flow.energy = energy.expect("an energy");
+            options.flow.max_steps = max_steps;
+            let filled = filled_below_plate(&mesh, &options);
+            filled.groups[0].as_ref().expect("a flow").outcome.end
+        };
+        assert_eq!(with("H^2", 0), End::MaxSteps);
+        assert_eq!(with("0-H^2", 100), End::StepSizeCollapsed);
     }
 
     /// The warnings of a fill of all loops, and the pairs of faces that meet and folded edges of the result.

@@ -61,12 +61,14 @@ impl GroupProgress {
     /// Attempts a step, after which the clock is at `clock`.
     pub fn attempt(&mut self, context: FillContext<'_>, clock: usize) -> Option<StepRecord> {
         let record = match catching(|| self.run.attempt(context)) {
-            Ok(record) => record?,
+            Ok(record) => record,
             Err(error) => {
                 self.fail(error);
                 return None;
             }
         };
+        self.is_new |= self.has_other_patches();
+        let record = record?;
         self.iterations = record.iterations;
         if record.is_rejected() {
             self.rejected += 1;
@@ -88,8 +90,13 @@ impl GroupProgress {
         options: &FillOptions,
     ) -> Result<(), String> {
         self.change(|run| run.change(context, options))?;
-        self.is_new |= !Arc::ptr_eq(self.run.topology(), &self.state.patches);
+        self.is_new |= self.has_other_patches();
         Ok(())
+    }
+
+    /// Whether patches were replaced since the latest state.
+    fn has_other_patches(&self) -> bool {
+        !Arc::ptr_eq(self.run.topology(), &self.state.patches)
     }
 
     /// Continues from an earlier state.
