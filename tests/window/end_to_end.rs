@@ -39,6 +39,9 @@ impl Display {
                 "1400x900x24",
                 "-nolisten",
                 "tcp",
+                // without it the server starts anew after its last client, such as xdotool, and drops others
+                // that connect meanwhile
+                "-noreset",
             ])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
