@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::linear::{Cholesky, CholeskySymbolic, LinearError, SymmetricPattern, nested_dissection};
-use crate::mesh::{DVec3, VertexId};
+use crate::mesh::{DVec3, VertexId, sides};
 
 /// The Laplace equation on the edges of a patch: the number at a new vertex is the mean of those at
 /// its neighbours, and the numbers at the rim are given. Every solution stays between the least and
@@ -35,9 +35,7 @@ impl Harmonic {
         positions: &[DVec3],
     ) -> Self {
         let count = new.len();
-        let mut edges: Vec<[u32; 2]> = triangles
-            .flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
-            .collect();
+        let mut edges: Vec<[u32; 2]> = triangles.flat_map(sides).collect();
         let is_new = |v: u32| new.contains(&(v as usize));
         let mut rim: Vec<u32> = edges.iter().map(|e| e[0]).filter(|&v| !is_new(v)).collect();
         rim.sort_unstable();

@@ -25,7 +25,7 @@ use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::fill::plan::Domain;
 use crate::fill::sheets;
 use crate::mesh::union_find::{find, unite};
-use crate::mesh::{DVec3, FaceId, Mesh, TopologyError, VertexId, Weld};
+use crate::mesh::{DVec3, FaceId, Mesh, TopologyError, VertexId, Weld, sides};
 use crate::solver::{FlowProblem, SolverError};
 
 /// The flow of a group's vertices from `positions`, those of `topology` (or of a fairing).
@@ -233,8 +233,8 @@ impl<'a> Region<'a> {
         let first_fixed = interior.len() as u32;
         let mut link: Vec<u32> = (0..self.positions.len() as u32).collect();
         let mut any = false;
-        for &[a, b, c] in &self.triangles {
-            for [v, w] in [[a, b], [b, c], [c, a]] {
+        for &t in &self.triangles {
+            for [v, w] in sides(t) {
                 let [p, q] = [v, w].map(|v| self.positions[v as usize]);
                 if v.min(w) >= first_fixed && p.distance(q) <= tolerance {
                     unite(&mut link, v, w);

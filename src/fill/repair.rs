@@ -10,7 +10,7 @@ use crate::fill::defects::FOLDED;
 use crate::fill::hole::HoleRims;
 use crate::fill::self_intersection::{Obstacles, place};
 use crate::mesh::{
-    DVec3, Mesh, bounds, boxes_overlap, canonical_vertices, pair_meets, self_intersections,
+    DVec3, Mesh, bounds, boxes_overlap, canonical_vertices, pair_meets, self_intersections, sides,
 };
 use crate::patch::Patch;
 
@@ -349,8 +349,7 @@ impl Sheet {
             if t.iter().all(|&v| v < fixed) {
                 self.split_triangle(f);
             } else if finer {
-                let edges = [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-                let inner = edges
+                let inner = sides(t)
                     .into_iter()
                     .filter(|e| self.diamond(e[0], e[1]).is_some());
                 let length = |e: &[u32; 2]| {

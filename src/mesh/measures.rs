@@ -66,6 +66,11 @@ pub fn vector_area(points: &[DVec3]) -> DVec3 {
     area
 }
 
+/// The directed edges of a triangle.
+pub(crate) fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
+}
+
 /// How much a surface of triangles bends inside, whatever its size: the sum over its inner edges of `θ² l² / A`, with
 /// the angle θ between the normals of both faces, the length l of the edge and A, four thirds of their area (Grinspun,
 /// Hirani, Desbrun, Schröder 2003, scaled). On equilateral triangles it tends to `∫ ¾ (k1² + k2²) − ½ k1 k2` (Seung,
@@ -76,8 +81,7 @@ pub fn bending(positions: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     let mut sum = 0.0;
     for &t in triangles {
         let own = vector(t);
-        for (k, &v) in t.iter().enumerate() {
-            let w = t[(k + 1) % 3];
+        for [v, w] in sides(t) {
             let Some(other) = first.insert([v.min(w), v.max(w)], own) else {
                 continue;
             };

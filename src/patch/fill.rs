@@ -12,7 +12,7 @@ use super::slit::{stitch, with_zero_edges, without_zero_edges};
 use super::surface::Surface;
 use super::triangulate::{soundest, triangulate};
 use crate::cancel::is_cancelled;
-use crate::mesh::{DVec3, self_intersections, vector_area};
+use crate::mesh::{DVec3, self_intersections, sides, vector_area};
 
 /// The first surface for a hole: triangulates the rim, refines to the rim's density, flips edges
 /// and relaxes.
@@ -73,9 +73,7 @@ pub(crate) fn fill_excluding(
     let local = frame.local(rim);
     let triangles = without_intersections(&local, excluded);
     let is_forbidden = |[a, b]: [u32; 2]| local.forbidden.contains(&[a.min(b), a.max(b)]);
-    let mut edges = triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let mut edges = triangles.iter().flat_map(|&t| sides(t));
     let flat = (!edges.any(is_forbidden)).then(|| {
         let mut surface = triangulated(&local, &triangles, options.density);
         subdivide(&mut surface);

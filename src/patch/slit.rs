@@ -1,6 +1,7 @@
 //! Rims with edges of no length, and rims without area.
 
 use super::data::{Patch, Rim};
+use crate::mesh::sides;
 
 /// A patch without new vertices over a rim along a line: its triangles, which have no area, join the
 /// two ways from one end of the line to the other. `None` if an edge of the mesh joins two rim
@@ -42,11 +43,8 @@ pub(super) fn stitch(rim: &Rim) -> Option<Patch> {
         }
         push([with(i), end, against(j)]);
     }
-    let is_taken = |t: &[u32; 3]| {
-        let mut sides = [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]].into_iter();
-        sides.any(|[a, b]| rim.chords().any(|pair| pair == [a.min(b), a.max(b)]))
-    };
-    if triangles.iter().any(is_taken) {
+    let mut edges = triangles.iter().flat_map(|&t| sides(t));
+    if edges.any(|[a, b]| rim.chords().any(|pair| pair == [a.min(b), a.max(b)])) {
         return None;
     }
     Some(Patch {

@@ -1,7 +1,7 @@
 //! A strip of triangles between two rims that face each other less than an edge apart.
 
 use super::data::{Patch, Rim, RimGeometry};
-use crate::mesh::{DVec3, closest_point_on_polygon, perimeter};
+use crate::mesh::{DVec3, closest_point_on_polygon, perimeter, sides};
 
 /// Largest distance of a rim vertex from the other rim, in mean edges of the two rims.
 const REACH: f64 = 1.0;
@@ -23,8 +23,7 @@ pub(crate) fn strip(geometry: &RimGeometry) -> Option<Patch> {
         return None;
     }
     let triangles = zipped(&a.points, &b.points);
-    let edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(edges).collect();
+    let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(|&t| sides(t)).collect();
     let is_taken = |&[i, j]: &[u32; 2]| geometry.forbidden.contains(&[i.min(j), i.max(j)]);
     if edges.iter().any(is_taken) {
         return None;
@@ -114,10 +113,7 @@ mod tests {
         let strip = strip(&both).expect("side by side");
         assert_eq!(strip.triangles.len(), 40 + 47);
         assert_eq!(strip.points.len(), strip.rim);
-        let edges = strip
-            .triangles
-            .iter()
-            .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let edges = strip.triangles.iter().flat_map(|&t| sides(t));
         let edges: std::collections::BTreeSet<[u32; 2]> = edges.collect();
         // each directed edge once
         assert_eq!(edges.len(), 3 * strip.triangles.len());
@@ -221,9 +217,7 @@ mod tests {
             ],
         );
         let triangles = zipped(&four.points, &three.points);
-        let edges = triangles
-            .iter()
-            .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let edges = triangles.iter().flat_map(|&t| sides(t));
         let edges: std::collections::BTreeSet<[u32; 2]> = edges.collect();
         assert!(edges.len() < 3 * triangles.len());
         assert_eq!(strip(&geometry(four, three)), None);

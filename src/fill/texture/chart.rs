@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::laplace::Texels;
 use super::{Light, RimEdge};
 use crate::fill::harmonic::Harmonic;
-use crate::mesh::DVec3;
+use crate::mesh::{DVec3, sides};
 
 /// Texels around the disc, so that filters do not reach other charts.
 const PADDING: f64 = 4.0;
@@ -149,8 +149,7 @@ fn nearest_on([a, b]: [[f64; 2]; 2], p: [f64; 2]) -> f64 {
 /// The border of triangles as loops of vertices, in the direction of the triangles; `None` if it touches
 /// itself.
 fn border(triangles: &[[u32; 3]]) -> Option<Vec<Vec<u32>>> {
-    let sides = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    let all: BTreeSet<[u32; 2]> = triangles.iter().flat_map(sides).collect();
+    let all: BTreeSet<[u32; 2]> = triangles.iter().flat_map(|&t| sides(t)).collect();
     let mut next = BTreeMap::new();
     for &[a, b] in all.iter().filter(|[a, b]| !all.contains(&[*b, *a])) {
         if next.insert(a, b).is_some() {

@@ -10,7 +10,7 @@ use super::rim_colors::RimColors;
 use super::{Light, RimEdge};
 use crate::images::Pixels;
 use crate::mesh::union_find::{find, unite};
-use crate::mesh::{Attributes, DVec3, FaceTag, OwnMaterial, row_count, to_signal};
+use crate::mesh::{Attributes, DVec3, FaceTag, OwnMaterial, row_count, sides, to_signal};
 
 /// Greatest side of an image in texels; its charts are drawn smaller to fit.
 const MOST: usize = 4096;
@@ -135,8 +135,8 @@ fn parts<'a>(
     let mut link: Vec<u32> = (0..patches.len() as u32).collect();
     let mut patch_at: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     for (i, patch) in (0..).zip(patches) {
-        for &[a, b, c] in patch.triangles {
-            for [from, to] in [[a, b], [b, c], [c, a]] {
+        for &t in patch.triangles {
+            for [from, to] in sides(t) {
                 patch_at.insert([from, to], i);
                 if let Some(&other) = patch_at.get(&[to, from]) {
                     unite(&mut link, i, other);

@@ -2,7 +2,7 @@
 
 use super::{ComponentReport, Defect, DefectKind, LoadReport, Repaired, Triangles};
 use crate::mesh::union_find::unite;
-use crate::mesh::{DVec3, FaceId, Mesh, Soup, VertexId, components};
+use crate::mesh::{DVec3, FaceId, Mesh, Soup, VertexId, components, sides};
 
 /// A triangle whose height is below this times its longest edge has zero area up to the rounding of
 /// its coordinates (files usually have eight decimals).
@@ -255,7 +255,7 @@ fn non_orientable_reports(triangles: &[[u32; 3]], sheet: &[u32]) -> Vec<Componen
             vertices.sort_unstable();
             vertices.dedup();
             let mut edges: Vec<[u32; 2]> = of_sheet()
-                .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+                .flat_map(|&t| sides(t))
                 .map(|[a, b]| [a.min(b), a.max(b)])
                 .collect();
             edges.sort_unstable();
