@@ -6,7 +6,6 @@ use rustc_hash::FxHashMap;
 
 use crate::fill::hole::{DraftHole, HoleRims};
 use crate::fill::options::FillOptions;
-use crate::fill::result::milliseconds;
 use crate::fill::rim::RimSet;
 use crate::mesh::union_find::{find, unite};
 use crate::mesh::{
@@ -14,7 +13,6 @@ use crate::mesh::{
     erase, face_flags,
 };
 use crate::patch::{self, Patch, PatchError};
-use crate::warning::Warnings;
 
 /// A mesh without the strips of bridges that flow with the patches of the holes beside them.
 #[derive(Clone, Debug)]
@@ -257,13 +255,8 @@ pub(super) fn joined_draft(
 ) -> DraftHole {
     let start = Instant::now();
     let patch = joined_patch(mesh, rim_sets, old_vertex, parts, &rims, options);
-    DraftHole {
-        patch: patch.map(|patch| patch::reblend(&rims.geometry, &patch, options.patch)),
-        rims: rims.into(),
-        has_initial_shape: false,
-        patch_ms: milliseconds(start),
-        warnings: Warnings::default(),
-    }
+    let patch = patch.map(|patch| patch::reblend(&rims.geometry, &patch, options.patch));
+    DraftHole::with_patch(rims, patch, start)
 }
 
 fn joined_patch(

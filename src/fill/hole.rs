@@ -91,8 +91,14 @@ impl DraftHole {
     /// A hole with the first patch between its rims.
     pub fn new(rims: HoleRims, options: &FillOptions) -> Self {
         let start = Instant::now();
+        let patch = patch::blend(&rims.geometry, options.patch);
+        Self::with_patch(rims, patch, start)
+    }
+
+    /// A hole with a first patch whose construction began at `start`.
+    pub fn with_patch(rims: HoleRims, patch: Result<Patch, PatchError>, start: Instant) -> Self {
         Self {
-            patch: patch::blend(&rims.geometry, options.patch),
+            patch,
             rims: Arc::new(rims),
             has_initial_shape: false,
             patch_ms: milliseconds(start),

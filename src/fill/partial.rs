@@ -1,6 +1,5 @@
 //! Fills part of a hole: from one vertex of its rim to another.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use crate::fill::hermite::{RimFrame, hermite_between, length, pieces};
@@ -12,7 +11,6 @@ use crate::fill::result::{FillError, Filled, milliseconds};
 use crate::fill::run::{Observer, ScheduledOptions, run_plan};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh};
 use crate::patch;
-use crate::warning::Warnings;
 
 /// Why part of a hole cannot be filled.
 #[derive(Debug, thiserror::Error)]
@@ -78,13 +76,8 @@ pub(super) fn plan_part(
     let first = mesh.vertex_count();
     let rims = rims_of_part(mesh, hole, &corners, &edges, &new.points, first);
     let longer = with_vertices(mesh, &[&new]).map_err(FillError::from)?;
-    let draft = DraftHole {
-        patch: patch::fill(&rims.geometry.rims[0], options.patch),
-        rims: Arc::new(rims),
-        has_initial_shape: false,
-        patch_ms: milliseconds(start),
-        warnings: Warnings::default(),
-    };
+    let patch = patch::fill(&rims.geometry.rims[0], options.patch);
+    let draft = DraftHole::with_patch(rims, patch, start);
     let plan = Plan::of_holes(&longer, vec![draft], options.patch);
     match plan.failed.first() {
         Some(error) => Err(error.clone().into()),
