@@ -72,19 +72,17 @@ pub(super) fn make_sound(
     let found: Vec<Option<Defects>> = found
         .map(|hole| hole.defects_among(&patches, &present.1))
         .collect();
-    // what each patch was replaced by, and how much more than that it bends if that is why
+    // what each patch was replaced by
     let mut origins: Vec<Option<Origin>> = vec![None; holes.len()];
-    let mut wrinkled: Vec<Option<f64>> = vec![None; holes.len()];
     for hole in holes.iter().filter(|_| options.predicts_surface) {
-        if let Some((smoother, ratio)) = hole.smoother(&present, options) {
+        if let Some(smoother) = hole.smoother(&present, options) {
             present = smoother.surface;
             origins[hole.number] = Some(smoother.origin);
-            wrinkled[hole.number] = Some(ratio);
         }
     }
     let (sound, unsound): (Vec<_>, Vec<_>) = holes
         .iter()
-        .partition(|hole| found[hole.number].is_none() || wrinkled[hole.number].is_some());
+        .partition(|hole| found[hole.number].is_none() || origins[hole.number].is_some());
     for hole in &unsound {
         if is_cancelled() {
             break;
@@ -104,7 +102,7 @@ pub(super) fn make_sound(
         for hole in &replaced {
             origins[hole.number] = Some(Origin {
                 other: Some(by.clone()),
-                is_repaired: false,
+                ..Origin::default()
             });
         }
     }
@@ -144,7 +142,7 @@ pub(super) fn make_sound(
         }
     }
     let (mut warnings, mut others) = (Vec::new(), Vec::new());
-    if !unsound.is_empty() || wrinkled.iter().any(Option::is_some) {
+    if !unsound.is_empty() || origins.iter().any(Option::is_some) {
         let patches = Patches::new(context, group, &present.0, &present.1);
         for hole in &holes {
             let id = hole.rims.id();
@@ -162,7 +160,7 @@ pub(super) fn make_sound(
                     pairs: pairs.min(MAX_PAIRS),
                     escaped,
                     folds,
-                    bending: wrinkled[hole.number],
+                    bending: by.bending,
                 };
                 warnings.push((id, replaced));
             }
@@ -391,11 +389,13 @@ const MUCH_MORE: f64 = 3.0;
 const OTHERWISE: &str = " on another triangulation";
 
 /// What gave a surface.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 struct Origin {
     /// Another model or triangulation, in words; `None` for the chosen model on the first triangles.
     other: Option<String>,
     is_repaired: bool,
+    /// How many times as much the patch before bends, if that is why it was replaced.
+    bending: Option<f64>,
 }
 
 impl Origin {
@@ -478,20 +478,23 @@ impl HoleOfGroup<'_> {
     }
 
     /// The surface by the first of the [safer models](SAFER), if the patch bends far more: a vector flow of
-    /// sixth order gets wrinkles where the mesh at the rim leads away from the hole. Also the ratio of the bendings.
-    fn smoother(&self, present: &Surface, options: &FillOptions) -> Option<(Replacement, f64)> {
-        let of = |surface: &Surface| {
-            let patch = self.patch(surface)?;
-            Some(bending(&patch.points, &patch.triangles))
-        };
-        let bends = of(present)?;
-        if bends <= WRINKLED || self.rims.is_blend() || Candidate::of(&options.flow) == SAFER[0] {
+    /// sixth order gets wrinkles where the mesh at the rim leads away from the hole.
+    fn smoother(&self, present: &Surface, options: &FillOptions) -> Option<Replacement> {
+        if self.rims.is_blend() || Candidate::of(&options.flow) == SAFER[0] {
             return None;
         }
+        let bends = self.bending(present).filter(|&bends| bends > WRINKLED)?;
         let smoother = self.by(present, SAFER[0], options)?;
-        let smoother = self.replacement(smoother, Some(SAFER[0].words()));
-        let ratio = bends / of(&smoother.surface)?;
-        (ratio >= MUCH_MORE && smoother.is_sound()).then_some((smoother, ratio))
+        let mut smoother = self.replacement(smoother, Some(SAFER[0].words()));
+        let ratio = bends / self.bending(&smoother.surface)?;
+        smoother.origin.bending = Some(ratio);
+        (ratio >= MUCH_MORE && smoother.is_sound()).then_some(smoother)
+    }
+
+    /// How much its patch bends.
+    fn bending(&self, surface: &Surface) -> Option<f64> {
+        let patch = self.patch(surface)?;
+        Some(bending(&patch.points, &patch.triangles))
     }
 
     /// Searches surfaces by models, and triangulations of the rim. Returns whether the best is sound.
@@ -583,10 +586,12 @@ impl HoleOfGroup<'_> {
     /// A surface with the defects of the hole's patch. `other` is as in [`Origin`].
     fn replacement(&self, surface: Surface, other: Option<String>) -> Replacement {
         let defects = self.defects(&surface);
-        let is_repaired = false;
         Replacement {
             surface,
-            origin: Origin { other, is_repaired },
+            origin: Origin {
+                other,
+                ..Origin::default()
+            },
             defects,
         }
     }
@@ -803,12 +808,10 @@ mod tests {
         assert!(hole.smoother(&present, &options).is_none());
         let waved = |p: &DVec3| *p + 0.1 * (30.0 * p.x).sin() * (30.0 * p.y).sin() * DVec3::Z;
         let wrinkled = (present.0, present.1.iter().map(waved).collect());
-        let (smooth, ratio) = hole.smoother(&wrinkled, &options).expect("a smooth patch");
+        let smooth = hole.smoother(&wrinkled, &options).expect("a smooth patch");
+        let ratio = smooth.origin.bending.expect("wrinkled");
         assert!(ratio > MUCH_MORE && smooth.is_sound());
-        let bends = |surface: &Surface| {
-            let patch = hole.patch(surface).expect("a patch");
-            bending(&patch.points, &patch.triangles)
-        };
+        let bends = |surface: &Surface| hole.bending(surface).expect("a patch");
         assert_eq!(bends(&wrinkled) / bends(&smooth.surface), ratio);
         // as far as `diffusion` is from the cap, whose share of the sphere is 0.15
         let cap = 0.15 * 4.0 * std::f64::consts::PI;
