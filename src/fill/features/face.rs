@@ -1,6 +1,7 @@
 //! Missing faces of bodies with flat faces and sharp edges.
 
 use super::lines::{SHARP, is_sharp};
+use crate::fill::defects::FOLDED;
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, vector_area};
 
 /// Largest distance of a rim from its plane, in radii of the hole. The rims of scans are not flat, and
@@ -8,8 +9,6 @@ use crate::mesh::{BoundaryLoop, DVec3, Mesh, vector_area};
 const FLAT: f64 = 1e-3;
 /// Largest angle between the plane of the rim and a face that continues it, in degrees.
 const FLUSH: f64 = 10.0;
-/// Smallest angle between the plane of the rim and a face that folds back on it, in degrees.
-const FOLDED: f64 = 150.0;
 
 /// The sharp edges of a flat rim, by their indices, where the hole is a missing face of a body with sharp
 /// edges: the plane of the rim meets each face beside it at a sharp angle or continues it, and a sharp edge
@@ -25,10 +24,10 @@ pub(super) fn edges_of_missing_face(mesh: &Mesh, hole: &BoundaryLoop) -> Option<
     let mut creased = Vec::new();
     for (i, &h) in hole.halfedges.iter().enumerate() {
         let [a, b, c] = mesh.corners(mesh.topology.face(h.twin()));
-        let angle = (b - a).cross(c - a).angle_between(normal).to_degrees();
-        if angle > SHARP && angle < FOLDED {
+        let angle = (b - a).cross(c - a).angle_between(normal);
+        if angle > SHARP.to_radians() && angle.cos() > FOLDED {
             creased.push(i);
-        } else if angle.is_nan() || angle > FLUSH {
+        } else if angle.is_nan() || angle > FLUSH.to_radians() {
             return None;
         }
     }
