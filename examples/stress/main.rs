@@ -55,7 +55,7 @@ enum Verdict {
 struct Counts {
     /// By verdict: holes whose surroundings have no intersection, and others.
     holes: BTreeMap<Verdict, [usize; 2]>,
-    /// Holes whose patches pass by islands, by their warnings.
+    /// Holes whose patches do not join all islands, by their warnings.
     left: usize,
     unconverged: usize,
     raised: usize,

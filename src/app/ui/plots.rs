@@ -104,11 +104,9 @@ fn legend_ui(ui: &mut Ui, entries: &[(String, usize, Vec<LoopId>)], actions: &mu
                 label.hovers(holes, actions);
             }
         }
-        match entries.len() - listed {
-            0 => {}
-            more => {
-                ui.small(format!("and {more} more"));
-            }
+        let more = entries.len() - listed;
+        if more > 0 {
+            ui.small(format!("and {more} more"));
         }
     });
 }
