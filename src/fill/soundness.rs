@@ -80,9 +80,11 @@ pub(super) fn make_sound(
             origins[hole.number] = Some(smoother.origin);
         }
     }
+    // a smoother patch stays when others of the group are filled again by the chosen model
     let (sound, unsound): (Vec<_>, Vec<_>) = holes
         .iter()
-        .partition(|hole| found[hole.number].is_none() || origins[hole.number].is_some());
+        .filter(|hole| origins[hole.number].is_none())
+        .partition(|hole| found[hole.number].is_none());
     for hole in &unsound {
         if is_cancelled() {
             break;
@@ -816,6 +818,52 @@ mod tests {
         // as far as `diffusion` is from the cap, whose share of the sphere is 0.15
         let cap = 0.15 * 4.0 * std::f64::consts::PI;
         assert!(bends(&smooth.surface) < 1.5 * cap);
+    }
+
+    #[test]
+    fn a_smoother_patch_stays_when_others_of_its_group_are_filled_again() {
+        // two holes side by side, and a plate through the cap over the first
+        let aside = DVec3::new(80f64.to_radians().sin(), 0.0, 80f64.to_radians().cos());
+        let in_hole = |p: DVec3| p.z > 0.8 || p.dot(aside) > 0.8;
+        let (mut positions, mut triangles) = shapes::cut_where(&shapes::icosphere(24), in_hole);
+        let first = positions.len() as u32;
+        let corner = |x: f64, y: f64| DVec3::new(x, y, 0.9);
+        positions.extend([corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.0, 0.6)]);
+        triangles.push([first, first + 1, first + 2]);
+        let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
+        let loops = boundary_loops(&mesh);
+        let holes = loops.iter().filter(|l| l.edges() > 3);
+        let sets: Vec<RimSet<'_>> = holes.map(|l| vec![l]).collect();
+        let options = FillOptions::default();
+        let plan = prepare(&mesh, &sets, &[], &options).plan;
+        assert_eq!((sets.len(), plan.groups.len()), (2, 1));
+        let context = FillContext {
+            mesh: &mesh,
+            plan: &plan,
+        };
+        let waved = |p: &DVec3| {
+            let wave = 0.1 * (30.0 * p.y).sin() * (30.0 * p.z).sin();
+            let is_aside = p.dot(aside) > 0.5;
+            p.normalize() * if is_aside { 1.0 + wave } else { 1.0 }
+        };
+        let positions = plan.start_positions(&mesh, 0).iter().map(waved).collect();
+        let topology = &plan.groups[0].topology;
+        let checked = make_sound(context, 0, topology, positions, &[], &options);
+        let bent = |warning: &Warning| match warning {
+            Warning::Replaced { bending, .. } => Some(bending.is_some()),
+            _ => None,
+        };
+        let replaced = checked.warnings.iter();
+        let replaced: Vec<(LoopId, bool)> = replaced
+            .filter_map(|(id, warning)| Some((*id, bent(warning)?)))
+            .collect();
+        let is_aside = |id: &LoopId| loops[id.index()].centroid.dot(aside) > 0.5;
+        assert_eq!(replaced.len(), 2);
+        assert!(
+            replaced
+                .iter()
+                .all(|(id, is_bent)| is_aside(id) == *is_bent)
+        );
     }
 
     #[test]
