@@ -198,15 +198,26 @@ fn part_of_a_hole_is_chosen_by_two_clicks() {
     assert_eq!(document.loops.len(), 2, "the rest of the hole is open");
 }
 
+/// Selects both loops and opens the choices of each rim.
+fn open_rims(harness: &mut Harness<'_, App>) {
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(2);
+    harness.get_by_label("Each rim").click();
+    let is_open = |harness: &Harness<'_, App>| harness.query_all_by_label("G1").count() == 3;
+    wait_for("the rims", || {
+        harness.step();
+        is_open(harness).then_some(())
+    });
+    // until the section has its full height
+    harness.run_steps(20);
+}
+
 /// A row of any list highlights its loop in the view, and leaving the row ends that.
 #[test]
 fn hovered_rows_are_highlighted_in_the_view() {
     // the controls are visible without scrolling
     let mut harness = window_of([1280.0, 1000.0], true);
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.run_steps(2);
-    harness.get_by_label("Each rim").click();
-    harness.run_steps(20);
+    open_rims(&mut harness);
     let hovered = |harness: &Harness<'_, App>| harness.state().model.view.hover.clone();
     for i in [0, 1] {
         let l = &harness.state().model.document.loops[i];
@@ -232,29 +243,17 @@ fn hovered_rows_are_highlighted_in_the_view() {
 #[test]
 fn an_energy_of_sixth_order_runs_with_a_continuity_at_each_rim() {
     let mut harness = window_of([1280.0, 1000.0], true);
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.run_steps(2);
     let model = &mut harness.state_mut().model;
     act(model, ControlsAction::EnergyText("H^2 + 0.1*gradH2".into()));
     act(model, ControlsAction::ApplyEnergy);
-    harness.run_steps(3);
-    // rows that appear later move the others from under a click
-    wait_for("the rims", || {
-        harness.get_by_label("Each rim").click();
-        harness.run_steps(20);
-        (harness.get_all_by_label("G1").count() == 3).then_some(())
-    });
+    open_rims(&mut harness);
     // the choices of all rims stand above those of each
-    wait_for("both choices", || {
-        let of_first = harness.get_all_by_label("G1").nth(1);
-        of_first.expect("of the first").click();
-        harness.run_steps(3);
-        let of_last = harness.get_all_by_label("G2").last();
-        of_last.expect("of the last").click();
-        harness.run_steps(3);
-        let controls = &harness.state().model.document.controls;
-        (controls.loop_continuity.len() == 2).then_some(())
-    });
+    let of_first = harness.get_all_by_label("G1").nth(1);
+    of_first.expect("of the first").click();
+    harness.run_steps(3);
+    let of_last = harness.get_all_by_label("G2").last();
+    of_last.expect("of the last").click();
+    harness.run_steps(3);
     let controls = &harness.state().model.document.controls;
     let own: Vec<_> = controls.loop_continuity.values().copied().collect();
     assert_eq!(own, [Continuity::G1, Continuity::G2]);
@@ -539,6 +538,16 @@ fn controls_do_not_jump_and_panels_can_be_closed() {
         harness.run_steps(3);
         assert_eq!(places(&harness), before, "{mode}");
     }
+    // what is measured in the background has its row from the beginning
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(2);
+    let flow = |harness: &Harness<'_, App>| harness.get_by_label("Flow").rect();
+    let before = flow(&harness);
+    until(&mut harness, |app| {
+        let scan = app.model.displays[0].latest().and_then(|d| d.posed);
+        scan.is_some_and(|scan| scan.samples > 0)
+    });
+    assert_eq!(flow(&harness), before);
     for key in [Key::F6, Key::F8] {
         let width = harness.get_by_label("view").rect().width();
         harness.key_press(key);

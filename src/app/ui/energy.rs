@@ -12,7 +12,7 @@ use crate::app::model::Model;
 use crate::app::ui::widgets::{named, row, slider_row};
 use crate::app::update::params_for;
 use crate::app::view_state::Task;
-use crate::energy::{Energy, ExprError, Preset};
+use crate::energy::{Energy, ExprError, Preset, WellPosedScan};
 
 /// A sentence about a preset.
 fn about(preset: Preset) -> &'static str {
@@ -227,14 +227,26 @@ fn drag_reach(ui: &Ui, name: &str, value: f64) -> f64 {
     })
 }
 
-/// The well-posedness of the flow on the shown surface of a side.
+/// The well-posedness of the flow on the shown surface of a side. The row is there before the surface is
+/// scanned, so that the rows below it stay in place.
 fn badge_ui(ui: &mut Ui, model: &Model, side: usize) {
-    let Some(scan) = model.displays[side].latest().and_then(|d| d.posed) else {
-        return;
-    };
-    if scan.samples == 0 {
+    let scan = model.displays[side].latest().and_then(|d| d.posed);
+    let scan = scan.filter(|scan| scan.samples > 0);
+    if scan.is_none() && model.run.is_none() && model.document.selected().is_empty() {
         return;
     }
+    let name = ["This flow is", "Flow B is"][side.min(1)];
+    row(ui, name, "", |ui, _| match scan {
+        Some(scan) => posed_ui(ui, &scan),
+        None => {
+            ui.weak("\u{2026}")
+                .on_hover_text("shown once the curvatures of the surface are known");
+        }
+    });
+}
+
+/// What a scan says about the well-posedness of a flow.
+fn posed_ui(ui: &mut Ui, scan: &WellPosedScan) {
     let (text, color, tip) = if scan.undefined > 0 {
         (
             "undefined in places",
@@ -266,11 +278,8 @@ fn badge_ui(ui: &mut Ui, model: &Model, side: usize) {
             "the flow is strictly parabolic on the whole surface",
         )
     };
-    let name = ["This flow is", "Flow B is"][side.min(1)];
-    row(ui, name, "", |ui, _| {
-        ui.label(RichText::new(text).color(color).strong())
-            .on_hover_text(tip);
-    });
+    ui.label(RichText::new(text).color(color).strong())
+        .on_hover_text(tip);
 }
 
 fn compare_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
