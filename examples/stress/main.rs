@@ -59,10 +59,19 @@ struct Counts {
     left: usize,
     unconverged: usize,
     raised: usize,
-    slowest: f64,
+    /// Seconds and seed.
+    slowest: (f64, u64),
 }
 
 impl Counts {
+    /// Takes the time of a seed.
+    fn time(&mut self, start: Instant, seed: u64) {
+        let seconds = start.elapsed().as_secs_f64();
+        if seconds > self.slowest.0 {
+            self.slowest = (seconds, seed);
+        }
+    }
+
     fn add(&mut self, verdict: Verdict, is_clean: bool) {
         self.holes.entry(verdict).or_default()[usize::from(!is_clean)] += 1;
     }
@@ -132,7 +141,7 @@ fn tried(
     let start = Instant::now();
     let run = std::panic::AssertUnwindSafe(|| case.operation.run(&case.mesh, seed));
     let results = std::panic::catch_unwind(run).unwrap_or_else(|_| vec![(Verdict::Panic, true)]);
-    counts.slowest = counts.slowest.max(start.elapsed().as_secs_f64());
+    counts.time(start, seed);
     for &(verdict, is_clean) in &results {
         counts.add(verdict, is_clean);
     }
@@ -180,7 +189,7 @@ fn judge(seed: u64, input: &Input, counts: &mut Counts) -> Verdict {
         fill.run()
     };
     let filled = std::panic::catch_unwind(fill);
-    counts.slowest = counts.slowest.max(start.elapsed().as_secs_f64());
+    counts.time(start, seed);
     let mut count = |verdict, is_clean: bool| {
         counts.add(verdict, is_clean);
         verdict
@@ -341,8 +350,8 @@ fn table(all: &BTreeMap<String, Counts>) {
         print!("{:>12}", format!("{verdict:?}"));
     }
     println!(
-        "{:>8}{:>12}{:>8}{:>10}",
-        "left", "unconverged", "raised", "slowest"
+        "{:>8}{:>12}{:>8}{:>10}{:>7}",
+        "left", "unconverged", "raised", "slowest", "seed"
     );
     for (damage, counts) in all {
         print!("{damage:<14}");
@@ -351,8 +360,8 @@ fn table(all: &BTreeMap<String, Counts>) {
             print!("{:>12}", format!("{clean} + {other}"));
         }
         println!(
-            "{:>8}{:>12}{:>8}{:>10.1}",
-            counts.left, counts.unconverged, counts.raised, counts.slowest
+            "{:>8}{:>12}{:>8}{:>10.1}{:>7}",
+            counts.left, counts.unconverged, counts.raised, counts.slowest.0, counts.slowest.1
         );
     }
 }
