@@ -37,6 +37,12 @@ pub enum Preset {
     MeanVariation,
 }
 
+impl serde::Serialize for Preset {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.text())
+    }
+}
+
 impl Preset {
     /// All presets, in the order they are listed to users.
     pub const ALL: [Self; 12] = [

@@ -140,22 +140,25 @@ impl GroupFlow {
         let has_model = self.others.len() < self.topology.holes.len();
         let is_predicted = self.options.predicts_surface && has_model;
         GroupSurface {
-            model: Candidate {
-                symmetric: !self.counterparts(&self.options).is_empty(),
-                ..Candidate::of(flow)
-            },
+            model: self.chosen(&self.options).unwrap_or(Candidate::of(flow)),
             prediction: self.prediction.clone().filter(|_| is_predicted),
             others: self.others.clone(),
         }
     }
 
+    /// The candidate that prediction chose for resolved options.
+    fn chosen(&self, options: &FillOptions) -> Option<Candidate> {
+        let prediction = self.prediction.as_deref();
+        let prediction = prediction.filter(|_| options.predicts_surface);
+        Some(prediction?.chosen()?.0)
+    }
+
     /// The counterparts that the holes follow with resolved options; none unless the symmetric model
     /// was chosen.
     fn counterparts(&self, options: &FillOptions) -> &[Option<Counterpart>] {
-        let prediction = self.prediction.as_deref();
-        let prediction = prediction.filter(|_| options.predicts_surface);
-        let symmetric = prediction.filter(|p| p.chosen().is_some_and(|c| c.0.symmetric));
-        symmetric.map_or(&[], |p| &p.counterparts)
+        let is_symmetric = self.chosen(options).is_some_and(|chosen| chosen.symmetric);
+        let prediction = self.prediction.as_deref().filter(|_| is_symmetric);
+        prediction.map_or(&[], |p| &p.counterparts)
     }
 
     /// Lets a flow that has converged follow the counterparts of the holes.

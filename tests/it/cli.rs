@@ -843,7 +843,7 @@ fn a_given_energy_selects_the_surface_model_energy() {
     assert!(auto["expected_error"].as_f64().is_some_and(|e| e > 0.0));
     let candidates = auto["candidates"].as_array().expect("candidates").iter();
     let plain = candidates.filter(|candidate| candidate["symmetric"] == false);
-    assert_eq!(plain.count(), 5);
+    assert_eq!(plain.count(), 6);
     assert_eq!(auto, surface(&["--surface", "auto"]));
     for arguments in [
         &["--energy", "H^2"][..],

@@ -51,7 +51,7 @@ const LIMITS: [(&str, f64, f64); 26] = [
     ("torus_4holes", 1e-3, 1.2e-3),
     ("catenoid_hole", 4.5e-4, 7.6e-4),
     ("ellipsoid_hole", 5e-3, 6.1e-3),
-    ("saddle_hole", 2.7e-3, 2.6e-3),
+    ("saddle_hole", 1.8e-3, 2.6e-3),
     ("cylinder_window", 4.5e-4, 4.5e-4),
     ("plane_L", 1e-12, 0.0),
     ("bunny_riddled", 3.5e-2, 3.5e-2),
