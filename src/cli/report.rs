@@ -113,6 +113,9 @@ pub struct SurfaceReport {
     /// The model and its tension.
     #[serde(flatten)]
     pub model: Candidate,
+    /// The other model or triangulation of the patch, if an unsound one was replaced.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replaced_by: Option<String>,
     /// RMS error to expect of the fill, relative to the hole radius: that of the pseudo-holes times
     /// `error_scale`; null without a prediction, and if an unsound patch was replaced by one of another
     /// model.
@@ -141,6 +144,7 @@ impl SurfaceReport {
         let errors = prediction.iter().flat_map(|p| &p.errors);
         Self {
             model: surface.model,
+            replaced_by: surface.other_of(hole).map(str::to_owned),
             expected_error: surface.expected_error_of(hole),
             error_scale: prediction.map(|p| p.scale),
             pseudo_holes: prediction.map_or(0, |p| p.discs),

@@ -11,7 +11,7 @@ use crate::fill::noise::roughened;
 use crate::fill::options::{Continuity, FillOptions};
 use crate::fill::patch_topology::PatchTopology;
 use crate::fill::plan::Domain;
-use crate::fill::prediction::{Candidate, GroupSurface, Prediction};
+use crate::fill::prediction::{Candidate, GroupSurface, OtherSurface, Prediction};
 use crate::fill::region;
 use crate::fill::remesh::{RemeshPolicy, remesh, remesh_degraded};
 use crate::fill::result::{Timings, milliseconds};
@@ -48,7 +48,7 @@ pub(super) struct GroupFlow {
     /// What the last check for soundness found, by hole.
     patch_warnings: Vec<(LoopId, Warning)>,
     /// The holes whose patches it replaced by those of another model or on another triangulation.
-    others: Vec<LoopId>,
+    others: Vec<OtherSurface>,
     timings: Timings,
 }
 
@@ -142,6 +142,7 @@ impl GroupFlow {
         GroupSurface {
             model: self.chosen(&self.options).unwrap_or(Candidate::of(flow)),
             prediction: self.prediction.clone().filter(|_| is_predicted),
+            holes: self.topology.holes.len(),
             others: self.others.clone(),
         }
     }

@@ -60,7 +60,7 @@ pub use features::creases_through;
 pub use islands::{rim_sets, with_islands};
 pub use options::{Continuity, Features, FillOptions, PatchTexture, Surface, Symmetry};
 pub use partial::{PartialError, fill_part, part_chord};
-pub use prediction::{Candidate, GroupSurface, Prediction};
+pub use prediction::{Candidate, GroupSurface, OtherSurface, Prediction};
 pub use prepare::flow_problem;
 pub use process::{
     FillEvent, FillProcess, FillSnapshot, FillState, FillTask, FillTimeline, GroupState,

@@ -91,8 +91,20 @@ pub struct GroupSurface {
     pub model: Candidate,
     /// What chose it; `None` if the options did.
     pub prediction: Option<Arc<Prediction>>,
+    /// Number of holes in the group.
+    pub holes: usize,
     /// The holes whose patches were not sound and are by another model or on another triangulation.
-    pub others: Vec<LoopId>,
+    pub others: Vec<OtherSurface>,
+}
+
+/// What gave the patch of a hole that is not by the model of its group.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct OtherSurface {
+    /// The hole.
+    pub hole: LoopId,
+    /// The model or triangulation in words.
+    pub by: String,
 }
 
 impl GroupSurface {
@@ -105,7 +117,26 @@ impl GroupSurface {
     /// The error to expect of one hole; `None` if its patch is by another model.
     pub fn expected_error_of(&self, hole: LoopId) -> Option<f64> {
         self.expected_error()
-            .filter(|_| !self.others.contains(&hole))
+            .filter(|_| self.other_of(hole).is_none())
+    }
+
+    /// What gave the patch of a hole, in words; `None` if it is by the model of the group.
+    pub fn other_of(&self, hole: LoopId) -> Option<&str> {
+        let other = self.others.iter().find(|other| other.hole == hole);
+        other.map(|other| &other.by[..])
+    }
+
+    /// The model, and those of holes by other ones.
+    pub fn words(&self) -> String {
+        match &self.others[..] {
+            [] => self.model.words(),
+            [one] if self.holes == 1 => one.by.clone(),
+            others => {
+                let each = others.iter();
+                let each = each.map(|other| format!("; hole {}: {}", other.hole, other.by));
+                self.model.words() + &each.collect::<String>()
+            }
+        }
     }
 }
 

@@ -125,7 +125,7 @@ impl WindowProcess for FillProcess {
                 rejected: group.rejected,
                 angle: at.map(|s| s.worst_angle),
                 end,
-                surface: group.surface.model.words(),
+                surface: group.surface.words(),
                 expected_error: group.surface.expected_error(),
                 eta: eta.filter(|_| group.end.is_none()),
                 doing: iterations + &words,
