@@ -62,6 +62,7 @@ impl GroupFlow {
         run.timings.prediction = milliseconds(start);
         if let Err(error) = run.set_up(context) {
             run.failed = Some(error);
+            run.make_sound(context);
         }
         run
     }
@@ -255,6 +256,7 @@ impl GroupFlow {
             Err(error) => {
                 let (topology, fallback_positions) = (Arc::clone(&self.topology), self.positions());
                 self.fail(error, topology, fallback_positions);
+                self.make_sound(context);
                 None
             }
         }
@@ -348,13 +350,14 @@ impl GroupFlow {
         }
     }
 
-    /// Whether the flow has ended and its patches are checked for soundness.
+    /// Whether the flow has ended or failed and its patches are checked for soundness.
     fn is_checked(&self, context: FillContext<'_>) -> bool {
         let is_patched = matches!(context.plan.domain, Domain::Holes(_));
-        is_patched && !matches!(self.end(), None | Some(End::Cancelled))
+        let has_ended = !matches!(self.end(), None | Some(End::Cancelled));
+        is_patched && (has_ended || self.failed.is_some())
     }
 
-    /// Checks the patches at the end of the flow, and replaces unsound ones of single rims.
+    /// Checks the patches at the end of the flow or after its failure, and replaces unsound ones of single rims.
     fn make_sound(&mut self, context: FillContext<'_>) {
         if !self.is_checked(context) {
             return;
@@ -373,15 +376,17 @@ impl GroupFlow {
         self.others = checked.others;
         if let Some((topology, positions)) = checked.replaced {
             let topology = Arc::new(topology);
-            let (steps, rejected) = self.step_counts();
-            let end = self.end().unwrap_or(End::Converged);
-            let options = self.options.clone();
-            let flow = self.build(context, &topology, &positions, &options, steps, rejected);
-            let mut flow = flow.ok().flatten();
-            if let Some(flow) = &mut flow {
-                flow.finish(end);
-            }
-            self.install(topology, positions, flow);
+            let failed = self.failed.take();
+            let flow = failed.is_none().then(|| {
+                let (steps, rejected) = self.step_counts();
+                let options = &self.options;
+                let flow = self.build(context, &topology, &positions, options, steps, rejected);
+                let mut flow = flow.ok().flatten()?;
+                flow.finish(self.end().unwrap_or(End::Converged));
+                Some(flow)
+            });
+            self.install(topology, positions, flow.flatten());
+            self.failed = failed;
         }
         self.timings.soundness += milliseconds(start);
     }

@@ -73,6 +73,22 @@ fn patches_are_checked_however_the_flow_ends() {
     assert_eq!(with("0-H^2", 100), End::StepSizeCollapsed);
 }
 
+/// A flow that cannot start leaves the warm start, which passes through the plate.
+#[test]
+fn patches_are_checked_after_a_failure() {
+    let energy = Energy::parse("log(H-100)", &std::collections::BTreeMap::new());
+    let mut options = FillOptions {
+        predicts_surface: false,
+        ..FillOptions::default()
+    };
+    options.flow.energy = energy.expect("an energy");
+    let filled = filled_below_plate(&below_plate(), &options);
+    assert!(filled.groups[0].is_err());
+    let faces: Vec<[u32; 3]> = filled.mesh.topology.triangles().collect();
+    let pairs = self_intersections(&filled.mesh.positions, &faces, None, 1);
+    assert!(pairs.is_empty());
+}
+
 /// The warnings of a fill of all loops, and the pairs of faces that meet and folded edges of the result.
 fn filled_all(positions: Vec<DVec3>, triangles: &[[u32; 3]]) -> (Vec<&'static str>, usize) {
     let mesh = Mesh::from_triangles(positions, triangles).expect("a manifold");
