@@ -8,6 +8,7 @@
 //! the hole radius, is that error, scaled by how much more the rim of the hole turns than those of the
 //! discs.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -151,6 +152,8 @@ pub struct Prediction {
     /// Ratio of the error to expect of the holes to that of their pseudo-holes: the square root of how
     /// much more the rims of the holes turn.
     pub scale: f64,
+    /// Whether the mean curvature varies around each hole.
+    pub(super) varies: bool,
     /// What fills each hole by symmetry, if the symmetric candidate is chosen.
     pub(super) counterparts: Vec<Option<Counterpart>>,
 }
@@ -169,9 +172,7 @@ const HOPELESS: f64 = 2.0 * SMOOTH;
 /// Error of `energy` up to which no symmetry is looked for, and error to expect of it up to which no
 /// other energy is tried.
 const EXACT: f64 = 1e-3;
-/// Part of the error without symmetry up to which a counterpart is used, and of that of `energy` up to
-/// which another energy is. On spheres the variation of the mean curvature has 0.95 to 0.99 of the
-/// error of `H²` on the pseudo-holes, but 1.3 to 2.4 times its error in the hole.
+/// Part of the error without symmetry up to which a counterpart is used.
 pub(super) const WORTH: f64 = 0.9;
 /// Tensions of the candidates `G2`.
 pub(super) const TENSIONS: [f64; 4] = [100.0, 30.0, 10.0, 0.0];
@@ -185,11 +186,19 @@ const ENERGIES: [Candidate; 2] = {
     };
     [energy, variation]
 };
-/// Most new vertices of a hole for which the second is tried; it takes three times the memory of the first.
-const MOST_VARIED: usize = 4000;
+/// New vertices of a hole for which the second is tried. In smaller ones the errors are those of the triangles. It
+/// takes three times the memory of the first.
+const VARIED: RangeInclusive<usize> = 40..=4000;
 /// Most turning of the rim of such a hole: as on a cap of 60° of a sphere. At the end of a tube, whose rim turns
 /// by 1, the surface of least variation is far from that of the pseudo-holes.
 const MOST_TURNING: f64 = 0.5;
+/// Variation of the mean curvature over the pseudo-holes up to which it counts as constant: `H²` is then the
+/// better energy, which is exact on spheres.
+const CONSTANT: f64 = 0.05;
+/// Error of the second energy, over that of the first, up to which it is chosen where the mean curvature is
+/// constant and where it varies. On small pseudo-holes both errors are those of the triangles; farther from a
+/// rim the second is better where the mean curvature varies.
+const PREFERRED: [f64; 2] = [0.9, 1.5];
 /// Number of candidates without symmetry.
 const CANDIDATES: usize = TENSIONS.len() + ENERGIES.len();
 
@@ -253,6 +262,7 @@ impl Prediction {
             errors,
             discs: count,
             scale: if extent > 0.0 { root(turning) } else { 1.0 },
+            varies: predicted.iter().flatten().all(|one| one.varies),
             counterparts,
         }
     }
@@ -268,7 +278,8 @@ impl Prediction {
             errors.find(|e| e.0 == candidate && e.1 <= SMOOTH)
         };
         let [energy, variation] = ENERGIES.map(of);
-        let is_better = |e: &&(Candidate, f64)| energy.is_none_or(|f| e.1 <= WORTH * f.1);
+        let preferred = PREFERRED[usize::from(self.varies)];
+        let is_better = |e: &&(Candidate, f64)| energy.is_none_or(|f| e.1 <= preferred * f.1);
         let energy = variation.filter(is_better).or(energy);
         let plain = energy.or(others)?;
         // the same flow as without symmetry, or one that must be better by far, because `energy` is exact on
@@ -287,6 +298,7 @@ struct HolePrediction {
     symmetric: Option<SymmetricErrors>,
     discs: usize,
     turning_ratio: f64,
+    varies: bool,
 }
 
 impl HolePrediction {
@@ -305,9 +317,13 @@ impl HolePrediction {
         if surroundings.discs.is_empty() {
             return None;
         }
-        let is_small = hole.patch.new_points().len() <= MOST_VARIED;
+        let new = hole.patch.new_points().len();
         let is_open = surroundings.turning() <= MOST_TURNING;
-        let count = if is_small && is_open { 2 } else { 1 };
+        let count = if VARIED.contains(&new) && is_open {
+            2
+        } else {
+            1
+        };
         let energies = &ENERGIES[..count];
         let (errors, restored) = mean_squares(context.mesh, &surroundings, flow, energies, alone);
         let discs = restored.len();
@@ -323,6 +339,7 @@ impl HolePrediction {
             symmetric,
             discs,
             turning_ratio: surroundings.turning_ratio(),
+            varies: surroundings.curvature_variation() > CONSTANT,
         })
     }
 }
@@ -629,6 +646,7 @@ mod tests {
                 errors,
                 discs: 9,
                 scale: 1.0,
+                varies: true,
                 counterparts: Vec::new(),
             };
             prediction.chosen().map(|c| c.0.surface)

@@ -97,6 +97,30 @@ impl Surroundings {
         self.turning
     }
 
+    /// How much the mean curvature varies: the standard deviation of its means over the pseudo-holes, over their
+    /// RMS. Over a pseudo-hole the errors of the curvatures at single vertices nearly cancel.
+    pub fn curvature_variation(&self) -> f64 {
+        let mean = |disc: &Disc| {
+            let vertices = disc.vertices.iter().zip(&disc.normals);
+            let parts = vertices.map(|(&v, normal)| {
+                let (vector, area) = self.laplacian.curvature(&self.points, v as usize);
+                (0.5 * vector.dot(*normal), area)
+            });
+            let (sum, area) = parts.fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+            sum / area
+        };
+        let means: Vec<f64> = self.discs.iter().map(mean).collect();
+        let count = means.len() as f64;
+        let average = means.iter().sum::<f64>() / count;
+        let square = means.iter().map(|h| h * h).sum::<f64>() / count;
+        let variation = ((square - average * average).max(0.0) / square).sqrt();
+        if variation.is_finite() {
+            variation
+        } else {
+            0.0
+        }
+    }
+
     /// The turning of the rims of the hole over the mean of its pseudo-holes, 1 on a plane. The squared error
     /// of a fill is about proportional to it (measured; docs/decisions.md).
     pub fn turning_ratio(&self) -> f64 {
@@ -415,6 +439,25 @@ mod tests {
                 assert!((radius - 0.5 * part).abs() < edge, "{size}: {radius}");
             }
         }
+    }
+
+    #[test]
+    fn the_mean_curvature_varies_unless_it_is_constant() {
+        let variation = |(positions, triangles): (Vec<DVec3>, Vec<[u32; 3]>)| {
+            let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
+            surroundings(&mesh).curvature_variation()
+        };
+        let side = |p: DVec3| p.x > 0.9;
+        let sphere = shapes::cut_where(&shapes::sphere(2000, 1), side);
+        let of_sphere = variation(sphere.clone());
+        assert!(of_sphere < 0.02, "{of_sphere}");
+        // of the ellipsoid with half-axes 1, 1 and 2: H is 0.625 at the equator and 2 at the poles
+        let (mut positions, triangles) = sphere;
+        for p in &mut positions {
+            p.z *= 2.0;
+        }
+        let of_ellipsoid = variation((positions, triangles));
+        assert!(of_ellipsoid > 0.1, "{of_ellipsoid}");
     }
 
     #[test]

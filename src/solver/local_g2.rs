@@ -51,6 +51,13 @@ impl Laplacian {
         out
     }
 
+    /// The integral of the curvature vector `2H n` over the cell of a vertex, and the area of the cell.
+    pub fn curvature(&self, points: &[DVec3], i: usize) -> (DVec3, f64) {
+        let edges = self.edges(i).iter();
+        let sum = edges.map(|&(j, w)| w * (points[j as usize] - points[i]));
+        (sum.sum(), self.mass[i])
+    }
+
     /// The neighbours of a vertex with the weights of the edges.
     fn edges(&self, i: usize) -> &[(u32, f64)] {
         &self.edges[self.start[i]..self.start[i + 1]]
