@@ -66,6 +66,11 @@ impl Candidate {
         }
     }
 
+    /// Whether it makes the energy of the options stationary.
+    pub fn uses_energy(&self) -> bool {
+        self.surface == SurfaceModel::Energy && self.energy.is_none()
+    }
+
     /// The model by name, with its own energy and its tension if there are any.
     pub fn words(&self) -> String {
         let mut words = self.surface.name().to_owned();
@@ -607,6 +612,7 @@ mod tests {
         let (surface, result) = of(1.0);
         assert_eq!(surface.model, ENERGIES[1]);
         assert_eq!(surface.model.words(), "energy gradH2");
+        assert!(!surface.model.uses_energy());
         let new = &result.positions[positions.len()..];
         let squares = new.iter().map(|p| (p.z - p.x * p.x + p.y * p.y).powi(2));
         let error = (squares.sum::<f64>() / new.len() as f64).sqrt() / 0.54;

@@ -212,6 +212,27 @@ fn open_rims(harness: &mut Harness<'_, App>) {
     harness.run_steps(20);
 }
 
+/// The well-posedness is that of an energy that is used.
+#[test]
+fn an_unused_energy_is_not_called_well_posed() {
+    let mut harness = window_of([1280.0, 1000.0], true);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    let labels = |harness: &Harness<'_, App>| {
+        ["well-posed", "not used by this surface model"]
+            .map(|label| harness.query_by_label(label).is_some())
+    };
+    wait_for("the well-posedness", || {
+        harness.step();
+        (labels(&harness) == [true, false]).then_some(())
+    });
+    let mut controls = harness.state().model.document.controls.clone();
+    controls.surface = Surface::G2;
+    let model = &mut harness.state_mut().model;
+    act(model, ControlsAction::Set(Box::new(controls)));
+    harness.run_steps(3);
+    assert_eq!(labels(&harness), [false, true]);
+}
+
 /// A row of any list highlights its loop in the view, and leaving the row ends that.
 #[test]
 fn hovered_rows_are_highlighted_in_the_view() {

@@ -126,6 +126,7 @@ impl WindowProcess for FillProcess {
                 angle: at.map(|s| s.worst_angle),
                 end,
                 surface: group.surface.words(),
+                uses_energy: group.surface.model.uses_energy(),
                 expected_error: group.surface.expected_error(),
                 eta: eta.filter(|_| group.end.is_none()),
                 doing: iterations + &words,

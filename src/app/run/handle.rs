@@ -174,6 +174,8 @@ pub struct Figures {
     pub doing: String,
     /// The surface model; empty for a refinement.
     pub surface: String,
+    /// Whether the surface model makes the energy of the controls stationary.
+    pub uses_energy: bool,
     /// The error to expect, relative to the hole radius.
     pub expected_error: Option<f64>,
 }

@@ -131,6 +131,7 @@ impl WindowProcess for RefineProcess {
             angle: None,
             end,
             surface: String::new(),
+            uses_energy: true,
             expected_error: None,
             eta: None,
             doing: format!(

@@ -22,7 +22,7 @@ pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>)
             ui.separator();
         }
         ui.heading("Energy");
-        if model.view.task != Task::Refine && !model.document.controls.surface.has_energy() {
+        if !super::energy::is_used(model) {
             ui.weak("not used by this surface model");
         }
         if model.view.task == Task::Refine && model.view.refining.controls.energy.is_none() {

@@ -9,6 +9,7 @@ use super::theme;
 use crate::app::action::{Action, ControlsAction};
 use crate::app::cached::ParsedEnergy;
 use crate::app::model::Model;
+use crate::app::run::Figures;
 use crate::app::ui::widgets::{named, row, slider_row};
 use crate::app::update::params_for;
 use crate::app::view_state::Task;
@@ -62,12 +63,21 @@ pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
     }
     // it is about the energy in use, not about the one that is being typed
-    if typed.is_valid && view.energy_text.trim() == controls.energy {
+    if typed.is_valid && view.energy_text.trim() == controls.energy && is_used(model) {
         badge_ui(ui, model, 0);
     }
     if model.view.task != Task::Refine {
         compare_ui(ui, model, actions);
     }
+}
+
+/// Whether the run, or the next one, makes the energy of the controls stationary.
+pub(crate) fn is_used(model: &Model) -> bool {
+    let sides = model.run.iter().filter_map(|run| run.sides.first());
+    let rows: Vec<Figures> = sides.flat_map(|side| side.handle.figures(None)).collect();
+    let is_refined = model.view.task == Task::Refine;
+    let may_be = is_refined || model.document.controls.surface.has_energy();
+    may_be && (rows.is_empty() || rows.iter().any(|row| row.uses_energy))
 }
 
 /// A list of presets by their names. Returns the one that was chosen.
