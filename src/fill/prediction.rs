@@ -323,12 +323,8 @@ impl HolePrediction {
             return None;
         }
         let new = hole.patch.new_points().len();
-        let is_open = surroundings.turning() <= MOST_TURNING;
-        let count = if VARIED.contains(&new) && is_open {
-            2
-        } else {
-            1
-        };
+        let is_varied = VARIED.contains(&new) && surroundings.turning <= MOST_TURNING;
+        let count = 1 + usize::from(is_varied);
         let energies = &ENERGIES[..count];
         let (errors, restored) = mean_squares(context.mesh, &surroundings, flow, energies, alone);
         let discs = restored.len();

@@ -48,7 +48,7 @@ pub(super) struct Surroundings {
     /// The pseudo-holes.
     pub discs: Vec<Disc>,
     /// The [turning] of the rims of the hole.
-    turning: f64,
+    pub turning: f64,
     /// The Laplacian at the vertices of the discs and of all rings around them but the last.
     pub laplacian: Laplacian,
 }
@@ -90,11 +90,6 @@ impl Surroundings {
             turning,
             laplacian,
         }
-    }
-
-    /// The [turning] of the rims of the hole.
-    pub fn turning(&self) -> f64 {
-        self.turning
     }
 
     /// How much the mean curvature varies: the standard deviation of its means over the pseudo-holes, over their
