@@ -207,21 +207,16 @@ impl FillContext<'_> {
         let topology = problem.topology();
         let seeds = own.iter().map(|&v| VertexId(v));
         let near = Neighbourhood::small(topology, seeds, G2_RINGS);
-        let at = |&v: &VertexId| {
-            let mut face = faces.get(&(number, v.0)).copied().flatten();
-            let normal = vertex_normal(topology, v, |v| positions[v.index()]);
-            let there = normal.and_then(|normal| {
-                let point = positions[v.index()] + problem.centre();
-                let sample = Sample { point, normal };
-                self.counterpart(&counterpart.isometry, &sample, &mut face)
-            });
-            (v.0, there.map(|there| there - problem.centre()), face)
+        let mut at = |v: VertexId| {
+            let normal = vertex_normal(topology, v, |v| positions[v.index()])?;
+            let point = positions[v.index()] + problem.centre();
+            let sample = Sample { point, normal };
+            let face = faces.entry((number, v.0)).or_default();
+            let there = self.counterpart(&counterpart.isometry, &sample, face)?;
+            Some(there - problem.centre())
         };
-        let found = near.vertices().par_iter().with_min_len(64).map(at);
-        let found: Vec<_> = found.collect();
-        faces.extend(found.iter().map(|&(v, _, face)| ((number, v), face)));
         Reference {
-            positions: found.into_iter().map(|(v, there, _)| (v, there)).collect(),
+            positions: near.vertices().iter().map(|&v| (v.0, at(v))).collect(),
             share: counterpart.share,
         }
     }
