@@ -337,6 +337,13 @@ impl Run {
         Some(format!("{done} of {all} holes done{eta}"))
     }
 
+    /// Whether the first side makes the energy of its controls stationary, as far as is known.
+    pub fn uses_energy(&self) -> bool {
+        let rows = self.sides.first().map(|side| side.handle.figures(None));
+        let rows = rows.unwrap_or_default();
+        rows.is_empty() || rows.iter().any(|row| row.uses_energy)
+    }
+
     /// The results of a fill that has ended in one line.
     fn summary(&self) -> Option<String> {
         if !matches!(self.operation, Operation::Fill(_)) {

@@ -137,15 +137,20 @@ impl GroupFlow {
 
     /// The surface model of the flow, and the prediction that chose it.
     pub fn surface(&self) -> GroupSurface {
-        let flow = &self.options.flow;
         let has_model = self.others.len() < self.topology.holes.len();
         let is_predicted = self.options.predicts_surface && has_model;
         GroupSurface {
-            model: self.chosen(&self.options).unwrap_or(Candidate::of(flow)),
+            model: self.model(),
             prediction: self.prediction.clone().filter(|_| is_predicted),
             holes: self.topology.holes.len(),
             others: self.others.clone(),
         }
+    }
+
+    /// The surface model of the flow.
+    fn model(&self) -> Candidate {
+        let chosen = self.chosen(&self.options);
+        chosen.unwrap_or(Candidate::of(&self.options.flow))
     }
 
     /// The candidate that prediction chose for resolved options.
@@ -369,6 +374,7 @@ impl GroupFlow {
             self.group,
             &self.topology,
             positions,
+            self.model(),
             self.counterparts(&self.options),
             &self.options,
         );

@@ -391,7 +391,8 @@ mod tests {
     /// The surroundings of the first hole of a mesh.
     fn surroundings(mesh: &Mesh) -> Surroundings {
         let loops = boundary_loops(mesh);
-        Surroundings::new(mesh, &HoleRims::new(mesh, &[&loops[0]]))
+        let hole = loops.iter().find(|l| !l.is_outer_boundary);
+        Surroundings::new(mesh, &HoleRims::new(mesh, &[hole.expect("a hole")]))
     }
 
     #[test]
@@ -416,14 +417,8 @@ mod tests {
             let plane = shapes::plane(size, 40, 1);
             let (positions, triangles) = shapes::cut_where(&plane, |p| p.x.hypot(p.y) < 0.5);
             let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
-            let loops = boundary_loops(&mesh);
-            let hole = loops.iter().min_by(|a, b| a.radius.total_cmp(&b.radius));
-            let around = Surroundings::new(&mesh, &HoleRims::new(&mesh, &[hole.expect("a loop")]));
-            around
-                .discs
-                .iter()
-                .map(|disc| disc.radius)
-                .collect::<Vec<f64>>()
+            let discs = surroundings(&mesh).discs;
+            discs.iter().map(|disc| disc.radius).collect::<Vec<f64>>()
         };
         // the rim of a disc is about half an edge beyond its radius
         for (size, part) in [(4.0, SIZES[0]), (2.0, SIZES[1])] {

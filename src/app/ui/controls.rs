@@ -22,13 +22,14 @@ pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>)
             ui.separator();
         }
         ui.heading("Energy");
-        if !super::energy::is_used(model) {
+        let is_used = super::energy::is_used(model);
+        if !is_used {
             ui.weak("not used by this surface model");
         }
         if model.view.task == Task::Refine && model.view.refining.controls.energy.is_none() {
             ui.weak("adapted to the edge length of the mesh, see the task on the left");
         } else {
-            super::energy::energy_ui(ui, model, actions);
+            super::energy::energy_ui(ui, model, is_used, actions);
         }
         let mut next = model.document.controls.clone();
         let refining = model.view.task == Task::Refine;

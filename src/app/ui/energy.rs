@@ -9,7 +9,7 @@ use super::theme;
 use crate::app::action::{Action, ControlsAction};
 use crate::app::cached::ParsedEnergy;
 use crate::app::model::Model;
-use crate::app::run::Figures;
+use crate::app::run::Run;
 use crate::app::ui::widgets::{named, row, slider_row};
 use crate::app::update::params_for;
 use crate::app::view_state::Task;
@@ -35,8 +35,8 @@ fn about(preset: Preset) -> &'static str {
     }
 }
 
-/// Choice and expression.
-pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
+/// Choice and expression of an energy that [`is_used`] or not.
+pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, is_used: bool, actions: &mut Vec<Action>) {
     let view = &model.view;
     let controls = &model.document.controls;
     if let Some(preset) = preset_ui(ui, "Preset", &view.energy_text, &controls.param) {
@@ -63,7 +63,7 @@ pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
     }
     // it is about the energy in use, not about the one that is being typed
-    if typed.is_valid && view.energy_text.trim() == controls.energy && is_used(model) {
+    if typed.is_valid && view.energy_text.trim() == controls.energy && is_used {
         badge_ui(ui, model, 0);
     }
     if model.view.task != Task::Refine {
@@ -73,11 +73,9 @@ pub(crate) fn energy_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 
 /// Whether the run, or the next one, makes the energy of the controls stationary.
 pub(crate) fn is_used(model: &Model) -> bool {
-    let sides = model.run.iter().filter_map(|run| run.sides.first());
-    let rows: Vec<Figures> = sides.flat_map(|side| side.handle.figures(None)).collect();
     let is_refined = model.view.task == Task::Refine;
     let may_be = is_refined || model.document.controls.surface.has_energy();
-    may_be && (rows.is_empty() || rows.iter().any(|row| row.uses_energy))
+    may_be && model.run.as_ref().is_none_or(Run::uses_energy)
 }
 
 /// A list of presets by their names. Returns the one that was chosen.

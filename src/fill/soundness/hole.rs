@@ -123,7 +123,11 @@ impl HoleOfGroup<'_> {
         model: Candidate,
         options: &FillOptions,
     ) -> bool {
-        let chosen = Candidate::of(&options.flow);
+        // other surfaces follow no counterpart
+        let chosen = Candidate {
+            symmetric: false,
+            ..model
+        };
         let all = || {
             let safer = SAFER.into_iter().filter(move |&safer| safer != chosen);
             std::iter::once(chosen).chain(safer)

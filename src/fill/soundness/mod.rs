@@ -34,7 +34,7 @@ pub(super) struct Checked {
     pub others: Vec<OtherSurface>,
 }
 
-/// Checks the patches of a group with new vertices at `positions`, filled with `options`. A wrinkled patch
+/// Checks the patches of a group with new vertices at `positions`, filled by `model` with `options`. A wrinkled patch
 /// by a predicted model is replaced by a [smoother](HoleOfGroup::smoother) one. An unsound
 /// patch is [repaired](HoleOfGroup::repaired) near its defects or else replaced by the first sound surface of
 /// [other models](SAFER) or of other triangulations, or by the least unsound. The
@@ -44,11 +44,12 @@ pub(super) fn make_sound(
     group: usize,
     topology: &PatchTopology,
     positions: Vec<DVec3>,
+    model: Candidate,
     counterparts: &[Option<Counterpart>],
     options: &FillOptions,
 ) -> Checked {
     let given = (topology.clone(), positions);
-    let mut check = Check::new(context, group, given.clone(), counterparts, options);
+    let mut check = Check::new(context, group, given.clone(), model, counterparts, options);
     if options.predicts_surface {
         check.smooth_wrinkled();
     }
@@ -89,6 +90,7 @@ impl<'a> Check<'a> {
         context: FillContext<'a>,
         group: usize,
         present: Surface,
+        model: Candidate,
         counterparts: &'a [Option<Counterpart>],
         options: &'a FillOptions,
     ) -> Self {
@@ -104,10 +106,7 @@ impl<'a> Check<'a> {
         let mut check = Self {
             counterparts,
             options,
-            model: Candidate {
-                symmetric: !counterparts.is_empty(),
-                ..Candidate::of(&options.flow)
-            },
+            model,
             present,
             found: Vec::new(),
             origins: vec![None; holes.len()],

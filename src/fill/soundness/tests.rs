@@ -164,7 +164,8 @@ fn a_smoother_patch_stays_when_others_of_its_group_are_filled_again() {
     };
     let positions = plan.start_positions(&mesh, 0).iter().map(waved).collect();
     let topology = &plan.groups[0].topology;
-    let checked = make_sound(context, 0, topology, positions, &[], &options);
+    let model = Candidate::of(&options.flow);
+    let checked = make_sound(context, 0, topology, positions, model, &[], &options);
     let bent = |warning: &Warning| match warning {
         Warning::Replaced { bending, .. } => Some(bending.is_some()),
         _ => None,
