@@ -93,12 +93,14 @@ pub enum Warning {
         /// One of the places.
         at: DVec3,
     },
-    /// The surface model gave an unsound or wrinkled surface; another model replaced it.
+    /// The surface model gave an unsound or wrinkled surface, which was repaired or replaced.
     Replaced {
         /// The model, in words.
         model: String,
-        /// The one that replaced it.
-        by: String,
+        /// The one that replaced it, or this model on another triangulation; `None` if it was only repaired.
+        by: Option<String>,
+        /// Whether the defects of the result were removed by moving vertices near them.
+        is_repaired: bool,
         /// Pairs of intersecting triangles of the first.
         pairs: usize,
         /// Vertices of the first that are far from the rim.
@@ -298,6 +300,7 @@ impl fmt::Display for Warning {
             Self::Replaced {
                 model,
                 by,
+                is_repaired,
                 pairs,
                 escaped,
                 folds,
@@ -321,10 +324,15 @@ impl fmt::Display for Warning {
                 let bends = bending.map(|ratio| format!("bends {ratio:.0} times as much"));
                 let reasons: Vec<String> = bends.into_iter().chain(has).collect();
                 let reasons = reasons.join(" and ");
-                write!(
-                    f,
-                    "the surface by {model} was replaced by {by}, because it {reasons}"
-                )
+                let removed = "removed by moving vertices near them";
+                let Some(by) = by else {
+                    return write!(f, "the surface by {model} {reasons}, {removed}");
+                };
+                write!(f, "{by} replaced the surface by {model}, which {reasons}")?;
+                if *is_repaired {
+                    write!(f, "; its own defects were {removed}")?;
+                }
+                Ok(())
             }
             Self::SelfIntersection {
                 pairs,
@@ -526,11 +534,12 @@ mod tests {
 
     #[test]
     fn a_replacement_names_the_defects_there_were() {
-        let text = |pairs, escaped, folds, bending| {
-            let (model, by) = ("g2".into(), "diffusion".into());
+        let text = |by: Option<&str>, is_repaired, pairs, escaped, folds, bending| {
+            let (model, by) = ("g2".into(), by.map(Into::into));
             Warning::Replaced {
                 model,
                 by,
+                is_repaired,
                 pairs,
                 escaped,
                 folds,
@@ -538,22 +547,24 @@ mod tests {
             }
             .to_string()
         };
-        let ends = |text: String, end: &str| assert!(text.ends_with(end), "{text}");
-        ends(
-            text(0, 0, 1, None),
-            "diffusion, because it has 1 folded edge",
+        let by = Some("diffusion");
+        assert_eq!(
+            text(by, false, 0, 0, 1, None),
+            "diffusion replaced the surface by g2, which has 1 folded edge"
         );
-        ends(
-            text(MAX_PAIRS, 2, 0, None),
-            "100 or more pairs of intersecting triangles, 2 vertices far from the rim",
+        assert_eq!(
+            text(None, true, MAX_PAIRS, 2, 0, None),
+            "the surface by g2 has 100 or more pairs of intersecting triangles, 2 vertices far from the \
+             rim, removed by moving vertices near them"
         );
-        ends(
-            text(0, 0, 0, Some(21.4)),
-            "because it bends 21 times as much",
+        assert_eq!(
+            text(by, false, 0, 0, 0, Some(21.4)),
+            "diffusion replaced the surface by g2, which bends 21 times as much"
         );
-        ends(
-            text(0, 0, 2, Some(9.0)),
-            "it bends 9 times as much and has 2 folded edges",
+        assert_eq!(
+            text(by, true, 0, 0, 2, Some(9.0)),
+            "diffusion replaced the surface by g2, which bends 9 times as much and has 2 folded edges; its \
+             own defects were removed by moving vertices near them"
         );
     }
 

@@ -262,15 +262,14 @@ impl<'a> Check<'a> {
                 let id = hole.rims.id();
                 let by = self.origins[k].take().filter(|_| !again.contains(&k));
                 if let Some(by) = by {
-                    let words = by.words(self.model);
-                    if by.other.is_some() {
-                        let by = words.clone();
+                    if let Some(by) = by.other.clone() {
                         others.push(OtherSurface { hole: id, by });
                     }
                     let [pairs, escaped, folds] = severity(self.found[k]);
                     let replaced = Warning::Replaced {
                         model: self.model.words(),
-                        by: words,
+                        by: by.other,
+                        is_repaired: by.is_repaired,
                         pairs: pairs.min(MAX_PAIRS),
                         escaped,
                         folds,

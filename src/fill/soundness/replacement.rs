@@ -2,7 +2,6 @@
 
 use crate::fill::defects::Defects;
 use crate::fill::patch_topology::PatchTopology;
-use crate::fill::prediction::Candidate;
 use crate::mesh::DVec3;
 
 /// Patches of a group, and its new vertices.
@@ -13,22 +12,10 @@ pub(super) type Surface = (PatchTopology, Vec<DVec3>);
 pub(super) struct Origin {
     /// Another model or triangulation, in words; `None` for the chosen model on the first triangles.
     pub other: Option<String>,
+    /// Whether vertices near its defects were moved.
     pub is_repaired: bool,
     /// How many times as much the patch before bends, if that is why it was replaced.
     pub bending: Option<f64>,
-}
-
-impl Origin {
-    /// In words, if `model` is the chosen one.
-    pub fn words(&self, model: Candidate) -> String {
-        let surface = self.other.clone().unwrap_or_else(|| model.words());
-        let repair = if self.is_repaired {
-            " changed near its defects"
-        } else {
-            ""
-        };
-        surface + repair
-    }
 }
 
 /// A surface that may replace an unsound one.
