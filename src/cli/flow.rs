@@ -8,7 +8,7 @@ use clap::Args;
 use crate::cli::UsageError;
 use crate::cli::hints::{invalid_energy, print_warnings, with_memory_hint};
 use crate::cli::options::OptionArguments;
-use crate::cli::print::{Textures, print, save_with_companions, say};
+use crate::cli::print::{Textures, largest, print, save_with_companions, say};
 use crate::cli::progress::{Progress, Work};
 use crate::cli::report::{FailedHole, FillReport, SkippedLoop, hole_reports, totals};
 use crate::cli::result_picture::ResultPicture;
@@ -250,10 +250,7 @@ impl<'a> Task<'a> {
             for note in &self.opened.report.notes {
                 say(&format!("{}: {note}", self.files.input_names()));
             }
-            for s in &skipped {
-                let SkippedLoop { id, edges, reason } = s;
-                say(&format!("loop {id} ({edges} edges) left open: {reason}"));
-            }
+            say_skipped(&skipped);
             if rim_sets.is_empty() {
                 say(&nothing_to_do(skipped.len()));
             }
@@ -421,6 +418,23 @@ fn summary(report: &FillReport) -> Result<()> {
         t.faces_added,
         t.seconds
     ))
+}
+
+/// Most loops left open that are named.
+const MOST_NAMED: usize = 10;
+
+/// Names the longest of the loops left open, and counts the others.
+fn say_skipped(skipped: &[SkippedLoop]) {
+    let (named, others) = largest(skipped, MOST_NAMED, |one| one.edges);
+    for (_, SkippedLoop { id, edges, reason }) in named {
+        say(&format!("loop {id} ({edges} edges) left open: {reason}"));
+    }
+    if let Some(most) = others.iter().map(|one| one.edges).max() {
+        let count = others.len();
+        say(&format!(
+            "{count} more loops of at most {most} edges left open; --report lists them with the reasons"
+        ));
+    }
 }
 
 fn nothing_to_do(loops: usize) -> String {

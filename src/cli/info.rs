@@ -7,9 +7,11 @@ use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 
-use crate::cli::print::print;
+use crate::cli::print::{largest, print};
 use crate::io::open_welded;
-use crate::mesh::{BoundaryLoop, LoadReport, LoopId, Weld, boundary_loops};
+use crate::mesh::{
+    BoundaryLoop, ComponentReport, Defect, DefectKind, LoadReport, LoopId, Weld, boundary_loops,
+};
 
 /// `meniscus info`.
 #[derive(Debug, Args)]
@@ -97,7 +99,24 @@ fn text(info: &Info<'_>) -> Result<String, std::fmt::Error> {
         "  {} vertices, {} triangles in the mesh",
         r.vertices, r.faces
     )?;
-    for (i, c) in r.components.iter().enumerate() {
+    components(&mut out, &r.components)?;
+    for line in &r.attributes {
+        writeln!(out, "  {line}")?;
+    }
+    for note in &r.notes {
+        writeln!(out, "  {note}")?;
+    }
+    defects(&mut out, &r.defects)?;
+    loops(&mut out, &info.loops)?;
+    Ok(out)
+}
+
+/// Most components and loops that are listed. A scan may have hundreds of loose triangles.
+const MOST_LISTED: usize = 40;
+
+fn components(out: &mut String, all: &[ComponentReport]) -> std::fmt::Result {
+    let (listed, others) = largest(all, MOST_LISTED, |c| c.faces);
+    for (i, c) in listed {
         let one_sided = if c.orientable {
             ""
         } else {
@@ -109,22 +128,46 @@ fn text(info: &Info<'_>) -> Result<String, std::fmt::Error> {
             c.faces, c.vertices, c.loops, c.euler
         )?;
     }
-    for line in &r.attributes {
-        writeln!(out, "  {line}")?;
+    match others.iter().map(|c| c.faces).max() {
+        Some(most) => writeln!(
+            out,
+            "  {} more components of at most {most} faces (--json lists them)",
+            others.len()
+        ),
+        None => Ok(()),
     }
-    for note in &r.notes {
-        writeln!(out, "  {note}")?;
+}
+
+/// Most places of defects of one kind that are listed.
+const MOST_PLACES: usize = 3;
+
+/// The kinds of defects with some places.
+fn defects(out: &mut String, all: &[Defect]) -> std::fmt::Result {
+    let mut kinds: Vec<DefectKind> = all.iter().map(|d| d.kind).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    for kind in kinds {
+        let of_kind: Vec<&Defect> = all.iter().filter(|d| d.kind == kind).collect();
+        write!(out, "  {}: at", kind.words())?;
+        for d in of_kind.iter().take(MOST_PLACES) {
+            let p = d.position;
+            write!(out, " ({:.6}, {:.6}, {:.6})", p.x, p.y, p.z)?;
+        }
+        if of_kind.len() > MOST_PLACES {
+            write!(out, " and other places (--json lists more)")?;
+        }
+        out.push('\n');
     }
-    for d in &r.defects {
-        let p = d.position;
-        writeln!(out, "  defect {:?} at ({}, {}, {})", d.kind, p.x, p.y, p.z)?;
+    Ok(())
+}
+
+fn loops(out: &mut String, all: &[LoopInfo<'_>]) -> std::fmt::Result {
+    if all.is_empty() {
+        return writeln!(out, "  no boundary loops: the mesh is closed");
     }
-    if info.loops.is_empty() {
-        writeln!(out, "  no boundary loops: the mesh is closed")?;
-    } else {
-        writeln!(out, "  loop   edges    perimeter     diameter  centroid")?;
-    }
-    for l in &info.loops {
+    writeln!(out, "  loop   edges    perimeter     diameter  centroid")?;
+    let (listed, others) = largest(all, MOST_LISTED, |l| l.edges);
+    for (_, l) in listed {
         let [x, y, z] = l.centroid;
         write!(
             out,
@@ -136,5 +179,13 @@ fn text(info: &Info<'_>) -> Result<String, std::fmt::Error> {
         }
         out.push('\n');
     }
-    Ok(out)
+    let Some(most) = others.iter().map(|l| l.edges).max() else {
+        return Ok(());
+    };
+    let outer = others.iter().filter(|l| l.outer_rim).count();
+    writeln!(
+        out,
+        "  {} more loops of at most {most} edges, {outer} of them outer boundaries (--json lists them)",
+        others.len()
+    )
 }

@@ -21,6 +21,21 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
+/// The `most` elements of the greatest size, and the others, both in the given order.
+pub fn largest<T>(
+    all: &[T],
+    most: usize,
+    size: impl Fn(&T) -> usize,
+) -> (Vec<(usize, &T)>, Vec<&T>) {
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    order.sort_by_key(|&i| std::cmp::Reverse(size(&all[i])));
+    let (shown, others) = order.split_at_mut(most.min(all.len()));
+    shown.sort_unstable();
+    others.sort_unstable();
+    let shown = shown.iter().map(|&i| (i, &all[i])).collect();
+    (shown, others.iter().map(|&i| &all[i]).collect())
+}
+
 thread_local! {
     /// The lines that [`kept`] keeps.
     static KEPT: RefCell<Option<String>> = const { RefCell::new(None) };

@@ -656,7 +656,7 @@ fn info_shows_loops_and_defects() {
         "component 0",
         "loop",
         "outer boundary: ",
-        "DegenerateFace",
+        "face with a repeated corner, removed: at (",
     ] {
         assert!(shown.contains(words), "no {words:?} in: {shown}");
     }
@@ -682,6 +682,38 @@ fn info_shows_loops_and_defects() {
     desk.write("closed.obj", &obj(&shapes::icosphere(2)));
     let closed = desk.run(&["info", "closed.obj"]).ends(0).stdout;
     assert!(closed.contains("closed"), "{closed}");
+}
+
+/// Raw scans have hundreds of loose triangles.
+#[test]
+fn long_lists_of_small_parts_are_counted() {
+    let desk = Desk::new();
+    let (mut positions, mut triangles) = plate();
+    for k in 0..200 {
+        let first = positions.len() as u32;
+        let corner = DVec3::new(3.0, 0.1 * f64::from(k), 0.0);
+        positions.extend([corner, corner + 0.05 * DVec3::X, corner + 0.05 * DVec3::Y]);
+        triangles.push([first, first + 1, first + 2]);
+    }
+    desk.write("in.obj", &obj(&(positions, triangles)));
+    let shown = desk.run(&["info", "in.obj"]).ends(0).stdout;
+    assert!(shown.lines().count() < 100, "{shown}");
+    for words in [
+        "component 0: ",
+        "161 more components of at most 1 faces",
+        "162 more loops of at most 3 edges, 162 of them outer boundaries",
+    ] {
+        assert!(shown.contains(words), "no {words:?} in: {shown}");
+    }
+    let filled = desk.run(&["fill", "in.obj", "-o", "out.obj", "--report", "out.json"]);
+    let said = filled.ends(0).stderr;
+    assert!(said.lines().count() < 15, "{said}");
+    assert!(
+        said.contains("191 more loops of at most 3 edges left open"),
+        "{said}"
+    );
+    let report: Value = serde_json::from_str(&desk.text("out.json")).expect("JSON");
+    assert_eq!(report["skipped"].as_array().map(Vec::len), Some(201));
 }
 
 #[test]
