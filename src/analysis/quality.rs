@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
-use crate::mesh::{DVec3, HalfedgeId, Mesh, dihedral_angle, folded_edges, self_intersections};
+use crate::mesh::{
+    DVec3, FOLDED, HalfedgeId, Mesh, dihedral_angle, folded_edges, self_intersections,
+};
 
 /// Maximum number of intersecting pairs that are counted.
 const MAX_INTERSECTIONS: usize = 10_000;
-/// An edge is folded if the normals of its faces differ by more than this, in degrees.
-const FOLDED: f64 = 150.0;
 /// Maximum number of reported places.
 const PLACES: usize = 100;
 

@@ -87,7 +87,7 @@ const BLEND_EXAMPLES: &str = "Examples:
 const REFILL_EXAMPLES: &str = "Examples:
   meniscus refill scan.obj -o out.obj --ball 0.1,0.2,0.3,0.05
   meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --ball 0,0.1,1,0.2 --grow 2
-  meniscus refill scan.obj -o out.obj --faces-crossing --faces-worse-than 2 --grow 2
+  meniscus refill scan.obj -o out.obj --faces-crossing --faces-folded --grow 1
   meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --fair --energy 'H^2+K^2'";
 
 const ERASE_EXAMPLES: &str = "Examples:

@@ -23,7 +23,7 @@ use crate::cli::targets::check_targets;
 use crate::cli::trace::Trace;
 use crate::io::{Opened, open};
 use crate::memory::peak_memory;
-use crate::mesh::{LoadReport, Mesh, folded_edges, self_intersections};
+use crate::mesh::{FOLDED, LoadReport, Mesh, folded_edges, self_intersections};
 use crate::ops::{OperationError, RefineSpec};
 use crate::options::Choice;
 use crate::refine::{self, LevelReport, RefineControls, RefineEvent, Refined};
@@ -33,8 +33,6 @@ use crate::warning::{Warning, Warnings};
 
 /// Maximum number of intersecting pairs that are counted.
 const MOST_INTERSECTIONS: usize = 1000;
-/// An edge is folded if the normals of its faces differ by more than this, in degrees.
-const FOLDED: f64 = 150.0;
 
 /// The report of a refinement.
 #[derive(Debug, Serialize)]

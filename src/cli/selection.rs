@@ -39,6 +39,9 @@ pub struct SelectionArguments {
     /// Select triangles that intersect others.
     #[arg(long)]
     pub faces_crossing: bool,
+    /// Select triangles folded onto a neighbour (their normals differ by 150 degrees or more).
+    #[arg(long)]
+    pub faces_folded: bool,
     /// Grow the selection by N rings of faces.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub grow: usize,
@@ -56,7 +59,11 @@ impl SelectionArguments {
         let worse = self.faces_worse_than.map(Flaw::WorseThan);
         let longer = self.faces_longer_than.map(Flaw::LongerThan);
         let crossing = self.faces_crossing.then_some(Flaw::Crossing);
-        [worse, longer, crossing].into_iter().flatten().collect()
+        let folded = self.faces_folded.then_some(Flaw::Folded);
+        [worse, longer, crossing, folded]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 
     /// The selected faces, at least one.
@@ -66,7 +73,8 @@ impl SelectionArguments {
     pub fn required(&self, mesh: &Mesh) -> Result<Faces> {
         if self.is_empty() {
             let what = "choose faces with --ball X,Y,Z,R, --faces LIST, --faces-from FILE, \
-                        --faces-worse-than DEG, --faces-longer-than LENGTH or --faces-crossing";
+                        --faces-worse-than DEG, --faces-longer-than LENGTH, --faces-crossing \
+                        or --faces-folded";
             return Err(UsageError(what.into()).into());
         }
         self.faces(mesh)

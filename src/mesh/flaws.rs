@@ -1,6 +1,6 @@
 //! Faces selected by their quality.
 
-use super::{DVec3, Mesh, face_flags, self_intersections};
+use super::{DVec3, FOLDED, Mesh, face_flags, folded_edges, self_intersections};
 
 /// A flaw of faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,8 @@ pub enum Flaw {
     LongerThan(f64),
     /// The face intersects another one.
     Crossing,
+    /// The normals of the face and of a neighbour differ by [`FOLDED`] degrees or more.
+    Folded,
 }
 
 /// The faces with a flaw, one flag each.
@@ -32,6 +34,10 @@ pub fn flawed_faces(mesh: &Mesh, flaw: Flaw) -> Vec<bool> {
             let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
             let pairs = self_intersections(&mesh.positions, &triangles, None, usize::MAX);
             face_flags(pairs.as_flattened(), triangles.len())
+        }
+        Flaw::Folded => {
+            let pairs = folded_edges(&mesh.positions, &mesh.topology, FOLDED.to_radians());
+            face_flags(pairs.as_flattened(), mesh.face_count())
         }
     }
 }
@@ -88,5 +94,23 @@ mod tests {
             let found = face_list(&flawed_faces(&mesh, flaw));
             assert_eq!(found, wanted, "{flaw:?}");
         }
+    }
+
+    #[test]
+    fn faces_beside_a_fold_are_found() {
+        // a strip of three triangles, the last one turned about its edge by an angle
+        let folded = |degrees: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let tip = DVec3::new(1.0 + cos, 0.5, sin);
+            let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+            let corners = corners.map(|[x, y]| DVec3::new(x, y, 0.0));
+            let positions = [&corners[..], &[tip]].concat();
+            let strip = [[0, 2, 3], [0, 1, 2], [1, 4, 2]];
+            let mesh = Mesh::from_triangles(positions, &strip).expect("a strip");
+            face_list(&flawed_faces(&mesh, Flaw::Folded))
+        };
+        assert!(folded(FOLDED - 1.0).is_empty());
+        assert_eq!(folded(FOLDED + 1.0), [1, 2]);
+        assert_eq!(folded(180.0), [1, 2]);
     }
 }

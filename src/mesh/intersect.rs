@@ -135,6 +135,9 @@ pub fn dihedral_angle(positions: &[DVec3], topology: &Topology, h: super::Halfed
     m.cross(n).length().atan2(m.dot(n))
 }
 
+/// Angle in degrees between the normals of two faces from which their edge counts as folded.
+pub const FOLDED: f64 = 150.0;
+
 /// Pairs of edge-adjacent faces whose normals differ by at least `min_angle` radians (positive; pi:
 /// folded flat onto each other), as `[smaller, larger]` face indices in edge order. Faces of zero
 /// area have no normal and are left out.

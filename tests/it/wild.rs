@@ -313,6 +313,13 @@ fn refill_selects_faces_by_quality() {
         let after = desk.mesh("out.obj");
         assert!(after.positions.iter().all(|p| p[0] > -1.1), "{quality:?}");
     }
+    // the same vertex pushed over its neighbours, along the surface
+    let pushed = points.iter_mut().min_by(|p, q| p[0].total_cmp(&q[0]));
+    *pushed.expect("a vertex") = [0.95, 0.3, 0.0];
+    desk.write("folded.obj", &obj(&points, &faces));
+    desk.runs(&["refill", "folded.obj", "-o", "out.obj", "--faces-folded"]);
+    let message = desk.fails(1, &["erase", "out.obj", "-o", "x.obj", "--faces-folded"]);
+    assert!(message.contains("no face is selected"), "{message}");
     let none = ["erase", "in.obj", "-o", "x.obj", "--faces-longer-than", "9"];
     let message = desk.fails(1, &none);
     assert!(message.contains("no face is selected"), "{message}");

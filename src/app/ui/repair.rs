@@ -140,8 +140,12 @@ fn quality_ui(ui: &mut Ui, model: &Model, selecting: &mut Selecting, actions: &m
             let value = egui::DragValue::new(&mut selecting.longer_than);
             ui.add(value.range(0.0..=f64::MAX).speed(speed));
         });
-        let tip = "the face intersects another one";
-        button(ui, "Crossing", tip, Flaw::Crossing, true);
+        ui.horizontal(|ui| {
+            let tip = "the face intersects another one";
+            button(ui, "Crossing", tip, Flaw::Crossing, true);
+            let tip = "the face is folded onto a neighbour: their normals differ by 150° or more";
+            button(ui, "Folded", tip, Flaw::Folded, true);
+        });
     });
 }
 
