@@ -4,7 +4,9 @@ use crate::fill::fairing::plan_fairing;
 use crate::fill::islands::with_islands;
 use crate::fill::result::{Filled, RefillError};
 use crate::fill::run::{Observer, ScheduledOptions, fill_rim_sets, run_plan};
-use crate::mesh::{BoundaryLoop, Erased, LoopId, Mesh, VertexId, boundary_loops, erase};
+use crate::mesh::{
+    BoundaryLoop, Erased, LOOSE_FACES, LoopId, Mesh, VertexId, boundary_loops, components, erase,
+};
 
 /// A mesh whose selected faces are erased.
 #[derive(Clone, Debug)]
@@ -17,7 +19,8 @@ pub struct ErasedRegion {
     pub opened: Vec<LoopId>,
 }
 
-/// Erases the selected faces, one flag each.
+/// Erases the selected faces, one flag each, and the scraps that this cuts off: parts of fewer than
+/// [`LOOSE_FACES`] faces of components of which a larger part is left.
 ///
 /// # Errors
 /// The selection is empty, or no face remains at its border.
@@ -25,7 +28,10 @@ pub fn open_selection(mesh: &Mesh, selected: &[bool]) -> Result<ErasedRegion, Re
     if !selected.contains(&true) {
         return Err(RefillError::Nothing);
     }
-    let erased = erase(mesh, selected);
+    let mut erased = erase(mesh, selected);
+    if let Some(with_scraps) = with_scraps(mesh, selected, &erased) {
+        erased = erase(mesh, &with_scraps);
+    }
     let left = &erased.mesh;
     // a rim half-edge is new if it had a face before
     let had_face = |one: &BoundaryLoop| {
@@ -46,6 +52,36 @@ pub fn open_selection(mesh: &Mesh, selected: &[bool]) -> Result<ErasedRegion, Re
         loops,
         opened,
     })
+}
+
+/// The selected faces and the scraps; `None` if there are none.
+fn with_scraps(mesh: &Mesh, selected: &[bool], erased: &Erased) -> Option<Vec<bool>> {
+    let parts = components(&erased.mesh.topology);
+    let whole = components(&mesh.topology);
+    let mut sizes = vec![0; parts.count];
+    let mut largest = vec![0; whole.count];
+    for &part in &parts.of_face {
+        sizes[part as usize] += 1;
+    }
+    let left = || {
+        let of_old = erased.old_face.iter();
+        of_old
+            .zip(&parts.of_face)
+            .map(|(&old, &part)| (old as usize, sizes[part as usize]))
+    };
+    for (old, size) in left() {
+        let most = &mut largest[whole.of_face[old] as usize];
+        *most = size.max(*most);
+    }
+    let is_scrap = |&(old, size): &(usize, usize)| {
+        size < LOOSE_FACES && size < largest[whole.of_face[old] as usize]
+    };
+    let scraps: Vec<usize> = left().filter(is_scrap).map(|(old, _)| old).collect();
+    let mut all = selected.to_vec();
+    for &old in &scraps {
+        all[old] = true;
+    }
+    (!scraps.is_empty()).then_some(all)
 }
 
 /// A refilled mesh.
@@ -171,6 +207,29 @@ mod tests {
         let new = refill(&holed.mesh, &ring, &FillOptions::default(), &|_, _| true);
         let new = new.expect("refilled");
         assert!(new.filled.mesh.topology.boundary_loops().is_empty());
+    }
+
+    #[test]
+    fn scraps_that_erasing_cuts_off_are_erased_too() {
+        let whole = ball();
+        // a ring of faces around a few others
+        let mut disc = faces_in_ball(&whole, DVec3::Z, 0.09);
+        let inside = disc.clone();
+        let count = inside.iter().filter(|&&face| face).count();
+        assert!((1..LOOSE_FACES).contains(&count), "{count}");
+        grow(&whole.topology, &mut disc);
+        let ring: Vec<bool> = disc.iter().zip(inside).map(|(&a, b)| a && !b).collect();
+        let region = open_selection(&whole, &ring).expect("opened");
+        assert_eq!(components(&region.erased.mesh.topology).count, 1);
+        assert_eq!(region.opened.len(), 1);
+        assert_eq!(region.erased.mesh, erase(&whole, &disc).mesh);
+        // a part that is not small stays
+        let mut disc = faces_in_ball(&whole, DVec3::Z, 0.3);
+        let inside = disc.clone();
+        grow(&whole.topology, &mut disc);
+        let ring: Vec<bool> = disc.iter().zip(inside).map(|(&a, b)| a && !b).collect();
+        let region = open_selection(&whole, &ring).expect("opened");
+        assert_eq!(components(&region.erased.mesh.topology).count, 2);
     }
 
     #[test]

@@ -14,6 +14,9 @@ pub struct LooseParts {
     pub flaps: usize,
 }
 
+/// Number of faces below which a component counts as loose, unless told otherwise.
+pub const LOOSE_FACES: usize = 10;
+
 /// The components with fewer than `min_faces` faces, except the largest one, and the flaps of at most
 /// `flap_faces` faces. A flap is joined to the rest by one edge, and all its boundary edges are on
 /// holes: the corners of an open sheet are no flaps.

@@ -45,7 +45,7 @@ pub use intersect::{
 };
 pub(crate) use intersect::{canonical_vertices, pair_meets};
 pub use joined::joined;
-pub use loose::{LooseParts, loose_parts};
+pub use loose::{LOOSE_FACES, LooseParts, loose_parts};
 pub(crate) use measures::sides;
 pub use measures::{bending, perimeter, rms_distance, vector_area, vertex_normal, vertex_normals};
 pub use neighbourhood::{Neighbourhood, NeighbourhoodSearch, faces_around};

@@ -1,14 +1,14 @@
 //! Operations that clean a mesh before holes are filled.
 
 use super::OperationError;
-use crate::mesh::{LooseParts, Mesh, loose_parts, stitch, stitching_tolerance};
+use crate::mesh::{LOOSE_FACES, LooseParts, Mesh, loose_parts, stitch, stitching_tolerance};
 use crate::options::options;
 
 options! {
     /// A removal of loose parts.
     pub struct CleanSpec {
         /// Remove components with fewer faces; the largest component stays.
-        min_faces("N"): usize = 10,
+        min_faces("N"): usize = LOOSE_FACES,
         /// Remove flaps of at most N faces: parts in a hole that one edge joins to the rest.
         flap_faces("N"): usize = 4,
     }
