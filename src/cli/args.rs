@@ -17,6 +17,7 @@ use crate::cli::refill::RefillArguments;
 use crate::cli::refine::RefineArguments;
 #[cfg(feature = "render")]
 use crate::cli::render::RenderArguments;
+use crate::cli::repair::RepairArguments;
 use crate::cli::sample::SampleArguments;
 
 /// Fills holes in triangle meshes with smooth surfaces.
@@ -90,6 +91,10 @@ const REFILL_EXAMPLES: &str = "Examples:
   meniscus refill scan.obj -o out.obj --faces-crossing --faces-folded --grow 1
   meniscus refill scan.obj -o out.obj --ball 0,0,1,0.2 --fair --energy 'H^2+K^2'";
 
+const REPAIR_EXAMPLES: &str = "Examples:
+  meniscus repair scan.ply -o repaired.ply
+  meniscus repair scan.ply -o repaired.ply --folds --min-faces 100 --report report.json";
+
 const ERASE_EXAMPLES: &str = "Examples:
   meniscus erase scan.obj -o out.obj --ball 0.1,0.2,0.3,0.05
   meniscus erase scan.obj -o out.obj --faces 1-12,40 --grow 1";
@@ -128,6 +133,12 @@ pub enum Command {
     /// Erase faces and fill the hole, or fair them in place.
     #[command(after_help = REFILL_EXAMPLES)]
     Refill(Box<RefillArguments>),
+    /// Repair a scan: remove loose parts, erase faces that intersect others and fill their holes, then
+    /// fill all other holes.
+    ///
+    /// The remaining vertices of IN come first in OUT, unchanged.
+    #[command(after_help = REPAIR_EXAMPLES)]
+    Repair(Box<RepairArguments>),
     /// Refine a mesh: split every triangle into four, level by level, on a smooth surface through
     /// the input vertices.
     ///

@@ -313,14 +313,6 @@ impl<'a> Task<'a> {
         let first = filled.mesh.face_count() - filled.faces_added();
         args.picture.save(&filled.mesh, first, creases)?;
         let holes = hole_reports(filled, &flow.controls.options()?);
-        let failed: Vec<FailedHole> = filled
-            .failed
-            .iter()
-            .filter_map(|e| {
-                let reason = e.to_string();
-                e.hole().map(|id| FailedHole { id, reason })
-            })
-            .collect();
         let report = FillReport {
             version: env!("CARGO_PKG_VERSION"),
             input: files.input_names(),
@@ -331,7 +323,7 @@ impl<'a> Task<'a> {
             load: opened.report,
             totals: totals(filled, &holes),
             holes,
-            failed,
+            failed: failed_holes(filled),
             skipped,
             peak_memory: peak_memory(),
             memory_estimate: filled.memory_estimate,
@@ -352,6 +344,15 @@ impl<'a> Task<'a> {
         let failures = failures(&report, filled, &files.output).and(companions);
         Ok(Written { report, failures })
     }
+}
+
+/// The holes that could not be filled.
+pub fn failed_holes(filled: &Filled) -> Vec<FailedHole> {
+    let failed = filled.failed.iter().filter_map(|error| {
+        let reason = error.to_string();
+        error.hole().map(|id| FailedHole { id, reason })
+    });
+    failed.collect()
 }
 
 /// Whether a written mesh has material libraries or images beside it.
@@ -458,7 +459,7 @@ pub fn schedule<C: RunControls>(path: &Path, controls: &C) -> Result<Schedule> {
 }
 
 /// The error of controls with a value out of range.
-fn usage(error: &ControlsError) -> UsageError {
+pub fn usage(error: &ControlsError) -> UsageError {
     error
         .expression()
         .map_or_else(|| UsageError(error.to_string()), invalid_energy)

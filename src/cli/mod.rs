@@ -24,6 +24,7 @@ mod refill;
 mod refine;
 #[cfg(feature = "render")]
 mod render;
+mod repair;
 mod report;
 #[cfg(feature = "render")]
 mod result_picture;
@@ -72,6 +73,7 @@ pub fn run(command: Command) -> Result<()> {
         Command::Clean(args) => edit::clean(&args),
         Command::Stitch(args) => edit::stitch(&args),
         Command::Refill(args) => refill::refill(&args),
+        Command::Repair(args) => repair::repair(&args),
         Command::Refine(args) => refine::refine(&args),
         Command::Analyze(args) => analyze::analyze(&args),
         Command::Info(args) => info::info(&args),

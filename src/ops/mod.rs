@@ -10,6 +10,7 @@
 mod cleaning;
 mod command;
 mod file;
+mod repair;
 mod run;
 #[cfg(test)]
 mod tests;
@@ -26,6 +27,7 @@ use crate::runner::Schedule;
 
 pub use cleaning::{CleanSpec, StitchSpec};
 pub use command::{CommandLine, chain_text, parse_chain};
+pub use repair::{DamageSpec, Repair};
 pub use run::{OperationError, Outcome};
 
 /// Face indices in ascending order, shared because the list may be long.

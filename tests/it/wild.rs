@@ -328,6 +328,73 @@ fn refill_selects_faces_by_quality() {
     assert!(message.contains("a positive number"), "{message}");
 }
 
+/// The same sphere with the pulled vertex, a hole, a loose triangle and a second sphere through it.
+#[test]
+fn repair_leaves_nothing_but_components_that_cross() {
+    let desk = Desk::new();
+    let (positions, triangles) = meniscus::shapes::icosphere(8);
+    let ball: Vec<[f64; 3]> = positions.iter().map(DVec3::to_array).collect();
+    let faces: Vec<[usize; 3]> = triangles.iter().map(|t| t.map(|v| v as usize)).collect();
+    let mut points = ball.clone();
+    let pulled = points.iter_mut().max_by(|p, q| p[0].total_cmp(&q[0]));
+    *pulled.expect("a vertex") = [-1.5, 0.02, 0.01];
+    let is_hole = |t: &[usize; 3]| t.iter().all(|&v| points[v][2] > 0.9);
+    let mut all: Vec<[usize; 3]> = faces.iter().copied().filter(|t| !is_hole(t)).collect();
+    let mut add = |more: &[[f64; 3]], of_more: &[[usize; 3]]| {
+        let first = points.len();
+        points.extend(more);
+        all.extend(of_more.iter().map(|t| t.map(|v| v + first)));
+    };
+    let through: Vec<[f64; 3]> = ball
+        .iter()
+        .map(|[x, y, z]| [x + 0.5, y + 1.5, *z])
+        .collect();
+    add(&through, &faces);
+    add(
+        &[[3.0, 0.0, 0.0], [3.1, 0.0, 0.0], [3.0, 0.1, 0.0]],
+        &[[0, 1, 2]],
+    );
+    desk.write("in.obj", &obj(&points, &all));
+    let words = ["repair", "in.obj", "-o", "out.obj", "--report", "out.json"];
+    let run = desk.run(&words).ends(0);
+    for words in [
+        "loose parts with 1 face removed",
+        "erased at damaged places; 2 holes",
+        " of two components, ",
+    ] {
+        assert!(
+            run.stderr.contains(words),
+            "no {words:?} in: {}",
+            run.stderr
+        );
+    }
+    let report = desk.json("out.json");
+    let tasks = report["steps"].as_array().expect("steps").iter();
+    let tasks: Vec<&str> = tasks.filter_map(|step| step["task"].as_str()).collect();
+    assert_eq!(tasks, ["clean", "refill", "fill"]);
+    assert_eq!(report["before"]["loops"], 2);
+    assert_eq!(report["after"]["loops"], 0);
+    assert_eq!(report["after"]["components"], 2);
+    assert_eq!(report["after"]["self_intersections"], 0);
+    assert!(report["after"]["intersections_of_components"].as_u64() > Some(0));
+    assert!(!run.stderr.contains("left"), "{}", run.stderr);
+    let after = desk.mesh("out.obj");
+    assert!(after.positions.iter().all(|p| p[0] > -1.1));
+    // a sound mesh is written as it is
+    desk.write("sound.obj", &obj(&ball, &faces));
+    desk.runs(&["repair", "sound.obj", "-o", "same.obj"]);
+    let same = desk.mesh("same.obj");
+    assert!(
+        same.positions
+            .iter()
+            .zip(&ball)
+            .all(|(p, q)| p.to_array() == *q)
+    );
+    assert_eq!(same.faces.len(), faces.len());
+    desk.fails(2, &["repair", "in.obj", "-o", "x.obj", "--energy", "H^"]);
+    desk.fails(1, &["repair", "in.obj", "-o", "in.obj"]);
+}
+
 #[test]
 fn welding_follows_the_option() {
     let desk = Desk::new();

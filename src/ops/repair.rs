@@ -1,0 +1,219 @@
+//! The repair of a mesh: a sequence of operations, each chosen for the mesh that the one before gave.
+
+use super::{CleanSpec, Faces, FacesSpec, FillSpec, FlowSpec, Operation};
+use crate::fill::{LoopChoice, choose};
+use crate::mesh::{
+    FOLDED, Mesh, boundary_loops, components, face_flags, face_list, folded_edges, grow,
+    self_intersections,
+};
+use crate::options::options;
+
+options! {
+    /// The damaged faces that a repair erases: those that intersect others of their component.
+    pub struct DamageSpec {
+        /// Erase N rings of faces around damaged ones.
+        grow("N"): usize = 1,
+        /// Count faces folded onto a neighbour as damaged (their normals differ by 150 degrees or
+        /// more). Knife edges are folded too.
+        folds: bool = false,
+    }
+}
+
+impl DamageSpec {
+    /// The faces to erase with some `more` rings around them, ascending. Components that cross each other
+    /// are not damaged by that: solids of an assembly do.
+    fn faces(&self, mesh: &Mesh, more: usize) -> Vec<u32> {
+        let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+        let mut pairs = self_intersections(&mesh.positions, &triangles, None, usize::MAX);
+        let parts = components(&mesh.topology);
+        pairs.retain(|pair| {
+            let [f, g] = pair.map(|f| parts.of_face[f as usize]);
+            f == g
+        });
+        if self.folds {
+            let angle = FOLDED.to_radians();
+            pairs.extend(folded_edges(&mesh.positions, &mesh.topology, angle));
+        }
+        let mut flags = face_flags(pairs.as_flattened(), triangles.len());
+        if !pairs.is_empty() {
+            for _ in 0..self.grow + more {
+                grow(&mesh.topology, &mut flags);
+            }
+        }
+        face_list(&flags)
+    }
+}
+
+/// Share of the faces above which damaged faces are not erased: most of such a mesh would be patches.
+const MOST_DAMAGED: f64 = 0.1;
+
+/// Most times that damaged faces are erased and the holes filled, each time with one more ring of faces.
+const MOST_REFILLS: usize = 4;
+
+/// The next stage of a repair.
+#[derive(Clone, Copy, Debug)]
+enum Stage {
+    LooseParts,
+    /// Damaged faces after some refills.
+    Damage(usize),
+    Holes,
+    End,
+}
+
+/// A repair: loose parts are removed, damaged faces are erased and their holes filled, then all other
+/// holes are filled.
+#[derive(Clone, Debug)]
+pub struct Repair {
+    clean: CleanSpec,
+    damage: DamageSpec,
+    flow: FlowSpec,
+    stage: Stage,
+}
+
+impl Repair {
+    /// A repair whose patches are made by `flow`.
+    pub fn new(clean: CleanSpec, damage: DamageSpec, flow: FlowSpec) -> Self {
+        Self {
+            clean,
+            damage,
+            flow,
+            stage: Stage::LooseParts,
+        }
+    }
+
+    /// The next operation on the mesh that the ones before gave, the given mesh at first. `None` if nothing
+    /// is left to repair.
+    pub fn next_for(&mut self, mesh: &Mesh) -> Option<Operation> {
+        loop {
+            match self.stage {
+                Stage::LooseParts => {
+                    self.stage = Stage::Damage(0);
+                    if self.clean.parts(mesh).faces.contains(&true) {
+                        return Some(Operation::Clean(self.clean.clone()));
+                    }
+                }
+                Stage::Damage(MOST_REFILLS) => self.stage = Stage::Holes,
+                Stage::Damage(refills) => {
+                    let faces = self.damage.faces(mesh, refills);
+                    let is_much = faces.len() as f64 > MOST_DAMAGED * mesh.face_count() as f64;
+                    if faces.is_empty() || is_much {
+                        self.stage = Stage::Holes;
+                        continue;
+                    }
+                    self.stage = Stage::Damage(refills + 1);
+                    return Some(Operation::Refill(FacesSpec {
+                        faces: Faces::new(faces),
+                        flow: self.flow.clone(),
+                    }));
+                }
+                Stage::Holes => {
+                    self.stage = Stage::End;
+                    let loops = choose(&boundary_loops(mesh), &LoopChoice::Auto);
+                    let loops = loops.ok().filter(|loops| !loops.is_empty())?;
+                    return Some(Operation::Fill(FillSpec {
+                        loops,
+                        islands: true,
+                        bridges: Faces::default(),
+                        flow: self.flow.clone(),
+                    }));
+                }
+                Stage::End => return None,
+            }
+        }
+    }
+
+    /// Leaves damaged faces as they are, for instance where erasing them failed.
+    pub fn leave_damage(&mut self) {
+        if let Stage::Damage(_) = self.stage {
+            self.stage = Stage::Holes;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::DVec3;
+    use crate::shapes;
+
+    fn mesh(parts: (Vec<DVec3>, Vec<[u32; 3]>)) -> Mesh {
+        Mesh::from_triangles(parts.0, &parts.1).expect("a manifold")
+    }
+
+    /// Runs a repair. Returns the names of its operations and the mesh.
+    fn repaired(mut mesh: Mesh, damage: DamageSpec) -> (Vec<&'static str>, Mesh) {
+        let mut repair = Repair::new(CleanSpec::default(), damage, FlowSpec::default());
+        let mut names = Vec::new();
+        while let Some(operation) = repair.next_for(&mesh) {
+            names.push(operation.command_name());
+            let outcome = operation.run(&mesh, &|_, _| true);
+            mesh = outcome.expect("repaired").into_mesh();
+        }
+        (names, mesh)
+    }
+
+    fn crossings(mesh: &Mesh) -> usize {
+        let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+        self_intersections(&mesh.positions, &triangles, None, usize::MAX).len()
+    }
+
+    #[test]
+    fn a_sphere_with_all_kinds_of_damage_becomes_a_sphere() {
+        let ball = shapes::sphere(2000, 1);
+        let (mut positions, mut triangles) = shapes::cut_where(&ball, |p| p.z > 0.9);
+        // a vertex on the far side, and a loose triangle
+        let spike = positions.iter().position(|p| p.x > 0.99).expect("a vertex");
+        positions[spike] = DVec3::new(-1.2, 0.0, 0.0);
+        let first = positions.len() as u32;
+        positions.extend([2.0, 2.1, 2.2].map(|x| DVec3::new(x, 0.1 * x * x, 0.0)));
+        triangles.push([first, first + 1, first + 2]);
+        let given = mesh((positions, triangles));
+        assert!(crossings(&given) > 0);
+        let (names, after) = repaired(given.clone(), DamageSpec::default());
+        assert_eq!(names, ["clean", "refill", "fill"]);
+        assert_eq!(crossings(&after), 0);
+        assert!(boundary_loops(&after).is_empty());
+        assert!(
+            after
+                .positions
+                .iter()
+                .all(|p| (p.length() - 1.0).abs() < 0.01)
+        );
+        // what is left of the given vertices comes first and has its bits
+        let mut kept = given.positions.iter();
+        let own = after.positions.iter().take_while(|p| kept.any(|q| q == *p));
+        assert!(own.count() > 1500);
+        // nothing is left to repair
+        assert!(repaired(after, DamageSpec::default()).0.is_empty());
+    }
+
+    #[test]
+    fn components_that_cross_each_other_stay() {
+        let (mut positions, mut triangles) = shapes::icosphere(6);
+        let first = positions.len() as u32;
+        let others: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| v + first)).collect();
+        triangles.extend(others);
+        let moved: Vec<DVec3> = positions.iter().map(|&p| p + 0.7 * DVec3::X).collect();
+        positions.extend(moved);
+        let both = mesh((positions, triangles));
+        assert!(crossings(&both) > 0);
+        assert!(repaired(both, DamageSpec::default()).0.is_empty());
+    }
+
+    #[test]
+    fn folds_are_damage_if_wanted() {
+        let (mut positions, triangles) = shapes::icosphere(12);
+        let at = positions.iter().position(|p| p.x > 0.99).expect("a vertex");
+        positions[at] = DVec3::new(0.97, 0.24, 0.0);
+        let folded = mesh((positions, triangles));
+        assert!(repaired(folded.clone(), DamageSpec::default()).0.len() <= 4);
+        let spec = DamageSpec {
+            folds: true,
+            ..DamageSpec::default()
+        };
+        let (names, after) = repaired(folded, spec);
+        assert_eq!(names.first(), Some(&"refill"));
+        let folds = folded_edges(&after.positions, &after.topology, FOLDED.to_radians());
+        assert_eq!((folds.len(), crossings(&after)), (0, 0));
+    }
+}
