@@ -182,6 +182,15 @@ impl Warning {
         }
     }
 
+    /// Whether it is about a patch that is left with a defect: it intersects itself or the mesh, is folded or
+    /// far from its rim.
+    pub fn is_unsound(&self) -> bool {
+        matches!(
+            self,
+            Self::SelfIntersection { .. } | Self::Folded { .. } | Self::Escaped { .. }
+        )
+    }
+
     /// The remedy, if there is one.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
@@ -288,7 +297,8 @@ impl fmt::Display for Warning {
             Self::Folded { edges, at } => write!(
                 f,
                 "the surface is folded by more than 150 degrees, or has triangles without area: \
-                 {edges} edges, near {}",
+                 {}, near {}",
+                counted(*edges, "place", "places"),
                 Place(*at)
             ),
             Self::Escaped { vertices, at } => write!(
@@ -328,9 +338,12 @@ impl fmt::Display for Warning {
                 let Some(by) = by else {
                     return write!(f, "the surface by {model} {reasons}, {removed}");
                 };
-                write!(f, "{by} replaced the surface by {model}, which {reasons}")?;
+                write!(
+                    f,
+                    "filled by {by} instead of {model}, whose surface {reasons}"
+                )?;
                 if *is_repaired {
-                    write!(f, "; its own defects were {removed}")?;
+                    write!(f, "; other defects were {removed}")?;
                 }
                 Ok(())
             }
@@ -550,7 +563,7 @@ mod tests {
         let by = Some("diffusion");
         assert_eq!(
             text(by, false, 0, 0, 1, None),
-            "diffusion replaced the surface by g2, which has 1 folded edge"
+            "filled by diffusion instead of g2, whose surface has 1 folded edge"
         );
         assert_eq!(
             text(None, true, MAX_PAIRS, 2, 0, None),
@@ -559,12 +572,12 @@ mod tests {
         );
         assert_eq!(
             text(by, false, 0, 0, 0, Some(21.4)),
-            "diffusion replaced the surface by g2, which bends 21 times as much"
+            "filled by diffusion instead of g2, whose surface bends 21 times as much"
         );
         assert_eq!(
             text(by, true, 0, 0, 2, Some(9.0)),
-            "diffusion replaced the surface by g2, which bends 9 times as much and has 2 folded edges; its \
-             own defects were removed by moving vertices near them"
+            "filled by diffusion instead of g2, whose surface bends 9 times as much and has 2 folded edges; \
+             other defects were removed by moving vertices near them"
         );
     }
 

@@ -351,6 +351,7 @@ impl Run {
         }
         // a hole in parts, with creases between them, ends as the worst of them
         let mut ends: BTreeMap<LoopId, usize> = BTreeMap::new();
+        let mut unsound: BTreeSet<LoopId> = BTreeSet::new();
         for row in self.sides.first()?.handle.figures(None) {
             let kind = match row.end? {
                 Ok(End::Converged) => 0,
@@ -361,6 +362,7 @@ impl Run {
                 let end = ends.entry(hole).or_default();
                 *end = kind.max(*end);
             }
+            unsound.extend(row.unsound);
         }
         let kinds = ["converged", "ended early", "failed"];
         let counts = [0, 1, 2].map(|kind| ends.values().filter(|&&end| end == kind).count());
@@ -368,7 +370,12 @@ impl Run {
         let parts: Vec<String> = parts.map(|(n, kind)| format!("{n} {kind}")).collect();
         let all = ends.len();
         let noun = if all == 1 { "hole" } else { "holes" };
-        (all > 0).then(|| format!("{all} {noun} filled: {}", parts.join(", ")))
+        let defective = match unsound.len() {
+            0 => String::new(),
+            1 => "; 1 patch has defects, see its warning".to_owned(),
+            n => format!("; {n} patches have defects, see their warnings"),
+        };
+        (all > 0).then(|| format!("{all} {noun} filled: {}{defective}", parts.join(", ")))
     }
 
     /// Whether a surface grew without bound.

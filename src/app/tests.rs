@@ -1129,6 +1129,58 @@ fn a_fill_is_summarised_in_one_line() {
     assert_eq!(told(&m), 1, "a replay is no fill");
 }
 
+/// A needle through the hole meets every patch.
+#[test]
+fn a_patch_with_defects_does_not_count_as_success() {
+    let (mut positions, mut triangles) = cut_holes(
+        &crate::shapes::plane(4.0, 24, 1),
+        &[Hole {
+            centre: DVec3::ZERO,
+            shape: HoleShape::Disc { radius: 0.6 },
+            turn: 0.0,
+            seed: 1,
+        }],
+    );
+    let first = positions.len() as u32;
+    let (needle, faces) = crate::shapes::icosphere(3);
+    positions.extend(
+        needle
+            .iter()
+            .map(|p| DVec3::new(0.1 * p.x, 0.1 * p.y, 20.0 * p.z)),
+    );
+    triangles.extend(faces.iter().map(|t| t.map(|v| v + first)));
+    let soup = Soup {
+        positions,
+        offsets: (0..=triangles.len() as u32).map(|i| 3 * i).collect(),
+        corners: triangles.into_iter().flatten().collect(),
+        ..Soup::default()
+    };
+    let opened = io::from_soup(&soup, Path::new("needle")).expect("sound");
+    let document = Document::new(opened, Source::Sample("needle".into()));
+    let wake: crate::app::jobs::Wake = Arc::new(|| ());
+    let mut m = Model::new(document, Settings::default(), Autosave::off(), wake);
+    let hole = *m.document.holes().first().expect("a hole");
+    act(&mut m, SelectAction::Loop(hole, SelectHow::Replace));
+    filled(&mut m);
+    let run = m.run.as_ref().expect("a run");
+    let figures = run.sides[0].handle.figures(None);
+    assert_eq!(figures[0].unsound, [hole]);
+    let mut entries = m.log.entries().iter();
+    assert!(entries.any(|e| e.text.ends_with("; 1 patch has defects, see its warning")));
+}
+
+#[test]
+fn an_invalid_typed_energy_is_not_ignored() {
+    let mut m = model();
+    act(&mut m, ControlsAction::EnergyText("H^2+sqt(K)".into()));
+    act(&mut m, RunAction::Start);
+    assert!(m.run.is_none());
+    assert!(last_message(&m).contains("the typed energy cannot be used"));
+    act(&mut m, ControlsAction::EnergyText("H^2+K^2".into()));
+    act(&mut m, ControlsAction::ApplyEnergy);
+    filled(&mut m);
+}
+
 #[test]
 fn loops_are_listed_in_order_and_selected_by_range_and_likeness() {
     let mut m = model();

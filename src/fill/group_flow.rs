@@ -619,6 +619,11 @@ impl GroupFlow {
         &self.patch_warnings
     }
 
+    /// The most steps that the flow can still accept.
+    pub fn steps_left(&self) -> usize {
+        self.options.flow.max_steps.saturating_sub(self.steps())
+    }
+
     /// The outcome of the flow, and the stage times.
     ///
     /// # Errors

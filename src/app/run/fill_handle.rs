@@ -125,6 +125,7 @@ impl WindowProcess for FillProcess {
                 rejected: group.rejected,
                 angle: at.map(|s| s.worst_angle),
                 end,
+                unsound: group.unsound.clone(),
                 surface: group.surface.words(),
                 uses_energy: group.surface.model.uses_energy(),
                 expected_error: group.surface.expected_error(),

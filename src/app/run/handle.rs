@@ -168,6 +168,8 @@ pub struct Figures {
     pub angle: Option<f64>,
     /// How the flow ended, if the shown state is its last.
     pub end: Option<Result<End, String>>,
+    /// The holes whose patches are left with defects.
+    pub unsound: Vec<LoopId>,
     /// Estimated time to the end in seconds.
     pub eta: Option<f64>,
     /// The current activity.

@@ -130,6 +130,7 @@ impl WindowProcess for RefineProcess {
             rejected: status.rejected,
             angle: None,
             end,
+            unsound: Vec::new(),
             surface: String::new(),
             uses_energy: true,
             expected_error: None,

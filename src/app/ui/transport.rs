@@ -371,6 +371,16 @@ fn status_ui(ui: &mut Ui, figures: &Figures) {
             RichText::new("failed").color(ui.visuals().error_fg_color),
             text,
         ),
+        Some(Ok(_)) if !figures.unsound.is_empty() => {
+            let color = ui.visuals().warn_fg_color;
+            let holes: Vec<String> = figures.unsound.iter().map(LoopId::to_string).collect();
+            let whole = format!(
+                "the flow has ended, but the patch of hole {} intersects itself or the mesh, is folded, or \
+                 is far from its rim",
+                holes.join(", ")
+            );
+            cell(ui, RichText::new("has defects").color(color), &whole);
+        }
         Some(Ok(End::Converged)) => {
             cell(ui, RichText::new("converged").color(theme::success(ui)), "");
         }

@@ -138,7 +138,11 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     ("Vertices", r.vertices, true),
                     ("Triangles", r.faces, true),
                     ("Components", r.components.len(), true),
-                    ("Boundary loops", document.loops.len(), true),
+                    (
+                        "Boundary loops",
+                        r.components.iter().map(|part| part.loops).sum(),
+                        true,
+                    ),
                     ("Vertices merged", r.welded_vertices, false),
                     ("Polygons triangulated", r.polygons_triangulated, false),
                     ("Duplicate faces removed", r.duplicate_faces, false),
@@ -173,6 +177,17 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                         ui.end_row();
                     }
                 }
+                if !document.accepted.is_empty() {
+                    let mesh = &document.mesh;
+                    ui.label("After the changes");
+                    ui.label(format!(
+                        "{} vertices, {} triangles, {} loops",
+                        mesh.vertex_count(),
+                        mesh.face_count(),
+                        document.loops.len()
+                    ));
+                    ui.end_row();
+                }
             });
         for note in &r.notes {
             ui.label(RichText::new(note).weak());
@@ -182,7 +197,12 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             return;
         }
         ui.add_space(4.0);
-        ui.strong("Defects (click one to show it)");
+        let (listed, all) = (r.defects.len(), r.defect_count());
+        ui.strong(if listed < all {
+            format!("Defects ({listed} of {all}; click one to show it)")
+        } else {
+            "Defects (click one to show it)".to_owned()
+        });
         for defect in &r.defects {
             let p = defect.position;
             let words = format!(

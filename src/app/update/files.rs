@@ -19,6 +19,7 @@ use crate::app::view_state::{AfterUnsaved, Modal, PathPrompt, PathUse};
 use crate::io;
 use crate::render::{Textures, ViewMode};
 use crate::shapes::SAMPLES;
+use crate::warning::counted;
 
 /// The job that reads the texture images of an opened mesh.
 pub(super) const TEXTURES: &str = "texture images";
@@ -141,16 +142,18 @@ pub(super) fn ask(model: &mut Model, purpose: PathUse) {
 }
 
 fn suggestion(model: &Model, purpose: PathUse) -> String {
-    let stem = model
-        .source_path()
-        .as_deref()
-        .and_then(Path::file_stem)
-        .map_or_else(|| "mesh".into(), |s| s.to_string_lossy().into_owned());
+    let source = model.source_path();
+    let source = source.as_deref();
+    let stem = source.and_then(Path::file_stem);
+    let stem = stem.map_or_else(|| "mesh".into(), |s| s.to_string_lossy().into_owned());
+    let source = source.filter(|path| io::Format::from_path(path).is_some());
+    let extension = source.and_then(Path::extension);
+    let extension = extension.map_or_else(|| "obj".into(), |s| s.to_string_lossy());
     match purpose {
         PathUse::Open | PathUse::Reference => String::new(),
         PathUse::Report(file) => format!("{stem}_{}", file.suffix()),
-        PathUse::SaveAs => format!("{stem}_filled.obj"),
-        PathUse::ExportPatch => format!("{stem}_patch.obj"),
+        PathUse::SaveAs => format!("{stem}_filled.{extension}"),
+        PathUse::ExportPatch => format!("{stem}_patch.{extension}"),
     }
 }
 
@@ -359,10 +362,11 @@ fn announce(model: &mut Model) {
         let _ = write!(text, "; {} vertices merged", report.welded_vertices);
     }
     model.log.info(text);
-    if !report.defects.is_empty() {
+    let defects = report.defect_count();
+    if defects > 0 {
+        let defects = counted(defects, "defect was", "defects were");
         model.log.warning(format!(
-            "{} defects were found or repaired: see the load report (Ctrl+R)",
-            report.defects.len()
+            "{defects} found or repaired: see the load report (Ctrl+R)"
         ));
     }
     for note in &report.notes {
@@ -477,4 +481,24 @@ fn export_patch(model: &mut Model, path: PathBuf) {
     save_as(model, path, SavedWhat::Patch, move |path| {
         io::save_mesh(path, &patches).map_err(|e| e.to_string())
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::tests::{model, opened};
+
+    #[test]
+    fn saved_files_are_suggested_in_the_format_of_the_opened_one() {
+        let mut m = model();
+        assert_eq!(suggestion(&m, PathUse::SaveAs), "mesh_filled.obj");
+        for (name, wanted) in [
+            ("scan.ply", "scan_filled.ply"),
+            ("a.b.glb", "a.b_filled.glb"),
+            ("scan.xyz", "scan_filled.obj"),
+        ] {
+            m.document = Document::new(opened(), Source::File(name.into()));
+            assert_eq!(suggestion(&m, PathUse::SaveAs), wanted);
+        }
+    }
 }

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use super::controls::params_for;
 use super::{act, edits, select};
 use crate::app::action::RunAction;
 use crate::app::document::{AppliedOperation, window_controls};
 use crate::app::model::{Done, Model};
 use crate::app::run::{Accepting, Run, RunState, state_key};
 use crate::app::view_state::{Modal, Part, Task};
+use crate::energy::Energy;
 use crate::fill::{Controls, Surface};
 use crate::mesh::{LoopId, Mesh};
 use crate::ops::{BlendSpec, FacesSpec, FillPartSpec, FillSpec, FlowSpec, Operation};
@@ -209,8 +211,17 @@ fn show(model: &mut Model, run: Run) {
     model.run = Some(run);
 }
 
-/// Starts an operation, and a second one if another energy is compared.
+/// Starts an operation, and a second one if another energy is compared. A typed energy that is invalid is not
+/// ignored.
 fn spawn(model: &mut Model, operation: impl Fn(FlowSpec) -> Operation) {
+    let text = model.view.energy_text.trim();
+    let params = params_for(text, &model.document.controls.param);
+    if let Err(error) = Energy::parse(text, &params) {
+        model.log.error(format!(
+            "the typed energy cannot be used: {error}; correct it or choose a preset"
+        ));
+        return;
+    }
     let a = model.document.controls.clone();
     let mut sides = vec![operation(a.clone().into())];
     if let Some(compared) = &model.view.compared {

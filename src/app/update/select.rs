@@ -152,6 +152,9 @@ fn faces(model: &mut Model, edit: FaceEdit) {
     if matches!(&edit, FaceEdit::Found { mesh, .. } if !Arc::ptr_eq(mesh, &model.document.mesh)) {
         return;
     }
+    if matches!(&edit, FaceEdit::Found { faces, .. } if faces.is_empty()) {
+        model.log.info("no such faces were found");
+    }
     let stroke = matches!(edit, FaceEdit::Paint { .. }).then(|| edit.label());
     if stroke.is_none() {
         model.history.seal();

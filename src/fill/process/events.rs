@@ -77,6 +77,9 @@ pub struct GroupStatus {
     pub end: Option<End>,
     /// Why it cannot continue, if so.
     pub failed: Option<String>,
+    /// The holes whose patches are left with defects at its end: they intersect themselves, the mesh or
+    /// patches of the group, are folded or far from their rims.
+    pub unsound: Vec<LoopId>,
     /// Estimated seconds to the end at the rate of the last steps.
     pub eta: Option<f64>,
 }

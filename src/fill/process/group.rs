@@ -206,6 +206,15 @@ impl GroupProgress {
         std::iter::once(end).chain(warned).collect()
     }
 
+    /// The holes with patches that are left with defects, each once.
+    fn unsound(&self) -> Vec<LoopId> {
+        let warnings = self.run.patch_warnings().iter();
+        let unsound = warnings.filter(|(_, warning)| warning.is_unsound());
+        let mut holes: Vec<LoopId> = unsound.map(|(hole, _)| *hole).collect();
+        holes.dedup();
+        holes
+    }
+
     /// The status; `seconds` is the time a step takes.
     pub fn status(&self, holes: Vec<LoopId>, radius: f64, seconds: f64) -> GroupStatus {
         let flow = self.run.flow();
@@ -221,7 +230,11 @@ impl GroupProgress {
             residual: self.last.as_ref().map(|(r, _)| r.residual),
             end: self.run.end(),
             failed: self.run.failed().map(ToString::to_string),
-            eta: self.forecast.eta(seconds).filter(|_| !self.run.ended()),
+            unsound: self.unsound(),
+            eta: self
+                .forecast
+                .eta(seconds, self.run.steps_left())
+                .filter(|_| !self.run.ended()),
         }
     }
 }
@@ -319,14 +332,40 @@ impl Forecast {
         self.residuals.push(residual);
     }
 
-    /// Seconds to the end where a step takes `seconds`.
-    fn eta(&self, seconds: f64) -> Option<f64> {
+    /// Seconds to the end where a step takes `seconds` and at most `most` steps are left.
+    fn eta(&self, seconds: f64, most: usize) -> Option<f64> {
         if self.residuals.len() <= WINDOW {
             return None;
         }
         let last = self.residuals[WINDOW];
         let rate = (self.residuals[0] / last).ln() / WINDOW as f64;
         let steps = (last / STOP).ln() / rate;
-        (rate > 0.0 && steps.is_finite()).then_some(steps.max(0.0) * seconds)
+        let steps = steps.clamp(0.0, most as f64);
+        (rate > 0.0).then_some(steps * seconds)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_to_the_end_is_at_most_that_of_the_steps_left() {
+        let eta = |rate: f64, most: usize| {
+            let mut forecast = Forecast::default();
+            for k in 0..10 {
+                forecast.add(rate.powi(k));
+            }
+            forecast.eta(2.0, most)
+        };
+        // from 1e-9 to the end, one step for each power of ten
+        assert_eq!(eta(0.1, 100), Some(0.0));
+        let steps = (STOP / 0.5f64.powi(9)).ln() / 0.5f64.ln();
+        let expected = eta(0.5, 100).expect("a rate");
+        assert!((expected - 2.0 * steps).abs() < 1e-9);
+        // residuals that hardly fall
+        assert_eq!(eta(0.9999, 100), Some(200.0));
+        assert_eq!(eta(1.0, 100), None);
+        assert_eq!(eta(1.1, 100), None);
     }
 }

@@ -56,6 +56,21 @@ pub struct LoadReport {
     pub file_to_mesh: Option<Vec<u32>>,
 }
 
+impl LoadReport {
+    /// Number of defects, of which [`Self::defects`] lists some.
+    pub fn defect_count(&self) -> usize {
+        let one_sided = self.components.iter().filter(|part| !part.orientable);
+        self.duplicate_faces
+            + self.degenerate_faces
+            + self.zero_area_faces
+            + self.flipped_faces
+            + self.non_manifold_edges
+            + self.split_vertices
+            + self.pinched_vertices
+            + one_sided.count()
+    }
+}
+
 /// One connected component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct ComponentReport {

@@ -300,6 +300,15 @@ fn rim_vertex(p: &[DVec3], t: &[[u32; 3]]) -> usize {
 }
 
 #[test]
+fn all_defects_count_also_those_that_are_not_listed() {
+    let (p, mut t) = open_sphere();
+    t.extend((0..250).map(|v| [v % 200, v % 200, v % 200 + 1]));
+    let (_, report) = sound(&soup(p, &t));
+    assert_eq!(report.defects.len(), Defect::LIMIT);
+    assert_eq!((report.degenerate_faces, report.defect_count()), (250, 250));
+}
+
+#[test]
 fn duplicate_and_degenerate_faces() {
     let (p, t) = open_sphere();
     let mut more = t.clone();
