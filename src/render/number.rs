@@ -2,14 +2,24 @@
 
 /// A number with four digits.
 pub fn format_number(x: f64) -> String {
+    with_digits(x, 4)
+}
+
+/// A number with three digits, at most seven characters if it is positive.
+pub fn short_number(x: f64) -> String {
+    with_digits(x, 3)
+}
+
+fn with_digits(x: f64, count: usize) -> String {
+    let last = count as i32 - 1;
     let size = x.abs();
     if x == 0.0 {
         "0".into()
     } else if (1e-3..1e5).contains(&size) {
-        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        let digits = (last - size.log10().floor() as i32).clamp(0, 6) as usize;
         format!("{x:.digits$}")
     } else {
-        format!("{x:.3e}")
+        format!("{x:.last$e}", last = count - 1)
     }
 }
 
@@ -27,7 +37,25 @@ pub fn trimmed(x: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{format_number, trimmed};
+    use super::{format_number, short_number, trimmed};
+
+    #[test]
+    fn short_numbers_have_seven_characters_at_most() {
+        for (x, text) in [
+            (0.0, "0"),
+            (0.0097583, "0.00976"),
+            (0.0009996, "1.00e-3"),
+            (43.903, "43.9"),
+            (99_999.0, "99999"),
+            (1.2345e8, "1.23e8"),
+        ] {
+            assert_eq!(short_number(x), text);
+        }
+        for k in -120..300 {
+            let x = 1.2345 * 1.1f64.powi(k);
+            assert!(short_number(x).len() <= 7, "{x}");
+        }
+    }
 
     #[test]
     fn round_numbers_have_no_trailing_zeros() {

@@ -3,7 +3,7 @@
 use eframe::egui::{self, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
-use super::format::format_number;
+use super::format::short_number;
 use super::icons::{self, Icon};
 use super::widgets::{Asks, primary, wide_primary};
 use crate::app::action::{
@@ -372,8 +372,8 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 for text in [
                     l.id.to_string(),
                     l.edges().to_string(),
-                    format_number(l.perimeter),
-                    format_number(l.diameter),
+                    short_number(l.perimeter),
+                    short_number(l.diameter),
                     if l.is_outer_boundary { "outer" } else { "hole" }.into(),
                 ] {
                     row.col(|ui| {
