@@ -25,7 +25,7 @@ use crate::io;
 use crate::mesh::{DVec3, LoadReport, LoopId, Mesh, Soup, check_mesh, components};
 use crate::ops::Operation;
 use crate::render::{Vertex, ViewMode};
-use crate::shapes::{Hole, HoleShape, cut_holes, sphere};
+use crate::shapes::{Hole, HoleShape, TriangleMesh, cut_holes, icosphere, plane, sphere};
 use crate::solver::{End, Mode};
 
 mod pictures;
@@ -40,7 +40,11 @@ pub(super) fn opened() -> io::Opened {
         turn: 0.0,
         seed,
     };
-    let (positions, triangles) = cut_holes(&sphere(600, 5), &[hole(1.0, 1), hole(-1.0, 2)]);
+    from_triangles(cut_holes(&sphere(600, 5), &[hole(1.0, 1), hole(-1.0, 2)]))
+}
+
+/// Triangles as if they were read from a file.
+fn from_triangles((positions, triangles): TriangleMesh) -> io::Opened {
     let soup = Soup {
         positions,
         offsets: (0..=triangles.len() as u32).map(|i| 3 * i).collect(),
@@ -51,13 +55,14 @@ pub(super) fn opened() -> io::Opened {
 }
 
 pub(super) fn model() -> Model {
-    let document = Document::new(opened(), Source::Sample("test".into()));
-    Model::new(
-        document,
-        Settings::default(),
-        Autosave::off(),
-        Arc::new(|| ()),
-    )
+    model_of(opened())
+}
+
+/// A model whose document is this mesh.
+fn model_of(opened: io::Opened) -> Model {
+    let document = Document::new(opened, Source::Sample("test".into()));
+    let wake: crate::app::jobs::Wake = Arc::new(|| ());
+    Model::new(document, Settings::default(), Autosave::off(), wake)
 }
 
 /// Lets the background work go on until `done`.
@@ -1017,7 +1022,7 @@ fn warnings_are_those_of_the_shown_state() {
 }
 
 /// A roof with a hole across its ridge.
-fn roof(island: bool) -> Document {
+fn roof(island: bool) -> io::Opened {
     const N: u32 = 24;
     let place = |i: u32| 2.0 * f64::from(i) / f64::from(N) - 1.0;
     let at = |i: u32, j: u32| DVec3::new(place(i), place(j), -1.2 * place(i).abs());
@@ -1032,21 +1037,13 @@ fn roof(island: bool) -> Document {
     let far = |&v: &u32| positions[v as usize].length() > 0.4;
     let near = |&v: &u32| positions[v as usize].length() < 0.2;
     let is_kept = |t: &[u32; 3]| t.iter().any(far) || island && t.iter().all(near);
-    let corners: Vec<u32> = corners.filter(is_kept).flatten().collect();
-    let soup = Soup {
-        offsets: (0..=corners.len() as u32 / 3).map(|i| 3 * i).collect(),
-        positions: positions.clone(),
-        corners,
-        ..Soup::default()
-    };
-    let opened = io::from_soup(&soup, Path::new("roof")).expect("sound");
-    Document::new(opened, Source::Sample("roof".into()))
+    let triangles = corners.filter(is_kept).collect();
+    from_triangles((positions.clone(), triangles))
 }
 
 #[test]
 fn a_crease_through_a_hole_is_shown_and_the_hole_counts_once() {
-    let wake: crate::app::jobs::Wake = Arc::new(|| ());
-    let mut m = Model::new(roof(false), Settings::default(), Autosave::off(), wake);
+    let mut m = model_of(roof(false));
     let hole = *m.document.holes().first().expect("a hole");
     // lines along the ridge through the hole
     let creases = |m: &Model| {
@@ -1085,8 +1082,7 @@ fn a_crease_through_a_hole_is_shown_and_the_hole_counts_once() {
 /// The patch of a hole joins the islands in it, or passes them by, and has a crease only in that case.
 #[test]
 fn islands_are_joined_unless_switched_off() {
-    let wake: crate::app::jobs::Wake = Arc::new(|| ());
-    let mut m = Model::new(roof(true), Settings::default(), Autosave::off(), wake);
+    let mut m = model_of(roof(true));
     let loops = &m.document.loops;
     let holes = loops.iter().filter(|l| !l.is_outer_boundary);
     let hole = holes.max_by_key(|l| l.edges()).expect("a hole").id;
@@ -1133,7 +1129,7 @@ fn a_fill_is_summarised_in_one_line() {
 #[test]
 fn a_patch_with_defects_does_not_count_as_success() {
     let (mut positions, mut triangles) = cut_holes(
-        &crate::shapes::plane(4.0, 24, 1),
+        &plane(4.0, 24, 1),
         &[Hole {
             centre: DVec3::ZERO,
             shape: HoleShape::Disc { radius: 0.6 },
@@ -1142,23 +1138,14 @@ fn a_patch_with_defects_does_not_count_as_success() {
         }],
     );
     let first = positions.len() as u32;
-    let (needle, faces) = crate::shapes::icosphere(3);
+    let (needle, faces) = icosphere(3);
     positions.extend(
         needle
             .iter()
             .map(|p| DVec3::new(0.1 * p.x, 0.1 * p.y, 20.0 * p.z)),
     );
     triangles.extend(faces.iter().map(|t| t.map(|v| v + first)));
-    let soup = Soup {
-        positions,
-        offsets: (0..=triangles.len() as u32).map(|i| 3 * i).collect(),
-        corners: triangles.into_iter().flatten().collect(),
-        ..Soup::default()
-    };
-    let opened = io::from_soup(&soup, Path::new("needle")).expect("sound");
-    let document = Document::new(opened, Source::Sample("needle".into()));
-    let wake: crate::app::jobs::Wake = Arc::new(|| ());
-    let mut m = Model::new(document, Settings::default(), Autosave::off(), wake);
+    let mut m = model_of(from_triangles((positions, triangles)));
     let hole = *m.document.holes().first().expect("a hole");
     act(&mut m, SelectAction::Loop(hole, SelectHow::Replace));
     filled(&mut m);

@@ -76,11 +76,8 @@ impl Condition {
         let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
         let parts = components(&mesh.topology);
         let all = self_intersections(&mesh.positions, &triangles, None, usize::MAX);
-        let is_of_one = |pair: &[u32; 2]| {
-            let [f, g] = pair.map(|f| parts.of_face[f as usize]);
-            f == g
-        };
-        let (of_one, of_two): (Vec<_>, Vec<_>) = all.into_iter().partition(is_of_one);
+        let (of_one, of_two): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|&pair| parts.are_joined(pair));
         let middle = |&[f, _]: &[u32; 2]| {
             let corners = triangles[f as usize].map(|v| mesh.positions[v as usize]);
             corners.iter().sum::<DVec3>() / 3.0

@@ -130,6 +130,14 @@ pub struct Components {
     pub count: usize,
 }
 
+impl Components {
+    /// Whether two faces belong to one component.
+    pub fn are_joined(&self, faces: [u32; 2]) -> bool {
+        let [a, b] = faces.map(|f| self.of_face[f as usize]);
+        a == b
+    }
+}
+
 /// Groups faces that are joined across edges.
 pub fn components(topology: &Topology) -> Components {
     // the lowest face of a class stands for it

@@ -26,10 +26,7 @@ impl DamageSpec {
         let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
         let mut pairs = self_intersections(&mesh.positions, &triangles, None, usize::MAX);
         let parts = components(&mesh.topology);
-        pairs.retain(|pair| {
-            let [f, g] = pair.map(|f| parts.of_face[f as usize]);
-            f == g
-        });
+        pairs.retain(|&pair| parts.are_joined(pair));
         if self.folds {
             let angle = FOLDED.to_radians();
             pairs.extend(folded_edges(&mesh.positions, &mesh.topology, angle));

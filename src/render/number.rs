@@ -2,24 +2,24 @@
 
 /// A number with four digits.
 pub fn format_number(x: f64) -> String {
-    with_digits(x, 4)
+    with_digits(x, 3)
 }
 
 /// A number with three digits, at most seven characters if it is positive.
 pub fn short_number(x: f64) -> String {
-    with_digits(x, 3)
+    with_digits(x, 2)
 }
 
-fn with_digits(x: f64, count: usize) -> String {
-    let last = count as i32 - 1;
+/// A number with some digits after the first one.
+fn with_digits(x: f64, more: i32) -> String {
     let size = x.abs();
     if x == 0.0 {
         "0".into()
     } else if (1e-3..1e5).contains(&size) {
-        let digits = (last - size.log10().floor() as i32).clamp(0, 6) as usize;
+        let digits = (more - size.log10().floor() as i32).clamp(0, 6) as usize;
         format!("{x:.digits$}")
     } else {
-        format!("{x:.last$e}", last = count - 1)
+        format!("{x:.more$e}", more = more as usize)
     }
 }
 
@@ -43,8 +43,8 @@ mod tests {
     fn short_numbers_have_seven_characters_at_most() {
         for (x, text) in [
             (0.0, "0"),
-            (0.0097583, "0.00976"),
-            (0.0009996, "1.00e-3"),
+            (0.009_758, "0.00976"),
+            (0.000_999_6, "1.00e-3"),
             (43.903, "43.9"),
             (99_999.0, "99999"),
             (1.2345e8, "1.23e8"),

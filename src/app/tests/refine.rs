@@ -9,7 +9,6 @@ use crate::app::view_state::Refining;
 use crate::mesh::VertexId;
 use crate::ops::Operation;
 use crate::refine::{Method, RefineControls};
-use crate::shapes::{TriangleMesh, icosphere};
 
 fn levels(levels: usize) -> RefineControls {
     RefineControls {
@@ -22,17 +21,8 @@ fn on_icosahedron(refining: Refining) -> Model {
     on_mesh(icosphere(1), refining)
 }
 
-fn on_mesh((positions, triangles): TriangleMesh, refining: Refining) -> Model {
-    let soup = Soup {
-        positions,
-        offsets: (0..=triangles.len() as u32).map(|i| 3 * i).collect(),
-        corners: triangles.into_iter().flatten().collect(),
-        ..Soup::default()
-    };
-    let opened = io::from_soup(&soup, Path::new("test")).expect("sound");
-    let document = Document::new(opened, Source::Sample("test".into()));
-    let wake: crate::app::jobs::Wake = Arc::new(|| ());
-    let mut m = Model::new(document, Settings::default(), Autosave::off(), wake);
+fn on_mesh(mesh: TriangleMesh, refining: Refining) -> Model {
+    let mut m = model_of(from_triangles(mesh));
     act(&mut m, RunAction::Pace(240.0));
     act(&mut m, TaskAction::Choose(Task::Refine));
     act(&mut m, TaskAction::Refining(Box::new(refining)));
