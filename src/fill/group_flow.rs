@@ -11,7 +11,7 @@ use crate::fill::noise::roughened;
 use crate::fill::options::{Continuity, FillOptions};
 use crate::fill::patch_topology::PatchTopology;
 use crate::fill::plan::Domain;
-use crate::fill::prediction::{Candidate, GroupSurface, OtherSurface, Prediction};
+use crate::fill::prediction::{Candidate, GroupSurface, OtherSurface, Prediction, beside_needles};
 use crate::fill::region;
 use crate::fill::remesh::{RemeshPolicy, remesh, remesh_degraded};
 use crate::fill::result::{Timings, milliseconds};
@@ -128,7 +128,9 @@ impl GroupFlow {
                 ))
             };
             let prediction = self.prediction.get_or_insert_with(predict);
-            if let Some((chosen, _)) = prediction.chosen() {
+            let chosen = prediction.chosen().map(|(chosen, _)| chosen);
+            let chosen = chosen.or_else(|| beside_needles(context, group));
+            if let Some(chosen) = chosen {
                 chosen.apply(&mut resolved.flow);
             }
         }

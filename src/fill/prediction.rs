@@ -22,7 +22,7 @@ use crate::fill::hole::PlannedHole;
 use crate::fill::options::Symmetry;
 use crate::fill::pseudo_hole::{Disc, Surroundings};
 use crate::fill::symmetric_errors::SymmetricErrors;
-use crate::mesh::{DVec3, LoopId, Mesh, Neighbourhood, VertexId};
+use crate::mesh::{DVec3, HalfedgeId, LoopId, Mesh, Neighbourhood, VertexId};
 use crate::options::Choice;
 use crate::solver::{
     FlowOptions, FlowProblem, LocalG2, Mode, SUPPORT_RINGS, StepRequest, SurfaceModel,
@@ -294,6 +294,33 @@ impl Prediction {
         let symmetric = symmetric.filter(|e| e.1 <= limit * plain.1);
         symmetric.or(Some(plain)).copied()
     }
+}
+
+/// Height of a face over the length of its rim edge above which it is a needle.
+const NEEDLE: f64 = 6.0;
+/// The model beside needles.
+const BESIDE_NEEDLES: Candidate = Candidate::new(SurfaceModel::G2, 30.0);
+
+/// The model of a group without a prediction, if most faces at its rims are needles: long strips as CAD programs
+/// write them. Their limit surfaces say little about curvatures across the rim, and an energy of these lets the
+/// patch grow without bound.
+pub(super) fn beside_needles(context: FillContext<'_>, group: usize) -> Option<Candidate> {
+    let (mesh, topology) = (context.mesh, &context.mesh.topology);
+    let rims = context
+        .plan
+        .holes_of(group)
+        .flat_map(|hole| &hole.rims.loops);
+    let is_needle = |h: &HalfedgeId| {
+        let [a, b, apex] = mesh.corners(topology.face(h.twin()));
+        let along = mesh.position(topology.target(*h)) - mesh.position(topology.origin(*h));
+        (b - a).cross(apex - a).length() > NEEDLE * along.length_squared()
+    };
+    let (mut needles, mut all) = (0, 0);
+    for h in rims.flat_map(|rim| &rim.halfedges) {
+        needles += usize::from(is_needle(h));
+        all += 1;
+    }
+    (2 * needles > all).then_some(BESIDE_NEEDLES)
 }
 
 /// What was predicted for one hole.
@@ -635,6 +662,39 @@ mod tests {
         let (surface, _) = filled(&band, &FillOptions::default());
         assert_eq!(surface.model, Candidate::new(SurfaceModel::Energy, 0.0));
         assert_eq!(surface.expected_error(), None);
+    }
+
+    #[test]
+    fn beside_long_strips_a_vector_flow_is_used() {
+        // a closed tube of two rows of strips, open at the lower end
+        let tube = |sectors: u32| {
+            let mut positions: Vec<DVec3> = (0..3 * sectors)
+                .map(|i| {
+                    let angle = std::f64::consts::TAU * f64::from(i % sectors) / f64::from(sectors);
+                    DVec3::new(angle.cos(), angle.sin(), -f64::from(i / sectors))
+                })
+                .collect();
+            positions.push(DVec3::ZERO);
+            let rows = (0..2 * sectors).flat_map(|a| {
+                let b = a - a % sectors + (a + 1) % sectors;
+                [[a, a + sectors, b], [b, a + sectors, b + sectors]]
+            });
+            let cap = (0..sectors).map(|i| [3 * sectors, i, (i + 1) % sectors]);
+            mesh((positions, rows.chain(cap).collect()))
+        };
+        let (surface, _) = filled(&tube(32), &FillOptions::default());
+        assert_eq!(surface.model, Candidate::new(SurfaceModel::Energy, 0.0));
+        for sectors in [64, 128] {
+            let tube = tube(sectors);
+            let (surface, result) = filled(&tube, &FillOptions::default());
+            assert_eq!(
+                (surface.model, surface.expected_error()),
+                (BESIDE_NEEDLES, None)
+            );
+            let new = &result.positions[tube.positions.len()..];
+            let is_near = |p: &DVec3| (-3.0..-1.9).contains(&p.z) && p.x.hypot(p.y) < 1.1;
+            assert!(new.len() > 500 && new.iter().all(is_near));
+        }
     }
 
     #[test]
