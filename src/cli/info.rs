@@ -12,6 +12,7 @@ use crate::io::open_welded;
 use crate::mesh::{
     BoundaryLoop, ComponentReport, Defect, DefectKind, LoadReport, LoopId, Weld, boundary_loops,
 };
+use crate::warning::counted;
 
 /// `meniscus info`.
 #[derive(Debug, Args)]
@@ -131,8 +132,9 @@ fn components(out: &mut String, all: &[ComponentReport]) -> std::fmt::Result {
     match others.iter().map(|c| c.faces).max() {
         Some(most) => writeln!(
             out,
-            "  {} more components of at most {most} faces (--json lists them)",
-            others.len()
+            "  {} more components of at most {} (--json lists them)",
+            others.len(),
+            counted(most, "face", "faces")
         ),
         None => Ok(()),
     }
@@ -185,7 +187,8 @@ fn loops(out: &mut String, all: &[LoopInfo<'_>]) -> std::fmt::Result {
     let outer = others.iter().filter(|l| l.outer_rim).count();
     writeln!(
         out,
-        "  {} more loops of at most {most} edges, {outer} of them outer boundaries (--json lists them)",
-        others.len()
+        "  {} more loops of at most {}, {outer} of them outer boundaries (--json lists them)",
+        others.len(),
+        counted(most, "edge", "edges")
     )
 }

@@ -54,6 +54,9 @@ const FACING_HOLE: f64 = 0.7;
 /// Maximum distance of facing loops over the sum of their radii. The test models have up to 2.2.
 const REACH: f64 = 4.0;
 
+/// Why a small loop of a large component is no hole: a patch would be folded at its rim.
+const LEADS_AWAY: &str = "the surface leads away from it";
+
 /// Measures of the surface at a boundary loop.
 #[derive(Clone, Copy, Debug)]
 struct Rim {
@@ -96,6 +99,8 @@ pub(super) fn classify_loops(mesh: &Mesh, parts: &Components, loops: &mut [Bound
     }
     for i in 0..loops.len() {
         let opening = rims[i].opening;
+        // such as a fold or a crumpled place of a scan
+        let leads_away = depth[i] * SMALL > 1.0 && opening >= CUP_BELOW;
         let (is_outer_boundary, reason) = if hole[i] {
             let what = if opening < HOLE_BELOW {
                 "the surface narrows towards it"
@@ -109,19 +114,20 @@ pub(super) fn classify_loops(mesh: &Mesh, parts: &Components, loops: &mut [Bound
             (false, format!("it faces loop {}", loops[j].id))
         } else if mouths[loops[i].component as usize] > 1 {
             let kind = if opening < CUP_BELOW {
-                "one of several open ends"
+                "one of several open ends of its component"
+            } else if leads_away {
+                LEADS_AWAY
             } else {
-                "a boundary"
+                "a boundary of its component"
             };
-            (
-                true,
-                format!("{kind} of its component (opening {opening:.0}°)"),
-            )
+            (true, format!("{kind} (opening {opening:.0}°)"))
         } else {
             let cup = (opening < CUP_BELOW && depth[i] > CUP_AREA)
                 || (opening < FLARED_CUP_BELOW && depth[i] > FLARED_CUP_AREA);
             let what = if cup {
                 "the only opening of a surface that is closed otherwise"
+            } else if leads_away {
+                LEADS_AWAY
             } else {
                 "the boundary of an open surface"
             };
@@ -349,6 +355,19 @@ mod tests {
             outer(&together(&[revolve(&tube(-2.0, -0.5), 32), far])),
             [true; 4]
         );
+    }
+
+    #[test]
+    fn a_small_loop_whose_lip_is_turned_outwards_is_no_boundary_of_an_open_surface() {
+        // a ball whose mouth is rolled outwards by more than a quarter turn
+        let mut profile = arc(0.1, PI);
+        profile.reverse();
+        let [r, z] = profile[profile.len() - 1];
+        profile.extend([[r + 0.02, z + 0.03], [r + 0.06, z + 0.02]]);
+        let flask = revolve(&profile, 40);
+        let one = &boundary_loops(&flask)[0];
+        assert!(one.is_outer_boundary);
+        assert!(one.reason.starts_with(LEADS_AWAY), "{}", one.reason);
     }
 
     #[test]

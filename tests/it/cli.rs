@@ -700,7 +700,7 @@ fn long_lists_of_small_parts_are_counted() {
     assert!(shown.lines().count() < 100, "{shown}");
     for words in [
         "component 0: ",
-        "161 more components of at most 1 faces",
+        "161 more components of at most 1 face ",
         "162 more loops of at most 3 edges, 162 of them outer boundaries",
     ] {
         assert!(shown.contains(words), "no {words:?} in: {shown}");
