@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::mesh::{
-    DVec3, FOLDED, HalfedgeId, Mesh, dihedral_angle, folded_edges, self_intersections,
+    DVec3, FOLD_DEGREES, HalfedgeId, Mesh, dihedral_angle, folded_edges, self_intersections,
 };
 
 /// Maximum number of intersecting pairs that are counted.
@@ -82,7 +82,7 @@ pub fn quality(mesh: &Mesh) -> QualityReport {
         radius_ratio: spread(ratios.into_iter()),
         edge_length: spread(edges),
         max_dihedral: degrees(max_dihedral(mesh)),
-        folded_edges: folded_edges(&mesh.positions, topology, FOLDED.to_radians()).len(),
+        folded_edges: folded_edges(&mesh.positions, topology, FOLD_DEGREES.to_radians()).len(),
         self_intersections: pairs.len(),
         self_intersections_at: pairs.iter().take(PLACES).map(middle).collect(),
         valences,

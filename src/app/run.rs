@@ -21,6 +21,7 @@ use crate::ops::Operation;
 use crate::options::{Choice as _, Options as _};
 use crate::runner::RunSettings;
 use crate::solver::{End, RejectReason, StepRecord};
+use crate::warning::counted;
 use divergence::{Limits, SENSIBLE_FALL, falls_without_bound, has_fallen};
 pub use handle::{Figures, RunEvent, RunHandle, RunState, StateView, state_key};
 pub use refinement::method_name;
@@ -369,13 +370,18 @@ impl Run {
         let parts = counts.iter().zip(kinds).filter(|(n, _)| **n > 0);
         let parts: Vec<String> = parts.map(|(n, kind)| format!("{n} {kind}")).collect();
         let all = ends.len();
-        let noun = if all == 1 { "hole" } else { "holes" };
+        let holes = counted(all, "hole", "holes");
         let defective = match unsound.len() {
             0 => String::new(),
-            1 => "; 1 patch has defects, see its warning".to_owned(),
-            n => format!("; {n} patches have defects, see their warnings"),
+            n => {
+                let [one, many] = [
+                    "patch has defects, see its warning",
+                    "patches have defects, see their warnings",
+                ];
+                format!("; {}", counted(n, one, many))
+            }
         };
-        (all > 0).then(|| format!("{all} {noun} filled: {}{defective}", parts.join(", ")))
+        (all > 0).then(|| format!("{holes} filled: {}{defective}", parts.join(", ")))
     }
 
     /// Whether a surface grew without bound.

@@ -12,7 +12,7 @@ use crate::io::open_welded;
 use crate::mesh::{
     BoundaryLoop, ComponentReport, Defect, DefectKind, LoadReport, LoopId, Weld, boundary_loops,
 };
-use crate::warning::counted;
+use crate::warning::{Place, counted};
 
 /// `meniscus info`.
 #[derive(Debug, Args)]
@@ -152,8 +152,7 @@ fn defects(out: &mut String, all: &[Defect]) -> std::fmt::Result {
         let of_kind: Vec<&Defect> = all.iter().filter(|d| d.kind == kind).collect();
         write!(out, "  {}: at", kind.words())?;
         for d in of_kind.iter().take(MOST_PLACES) {
-            let p = d.position;
-            write!(out, " ({:.6}, {:.6}, {:.6})", p.x, p.y, p.z)?;
+            write!(out, " {}", Place(d.position))?;
         }
         if of_kind.len() > MOST_PLACES {
             write!(out, " and other places (--json lists more)")?;

@@ -23,7 +23,7 @@ use crate::cli::targets::check_targets;
 use crate::cli::trace::Trace;
 use crate::io::{Opened, open};
 use crate::memory::peak_memory;
-use crate::mesh::{FOLDED, LoadReport, Mesh, folded_edges, self_intersections};
+use crate::mesh::{FOLD_DEGREES, LoadReport, Mesh, folded_edges, self_intersections};
 use crate::ops::{OperationError, RefineSpec};
 use crate::options::Choice;
 use crate::refine::{self, LevelReport, RefineControls, RefineEvent, Refined};
@@ -237,7 +237,7 @@ fn report<'a>(
 fn faults(mesh: &Mesh) -> (usize, usize) {
     let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
     let pairs = self_intersections(&mesh.positions, &triangles, None, MOST_INTERSECTIONS);
-    let folds = folded_edges(&mesh.positions, &mesh.topology, FOLDED.to_radians());
+    let folds = folded_edges(&mesh.positions, &mesh.topology, FOLD_DEGREES.to_radians());
     (pairs.len(), folds.len())
 }
 

@@ -16,9 +16,11 @@ use crate::cli::report::{FailedHole, HoleReport, hole_reports};
 use crate::cli::targets::check_targets;
 use crate::fill::{Controls, Filled};
 use crate::memory::peak_memory;
-use crate::mesh::{DVec3, FOLDED, LoadReport, Mesh, components, folded_edges, self_intersections};
+use crate::mesh::{
+    DVec3, FOLD_DEGREES, LoadReport, Mesh, components, folded_edges, self_intersections,
+};
 use crate::ops::{CleanSpec, DamageSpec, FlowSpec, Operation, Outcome, Repair};
-use crate::warning::counted;
+use crate::warning::{Place, counted};
 
 /// `meniscus repair`.
 #[derive(Debug, Args)]
@@ -89,7 +91,8 @@ impl Condition {
             loops: mesh.topology.boundary_loops().len(),
             self_intersections: of_one.len(),
             intersections_of_components: of_two.len(),
-            folded_edges: folded_edges(&mesh.positions, &mesh.topology, FOLDED.to_radians()).len(),
+            folded_edges: folded_edges(&mesh.positions, &mesh.topology, FOLD_DEGREES.to_radians())
+                .len(),
             place: of_one.first().map(middle),
         }
     }
@@ -164,6 +167,7 @@ pub fn repair(args: &RepairArguments) -> Result<()> {
     while let Some(operation) = repair.next_for(&mesh) {
         let outcome = match run(&operation, &mesh, quiet) {
             Ok(outcome) => outcome,
+            Err(error) if !matches!(operation, Operation::Refill(_)) => return Err(error),
             Err(error) => {
                 tell(&format!("{}: {error}", operation.command_name()));
                 repair.leave_damage();
@@ -219,8 +223,8 @@ pub fn repair(args: &RepairArguments) -> Result<()> {
         conclude(&report)?;
     }
     let mut failed = report.steps.iter().flat_map(|step| &step.failed);
-    if let Some(FailedHole { id, reason }) = failed.next() {
-        bail!("hole {id} could not be filled: {reason}");
+    if let Some(FailedHole { reason, .. }) = failed.next() {
+        bail!("not all holes could be filled. First error: {reason}");
     }
     Ok(())
 }
@@ -250,11 +254,9 @@ fn conclude(report: &RepairReport) -> Result<()> {
             "they were not erased, because they have more than a tenth of all faces"
         };
         say(&format!(
-            "{} left, one near ({:.6}, {:.6}, {:.6})\n  hint: {why}; `meniscus analyze --json` lists the places",
+            "{} left, one near {}\n  hint: {why}; `meniscus analyze --json` lists the places",
             pairs(after.self_intersections),
-            at.x,
-            at.y,
-            at.z
+            Place(at)
         ));
     }
     print(&format!(

@@ -15,8 +15,8 @@ use crate::mesh::{
 };
 use crate::warning::{MAX_PAIRS, Warning};
 
-/// Cosine of the angle between the normals of neighbours beyond which their edge counts as folded
-/// (150°).
+/// Cosine of [`FOLD_DEGREES`](crate::mesh::FOLD_DEGREES), beyond which the edge of two neighbours counts as
+/// folded.
 pub(super) const FOLDED: f64 = -0.866_025_403_784_438_6;
 
 /// Most pairs of intersecting triangles that are counted. More than warnings state, so that searches see which of

@@ -1,6 +1,6 @@
 //! Faces selected by their quality.
 
-use super::{DVec3, FOLDED, Mesh, face_flags, folded_edges, self_intersections};
+use super::{DVec3, FOLD_DEGREES, Mesh, face_flags, folded_edges, self_intersections};
 
 /// A flaw of faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub enum Flaw {
     LongerThan(f64),
     /// The face intersects another one.
     Crossing,
-    /// The normals of the face and of a neighbour differ by [`FOLDED`] degrees or more.
+    /// The normals of the face and of a neighbour differ by [`FOLD_DEGREES`] degrees or more.
     Folded,
 }
 
@@ -36,7 +36,7 @@ pub fn flawed_faces(mesh: &Mesh, flaw: Flaw) -> Vec<bool> {
             face_flags(pairs.as_flattened(), triangles.len())
         }
         Flaw::Folded => {
-            let pairs = folded_edges(&mesh.positions, &mesh.topology, FOLDED.to_radians());
+            let pairs = folded_edges(&mesh.positions, &mesh.topology, FOLD_DEGREES.to_radians());
             face_flags(pairs.as_flattened(), mesh.face_count())
         }
     }
@@ -109,8 +109,8 @@ mod tests {
             let mesh = Mesh::from_triangles(positions, &strip).expect("a strip");
             face_list(&flawed_faces(&mesh, Flaw::Folded))
         };
-        assert!(folded(FOLDED - 1.0).is_empty());
-        assert_eq!(folded(FOLDED + 1.0), [1, 2]);
+        assert!(folded(FOLD_DEGREES - 1.0).is_empty());
+        assert_eq!(folded(FOLD_DEGREES + 1.0), [1, 2]);
         assert_eq!(folded(180.0), [1, 2]);
     }
 }

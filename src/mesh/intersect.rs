@@ -136,7 +136,7 @@ pub fn dihedral_angle(positions: &[DVec3], topology: &Topology, h: super::Halfed
 }
 
 /// Angle in degrees between the normals of two faces from which their edge counts as folded.
-pub const FOLDED: f64 = 150.0;
+pub const FOLD_DEGREES: f64 = 150.0;
 
 /// Pairs of edge-adjacent faces whose normals differ by at least `min_angle` radians (positive; pi:
 /// folded flat onto each other), as `[smaller, larger]` face indices in edge order. Faces of zero

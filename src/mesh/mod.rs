@@ -41,7 +41,8 @@ pub use flaws::{Flaw, flawed_faces};
 pub use glam::DVec3;
 pub use ids::{FaceId, HalfedgeId, LoopId, VertexId};
 pub use intersect::{
-    FOLDED, TriangleIntersections, dihedral_angle, folded_edges, self_intersections, triangles_meet,
+    FOLD_DEGREES, TriangleIntersections, dihedral_angle, folded_edges, self_intersections,
+    triangles_meet,
 };
 pub(crate) use intersect::{canonical_vertices, pair_meets};
 pub use joined::joined;

@@ -3,7 +3,7 @@
 use super::{CleanSpec, Faces, FacesSpec, FillSpec, FlowSpec, Operation};
 use crate::fill::{LoopChoice, choose};
 use crate::mesh::{
-    FOLDED, Mesh, boundary_loops, components, face_flags, face_list, folded_edges, grow,
+    FOLD_DEGREES, Mesh, boundary_loops, components, face_flags, face_list, folded_edges, grow,
     self_intersections,
 };
 use crate::options::options;
@@ -28,7 +28,7 @@ impl DamageSpec {
         let parts = components(&mesh.topology);
         pairs.retain(|&pair| parts.are_joined(pair));
         if self.folds {
-            let angle = FOLDED.to_radians();
+            let angle = FOLD_DEGREES.to_radians();
             pairs.extend(folded_edges(&mesh.positions, &mesh.topology, angle));
         }
         let mut flags = face_flags(pairs.as_flattened(), triangles.len());
@@ -210,7 +210,7 @@ mod tests {
         };
         let (names, after) = repaired(folded, spec);
         assert_eq!(names.first(), Some(&"refill"));
-        let folds = folded_edges(&after.positions, &after.topology, FOLDED.to_radians());
+        let folds = folded_edges(&after.positions, &after.topology, FOLD_DEGREES.to_radians());
         assert_eq!((folds.len(), crossings(&after)), (0, 0));
     }
 }

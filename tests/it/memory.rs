@@ -34,6 +34,8 @@ fn what_exceeds_the_memory_is_refused_with_a_remedy() {
             "lower the density",
         ];
         desk.run(&many).fails(1, &words);
+        let repair = [&["repair"], &many[1..]].concat();
+        desk.run(&repair).fails(1, &words);
         desk.run(&refine)
             .fails(1, &["GiB of memory would be needed", "fewer levels"]);
     }

@@ -3,7 +3,7 @@ use super::*;
 use crate::energy::Energy;
 use crate::fill::prepare::prepare;
 use crate::fill::{Filled, RimSet, fill_rim_sets};
-use crate::mesh::{Mesh, VertexId, boundary_loops, folded_edges, self_intersections};
+use crate::mesh::{FOLD_DEGREES, Mesh, VertexId, boundary_loops, folded_edges, self_intersections};
 use crate::shapes;
 use crate::solver::End;
 use crate::warning::Warnings;
@@ -101,7 +101,11 @@ fn filled_all(positions: Vec<DVec3>, triangles: &[[u32; 3]]) -> (Vec<&'static st
     let result = &filled.mesh;
     let faces: Vec<[u32; 3]> = result.topology.triangles().collect();
     let pairs = self_intersections(&result.positions, &faces, None, usize::MAX);
-    let folds = folded_edges(&result.positions, &result.topology, 150f64.to_radians());
+    let folds = folded_edges(
+        &result.positions,
+        &result.topology,
+        FOLD_DEGREES.to_radians(),
+    );
     (codes, pairs.len() + folds.len())
 }
 
