@@ -1,6 +1,7 @@
-use super::super::test_matrices::{Graph, identity_order};
+use super::super::test_matrices::{Graph, identity_order, noise};
 use super::super::{CholeskySymbolic, SymmetricPattern};
 use super::*;
+use glam::Vec3Swizzles;
 
 fn order(graph: &Graph) -> Vec<u32> {
     nested_dissection(&graph.points, &graph.offsets, &graph.adjacency)
@@ -77,6 +78,27 @@ fn rotation_and_offset_leave_the_fill_alone() {
     }
     let after = fill(&graph, &order(&graph));
     assert!(after.abs_diff(before) * 10 < before, "{before} -> {after}");
+}
+
+/// No plane separates the vertices of a crumpled surface well, but its graph is that of a flat one.
+#[test]
+fn crumpled_surfaces_are_divided_in_the_graph() {
+    for reach in [1, 3] {
+        let mut graph = Graph::grid(60, 60, reach);
+        let flat = fill(&graph, &order(&graph));
+        for (point, z) in graph.points.chunks_exact_mut(3).zip(noise(1, 1200)) {
+            point[0].z = 100.0 * z;
+            point[1] = point[0].yzx();
+            point[2] = point[0].zxy();
+        }
+        let perm = order(&graph);
+        assert_permutation(&perm);
+        let crumpled = fill(&graph, &perm);
+        assert!(
+            2 * crumpled < 3 * flat,
+            "reach {reach}: {flat} -> {crumpled}"
+        );
+    }
 }
 
 /// Vertices that are neighbours of all others leave the separators of the rest small.
