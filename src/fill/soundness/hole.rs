@@ -4,6 +4,7 @@ use super::first_patch::other_patches;
 use super::replacement::{Origin, Replacement, Surface, between};
 use super::solve::{SAFER, flow_by};
 use crate::cancel::is_cancelled;
+use crate::energy::Preset;
 use crate::fill::context::FillContext;
 use crate::fill::defects::{Defects, Patches, Room, SOUND, defects, severity};
 use crate::fill::hole::HoleRims;
@@ -128,9 +129,14 @@ impl HoleOfGroup<'_> {
             symmetric: false,
             ..model
         };
+        // of the same kind, but of lower order
+        let willmore = (chosen.energy == Some(Preset::MeanVariation)).then_some(Candidate {
+            energy: Some(Preset::H2),
+            ..chosen
+        });
         let all = || {
             let safer = SAFER.into_iter().filter(move |&safer| safer != chosen);
-            std::iter::once(chosen).chain(safer)
+            std::iter::once(chosen).chain(willmore).chain(safer)
         };
         let by = |start: &Surface, model: Candidate, on: &str| {
             let surface = self.by(start, model, options)?;
