@@ -365,7 +365,7 @@ impl GroupFlow {
     }
 
     /// Checks the patches at the end of the flow or after its failure, and replaces unsound ones of single rims.
-    fn make_sound(&mut self, context: FillContext<'_>) {
+    pub fn make_sound(&mut self, context: FillContext<'_>) {
         if !self.is_checked(context) {
             return;
         }

@@ -63,8 +63,8 @@ impl GroupProgress {
         let record = match catching(|| self.run.attempt(context)) {
             Ok(record) => record,
             Err(error) => {
-                self.fail(error);
-                return None;
+                self.fail(context, error);
+                None
             }
         };
         self.is_new |= self.has_other_patches();
@@ -89,7 +89,7 @@ impl GroupProgress {
         context: FillContext<'_>,
         options: &FillOptions,
     ) -> Result<(), String> {
-        self.change(|run| run.change(context, options))?;
+        self.change(context, |run| run.change(context, options))?;
         self.is_new |= self.has_other_patches();
         Ok(())
     }
@@ -109,7 +109,9 @@ impl GroupProgress {
         to: &Arc<GroupState>,
         options: &FillOptions,
     ) -> Result<(), String> {
-        self.change(|run| run.rewind(context, &to.patches, &to.positions, to.step, options))?;
+        self.change(context, |run| {
+            run.rewind(context, &to.patches, &to.positions, to.step, options)
+        })?;
         (self.state, self.is_new, self.last) = (Arc::clone(to), false, None);
         Ok(())
     }
@@ -122,6 +124,7 @@ impl GroupProgress {
 
     fn change(
         &mut self,
+        context: FillContext<'_>,
         change: impl FnOnce(&mut GroupFlow) -> Result<(), ChangeError>,
     ) -> Result<(), String> {
         let result = match catching(|| change(&mut self.run)) {
@@ -132,7 +135,7 @@ impl GroupProgress {
             }),
             Err(error) => {
                 let reason = error.to_string();
-                self.fail(error);
+                self.fail(context, error);
                 Err(Warning::FlowFailed { reason })
             }
         };
@@ -146,12 +149,19 @@ impl GroupProgress {
         result
     }
 
-    /// Ends the flow at the latest stored state.
-    fn fail(&mut self, error: SolverError) {
+    /// Ends the flow at the latest stored state, whose patches are then checked for soundness.
+    fn fail(&mut self, context: FillContext<'_>, error: SolverError) {
+        self.fail_at_state(error);
+        if let Err(error) = catching(|| self.run.make_sound(context)) {
+            self.fail_at_state(error);
+        }
+        self.is_new = self.has_other_patches();
+    }
+
+    fn fail_at_state(&mut self, error: SolverError) {
         let state = &self.state;
         let patches = Arc::clone(&state.patches);
         self.run.fail(error, patches, state.positions.to_vec());
-        self.is_new = false;
     }
 
     /// The current state.
