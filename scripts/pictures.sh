@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 prepare_pictures
 "$meniscus" sample creature -o "$scratch/creature.obj"
 "$meniscus" fill "$scratch/creature.obj" -o "$scratch/filled.obj" --quiet \
-    --picture docs/pictures/filled.png --size 640x480
+    --picture docs/pictures/filled.png --size 640x480 --view isophotes
 "$meniscus" render "$scratch/creature.obj" -o docs/pictures/holed.png --size 640x480 --view shaded --rims
 "$meniscus" render "$scratch/filled.obj" -o docs/pictures/curvature.png --size 640x480 --view H
 for sample in egg ring; do
@@ -28,7 +28,7 @@ fi
 pair() {
     local scan=$MENISCUS_MODELS/real/$2_riddled.obj name=$1/real-$2-$3 look=(--size 320x240 --stripes 8 --camera "$4")
     "$meniscus" render "$scan" -o "$name-before.png" --quiet --view shaded --rims "${look[@]}"
-    "$meniscus" fill "$scan" -o "$scratch/filled.obj" --quiet --picture "$name-after.png" "${look[@]}"
+    "$meniscus" fill "$scan" -o "$scratch/filled.obj" --quiet --view isophotes --picture "$name-after.png" "${look[@]}"
 }
 pair docs/pictures spot 1 0.099167,-0.024942,0.53464,-0.48686,0.2177,0.12673,0.83637,0.61609,35,persp
 pair docs/pictures spot 6 -0.10568,0.50255,-0.3836,-0.097501,0.65863,0.73808,-0.10926,0.98306,35,persp

@@ -13,7 +13,7 @@ use crate::options::Choice;
 use crate::render::{
     self, Background, Bounds, Camera, CutPlane, DynamicSurface, Evaluation, Geometry, Gpu, Grid,
     LineStyle, Overlay, Polyline, Scene, Sheet, SheetView, StandardView, SurfaceOptions, Textures,
-    Vertex, ViewStyle, bar_length, rim_points,
+    Vertex, ViewMode, ViewStyle, bar_length, rim_points,
 };
 
 /// Default size of a picture.
@@ -52,7 +52,7 @@ impl Shot {
             legend: look.legend,
             caption: look.caption.clone().unwrap_or_default(),
         };
-        let style = style(look, sheet.size);
+        let style = style(look, mesh, sheet.size);
         let centre = bounds.centre();
         let limit = !look.control_mesh;
         let surfaces = surfaces(mesh, first_patch_face, creases, centre, limit, &style);
@@ -95,10 +95,21 @@ impl Shot {
     }
 }
 
-fn style(look: &PictureArguments, [_, height]: [u32; 2]) -> ViewStyle {
+fn style(look: &PictureArguments, mesh: &Mesh, [_, height]: [u32; 2]) -> ViewStyle {
     let default = ViewStyle::default();
+    let has_colors = || {
+        let attributes = &mesh.attributes;
+        attributes.has_colors() || materials(attributes).iter().any(|m| m.image.is_some())
+    };
+    let colors_or_shaded = || {
+        if has_colors() {
+            ViewMode::Color
+        } else {
+            ViewMode::Shaded
+        }
+    };
     ViewStyle {
-        mode: look.mode(),
+        mode: look.view.unwrap_or_else(colors_or_shaded),
         material: look.material.unwrap_or_default(),
         stripes: look.stripes.unwrap_or(default.stripes),
         light: look.light.unwrap_or(default.light),

@@ -14,8 +14,8 @@ use crate::render::{MAX_SIDE, Material, ViewMode};
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Picture")]
 pub struct PictureArguments {
-    /// The quantity shown by colours: shaded, colour, isophotes (the default), zebra, H, K,
-    /// k1 or k2.
+    /// The quantity shown by colours: shaded, colour, isophotes, zebra, H, K, k1 or k2 [default:
+    /// colour if the mesh has colours or texture images, otherwise shaded].
     #[arg(long, value_name = "VIEW", value_parser = view)]
     pub view: Option<ViewMode>,
     /// Width and height in pixels, at most 8192 each [default: 1280x960].
@@ -93,14 +93,9 @@ impl PictureArguments {
         *self != Self::default()
     }
 
-    /// The quantity shown by colours.
-    pub fn mode(&self) -> ViewMode {
-        self.view.unwrap_or(ViewMode::Isophotes)
-    }
-
     /// Refuses a legend of a view without numbers.
     pub fn check(&self) -> anyhow::Result<()> {
-        if self.legend && !self.mode().is_map() {
+        if self.legend && !self.view.is_some_and(ViewMode::is_map) {
             let message = "--legend needs a view with numbers: --view H, K, k1 or k2";
             return Err(UsageError(message.into()).into());
         }

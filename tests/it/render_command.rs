@@ -41,7 +41,7 @@ fn pictures_of_any_kind() {
     assert_eq!(clear.get_pixel(0, 0)[3], 0);
     assert_eq!(clear.get_pixel(60, 45)[3], 255);
     for options in [
-        "--view shaded",
+        "--view isophotes",
         "--view shaded --material clay",
         "--view zebra",
         "--view H",
@@ -51,8 +51,8 @@ fn pictures_of_any_kind() {
         "--cut 0,0,0,0,0,1",
         "--camera top --up z",
         "--orthographic",
-        "--stripes 3",
-        "--light -1,0,0",
+        "--view isophotes --stripes 3",
+        "--view isophotes --light -1,0,0",
         "--wireframe --control-mesh",
         "--dark",
         "--caption test",
@@ -158,7 +158,7 @@ fn a_filled_hole_is_tinted() {
 #[test]
 fn a_crease_shows_as_one() {
     let desk = cup();
-    let look = "--size 120x90 --no-tint";
+    let look = "--size 120x90 --no-tint --view isophotes";
     let words =
         format!("fill cup.obj -o flat.obj -q --energy 1 --continuity g0 --picture a.png {look}");
     desk.runs(&words.split_whitespace().collect::<Vec<_>>());
