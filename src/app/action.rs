@@ -273,8 +273,6 @@ pub enum ViewAction {
     FitAll,
     /// Move the camera to a loop.
     FlyToLoop(LoopId),
-    /// Move the camera to a point.
-    FlyTo(DVec3),
     /// Another style.
     Style(ViewStyle),
     /// A view mode.

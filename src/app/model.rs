@@ -16,7 +16,7 @@ use super::project::Project;
 use super::report::Report;
 use super::run::{Accepting, Run, RunState};
 use super::settings::Settings;
-use super::view_state::{AfterUnsaved, PathUse, ViewState};
+use super::view_state::{AfterUnsaved, PathUse, PictureSettings, ViewState};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
 use crate::options::Choice;
 use crate::render::{Background, Bounds, Gpu, Picker, Textures, ViewMode, ViewStyle};
@@ -65,8 +65,8 @@ pub enum Done {
     PicturePath(Option<PathBuf>, Duration),
     /// A picture for the clipboard.
     Picture(Result<Arc<image::RgbaImage>, String>),
-    /// Picture files were written; contains a message.
-    Pictures(Result<String, String>),
+    /// Picture files were written or not, with a message, by these settings.
+    Pictures(Result<String, String>, Box<PictureSettings>),
 }
 
 /// The content of a written file.

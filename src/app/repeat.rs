@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::document::Source;
 use super::model::Model;
+use super::update::kept_extension;
 use crate::io;
 use crate::ops::Operation;
 
@@ -44,6 +45,7 @@ pub fn command(model: &Model) -> Result<String, String> {
     let stem = input
         .file_stem()
         .map_or_else(|| "mesh".into(), |s| s.to_string_lossy().into_owned());
+    let extension = kept_extension(Some(&input));
     let folder = match &model.saved_to {
         Some(path) => path.parent().unwrap_or(Path::new(".")).to_owned(),
         None => input.parent().unwrap_or(Path::new(".")).to_owned(),
@@ -53,8 +55,8 @@ pub fn command(model: &Model) -> Result<String, String> {
         let last = i + 1 == count;
         let output = match (&model.saved_to, last) {
             (Some(path), true) if io::Format::from_path(path).is_some() => path.clone(),
-            (_, true) => folder.join(format!("{stem}_filled.obj")),
-            _ => folder.join(format!("{stem}_{}.obj", i + 1)),
+            (_, true) => folder.join(format!("{stem}_filled.{extension}")),
+            _ => folder.join(format!("{stem}_{}.{extension}", i + 1)),
         };
         let command = step.command(&input, &output);
         for (path, list) in &command.files {

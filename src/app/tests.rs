@@ -1152,6 +1152,7 @@ fn a_patch_with_defects_does_not_count_as_success() {
     let run = m.run.as_ref().expect("a run");
     let figures = run.sides[0].handle.figures(None);
     assert_eq!(figures[0].unsound, [hole]);
+    assert!(figures[0].needs_attention());
     let mut entries = m.log.entries().iter();
     assert!(entries.any(|e| e.text.ends_with("; 1 patch has defects, see its warning")));
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::handle::{Figures, RunEvent, StateView, WindowProcess, warning_event, with_hint};
-use crate::fill::{Controls, FillEvent, FillProcess, FillSnapshot, FillTimeline, GroupStatus};
+use super::handle::{Figures, RunEvent, StateView, WindowProcess, with_hint};
+use crate::fill::{Controls, FillEvent, FillProcess, FillSnapshot, GroupStatus};
 use crate::mesh::{DVec3, LoopId, Mesh, Topology};
 use crate::runner::{Runner, Schedule};
 use crate::warning::Warning;
@@ -33,7 +33,7 @@ impl StateView for FillSnapshot {
 
     fn mesh_with_warnings(&self) -> (Mesh, Vec<String>) {
         let (mesh, warnings) = self.state.mesh_with_warnings();
-        let words = |(hole, warning): &(LoopId, Warning)| of_hole(*hole, warning);
+        let words = |(hole, warning): &(LoopId, Warning)| of_holes(&[*hole], &with_hint(warning));
         (mesh, warnings.iter().map(words).collect())
     }
 
@@ -63,7 +63,7 @@ impl WindowProcess for FillProcess {
         window.clone()
     }
 
-    fn events(event: FillEvent, timeline: &FillTimeline) -> Vec<RunEvent> {
+    fn events(event: FillEvent, runner: &Runner<Self>) -> Vec<RunEvent> {
         match event {
             FillEvent::Step { group, record } => vec![RunEvent::Step(group, record)],
             FillEvent::SelfIntersection {
@@ -72,6 +72,7 @@ impl WindowProcess for FillProcess {
                 last_good,
                 text,
             } => {
+                let timeline = runner.timeline();
                 let is_last_good = |s: &Arc<FillSnapshot>| Some(s.groups[group].step) == last_good;
                 let back = timeline.states.iter().rposition(is_last_good);
                 let back = back.map_or_else(String::new, |at| {
@@ -81,15 +82,23 @@ impl WindowProcess for FillProcess {
                     )
                 });
                 let text = format!("the surface intersects itself or the mesh: {text}{back}");
+                let text = of_holes(&runner.groups()[group].holes, &text);
                 vec![RunEvent::SelfIntersection { text, place }]
             }
-            FillEvent::Finished { outcome, .. } => {
-                outcome.warnings.iter().filter_map(warning_event).collect()
+            FillEvent::Finished { group, outcome } => {
+                let holes = &runner.groups()[group].holes;
+                let warnings = outcome.warnings.iter();
+                // the controls and the hatching show ill-posed points
+                let told = warnings.filter(|w| !matches!(w, Warning::NotParabolic { .. }));
+                let event = |w| RunEvent::Warning(of_holes(holes, &with_hint(w)));
+                told.map(event).collect()
             }
             FillEvent::Warned { hole, warning } => {
-                vec![RunEvent::Warning(of_hole(hole, &warning))]
+                vec![RunEvent::Warning(of_holes(&[hole], &with_hint(&warning)))]
             }
-            FillEvent::Failed { text, .. } => vec![RunEvent::Error(text)],
+            FillEvent::Failed { holes, text, .. } => {
+                vec![RunEvent::Error(of_holes(&holes, &text))]
+            }
         }
     }
 
@@ -158,9 +167,15 @@ fn part_names<'a>(groups: impl Iterator<Item = &'a [LoopId]> + Clone) -> Vec<Vec
         .collect()
 }
 
-/// A warning about a hole with its remedy in the window.
-fn of_hole(hole: LoopId, warning: &Warning) -> String {
-    format!("hole {hole}: {}", with_hint(warning))
+/// A message with the numbers of its holes before it.
+fn of_holes(holes: &[LoopId], text: &str) -> String {
+    let figures = Figures {
+        holes: holes.to_vec(),
+        names: holes.iter().map(LoopId::to_string).collect(),
+        ..Figures::default()
+    };
+    let s = if holes.len() == 1 { "" } else { "s" };
+    format!("hole{s} {}: {text}", figures.hole_list())
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::fill::Controls;
 use crate::mesh::{DVec3, LoopId, Mesh, Topology};
-use crate::runner::{Event, Process, Runner, Schedule, Snapshot, Timeline, TimelineState};
+use crate::runner::{Event, Process, Runner, Schedule, Snapshot, TimelineState};
 use crate::solver::{End, StepRecord};
 use crate::warning::Warning;
 
@@ -183,6 +183,13 @@ pub struct Figures {
 }
 
 impl Figures {
+    /// Whether the user should look at the patches: the flow has failed or ended before it converged, or
+    /// patches have defects.
+    pub fn needs_attention(&self) -> bool {
+        let is_converged = matches!(self.end, None | Some(Ok(End::Converged)));
+        !is_converged || !self.unsound.is_empty()
+    }
+
     /// The names of the holes in one list, in which three or more holes with successive numbers are a range, as
     /// in `1–4, 7`.
     pub fn hole_list(&self) -> String {
@@ -217,7 +224,7 @@ pub trait WindowProcess: Process {
     fn controls(previous: &Self::Controls, window: &Controls) -> Self::Controls;
 
     /// The window's form of an event.
-    fn events(event: Self::Event, timeline: &Timeline<Self::State>) -> Vec<RunEvent>;
+    fn events(event: Self::Event, runner: &Runner<Self>) -> Vec<RunEvent>;
 
     /// As [`RunHandle::radius`].
     fn radius(status: &Self::Status) -> f64;
@@ -276,7 +283,7 @@ where
         let mut events = Vec::new();
         for event in self.poll() {
             match event {
-                Event::Process(event) => events.extend(P::events(event, &self.timeline())),
+                Event::Process(event) => events.extend(P::events(event, self)),
                 Event::Refused(refused) => events.push(RunEvent::Error(refused.text)),
                 Event::Failed { text } => events.push(RunEvent::Error(text)),
                 Event::Paused => events.push(RunEvent::Paused),
@@ -331,13 +338,6 @@ where
         let shown = shown.and_then(|state| (&**state as &dyn Any).downcast_ref());
         P::figures(self, shown)
     }
-}
-
-/// The message about a warning, with its remedy in the window. There is none about ill-posed points:
-/// the controls and the hatching show those of the shown state and of the current energy.
-pub(super) fn warning_event(warning: &Warning) -> Option<RunEvent> {
-    let shown = matches!(warning, Warning::NotParabolic { .. });
-    (!shown).then(|| RunEvent::Warning(with_hint(warning)))
 }
 
 /// A warning with its remedy in the window.

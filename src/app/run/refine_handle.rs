@@ -6,9 +6,7 @@ use std::sync::Arc;
 use super::handle::{Figures, RunEvent, StateView, WindowProcess, with_hint};
 use crate::fill::Controls;
 use crate::mesh::{DVec3, Mesh, Topology};
-use crate::refine::{
-    RefineControls, RefineEvent, RefineProcess, RefineSnapshot, RefineStatus, RefineTimeline,
-};
+use crate::refine::{RefineControls, RefineEvent, RefineProcess, RefineSnapshot, RefineStatus};
 use crate::runner::{Runner, Schedule};
 use crate::solver::End;
 
@@ -78,7 +76,7 @@ impl WindowProcess for RefineProcess {
         with_controls(previous, window)
     }
 
-    fn events(event: RefineEvent, _: &RefineTimeline) -> Vec<RunEvent> {
+    fn events(event: RefineEvent, _: &Runner<Self>) -> Vec<RunEvent> {
         let mut events = Vec::new();
         match event {
             RefineEvent::Step { record, .. } => events.push(RunEvent::Step(0, record)),

@@ -95,7 +95,7 @@ impl ReportOverlays {
             self.reach = drawn.reach;
             all.push(drawn.overlay);
         }
-        if let Some(mark) = view.mark.filter(|_| shown) {
+        if let Some(mark) = view.mark.filter(|_| shown || model.view.windows.report) {
             all.push(self.mark.get(mark, || {
                 markers([Marker {
                     position: narrow(mark - model.centre()),

@@ -32,6 +32,16 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+/// The dialog opens again with what was entered.
+#[test]
+fn settings_of_a_picture_that_cannot_be_written_are_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut m = model();
+    let settings = settings(&folder.path().join("missing"), "picture.png");
+    write(&mut m, settings.clone());
+    assert_eq!(m.view.modal, Modal::Picture(settings));
+}
+
 #[test]
 fn sides_are_drawn_side_by_side_and_states_as_a_sequence() {
     let folder = tempfile::tempdir().expect("a folder");

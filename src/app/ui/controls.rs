@@ -56,8 +56,9 @@ pub(crate) fn controls_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>)
     });
 }
 
-/// Number of groups whose surface model is listed.
-const MOST_MODELS: usize = 8;
+/// Height of the list of surface models, which is reserved before it has rows, so that the controls below
+/// do not move.
+const MODELS: f32 = 64.0;
 
 /// The surface model.
 fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -101,23 +102,25 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         rows.map(move |row| (name, row))
     });
     let rows: Vec<_> = rows.filter(|(_, row)| !row.surface.is_empty()).collect();
-    let more = rows.len().saturating_sub(MOST_MODELS);
-    if rows.iter().any(|(_, row)| row.expected_error.is_some()) {
-        ui.weak("Expected errors, % of the hole radius")
-            .on_hover_text("and the surface model, from predictions of known parts of the mesh");
-    }
-    for (name, row) in rows.into_iter().take(MOST_MODELS) {
-        let error = row.expected_error;
-        let error = error.map_or_else(String::new, |error| format!("{:.2} %, ", 100.0 * error));
-        let words = format!("{name} {}: {error}{}", row.hole_list(), row.surface);
-        let words = words.trim_start();
-        ui.add(egui::Label::new(RichText::new(words).weak()).truncate())
-            .on_hover_text(words)
-            .hovers(&row.holes, actions);
-    }
-    if more > 0 {
-        ui.weak(format!("and {more} more"));
-    }
+    ui.weak("Expected errors, % of the hole radius")
+        .on_hover_text("and the surface model, from predictions of known parts of the mesh");
+    let list = egui::ScrollArea::vertical()
+        .id_salt("models")
+        .auto_shrink(false);
+    list.max_height(MODELS).show(ui, |ui| {
+        if rows.is_empty() {
+            ui.weak("known when a fill has started");
+        }
+        for (name, row) in rows {
+            let error = row.expected_error;
+            let error = error.map_or_else(String::new, |error| format!("{:.2} %, ", 100.0 * error));
+            let words = format!("{name} {}: {error}{}", row.hole_list(), row.surface);
+            let words = words.trim_start();
+            ui.add(egui::Label::new(RichText::new(words).weak()).truncate())
+                .on_hover_text(words)
+                .hovers(&row.holes, actions);
+        }
+    });
     if next != model.document.controls {
         actions.push(ControlsAction::Set(Box::new(next)).into());
     }
@@ -252,7 +255,7 @@ fn patch_ui(
 ) {
     let defaults = window_controls();
     if !refining {
-        let tip = "density relative to the rim: 2 halves the edge length";
+        let tip = "density relative to the rim, from 0.25 to 4: 2 halves the edge length";
         let value = &mut next.density;
         slider_row(ui, "Density", tip, value, defaults.density, |x| {
             log(x, 0.25..=4.0)

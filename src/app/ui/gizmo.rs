@@ -3,6 +3,7 @@
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, Ui, vec2};
 
 use super::format::trimmed;
+use super::theme;
 use crate::app::action::{Action, ViewAction};
 use crate::app::model::Model;
 use crate::mesh::DVec3;
@@ -101,20 +102,18 @@ pub(crate) fn scale_bar(ui: &Ui, model: &Model, rect: Rect, below: Option<Rect>)
     let stroke = Stroke::new(1.5, ink);
     let right = left + vec2(width, 0.0);
     let tick = vec2(0.0, 5.0);
-    for line in [[left, right], [left, left - tick], [right, right - tick]] {
-        painter.line_segment(line, stroke);
-    }
     let number = trimmed(length);
     let s = if number == "1" { "" } else { "s" };
     let words = format!("{number} unit{s}");
+    let galley = painter.layout_no_wrap(words, FontId::proportional(11.0), ink);
     let at = Pos2::new(0.5 * (left.x + right.x), left.y - 6.0);
-    painter.text(
-        at,
-        Align2::CENTER_BOTTOM,
-        words,
-        FontId::proportional(11.0),
-        ink,
-    );
+    let words = Align2::CENTER_BOTTOM.anchor_size(at, galley.size());
+    let whole = words.union(Rect::from_two_pos(left, right));
+    painter.rect_filled(whole.expand2(vec2(6.0, 4.0)), 4.0, theme::ground(ui));
+    for line in [[left, right], [left, left - tick], [right, right - tick]] {
+        painter.line_segment(line, stroke);
+    }
+    painter.galley(words.min, galley, ink);
 }
 
 #[cfg(test)]

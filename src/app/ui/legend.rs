@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Ui};
 
+use super::theme;
 use crate::app::cached::Cached;
 use crate::app::model::Model;
 use crate::render::{ViewMode, colormap, legend_labels, robust_range};
@@ -58,9 +59,8 @@ pub(crate) fn legend(ui: &Ui, place: Rect, mode: ViewMode, range: [f32; 2]) {
         Pos2::new(left, place.top() + ABOVE),
         Pos2::new(left + 16.0, place.bottom() - BELOW),
     );
-    let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.72);
     let painter = ui.painter();
-    painter.rect_filled(place, 6.0, ground);
+    painter.rect_filled(place, 6.0, theme::ground(ui));
     let font = FontId::proportional(13.0);
     let ink = ui.visuals().strong_text_color();
     painter.text(

@@ -417,7 +417,7 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                         ui.close();
                     }
                 });
-                if response.double_clicked() {
+                if response.double_clicked() || model.run.is_some() && response.clicked() {
                     actions.push(ViewAction::FlyToLoop(l.id).into());
                 } else if response.clicked() {
                     let modifiers = response.ctx.input(|input| input.modifiers);

@@ -117,6 +117,11 @@ pub(crate) fn success(ui: &egui::Ui) -> Color32 {
     palette(ui.visuals().dark_mode).success
 }
 
+/// The ground of text over the view, on which it is legible whatever the surface.
+pub(crate) fn ground(ui: &egui::Ui) -> Color32 {
+    ui.visuals().extreme_bg_color.gamma_multiply(0.72)
+}
+
 /// Sets fonts, and colours and spacing of both themes.
 pub(crate) fn install(ctx: &egui::Context) {
     ctx.set_fonts(fonts());

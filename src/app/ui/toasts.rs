@@ -25,7 +25,8 @@ pub(crate) fn toasts_ui(
         views.top() + GIZMO,
     );
     Area::new(Id::unique("toasts"))
-        .order(Order::Foreground)
+        // a window that is clicked comes in front of them
+        .order(Order::Middle)
         // below the axes
         .anchor(Align2::RIGHT_TOP, corner)
         .interactable(true)

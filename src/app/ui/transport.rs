@@ -180,7 +180,7 @@ const COLUMNS: [(&str, f32, &str); 8] = [
     (
         "holes",
         64.0,
-        "holes are solved together if their surroundings overlap",
+        "holes are solved together if their surroundings overlap; click a row to show its hole",
     ),
     ("status", 104.0, "how the flow ended"),
     ("step", 36.0, "accepted steps"),
@@ -208,7 +208,7 @@ fn numbers_ui(ui: &mut Ui, model: &Model, run: &Run, actions: &mut Vec<Action>) 
         let mut table = TableBuilder::new(ui)
             .striped(true)
             .vscroll(false)
-            .sense(egui::Sense::hover());
+            .sense(egui::Sense::click());
         for (i, (_, width, _)) in COLUMNS.into_iter().enumerate() {
             let column = if i == 1 {
                 Column::remainder().at_least(width)
@@ -254,7 +254,7 @@ fn seam_ui(ui: &mut Ui, run: &Run, s: usize, seam: Seam) {
         words.push(format!("seam angle {angle:.1}°"));
     }
     if let Some(jump) = seam.jump {
-        words.push(format!("curvature jump {}", format_number(jump)));
+        words.push(format!("curvature jump {} 1/unit", format_number(jump)));
     }
     if !words.is_empty() {
         ui.label(format!("{}{}", side_name(run, s), words.join(", ")))
@@ -284,7 +284,10 @@ fn groups_ui(
     side: &RunVariant,
     actions: &mut Vec<Action>,
 ) {
-    let rows = side.figures();
+    let mut rows: Vec<_> = side.figures().into_iter().enumerate().collect();
+    if side.handle.ended() {
+        rows.sort_by_key(|(_, figures)| !figures.needs_attention());
+    }
     if rows.is_empty() {
         let words = if side.handle.ended() {
             "no flow: the patches have no new vertices"
@@ -301,10 +304,14 @@ fn groups_ui(
             }
         });
     }
-    for (g, figures) in rows.into_iter().enumerate() {
+    for (g, figures) in rows {
         body.row(18.0, |mut row| {
             group_ui(&mut row, run, s, side, g, &figures);
-            row.response().hovers(&figures.holes, actions);
+            let response = row.response();
+            response.hovers(&figures.holes, actions);
+            if let Some(&hole) = figures.holes.first() {
+                response.asks(ViewAction::FlyToLoop(hole), actions);
+            }
         });
     }
 }

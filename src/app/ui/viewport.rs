@@ -214,8 +214,7 @@ fn text(ui: &Ui, room: Rect, at: Pos2, align: Align2, text: &str, size: f32) -> 
     let shift = (room.max - rect.max).min(egui::Vec2::ZERO);
     let rect = rect.translate(shift);
     let rect = rect.translate((room.min - rect.min).max(egui::Vec2::ZERO));
-    let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.72);
-    painter.rect_filled(rect.expand2(egui::vec2(5.0, 2.0)), 4.0, ground);
+    painter.rect_filled(rect.expand2(egui::vec2(5.0, 2.0)), 4.0, theme::ground(ui));
     painter.galley(rect.min, galley, Color32::PLACEHOLDER);
     rect
 }

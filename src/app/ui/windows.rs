@@ -10,6 +10,7 @@ use crate::app::action::{Action, EditAction, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
 use crate::app::shortcuts::{GROUPS, SHORTCUTS};
+use crate::app::report::ReportAction;
 use crate::memory::peak_memory;
 
 /// Frame times without the time of the graphics card.
@@ -78,8 +79,9 @@ pub(crate) fn windows_ui(
         Window::new(title)
             .open(&mut stays)
             .collapsible(false)
-            .default_pos([300.0, 90.0])
-            .default_size([420.0, height])
+            // over the side panel, so that the middle of the view stays free
+            .default_pos([8.0, 90.0])
+            .default_size([360.0, height])
             .vscroll(false)
             .show(ctx, |ui| body(ui, actions));
         if !stays {
@@ -212,7 +214,7 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 p.y,
                 p.z
             );
-            ui.link(words).asks(ViewAction::FlyTo(p), actions);
+            ui.link(words).asks(ReportAction::Inspect(p), actions);
         }
     });
     ui.horizontal_wrapped(|ui| {

@@ -141,14 +141,19 @@ pub(super) fn ask(model: &mut Model, purpose: PathUse) {
     });
 }
 
+/// The extension of files beside a mesh file: that of the file, or `obj`.
+pub(in crate::app) fn kept_extension(source: Option<&Path>) -> String {
+    let source = source.filter(|path| io::Format::from_path(path).is_some());
+    let extension = source.and_then(Path::extension);
+    extension.map_or_else(|| "obj".into(), |s| s.to_string_lossy().into_owned())
+}
+
 fn suggestion(model: &Model, purpose: PathUse) -> String {
     let source = model.source_path();
     let source = source.as_deref();
     let stem = source.and_then(Path::file_stem);
     let stem = stem.map_or_else(|| "mesh".into(), |s| s.to_string_lossy().into_owned());
-    let source = source.filter(|path| io::Format::from_path(path).is_some());
-    let extension = source.and_then(Path::extension);
-    let extension = extension.map_or_else(|| "obj".into(), |s| s.to_string_lossy());
+    let extension = kept_extension(source);
     match purpose {
         PathUse::Open | PathUse::Reference => String::new(),
         PathUse::Report(file) => format!("{stem}_{}", file.suffix()),

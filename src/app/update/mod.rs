@@ -13,6 +13,7 @@ mod view;
 
 pub(crate) use controls::params_for;
 #[cfg(test)]
+pub(super) use files::kept_extension;
 pub(super) use files::replace;
 pub(crate) use pictures::{WRITING, extension};
 pub use tick::tick;

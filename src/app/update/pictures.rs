@@ -214,8 +214,26 @@ fn make(model: &mut Model, mut settings: PictureSettings) {
             PictureKind::Turntable => job.turntable(&scenes, reporter),
             PictureKind::Flow => job.flow(&scenes, &requests, &states, reporter),
         };
-        Done::Pictures(result.map_err(|e| e.to_string()))
+        Done::Pictures(result.map_err(|e| e.to_string()), Box::new(job.settings))
     });
+}
+
+/// Receives the message about written pictures, or why they could not be written. The dialog then opens
+/// again with its settings.
+pub(super) fn written(
+    model: &mut Model,
+    result: Result<String, String>,
+    settings: PictureSettings,
+) {
+    match result {
+        Ok(text) => model.log.info(text),
+        Err(text) => {
+            model.log.error(text);
+            if matches!(model.view.modal, Modal::None) {
+                model.view.modal = Modal::Picture(settings);
+            }
+        }
+    }
 }
 
 /// The state that picture `i` of `count` shows of `all`: the first and the last, and evenly spaced ones

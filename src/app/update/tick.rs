@@ -93,8 +93,8 @@ fn finish(model: &mut Model, done: Done) {
             model.effects.push(Effect::CopyImage(picture));
             model.log.info("picture copied to the clipboard");
         }
-        Done::Pictures(Ok(text)) => model.log.info(text),
-        Done::Picture(Err(text)) | Done::Pictures(Err(text)) => model.log.error(text),
+        Done::Pictures(result, settings) => pictures::written(model, result, *settings),
+        Done::Picture(Err(text)) => model.log.error(text),
     }
 }
 

@@ -15,7 +15,6 @@ pub(crate) fn update(model: &mut Model, action: ViewAction) {
         ViewAction::Standard(view) => model.view.camera.standard_view(view),
         ViewAction::FitAll => fit(model, &model.bounds()),
         ViewAction::FlyToLoop(id) => fly_to_loop(model, id),
-        ViewAction::FlyTo(place) => fly_to(model, place),
         ViewAction::Style(other) => {
             *style = other;
             if model.settings.material != other.material {
@@ -109,12 +108,12 @@ pub(super) fn fly_to(model: &mut Model, place: DVec3) {
 
 /// Moves the camera in front of a loop and fits its surroundings into the view.
 fn fly_to_loop(model: &mut Model, id: LoopId) {
-    let Some(l) = model.document.loop_of(id) else {
+    let Some(l) = model.shown_loop(id) else {
         return;
     };
     let reach = DVec3::splat(1.6 * l.radius);
     let around = Bounds::new(l.centroid - reach, l.centroid + reach);
-    let mesh = &model.document.mesh;
+    let mesh = model.looped_mesh();
     // the loop is oriented like its patch, so its vector area points outwards
     let points: Vec<_> = l.vertices.iter().map(|&v| mesh.position(v)).collect();
     if let Some(out) = crate::mesh::vector_area(&points).try_normalize() {
