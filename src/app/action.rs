@@ -116,6 +116,10 @@ pub enum EditAction {
     Clean,
     /// Join boundary edges that coincide.
     Stitch,
+    /// Remove loose parts, replace damaged faces and fill all holes, in the background.
+    Repair,
+    /// Cancel the repair.
+    CancelRepair,
 }
 
 /// How a click changes the selection.

@@ -16,6 +16,7 @@ use super::project::Project;
 use super::report::Report;
 use super::run::{Accepting, Run, RunState};
 use super::settings::Settings;
+use super::update::Repaired;
 use super::view_state::{AfterUnsaved, PathUse, PictureSettings, ViewState};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
 use crate::options::Choice;
@@ -57,6 +58,8 @@ pub enum Done {
     Textures(Arc<Origin>, ViewMode, Textures, Vec<String>),
     /// The mesh of a state that is being accepted was made; with warnings.
     Accepted(RunState, Box<Mesh>, Vec<String>),
+    /// A mesh was repaired, or why it was not.
+    Repaired(Arc<Mesh>, Result<Box<Repaired>, String>),
     /// Faces to select were found.
     Faces(FaceEdit),
     /// A file dialog was closed after some time; `None` if it was cancelled or is not available.

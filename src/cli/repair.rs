@@ -14,13 +14,13 @@ use crate::cli::print::{print, save, say};
 use crate::cli::progress::{Progress, Work};
 use crate::cli::report::{FailedHole, HoleReport, hole_reports};
 use crate::cli::targets::check_targets;
-use crate::fill::{Controls, Filled};
+use crate::fill::Controls;
 use crate::memory::peak_memory;
-use crate::mesh::{
-    DVec3, FOLD_DEGREES, LoadReport, Mesh, components, folded_edges, self_intersections,
+use crate::mesh::{LoadReport, Mesh};
+use crate::ops::{
+    CleanSpec, Condition, DamageSpec, FlowSpec, Operation, Outcome, Repair, RepairStep,
 };
-use crate::ops::{CleanSpec, DamageSpec, FlowSpec, Operation, Outcome, Repair};
-use crate::warning::{Place, counted};
+use crate::warning::Place;
 
 /// `meniscus repair`.
 #[derive(Debug, Args)]
@@ -56,71 +56,6 @@ struct RepairReport {
     peak_memory: u64,
 }
 
-/// What a mesh has.
-#[derive(Serialize)]
-struct Condition {
-    vertices: usize,
-    faces: usize,
-    components: usize,
-    loops: usize,
-    /// Pairs of faces of one component that intersect.
-    self_intersections: usize,
-    /// Pairs of faces of two components that intersect.
-    intersections_of_components: usize,
-    folded_edges: usize,
-    /// The place of one self-intersection.
-    #[serde(skip)]
-    place: Option<DVec3>,
-}
-
-impl Condition {
-    fn of(mesh: &Mesh) -> Self {
-        let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
-        let parts = components(&mesh.topology);
-        let all = self_intersections(&mesh.positions, &triangles, None, usize::MAX);
-        let (of_one, of_two): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|&pair| parts.are_joined(pair));
-        let middle = |&[f, _]: &[u32; 2]| {
-            let corners = triangles[f as usize].map(|v| mesh.positions[v as usize]);
-            corners.iter().sum::<DVec3>() / 3.0
-        };
-        Self {
-            vertices: mesh.vertex_count(),
-            faces: mesh.face_count(),
-            components: parts.count,
-            loops: mesh.topology.boundary_loops().len(),
-            self_intersections: of_one.len(),
-            intersections_of_components: of_two.len(),
-            folded_edges: folded_edges(&mesh.positions, &mesh.topology, FOLD_DEGREES.to_radians())
-                .len(),
-            place: of_one.first().map(middle),
-        }
-    }
-
-    fn words(&self) -> String {
-        let of_two = match self.intersections_of_components {
-            0 => String::new(),
-            count => format!(" and {count} of two components"),
-        };
-        format!(
-            "{}, {}, {}{of_two}, {}",
-            counted(self.components, "component", "components"),
-            counted(self.loops, "boundary loop", "boundary loops"),
-            pairs(self.self_intersections),
-            counted(self.folded_edges, "folded edge", "folded edges"),
-        )
-    }
-}
-
-/// A number of self-intersections in words.
-fn pairs(count: usize) -> String {
-    counted(
-        count,
-        "pair of intersecting triangles",
-        "pairs of intersecting triangles",
-    )
-}
-
 /// One operation of a repair.
 #[derive(Serialize)]
 struct Step {
@@ -129,19 +64,6 @@ struct Step {
     faces_added: usize,
     holes: Vec<HoleReport>,
     failed: Vec<FailedHole>,
-}
-
-impl Step {
-    fn words(&self) -> String {
-        let erased = counted(self.faces_erased, "face", "faces");
-        let holes = counted(self.holes.len(), "hole", "holes");
-        let added = counted(self.faces_added, "face", "faces");
-        match self.task {
-            "clean" => format!("loose parts with {erased} removed"),
-            "refill" => format!("{erased} erased at damaged places; {holes} filled with {added}"),
-            _ => format!("{holes} filled with {added}"),
-        }
-    }
 }
 
 /// Runs `meniscus repair`.
@@ -174,30 +96,23 @@ pub fn repair(args: &RepairArguments) -> Result<()> {
                 continue;
             }
         };
-        let filled = match &outcome {
-            Outcome::Filled(filled) => Some(&**filled),
-            Outcome::Refilled(new) => Some(&new.filled),
-            _ => None,
-        };
-        let faces_added = filled.map_or(0, Filled::faces_added);
-        let holes = filled.map_or_else(Vec::new, |filled| hole_reports(filled, &options));
-        let failed = filled.map_or_else(Vec::new, failed_holes);
-        let next = outcome.into_mesh();
+        let done = RepairStep::new(operation, &mesh, outcome);
+        tell(&done.words());
+        let filled = done.outcome.filled();
         let step = Step {
-            task: operation.command_name(),
-            faces_erased: mesh.face_count() + faces_added - next.face_count(),
-            faces_added,
-            holes,
-            failed,
+            task: done.operation.command_name(),
+            faces_erased: done.faces_erased,
+            faces_added: done.faces_added,
+            holes: filled.map_or_else(Vec::new, |filled| hole_reports(filled, &options)),
+            failed: filled.map_or_else(Vec::new, failed_holes),
         };
-        tell(&step.words());
-        if let Operation::Fill(_) = operation {
+        if let Operation::Fill(_) = done.operation {
             for hole in step.holes.iter().filter(|_| !quiet) {
                 print_warnings(&format!("hole {}: ", hole.id), hole.warnings.iter());
             }
         }
         steps.push(step);
-        mesh = next;
+        mesh = done.outcome.into_mesh();
     }
     save(
         &args.files.output,
@@ -255,7 +170,7 @@ fn conclude(report: &RepairReport) -> Result<()> {
         };
         say(&format!(
             "{} left, one near {}\n  hint: {why}; `meniscus analyze --json` lists the places",
-            pairs(after.self_intersections),
+            after.pairs(),
             Place(at)
         ));
     }

@@ -27,7 +27,7 @@ use crate::runner::Schedule;
 
 pub use cleaning::{CleanSpec, StitchSpec};
 pub use command::{CommandLine, chain_text, parse_chain};
-pub use repair::{DamageSpec, Repair};
+pub use repair::{Condition, DamageSpec, Repair, RepairStep};
 pub use run::{OperationError, Outcome};
 
 /// Face indices in ascending order, shared because the list may be long.

@@ -1,12 +1,15 @@
 //! The repair of a mesh: a sequence of operations, each chosen for the mesh that the one before gave.
 
-use super::{CleanSpec, Faces, FacesSpec, FillSpec, FlowSpec, Operation};
-use crate::fill::{LoopChoice, choose};
+use serde::Serialize;
+
+use super::{CleanSpec, Faces, FacesSpec, FillSpec, FlowSpec, Operation, Outcome};
+use crate::fill::{Filled, LoopChoice, choose};
 use crate::mesh::{
-    FOLD_DEGREES, Mesh, boundary_loops, components, face_flags, face_list, folded_edges, grow,
-    self_intersections,
+    DVec3, FOLD_DEGREES, Mesh, boundary_loops, components, face_flags, face_list, folded_edges,
+    grow, self_intersections,
 };
 use crate::options::options;
+use crate::warning::counted;
 
 options! {
     /// The damaged faces that a repair erases: those that intersect others of their component.
@@ -127,10 +130,122 @@ impl Repair {
     }
 }
 
+/// What a mesh has, before and after a repair.
+#[derive(Clone, Debug, Serialize)]
+pub struct Condition {
+    /// Vertices.
+    pub vertices: usize,
+    /// Faces.
+    pub faces: usize,
+    /// Connected components.
+    pub components: usize,
+    /// Boundary loops.
+    pub loops: usize,
+    /// Pairs of faces of one component that intersect.
+    pub self_intersections: usize,
+    /// Pairs of faces of two components that intersect.
+    pub intersections_of_components: usize,
+    /// Edges where the normals of the faces differ by 150° or more.
+    pub folded_edges: usize,
+    /// The place of one self-intersection.
+    #[serde(skip)]
+    pub place: Option<DVec3>,
+}
+
+impl Condition {
+    /// That of a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
+        let parts = components(&mesh.topology);
+        let all = self_intersections(&mesh.positions, &triangles, None, usize::MAX);
+        let (of_one, of_two): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|&pair| parts.are_joined(pair));
+        let middle = |&[f, _]: &[u32; 2]| {
+            let corners = triangles[f as usize].map(|v| mesh.positions[v as usize]);
+            corners.iter().sum::<DVec3>() / 3.0
+        };
+        Self {
+            vertices: mesh.vertex_count(),
+            faces: mesh.face_count(),
+            components: parts.count,
+            loops: mesh.topology.boundary_loops().len(),
+            self_intersections: of_one.len(),
+            intersections_of_components: of_two.len(),
+            folded_edges: folded_edges(&mesh.positions, &mesh.topology, FOLD_DEGREES.to_radians())
+                .len(),
+            place: of_one.first().map(middle),
+        }
+    }
+
+    /// The counts in words.
+    pub fn words(&self) -> String {
+        let of_two = match self.intersections_of_components {
+            0 => String::new(),
+            count => format!(" and {count} of two components"),
+        };
+        format!(
+            "{}, {}, {}{of_two}, {}",
+            counted(self.components, "component", "components"),
+            counted(self.loops, "boundary loop", "boundary loops"),
+            self.pairs(),
+            counted(self.folded_edges, "folded edge", "folded edges"),
+        )
+    }
+
+    /// The number of self-intersections in words.
+    pub fn pairs(&self) -> String {
+        counted(
+            self.self_intersections,
+            "pair of intersecting triangles",
+            "pairs of intersecting triangles",
+        )
+    }
+}
+
+/// An operation of a repair and its result.
+#[derive(Debug)]
+pub struct RepairStep {
+    /// The operation.
+    pub operation: Operation,
+    /// Its result.
+    pub outcome: Outcome,
+    /// Faces of the mesh before it that it erased.
+    pub faces_erased: usize,
+    /// New faces.
+    pub faces_added: usize,
+}
+
+impl RepairStep {
+    /// That of an operation on a mesh.
+    pub fn new(operation: Operation, mesh: &Mesh, outcome: Outcome) -> Self {
+        let faces_added = outcome.filled().map_or(0, Filled::faces_added);
+        Self {
+            faces_erased: mesh.face_count() + faces_added - outcome.mesh().face_count(),
+            faces_added,
+            operation,
+            outcome,
+        }
+    }
+
+    /// What was done, in words.
+    pub fn words(&self) -> String {
+        let erased = counted(self.faces_erased, "face", "faces");
+        let holes = self.outcome.filled().map_or(0, |filled| filled.holes.len());
+        let holes = counted(holes, "hole", "holes");
+        let added = counted(self.faces_added, "face", "faces");
+        match self.operation {
+            Operation::Clean(_) => format!("loose parts with {erased} removed"),
+            Operation::Refill(_) => {
+                format!("{erased} erased at damaged places; {holes} filled with {added}")
+            }
+            _ => format!("{holes} filled with {added}"),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::DVec3;
     use crate::shapes;
 
     fn mesh(parts: (Vec<DVec3>, Vec<[u32; 3]>)) -> Mesh {

@@ -33,6 +33,26 @@ pub enum Outcome {
 
 impl Outcome {
     /// The new mesh.
+    pub fn mesh(&self) -> &Mesh {
+        match self {
+            Self::Filled(filled) => &filled.mesh,
+            Self::Refilled(refilled) => &refilled.filled.mesh,
+            Self::Refined(refined) => &refined.mesh,
+            Self::Erased(erased) => &erased.mesh,
+            Self::Changed(mesh) => mesh,
+        }
+    }
+
+    /// The holes with their patches, of an operation that fills holes.
+    pub fn filled(&self) -> Option<&Filled> {
+        match self {
+            Self::Filled(filled) => Some(filled),
+            Self::Refilled(refilled) => Some(&refilled.filled),
+            Self::Refined(_) | Self::Erased(_) | Self::Changed(_) => None,
+        }
+    }
+
+    /// The new mesh by value.
     pub fn into_mesh(self) -> Mesh {
         match self {
             Self::Filled(filled) => filled.mesh,

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use crate::common::wait::wait_for;
 use meniscus::app::{
-    Autosave, BrushStamp, ControlsAction, Document, EditAction, Effect, FaceEdit, FileAction,
+    Action, Autosave, BrushStamp, ControlsAction, Document, EditAction, Effect, FaceEdit, FileAction,
     Model, Part, Refining, Run, RunAction, SelectAction, SelectHow, Settings, Source, Task,
     TaskAction, act, tick,
 };
@@ -350,6 +350,59 @@ fn cleaning_is_repeated_too() {
     assert_eq!(m.document.accepted.len(), 2);
     repeats(&mut m, &output);
     act(&mut m, EditAction::Undo);
+    act(&mut m, EditAction::Undo);
+    assert_eq!(*m.document.mesh, *before);
+}
+
+/// Everything at once: as `meniscus repair`, as one change, and as commands.
+#[test]
+fn a_repair_of_everything_is_repeated_and_undone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("raw.ply");
+    let output = folder.path().join("done.ply");
+    let hole = Hole {
+        centre: DVec3::Z,
+        shape: HoleShape::Ragged { radius: 0.4 },
+        turn: 0.0,
+        seed: 1,
+    };
+    let (mut positions, mut triangles) = cut_holes(&sphere(2000, 1), &[hole]);
+    // a vertex on the far side, and a loose triangle
+    let spike = positions.iter().position(|p| p.x > 0.99).expect("a vertex");
+    positions[spike] = DVec3::new(-1.2, 0.0, 0.0);
+    let first = positions.len() as u32;
+    positions.extend([2.0, 2.1, 2.2].map(|x| DVec3::new(x, 0.1 * x * x, 0.0)));
+    triangles.push([first, first + 1, first + 2]);
+    let mesh = Mesh::from_triangles(positions, &triangles).expect("two parts");
+    io::save_mesh(&input, &mesh).expect("written");
+    let mut m = opened(input);
+    act(&mut m, ControlsAction::Set(Box::default()));
+    let before = m.document.mesh.clone();
+    act(&mut m, EditAction::Repair);
+    // nothing else starts meanwhile
+    act(&mut m, RunAction::Start);
+    act(&mut m, EditAction::Clean);
+    assert!(m.run.is_none());
+    act(&mut m, Action::Escape);
+    until(&mut m, "the end of all jobs", |m| m.jobs.is_empty());
+    assert!(Arc::ptr_eq(&m.document.mesh, &before));
+
+    act(&mut m, EditAction::Repair);
+    until(&mut m, "the repair", |m| m.jobs.is_empty());
+    assert!(m.document.loops.is_empty());
+    assert_eq!(m.document.accepted.len(), 3);
+    let patches = &m.document.accepted[1..];
+    let added = patches.iter().map(|one| one.faces.len()).sum::<usize>();
+    let new = m.document.mesh.face_count() - m.document.first_patch_face;
+    assert_eq!(added, new);
+    repeats(&mut m, &output);
+    let status = Command::new(env!("CARGO_BIN_EXE_meniscus"))
+        .args(["repair", "raw.ply", "-o", "by_command.ply"])
+        .current_dir(folder.path())
+        .status();
+    assert!(status.expect("the program").success());
+    let read = |path: &Path| std::fs::read(path).expect("made");
+    assert!(read(&folder.path().join("by_command.ply")) == read(&output));
     act(&mut m, EditAction::Undo);
     assert_eq!(*m.document.mesh, *before);
 }

@@ -10,6 +10,7 @@ use crate::app::action::{Action, ControlsAction, EditAction, RunAction, SelectAc
 use crate::app::faces::{BrushStamp, FaceEdit, Lasso};
 use crate::app::model::Model;
 use crate::app::report::Pick;
+use crate::app::update::is_repairing;
 use crate::app::view_state::{Selecting, Task, Tool};
 use crate::mesh::{DVec3, Flaw};
 use crate::render::{Picker, Projector};
@@ -103,9 +104,11 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             named.asks(SelectAction::Faces(edit), actions);
         }
     });
-    ui.weak(
-        "Drag with the right button to rotate the view, or start a brush drag beside the surface.",
-    );
+    ui.weak(if idle {
+        "Drag with the right button to rotate the view, or start a brush drag beside the surface."
+    } else {
+        "The selection can be changed again when the patch is accepted or rejected."
+    });
     ui.separator();
 }
 
@@ -167,6 +170,27 @@ pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let button = wide_button(ui, "Erase only");
     ui.add_enabled(some, button)
         .asks_with_key(erase, EditAction::Erase, actions);
+    ui.separator();
+    let button = wide_button(ui, REPAIR);
+    repair_button(ui, model, button, actions);
+}
+
+/// The title of the button that repairs the whole mesh.
+pub(crate) const REPAIR: &str = "Repair everything";
+
+/// The button that repairs the whole mesh.
+pub(crate) fn repair_button(
+    ui: &mut Ui,
+    model: &Model,
+    button: egui::Button<'static>,
+    actions: &mut Vec<Action>,
+) {
+    let tip = "remove loose parts, erase and refill faces that intersect others of their component, and fill \
+               all holes (meniscus repair)";
+    let idle = model.run.is_none() && !model.document.is_blank() && !is_repairing(model);
+    ui.add_enabled(idle, button)
+        .on_hover_text(tip)
+        .asks(EditAction::Repair, actions);
 }
 
 /// Whether the mouse selects faces.

@@ -2,12 +2,12 @@
 
 use eframe::egui::{self, Ui};
 
-use crate::app::action::{Action, FileAction, PictureAction, Switch, ViewAction};
+use crate::app::action::{Action, EditAction, FileAction, PictureAction, Switch, ViewAction};
 use crate::app::document::elided;
 use crate::app::log::Level;
 use crate::app::model::Model;
 use crate::app::ui::widgets::Asks;
-use crate::app::update::WRITING;
+use crate::app::update::{REPAIRING, WRITING};
 
 /// Maximum number of characters of a file name.
 const NAME: usize = 40;
@@ -50,6 +50,14 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             } else {
                 ui.spinner();
                 ui.label(elided(&job.what, NAME)).on_hover_text(&job.what);
+                if job.what == REPAIRING {
+                    let cancel = ui.small_button("Cancel");
+                    cancel.asks_with_key(
+                        "the mesh stays as it is",
+                        EditAction::CancelRepair,
+                        actions,
+                    );
+                }
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -5,12 +5,13 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Context, Grid, RichText, ScrollArea, Ui, Window};
 
 use super::UiState;
+use super::repair::{REPAIR, repair_button};
 use super::widgets::{Asks, named, row};
 use crate::app::action::{Action, EditAction, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
-use crate::app::shortcuts::{GROUPS, SHORTCUTS};
 use crate::app::report::ReportAction;
+use crate::app::shortcuts::{GROUPS, SHORTCUTS};
 use crate::memory::peak_memory;
 
 /// Frame times without the time of the graphics card.
@@ -218,6 +219,7 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         }
     });
     ui.horizontal_wrapped(|ui| {
+        repair_button(ui, model, egui::Button::new(REPAIR), actions);
         for (name, tip, action) in [
             (
                 "Remove loose parts",

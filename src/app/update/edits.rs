@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use super::refuse_while_running;
+use super::repair::{self, applied};
 use super::runs::accept;
 use crate::app::action::EditAction;
 use crate::app::document::AppliedOperation;
 use crate::app::model::Model;
 use crate::fill::bridge_warning;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId};
-use crate::ops::{BridgeSpec, CleanSpec, EraseSpec, FlipSpec, Operation, Outcome, StitchSpec};
+use crate::ops::{BridgeSpec, CleanSpec, EraseSpec, FlipSpec, Operation, StitchSpec};
 
 pub(crate) fn update(model: &mut Model, action: EditAction) {
     match action {
@@ -20,6 +21,10 @@ pub(crate) fn update(model: &mut Model, action: EditAction) {
         EditAction::Bridge(ends, width) => bridge(model, ends, width),
         EditAction::Clean => clean(model, Operation::Clean(CleanSpec::default())),
         EditAction::Stitch => clean(model, Operation::Stitch(StitchSpec::default())),
+        EditAction::Repair => repair::start(model),
+        EditAction::CancelRepair => {
+            repair::cancel(model);
+        }
     }
 }
 
@@ -75,14 +80,14 @@ pub(crate) fn selected_faces(model: &mut Model) -> Option<Arc<Vec<u32>>> {
 
 /// Applies an operation without a flow. Returns whether it succeeded.
 fn apply(model: &mut Model, operation: Operation) -> bool {
-    let (mesh, kept) = match operation.run(&model.document.mesh, &|_, _| true) {
-        Ok(Outcome::Erased(erased)) => (erased.mesh, Some(erased.old_face)),
-        Ok(outcome) => (outcome.into_mesh(), None),
+    let outcome = match operation.run(&model.document.mesh, &|_, _| true) {
+        Ok(outcome) => outcome,
         Err(error) => {
             model.log.error(error.to_string());
             return false;
         }
     };
+    let (mesh, kept, faces) = applied(model.document.mesh.face_count(), outcome);
     let label = operation.label();
     let before = &model.document.mesh;
     if mesh == **before {
@@ -94,16 +99,7 @@ fn apply(model: &mut Model, operation: Operation) -> bool {
     let removed = before.face_count().saturating_sub(mesh.face_count());
     let joined = before.vertex_count().saturating_sub(mesh.vertex_count());
     model.history.record(&model.document, label.clone(), None);
-    let end = mesh.face_count();
-    // only existing faces can be erased
-    let start = match kept {
-        Some(_) => end,
-        None => model.document.mesh.face_count(),
-    };
-    let done = AppliedOperation {
-        operation,
-        faces: start..end,
-    };
+    let done = AppliedOperation { operation, faces };
     model.document.accept(mesh, kept.as_deref(), done);
     model.revision += 1;
     model.view.hover.clear();

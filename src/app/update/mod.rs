@@ -4,6 +4,7 @@ mod controls;
 mod edits;
 mod files;
 pub(super) mod pictures;
+mod repair;
 mod report;
 mod report_files;
 mod runs;
@@ -12,10 +13,12 @@ mod tick;
 mod view;
 
 pub(crate) use controls::params_for;
-#[cfg(test)]
 pub(super) use files::kept_extension;
+#[cfg(test)]
 pub(super) use files::replace;
 pub(crate) use pictures::{WRITING, extension};
+pub use repair::Repaired;
+pub(crate) use repair::{REPAIRING, is_repairing};
 pub use tick::tick;
 
 use super::action::{Action, RunAction, SelectAction};
@@ -55,7 +58,7 @@ fn escape(model: &mut Model) {
         model.after_save = None;
         return;
     }
-    if model.view.windows.close_one() {
+    if model.view.windows.close_one() || repair::cancel(model) {
         return;
     }
     if model.view.report.pick != Pick::Holes {
@@ -79,13 +82,16 @@ fn escape(model: &mut Model) {
     }
 }
 
-/// Refuses to do `what`, with a message, until the run is accepted or rejected. Returns whether it
-/// was refused.
+/// Refuses to do `what`, with a message, until the run is accepted or rejected or the repair is done. Returns
+/// whether it was refused.
 fn refuse_while_running(model: &mut Model, what: &str) -> bool {
-    let refused = model.run.is_some();
-    if refused {
-        let text = format!("accept or reject the patch before {what}");
-        model.log.info(text);
-    }
-    refused
+    let before = if model.run.is_some() {
+        "accept or reject the patch"
+    } else if is_repairing(model) {
+        "wait for the repair, or press Esc to cancel it,"
+    } else {
+        return false;
+    };
+    model.log.info(format!("{before} before {what}"));
+    true
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::controls::params_for;
-use super::{act, edits, select};
+use super::{act, edits, refuse_while_running, select};
 use crate::app::action::RunAction;
 use crate::app::document::{AppliedOperation, window_controls};
 use crate::app::model::{Done, Model};
@@ -21,6 +21,9 @@ pub(super) const TEXTURES: &str = "textures of the patches";
 const LARGE: u64 = 500_000;
 
 pub(crate) fn update(model: &mut Model, action: RunAction) {
+    if model.run.is_none() && refuse_while_running(model, "a fill") {
+        return;
+    }
     match action {
         RunAction::Proceed => match &model.run {
             Some(run) if run.ended() => accept(model, 0),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::{files, pictures, report, runs, select};
+use super::{files, pictures, repair, report, runs, select};
 use crate::app::action::SelectAction;
 use crate::app::cached::SharedKey;
 use crate::app::display::{Continued, Request};
@@ -84,6 +84,7 @@ fn finish(model: &mut Model, done: Done) {
             files::textures_read(model, &origin, mode, textures, notes);
         }
         Done::Accepted(state, mesh, warnings) => runs::accepted(model, &state, *mesh, warnings),
+        Done::Repaired(base, result) => repair::repaired(model, &base, result),
         Done::Faces(edit) => select::update(model, SelectAction::Faces(edit)),
         Done::PathChosen(purpose, path, waited) => {
             files::path_chosen(model, purpose, path, waited);

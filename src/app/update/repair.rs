@@ -1,0 +1,176 @@
+//! The repair of the whole mesh, in the background.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::refuse_while_running;
+use crate::app::document::AppliedOperation;
+use crate::app::jobs::Reporter;
+use crate::app::model::{Done, Model};
+use crate::fill::Controls;
+use crate::mesh::Mesh;
+use crate::ops::{
+    CleanSpec, Condition, DamageSpec, FlowSpec, Operation, Outcome, Repair, RepairStep,
+};
+use crate::solver::Mode;
+use crate::warning::{Place, Warning};
+
+/// The name of the job.
+pub(crate) const REPAIRING: &str = "repair of the mesh";
+
+/// A repaired mesh.
+pub struct Repaired {
+    /// The operations in their order.
+    steps: Vec<RepairStep>,
+    /// Why an operation was left out.
+    notes: Vec<String>,
+    after: Condition,
+}
+
+/// Whether a repair is in progress.
+pub(crate) fn is_repairing(model: &Model) -> bool {
+    model.jobs.iter().any(|job| job.what == REPAIRING)
+}
+
+/// Starts a repair.
+pub(super) fn start(model: &mut Model) {
+    if refuse_while_running(model, "a repair") {
+        return;
+    }
+    let base = Arc::clone(&model.document.mesh);
+    let controls = Controls {
+        // no state of the flow is shown
+        mode: Mode::Fast,
+        // these loops are not those of the repaired mesh
+        loop_continuity: Controls::default().loop_continuity,
+        ..model.document.controls.clone()
+    };
+    model.log.info("the mesh is being repaired; Esc cancels");
+    model.spawn(REPAIRING, move |reporter| {
+        let repaired = repair(&base, controls, reporter);
+        Done::Repaired(base, repaired.map(Box::new))
+    });
+}
+
+/// Cancels the repair. Returns whether there was one.
+pub(super) fn cancel(model: &mut Model) -> bool {
+    let is_cancelled = is_repairing(model);
+    if is_cancelled {
+        model.jobs.retain(|job| job.what != REPAIRING);
+        model
+            .log
+            .info("the repair was cancelled; the mesh is unchanged");
+    }
+    is_cancelled
+}
+
+/// # Errors
+/// Why there is no result, for the user.
+fn repair(base: &Mesh, controls: Controls, reporter: &Reporter) -> Result<Repaired, String> {
+    let flow = FlowSpec::from(controls);
+    let mut repair = Repair::new(CleanSpec::default(), DamageSpec::default(), flow);
+    let (mut steps, mut notes) = (Vec::<RepairStep>::new(), Vec::new());
+    loop {
+        let mesh = steps.last().map_or(base, |step| step.outcome.mesh());
+        let Some(operation) = repair.next_for(mesh) else {
+            break;
+        };
+        if !reporter.is_wanted() {
+            return Err("the repair was cancelled".into());
+        }
+        match operation.run(mesh, &|_, _| reporter.is_wanted()) {
+            Ok(outcome) => {
+                let step = RepairStep::new(operation, mesh, outcome);
+                steps.push(step);
+            }
+            Err(error) if matches!(operation, Operation::Refill(_)) => {
+                notes.push(format!("damaged faces were not replaced: {error}"));
+                repair.leave_damage();
+            }
+            Err(error) => return Err(format!("the mesh could not be repaired: {error}")),
+        }
+    }
+    let after = steps.last().map_or(base, |step| step.outcome.mesh());
+    Ok(Repaired {
+        after: Condition::of(after),
+        steps,
+        notes,
+    })
+}
+
+/// Makes the repaired mesh that of the document, in one change.
+pub(super) fn repaired(model: &mut Model, base: &Arc<Mesh>, result: Result<Box<Repaired>, String>) {
+    if !Arc::ptr_eq(base, &model.document.mesh) {
+        let text = "the mesh has changed during its repair, whose result was discarded";
+        return model.log.warning(text);
+    }
+    let Repaired {
+        steps,
+        notes,
+        after,
+    } = match result {
+        Ok(repaired) => *repaired,
+        Err(text) => return model.log.error(text),
+    };
+    for note in notes {
+        model.log.warning(note);
+    }
+    let mut done: Vec<String> = steps.iter().map(RepairStep::words).collect();
+    if steps.is_empty() {
+        done.push("nothing was found that can be repaired".into());
+    } else {
+        model.history.record(&model.document, "repair", None);
+        for step in steps {
+            for warning in warnings(&step) {
+                model.log.warning(warning);
+            }
+            let (mesh, kept, faces) = applied(model.document.mesh.face_count(), step.outcome);
+            let done = AppliedOperation {
+                operation: step.operation,
+                faces,
+            };
+            model.document.accept(mesh, kept.as_deref(), done);
+        }
+        model.revision += 1;
+        model.view.hover.clear();
+    }
+    model.log.info(format!(
+        "repair: {}. The mesh has {}",
+        done.join("; "),
+        after.words()
+    ));
+    if let Some(at) = after.place {
+        model
+            .log
+            .warning(format!("{} left, one near {}", after.pairs(), Place(at)));
+    }
+}
+
+/// What is to be said about the patches of all holes.
+fn warnings(step: &RepairStep) -> Vec<String> {
+    let filled = match &step.operation {
+        Operation::Fill(_) => step.outcome.filled(),
+        // the next steps replace what is wrong
+        _ => None,
+    };
+    let patches = filled.into_iter().flat_map(|filled| &filled.holes);
+    let warnings = patches.flat_map(|hole| hole.warnings.iter().map(Warning::to_string));
+    let failed = filled.into_iter().flat_map(|filled| &filled.failed);
+    warnings.chain(failed.map(ToString::to_string)).collect()
+}
+
+/// The result of an operation on a mesh with some faces: the mesh, the old indices of the remaining faces if
+/// faces were erased, and the new faces.
+pub(super) fn applied(faces: usize, outcome: Outcome) -> (Mesh, Option<Vec<u32>>, Range<usize>) {
+    let (kept, first) = match &outcome {
+        Outcome::Erased(erased) => (Some(erased.old_face.clone()), erased.old_face.len()),
+        Outcome::Refilled(new) => {
+            let kept = &new.region.erased.old_face;
+            (Some(kept.clone()), kept.len())
+        }
+        Outcome::Filled(_) | Outcome::Refined(_) | Outcome::Changed(_) => (None, faces),
+    };
+    let mesh = outcome.into_mesh();
+    let new = first..mesh.face_count().max(first);
+    (mesh, kept, new)
+}
