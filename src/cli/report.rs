@@ -116,11 +116,10 @@ pub struct SurfaceReport {
     /// The other model or triangulation of the patch, if an unsound one was replaced.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub replaced_by: Option<String>,
-    /// RMS error to expect of the fill, relative to the hole radius: that of the pseudo-holes times
-    /// `error_scale`; null without a prediction, and if an unsound patch was replaced by one of another
-    /// model.
+    /// RMS error to expect of the fill, relative to the hole radius, from the pseudo-holes of the hole itself;
+    /// null without a prediction, and if an unsound patch was replaced by one of another model.
     pub expected_error: Option<f64>,
-    /// Ratio of the error to expect of the holes to that of their pseudo-holes.
+    /// Ratio of the error to expect of the holes of the group to that of their pseudo-holes.
     pub error_scale: Option<f64>,
     /// Number of pseudo-holes.
     pub pseudo_holes: usize,

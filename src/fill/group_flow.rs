@@ -144,7 +144,6 @@ impl GroupFlow {
         GroupSurface {
             model: self.model(),
             prediction: self.prediction.clone().filter(|_| is_predicted),
-            holes: self.topology.holes.len(),
             others: self.others.clone(),
         }
     }

@@ -8,6 +8,7 @@
 //! the hole radius, is that error, scaled by how much more the rim of the hole turns than those of the
 //! discs.
 
+use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
@@ -97,8 +98,6 @@ pub struct GroupSurface {
     pub model: Candidate,
     /// What chose it; `None` if the options did.
     pub prediction: Option<Arc<Prediction>>,
-    /// Number of holes in the group.
-    pub holes: usize,
     /// The holes whose patches were not sound and are by another model or on another triangulation.
     pub others: Vec<OtherSurface>,
 }
@@ -120,10 +119,14 @@ impl GroupSurface {
         Some(prediction.scale * prediction.chosen()?.1)
     }
 
-    /// The error to expect of one hole; `None` if its patch is by another model.
+    /// The error to expect of one hole; `None` if its patch is by another model. It is that of the group if there
+    /// is no room for pseudo-holes around the hole itself.
     pub fn expected_error_of(&self, hole: LoopId) -> Option<f64> {
-        self.expected_error()
-            .filter(|_| self.other_of(hole).is_none())
+        if self.other_of(hole).is_some() {
+            return None;
+        }
+        let own = self.prediction.as_ref()?.expected_error_of(hole);
+        own.or_else(|| self.expected_error())
     }
 
     /// What gave the patch of a hole, in words; `None` if it is by the model of the group.
@@ -132,17 +135,10 @@ impl GroupSurface {
         other.map(|other| &other.by[..])
     }
 
-    /// The model, and those of holes by other ones.
-    pub fn words(&self) -> String {
-        match &self.others[..] {
-            [] => self.model.words(),
-            [one] if self.holes == 1 => one.by.clone(),
-            others => {
-                let each = others.iter();
-                let each = each.map(|other| format!("; hole {}: {}", other.hole, other.by));
-                self.model.words() + &each.collect::<String>()
-            }
-        }
+    /// What gives the patch of a hole: the model, or another one.
+    pub fn words_of(&self, hole: LoopId) -> String {
+        let other = self.other_of(hole).map(str::to_owned);
+        other.unwrap_or_else(|| self.model.words())
     }
 }
 
@@ -157,10 +153,21 @@ pub struct Prediction {
     /// Ratio of the error to expect of the holes to that of their pseudo-holes: the square root of how
     /// much more the rims of the holes turn.
     pub scale: f64,
+    /// The predictions of holes with pseudo-holes of their own.
+    pub(super) of_holes: BTreeMap<LoopId, OwnErrors>,
     /// Whether the mean curvature varies around each hole.
     pub(super) varies: bool,
     /// What fills each hole by symmetry, if the symmetric candidate is chosen.
     pub(super) counterparts: Vec<Option<Counterpart>>,
+}
+
+/// What the pseudo-holes of one hole predict.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct OwnErrors {
+    /// Errors to expect of the hole, by candidate without symmetry, relative to its radius.
+    plain: [f64; CANDIDATES],
+    /// The error to expect of the symmetric candidate.
+    symmetric: f64,
 }
 
 /// Number of pseudo-holes on which the energies, the most expensive candidates, are tried first of all. If
@@ -263,13 +270,35 @@ impl Prediction {
             };
             errors.push((candidate, root(symmetric_sums[best])));
         }
+        let own = |(hole, one): (&&PlannedHole, &Option<HolePrediction>)| {
+            let one = one.as_ref()?;
+            let plain = one.errors.map(|error| (error * one.turning_ratio).sqrt());
+            let ratio = one.symmetric.as_ref().map_or(1.0, |s| s.ratio(best));
+            let errors = OwnErrors {
+                plain,
+                symmetric: plain[best] * ratio.sqrt(),
+            };
+            Some((hole.rims.id(), errors))
+        };
         Self {
+            of_holes: holes.iter().zip(&predicted).filter_map(own).collect(),
             errors,
             discs: count,
             scale: if extent > 0.0 { root(turning) } else { 1.0 },
             varies: predicted.iter().flatten().all(|one| one.varies),
             counterparts,
         }
+    }
+
+    /// The error to expect of a hole by its own pseudo-holes, relative to its radius. `None` if it has none.
+    fn expected_error_of(&self, hole: LoopId) -> Option<f64> {
+        let (chosen, _) = self.chosen()?;
+        let own = self.of_holes.get(&hole)?;
+        if chosen.symmetric {
+            return Some(own.symmetric);
+        }
+        let number = candidates().position(|candidate| candidate == chosen)?;
+        Some(own.plain[number]).filter(|error| error.is_finite())
     }
 
     /// The chosen candidate and its error; `None` without a prediction.
@@ -598,6 +627,31 @@ mod tests {
         assert_eq!(filled(&sphere, &options).1.positions, result.positions);
     }
 
+    /// Two holes of one group, one of them with noise on its other side.
+    #[test]
+    fn each_hole_has_the_error_of_its_own_surroundings() {
+        let is_hole = |p: DVec3| (p.x.abs() - 0.5).hypot(p.y) < 0.4;
+        let (mut positions, triangles) = shapes::cut_where(&shapes::plane(4.0, 60, 1), is_hole);
+        for (i, p) in positions.iter_mut().enumerate().filter(|(_, p)| p.x > 0.95) {
+            p.z += 0.02 * (1e3 * i as f64).sin();
+        }
+        let plane = mesh((positions, triangles));
+        let loops = boundary_loops(&plane);
+        let (surface, _) = filled(&plane, &FillOptions::default());
+        let holes = loops.iter().filter(|l| !l.is_outer_boundary);
+        let errors: Vec<(f64, f64)> = holes
+            .map(|hole| {
+                let error = surface.expected_error_of(hole.id);
+                (hole.centroid.x, error.expect("a prediction"))
+            })
+            .collect();
+        let of = |side: f64| errors.iter().find(|e| e.0 * side > 0.0).expect("a hole").1;
+        let of_holes = surface.prediction.as_ref().map(|p| p.of_holes.len());
+        assert_eq!(of_holes, Some(2));
+        // one is flat, and the other not
+        assert!(of(-1.0) < 1e-9 && of(1.0) > 1e-3, "{errors:?}");
+    }
+
     #[test]
     fn noise_makes_a_vector_flow_the_better_model() {
         let (mut positions, triangles) = shapes::cut_where(&shapes::sphere(2000, 1), |p| p.z > 0.9);
@@ -617,7 +671,15 @@ mod tests {
             .iter()
             .map(|e| e.1)
             .fold(f64::INFINITY, f64::min);
-        assert_eq!(surface.expected_error(), Some(prediction.scale * least));
+        let expected = prediction.scale * least;
+        assert_eq!(surface.expected_error(), Some(expected));
+        // the group is one hole
+        let hole = boundary_loops(&sphere)[0].id;
+        let own = surface.expected_error_of(hole).expect("a prediction");
+        assert!(
+            (own - expected).abs() < 1e-12 * expected,
+            "{own} {expected}"
+        );
     }
 
     #[test]
@@ -705,6 +767,7 @@ mod tests {
                 (Candidate::new(SurfaceModel::Energy, 0.0), energy),
             ];
             let prediction = Prediction {
+                of_holes: BTreeMap::new(),
                 errors,
                 discs: 9,
                 scale: 1.0,

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::handle::{Figures, RunEvent, StateView, WindowProcess, with_hint};
+use super::handle::{
+    Figures, HoleSurface, RunEvent, StateView, WindowProcess, hole_list, with_hint,
+};
 use crate::fill::{Controls, FillEvent, FillProcess, FillSnapshot, GroupStatus};
 use crate::mesh::{DVec3, LoopId, Mesh, Topology};
 use crate::runner::{Runner, Schedule};
@@ -135,9 +137,8 @@ impl WindowProcess for FillProcess {
                 angle: at.map(|s| s.worst_angle),
                 end,
                 unsound: group.unsound.clone(),
-                surface: group.surface.words(),
+                surfaces: surfaces(group),
                 uses_energy: group.surface.model.uses_energy(),
-                expected_error: group.surface.expected_error(),
                 eta: eta.filter(|_| group.end.is_none()),
                 doing: iterations + &words,
             }
@@ -167,15 +168,20 @@ fn part_names<'a>(groups: impl Iterator<Item = &'a [LoopId]> + Clone) -> Vec<Vec
         .collect()
 }
 
+/// What gives the patch of each hole of a group.
+fn surfaces(group: &GroupStatus) -> Vec<HoleSurface> {
+    let of = |&hole: &LoopId| HoleSurface {
+        model: group.surface.words_of(hole),
+        expected_error: group.surface.expected_error_of(hole),
+    };
+    group.holes.iter().map(of).collect()
+}
+
 /// A message with the numbers of its holes before it.
 fn of_holes(holes: &[LoopId], text: &str) -> String {
-    let figures = Figures {
-        holes: holes.to_vec(),
-        names: holes.iter().map(LoopId::to_string).collect(),
-        ..Figures::default()
-    };
+    let names: Vec<String> = holes.iter().map(LoopId::to_string).collect();
     let s = if holes.len() == 1 { "" } else { "s" };
-    format!("hole{s} {}: {text}", figures.hole_list())
+    format!("hole{s} {}: {text}", hole_list(&names))
 }
 
 #[cfg(test)]

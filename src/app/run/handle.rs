@@ -1,6 +1,7 @@
 //! A common interface to all kinds of runs.
 
 use std::any::Any;
+use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
@@ -174,10 +175,17 @@ pub struct Figures {
     pub eta: Option<f64>,
     /// The current activity.
     pub doing: String,
-    /// The surface model; empty for a refinement.
-    pub surface: String,
+    /// What gives the patch of each hole; none for a refinement.
+    pub surfaces: Vec<HoleSurface>,
     /// Whether the surface model makes the energy of the controls stationary.
     pub uses_energy: bool,
+}
+
+/// The surface of a hole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HoleSurface {
+    /// The model, in words.
+    pub model: String,
     /// The error to expect, relative to the hole radius.
     pub expected_error: Option<f64>,
 }
@@ -190,32 +198,58 @@ impl Figures {
         !is_converged || !self.unsound.is_empty()
     }
 
-    /// The names of the holes in one list, in which three or more holes with successive numbers are a range, as
-    /// in `1–4, 7`.
+    /// The names of the holes in one list.
     pub fn hole_list(&self) -> String {
-        let number = |k: usize| {
-            let is_whole = !self.names[k].contains('.');
-            is_whole.then(|| self.holes[k].index())
-        };
-        let follows = |k: usize| match (number(k - 1), number(k)) {
-            (Some(last), Some(this)) => last + 1 == this,
-            _ => false,
-        };
-        let mut parts = Vec::new();
-        let mut first = 0;
-        for k in 1..=self.names.len() {
-            if k < self.names.len() && follows(k) {
-                continue;
-            }
-            if k - first > 2 {
-                parts.push(format!("{}–{}", self.names[first], self.names[k - 1]));
-            } else {
-                parts.extend_from_slice(&self.names[first..k]);
-            }
-            first = k;
-        }
-        parts.join(", ")
+        hole_list(&self.names)
     }
+
+    /// The names of some of the holes, by their numbers in [`Self::holes`], in one list.
+    pub fn hole_list_of(&self, numbers: &[usize]) -> String {
+        let names: Vec<String> = numbers.iter().map(|&k| self.names[k].clone()).collect();
+        hole_list(&names)
+    }
+
+    /// What gives the patches and the errors to expect, each once in words, with the numbers in
+    /// [`Self::holes`] of the holes that it is about.
+    pub fn surface_words(&self) -> Vec<(Vec<usize>, String)> {
+        let mut all: Vec<(Vec<usize>, String)> = Vec::new();
+        let mut known: BTreeMap<String, usize> = BTreeMap::new();
+        for (k, surface) in self.surfaces.iter().enumerate() {
+            let error = surface.expected_error;
+            let error = error.map_or_else(String::new, |error| format!("{:.2} %, ", 100.0 * error));
+            let words = error + &surface.model;
+            let at = *known.entry(words.clone()).or_insert(all.len());
+            if at == all.len() {
+                all.push((Vec::new(), words));
+            }
+            all[at].0.push(k);
+        }
+        all
+    }
+}
+
+/// Names of holes in one list, in which three or more holes with successive numbers are a range, as in
+/// `1–4, 7`. A part of a hole, such as `3.1`, is in no range.
+pub(super) fn hole_list(names: &[String]) -> String {
+    let number = |k: usize| names[k].parse::<usize>().ok();
+    let follows = |k: usize| match (number(k - 1), number(k)) {
+        (Some(last), Some(this)) => last + 1 == this,
+        _ => false,
+    };
+    let mut parts = Vec::new();
+    let mut first = 0;
+    for k in 1..=names.len() {
+        if k < names.len() && follows(k) {
+            continue;
+        }
+        if k - first > 2 {
+            parts.push(format!("{}–{}", names[first], names[k - 1]));
+        } else {
+            parts.extend_from_slice(&names[first..k]);
+        }
+        first = k;
+    }
+    parts.join(", ")
 }
 
 /// The functions of a process that the window needs in addition to its [`Runner`].
@@ -360,16 +394,8 @@ mod tests {
     #[test]
     fn successive_holes_are_listed_as_a_range() {
         let list = |names: &[&str]| {
-            let number = |name: &&str| name.split('.').next().and_then(|n| n.parse::<usize>().ok());
-            let figures = Figures {
-                holes: names
-                    .iter()
-                    .map(|n| number(n).expect("a number").into())
-                    .collect(),
-                names: names.iter().map(|&name| name.to_owned()).collect(),
-                ..Figures::default()
-            };
-            figures.hole_list()
+            let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
+            hole_list(&names)
         };
         assert_eq!(list(&[]), "");
         assert_eq!(list(&["4"]), "4");
@@ -377,5 +403,24 @@ mod tests {
         assert_eq!(list(&["1", "2", "3", "4", "6", "7"]), "1–4, 6, 7");
         assert_eq!(list(&["2", "5", "6", "7"]), "2, 5–7");
         assert_eq!(list(&["1", "2.1", "2.2", "3", "4"]), "1, 2.1, 2.2, 3, 4");
+    }
+
+    #[test]
+    fn holes_with_the_same_words_are_listed_together() {
+        let surface = |model: &str, expected_error| HoleSurface {
+            model: model.to_owned(),
+            expected_error,
+        };
+        let figures = Figures {
+            surfaces: vec![
+                surface("g2", Some(0.012)),
+                surface("diffusion", None),
+                surface("g2", Some(0.0120001)),
+            ],
+            ..Figures::default()
+        };
+        let expected = [(vec![0, 2], "1.20 %, g2"), (vec![1], "diffusion")];
+        let expected = expected.map(|(holes, words)| (holes, words.to_owned()));
+        assert_eq!(figures.surface_words(), expected);
     }
 }

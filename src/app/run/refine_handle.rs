@@ -129,9 +129,8 @@ impl WindowProcess for RefineProcess {
             angle: None,
             end,
             unsound: Vec::new(),
-            surface: String::new(),
+            surfaces: Vec::new(),
             uses_energy: true,
-            expected_error: None,
             eta: None,
             doing: format!(
                 "level {} of {}, {} vertices",

@@ -10,6 +10,7 @@ use crate::app::document::window_controls;
 use crate::app::model::Model;
 use crate::app::view_state::Task;
 use crate::fill::{Continuity, Controls, Features, Linear, PatchTexture, Surface, Symmetry};
+use crate::mesh::LoopId;
 use crate::options::Choice;
 use crate::solver::{FLOW_GROWTH, Mode, Scheme, Tau};
 
@@ -84,13 +85,15 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 .on_hover_text(tip);
         }
     });
-    if next.predicts_surface() {
-        let mut uses = next.symmetry == Symmetry::Auto;
-        let tip =
-            "holes may follow their counterparts on the other side of a nearly symmetric mesh";
-        ui.checkbox(&mut uses, "Use symmetry").on_hover_text(tip);
-        next.symmetry = if uses { Symmetry::Auto } else { Symmetry::Off };
-    } else if next.surface == Surface::Auto {
+    let mut uses = next.symmetry == Symmetry::Auto;
+    let tip =
+        "auto: holes may follow their counterparts on the other side of a nearly symmetric mesh";
+    let symmetry = egui::Checkbox::new(&mut uses, "Use symmetry");
+    ui.add_enabled(next.predicts_surface(), symmetry)
+        .on_hover_text(tip)
+        .on_disabled_hover_text(tip);
+    next.symmetry = if uses { Symmetry::Auto } else { Symmetry::Off };
+    if next.surface == Surface::Auto && !next.predicts_surface() {
         ui.weak("An option of the energy is set: auto is energy.");
     }
     let sides = model
@@ -101,9 +104,11 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let rows = side.handle.figures(None).into_iter();
         rows.map(move |row| (name, row))
     });
-    let rows: Vec<_> = rows.filter(|(_, row)| !row.surface.is_empty()).collect();
+    let rows: Vec<_> = rows.filter(|(_, row)| !row.surfaces.is_empty()).collect();
     ui.weak("Expected errors, % of the hole radius")
         .on_hover_text("and the surface model, from predictions of known parts of the mesh");
+    // a bar that is seen
+    ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
     let list = egui::ScrollArea::vertical()
         .id_salt("models")
         .auto_shrink(false);
@@ -112,13 +117,15 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             ui.weak("known when a fill has started");
         }
         for (name, row) in rows {
-            let error = row.expected_error;
-            let error = error.map_or_else(String::new, |error| format!("{:.2} %, ", 100.0 * error));
-            let words = format!("{name} {}: {error}{}", row.hole_list(), row.surface);
-            let words = words.trim_start();
-            ui.add(egui::Label::new(RichText::new(words).weak()).truncate())
-                .on_hover_text(words)
-                .hovers(&row.holes, actions);
+            for (numbers, words) in row.surface_words() {
+                let holes: Vec<LoopId> = numbers.iter().map(|&k| row.holes[k]).collect();
+                let words = format!("{name} {}: {words}", row.hole_list_of(&numbers));
+                let words = words.trim_start();
+                let label = egui::Label::new(RichText::new(words).weak()).truncate();
+                ui.add(label.show_tooltip_when_elided(false))
+                    .on_hover_text(words)
+                    .hovers(&holes, actions);
+            }
         }
     });
     if next != model.document.controls {
@@ -265,6 +272,11 @@ fn patch_ui(
     ui.add_enabled_ui(!own_energy, |ui| {
         let tip = "weight of the area beside the energy, in units of 1/r²; a larger weight pulls the \
                    surface together";
+        let tip = if own_energy {
+            "clear “Energy by edge length” in the panel on the left to set it"
+        } else {
+            tip
+        };
         let value = &mut next.tension;
         slider_row(ui, "Tension", tip, value, defaults.tension, |x| log(x, 0.0..=100.0));
     });

@@ -51,7 +51,7 @@ fn an_unsound_patch_is_replaced_with_a_warning() {
         panic!("one replacement")
     };
     assert_eq!((other.hole, &surface.prediction), (hole.id(), &None));
-    assert!(surface.words().starts_with(&other.by));
+    assert!(surface.words_of(other.hole).starts_with(&other.by));
 }
 
 /// A flow may end without an accepted step: it has none left, or no step lowers its energy.
