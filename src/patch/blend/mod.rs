@@ -153,6 +153,9 @@ fn have_equal_sides(rims: &[Rim]) -> bool {
 /// time.
 const MAX_COMBINED: u32 = 6;
 
+/// Most flips that are tried one at a time.
+const MAX_SINGLE: u32 = 31;
+
 /// For rims that overlap from every point of view: an error if flipping some of them would change
 /// that. Then no orientable surface joins them without intersecting itself.
 fn check_orientation(pieces: &[u32], rims: &[Rim]) -> Result<(), PatchError> {
@@ -174,13 +177,19 @@ fn check_orientation(pieces: &[u32], rims: &[Rim]) -> Result<(), PatchError> {
 /// first class not at all.
 fn first_misoriented(rims: &[Rim], count: u32, class: impl Fn(usize) -> usize) -> Option<usize> {
     let free = count - 1;
-    let choices: Vec<u32> = if free < MAX_COMBINED {
-        (1..1 << free).collect()
+    let is_combined = free < MAX_COMBINED;
+    // a set of classes, or one class
+    let mut choices = if is_combined {
+        1..1 << free
     } else {
-        (0..free.min(31)).map(|k| 1 << k).collect()
+        1..free.min(MAX_SINGLE) + 1
     };
-    choices.into_iter().find_map(|choice| {
-        let is_flipped = |k: usize| class(k) > 0 && choice >> (class(k) - 1) & 1 == 1;
+    choices.find_map(|choice| {
+        let is_flipped = |k: usize| match class(k) as u32 {
+            0 => false,
+            class if is_combined => choice >> (class - 1) & 1 == 1,
+            class => choice == class,
+        };
         let mut candidate: Vec<Rim> = rims.to_vec();
         for (k, rim) in candidate.iter_mut().enumerate() {
             if is_flipped(k) {

@@ -222,6 +222,36 @@ fn any_rims_whatever_get_a_manifold_patch() {
     }
 }
 
+/// More rims than a number has bits.
+#[test]
+fn many_rims_of_which_one_is_inside_out_are_refused_or_joined() {
+    let turn = TAU * 0.618_034;
+    let tubes = (0..70).map(|k| {
+        let z = 1.0 - (2.0 * f64::from(k) + 1.0) / 70.0;
+        let (sin, cos) = (turn * f64::from(k)).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        let direction = DVec3::new(r * cos, r * sin, z);
+        mouth(direction, direction, 0.1, 6)
+    });
+    let mut gap = gap(tubes.collect());
+    gap.rims[69].points.reverse();
+    for pieces in [(0..70).collect(), vec![0; 70]] {
+        gap.pieces = pieces;
+        match blend(&gap, PatchOptions::default()) {
+            Ok(patch) => {
+                check("one inside out", &gap, &patch);
+            }
+            Err(error) => {
+                let rim = match error {
+                    PatchError::InsideOut { rim } | PatchError::OneSided { rim } => rim,
+                    other => panic!("{other}"),
+                };
+                assert!(rim < 70);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_piece_inside_out_is_named() {
     let outwards = mouth(-X, -X, 0.5, 32);
