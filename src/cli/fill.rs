@@ -90,6 +90,10 @@ pub fn fill(args: &FillArguments) -> Result<()> {
         join,
         options,
     } = &args.files;
+    args.limits
+        .0
+        .check()
+        .map_err(|e| UsageError(format!("--{e}")))?;
     if let Some(folder) = out_dir {
         return batch(args, folder);
     }

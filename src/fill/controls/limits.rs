@@ -16,6 +16,23 @@ options! {
 }
 
 impl LoopLimits {
+    /// Checks the lengths.
+    ///
+    /// # Errors
+    /// One is not positive.
+    pub fn check(&self) -> Result<(), String> {
+        let lengths = [
+            ("max-perimeter", self.max_perimeter),
+            ("max-diameter", self.max_diameter),
+        ];
+        let is_wrong =
+            |(_, most): &(&str, Option<f64>)| most.is_some_and(|most| most.is_nan() || most <= 0.0);
+        match lengths.into_iter().find(is_wrong) {
+            Some((name, _)) => Err(format!("{name} must be a positive length")),
+            None => Ok(()),
+        }
+    }
+
     /// Why a loop is left open; `None` if it is within all limits.
     pub fn exceeded(&self, one: &BoundaryLoop) -> Option<String> {
         let edges = self.max_edges.filter(|&most| one.edges() > most);
@@ -38,6 +55,24 @@ mod tests {
     use super::*;
     use crate::mesh::{Mesh, boundary_loops};
     use crate::shapes;
+
+    #[test]
+    fn lengths_that_are_not_positive_are_refused() {
+        for (length, is_valid) in [
+            (1.0, true),
+            (f64::INFINITY, true),
+            (0.0, false),
+            (-1.0, false),
+            (f64::NAN, false),
+        ] {
+            let [mut perimeter, mut diameter] = [LoopLimits::default(), LoopLimits::default()];
+            perimeter.max_perimeter = Some(length);
+            diameter.max_diameter = Some(length);
+            assert_eq!(perimeter.check().is_ok(), is_valid, "{length}");
+            assert_eq!(diameter.check().is_ok(), is_valid, "{length}");
+        }
+        assert_eq!(LoopLimits::default().check(), Ok(()));
+    }
 
     #[test]
     fn each_limit_leaves_larger_loops_open() {
