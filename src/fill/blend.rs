@@ -79,10 +79,13 @@ fn move_to_warm_start(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptio
         };
         let positions = problem.to_world(problem.positions());
         for (&h, (_, own)) in group.holes.iter().zip(group.topology.split(&positions)) {
-            if plan.holes()[h].rims.is_blend() {
-                let patch = &mut *planned[h];
+            let hole = &plan.holes()[h];
+            if hole.rims.is_blend() {
+                // the plan may have replaced an unsound one
+                let mut patch = hole.patch.clone();
                 let rim = patch.rim;
                 patch.points[rim..].copy_from_slice(own);
+                *planned[h] = patch;
             }
         }
     }
