@@ -36,6 +36,8 @@ pub struct Autosave {
     job: Option<Job<Result<(), String>>>,
     errors: Vec<String>,
     told: bool,
+    /// Whether there were unsaved changes at the last call.
+    was_dirty: bool,
 }
 
 impl Autosave {
@@ -49,6 +51,7 @@ impl Autosave {
             job: None,
             errors: Vec::new(),
             told: false,
+            was_dirty: false,
         }
     }
 
@@ -95,7 +98,8 @@ impl Autosave {
                     .push(format!("the recovery file was not written: {text}"));
             }
         }
-        if !dirty && document.selection.is_empty() {
+        let was_dirty = std::mem::replace(&mut self.was_dirty, dirty);
+        if !dirty && document.selection.is_empty() && !was_dirty {
             return None;
         }
         let current = Fingerprint {
@@ -103,6 +107,12 @@ impl Autosave {
             selection: document.selection.clone(),
             controls: document.controls.clone(),
         };
+        if was_dirty && !dirty {
+            // everything was undone: what is selected by that is nothing to recover
+            self.discard();
+            self.written = Some(current);
+            return None;
+        }
         if self.written.as_ref() == Some(&current) {
             return None;
         }

@@ -1,5 +1,6 @@
 //! The state of the application without the window. [`update`](super::update) changes it.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,6 +20,7 @@ use super::settings::Settings;
 use super::update::Repaired;
 use super::view_state::{AfterUnsaved, PathUse, PictureSettings, ViewState};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
+use crate::ops::Faces;
 use crate::options::Choice;
 use crate::render::{Background, Bounds, Gpu, Picker, Textures, ViewMode, ViewStyle};
 
@@ -35,6 +37,33 @@ pub enum Effect {
     WindowPicture(PathBuf),
     /// Apply theme and scale.
     Appearance,
+}
+
+/// A run that was rejected after its end, which Undo brings back.
+pub struct Rejected {
+    run: Run,
+    mesh: Arc<Mesh>,
+    selection: BTreeSet<LoopId>,
+    faces: Faces,
+}
+
+impl Rejected {
+    /// That of a document.
+    pub fn new(run: Run, document: &Document) -> Self {
+        Self {
+            run,
+            mesh: Arc::clone(&document.mesh),
+            selection: document.selection.clone(),
+            faces: Arc::clone(&document.faces),
+        }
+    }
+
+    /// Whether the document is the one of the run: nothing was changed or selected since.
+    fn is_of(&self, document: &Document) -> bool {
+        Arc::ptr_eq(&self.mesh, &document.mesh)
+            && self.selection == document.selection
+            && Arc::ptr_eq(&self.faces, &document.faces)
+    }
 }
 
 /// Content of a file.
@@ -103,6 +132,8 @@ pub struct Model {
     pub settings: Settings,
     /// A run that is in progress, or finished but neither accepted nor rejected.
     pub run: Option<Run>,
+    /// The last run, if it was rejected.
+    pub rejected: Option<Rejected>,
     /// Messages.
     pub log: Log,
     /// Wakes the window.
@@ -165,6 +196,7 @@ impl Model {
             history: History::default(),
             settings,
             run: None,
+            rejected: None,
             log: Log::default(),
             jobs: Vec::new(),
             effects: Vec::new(),
@@ -193,6 +225,21 @@ impl Model {
         work: impl FnOnce(&Reporter) -> Done + Send + 'static,
     ) {
         self.jobs.push(Job::spawn(what, &self.wake, work));
+    }
+
+    /// What Undo undoes, in words.
+    pub fn next_undo(&self) -> Option<&str> {
+        let rejected = self.rejected.as_ref().filter(|_| self.run.is_none());
+        if rejected.is_some_and(|rejected| rejected.is_of(&self.document)) {
+            return Some("reject the patch");
+        }
+        self.history.next_undo()
+    }
+
+    /// Takes the rejected run if nothing has happened since.
+    pub fn take_rejected(&mut self) -> Option<Run> {
+        let rejected = self.rejected.take_if(|r| r.is_of(&self.document))?;
+        Some(rejected.run)
     }
 
     /// Whether there are unsaved changes of the mesh. After an undo of all changes there are none.

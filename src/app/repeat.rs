@@ -10,11 +10,12 @@ use crate::io;
 use crate::ops::Operation;
 
 /// A shell script that repeats all accepted operations and the current run, one command per line.
-/// Schedules and long lists of faces and sharp edges are written to files beside the result.
+/// Schedules and long lists of faces and sharp edges are written to files beside the result, whose paths are
+/// returned too.
 ///
 /// # Errors
 /// There is nothing to repeat, or a file cannot be written. The message is for the user.
-pub fn command(model: &Model) -> Result<String, String> {
+pub fn command(model: &Model) -> Result<(String, Vec<String>), String> {
     let accepted = model.document.accepted.iter();
     let mut steps: Vec<Operation> = accepted.map(|one| one.operation.clone()).collect();
     if let Some(run) = &model.run
@@ -51,6 +52,7 @@ pub fn command(model: &Model) -> Result<String, String> {
         None => input.parent().unwrap_or(Path::new(".")).to_owned(),
     };
     let count = steps.len();
+    let mut files = Vec::new();
     for (i, step) in steps.iter().enumerate() {
         let last = i + 1 == count;
         let output = match (&model.saved_to, last) {
@@ -61,9 +63,10 @@ pub fn command(model: &Model) -> Result<String, String> {
         let command = step.command(&input, &output);
         for (path, list) in &command.files {
             io::save_text(path, list).map_err(|e| e.to_string())?;
+            files.push(path.display().to_string());
         }
         let _ = writeln!(text, "{}", command.line);
         input = output;
     }
-    Ok(text)
+    Ok((text, files))
 }

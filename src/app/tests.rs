@@ -1157,6 +1157,29 @@ fn a_patch_with_defects_does_not_count_as_success() {
     assert!(entries.any(|e| e.text.ends_with("; 1 patch has defects, see its warning")));
 }
 
+/// Esc rejects a run that has ended; Undo brings it back, unless something else was done since.
+#[test]
+fn a_rejection_is_undone() {
+    let mut m = model();
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    filled(&mut m);
+    let states = m.run.as_ref().map(crate::app::Run::state_count);
+    act(&mut m, Action::Escape);
+    assert!(m.run.is_none());
+    assert_eq!(m.next_undo(), Some("reject the patch"));
+    act(&mut m, EditAction::Undo);
+    assert_eq!(m.run.as_ref().map(crate::app::Run::state_count), states);
+    act(&mut m, RunAction::Reject);
+    act(&mut m, SelectAction::None);
+    assert_ne!(m.next_undo(), Some("reject the patch"));
+    act(&mut m, EditAction::Undo);
+    assert!(m.run.is_none());
+    // the selection is that of the run again
+    act(&mut m, EditAction::Undo);
+    act(&mut m, RunAction::Accept(0));
+    assert_eq!(m.document.loops.len(), 1);
+}
+
 #[test]
 fn an_invalid_typed_energy_is_not_ignored() {
     let mut m = model();
@@ -1337,6 +1360,10 @@ fn a_recovery_file_survives_its_window() {
     assert_eq!(document.mesh.positions, m.document.mesh.positions);
     autosave::remove(&left[0]);
     assert!(autosave::left_behind(&copy).is_empty());
+    // nothing is left to recover when everything is undone, whatever is selected
+    act(&mut m, EditAction::Undo);
+    assert!(!m.is_dirty() && !m.document.selection.is_empty());
+    until(&mut m, |_| written().is_none());
     // a regular end leaves nothing
     drop(m);
     assert_eq!(written(), None);

@@ -7,9 +7,9 @@ use std::time::Instant;
 
 use crate::common::wait::wait_for;
 use meniscus::app::{
-    Action, Autosave, BrushStamp, ControlsAction, Document, EditAction, Effect, FaceEdit, FileAction,
-    Model, Part, Refining, Run, RunAction, SelectAction, SelectHow, Settings, Source, Task,
-    TaskAction, act, tick,
+    Action, Autosave, BrushStamp, ControlsAction, Document, EditAction, Effect, FaceEdit,
+    FileAction, Model, Part, Refining, Run, RunAction, SelectAction, SelectHow, Settings, Source,
+    Task, TaskAction, act, tick,
 };
 use meniscus::fill::{Continuity, LoopLimits};
 use meniscus::io;
@@ -195,6 +195,11 @@ fn saved(m: &mut Model, output: &Path) -> (Vec<u8>, String) {
     let Some(Effect::CopyText(script)) = m.effects.pop() else {
         panic!("nothing copied: {:?}", m.log.entries().last());
     };
+    // files that the commands read are named
+    if script.contains("--schedule") {
+        let told = m.log.latest().map(|entry| entry.text.clone());
+        assert!(told.is_some_and(|text| text.contains("schedule.csv, which was written")));
+    }
     std::fs::remove_file(output).expect("there");
     (saved, script)
 }

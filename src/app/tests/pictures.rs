@@ -32,6 +32,20 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+/// Whatever the name says, the content is PNG.
+#[test]
+fn pictures_have_the_extension_of_their_format() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut m = model();
+    for name in ["a", "b.png", "c.bmp", "d.v2"] {
+        write(&mut m, settings(folder.path(), name));
+    }
+    assert_eq!(
+        names(folder.path()),
+        ["a.png", "b.png", "c.bmp.png", "d.v2.png"]
+    );
+}
+
 /// The dialog opens again with what was entered.
 #[test]
 fn settings_of_a_picture_that_cannot_be_written_are_kept() {

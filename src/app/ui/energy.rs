@@ -240,15 +240,18 @@ fn drag_reach(ui: &Ui, name: &str, value: f64) -> f64 {
 fn badge_ui(ui: &mut Ui, model: &Model, side: usize) {
     let scan = model.displays[side].latest().and_then(|d| d.posed);
     let scan = scan.filter(|scan| scan.samples > 0);
-    if scan.is_none() && model.run.is_none() && model.document.selected().is_empty() {
-        return;
-    }
+    let is_idle = model.run.is_none() && model.document.selected().is_empty();
     let name = ["This flow is", "Flow B is"][side.min(1)];
     row(ui, name, "", |ui, _| match scan {
         Some(scan) => posed_ui(ui, &scan),
         None => {
-            ui.weak("\u{2026}")
-                .on_hover_text("shown once the curvatures of the surface are known");
+            let words = if is_idle {
+                "known for a selection"
+            } else {
+                "\u{2026}"
+            };
+            ui.weak(words)
+                .on_hover_text("shown once the curvatures around the selected holes are known");
         }
     });
 }

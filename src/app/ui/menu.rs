@@ -179,7 +179,7 @@ fn file_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 }
 
 fn edit_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
-    let undo = match model.history.next_undo() {
+    let undo = match model.next_undo() {
         Some(label) => format!("Undo: {label}"),
         None => "Undo".into(),
     };

@@ -192,7 +192,8 @@ const COLUMNS: [(&str, f32, &str); 8] = [
     (
         "energy",
         70.0,
-        "integral of f over the patch and its support region",
+        "what the flow lowers: with the surface model energy the integral of f over the patch and its support region, \
+         with others a functional of their own",
     ),
     (
         "residual",
@@ -318,7 +319,8 @@ fn groups_ui(
 
 /// Text that is elided to the width of its column, with the whole text as a tooltip.
 fn cell(ui: &mut Ui, text: impl Into<egui::WidgetText>, whole: &str) {
-    let label = ui.add(egui::Label::new(text).truncate());
+    let label = egui::Label::new(text).truncate();
+    let label = ui.add(label.show_tooltip_when_elided(whole.is_empty()));
     if !whole.is_empty() {
         label.on_hover_text(whole);
     }

@@ -184,10 +184,10 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     let mesh = &document.mesh;
                     ui.label("After the changes");
                     ui.label(format!(
-                        "{} vertices, {} triangles, {} loops",
+                        "{} vertices, {} triangles, {}",
                         mesh.vertex_count(),
                         mesh.face_count(),
-                        document.loops.len()
+                        document.loop_count()
                     ));
                     ui.end_row();
                 }
@@ -202,9 +202,9 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.add_space(4.0);
         let (listed, all) = (r.defects.len(), r.defect_count());
         ui.strong(if listed < all {
-            format!("Defects ({listed} of {all}; click one to show it)")
+            format!("Defects of the file ({listed} of {all}; click one to show it)")
         } else {
-            "Defects (click one to show it)".to_owned()
+            "Defects of the file (click one to show it)".to_owned()
         });
         for defect in &r.defects {
             let p = defect.position;

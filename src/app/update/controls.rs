@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::refuse_while_running;
 use crate::app::action::ControlsAction;
+use crate::app::log::Level;
 use crate::app::model::Model;
 use crate::app::view_state::ComparedEnergy;
 use crate::energy::{Energy, Preset};
@@ -139,6 +140,11 @@ fn apply_energy(model: &mut Model) {
             model.history.seal();
             set(model, controls);
             model.history.seal();
+            // what was wrong with the text before is over
+            let latest = model.log.latest();
+            if latest.is_some_and(|entry| entry.level == Level::Error) {
+                model.log.settle();
+            }
         }
         Err(error) => model.log.error(format!("energy: {error}")),
     }

@@ -38,6 +38,13 @@ fn undo(model: &mut Model) {
         }
         model.run = None;
     }
+    if let Some(run) = model.take_rejected() {
+        model.run = Some(run);
+        model
+            .log
+            .info("the rejected patch is back: accept or reject it");
+        return;
+    }
     match model.history.undo(&mut model.document) {
         Some(label) => after_travel(model, &format!("undone: {label}")),
         None => model.log.info("nothing to undo"),

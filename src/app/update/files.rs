@@ -71,9 +71,15 @@ pub(crate) fn update(model: &mut Model, action: FileAction) {
             }
         }
         FileAction::CopyCommand => match repeat::command(model) {
-            Ok(text) => {
+            Ok((text, files)) => {
                 model.effects.push(Effect::CopyText(text));
-                model.log.info("command copied to the clipboard");
+                let written = match &files[..] {
+                    [] => String::new(),
+                    files => format!("; it reads {}, which was written", files.join(", ")),
+                };
+                model
+                    .log
+                    .info(format!("command copied to the clipboard{written}"));
             }
             Err(text) => model.log.warning(text),
         },
@@ -293,6 +299,7 @@ pub(super) fn saved(
 /// Replaces the open document.
 pub(in crate::app) fn replace(model: &mut Model, document: Document) {
     model.run = None;
+    model.rejected = None;
     // do not fit the camera to the old surfaces
     model.displays.iter_mut().for_each(DisplayWorker::forget);
     model.history = History::default();

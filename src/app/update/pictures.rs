@@ -187,7 +187,15 @@ fn make(model: &mut Model, mut settings: PictureSettings) {
         model.log.error("enter a file name for the picture");
         return;
     }
-    let path = with_extension(settings.path.trim().into(), extension(&settings));
+    let wanted = extension(&settings);
+    let mut path = with_extension(settings.path.trim().into(), wanted);
+    // the content is in this format whatever the name
+    if !path
+        .extension()
+        .is_some_and(|own| own.eq_ignore_ascii_case(wanted))
+    {
+        path.as_mut_os_string().push(format!(".{wanted}"));
+    }
     settings.path = path.display().to_string();
     let flow = settings.kind == PictureKind::Flow;
     if flow && model.run.is_none() {

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::refuse_while_running;
+use super::runs::has_valid_energy;
 use crate::app::document::AppliedOperation;
 use crate::app::jobs::Reporter;
 use crate::app::model::{Done, Model};
@@ -34,7 +35,7 @@ pub(crate) fn is_repairing(model: &Model) -> bool {
 
 /// Starts a repair.
 pub(super) fn start(model: &mut Model) {
-    if refuse_while_running(model, "a repair") {
+    if refuse_while_running(model, "a repair") || !has_valid_energy(model) {
         return;
     }
     let base = Arc::clone(&model.document.mesh);
@@ -144,7 +145,23 @@ pub(super) fn repaired(model: &mut Model, base: &Arc<Mesh>, result: Result<Box<R
             .log
             .warning(format!("{} left, one near {}", after.pairs(), Place(at)));
     }
+    let open = model.document.loops.iter();
+    let reasons: Vec<String> = open
+        .filter(|l| l.is_outer_boundary)
+        .map(|l| format!("loop {} ({} edges): {}", l.id, l.edges(), l.reason))
+        .take(MOST_REASONS)
+        .collect();
+    if !reasons.is_empty() {
+        model.log.warning(format!(
+            "{} left open; select one in Fill to fill it nevertheless. {}",
+            model.document.loop_count(),
+            reasons.join("; ")
+        ));
+    }
 }
+
+/// Most loops left open whose reasons are said.
+const MOST_REASONS: usize = 3;
 
 /// What is to be said about the patches of all holes.
 fn warnings(step: &RepairStep) -> Vec<String> {
@@ -154,7 +171,11 @@ fn warnings(step: &RepairStep) -> Vec<String> {
         _ => None,
     };
     let patches = filled.into_iter().flat_map(|filled| &filled.holes);
-    let warnings = patches.flat_map(|hole| hole.warnings.iter().map(Warning::to_string));
+    // the numbers of the filled loops are no longer those in the list
+    let warnings = patches.flat_map(|hole| {
+        let named = |w: &Warning| format!("hole with {} edges: {w}", hole.edges);
+        hole.warnings.iter().map(named)
+    });
     let failed = filled.into_iter().flat_map(|filled| &filled.failed);
     warnings.chain(failed.map(ToString::to_string)).collect()
 }

@@ -6,7 +6,7 @@ use super::controls::params_for;
 use super::{act, edits, refuse_while_running, select};
 use crate::app::action::RunAction;
 use crate::app::document::{AppliedOperation, window_controls};
-use crate::app::model::{Done, Model};
+use crate::app::model::{Done, Model, Rejected};
 use crate::app::run::{Accepting, Run, RunState, state_key};
 use crate::app::view_state::{Modal, Part, Task};
 use crate::energy::Energy;
@@ -92,14 +92,18 @@ fn on_sides(model: &mut Model, f: impl Fn(&mut crate::app::run::RunVariant)) {
 }
 
 fn reject(model: &mut Model) {
-    if let Some(run) = model.run.take() {
-        if run.accepting.is_some() {
-            model.jobs.retain(|job| job.what != TEXTURES);
-        }
-        model
-            .log
-            .info("the patch was rejected; the mesh is unchanged");
+    let Some(run) = model.run.take() else { return };
+    if run.accepting.is_some() {
+        model.jobs.retain(|job| job.what != TEXTURES);
     }
+    // a flow that has not ended would go on in its thread
+    let is_kept = run.ended() && run.accepting.is_none() && run.state_count() > 0;
+    model.log.info(if is_kept {
+        "the patch was rejected, and Undo brings it back; the mesh is unchanged"
+    } else {
+        "the patch was rejected; the mesh is unchanged"
+    });
+    model.rejected = is_kept.then(|| Rejected::new(run, &model.document));
 }
 
 /// Starts the task. A fill with nothing selected fills all holes.
@@ -217,14 +221,10 @@ fn show(model: &mut Model, run: Run) {
 /// Starts an operation, and a second one if another energy is compared. A typed energy that is invalid is not
 /// ignored.
 fn spawn(model: &mut Model, operation: impl Fn(FlowSpec) -> Operation) {
-    let text = model.view.energy_text.trim();
-    let params = params_for(text, &model.document.controls.param);
-    if let Err(error) = Energy::parse(text, &params) {
-        model.log.error(format!(
-            "the typed energy cannot be used: {error}; correct it or choose a preset"
-        ));
+    if !has_valid_energy(model) {
         return;
     }
+    model.rejected = None;
     let a = model.document.controls.clone();
     let mut sides = vec![operation(a.clone().into())];
     if let Some(compared) = &model.view.compared {
@@ -240,6 +240,19 @@ fn spawn(model: &mut Model, operation: impl Fn(FlowSpec) -> Operation) {
         Ok(run) => show(model, run),
         Err(text) => model.log.error(text),
     }
+}
+
+/// Whether the typed energy is valid; if it is not, says why.
+pub(super) fn has_valid_energy(model: &mut Model) -> bool {
+    let text = model.view.energy_text.trim();
+    let params = params_for(text, &model.document.controls.param);
+    let parsed = Energy::parse(text, &params);
+    if let Err(error) = &parsed {
+        model.log.error(format!(
+            "the typed energy cannot be used: {error}; correct it or choose a preset"
+        ));
+    }
+    parsed.is_ok()
 }
 
 fn play_pause(model: &mut Model) {
@@ -372,6 +385,9 @@ fn take_over(
         return;
     }
     let label = operation.label();
+    let at = side.shown.map_or_else(String::new, |at| {
+        format!(" at state {} of {}", at + 1, side.state_count())
+    });
     let done = AppliedOperation { operation, faces };
     let kept = run.kept.take();
     let controls = side.controls.clone();
@@ -386,7 +402,7 @@ fn take_over(
     model.run = None;
     model.revision += 1;
     model.view.hover.clear();
-    model.log.info(format!("{label} accepted"));
+    model.log.info(format!("{label} accepted{at}"));
     for warning in warnings {
         model.log.warning(warning);
     }
