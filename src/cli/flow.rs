@@ -134,6 +134,8 @@ impl LoopArguments {
     pub fn reason_to_skip(&self, one: &BoundaryLoop) -> String {
         if self.are_auto() && one.is_outer_boundary {
             format!("classified as an outer boundary: {}", one.reason)
+        } else if self.loop_at.is_empty() && self.loops == LoopChoice::All {
+            "it is an island that the hole around it is filled without".into()
         } else {
             "not chosen".into()
         }
@@ -425,7 +427,7 @@ fn summary(report: &FillReport) -> Result<()> {
 const MOST_NAMED: usize = 10;
 
 /// Names the longest of the loops left open, and counts the others.
-fn say_skipped(skipped: &[SkippedLoop]) {
+pub fn say_skipped(skipped: &[SkippedLoop]) {
     let (named, others) = largest(skipped, MOST_NAMED, |one| one.edges);
     for (_, SkippedLoop { id, edges, reason }) in named {
         say(&format!("loop {id} ({edges} edges) left open: {reason}"));

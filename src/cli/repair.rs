@@ -7,16 +7,16 @@ use anyhow::{Result, bail};
 use clap::Args;
 use serde::Serialize;
 
-use crate::cli::flow::{MeshFiles, failed_holes, usage, write_text};
+use crate::cli::flow::{MeshFiles, failed_holes, say_skipped, usage, write_text};
 use crate::cli::hints::print_warnings;
 use crate::cli::options::OptionArguments;
 use crate::cli::print::{print, save, say};
 use crate::cli::progress::{Progress, Work};
-use crate::cli::report::{FailedHole, HoleReport, hole_reports};
+use crate::cli::report::{FailedHole, HoleReport, SkippedLoop, hole_reports, skipped};
 use crate::cli::targets::check_targets;
 use crate::fill::Controls;
 use crate::memory::peak_memory;
-use crate::mesh::{LoadReport, Mesh};
+use crate::mesh::{LoadReport, Mesh, boundary_loops};
 use crate::ops::{
     CleanSpec, Condition, DamageSpec, FlowSpec, Operation, Outcome, Repair, RepairStep,
 };
@@ -52,6 +52,7 @@ struct RepairReport {
     before: Condition,
     steps: Vec<Step>,
     after: Condition,
+    left_open: Vec<SkippedLoop>,
     seconds: f64,
     peak_memory: u64,
 }
@@ -128,6 +129,13 @@ pub fn repair(args: &RepairArguments) -> Result<()> {
         before,
         steps,
         after: Condition::of(&mesh),
+        left_open: skipped(&boundary_loops(&mesh), &[], |l| {
+            if l.is_outer_boundary {
+                format!("classified as an outer boundary: {}", l.reason)
+            } else {
+                "it could not be filled".into()
+            }
+        }),
         seconds: start.elapsed().as_secs_f64(),
         peak_memory: peak_memory(),
     };
@@ -160,6 +168,7 @@ fn run(operation: &Operation, mesh: &Mesh, quiet: bool) -> Result<Outcome> {
 
 /// Says what is left.
 fn conclude(report: &RepairReport) -> Result<()> {
+    say_skipped(&report.left_open);
     let after = &report.after;
     if let Some(at) = after.place {
         let is_tried = report.steps.iter().any(|step| step.task == "refill");

@@ -11,7 +11,7 @@ use crate::fill::patch_topology::PatchTopology;
 use crate::fill::result::FilledHole;
 use crate::fill::self_intersection::{Obstacles, intersections, place};
 use crate::mesh::{
-    DVec3, FaceId, LoopId, Mesh, Topology, bounds, boxes_overlap, self_intersections,
+    DVec3, FaceId, HalfedgeId, LoopId, Mesh, Topology, bounds, boxes_overlap, self_intersections,
 };
 use crate::warning::{MAX_PAIRS, Warning};
 
@@ -189,22 +189,37 @@ pub(super) fn defects(
     let found = Defects {
         crossings: counted(crossings),
         escaped: counted(escaped(mesh, room, own, positions)),
-        folds: counted(folds(mesh, rims, own, positions)),
+        folds: counted(folds(mesh, rims, own, others, positions)),
     };
     (found.severity() != SOUND).then_some(found)
 }
 
-/// Places of folded edges, those of the rims included, and of triangles without area.
-fn folds(mesh: &Mesh, rims: &HoleRims, triangles: &[[u32; 3]], positions: &[DVec3]) -> Vec<DVec3> {
+/// Places of folded edges of a patch and of its triangles without area. The edges of the rims and those where
+/// the other parts of the hole begin are included.
+fn folds(
+    mesh: &Mesh,
+    rims: &HoleRims,
+    triangles: &[[u32; 3]],
+    others: &[[u32; 3]],
+    positions: &[DVec3],
+) -> Vec<DVec3> {
     let corners = |t: [u32; 3]| t.map(|v| place(mesh, positions, v));
     let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize_or_zero();
     // unit normal of the face to the left of each directed edge
     let mut left: FxHashMap<[u32; 2], DVec3> = FxHashMap::default();
-    let halfedges = rims.loops.iter().flat_map(|l| &l.halfedges);
-    for h in halfedges.map(|h| h.twin()) {
-        let t = mesh.topology.face_vertices(mesh.topology.face(h));
-        let edge = [mesh.topology.origin(h).0, mesh.topology.target(h).0];
-        left.insert(edge, normal(corners(t.map(|v| v.0))));
+    let topology = &mesh.topology;
+    for rim in &rims.loops {
+        // not the half-edges of the loop: those at which a part of a hole has a crease are not among them
+        let next = rim.vertices.iter().cycle().skip(1);
+        for (&start, &end) in rim.vertices.iter().zip(next) {
+            let beside = topology
+                .outgoing(end)
+                .find(|&h| topology.target(h) == start);
+            if let Some(h) = beside.filter(|&h| !topology.is_boundary(h)) {
+                let t = topology.face_vertices(topology.face(h));
+                left.insert([end.0, start.0], normal(corners(t.map(|v| v.0))));
+            }
+        }
     }
     let mut found = Vec::new();
     for &t in triangles {
@@ -214,6 +229,12 @@ fn folds(mesh: &Mesh, rims: &HoleRims, triangles: &[[u32; 3]], positions: &[DVec
         }
         for k in 0..3 {
             left.insert([t[k], t[(k + 1) % 3]], normal);
+        }
+    }
+    for &t in others {
+        for k in 0..3 {
+            let edge = [t[k], t[(k + 1) % 3]];
+            left.entry(edge).or_insert_with(|| normal(corners(t)));
         }
     }
     let mut folded = BTreeSet::new();
@@ -233,10 +254,10 @@ fn folds(mesh: &Mesh, rims: &HoleRims, triangles: &[[u32; 3]], positions: &[DVec
     found
 }
 
-/// Warnings about the holes whose patches cross one of another group or one
+/// Warnings about the holes whose patches cross, or are folded onto, one of another group or one
 /// without new vertices. Each group itself is checked at the end of its flow. `topology` and
 /// `positions` are those of the filled mesh.
-pub(super) fn crossing_groups(
+pub(super) fn defects_between_groups(
     topology: &Topology,
     positions: &[DVec3],
     holes: &[FilledHole],
@@ -249,11 +270,14 @@ pub(super) fn crossing_groups(
     }
     let faces: Vec<[u32; 3]> = topology.triangles().skip(first).collect();
     let hole_of = |face: u32| holes.partition_point(|hole| hole.faces.end <= first + face as usize);
+    let are_solved_together = |h: usize, k: usize| {
+        h == k || (holes[h].group.is_some() && holes[h].group == holes[k].group)
+    };
     // pairs and one of the places, by hole
     let mut found: BTreeMap<usize, (usize, DVec3)> = BTreeMap::new();
     for pair in self_intersections(positions, &faces, None, usize::MAX) {
         let [h, k] = pair.map(hole_of);
-        if h == k || (holes[h].group.is_some() && holes[h].group == holes[k].group) {
+        if are_solved_together(h, k) {
             continue;
         }
         let corners = pair.map(|f| faces[f as usize].map(|v| positions[v as usize]));
@@ -272,7 +296,41 @@ pub(super) fn crossing_groups(
         };
         (holes[h].id(), warning)
     };
-    found.into_iter().map(warning).collect()
+    let mut warnings: Vec<(LoopId, Warning)> = found.into_iter().map(warning).collect();
+    // parts of a hole may be in different groups
+    let mut folded: BTreeMap<usize, (usize, DVec3)> = BTreeMap::new();
+    for face in 0..faces.len() as u32 {
+        for h in topology.face_halfedges(FaceId::from(first + face as usize)) {
+            let Some(other) = beyond(topology, h, first).filter(|&other| other > face) else {
+                continue;
+            };
+            let pair = [face, other];
+            let [a, b] = pair.map(|f| {
+                let [a, b, c] = faces[f as usize].map(|v| positions[v as usize]);
+                (b - a).cross(c - a).normalize_or_zero()
+            });
+            let [j, k] = pair.map(hole_of);
+            if are_solved_together(j, k) || a.dot(b) >= FOLDED {
+                continue;
+            }
+            let ends = [topology.origin(h), topology.target(h)];
+            let [start, end] = ends.map(|v| positions[v.index()]);
+            for hole in [j, k] {
+                folded.entry(hole).or_insert((0, start.midpoint(end))).0 += 1;
+            }
+        }
+    }
+    let fold =
+        |(h, (edges, at)): (usize, (usize, DVec3))| (holes[h].id(), Warning::Folded { edges, at });
+    warnings.extend(folded.into_iter().map(fold));
+    warnings
+}
+
+/// The number among the faces from `first` on of the face across an edge, if it is one of these.
+fn beyond(topology: &Topology, h: HalfedgeId, first: usize) -> Option<u32> {
+    let twin = h.twin();
+    let face = (!topology.is_boundary(twin)).then(|| topology.face(twin).index())?;
+    face.checked_sub(first).map(|face| face as u32)
 }
 
 #[cfg(test)]

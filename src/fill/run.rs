@@ -10,7 +10,7 @@ use crate::fill::Controls;
 use crate::fill::assemble::Assembly;
 use crate::fill::attributes::Look;
 use crate::fill::context::FillContext;
-use crate::fill::defects::crossing_groups;
+use crate::fill::defects::defects_between_groups;
 use crate::fill::estimate::memory_of;
 use crate::fill::options::FillOptions;
 use crate::fill::plan::Plan;
@@ -178,11 +178,11 @@ pub(super) fn run_plan(
     }
     let positions = runs.iter().map(|run| &run.positions[..]);
     let (filled, without_texture) = assembly.mesh(mesh, positions);
-    let crossing = crossing_groups(&filled.topology, &filled.positions, &assembly.holes);
+    let between = defects_between_groups(&filled.topology, &filled.positions, &assembly.holes);
     let of_patches = runs
         .iter()
         .flat_map(|run| run.patch_warnings.iter().cloned());
-    for (id, warning) in of_patches.chain(crossing).chain(without_texture) {
+    for (id, warning) in of_patches.chain(between).chain(without_texture) {
         if let Some(hole) = assembly.holes.iter_mut().find(|hole| hole.id() == id) {
             hole.warnings.push(warning);
         }

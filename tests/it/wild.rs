@@ -466,3 +466,34 @@ fn interrupted_commands_leave_nothing_behind() {
         assert_eq!(desk.names(), ["in.obj"]);
     }
 }
+
+/// Two walls side by side, whose rims are both in one hole: its first patch has no new vertices and is replaced.
+#[test]
+fn a_hole_between_two_walls_is_filled() {
+    let desk = Desk::new();
+    desk.write("in.obj", include_str!("../data/double_wall.obj"));
+    desk.runs(&["fill", "in.obj", "-o", "out.obj"]);
+}
+
+/// A sharp line runs along a part of the rim, where the patch has a crease, or through the hole, where two
+/// parts of the patch meet. A fold there counts.
+#[test]
+fn a_fold_at_a_crease_is_removed_or_said() {
+    let cases = [
+        include_str!("../data/crease_at_cliff.obj"),
+        include_str!("../data/creases_through_ring.obj"),
+    ];
+    for case in cases {
+        let desk = Desk::new();
+        desk.write("in.obj", case);
+        desk.runs(&["fill", "in.obj", "-o", "out.obj", "--report", "report.json"]);
+        let folds = |name: &str| {
+            let mesh = meniscus::io::open(&desk.path(name)).expect("a mesh").mesh;
+            let angle = meniscus::mesh::FOLD_DEGREES.to_radians();
+            meniscus::mesh::folded_edges(&mesh.positions, &mesh.topology, angle).len()
+        };
+        assert_eq!(folds("in.obj"), 0);
+        let report = desk.text("report.json");
+        assert!(folds("out.obj") == 0 || report.contains("\"folded\""));
+    }
+}

@@ -415,7 +415,7 @@ mod tests {
             surfaces: vec![
                 surface("g2", Some(0.012)),
                 surface("diffusion", None),
-                surface("g2", Some(0.0120001)),
+                surface("g2", Some(0.012_000_1)),
             ],
             ..Figures::default()
         };

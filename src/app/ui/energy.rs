@@ -242,17 +242,17 @@ fn badge_ui(ui: &mut Ui, model: &Model, side: usize) {
     let scan = scan.filter(|scan| scan.samples > 0);
     let is_idle = model.run.is_none() && model.document.selected().is_empty();
     let name = ["This flow is", "Flow B is"][side.min(1)];
-    row(ui, name, "", |ui, _| match scan {
-        Some(scan) => posed_ui(ui, &scan),
-        None => {
-            let words = if is_idle {
-                "known for a selection"
-            } else {
-                "\u{2026}"
-            };
-            ui.weak(words)
-                .on_hover_text("shown once the curvatures around the selected holes are known");
+    row(ui, name, "", |ui, _| {
+        if let Some(scan) = scan {
+            return posed_ui(ui, &scan);
         }
+        let words = if is_idle {
+            "known for a selection"
+        } else {
+            "\u{2026}"
+        };
+        ui.weak(words)
+            .on_hover_text("shown once the curvatures around the selected holes are known");
     });
 }
 

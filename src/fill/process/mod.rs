@@ -16,7 +16,7 @@ use crate::cancel::is_cancelled;
 use crate::fill::assemble::Assembly;
 use crate::fill::attributes::Look;
 use crate::fill::context::FillContext;
-use crate::fill::defects::crossing_groups;
+use crate::fill::defects::defects_between_groups;
 use crate::fill::estimate::memory_of;
 use crate::fill::fairing::plan_fairing;
 use crate::fill::hole::PlannedHole;
@@ -204,15 +204,15 @@ impl FillProcess {
         })
     }
 
-    /// Warnings about patches that cross those of other groups.
-    fn crossing_groups(&mut self) -> Vec<(LoopId, Warning)> {
+    /// Warnings about patches that cross those of other groups or are folded onto them.
+    fn defects_between_groups(&mut self) -> Vec<(LoopId, Warning)> {
         let Ok(state) = self.state() else {
             return Vec::new();
         };
         let positions = state.groups.iter().map(|group| &group.positions[..]);
         let positions = self.assembly.positions(&self.mesh, positions);
         let holes = &self.assembly.holes;
-        crossing_groups(&self.assembly.topology, &positions, holes)
+        defects_between_groups(&self.assembly.topology, &positions, holes)
     }
 
     /// Changes all groups. Groups that cannot make the change report the reason.
@@ -331,7 +331,7 @@ impl Process for FillProcess {
             });
         }
         if self.ended() && !std::mem::replace(&mut self.groups_checked, true) {
-            let found = self.crossing_groups();
+            let found = self.defects_between_groups();
             self.warnings.extend(found);
         }
         for (hole, warning) in self.warnings.drain(..) {
