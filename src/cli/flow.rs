@@ -135,7 +135,7 @@ impl LoopArguments {
         if self.are_auto() && one.is_outer_boundary {
             format!("classified as an outer boundary: {}", one.reason)
         } else if self.loop_at.is_empty() && self.loops == LoopChoice::All {
-            "it is an island that the hole around it is filled without".into()
+            "the hole around it is filled without this island".into()
         } else {
             "not chosen".into()
         }

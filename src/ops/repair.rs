@@ -181,7 +181,7 @@ impl Condition {
     pub fn words(&self) -> String {
         let of_two = match self.intersections_of_components {
             0 => String::new(),
-            count => format!(" and {count} of two components"),
+            count => format!(" and {count} between components"),
         };
         format!(
             "{}, {}, {}{of_two}, {}",

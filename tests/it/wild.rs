@@ -360,7 +360,7 @@ fn repair_leaves_nothing_but_components_that_cross() {
     for words in [
         "loose parts with 1 face removed",
         "erased at damaged places; 2 holes",
-        " of two components, ",
+        " between components, ",
     ] {
         assert!(
             run.stderr.contains(words),

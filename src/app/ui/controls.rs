@@ -107,7 +107,7 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let rows: Vec<_> = rows.filter(|(_, row)| !row.surfaces.is_empty()).collect();
     ui.weak("Expected errors, % of the hole radius")
         .on_hover_text("and the surface model, from predictions of known parts of the mesh");
-    // a bar that is seen
+    // its bar is always visible
     ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
     let list = egui::ScrollArea::vertical()
         .id_salt("models")
