@@ -13,7 +13,7 @@ use crate::io::Opened;
 use crate::mesh::{
     BoundaryLoop, DVec3, FaceData, LoadReport, LoopId, Mesh, Topology, boundary_loops,
 };
-use crate::ops::Operation;
+use crate::ops::{Operation, Outcome};
 use crate::render::Bounds;
 use crate::warning::counted;
 
@@ -179,6 +179,18 @@ impl Document {
         self.selection.clear();
         self.faces = Arc::default();
         self.accepted.push(Arc::new(done));
+    }
+
+    /// [Stores](Self::accept) the result of an operation that has run as a whole.
+    pub fn accept_outcome(&mut self, operation: Operation, outcome: Outcome) {
+        let (mesh, kept) = match outcome {
+            Outcome::Erased(erased) => (erased.mesh, Some(erased.old_face)),
+            Outcome::Refilled(new) => (new.filled.mesh, Some(new.region.erased.old_face)),
+            other => (other.into_mesh(), None),
+        };
+        let first = kept.as_ref().map_or(self.mesh.face_count(), Vec::len);
+        let faces = first..mesh.face_count().max(first);
+        self.accept(mesh, kept.as_deref(), AppliedOperation { operation, faces });
     }
 
     /// The number of loops, in words.

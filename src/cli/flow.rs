@@ -133,7 +133,7 @@ impl LoopArguments {
     /// Why a loop is not chosen.
     pub fn reason_to_skip(&self, one: &BoundaryLoop) -> String {
         if self.are_auto() && one.is_outer_boundary {
-            format!("classified as an outer boundary: {}", one.reason)
+            one.why_outer()
         } else if self.loop_at.is_empty() && self.loops == LoopChoice::All {
             "the hole around it is filled without this island".into()
         } else {

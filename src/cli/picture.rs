@@ -8,7 +8,7 @@ use crate::cli::UsageError;
 use crate::cli::picture_args::{PictureArguments, Up};
 use crate::cli::print::say;
 use crate::io::materials;
-use crate::mesh::{BoundaryLoop, DVec3, FaceId, Mesh, VertexId, boundary_loops, grow};
+use crate::mesh::{BoundaryLoop, DVec3, FaceId, Material, Mesh, VertexId, boundary_loops, grow};
 use crate::options::Choice;
 use crate::render::{
     self, Background, Bounds, Camera, CutPlane, DynamicSurface, Evaluation, Geometry, Gpu, Grid,
@@ -52,10 +52,25 @@ impl Shot {
             legend: look.legend,
             caption: look.caption.clone().unwrap_or_default(),
         };
-        let style = style(look, mesh, sheet.size);
+        let all = &mesh.attributes;
+        let materials = if look.view.is_none_or(|view| view == ViewMode::Color) {
+            materials(all)
+        } else {
+            Vec::new()
+        };
+        let has_images = materials.iter().any(|material| material.image.is_some());
+        let style = style(look, all.has_colors() || has_images, sheet.size);
         let centre = bounds.centre();
         let limit = !look.control_mesh;
-        let surfaces = surfaces(mesh, first_patch_face, creases, centre, limit, &style);
+        let surfaces = surfaces(
+            mesh,
+            materials,
+            first_patch_face,
+            creases,
+            centre,
+            limit,
+            &style,
+        );
         let rims = look.rims.then(|| Arc::new(rims(mesh, centre, limit)));
         let size = sheet.view_size(&surfaces, &style, 1);
         let mut camera = camera(look, &bounds, size)?;
@@ -95,21 +110,14 @@ impl Shot {
     }
 }
 
-fn style(look: &PictureArguments, mesh: &Mesh, [_, height]: [u32; 2]) -> ViewStyle {
+fn style(look: &PictureArguments, has_colors: bool, [_, height]: [u32; 2]) -> ViewStyle {
     let default = ViewStyle::default();
-    let has_colors = || {
-        let attributes = &mesh.attributes;
-        attributes.has_colors() || materials(attributes).iter().any(|m| m.image.is_some())
-    };
-    let colors_or_shaded = || {
-        if has_colors() {
+    ViewStyle {
+        mode: look.view.unwrap_or(if has_colors {
             ViewMode::Color
         } else {
             ViewMode::Shaded
-        }
-    };
-    ViewStyle {
-        mode: look.view.unwrap_or_else(colors_or_shaded),
+        }),
         material: look.material.unwrap_or_default(),
         stripes: look.stripes.unwrap_or(default.stripes),
         light: look.light.unwrap_or(default.light),
@@ -146,6 +154,7 @@ fn camera(look: &PictureArguments, bounds: &Bounds, [w, h]: [u32; 2]) -> Result<
 /// vertex.
 fn surfaces(
     mesh: &Mesh,
+    materials: Vec<Material>,
     first_patch_face: usize,
     creases: Vec<[VertexId; 2]>,
     centre: DVec3,
@@ -159,8 +168,7 @@ fn surfaces(
     };
     let (moving, rest) = (faces(true), faces(false));
     let (materials, colors, face_colors) = if style.shows_colors() {
-        let all = &mesh.attributes;
-        (materials(all), mesh.colors(), all.face_colors())
+        (materials, mesh.colors(), mesh.attributes.face_colors())
     } else {
         Default::default()
     };

@@ -17,9 +17,7 @@ use crate::cli::targets::check_targets;
 use crate::fill::Controls;
 use crate::memory::peak_memory;
 use crate::mesh::{LoadReport, Mesh, boundary_loops};
-use crate::ops::{
-    CleanSpec, Condition, DamageSpec, FlowSpec, Operation, Outcome, Repair, RepairStep,
-};
+use crate::ops::{CleanSpec, Condition, DamageSpec, FlowSpec, Operation, Outcome, Repair};
 use crate::warning::Place;
 
 /// `meniscus repair`.
@@ -87,17 +85,11 @@ pub fn repair(args: &RepairArguments) -> Result<()> {
     let (clean, damage) = (args.clean.0.clone(), args.damage.0.clone());
     let mut repair = Repair::new(clean, damage, FlowSpec::from(controls));
     let mut steps: Vec<Step> = Vec::new();
-    while let Some(operation) = repair.next_for(&mesh) {
-        let outcome = match run(&operation, &mesh, quiet) {
-            Ok(outcome) => outcome,
-            Err(error) if !matches!(operation, Operation::Refill(_)) => return Err(error),
-            Err(error) => {
-                tell(&format!("{}: {error}", operation.command_name()));
-                repair.leave_damage();
-                continue;
-            }
-        };
-        let done = RepairStep::new(operation, &mesh, outcome);
+    while let Some(done) = repair.step(
+        &mesh,
+        |operation| run(operation, &mesh, quiet),
+        |error| tell(&format!("refill: {error}")),
+    )? {
         tell(&done.words());
         let filled = done.outcome.filled();
         let step = Step {
@@ -131,7 +123,7 @@ pub fn repair(args: &RepairArguments) -> Result<()> {
         after: Condition::of(&mesh),
         left_open: skipped(&boundary_loops(&mesh), &[], |l| {
             if l.is_outer_boundary {
-                format!("classified as an outer boundary: {}", l.reason)
+                l.why_outer()
             } else {
                 "it could not be filled".into()
             }

@@ -11,11 +11,12 @@ use crate::fill::patch_topology::PatchTopology;
 use crate::fill::result::FilledHole;
 use crate::fill::self_intersection::{Obstacles, intersections, place};
 use crate::mesh::{
-    DVec3, FaceId, HalfedgeId, LoopId, Mesh, Topology, bounds, boxes_overlap, self_intersections,
+    DVec3, FOLD_DEGREES, FaceId, LoopId, Mesh, Topology, bounds, boxes_overlap, dihedral_angle,
+    self_intersections,
 };
 use crate::warning::{MAX_PAIRS, Warning};
 
-/// Cosine of [`FOLD_DEGREES`](crate::mesh::FOLD_DEGREES), beyond which the edge of two neighbours counts as
+/// Cosine of [`FOLD_DEGREES`], beyond which the edge of two neighbours counts as
 /// folded.
 pub(super) const FOLDED: f64 = -0.866_025_403_784_438_6;
 
@@ -210,8 +211,7 @@ fn folds(
     let topology = &mesh.topology;
     for rim in &rims.loops {
         // not the half-edges of the loop: those at which a part of a hole has a crease are not among them
-        let next = rim.vertices.iter().cycle().skip(1);
-        for (&start, &end) in rim.vertices.iter().zip(next) {
+        for [start, end] in rim.edge_ends() {
             let beside = topology
                 .outgoing(end)
                 .find(|&h| topology.target(h) == start);
@@ -269,24 +269,40 @@ pub(super) fn defects_between_groups(
         return Vec::new();
     }
     let faces: Vec<[u32; 3]> = topology.triangles().skip(first).collect();
-    let hole_of = |face: u32| holes.partition_point(|hole| hole.faces.end <= first + face as usize);
-    let are_solved_together = |h: usize, k: usize| {
+    let hole_of = |face: usize| holes.partition_point(|hole| hole.faces.end <= face);
+    let are_solved_together = |[h, k]: [usize; 2]| {
         h == k || (holes[h].group.is_some() && holes[h].group == holes[k].group)
     };
-    // pairs and one of the places, by hole
-    let mut found: BTreeMap<usize, (usize, DVec3)> = BTreeMap::new();
+    let mut crossings = BTreeMap::new();
     for pair in self_intersections(positions, &faces, None, usize::MAX) {
-        let [h, k] = pair.map(hole_of);
-        if are_solved_together(h, k) {
-            continue;
-        }
-        let corners = pair.map(|f| faces[f as usize].map(|v| positions[v as usize]));
-        let at = corners.iter().flatten().sum::<DVec3>() / 6.0;
-        for h in [h, k] {
-            found.entry(h).or_insert((0, at)).0 += 1;
+        let between = pair.map(|f| hole_of(first + f as usize));
+        if !are_solved_together(between) {
+            let corners = pair.map(|f| faces[f as usize].map(|v| positions[v as usize]));
+            let at = corners.iter().flatten().sum::<DVec3>() / 6.0;
+            count(&mut crossings, between, at);
         }
     }
-    let warning = |(h, (pairs, at)): (usize, (usize, DVec3))| {
+    // parts of a hole may be in different groups
+    let mut folds = BTreeMap::new();
+    for face in first..topology.face_count() {
+        for h in topology.face_halfedges(FaceId::from(face)) {
+            if topology.is_boundary_edge(h) {
+                continue;
+            }
+            // each edge between patches once
+            let other = topology.face(h.twin()).index();
+            let between = [face, other].map(hole_of);
+            if other < face || are_solved_together(between) {
+                continue;
+            }
+            if dihedral_angle(positions, topology, h) >= FOLD_DEGREES.to_radians() {
+                let [start, end] = [topology.origin(h), topology.target(h)];
+                let middle = positions[start.index()].midpoint(positions[end.index()]);
+                count(&mut folds, between, middle);
+            }
+        }
+    }
+    let crossing = |(h, (pairs, at)): (usize, (usize, DVec3))| {
         let pairs = pairs.min(MAX_PAIRS);
         let kept_step = None;
         let warning = Warning::SelfIntersection {
@@ -296,41 +312,17 @@ pub(super) fn defects_between_groups(
         };
         (holes[h].id(), warning)
     };
-    let mut warnings: Vec<(LoopId, Warning)> = found.into_iter().map(warning).collect();
-    // parts of a hole may be in different groups
-    let mut folded: BTreeMap<usize, (usize, DVec3)> = BTreeMap::new();
-    for face in 0..faces.len() as u32 {
-        for h in topology.face_halfedges(FaceId::from(first + face as usize)) {
-            let Some(other) = beyond(topology, h, first).filter(|&other| other > face) else {
-                continue;
-            };
-            let pair = [face, other];
-            let [a, b] = pair.map(|f| {
-                let [a, b, c] = faces[f as usize].map(|v| positions[v as usize]);
-                (b - a).cross(c - a).normalize_or_zero()
-            });
-            let [j, k] = pair.map(hole_of);
-            if are_solved_together(j, k) || a.dot(b) >= FOLDED {
-                continue;
-            }
-            let ends = [topology.origin(h), topology.target(h)];
-            let [start, end] = ends.map(|v| positions[v.index()]);
-            for hole in [j, k] {
-                folded.entry(hole).or_insert((0, start.midpoint(end))).0 += 1;
-            }
-        }
-    }
     let fold =
         |(h, (edges, at)): (usize, (usize, DVec3))| (holes[h].id(), Warning::Folded { edges, at });
-    warnings.extend(folded.into_iter().map(fold));
-    warnings
+    let crossings = crossings.into_iter().map(crossing);
+    crossings.chain(folds.into_iter().map(fold)).collect()
 }
 
-/// The number among the faces from `first` on of the face across an edge, if it is one of these.
-fn beyond(topology: &Topology, h: HalfedgeId, first: usize) -> Option<u32> {
-    let twin = h.twin();
-    let face = (!topology.is_boundary(twin)).then(|| topology.face(twin).index())?;
-    face.checked_sub(first).map(|face| face as u32)
+/// Counts a defect between two patches for both, by hole with the place of the first.
+fn count(found: &mut BTreeMap<usize, (usize, DVec3)>, holes: [usize; 2], at: DVec3) {
+    for hole in holes {
+        found.entry(hole).or_insert((0, at)).0 += 1;
+    }
 }
 
 #[cfg(test)]

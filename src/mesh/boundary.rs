@@ -38,6 +38,11 @@ impl BoundaryLoop {
         self.halfedges.len()
     }
 
+    /// Why it is an outer boundary, in words.
+    pub fn why_outer(&self) -> String {
+        format!("classified as an outer boundary: {}", self.reason)
+    }
+
     /// The two ends of each edge, in the loop's direction.
     pub fn edge_ends(&self) -> impl Iterator<Item = [VertexId; 2]> + '_ {
         let following = self.vertices.iter().cycle().skip(1);

@@ -81,9 +81,33 @@ impl Repair {
         }
     }
 
-    /// The next operation on the mesh that the ones before gave, the given mesh at first. `None` if nothing
-    /// is left to repair.
-    pub fn next_for(&mut self, mesh: &Mesh) -> Option<Operation> {
+    /// Runs the next operation, by `run`, on the mesh that the ones before gave, the given mesh at first. Where
+    /// damaged faces cannot be replaced, they stay, and `left` gets the reason. `None` if nothing is left to
+    /// repair.
+    ///
+    /// # Errors
+    /// Of another operation.
+    pub fn step<E>(
+        &mut self,
+        mesh: &Mesh,
+        run: impl Fn(&Operation) -> Result<Outcome, E>,
+        mut left: impl FnMut(E),
+    ) -> Result<Option<RepairStep>, E> {
+        while let Some(operation) = self.next_for(mesh) {
+            match run(&operation) {
+                Ok(outcome) => return Ok(Some(RepairStep::new(operation, mesh, outcome))),
+                Err(error) if matches!(operation, Operation::Refill(_)) => {
+                    left(error);
+                    self.stage = Stage::Holes;
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(None)
+    }
+
+    /// The next operation.
+    fn next_for(&mut self, mesh: &Mesh) -> Option<Operation> {
         loop {
             match self.stage {
                 Stage::LooseParts => {
@@ -119,13 +143,6 @@ impl Repair {
                 }
                 Stage::End => return None,
             }
-        }
-    }
-
-    /// Leaves damaged faces as they are, for instance where erasing them failed.
-    pub fn leave_damage(&mut self) {
-        if let Stage::Damage(_) = self.stage {
-            self.stage = Stage::Holes;
         }
     }
 }
@@ -217,7 +234,7 @@ pub struct RepairStep {
 
 impl RepairStep {
     /// That of an operation on a mesh.
-    pub fn new(operation: Operation, mesh: &Mesh, outcome: Outcome) -> Self {
+    fn new(operation: Operation, mesh: &Mesh, outcome: Outcome) -> Self {
         let faces_added = outcome.filled().map_or(0, Filled::faces_added);
         Self {
             faces_erased: mesh.face_count() + faces_added - outcome.mesh().face_count(),
@@ -256,10 +273,14 @@ mod tests {
     fn repaired(mut mesh: Mesh, damage: DamageSpec) -> (Vec<&'static str>, Mesh) {
         let mut repair = Repair::new(CleanSpec::default(), damage, FlowSpec::default());
         let mut names = Vec::new();
-        while let Some(operation) = repair.next_for(&mesh) {
-            names.push(operation.command_name());
-            let outcome = operation.run(&mesh, &|_, _| true);
-            mesh = outcome.expect("repaired").into_mesh();
+        let mut step = |mesh: &Mesh| {
+            let run = |operation: &Operation| operation.run(mesh, &|_, _| true);
+            let step = repair.step(mesh, run, |error| panic!("{error}"));
+            step.expect("repaired")
+        };
+        while let Some(step) = step(&mesh) {
+            names.push(step.operation.command_name());
+            mesh = step.outcome.into_mesh();
         }
         (names, mesh)
     }

@@ -4,9 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::handle::{
-    Figures, HoleSurface, RunEvent, StateView, WindowProcess, hole_list, with_hint,
-};
+use super::handle::{Figures, RunEvent, StateView, WindowProcess, hole_list, with_hint};
 use crate::fill::{Controls, FillEvent, FillProcess, FillSnapshot, GroupStatus};
 use crate::mesh::{DVec3, LoopId, Mesh, Topology};
 use crate::runner::{Runner, Schedule};
@@ -137,7 +135,7 @@ impl WindowProcess for FillProcess {
                 angle: at.map(|s| s.worst_angle),
                 end,
                 unsound: group.unsound.clone(),
-                surfaces: surfaces(group),
+                surface: Some(group.surface.clone()),
                 uses_energy: group.surface.model.uses_energy(),
                 eta: eta.filter(|_| group.end.is_none()),
                 doing: iterations + &words,
@@ -166,15 +164,6 @@ fn part_names<'a>(groups: impl Iterator<Item = &'a [LoopId]> + Clone) -> Vec<Vec
     groups
         .map(|holes| holes.iter().map(&mut name).collect())
         .collect()
-}
-
-/// What gives the patch of each hole of a group.
-fn surfaces(group: &GroupStatus) -> Vec<HoleSurface> {
-    let of = |&hole: &LoopId| HoleSurface {
-        model: group.surface.words_of(hole),
-        expected_error: group.surface.expected_error_of(hole),
-    };
-    group.holes.iter().map(of).collect()
 }
 
 /// A message with the numbers of its holes before it.

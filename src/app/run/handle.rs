@@ -6,7 +6,7 @@ use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::fill::Controls;
+use crate::fill::{Controls, GroupSurface};
 use crate::mesh::{DVec3, LoopId, Mesh, Topology};
 use crate::runner::{Event, Process, Runner, Schedule, Snapshot, TimelineState};
 use crate::solver::{End, StepRecord};
@@ -175,19 +175,10 @@ pub struct Figures {
     pub eta: Option<f64>,
     /// The current activity.
     pub doing: String,
-    /// What gives the patch of each hole; none for a refinement.
-    pub surfaces: Vec<HoleSurface>,
+    /// The surface model of the holes; `None` for a refinement.
+    pub surface: Option<GroupSurface>,
     /// Whether the surface model makes the energy of the controls stationary.
     pub uses_energy: bool,
-}
-
-/// The surface of a hole.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HoleSurface {
-    /// The model, in words.
-    pub model: String,
-    /// The error to expect, relative to the hole radius.
-    pub expected_error: Option<f64>,
 }
 
 impl Figures {
@@ -212,20 +203,28 @@ impl Figures {
     /// What gives the patches and the errors to expect, each once in words, with the numbers in
     /// [`Self::holes`] of the holes that it is about.
     pub fn surface_words(&self) -> Vec<(Vec<usize>, String)> {
-        let mut all: Vec<(Vec<usize>, String)> = Vec::new();
-        let mut known: BTreeMap<String, usize> = BTreeMap::new();
-        for (k, surface) in self.surfaces.iter().enumerate() {
-            let error = surface.expected_error;
-            let error = error.map_or_else(String::new, |error| format!("{:.2} %, ", 100.0 * error));
-            let words = error + &surface.model;
-            let at = *known.entry(words.clone()).or_insert(all.len());
-            if at == all.len() {
-                all.push((Vec::new(), words));
-            }
-            all[at].0.push(k);
-        }
-        all
+        let Some(surface) = &self.surface else {
+            return Vec::new();
+        };
+        let of = |&hole: &LoopId| (surface.expected_error_of(hole), surface.words_of(hole));
+        alike(self.holes.iter().map(of))
     }
+}
+
+/// Errors to expect and models of successive holes, each once in words, with the numbers of their holes.
+fn alike(surfaces: impl Iterator<Item = (Option<f64>, String)>) -> Vec<(Vec<usize>, String)> {
+    let mut all: Vec<(Vec<usize>, String)> = Vec::new();
+    let mut known: BTreeMap<String, usize> = BTreeMap::new();
+    for (k, (error, model)) in surfaces.enumerate() {
+        let error = error.map_or_else(String::new, |error| format!("{:.2} %, ", 100.0 * error));
+        let words = error + &model;
+        let at = *known.entry(words.clone()).or_insert(all.len());
+        if at == all.len() {
+            all.push((Vec::new(), words));
+        }
+        all[at].0.push(k);
+    }
+    all
 }
 
 /// Names of holes in one list, in which three or more holes with successive numbers are a range, as in
@@ -407,20 +406,14 @@ mod tests {
 
     #[test]
     fn holes_with_the_same_words_are_listed_together() {
-        let surface = |model: &str, expected_error| HoleSurface {
-            model: model.to_owned(),
-            expected_error,
-        };
-        let figures = Figures {
-            surfaces: vec![
-                surface("g2", Some(0.012)),
-                surface("diffusion", None),
-                surface("g2", Some(0.012_000_1)),
-            ],
-            ..Figures::default()
-        };
+        let surfaces = [
+            (Some(0.012), "g2"),
+            (None, "diffusion"),
+            (Some(0.012_000_1), "g2"),
+        ];
+        let surfaces = surfaces.map(|(error, model)| (error, model.to_owned()));
         let expected = [(vec![0, 2], "1.20 %, g2"), (vec![1], "diffusion")];
         let expected = expected.map(|(holes, words)| (holes, words.to_owned()));
-        assert_eq!(figures.surface_words(), expected);
+        assert_eq!(alike(surfaces.into_iter()), expected);
     }
 }

@@ -129,7 +129,7 @@ impl WindowProcess for RefineProcess {
             angle: None,
             end,
             unsound: Vec::new(),
-            surfaces: Vec::new(),
+            surface: None,
             uses_energy: true,
             eta: None,
             doing: format!(

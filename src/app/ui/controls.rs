@@ -104,7 +104,7 @@ fn surface_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let rows = side.handle.figures(None).into_iter();
         rows.map(move |row| (name, row))
     });
-    let rows: Vec<_> = rows.filter(|(_, row)| !row.surfaces.is_empty()).collect();
+    let rows: Vec<_> = rows.filter(|(_, row)| !row.holes.is_empty()).collect();
     ui.weak("Expected errors, % of the hole radius")
         .on_hover_text("and the surface model, from predictions of known parts of the mesh");
     // its bar is always visible

@@ -386,8 +386,7 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 }
                 let mut response = row.response();
                 if l.is_outer_boundary {
-                    response = response
-                        .on_hover_text(format!("classified as an outer boundary: {}", l.reason));
+                    response = response.on_hover_text(l.why_outer());
                 }
                 response.widget_info(|| {
                     let name = format!("loop {}, {} edges", l.id, l.edges());

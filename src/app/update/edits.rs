@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use super::refuse_while_running;
-use super::repair::{self, applied};
+use super::repair;
 use super::runs::accept;
 use crate::app::action::EditAction;
-use crate::app::document::AppliedOperation;
 use crate::app::model::Model;
 use crate::fill::bridge_warning;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId};
@@ -94,20 +93,18 @@ fn apply(model: &mut Model, operation: Operation) -> bool {
             return false;
         }
     };
-    let (mesh, kept, faces) = applied(model.document.mesh.face_count(), outcome);
     let label = operation.label();
-    let before = &model.document.mesh;
-    if mesh == **before {
+    let (before, after) = (&model.document.mesh, outcome.mesh());
+    if *after == **before {
         model
             .log
             .info(format!("{label}: none found; the mesh is unchanged"));
         return false;
     }
-    let removed = before.face_count().saturating_sub(mesh.face_count());
-    let joined = before.vertex_count().saturating_sub(mesh.vertex_count());
+    let removed = before.face_count().saturating_sub(after.face_count());
+    let joined = before.vertex_count().saturating_sub(after.vertex_count());
     model.history.record(&model.document, label.clone(), None);
-    let done = AppliedOperation { operation, faces };
-    model.document.accept(mesh, kept.as_deref(), done);
+    model.document.accept_outcome(operation, outcome);
     model.revision += 1;
     model.view.hover.clear();
     model.log.info(match (removed, joined) {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::files::{NO_DIALOG, with_extension};
+use super::files::NO_DIALOG;
 use crate::app::action::PictureAction;
 use crate::app::display::{Continued, DisplayWorker, Request};
 use crate::app::jobs::Reporter;
@@ -188,7 +188,7 @@ fn make(model: &mut Model, mut settings: PictureSettings) {
         return;
     }
     let wanted = extension(&settings);
-    let mut path = with_extension(settings.path.trim().into(), wanted);
+    let mut path = PathBuf::from(settings.path.trim());
     // the content is in this format whatever the name
     if !path
         .extension()

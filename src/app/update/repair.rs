@@ -1,18 +1,14 @@
 //! The repair of the whole mesh, in the background.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::refuse_while_running;
 use super::runs::has_valid_energy;
-use crate::app::document::AppliedOperation;
 use crate::app::jobs::Reporter;
 use crate::app::model::{Done, Model};
 use crate::fill::Controls;
 use crate::mesh::Mesh;
-use crate::ops::{
-    CleanSpec, Condition, DamageSpec, FlowSpec, Operation, Outcome, Repair, RepairStep,
-};
+use crate::ops::{CleanSpec, Condition, DamageSpec, FlowSpec, Operation, Repair, RepairStep};
 use crate::solver::Mode;
 use crate::warning::{Place, Warning};
 
@@ -73,30 +69,27 @@ fn repair(base: &Mesh, controls: Controls, reporter: &Reporter) -> Result<Repair
     let (mut steps, mut notes) = (Vec::<RepairStep>::new(), Vec::new());
     loop {
         let mesh = steps.last().map_or(base, |step| step.outcome.mesh());
-        let Some(operation) = repair.next_for(mesh) else {
-            break;
-        };
         if !reporter.is_wanted() {
             return Err("the repair was cancelled".into());
         }
-        match operation.run(mesh, &|_, _| reporter.is_wanted()) {
-            Ok(outcome) => {
-                let step = RepairStep::new(operation, mesh, outcome);
-                steps.push(step);
-            }
-            Err(error) if matches!(operation, Operation::Refill(_)) => {
-                notes.push(format!("damaged faces were not replaced: {error}"));
-                repair.leave_damage();
+        let step = repair.step(
+            mesh,
+            |operation| operation.run(mesh, &|_, _| reporter.is_wanted()),
+            |error| notes.push(format!("damaged faces were not replaced: {error}")),
+        );
+        match step {
+            Ok(Some(step)) => steps.push(step),
+            Ok(None) => {
+                let after = Condition::of(mesh);
+                return Ok(Repaired {
+                    steps,
+                    notes,
+                    after,
+                });
             }
             Err(error) => return Err(format!("the mesh could not be repaired: {error}")),
         }
     }
-    let after = steps.last().map_or(base, |step| step.outcome.mesh());
-    Ok(Repaired {
-        after: Condition::of(after),
-        steps,
-        notes,
-    })
 }
 
 /// Makes the repaired mesh that of the document, in one change.
@@ -125,12 +118,7 @@ pub(super) fn repaired(model: &mut Model, base: &Arc<Mesh>, result: Result<Box<R
             for warning in warnings(&step) {
                 model.log.warning(warning);
             }
-            let (mesh, kept, faces) = applied(model.document.mesh.face_count(), step.outcome);
-            let done = AppliedOperation {
-                operation: step.operation,
-                faces,
-            };
-            model.document.accept(mesh, kept.as_deref(), done);
+            model.document.accept_outcome(step.operation, step.outcome);
         }
         model.revision += 1;
         model.view.hover.clear();
@@ -178,20 +166,4 @@ fn warnings(step: &RepairStep) -> Vec<String> {
     });
     let failed = filled.into_iter().flat_map(|filled| &filled.failed);
     warnings.chain(failed.map(ToString::to_string)).collect()
-}
-
-/// The result of an operation on a mesh with some faces: the mesh, the old indices of the remaining faces if
-/// faces were erased, and the new faces.
-pub(super) fn applied(faces: usize, outcome: Outcome) -> (Mesh, Option<Vec<u32>>, Range<usize>) {
-    let (kept, first) = match &outcome {
-        Outcome::Erased(erased) => (Some(erased.old_face.clone()), erased.old_face.len()),
-        Outcome::Refilled(new) => {
-            let kept = &new.region.erased.old_face;
-            (Some(kept.clone()), kept.len())
-        }
-        Outcome::Filled(_) | Outcome::Refined(_) | Outcome::Changed(_) => (None, faces),
-    };
-    let mesh = outcome.into_mesh();
-    let new = first..mesh.face_count().max(first);
-    (mesh, kept, new)
 }

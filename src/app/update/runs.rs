@@ -215,6 +215,7 @@ fn show(model: &mut Model, run: Run) {
     model.view.fit |= run.sides.len() > 1;
     // such as the question for a selection
     model.log.settle();
+    model.rejected = None;
     model.run = Some(run);
 }
 
@@ -224,7 +225,6 @@ fn spawn(model: &mut Model, operation: impl Fn(FlowSpec) -> Operation) {
     if !has_valid_energy(model) {
         return;
     }
-    model.rejected = None;
     let a = model.document.controls.clone();
     let mut sides = vec![operation(a.clone().into())];
     if let Some(compared) = &model.view.compared {
