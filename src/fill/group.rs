@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use crate::fill::features::is_sharp;
 use crate::fill::hole::{HoleRims, PlannedHole};
 use crate::fill::patch_topology::{HoleTopology, PatchTopology};
+use crate::fill::sharp::is_sharp;
 use crate::mesh::union_find::{find, unite};
 use crate::mesh::{DVec3, FaceId, Mesh, NeighbourhoodSearch, VertexId};
 use crate::solver::SUPPORT_RINGS;

@@ -47,6 +47,7 @@ mod run;
 mod scheduled;
 mod select;
 mod self_intersection;
+mod sharp;
 mod sheets;
 mod soundness;
 mod symmetric_errors;

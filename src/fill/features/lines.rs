@@ -1,23 +1,17 @@
 //! Sharp lines that end at a hole.
 
+use crate::fill::sharp::is_sharp;
 use crate::mesh::{BoundaryLoop, DVec3, HalfedgeId, Mesh, dihedral_angle};
 
-/// Edges with a larger angle between their faces are sharp, in degrees.
-pub(super) const SHARP: f64 = 40.0;
 /// Sharp edges that a line consists of at least; an end of noise is shorter.
-const LEAST_EDGES: usize = 3;
+const MIN_EDGES: usize = 3;
 /// Largest turn of a line at a vertex, in degrees.
 const LARGEST_TURN: f64 = 30.0;
 /// Largest difference of the angles between faces along a line and from one line to the other, in
 /// degrees.
 const LARGEST_CHANGE: f64 = 25.0;
-/// Most lines that are continued into one hole.
-const MOST_LINES: usize = 8;
-
-/// Whether the faces beside an edge meet at a sharp angle.
-pub(in crate::fill) fn is_sharp(mesh: &Mesh, h: HalfedgeId) -> bool {
-    dihedral_angle(&mesh.positions, &mesh.topology, h) > SHARP.to_radians()
-}
+/// Maximum number of lines that are continued into one hole.
+const MAX_LINES: usize = 8;
 
 /// The end of a sharp line at a rim.
 pub(super) struct LineEnd {
@@ -55,7 +49,7 @@ pub(super) fn line_ends(mesh: &Mesh, hole: &BoundaryLoop) -> Option<Vec<LineEnd>
                 continue;
             }
         }
-        if ends.len() + sharp.len() > MOST_LINES {
+        if ends.len() + sharp.len() > MAX_LINES {
             return None;
         }
         for h in sharp {
@@ -71,7 +65,7 @@ fn line_end(mesh: &Mesh, index: usize, first: HalfedgeId) -> Option<LineEnd> {
     let angle = signed_angle(mesh, first);
     let mut along = vec![direction(mesh, first)];
     let mut h = first;
-    while along.len() < LEAST_EDGES {
+    while along.len() < MIN_EDGES {
         let at = topology.target(h);
         let mut on = topology
             .outgoing(at)

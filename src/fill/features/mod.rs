@@ -25,18 +25,16 @@ use crate::fill::hermite::{hermite_between, length, pieces};
 use crate::fill::hole::HoleRims;
 use crate::fill::part::{Corner, NewVertices, rim_edges, rims_of_part};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, closest_point_on_segment};
-use face::edges_of_missing_face;
+use face::{Between, MissingFaces, missing_face, missing_faces};
 use lines::{LineEnd, line_ends};
-
-pub(super) use lines::is_sharp;
 
 /// Largest angle between a line and the straight way to the other line, in degrees: half a turn of 120°.
 const LARGEST_DEVIATION: f64 = 60.0;
 /// Largest angle between a line and the straight way to a corner, in degrees.
 const LARGEST_DEVIATION_TO_CORNER: f64 = 20.0;
-/// Least determinant of the mean projection across the lines of a corner: 0.3 for those of a cube, 0 for
+/// Smallest determinant of the mean projection across the lines of a corner: 0.3 for those of a cube, 0 for
 /// parallel lines, 0.05 for lines within about 13 degrees of one direction.
-const LEAST_SPREAD: f64 = 0.05;
+const MIN_SPREAD: f64 = 0.05;
 /// Largest distance of a corner from the mean of the rim, in radii of the hole.
 const FARTHEST_CORNER: f64 = 1.5;
 
@@ -87,38 +85,28 @@ fn without_faces(edges: &[Option<usize>]) -> impl Iterator<Item = usize> {
     (0..n).filter(move |&k| edges[k].is_none() && edges[(k + n - 1) % n].is_none())
 }
 
-/// Splits a hole along the continuations of the sharp lines that end at it. `None` if there are none, or
-/// if they lead neither to a common point nor in pairs to each other. A [missing
-/// face](edges_of_missing_face) is not split, and has creases along its rim.
+/// Splits a hole along the continuations of the sharp lines that end at it. `None` if there are none, or if they lead
+/// neither to a common point nor in pairs to each other. A [missing face](missing_face) is not split and has creases
+/// along its rim; [several](missing_faces) are split along the edges between them.
 pub(super) fn split(mesh: &Mesh, hole: &BoundaryLoop, density: f64) -> Option<SplitHole> {
-    if let Some(creased) = edges_of_missing_face(mesh, hole) {
-        return Some(SplitHole {
-            parts: vec![(0..hole.edges()).map(Corner::Rim).collect()],
-            creased,
-            new: NewVertices::default(),
-            creases: Vec::new(),
-        });
-    }
-    let ends = line_ends(mesh, hole)?;
-    if ends.len() < 2 {
-        return None;
-    }
-    let splitter = Splitter {
+    let size = hole.perimeter / hole.edges() as f64 / density;
+    let splitter = |ends, creased| Splitter {
         mesh,
         hole,
-        ends: &ends,
-        size: hole.perimeter / hole.edges() as f64 / density,
+        ends,
+        creased,
+        size,
     };
-    let corner = if ends.len() > 2 {
-        splitter.corner()
-    } else {
-        None
+    let between = |MissingFaces { creased, between }| {
+        let splitter = splitter(Vec::new(), creased);
+        splitter.between_faces(between)
     };
-    match corner.map(|corner| (corner, splitter.rim_vertex_at(corner))) {
-        Some((corner, None)) => splitter.at_corner(corner),
-        Some((_, Some(at))) => splitter.at_rim_vertex(at),
-        None => splitter.between_pairs(),
+    if let Some(face) = missing_face(mesh, hole) {
+        return between(face);
     }
+    let ends = line_ends(mesh, hole).unwrap_or_default();
+    let along_lines = splitter(ends, Vec::new()).along_lines();
+    along_lines.or_else(|| between(missing_faces(mesh, hole)?))
 }
 
 /// The creases, from rim to rim or from the rim to a corner, that
@@ -132,7 +120,9 @@ pub fn creases_through(mesh: &Mesh, hole: &BoundaryLoop, density: f64) -> Vec<Ve
 struct Splitter<'a> {
     mesh: &'a Mesh,
     hole: &'a BoundaryLoop,
-    ends: &'a [LineEnd],
+    ends: Vec<LineEnd>,
+    /// The edges of the rim of missing faces that are creases of the patch; empty for other holes.
+    creased: Vec<usize>,
     /// Length of the edges along creases.
     size: f64,
 }
@@ -144,18 +134,58 @@ struct Chord {
 }
 
 impl Splitter<'_> {
+    fn position(&self, i: usize) -> DVec3 {
+        self.mesh.position(self.hole.vertices[i])
+    }
+
+    /// Whether the parts are missing faces, which are as long and as narrow as they are.
+    fn are_faces(&self) -> bool {
+        !self.creased.is_empty()
+    }
+
+    /// Creases along the lines.
+    fn along_lines(&self) -> Option<SplitHole> {
+        if self.ends.len() < 2 {
+            return None;
+        }
+        let corner = if self.ends.len() > 2 {
+            self.corner()
+        } else {
+            None
+        };
+        match corner.map(|corner| (corner, self.rim_vertex_at(corner))) {
+            Some((corner, None)) => {
+                let ends = self.ends.iter().map(|end| (end.index, end.ahead));
+                self.at_corner(corner, &ends.collect::<Vec<_>>())
+            }
+            Some((_, Some(at))) => self.at_rim_vertex(at),
+            None => self.between_pairs(),
+        }
+    }
+
+    /// Creases along the edges between missing faces.
+    fn between_faces(&self, between: Between) -> Option<SplitHole> {
+        match between {
+            Between::Edges(edges) => self.cut(edges.into_iter().map(|ends| self.edge(ends))),
+            Between::Corner(ends, corner) => {
+                let ahead = |i: usize| (corner - self.position(i)).normalize_or_zero();
+                self.at_corner(corner, &ends.map(|i| (i, ahead(i))))
+            }
+        }
+    }
+
     /// The point to which all lines lead: the nearest to them by least squares.
     fn corner(&self) -> Option<DVec3> {
         let mut across = DMat3::ZERO;
         let mut sum = DVec3::ZERO;
-        for end in self.ends {
+        for end in &self.ends {
             let d = end.ahead;
             let projection = DMat3::IDENTITY - DMat3::from_cols(d.x * d, d.y * d, d.z * d);
             across += projection;
             sum += projection * end.point;
         }
         let mean = across * (1.0 / self.ends.len() as f64);
-        if mean.determinant() < LEAST_SPREAD {
+        if mean.determinant() < MIN_SPREAD {
             return None;
         }
         let corner = across.inverse() * sum;
@@ -167,25 +197,28 @@ impl Splitter<'_> {
         (is_near && self.ends.iter().all(leads)).then_some(corner)
     }
 
-    /// A crease from each line to a corner inside the hole.
-    fn at_corner(&self, corner: DVec3) -> Option<SplitHole> {
-        let count = self.ends.len();
-        let indices: Vec<usize> = self.ends.iter().map(|end| end.index).collect();
+    /// A crease to a corner inside the hole from each of some vertices of the rim, in its direction. They are given
+    /// by their indices and the directions in which the creases leave.
+    fn at_corner(&self, corner: DVec3, ends: &[(usize, DVec3)]) -> Option<SplitHole> {
+        let count = ends.len();
+        let indices: Vec<usize> = ends.iter().map(|&(index, _)| index).collect();
         // no part is between lines that end at one vertex
-        if indices.windows(2).any(|pair| pair[0] == pair[1]) || !self.is_apart(&[corner]) {
+        let is_apart = |points: &[DVec3]| self.are_faces() || self.is_apart(points);
+        if indices.windows(2).any(|pair| pair[0] == pair[1]) || !is_apart(&[corner]) {
             return None;
         }
         let mut new = NewVertices::default();
         let mut creases = Vec::new();
         let mut spokes = Vec::new();
-        for (i, end) in self.ends.iter().enumerate() {
-            let arrive = (corner - end.point).normalize_or_zero();
-            let points = self.points(end.point, end.ahead, corner, arrive, 1);
+        for (i, &(index, ahead)) in ends.iter().enumerate() {
+            let start = self.position(index);
+            let arrive = (corner - start).normalize_or_zero();
+            let points = self.points(start, ahead, corner, arrive, 1);
             // the inner half is away from the rim, so that the parts are no slivers
-            if !self.is_apart(&points[points.len() / 2..]) {
+            if !is_apart(&points[points.len() / 2..]) {
                 return None;
             }
-            creases.push([&[end.point], &points[..], &[corner]].concat());
+            creases.push([&[start], &points[..], &[corner]].concat());
             let ends = [i, (i + 1) % count].map(|i| self.hole.vertices[indices[i]]);
             spokes.push((new.add_curve(&points, ends, 0.5), ends));
         }
@@ -202,7 +235,7 @@ impl Splitter<'_> {
         };
         Some(SplitHole {
             parts: (0..count).map(part).collect(),
-            creased: Vec::new(),
+            creased: self.creased.clone(),
             new,
             creases,
         })
@@ -210,7 +243,7 @@ impl Splitter<'_> {
 
     /// A crease from each line to a corner that is a vertex of the rim.
     fn at_rim_vertex(&self, at: usize) -> Option<SplitHole> {
-        let corner = self.mesh.position(self.hole.vertices[at]);
+        let corner = self.position(at);
         let others = self.ends.iter().filter(|end| end.index != at);
         let curve = |end: &LineEnd| {
             let arrive = (corner - end.point).normalize_or_zero();
@@ -235,9 +268,19 @@ impl Splitter<'_> {
         self.cut(pairs.into_iter().map(curve))
     }
 
+    /// The straight edge between two vertices of the rim.
+    fn edge(&self, ends: [usize; 2]) -> Chord {
+        let [to, from] = ends.map(|i| self.position(i));
+        let along = (to - from).normalize_or_zero();
+        Chord {
+            ends,
+            points: self.points(from, along, to, along, 2),
+        }
+    }
+
     /// Cuts the hole along curves that do not cross. Where the rim runs along one, it has the crease.
     fn cut(&self, curves: impl Iterator<Item = Chord>) -> Option<SplitHole> {
-        let (mut chords, mut creased) = (Vec::new(), Vec::new());
+        let (mut chords, mut creased) = (Vec::new(), self.creased.clone());
         for curve in curves {
             match self.rim_along(&curve) {
                 Some(edges) => creased.extend(edges),
@@ -247,7 +290,7 @@ impl Splitter<'_> {
         let mut indices: Vec<usize> = chords.iter().flat_map(|chord| chord.ends).collect();
         indices.sort_unstable();
         indices.dedup();
-        if !self.are_apart(&indices) {
+        if !(self.are_faces() || self.are_apart(&indices)) {
             return None;
         }
         let mut new = NewVertices::default();
@@ -256,7 +299,8 @@ impl Splitter<'_> {
         for Chord { ends, points } in &chords {
             let middle = &points[points.len() / 4..points.len() - points.len() / 4];
             let is_near = |p: &DVec3| middle.iter().any(|q| p.distance(*q) < 0.5 * self.size);
-            if !self.is_apart(middle) || creases.iter().flatten().any(is_near) {
+            let are_apart = self.is_apart(middle) && !creases.iter().flatten().any(is_near);
+            if !(are_apart || self.are_faces()) {
                 return None;
             }
             let [a, b] = ends.map(|i| self.hole.vertices[i]);
@@ -280,7 +324,7 @@ impl Splitter<'_> {
             let edges = rim_edges(self.hole, part, &creased);
             edges.iter().any(Option::is_some) && without_faces(&edges).next().is_some()
         };
-        parts.iter().all(is_sound).then_some(SplitHole {
+        (self.are_faces() || parts.iter().all(is_sound)).then_some(SplitHole {
             parts,
             creased,
             new,
@@ -290,11 +334,10 @@ impl Splitter<'_> {
 
     /// The edges of the rim between the ends of a curve, in either direction, if they run along it.
     fn rim_along(&self, Chord { ends, points }: &Chord) -> Option<Vec<usize>> {
-        let position = |i: usize| self.mesh.position(self.hole.vertices[i]);
-        let [from, to] = ends.map(position);
+        let [from, to] = ends.map(|i| self.position(i));
         let curve = [&[to], &points[..], &[from]].concat();
         let is_on = |&i: &usize| {
-            let p = position(i);
+            let p = self.position(i);
             let nearest = |s: &[DVec3]| closest_point_on_segment(p, s[0], s[1]);
             let mut nearest = curve.windows(2).map(nearest);
             nearest.any(|q| p.distance(q) < FARTHEST_FROM_LINE * self.size)
@@ -353,7 +396,7 @@ impl Splitter<'_> {
 
     /// The vertex of the rim at a point.
     fn rim_vertex_at(&self, p: DVec3) -> Option<usize> {
-        let distance = |i: usize| self.mesh.position(self.hole.vertices[i]).distance(p);
+        let distance = |i: usize| self.position(i).distance(p);
         let nearest = (0..self.hole.edges()).min_by(|&i, &j| distance(i).total_cmp(&distance(j)));
         nearest.filter(|&i| distance(i) < 0.5 * self.size)
     }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::fill::sharp::is_sharp;
 use crate::fill::{Features, FillOptions, fill_rim_sets};
 use crate::mesh::{boundary_loops, check_mesh};
 use crate::random::SplitMix;
@@ -324,6 +325,54 @@ fn a_missing_side_of_a_cube_is_flat() {
         assert!(with < 1e-9, "{across} {least}: {with}");
         assert!(without > 0.05, "{across} {least}: {without}");
     }
+}
+
+/// Several missing sides of a cube are flat, with sharp edges between them, whatever the size of the triangles.
+#[test]
+fn missing_sides_of_a_cube_are_flat() {
+    type IsMissing = fn(DVec3) -> bool;
+    let cases: [IsMissing; 4] = [
+        |p| p.x.max(p.z) > 1.0 - 1e-9,
+        |p| p.x.abs().max(p.z) > 1.0 - 1e-9,
+        // with their corner
+        |p| p.max_element() > 1.0 - 1e-9,
+        // one side, and half of the next
+        |p| p.z > 1.0 - 1e-9 || (p.x > 1.0 - 1e-9 && p.z > 0.0),
+    ];
+    let turn = DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(0.4);
+    for (case, is_missing) in cases.iter().enumerate() {
+        for across in [1, 2, 16] {
+            let (points, mut faces) = shapes::cube(across);
+            faces.retain(|t| {
+                let centre = t.iter().map(|&v| points[v as usize]).sum::<DVec3>() / 3.0;
+                !is_missing(centre)
+            });
+            let turned = points.iter().map(|&p| turn * p).collect();
+            let mesh = Mesh::from_triangles(turned, &faces).expect("manifold");
+            let filled = filled(&mesh, DVec3::Z, Features::Auto);
+            let back = |p: DVec3| turn.transpose() * p;
+            let off = |&p: &DVec3| (back(p).abs().max_element() - 1.0).abs();
+            let off = filled.positions.iter().map(off).fold(0.0, f64::max);
+            assert!(off < 1e-9, "{case} {across}: {off}");
+            let edges = sharp_length(&filled, |_| true);
+            assert!((edges - 24.0).abs() < 1e-9, "{case} {across}: {edges}");
+        }
+    }
+}
+
+/// Three missing sides of a long box of twelve triangles.
+#[test]
+fn missing_sides_of_a_long_box_are_flat() {
+    let (points, mut faces) = shapes::cube(1);
+    faces.retain(|t| {
+        let centre = t.iter().map(|&v| points[v as usize]).sum::<DVec3>() / 3.0;
+        centre.x.abs().max(centre.z) < 1.0 - 1e-9
+    });
+    let size = DVec3::new(1.0, 20.0, 3.0);
+    let mesh = Mesh::from_triangles(points.iter().map(|&p| size * p).collect(), &faces);
+    let filled = filled(&mesh.expect("manifold"), DVec3::Z, Features::Auto);
+    let off = |&p: &DVec3| ((p / size).abs().max_element() - 1.0).abs();
+    assert!(filled.positions.iter().all(|p| off(p) < 1e-9));
 }
 
 #[test]
