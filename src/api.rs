@@ -1,6 +1,6 @@
 //! Filling holes with one call or with a few options.
 
-use crate::fill::{Continuity, Controls, ControlsError, Filled, LoopChoice, choose};
+use crate::fill::{Continuity, Controls, ControlsError, Filled, LoopChoice, Surface, choose};
 use crate::mesh::{Mesh, boundary_loops};
 use crate::ops::{BlendSpec, Faces, FillSpec, FlowSpec, OperationError};
 use crate::solver::StepRecord;
@@ -71,12 +71,13 @@ impl<'a> Fill<'a> {
     }
 
     /// The energy `f(H, K)`, such as `H^2`, `(H-H0)^2` or `k1^4+k2^4`. `H` is negative on a sphere with
-    /// outward normals; lengths are in the units of the mesh.
+    /// outward normals; lengths are in the units of the mesh. It makes [`Surface::Energy`] the surface model.
     ///
     /// # Errors
     /// [`ControlsError::Energy`] with the place in the text.
     pub fn energy(mut self, text: &str) -> Result<Self, ControlsError> {
         text.clone_into(&mut self.controls.energy);
+        self.controls.surface = Surface::Energy;
         self.controls.options()?;
         Ok(self)
     }

@@ -73,8 +73,8 @@ fn no_patch_leaves_the_surroundings_of_its_rim_without_a_warning() {
             let [low, high] = [DVec3::min, DVec3::max].map(|f| positions.iter().copied().reduce(f));
             low.zip(high).map(|(low, high)| low.distance(high))
         };
-        let fill = Fill::new(&given).loops(LoopChoice::All).energy("H^2");
-        let filled = fill.expect("an energy").run().expect("filled");
+        let filled = Fill::new(&given).loops(LoopChoice::All).run();
+        let filled = filled.expect("filled");
         let groups: Vec<_> = filled.groups.iter().flatten().collect();
         let mut warnings = groups
             .iter()
@@ -91,8 +91,7 @@ fn a_hole_that_fails_spoils_no_neighbour() {
     let loops = boundary_loops(&given);
     let small = loops.iter().find(|l| l.edges() == 8).expect("a hole").id;
     let new = |choice: LoopChoice| {
-        let fill = Fill::new(&given).loops(choice).energy("H^2");
-        let filled = fill.expect("an energy").run().expect("filled");
+        let filled = Fill::new(&given).loops(choice).run().expect("filled");
         let holes = filled.holes.iter();
         let own: Vec<_> = holes.filter(|hole| hole.id() == small).collect();
         let [hole] = own[..] else {
