@@ -1,11 +1,14 @@
 use std::path::Path;
 
+use proptest::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::*;
 use crate::fill::Continuity;
 use crate::mesh::{Mesh, boundary_loops};
+use crate::options::Kind;
 use crate::refine::Method;
+use crate::runner::ScheduleEntry;
 use crate::shapes;
 use crate::solver::{Mode, Tau};
 
@@ -254,4 +257,85 @@ fn operations_that_do_not_fit_the_mesh_are_refused() {
         tolerance: Some(-1.0),
     }));
     assert!(text.starts_with("the tolerance is -1"), "{text}");
+}
+
+/// Options of which some have other values than the defaults.
+fn any_options<T: Options + std::fmt::Debug>() -> impl Strategy<Value = T> {
+    let number = prop_oneof![
+        any::<f64>().prop_filter("finite", |x| x.is_finite()),
+        (0..9).prop_map(f64::from)
+    ];
+    let choice = (0..T::entries().len(), any::<usize>(), number, "\\PC{0,9}");
+    proptest::collection::vec(choice, 0..12).prop_map(|choices| {
+        let mut options = T::default();
+        for (entry, choice, number, text) in choices {
+            let entry = &T::entries()[entry];
+            let texts = match &entry.kind {
+                Kind::Flag => vec![["true", "false"][choice % 2].to_owned()],
+                Kind::Choice(names) => vec![names[choice % names.len()].to_owned()],
+                Kind::Pairs => vec![
+                    format!("a{}={number}", choice % 3),
+                    format!("{}=g1", choice % 3 + 1),
+                ],
+                Kind::Word | Kind::Text => {
+                    vec![number.to_string(), (choice % 1000).to_string(), text]
+                }
+            };
+            // the first text that the type of the option accepts
+            let _ = texts
+                .iter()
+                .find(|text| options.set(&entry.name, text).is_ok());
+        }
+        options
+    })
+}
+
+/// Ascending changes from the default controls.
+fn any_schedule() -> impl Strategy<Value = Schedule> {
+    let change = (0..99usize, any_options::<Controls>());
+    proptest::collection::vec(change, 0..4).prop_map(|mut changes| {
+        changes.sort_by_key(|change| change.0);
+        let entries = changes.iter().flat_map(|(attempt, controls)| {
+            let named = Controls::default().difference(controls).into_iter();
+            named.map(|(control, value)| ScheduleEntry {
+                attempt: *attempt,
+                control,
+                value,
+            })
+        });
+        Schedule {
+            entries: entries.collect(),
+        }
+    })
+}
+
+proptest! {
+    #[test]
+    fn differences_of_all_options_set_back(from in any_options::<Controls>(), to in any_options::<Controls>()) {
+        let mut options = from.clone();
+        for (name, text) in from.difference(&to) {
+            prop_assert!(options.set(&name, &text).is_ok(), "{name} {text}");
+        }
+        prop_assert_eq!(options, to);
+    }
+
+    #[test]
+    fn all_options_and_schedules_come_back_from_a_file(
+        controls in any_options::<Controls>(),
+        refine in any_options::<RefineControls>(),
+        schedule in any_schedule(),
+    ) {
+        let flow = FlowSpec { controls, schedule: schedule.clone() };
+        let fill = FillSpec { loops: vec![0.into()], islands: true, bridges: Faces::default(), flow };
+        let refine = RefineSpec {
+            controls: refine,
+            creases: Vec::new(),
+            faces: Faces::default(),
+            schedule: Schedule::default(),
+        };
+        let list = List { fills: vec![Operation::Fill(fill), Operation::Refine(refine)] };
+        let text = toml::to_string(&list).expect("plain data");
+        prop_assert_eq!(toml::from_str::<List>(&text), Ok(list), "{}", text);
+        prop_assert_eq!(Schedule::parse(&schedule.to_csv()), Ok(schedule));
+    }
 }
