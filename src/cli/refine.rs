@@ -256,7 +256,7 @@ fn summary(report: &RefineReport<'_>) -> Result<()> {
             l.vertices,
             l.energy_end,
             l.steps,
-            l.end,
+            l.end_name(),
             l.seconds,
             l.peak_memory >> 20
         )?;

@@ -162,12 +162,7 @@ impl LevelFlow {
             steps: outcome.steps,
             rejected: outcome.rejected,
             converged: outcome.end == End::Converged,
-            end: match outcome.end {
-                End::Converged => "converged",
-                End::MaxSteps => "steps",
-                End::StepSizeCollapsed | End::Pinched | End::SelfIntersected => "stuck",
-                End::Cancelled => "cancelled",
-            },
+            end: outcome.end,
             energy_start: outcome.energy_start,
             energy_end: outcome.energy_end,
             held_error: problem

@@ -364,7 +364,7 @@ impl Refinement {
             steps: 0,
             rejected: 0,
             converged: true,
-            end: "converged",
+            end: End::Converged,
             energy_start: energy,
             energy_end: energy,
             held_error: None,

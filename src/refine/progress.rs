@@ -1,8 +1,8 @@
 //! Events and reports of a refinement.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
-use crate::solver::StepRecord;
+use crate::solver::{End, StepRecord};
 use crate::warning::Warnings;
 
 /// Report of a finished level.
@@ -21,8 +21,9 @@ pub struct LevelReport {
     pub rejected: usize,
     /// Whether the stopping rule was met (always for the schemes without a flow).
     pub converged: bool,
-    /// `converged`, `steps` (as many as allowed), `stuck` (τ collapsed) or `cancelled`.
-    pub end: &'static str,
+    /// Why its flow ended; the schemes without a flow converge. Written as [`Self::end_name`].
+    #[serde(serialize_with = "write_end")]
+    pub end: End,
     /// Energy of the limit surface at the start of the level, by the 12 points of each triangle of
     /// the last level. At most 192 points per triangle are used; 12 for Loop's scheme and
     /// Butterfly.
@@ -42,8 +43,29 @@ pub struct LevelReport {
     pub warnings: Warnings,
 }
 
+impl LevelReport {
+    /// `converged`, `steps` (as many as allowed), `stuck` (no further step is possible) or `cancelled`.
+    pub fn end_name(&self) -> &'static str {
+        end_name(self.end)
+    }
+}
+
+fn end_name(end: End) -> &'static str {
+    match end {
+        End::Converged => "converged",
+        End::MaxSteps => "steps",
+        End::StepSizeCollapsed | End::Pinched | End::SelfIntersected => "stuck",
+        End::Cancelled => "cancelled",
+    }
+}
+
+fn write_end<S: Serializer>(end: &End, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(end_name(*end))
+}
+
 /// Something that happened in a refinement.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum RefineEvent {
     /// A level was begun.
     Level {

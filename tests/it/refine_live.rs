@@ -14,7 +14,7 @@ use meniscus::refine::{
 };
 use meniscus::runner::{Event, Recording, RunSettings, Schedule};
 use meniscus::shapes;
-use meniscus::solver::{Mode, Tau};
+use meniscus::solver::{End, Mode, Tau};
 
 fn mesh() -> Arc<Mesh> {
     let (positions, triangles) = shapes::sphere(30, 3);
@@ -111,6 +111,7 @@ impl Watched {
             Event::Paused => Some('p'),
             Event::Ended => Some('F'),
             Event::Failed { .. } => Some('X'),
+            Event::Process(_) => None,
         };
         let mut letters: Vec<char> = self.events.iter().filter_map(letter).collect();
         letters.dedup();
@@ -188,7 +189,7 @@ fn it_waits_steps_changes_and_stops() {
     live.live.stop();
     live.until(LiveRefine::ended);
     assert_eq!(live.course(), "LsosdF");
-    assert_eq!(live.live.status().reports[0].end, "cancelled");
+    assert_eq!(live.live.status().reports[0].end, End::Cancelled);
 }
 
 #[test]

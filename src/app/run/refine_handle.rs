@@ -85,7 +85,11 @@ impl WindowProcess for RefineProcess {
                 if report.steps > 0 {
                     events.push(RunEvent::Note(format!(
                         "level {}: {} vertices, energy {:.6e}, {} steps, {}",
-                        report.level, report.vertices, report.energy_end, report.steps, report.end
+                        report.level,
+                        report.vertices,
+                        report.energy_end,
+                        report.steps,
+                        report.end_name()
                     )));
                 }
                 let level = report.level;
@@ -109,13 +113,10 @@ impl WindowProcess for RefineProcess {
         let status = runner.status();
         let end = match runner.failed() {
             Some(text) => Some(Err(text.to_owned())),
-            None if runner.ended() => Some(Ok(match status.reports.last().map(|l| l.end) {
-                Some("steps") => End::MaxSteps,
-                Some("stuck") => End::StepSizeCollapsed,
-                Some("cancelled") => End::Cancelled,
-                _ => End::Converged,
-            })),
-            None => None,
+            None => runner.ended().then(|| {
+                let last = status.reports.last();
+                Ok(last.map_or(End::Converged, |level| level.end))
+            }),
         };
         vec![Figures {
             holes: Vec::new(),
