@@ -76,24 +76,46 @@ pub(crate) fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
 /// Hirani, Desbrun, Schröder 2003, scaled). On equilateral triangles it tends to `∫ ¾ (k1² + k2²) − ½ k1 k2` (Seung,
 /// Nelson 1988), which is 4π on a sphere.
 pub fn bending(positions: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
-    let vector = |t: [u32; 3]| vector_area(&t.map(|v| positions[v as usize]));
+    let bends = bends(positions, triangles).into_iter();
+    let with_area = bends.filter(|bend| bend.area > 0.0);
+    with_area.map(|bend| 0.75 * bend.cost()).sum()
+}
+
+/// An inner edge of a surface of triangles.
+pub(crate) struct Bend {
+    /// Between the normals of both faces, in radians.
+    pub angle: f64,
+    squared_length: f64,
+    /// Of both faces.
+    pub area: f64,
+}
+
+impl Bend {
+    /// `θ² l² / A`, without a unit.
+    pub fn cost(&self) -> f64 {
+        self.angle * self.angle * self.squared_length / self.area
+    }
+}
+
+/// The inner edges of a surface of triangles.
+pub(crate) fn bends(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Bend> {
     let mut first: FxHashMap<[u32; 2], DVec3> = FxHashMap::default();
-    let mut sum = 0.0;
+    let mut bends = Vec::new();
     for &t in triangles {
-        let own = vector(t);
+        let own = vector_area(&t.map(|v| positions[v as usize]));
         for [v, w] in sides(t) {
             let Some(other) = first.insert([v.min(w), v.max(w)], own) else {
                 continue;
             };
-            let angle = own.cross(other).length().atan2(own.dot(other));
             let [a, b] = [v, w].map(|v| positions[v as usize]);
-            let area = 4.0 / 3.0 * (own.length() + other.length());
-            if area > 0.0 {
-                sum += angle * angle * a.distance_squared(b) / area;
-            }
+            bends.push(Bend {
+                angle: own.cross(other).length().atan2(own.dot(other)),
+                squared_length: a.distance_squared(b),
+                area: own.length() + other.length(),
+            });
         }
     }
-    sum
+    bends
 }
 
 #[cfg(test)]
