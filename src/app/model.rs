@@ -17,10 +17,9 @@ use super::project::Project;
 use super::report::Report;
 use super::run::{Accepting, Run, RunState};
 use super::settings::Settings;
-use super::update::Repaired;
 use super::view_state::{AfterUnsaved, PathUse, PictureSettings, ViewState};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
-use crate::ops::Faces;
+use crate::ops::{Condition, Faces, RepairStep};
 use crate::options::Choice;
 use crate::render::{Background, Bounds, Gpu, Picker, Textures, ViewMode, ViewStyle};
 
@@ -72,6 +71,16 @@ pub enum Loaded {
     Mesh(Box<Document>),
     /// A project or recovery file.
     Project(Box<Document>, Box<Project>),
+}
+
+/// A repaired mesh.
+pub struct Repaired {
+    /// The operations in their order.
+    pub steps: Vec<RepairStep>,
+    /// Why an operation was left out.
+    pub notes: Vec<String>,
+    /// The defects that are left.
+    pub after: Condition,
 }
 
 /// Result of a background job.

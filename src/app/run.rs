@@ -239,6 +239,29 @@ impl Run {
         self.sides.iter().map(named).collect()
     }
 
+    /// The prefix of texts about a side, if there are several.
+    pub fn prefix(&self, side: usize) -> String {
+        match self.names().get(side) {
+            Some(name) if !name.is_empty() => format!("{name} "),
+            _ => String::new(),
+        }
+    }
+
+    /// The holes of a row of figures, or what else its flow is about.
+    pub fn holes_words(&self, figures: &Figures) -> String {
+        match &self.operation {
+            Operation::Blend(spec) => {
+                let rims: Vec<String> = spec.loops.iter().map(LoopId::to_string).collect();
+                rims.join("+")
+            }
+            Operation::Fair(spec) => format!("{} faces", spec.faces.len()),
+            Operation::Refine(_) => figures
+                .level
+                .map_or_else(String::new, |n| format!("level {n}")),
+            _ => figures.hole_list(),
+        }
+    }
+
     /// The title of a side in words; empty if there is only one.
     pub fn title(&self, side: usize) -> String {
         match self.sides.get(side) {

@@ -45,6 +45,7 @@ struct FileReport {
 /// Fills all input files, each into the folder under its own name, side by side as far as processors and
 /// memory allow. A file that fails does not end the batch. What is printed has the order of the files.
 pub fn batch(args: &FillArguments, folder: &Path) -> Result<()> {
+    args.check()?;
     refuse_options_for_one_mesh(args)?;
     args.flow.check()?;
     let jobs = jobs(args, folder)?;

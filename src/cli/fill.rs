@@ -6,7 +6,6 @@ use anyhow::Result;
 use clap::Args;
 
 use crate::cli::UsageError;
-use crate::cli::batch::batch;
 use crate::cli::flow::{FileOptions, FlowArguments, LoopArguments, MeshFiles, Task, Written};
 use crate::cli::options::OptionArguments;
 use crate::cli::parse::point;
@@ -81,22 +80,25 @@ pub struct FillArguments {
     pub flow: FlowArguments,
 }
 
-/// Runs `meniscus fill`.
+impl FillArguments {
+    /// # Errors
+    /// A limit out of range.
+    pub fn check(&self) -> Result<(), UsageError> {
+        let limits = self.limits.0.check();
+        limits.map_err(|e| UsageError(format!("--{e}")))
+    }
+}
+
+/// Runs `meniscus fill` on one mesh.
 pub fn fill(args: &FillArguments) -> Result<()> {
     let FillFiles {
         inputs,
         output,
-        out_dir,
         join,
         options,
+        ..
     } = &args.files;
-    args.limits
-        .0
-        .check()
-        .map_err(|e| UsageError(format!("--{e}")))?;
-    if let Some(folder) = out_dir {
-        return batch(args, folder);
-    }
+    args.check()?;
     let (Some((input, more)), Some(output)) = (inputs.split_first(), output) else {
         unreachable!("the arguments are required");
     };

@@ -65,7 +65,10 @@ pub fn message(error: &anyhow::Error) -> String {
 /// The command failed. The error is a [`UsageError`] if the command line is invalid.
 pub fn run(command: Command) -> Result<()> {
     match command {
-        Command::Fill(args) => fill::fill(&args),
+        Command::Fill(args) => match &args.files.out_dir {
+            Some(folder) => batch::batch(&args, folder),
+            None => fill::fill(&args),
+        },
         Command::Blend(args) => blend::blend(&args),
         Command::Bridge(args) => edit::bridge(&args),
         Command::Erase(args) => edit::erase(&args),

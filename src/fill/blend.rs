@@ -8,10 +8,10 @@ use crate::fill::assemble::appended_triangles;
 use crate::fill::context::FillContext;
 use crate::fill::hole::{DraftHole, HoleRims};
 use crate::fill::options::FillOptions;
-use crate::fill::plan::Plan;
 use crate::fill::region;
 use crate::fill::result::milliseconds;
 use crate::fill::self_intersection::{Obstacles, intersections};
+use crate::fill::soundness::plan_of;
 use crate::fill::warm_start::warm_start;
 use crate::mesh::{FaceId, Mesh};
 use crate::patch::{self, Patch};
@@ -62,7 +62,7 @@ pub(super) fn shape(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions
 /// Moves the new vertices of blends to the warm start of their group. If that fails they do not
 /// move, and the flow reports the reason.
 fn move_to_warm_start(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions) {
-    let plan = Plan::of_holes(mesh, drafts.to_vec(), options.patch);
+    let plan = plan_of(mesh, drafts.to_vec(), options.patch);
     let context = FillContext { mesh, plan: &plan };
     let mut planned: Vec<&mut Patch> = drafts
         .iter_mut()

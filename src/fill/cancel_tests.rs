@@ -5,10 +5,10 @@ use std::sync::Arc;
 use crate::cancel::tests::{cancelled_at, is_polled};
 use crate::fill::context::FillContext;
 use crate::fill::hole::HoleRims;
-use crate::fill::prediction::Prediction;
 use crate::fill::prepare::prepare;
 use crate::fill::repair::repaired;
 use crate::fill::self_intersection::Obstacles;
+use crate::fill::surface_choice::Prediction;
 use crate::fill::{
     Controls, FillOptions, FillTask, Symmetry, fill_rim_sets, flow_problem, process::FillProcess,
 };

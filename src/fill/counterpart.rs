@@ -15,6 +15,7 @@ use rustc_hash::FxHashMap;
 use crate::fill::context::FillContext;
 use crate::fill::patch_topology::PatchTopology;
 use crate::fill::pseudo_hole::{Disc, Surroundings};
+use crate::fill::surface_choice::Counterpart;
 use crate::mesh::{
     ClosestPoint, DVec3, FaceId, Neighbourhood, Topology, VertexId, closest_point_from,
     vertex_normal, vertex_normals,
@@ -35,15 +36,6 @@ const FITTED_DISC: [usize; 2] = [30, 3];
 pub(super) struct Image {
     sample: Sample,
     face: FaceId,
-}
-
-/// What fills a hole by symmetry.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Counterpart {
-    /// Takes the surroundings of the hole to the counterpart.
-    pub isometry: Isometry,
-    /// Its share in the shape of the patch, above 0 and at most 1.
-    pub share: f64,
 }
 
 impl FillContext<'_> {

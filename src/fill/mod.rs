@@ -41,15 +41,18 @@ mod refill;
 mod region;
 mod remesh;
 mod repair;
+mod restored;
 mod result;
 mod rim;
 mod run;
 mod scheduled;
 mod select;
 mod self_intersection;
+mod self_intersection_monitor;
 mod sharp;
 mod sheets;
 mod soundness;
+mod surface_choice;
 mod symmetric_errors;
 mod texture;
 mod warm_start;
@@ -60,15 +63,14 @@ pub use controls::{Controls, ControlsError, Linear, LoopLimits};
 pub use features::creases_through;
 pub use islands::{rim_sets, with_islands};
 pub use options::{Continuity, Features, FillOptions, PatchTexture, Surface, Symmetry};
-pub use partial::{PartialError, fill_part, part_chord};
-pub use prediction::{Candidate, GroupSurface, OtherSurface, Prediction};
+pub use partial::part_chord;
 pub use prepare::flow_problem;
 pub use process::{
-    FillEvent, FillProcess, FillSnapshot, FillState, FillTask, FillTimeline, GroupState,
-    GroupStatus, LiveFill,
+    FillEvent, FillProcess, FillSnapshot, FillState, FillTask, GroupState, GroupStatus, LiveFill,
 };
 pub use refill::{ErasedRegion, Refilled, fair, open_selection, refill};
-pub use result::{FillError, Filled, FilledHole, GroupResult, RefillError, Timings};
+pub use result::{FillError, Filled, FilledHole, GroupResult, PartialError, RefillError, Timings};
 pub use rim::RimSet;
-pub use run::{Observer, PreparedFill, ScheduledOptions, fill_bridged, fill_rim_sets};
+pub use run::{Observer, PreparedFill, ScheduledOptions, fill_bridged, fill_part, fill_rim_sets};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};
+pub use surface_choice::{Candidate, GroupSurface, OtherSurface, Prediction};

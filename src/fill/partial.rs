@@ -7,52 +7,10 @@ use crate::fill::hole::DraftHole;
 use crate::fill::options::FillOptions;
 use crate::fill::part::{Corner, NewVertices, rim_edges, rims_of_part, with_vertices};
 use crate::fill::plan::Plan;
-use crate::fill::result::{FillError, Filled, milliseconds};
-use crate::fill::run::{Observer, ScheduledOptions, run_plan};
+use crate::fill::result::{FillError, PartialError};
+use crate::fill::soundness::plan_of;
 use crate::mesh::{BoundaryLoop, DVec3, Mesh};
 use crate::patch;
-
-/// Why part of a hole cannot be filled.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PartialError {
-    /// There are fewer than two edges between the ends.
-    #[error(
-        "there are {edges} rim edges between the two ends; a part of a hole needs at least two"
-    )]
-    TooShort {
-        /// Their number.
-        edges: usize,
-    },
-    /// The patch, or the mesh with it, cannot be built.
-    #[error(transparent)]
-    Fill(#[from] FillError),
-}
-
-/// Fills the part of a hole along its rim from the vertex of index `from` to that of index `to`, in
-/// the loop's direction. The patch ends at a curve through the hole that joins the two vertices and
-/// leaves the surface smoothly at both. The vertices of the curve are new and do not flow.
-///
-/// # Errors
-/// [`PartialError`].
-///
-/// # Panics
-/// If an index is out of range.
-pub fn fill_part(
-    mesh: &Mesh,
-    hole: &BoundaryLoop,
-    from: usize,
-    to: usize,
-    options: impl Into<ScheduledOptions>,
-    observe: Observer<'_>,
-) -> Result<Filled, PartialError> {
-    let options = options.into();
-    let start = Instant::now();
-    let (longer, plan) = plan_part(mesh, hole, [from, to], &options.options)?;
-    let mut filled = run_plan(&longer, plan, &options, observe)?;
-    filled.milliseconds = milliseconds(start);
-    Ok(filled)
-}
 
 /// The plan of a patch over part of a hole, and its mesh: with the vertices of the curve where it ends.
 pub(super) fn plan_part(
@@ -78,7 +36,7 @@ pub(super) fn plan_part(
     let longer = with_vertices(mesh, &[&new]).map_err(FillError::from)?;
     let patch = patch::fill(&rims.geometry.rims[0], options.patch);
     let draft = DraftHole::with_patch(rims, patch, start);
-    let plan = Plan::of_holes(&longer, vec![draft], options.patch);
+    let plan = plan_of(&longer, vec![draft], options.patch);
     match plan.failed.first() {
         Some(error) => Err(error.clone().into()),
         None => Ok((longer, plan)),
@@ -110,6 +68,7 @@ pub fn part_chord(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fill::fill_part;
     use crate::mesh::{boundary_loops, check_mesh, self_intersections};
     use crate::shapes;
 

@@ -3,12 +3,10 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::fill::group::{Group, groups};
-use crate::fill::hole::{DraftHole, PlannedHole};
+use crate::fill::hole::PlannedHole;
 use crate::fill::result::FillError;
 use crate::fill::self_intersection::Obstacles;
-use crate::fill::soundness::make_patch_sound;
 use crate::mesh::{DVec3, LoopId, Mesh, VertexId};
-use crate::patch::PatchOptions;
 use crate::symmetry::Isometry;
 
 /// The vertices that flow.
@@ -38,35 +36,13 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// The plan of these holes; those without a patch are [`Self::failed`].
-    pub fn of_holes(mesh: &Mesh, drafts: Vec<DraftHole>, options: PatchOptions) -> Self {
-        let (mut holes, mut failed) = (Vec::new(), Vec::new());
-        let obstacles = Obstacles::new(drafts.len());
-        let mut loose: Vec<[u32; 3]> = Vec::new();
-        for draft in drafts {
-            match draft.patch {
-                Ok(mut patch) => {
-                    let rims = draft.rims;
-                    let mut warnings = draft.warnings;
-                    let left =
-                        make_patch_sound(mesh, &obstacles, &rims, &mut patch, &loose, options);
-                    warnings.extend(left);
-                    let hole = PlannedHole {
-                        rims,
-                        patch,
-                        has_initial_shape: draft.has_initial_shape,
-                        patch_ms: draft.patch_ms,
-                        warnings,
-                    };
-                    loose.extend(hole.loose_triangles());
-                    holes.push(hole);
-                }
-                Err(source) => failed.push(FillError::Patch {
-                    hole: draft.rims.id(),
-                    source,
-                }),
-            }
-        }
+    /// The plan of these holes. `obstacles` are the triangles of the mesh that their patches must not intersect.
+    pub fn new(
+        mesh: &Mesh,
+        holes: Vec<PlannedHole>,
+        failed: Vec<FillError>,
+        obstacles: Obstacles,
+    ) -> Self {
         let is_loose = |&h: &usize| holes[h].patch.new_points().is_empty();
         Self {
             loose: (0..holes.len()).filter(is_loose).collect(),

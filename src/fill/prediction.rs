@@ -8,196 +8,37 @@
 //! the hole radius, is that error, scaled by how much more the rim of the hole turns than those of the
 //! discs.
 
-use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use crate::cancel::is_cancelled;
-use crate::energy::{Energy, Order, Preset};
+use crate::energy::Order;
 use crate::fill::context::FillContext;
-use crate::fill::counterpart::Counterpart;
 use crate::fill::hole::PlannedHole;
 use crate::fill::options::Symmetry;
-use crate::fill::pseudo_hole::{Disc, Surroundings};
-use crate::fill::symmetric_errors::SymmetricErrors;
-use crate::mesh::{DVec3, HalfedgeId, LoopId, Mesh, Neighbourhood, VertexId};
-use crate::options::Choice;
-use crate::solver::{
-    FlowOptions, FlowProblem, LocalG2, Mode, SUPPORT_RINGS, StepRequest, SurfaceModel,
-    scheme_stepper,
+use crate::fill::pseudo_hole::{Disc, FAILED, Surroundings};
+use crate::fill::restored::Restored;
+use crate::fill::surface_choice::{
+    CANDIDATES, Candidate, ENERGIES, OwnErrors, Prediction, SMOOTH, TENSIONS, candidates,
 };
-
-/// A surface model with its tension.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Candidate {
-    /// The model.
-    pub surface: SurfaceModel,
-    /// Its tension.
-    pub tension: f64,
-    /// Whether it follows the counterparts of the holes under a symmetry of the mesh.
-    pub symmetric: bool,
-    /// The energy of the model `Energy`, if it is not that of the options.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub energy: Option<Preset>,
-}
-
-impl Candidate {
-    pub(super) const fn new(surface: SurfaceModel, tension: f64) -> Self {
-        Self {
-            surface,
-            tension,
-            symmetric: false,
-            energy: None,
-        }
-    }
-
-    /// The model of a flow.
-    pub(super) fn of(flow: &FlowOptions) -> Self {
-        Self::new(flow.surface, flow.tension)
-    }
-
-    /// Makes it the model of a flow.
-    pub(super) fn apply(self, flow: &mut FlowOptions) {
-        (flow.surface, flow.tension) = (self.surface, self.tension);
-        if let Some(preset) = self.energy {
-            flow.energy = Energy::preset(preset);
-        }
-    }
-
-    /// Whether it makes the energy of the options stationary.
-    pub fn uses_energy(&self) -> bool {
-        self.surface == SurfaceModel::Energy && self.energy.is_none()
-    }
-
-    /// The model by name, with its own energy and its tension if there are any.
-    pub fn words(&self) -> String {
-        let mut words = self.surface.name().to_owned();
-        if let Some(preset) = self.energy {
-            words += " ";
-            words += preset.text();
-        }
-        if self.tension != 0.0 {
-            words += " with tension ";
-            words += &self.tension.to_string();
-        }
-        if self.symmetric {
-            words += " and symmetry";
-        }
-        words
-    }
-}
-
-/// The surface model of a group of holes.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct GroupSurface {
-    /// The model.
-    pub model: Candidate,
-    /// What chose it; `None` if the options did.
-    pub prediction: Option<Arc<Prediction>>,
-    /// The holes whose patches were not sound and are by another model or on another triangulation.
-    pub others: Vec<OtherSurface>,
-}
-
-/// What gave the patch of a hole that is not by the model of its group.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct OtherSurface {
-    /// The hole.
-    pub hole: LoopId,
-    /// The model or triangulation in words.
-    pub by: String,
-}
-
-impl GroupSurface {
-    /// The error to expect of the holes that have this model, relative to the hole radius.
-    pub fn expected_error(&self) -> Option<f64> {
-        let prediction = self.prediction.as_ref()?;
-        Some(prediction.scale * prediction.chosen()?.1)
-    }
-
-    /// The error to expect of one hole; `None` if its patch is by another model. It is that of the group if there
-    /// is no room for pseudo-holes around the hole itself.
-    pub fn expected_error_of(&self, hole: LoopId) -> Option<f64> {
-        if self.other_of(hole).is_some() {
-            return None;
-        }
-        let own = self.prediction.as_ref()?.expected_error_of(hole);
-        own.or_else(|| self.expected_error())
-    }
-
-    /// What gave the patch of a hole, in words; `None` if it is by the model of the group.
-    pub fn other_of(&self, hole: LoopId) -> Option<&str> {
-        let other = self.others.iter().find(|other| other.hole == hole);
-        other.map(|other| &other.by[..])
-    }
-
-    /// What gives the patch of a hole: the model, or another one.
-    pub fn words_of(&self, hole: LoopId) -> String {
-        let other = self.other_of(hole).map(str::to_owned);
-        other.unwrap_or_else(|| self.model.words())
-    }
-}
-
-/// What was predicted for the holes of a group.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Prediction {
-    /// The candidates tried, each with the RMS error of its pseudo-holes, relative to their radius.
-    pub errors: Vec<(Candidate, f64)>,
-    /// Number of pseudo-holes that were computed.
-    pub discs: usize,
-    /// Ratio of the error to expect of the holes to that of their pseudo-holes: the square root of how
-    /// much more the rims of the holes turn.
-    pub scale: f64,
-    /// The predictions of holes with pseudo-holes of their own.
-    pub(super) of_holes: BTreeMap<LoopId, OwnErrors>,
-    /// Whether the mean curvature varies around each hole.
-    pub(super) varies: bool,
-    /// What fills each hole by symmetry, if the symmetric candidate is chosen.
-    pub(super) counterparts: Vec<Option<Counterpart>>,
-}
-
-/// What the pseudo-holes of one hole predict.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct OwnErrors {
-    /// Errors to expect of the hole, by candidate without symmetry, relative to its radius.
-    plain: [f64; CANDIDATES],
-    /// The error to expect of the symmetric candidate.
-    symmetric: f64,
-}
+use crate::fill::symmetric_errors::SymmetricErrors;
+use crate::mesh::{DVec3, HalfedgeId, Mesh, Neighbourhood, VertexId};
+use crate::solver::{
+    FlowOptions, FlowProblem, Mode, SUPPORT_RINGS, StepRequest, SurfaceModel, scheme_stepper,
+};
 
 /// Number of pseudo-holes on which the energies, the most expensive candidates, are tried first of all. If
 /// they are not chosen, their errors on all are estimated by the ratio to the best other candidate on
 /// these.
 const ENERGY_DISCS: usize = 2;
-/// Error of `energy` up to which the surface counts as smooth and `energy` is chosen: the predictions
-/// know the true metric, which a vector flow has to find. On scans the errors are larger, and an
-/// advantage of `energy` on the pseudo-holes did not carry over to the fill.
-const SMOOTH: f64 = 1e-2;
 /// Error of the best other candidate on the first pseudo-holes above which `energy` is not tried. Where
 /// `energy` is chosen, the others have errors below a third of [`SMOOTH`] (measured on `analytic/`).
 const HOPELESS: f64 = 2.0 * SMOOTH;
 /// Error of `energy` up to which no symmetry is looked for, and error to expect of it up to which no
 /// other energy is tried.
 const EXACT: f64 = 1e-3;
-/// Part of the error without symmetry up to which a counterpart is used.
-pub(super) const WORTH: f64 = 0.9;
-/// Tensions of the candidates `G2`.
-pub(super) const TENSIONS: [f64; 4] = [100.0, 30.0, 10.0, 0.0];
-/// The candidates `Energy`: the energy of the options, and the variation of the mean curvature, which
-/// continues curvatures and takes several times as long.
-const ENERGIES: [Candidate; 2] = {
-    let energy = Candidate::new(SurfaceModel::Energy, 0.0);
-    let variation = Candidate {
-        energy: Some(Preset::MeanVariation),
-        ..energy
-    };
-    [energy, variation]
-};
 /// New vertices of a hole for which the second is tried. In smaller ones the errors are those of the triangles. It
 /// takes three times the memory of the first.
 const VARIED: RangeInclusive<usize> = 40..=4000;
@@ -207,19 +48,6 @@ const MOST_TURNING: f64 = 0.5;
 /// Variation of the mean curvature over the pseudo-holes up to which it counts as constant: `H²` is then the
 /// better energy, which is exact on spheres.
 const CONSTANT: f64 = 0.05;
-/// Error of the second energy, over that of the first, up to which it is chosen where the mean curvature is
-/// constant and where it varies. On small pseudo-holes both errors are those of the triangles; farther from a
-/// rim the second is better where the mean curvature varies.
-const PREFERRED: [f64; 2] = [0.9, 1.5];
-/// Number of candidates without symmetry.
-const CANDIDATES: usize = TENSIONS.len() + ENERGIES.len();
-
-/// The candidates: `G2` by [`TENSIONS`], then [`ENERGIES`].
-fn candidates() -> impl Iterator<Item = Candidate> {
-    let g2 = TENSIONS.map(|tension| Candidate::new(SurfaceModel::G2, tension));
-    g2.into_iter().chain(ENERGIES)
-}
-
 impl Prediction {
     /// Predicts for the holes of a group. `flow` has the energy of the candidate `Energy`. Without
     /// candidates if there is no room for a pseudo-hole around any of the holes.
@@ -288,40 +116,6 @@ impl Prediction {
             varies: predicted.iter().flatten().all(|one| one.varies),
             counterparts,
         }
-    }
-
-    /// The error to expect of a hole by its own pseudo-holes, relative to its radius. `None` if it has none.
-    fn expected_error_of(&self, hole: LoopId) -> Option<f64> {
-        let (chosen, _) = self.chosen()?;
-        let own = self.of_holes.get(&hole)?;
-        if chosen.symmetric {
-            return Some(own.symmetric);
-        }
-        let number = candidates().position(|candidate| candidate == chosen)?;
-        Some(own.plain[number]).filter(|error| error.is_finite())
-    }
-
-    /// The chosen candidate and its error; `None` without a prediction.
-    pub fn chosen(&self) -> Option<(Candidate, f64)> {
-        let better = |a: &&(Candidate, f64), b: &&(Candidate, f64)| a.1.total_cmp(&b.1);
-        let is_energy = |e: &&(Candidate, f64)| e.0.surface == SurfaceModel::Energy;
-        let is_plain = |e: &&(Candidate, f64)| !is_energy(e) && !e.0.symmetric;
-        let others = self.errors.iter().filter(is_plain).min_by(better);
-        let of = |candidate: Candidate| {
-            let mut errors = self.errors.iter();
-            errors.find(|e| e.0 == candidate && e.1 <= SMOOTH)
-        };
-        let [energy, variation] = ENERGIES.map(of);
-        let preferred = PREFERRED[usize::from(self.varies)];
-        let is_better = |e: &&(Candidate, f64)| energy.is_none_or(|f| e.1 <= preferred * f.1);
-        let energy = variation.filter(is_better).or(energy);
-        let plain = energy.or(others)?;
-        // the same flow as without symmetry, or one that must be better by far, because `energy` is exact on
-        // many smooth surfaces
-        let limit = if is_energy(&plain) { 0.5 } else { 1.0 };
-        let symmetric = self.errors.iter().find(|e| e.0.symmetric);
-        let symmetric = symmetric.filter(|e| e.1 <= limit * plain.1);
-        symmetric.or(Some(plain)).copied()
     }
 }
 
@@ -404,7 +198,7 @@ impl HolePrediction {
 /// Mean over the discs, at least one, of the squared error of each candidate, and the discs that were
 /// computed: if one of the `energies`, the first of [`ENERGIES`], is good on the first ones and the hole is
 /// `alone` in its group, no others are needed. The error of a candidate that was not tried is infinite.
-fn mean_squares(
+pub fn mean_squares(
     mesh: &Mesh,
     surroundings: &Surroundings,
     flow: &FlowOptions,
@@ -456,61 +250,6 @@ fn mean_squares(
         }
     }
     (means, restored)
-}
-
-/// Squared error of a failed prediction: one radius.
-const FAILED: f64 = 1.0;
-
-/// A pseudo-hole as restored by `g2`.
-pub(super) struct Restored {
-    system: LocalG2<{ TENSIONS.len() }>,
-    /// Distances of the restored vertices from the true ones along the normals, by [`TENSIONS`].
-    pub errors: Vec<[f64; TENSIONS.len()]>,
-}
-
-impl Restored {
-    /// Some of the discs around a hole; none if the run was cancelled.
-    pub fn all(surroundings: &Surroundings, discs: &[Disc]) -> Vec<Self> {
-        let restore = |disc: &Disc| {
-            let tensions = TENSIONS.map(|tension| tension / (disc.radius * disc.radius));
-            let laplacian = &surroundings.laplacian;
-            let system = LocalG2::new(laplacian, &disc.vertices, &disc.ends, tensions);
-            let mut restored = Self {
-                system,
-                errors: Vec::new(),
-            };
-            let shape = disc
-                .vertices
-                .iter()
-                .map(|&v| surroundings.points[v as usize]);
-            let shape: Vec<Option<DVec3>> = shape.map(Some).collect();
-            restored.errors = restored.along_normals(disc, &shape);
-            restored
-        };
-        let restore = |disc: &Disc| (!is_cancelled()).then(|| restore(disc));
-        let all: Option<Vec<Self>> = discs.par_iter().map(restore).collect();
-        all.unwrap_or_default()
-    }
-
-    /// Displacements of the vertices along the normals from a shape of the disc and its rings to the
-    /// minimum of the energy.
-    pub fn along_normals(
-        &self,
-        disc: &Disc,
-        shape: &[Option<DVec3>],
-    ) -> Vec<[f64; TENSIONS.len()]> {
-        let steps = self.system.steps(shape).into_iter().zip(&disc.normals);
-        let along = |([x, y, z], n): ([[f64; TENSIONS.len()]; 3], &DVec3)| {
-            std::array::from_fn(|k| DVec3::new(x[k], y[k], z[k]).dot(*n))
-        };
-        steps.map(along).collect()
-    }
-
-    /// Squared error with the tension number `k`, relative to the radius.
-    fn error(&self, disc: &Disc, k: usize) -> f64 {
-        let error = disc.mean_square(self.errors.iter().map(|errors| errors[k]));
-        if error.is_finite() { error } else { FAILED }
-    }
 }
 
 impl Disc {
@@ -570,12 +309,6 @@ impl Disc {
         let interior: Vec<u32> = (0..self.normals.len() as u32).collect();
         FlowProblem::new(&positions, &triangles, &interior, self.radius).ok()
     }
-
-    /// Mean square of distances at the vertices, relative to the radius.
-    fn mean_square(&self, distances: impl Iterator<Item = f64>) -> f64 {
-        let sum: f64 = distances.map(|d| d * d).sum();
-        sum / (self.normals.len() as f64 * self.radius * self.radius)
-    }
 }
 
 /// Time step of a prediction over the natural time: practically stationary.
@@ -584,7 +317,9 @@ const LONG: f64 = 1e9;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fill::{FillOptions, RimSet, fill_rim_sets};
+    use std::collections::BTreeMap;
+
+    use crate::fill::{FillOptions, GroupSurface, RimSet, fill_rim_sets};
     use crate::mesh::boundary_loops;
     use crate::shapes;
 

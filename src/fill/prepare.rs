@@ -14,6 +14,7 @@ use crate::fill::part::{NewVertices, with_vertices};
 use crate::fill::plan::Plan;
 use crate::fill::region;
 use crate::fill::rim::RimSet;
+use crate::fill::soundness::plan_of;
 use crate::fill::warm_start::warm_start;
 use crate::mesh::{BoundaryLoop, LoopId, Mesh};
 use crate::solver::{FlowProblem, SolverError};
@@ -48,7 +49,7 @@ pub(super) fn prepare(
         }
     }
     Prepared {
-        plan: Plan::of_holes(mesh, drafts, options.patch),
+        plan: plan_of(mesh, drafts, options.patch),
         mesh: other,
     }
 }

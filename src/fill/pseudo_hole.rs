@@ -23,6 +23,9 @@ const MOST_VERTICES: [usize; 2] = [150, 3000];
 /// Most vertices among which the pseudo-holes of a hole are found.
 const MOST_NEAR: usize = 12_000;
 
+/// Squared error of a failed prediction: one radius.
+pub(super) const FAILED: f64 = 1.0;
+
 /// A pseudo-hole.
 pub(super) struct Disc {
     /// Its vertices and the rings around them, in numbers of the [`Surroundings`].
@@ -35,6 +38,14 @@ pub(super) struct Disc {
     pub radius: f64,
     /// The [turning] of its rim.
     pub turning: f64,
+}
+
+impl Disc {
+    /// Mean square of distances at the vertices, relative to the radius.
+    pub fn mean_square(&self, distances: impl Iterator<Item = f64>) -> f64 {
+        let sum: f64 = distances.map(|d| d * d).sum();
+        sum / (self.normals.len() as f64 * self.radius * self.radius)
+    }
 }
 
 /// The vertices around a hole, in numbers of their own, and its pseudo-holes.

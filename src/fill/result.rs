@@ -3,9 +3,8 @@
 use std::ops::Range;
 use std::time::Instant;
 
-use crate::fill::partial::PartialError;
-use crate::fill::prediction::GroupSurface;
 use crate::fill::select::NoSuchLoop;
+use crate::fill::surface_choice::GroupSurface;
 use crate::memory::TooLittleMemory;
 use crate::mesh::{FaceId, LoopId, Mesh, TopologyError, VertexId};
 use crate::patch::PatchError;
@@ -40,6 +39,23 @@ impl FillError {
             Self::Memory(_) | Self::NotManifold(_) => None,
         }
     }
+}
+
+/// Why part of a hole cannot be filled.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PartialError {
+    /// There are fewer than two edges between the ends.
+    #[error(
+        "there are {edges} rim edges between the two ends; a part of a hole needs at least two"
+    )]
+    TooShort {
+        /// Their number.
+        edges: usize,
+    },
+    /// The patch, or the mesh with it, cannot be built.
+    #[error(transparent)]
+    Fill(#[from] FillError),
 }
 
 /// Why a selection cannot be refilled or faired.

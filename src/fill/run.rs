@@ -13,13 +13,14 @@ use crate::fill::context::FillContext;
 use crate::fill::defects::defects_between_groups;
 use crate::fill::estimate::memory_of;
 use crate::fill::options::FillOptions;
+use crate::fill::partial::plan_part;
 use crate::fill::plan::Plan;
 use crate::fill::prepare::prepare;
-use crate::fill::result::{FillError, Filled, milliseconds};
+use crate::fill::result::{FillError, Filled, PartialError, milliseconds};
 use crate::fill::rim::RimSet;
 use crate::fill::scheduled::run_group;
 use crate::memory::require;
-use crate::mesh::{LoopId, Mesh, VertexId};
+use crate::mesh::{BoundaryLoop, LoopId, Mesh, VertexId};
 use crate::runner::{Recording, Schedule, ScheduleError};
 use crate::solver::StepRecord;
 
@@ -93,6 +94,31 @@ pub fn fill_bridged(
     observe: Observer<'_>,
 ) -> Result<Filled, FillError> {
     PreparedFill::new(mesh, rim_sets, strips, options).run(observe)
+}
+
+/// Fills the part of a hole along its rim from the vertex of index `from` to that of index `to`, in
+/// the loop's direction. The patch ends at a curve through the hole that joins the two vertices and
+/// leaves the surface smoothly at both. The vertices of the curve are new and do not flow.
+///
+/// # Errors
+/// [`PartialError`].
+///
+/// # Panics
+/// If an index is out of range.
+pub fn fill_part(
+    mesh: &Mesh,
+    hole: &BoundaryLoop,
+    from: usize,
+    to: usize,
+    options: impl Into<ScheduledOptions>,
+    observe: Observer<'_>,
+) -> Result<Filled, PartialError> {
+    let options = options.into();
+    let start = Instant::now();
+    let (longer, plan) = plan_part(mesh, hole, [from, to], &options.options)?;
+    let mut filled = run_plan(&longer, plan, &options, observe)?;
+    filled.milliseconds = milliseconds(start);
+    Ok(filled)
 }
 
 /// A fill whose first patches are made and whose flows have not started.

@@ -4,10 +4,11 @@ use rayon::prelude::*;
 
 use crate::cancel::is_cancelled;
 use crate::fill::context::FillContext;
-use crate::fill::counterpart::{Counterpart, Image};
+use crate::fill::counterpart::Image;
 use crate::fill::hole::PlannedHole;
-use crate::fill::prediction::{Restored, TENSIONS, WORTH};
 use crate::fill::pseudo_hole::{Disc, Surroundings};
+use crate::fill::restored::Restored;
+use crate::fill::surface_choice::{Counterpart, TENSIONS};
 use crate::mesh::{DVec3, VertexId};
 use crate::symmetry::Isometry;
 
@@ -23,6 +24,8 @@ const AT_ONCE: usize = 4;
 const HOLE_COVERED: f64 = 0.75;
 /// The same in and around a pseudo-hole, and of pseudo-holes that are compared one by one.
 const COVERED: [f64; 2] = [0.3, 0.6];
+/// Part of the error without symmetry up to which a counterpart is used.
+const WORTH: f64 = 0.9;
 /// Least part of the pseudo-holes that must gain by a whole counterpart: where a few large errors
 /// become smaller and most of the others larger, the hole itself rarely gains.
 const MAJORITY: f64 = 0.5;

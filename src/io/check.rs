@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::companions::materials;
 use super::threemf::{self, Sheet};
 use super::{Format, MeshFault, OutputMesh, gltf, off};
 use crate::mesh::{Attributes, Colors, Column, DVec3, FaceTag, NO_VALUE, NumberType, row_count};
@@ -225,7 +226,7 @@ pub(super) fn other_losses(
         lost.push("only OBJ, glTF and 3MF can store groups and materials".to_owned());
     }
     if is_gltf {
-        lost.extend(gltf::losses(mesh));
+        lost.extend(gltf::losses(mesh, materials(mesh.attributes)));
     } else if let Some(sheet) = sheet {
         lost.extend(threemf::losses(mesh, sheet));
     } else if let Some(materials) = &all.gltf_materials {

@@ -162,7 +162,7 @@ pub enum MeshFault {
     TooMany {
         /// The kind of element.
         what: &'static str,
-        /// Their number.
+        /// Number of the elements.
         count: usize,
     },
 }

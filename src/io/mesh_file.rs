@@ -26,7 +26,7 @@ pub enum OpenError {
     Build {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Reason why no mesh can be built.
         source: BuildError,
     },
 }

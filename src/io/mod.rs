@@ -308,8 +308,8 @@ pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std:
         Format::Ply => ply::write(&mesh, out),
         Format::Stl => stl::write(&mesh, out),
         Format::Off => off::write(&mesh, out),
-        Format::Glb => gltf::write(&mesh, true, out),
-        Format::Gltf => gltf::write(&mesh, false, out),
+        Format::Glb => gltf::write(&mesh, materials(&attributes), true, out),
+        Format::Gltf => gltf::write(&mesh, materials(&attributes), false, out),
         Format::ThreeMf => threemf::write(&mesh, &Sheet::of(&mesh), out),
     }
 }

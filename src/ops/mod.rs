@@ -36,6 +36,7 @@ pub type Faces = Arc<Vec<u32>>;
 /// An operation on a mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "task", rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Operation {
     /// Fills every loop with a separate patch.
     Fill(FillSpec),

@@ -18,6 +18,7 @@ use crate::runner::{RunControls, ScheduleError};
 
 /// The result of an operation.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum Outcome {
     /// Patches were added, or vertices were moved.
     Filled(Box<Filled>),
@@ -66,6 +67,7 @@ impl Outcome {
 
 /// Why an operation failed.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OperationError {
     /// A loop does not exist.
     #[error(transparent)]

@@ -6,16 +6,12 @@
 //! growth the number is about 4 n. The shape far from a long rim varies slowly against its edges. A
 //! density above 1 raises the limit as it raises the number of vertices.
 
-use super::remesh::area;
-use super::surface::{NONE, Surface};
+use super::surface::{NONE, STEEPEST, Surface};
 use crate::memory::{TooLittleMemory, require};
 
 /// Patches with up to this many new vertices have the density of the rim everywhere (a round rim of 890
 /// edges at density 1).
 const MAX_EVEN: f64 = 100_000.0;
-/// The largest change of the wanted edge length, a length: the triangles of the next ring are 1.3 times as
-/// large, or those of a finer patch than its rim that much smaller.
-pub(super) const STEEPEST: f64 = 0.3;
 
 /// Sets the grading of a triangulation with known sizes at its rims. `density` is relative to the rim.
 pub(super) fn set_grading(s: &mut Surface, density: f64) {
@@ -71,7 +67,7 @@ impl Strip {
     fn of(s: &Surface) -> Self {
         let rim = (0..s.corner.len() as u32).filter(|&h| !s.is_dead(h) && s.twin(h) == NONE);
         Self {
-            area: area(s),
+            area: s.area(),
             length: rim.map(|h| s.length2(h).sqrt()).sum(),
             edge: s.size[..s.rim].iter().sum::<f64>() / (s.refinement * s.rim as f64),
         }

@@ -19,8 +19,8 @@
 //! final surface. [`refit`] does the same for a patch that has its shape already: its vertices move
 //! along the surface only.
 
-use super::grading::{STEEPEST, expected_vertices};
-use super::surface::{NONE, Surface, next, prev};
+use super::grading::expected_vertices;
+use super::surface::{NONE, STEEPEST, Surface, next, prev};
 use crate::cancel::is_cancelled;
 use crate::mesh::DVec3;
 
@@ -50,7 +50,7 @@ const MAX_AREA: f64 = 2.2;
 /// (positive along the normals). `wanted` is the number of edges each rim vertex should have (rim
 /// edges included), see [`rim_valences`].
 pub(super) fn remesh(s: &mut Surface, wanted: &[i32], curvature: f64) {
-    let first_area = area(s);
+    let first_area = s.area();
     let steepest = MAX_CURVATURE * (std::f64::consts::PI / first_area).sqrt();
     let mut membrane = Membrane {
         curvature: curvature.clamp(-steepest, steepest),
@@ -134,7 +134,7 @@ impl Membrane {
     /// Relaxes `s`. While its area is too large the curvature is reduced.
     fn relax(&mut self, s: &mut Surface, sweeps: usize) {
         relax(s, sweeps, self.curvature);
-        while self.curvature != 0.0 && area(s) > self.max_area {
+        while self.curvature != 0.0 && s.area() > self.max_area {
             // well below any curvature that matters
             let negligible = self.curvature.abs() * self.max_area.sqrt() < 0.01;
             self.curvature = if negligible {
@@ -145,15 +145,6 @@ impl Membrane {
             relax(s, sweeps, self.curvature);
         }
     }
-}
-
-/// Area of all triangles.
-pub(super) fn area(s: &Surface) -> f64 {
-    (0..s.corner.len() as u32)
-        .step_by(3)
-        .filter(|&h| !s.is_dead(h))
-        .map(|h| 0.5 * s.normal(h).length())
-        .sum()
 }
 
 /// The number of edges that divides the patch's angle at each rim vertex into angles near 60°.

@@ -20,8 +20,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::data::Patch;
-use super::grading::STEEPEST;
 use crate::mesh::DVec3;
+
+/// The largest change of the wanted edge length, a length: the triangles of the next ring are 1.3 times as
+/// large, or those of a finer patch than its rim that much smaller.
+pub(super) const STEEPEST: f64 = 0.3;
 
 /// Stands for "no half-edge": the other side of a rim edge.
 pub(super) const NONE: u32 = u32::MAX;
@@ -63,6 +66,13 @@ pub(super) fn prev(h: u32) -> u32 {
 }
 
 impl Surface {
+    /// Area of all triangles.
+    pub fn area(&self) -> f64 {
+        let triangles = (0..self.corner.len() as u32).step_by(3);
+        let alive = triangles.filter(|&h| !self.is_dead(h));
+        alive.map(|h| 0.5 * self.normal(h).length()).sum()
+    }
+
     /// Links `triangles` (a disc whose boundary is `0 → 1 → … → rim−1 → 0`, or a sphere with
     /// several holes whose rims are numbered one after the other) over `points`.
     pub fn new(points: Vec<DVec3>, size: Vec<f64>, rim: usize, triangles: &[[u32; 3]]) -> Self {

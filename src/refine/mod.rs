@@ -32,8 +32,7 @@ pub use options::{
     Hold, MAX_LEVELS, Method, RefineControls, RefineError, RefineOptions, natural_flow,
 };
 pub use process::{
-    LevelFrame, LiveRefine, RefineProcess, RefineSnapshot, RefineState, RefineStatus,
-    RefineTimeline, refine,
+    LevelFrame, LiveRefine, RefineProcess, RefineSnapshot, RefineState, RefineStatus, refine,
 };
 pub use progress::{LevelReport, RefineEvent};
 pub use refined::Refined;

@@ -7,7 +7,6 @@ use crate::memory::TooLittleMemory;
 use crate::mesh::{Mesh, dihedral_angle};
 use crate::options::{choices, options};
 use crate::refine::BoundaryRule;
-use crate::refine::creases::crease_edges;
 use crate::refine::measures::radius;
 use crate::solver::{FlowOptions, Mode, SolverError, Tau};
 
@@ -195,7 +194,7 @@ impl RefineOptions {
                 return Err(RefineError::BadAngle { which, angle });
             }
         }
-        crease_edges(mesh, self).map(|_| ())
+        Ok(())
     }
 }
 

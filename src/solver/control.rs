@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::linear::GmresReport;
 use crate::options::{OptionError, OptionValue, choices};
 use crate::solver::assembly::EnergySum;
-use crate::solver::record::RejectReason;
+use crate::solver::record::{RejectReason, StepKind};
 
 /// The purpose of the flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -51,17 +51,6 @@ impl OptionValue for Tau {
 
 /// The options of a run that reaches the stationary shape in the fewest steps, by name and text.
 pub const FASTEST: &[(&str, &str)] = &[("mode", "fast"), ("tau", "auto"), ("growth", "auto")];
-
-/// How a step was computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StepKind {
-    /// With a matrix of the current point.
-    Factorized,
-    /// With an earlier factor and quasi-Newton updates.
-    QuasiNewton,
-    /// Scheme A, by GMRES.
-    Krylov,
-}
 
 /// The outcome of one attempted step.
 #[derive(Clone, Debug, PartialEq)]

@@ -25,10 +25,10 @@ use std::sync::Arc;
 use crate::linear::{Cholesky, CholeskySymbolic, flat, vector};
 use crate::mesh::{DVec3, HalfedgeId, Topology, VertexId};
 use crate::solver::assembly::EnergySum;
-use crate::solver::control::{Attempt, StepKind};
+use crate::solver::control::Attempt;
 use crate::solver::evaluator::State;
 use crate::solver::options::SurfaceModel;
-use crate::solver::record::RejectReason;
+use crate::solver::record::{RejectReason, StepKind};
 use crate::solver::sparsity::{IndexLists, ListGraph, SymmetricScatter};
 use crate::solver::stepper::{StepRequest, Stepper};
 use crate::solver::unknowns::Unknowns;
@@ -44,18 +44,18 @@ const UPDATES: usize = 1;
 const EQUILATERAL: f64 = 0.577_350_269_189_625_8;
 /// Lower limit of edge weights, relative to [`EQUILATERAL`], so that obtuse angles keep the
 /// Laplacian elliptic.
-const LEAST_WEIGHT: f64 = 0.03;
+const MIN_WEIGHT: f64 = 0.03;
 /// Limit of the cotangent of an angle (3°).
-const MOST_COTANGENT: f64 = 20.0;
+const MAX_COTANGENT: f64 = 20.0;
 /// Lower limit of the area at a vertex, relative to the mean.
-pub(super) const LEAST_AREA: f64 = 1.0 / 64.0;
+pub(super) const MIN_AREA: f64 = 1.0 / 64.0;
 
-/// Weight of squares for which a reference of share 1 should say something but has no positions, relative
-/// to those for which it does: there the surface is known much better. On scans (`real/`) 0.03 was better
-/// than 0.001 and 0.3.
+/// Weight of equations for which a reference of share 1 should give a value but has no positions, relative
+/// to those for which it gives one: there the surface is known much better. On scans (`real/`) 0.03 was
+/// better than 0.001 and 0.3.
 const WITHOUT_REFERENCE: f64 = 0.03;
 
-/// What a reference says about a curvature vector.
+/// The contribution of a reference to a curvature vector.
 #[derive(Clone, Copy, Debug)]
 struct Referred {
     /// The number of the reference.
@@ -141,7 +141,7 @@ impl Metric {
             .filter(|&&m| m > 0.0)
             .fold((0.0, 0.0), |(sum, count), m| (sum + m, count + 1.0));
         for m in &mut mass {
-            *m = m.max(LEAST_AREA * sum / count);
+            *m = m.max(MIN_AREA * sum / count);
         }
         Self {
             half_cotangents,
@@ -159,12 +159,12 @@ impl Metric {
 pub(super) fn half_cotangent(u: DVec3, v: DVec3, double: f64) -> f64 {
     // a triangle without extent has no angles
     let cotangent = if double > 0.0 { u.dot(v) / double } else { 0.0 };
-    0.5 * cotangent.clamp(-MOST_COTANGENT, MOST_COTANGENT)
+    0.5 * cotangent.clamp(-MAX_COTANGENT, MAX_COTANGENT)
 }
 
 /// Weight of an edge, given the sum of the half cotangents of the angles opposite it.
 pub(super) fn edge_weight(sum: f64) -> f64 {
-    sum.max(LEAST_WEIGHT * EQUILATERAL)
+    sum.max(MIN_WEIGHT * EQUILATERAL)
 }
 
 impl Squares {

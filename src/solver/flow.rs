@@ -5,8 +5,7 @@ use crate::energy::{Energy, Order};
 use crate::mesh::DVec3;
 use crate::solver::assembly::{Assembler, EnergySum, MatrixForm};
 use crate::solver::control::{
-    Attempt, Mode, STAGNATION, STAGNATION_CONSTRAINED, STOP, StagnationTest, StepKind,
-    StepSizeControl, Tau,
+    Attempt, Mode, STAGNATION, STAGNATION_CONSTRAINED, STOP, StagnationTest, StepSizeControl, Tau,
 };
 use crate::solver::diffusion::DiffusionFlow;
 use crate::solver::gradient_term::GradientTerm;
@@ -14,7 +13,7 @@ use crate::solver::mixed::MixedFlow;
 use crate::solver::normal::NormalFlow;
 use crate::solver::options::{FlowOptions, Scheme, SurfaceModel};
 use crate::solver::pinch::PinchWatch;
-use crate::solver::record::{End, Outcome, StepRecord};
+use crate::solver::record::{End, Outcome, StepKind, StepRecord};
 use crate::solver::relax::Relaxation;
 use crate::solver::stepper::{StepRequest, Stepper};
 use crate::solver::unknowns::Unknowns;

@@ -4,7 +4,7 @@
 
 use crate::linear::Envelope;
 use crate::mesh::DVec3;
-use crate::solver::diffusion::{LEAST_AREA, edge_weight, half_cotangent};
+use crate::solver::diffusion::{MIN_AREA, edge_weight, half_cotangent};
 
 /// Number of rings around the moving vertices that the system depends on.
 pub const G2_RINGS: usize = 3;
@@ -46,7 +46,7 @@ impl Laplacian {
         }
         out.start.push(out.edges.len());
         let count = out.mass.iter().filter(|mass| **mass > 0.0).count();
-        let least = LEAST_AREA * out.mass.iter().sum::<f64>() / count as f64;
+        let least = MIN_AREA * out.mass.iter().sum::<f64>() / count as f64;
         out.mass.iter_mut().for_each(|mass| *mass = mass.max(least));
         out
     }

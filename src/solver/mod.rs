@@ -31,7 +31,7 @@ mod stepper;
 mod unknowns;
 
 pub use assembly::{Assembler, EnergySum, MatrixForm};
-pub use control::{Attempt, FASTEST, FLOW_GROWTH, Mode, STOP, StepKind, StepSizeControl, Tau};
+pub use control::{Attempt, FASTEST, FLOW_GROWTH, Mode, STOP, StepSizeControl, Tau};
 pub use discretization::Discretization;
 pub use error::SolverError;
 pub use evaluator::State;
@@ -42,7 +42,7 @@ pub(crate) use local_g2::{G2_RINGS, Laplacian, LocalG2};
 pub use mixed::{LinearSolver, MixedFlow};
 pub use options::{FlowOptions, Scheme, SurfaceModel};
 pub use problem::{FlowProblem, Reference, SUPPORT_RINGS};
-pub use record::{End, Outcome, RejectReason, StepRecord};
+pub use record::{End, Outcome, RejectReason, StepKind, StepRecord};
 pub use relax::sharpest_cosine;
 pub use stepper::{StepRequest, Stepper};
 pub use unknowns::Unknowns;

@@ -1,7 +1,6 @@
 //! Records of the steps of a flow and of its end.
 
 use crate::linear::LinearError;
-use crate::solver::control::StepKind;
 use crate::warning::Warnings;
 
 /// One line of the record of a flow.
@@ -31,6 +30,17 @@ impl StepRecord {
     pub fn is_rejected(&self) -> bool {
         self.rejection.is_some()
     }
+}
+
+/// How a step was computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepKind {
+    /// With a matrix of the current point.
+    Factorized,
+    /// With an earlier factor and quasi-Newton updates.
+    QuasiNewton,
+    /// Scheme A, by GMRES.
+    Krylov,
 }
 
 /// Why a step was rejected.
@@ -96,6 +106,7 @@ impl RejectReason {
 
 /// Why a flow ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum End {
     /// The stopping rule was met.
     Converged,

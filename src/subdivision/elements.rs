@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::basis::BasisTable;
 use super::cache;
 use super::folding::{Folder, Folding};
-use super::gather::gather;
+use super::gather::{gather, stencil_size};
 use super::rule::Rule;
 use crate::mesh::{FaceId, Topology};
 
@@ -186,9 +186,4 @@ impl Stencils {
             }
         }
     }
-}
-
-/// Number of control vertices of a triangle.
-pub(super) fn stencil_size([a, b, c]: [usize; 3]) -> usize {
-    (a + b + c - 6).max(4)
 }

@@ -3,9 +3,13 @@
 
 use std::collections::BTreeMap;
 
-use super::elements::stencil_size;
 use super::masks::EXACT_VALENCE;
 use crate::mesh::{FaceId, Topology, VertexId};
+
+/// Number of control vertices of a triangle.
+pub(super) fn stencil_size([a, b, c]: [usize; 3]) -> usize {
+    (a + b + c - 6).max(4)
+}
 
 /// The stencils of a list of faces, and the faces that need folding.
 pub(super) struct Gathered {

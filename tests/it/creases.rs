@@ -354,7 +354,7 @@ fn mistaken_creases_are_named() {
         .next()
         .expect("a neighbour");
     options.creases = vec![[0, near.0]];
-    let error = options.validate(&ball).expect_err("too short");
+    let error = crease_edges(&ball, &options).expect_err("too short");
     assert!(matches!(error, RefineError::LoneCrease { .. }));
     options.creases.clear();
     for angle in [0.0, -1.0, f64::NAN] {

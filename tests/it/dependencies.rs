@@ -154,7 +154,7 @@ fn used() -> BTreeMap<String, BTreeSet<String>> {
 ///
 /// # Panics
 /// If the modules have a circular dependency.
-fn picture(used: &BTreeMap<String, BTreeSet<String>>) -> String {
+fn floors(used: &BTreeMap<String, BTreeSet<String>>) -> Vec<Vec<&String>> {
     let mut floors: Vec<Vec<&String>> = Vec::new();
     let mut placed: BTreeSet<&String> = BTreeSet::new();
     while placed.len() < used.len() {
@@ -167,6 +167,12 @@ fn picture(used: &BTreeMap<String, BTreeSet<String>>) -> String {
         placed.extend(&floor);
         floors.push(floor);
     }
+    floors
+}
+
+/// The [`floors`] as text.
+fn picture(used: &BTreeMap<String, BTreeSet<String>>) -> String {
+    let floors = floors(used);
     let mut text = String::new();
     for (number, floor) in floors.iter().enumerate().skip(1).rev() {
         for (i, module) in floor.iter().enumerate() {
@@ -196,6 +202,53 @@ fn architecture_shows_what_the_modules_use() {
         shown == wanted,
         "if these uses are meant, put this block into ARCHITECTURE.md:\n{PICTURE}{wanted}{FENCE}"
     );
+}
+
+/// The parts of a module, its files and folders, with the others that each uses.
+fn parts_of(module: &Path) -> BTreeMap<String, BTreeSet<String>> {
+    let mut files = Vec::new();
+    sources(module, &mut files);
+    let name = module.file_name().expect("a name").to_string_lossy();
+    let mut used: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for path in &files {
+        let inside = path.strip_prefix(module).expect("below the module");
+        let first = Path::new(inside.components().next().expect("a name").as_os_str());
+        let part = first
+            .file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
+        if part == "mod" {
+            continue;
+        }
+        let is_mod = path.file_stem().is_some_and(|stem| stem == "mod");
+        let supers = inside.components().count() - usize::from(is_mod);
+        let code = code(&fs::read_to_string(path).expect("readable"));
+        let prefixes = [format!("crate::{name}"), vec!["super"; supers].join("::")];
+        let names = prefixes
+            .iter()
+            .flat_map(|prefix| first_segments(&code, prefix));
+        let of_part = used.entry(part.clone()).or_default();
+        of_part.extend(names.filter(|name| *name != part));
+    }
+    let all: BTreeSet<String> = used.keys().cloned().collect();
+    for names in used.values_mut() {
+        names.retain(|name| all.contains(name));
+    }
+    used
+}
+
+/// In `app`, actions, document and runs refer to each other, and so do the parts of its `update`.
+#[test]
+fn parts_of_a_module_have_no_circular_dependency() {
+    for entry in fs::read_dir(root()).expect("a folder of sources") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() && !path.ends_with("app") {
+            let parts = parts_of(&path);
+            assert!(!parts.is_empty());
+            floors(&parts);
+        }
+    }
 }
 
 #[test]

@@ -187,7 +187,7 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
             let start = reference.map_or(1e-4, |(tau, tau_ref)| tau.min(1e-2 * tau_ref));
             next.tau = Tau::Fixed(start);
         }
-        _ => {}
+        (false, Tau::Auto) | (true, Tau::Fixed(_)) => {}
     }
     if let Tau::Fixed(tau) = next.tau {
         let mut relative = tau / unit;

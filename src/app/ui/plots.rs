@@ -5,7 +5,6 @@ use egui_plot::{AxisHints, GridInput, GridMark, Line, LineStyle, Plot, PlotPoint
 
 use super::format::{format_number, trimmed};
 use super::theme;
-use super::transport::{holes_words, side_name};
 use super::widgets::Asks;
 use crate::app::action::Action;
 use crate::app::run::Run;
@@ -334,12 +333,12 @@ pub(crate) fn curves(run: &Run, energy: bool) -> Vec<PlotCurve> {
             };
             // as in the table
             let row = rows.get(g);
-            let holes = row.map_or_else(String::new, |row| holes_words(run, row));
+            let holes = row.map_or_else(String::new, |row| run.holes_words(row));
             let (name, color) = match (run.sides.len(), side.curves.len()) {
                 (1, 1) => (String::new(), 0),
                 (1, _) => (holes, g),
                 (_, 1) => (side.name.to_owned(), s),
-                _ => (format!("{}{holes}", side_name(run, s)), s),
+                _ => (format!("{}{holes}", run.prefix(s)), s),
             };
             let scale = match (energy, count, points.first()) {
                 (true, 2.., Some(first)) if first[1] != 0.0 => first[1].recip(),

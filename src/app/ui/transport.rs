@@ -13,7 +13,6 @@ use crate::app::model::Model;
 use crate::app::run::{Figures, Run, RunVariant};
 use crate::app::seam::Seam;
 use crate::mesh::LoopId;
-use crate::ops::Operation;
 use crate::solver::End;
 
 /// The panel of a run: the transport bar, and numbers and plots if they are open.
@@ -258,23 +257,12 @@ fn seam_ui(ui: &mut Ui, run: &Run, s: usize, seam: Seam) {
         words.push(format!("curvature jump {} 1/unit", format_number(jump)));
     }
     if !words.is_empty() {
-        ui.label(format!("{}{}", side_name(run, s), words.join(", ")))
+        ui.label(format!("{}{}", run.prefix(s), words.join(", ")))
             .on_hover_text(
                 "maxima along the rims: angle between the normals of the two sides (G0; 0 by \
                  construction for G1), difference of mean curvature between the faces of the two \
                  sides (G1)",
             );
-    }
-}
-
-/// The prefix of texts about one side of a comparison.
-pub(super) fn side_name(run: &Run, s: usize) -> String {
-    let names = run.names();
-    let name = names.get(s).copied().unwrap_or("");
-    if name.is_empty() {
-        String::new()
-    } else {
-        format!("{name} ")
     }
 }
 
@@ -326,21 +314,6 @@ fn cell(ui: &mut Ui, text: impl Into<egui::WidgetText>, whole: &str) {
     }
 }
 
-/// The holes of a row.
-pub(super) fn holes_words(run: &Run, figures: &Figures) -> String {
-    match &run.operation {
-        Operation::Blend(spec) => {
-            let rims: Vec<String> = spec.loops.iter().map(LoopId::to_string).collect();
-            rims.join("+")
-        }
-        Operation::Fair(spec) => format!("{} faces", spec.faces.len()),
-        Operation::Refine(_) => figures
-            .level
-            .map_or_else(String::new, |n| format!("level {n}")),
-        _ => figures.hole_list(),
-    }
-}
-
 fn group_ui(
     row: &mut TableRow<'_, '_>,
     run: &Run,
@@ -349,7 +322,7 @@ fn group_ui(
     g: usize,
     figures: &Figures,
 ) {
-    let holes = format!("{}{}", side_name(run, s), holes_words(run, figures));
+    let holes = format!("{}{}", run.prefix(s), run.holes_words(figures));
     let numbers = [
         figures.step.map(|n| n.to_string()),
         figures.relative_tau.map(format_number),

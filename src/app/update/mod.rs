@@ -17,7 +17,6 @@ pub(super) use files::kept_extension;
 #[cfg(test)]
 pub(super) use files::replace;
 pub(crate) use pictures::{WRITING, extension};
-pub use repair::Repaired;
 pub(crate) use repair::{REPAIRING, is_repairing};
 pub use tick::tick;
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::refuse_while_running;
 use super::runs::has_valid_energy;
 use crate::app::jobs::Reporter;
-use crate::app::model::{Done, Model};
+use crate::app::model::{Done, Model, Repaired};
 use crate::fill::Controls;
 use crate::mesh::Mesh;
 use crate::ops::{CleanSpec, Condition, DamageSpec, FlowSpec, Operation, Repair, RepairStep};
@@ -14,15 +14,6 @@ use crate::warning::{Place, Warning};
 
 /// The name of the job.
 pub(crate) const REPAIRING: &str = "repair of the mesh";
-
-/// A repaired mesh.
-pub struct Repaired {
-    /// The operations in their order.
-    steps: Vec<RepairStep>,
-    /// Why an operation was left out.
-    notes: Vec<String>,
-    after: Condition,
-}
 
 /// Whether a repair is in progress.
 pub(crate) fn is_repairing(model: &Model) -> bool {

@@ -146,7 +146,14 @@ fn faces(model: &mut Model, edit: FaceEdit) {
     match edit {
         FaceEdit::Lasso { lasso, take } => return start_lasso(model, lasso, take),
         FaceEdit::Flawed(flaw) => return find_flaws(model, flaw),
-        _ => {}
+        FaceEdit::Paint { .. }
+        | FaceEdit::Found { .. }
+        | FaceEdit::Spread { .. }
+        | FaceEdit::Grow
+        | FaceEdit::Shrink
+        | FaceEdit::Invert
+        | FaceEdit::Smooth
+        | FaceEdit::Clear => {}
     }
     // the mesh may have changed since the search began
     if matches!(&edit, FaceEdit::Found { mesh, .. } if !Arc::ptr_eq(mesh, &model.document.mesh)) {

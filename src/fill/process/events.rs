@@ -7,6 +7,7 @@ use crate::warning::Warning;
 
 /// An event of a fill.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum FillEvent {
     /// A step of a group was attempted.
     Step {

@@ -29,7 +29,7 @@ use crate::fill::{
 use crate::memory::require;
 use crate::mesh::{LoopId, Mesh, boundary_loops};
 use crate::runner::{
-    Process, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline, Wake,
+    Process, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Wake,
 };
 use crate::solver::FASTEST;
 use crate::warning::Warning;
@@ -44,8 +44,6 @@ pub type LiveFill = Runner<FillProcess>;
 /// face of each group, and about 24 a vertex and 72 a face of the filled mesh for each
 /// triangulation of a patch.
 pub type FillSnapshot = Snapshot<FillState>;
-/// The stored states of a fill.
-pub type FillTimeline = Timeline<FillState>;
 
 /// The task of a fill.
 #[derive(Clone, Debug)]

@@ -2,16 +2,50 @@
 
 use crate::fill::assemble::appended_triangles;
 use crate::fill::defects::{Defects, Room, defects, severity};
-use crate::fill::hole::HoleRims;
+use crate::fill::hole::{DraftHole, HoleRims, PlannedHole};
+use crate::fill::plan::Plan;
 use crate::fill::repair::repaired;
+use crate::fill::result::FillError;
 use crate::fill::self_intersection::{CompactTriangles, Obstacles};
 use crate::mesh::{Mesh, TriangleIntersections, VertexId, bounds};
 use crate::patch::{self, OtherPatches, Patch, PatchOptions};
 use crate::warning::Warnings;
 
+/// The plan of holes. Their patches without new vertices, which no flow changes, are replaced by sound ones where
+/// that is possible. Holes without a patch are [`Plan::failed`].
+pub(in crate::fill) fn plan_of(mesh: &Mesh, drafts: Vec<DraftHole>, options: PatchOptions) -> Plan {
+    let (mut holes, mut failed) = (Vec::new(), Vec::new());
+    let obstacles = Obstacles::new(drafts.len());
+    let mut loose: Vec<[u32; 3]> = Vec::new();
+    for draft in drafts {
+        match draft.patch {
+            Ok(mut patch) => {
+                let rims = draft.rims;
+                let mut warnings = draft.warnings;
+                let left = make_patch_sound(mesh, &obstacles, &rims, &mut patch, &loose, options);
+                warnings.extend(left);
+                let hole = PlannedHole {
+                    rims,
+                    patch,
+                    has_initial_shape: draft.has_initial_shape,
+                    patch_ms: draft.patch_ms,
+                    warnings,
+                };
+                loose.extend(hole.loose_triangles());
+                holes.push(hole);
+            }
+            Err(source) => failed.push(FillError::Patch {
+                hole: draft.rims.id(),
+                source,
+            }),
+        }
+    }
+    Plan::new(mesh, holes, failed, obstacles)
+}
+
 /// Replaces an unsound patch without new vertices, which no flow changes, by a sound or less unsound
 /// one. `loose` are the patches of that kind before it. Returns the warnings about the defects that are left.
-pub(in crate::fill) fn make_patch_sound(
+fn make_patch_sound(
     mesh: &Mesh,
     obstacles: &Obstacles,
     rims: &HoleRims,

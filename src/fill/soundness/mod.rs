@@ -12,14 +12,14 @@ use rayon::prelude::*;
 
 use crate::cancel::is_cancelled;
 use crate::fill::context::FillContext;
-use crate::fill::counterpart::Counterpart;
 use crate::fill::defects::{Defects, Patches, severity};
 use crate::fill::options::FillOptions;
 use crate::fill::patch_topology::PatchTopology;
-use crate::fill::prediction::{Candidate, OtherSurface};
+use crate::fill::surface_choice::Counterpart;
+use crate::fill::surface_choice::{Candidate, OtherSurface};
 use crate::mesh::{DVec3, LoopId};
 use crate::warning::{MAX_PAIRS, Warning};
-pub(super) use first_patch::make_patch_sound;
+pub(super) use first_patch::plan_of;
 use hole::HoleOfGroup;
 use replacement::{Origin, Replacement, Surface};
 use solve::{SAFER, solved};

@@ -2,10 +2,10 @@
 
 use super::replacement::Surface;
 use crate::fill::context::FillContext;
-use crate::fill::counterpart::{Counterpart, Following};
+use crate::fill::counterpart::Following;
 use crate::fill::options::FillOptions;
-use crate::fill::prediction::Candidate;
 use crate::fill::region;
+use crate::fill::surface_choice::{Candidate, Counterpart};
 use crate::fill::warm_start::warm_start_of;
 use crate::solver::{End, Flow, FlowProblem, Mode, SurfaceModel, Tau};
 

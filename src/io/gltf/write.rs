@@ -7,7 +7,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Map, Value, json};
 
-use super::super::{OutputMesh, companions, media_type, stored_media};
+use super::super::{OutputMesh, media_type, stored_media};
 use super::{
     BINARY_CHUNK, DATA, FLOAT, JSON_CHUNK, MAGIC, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT,
     materials,
@@ -36,7 +36,7 @@ pub(in super::super) fn vertex_columns(all: &Attributes) -> Vec<usize> {
 }
 
 /// What the format cannot store besides columns, as messages for the user.
-pub(in super::super) fn losses(mesh: &OutputMesh<'_>) -> Vec<String> {
+pub(in super::super) fn losses(mesh: &OutputMesh<'_>, materials: Vec<Material>) -> Vec<String> {
     let mut lost = Vec::new();
     let all = mesh.attributes;
     let mut tags = all.faces.tags.iter().map(|&tag| &all.tags[tag as usize]);
@@ -49,7 +49,7 @@ pub(in super::super) fn losses(mesh: &OutputMesh<'_>) -> Vec<String> {
                 .to_owned(),
         );
     }
-    for material in other_materials(all) {
+    for material in other_materials(all, materials) {
         let media = material.image.as_ref().map(stored_media);
         if let Some(Err(reason)) = media {
             let name = &material.name;
@@ -129,12 +129,14 @@ struct Key {
     lacks: [bool; 2],
 }
 
-/// Writes glTF, binary or as JSON with the buffer in a data URI. The mesh has been checked.
+/// Writes glTF, binary or as JSON with the buffer in a data URI. The mesh has been checked. `others` are all its
+/// materials, among them those that no glTF file had.
 ///
 /// # Errors
 /// The error of the writer, and binary files above 4 GiB.
 pub(in super::super) fn write(
     mesh: &OutputMesh<'_>,
+    others: Vec<Material>,
     is_binary: bool,
     out: &mut dyn Write,
 ) -> io::Result<()> {
@@ -154,7 +156,7 @@ pub(in super::super) fn write(
     let mut file = File::default();
     let mut materials = Materials::new(all.gltf_materials.as_deref(), &mut file);
     materials.add(&all.own_materials, &mut file);
-    materials.add_others(all, &mut file);
+    materials.add_others(all, others, &mut file);
     let light = Light::of(&all.vertices);
     let mut meshes: Vec<(FaceTag, Vec<Value>)> = Vec::new();
     for (key, faces) in &faces_of {
@@ -194,15 +196,15 @@ pub(in super::super) fn write(
     file.finish(document, &scene, is_binary, out)
 }
 
-/// The materials of faces that are in a library of an OBJ file, and those of the images of a PLY file.
-fn other_materials(all: &Attributes) -> Vec<Material> {
+/// Those of the materials of a mesh, in `found`, that faces have and that are in a library of an OBJ file or are
+/// images of a PLY file.
+fn other_materials(all: &Attributes, mut found: Vec<Material>) -> Vec<Material> {
     let used: BTreeSet<&str> = all.tags.iter().map(|tag| tag.material.as_str()).collect();
     let given = all.gltf_materials.iter().flat_map(|given| &given.names);
     let own = all.own_materials.iter().map(|own| &own.name);
     let others: BTreeSet<&String> = given.chain(own).collect();
     // faces without a material have that without a name
     let is_used = |name: &str| used.contains(name) || name.is_empty() && all.tags.is_empty();
-    let mut found = companions::materials(all);
     found.retain(|material| is_used(&material.name) && !others.contains(&material.name));
     found
 }
@@ -270,8 +272,8 @@ impl Materials {
 
     /// Adds the materials of faces that are in a library of an OBJ file, and the image of a PLY file, with
     /// their colours and images.
-    fn add_others(&mut self, all: &Attributes, file: &mut File) {
-        for material in other_materials(all) {
+    fn add_others(&mut self, all: &Attributes, others: Vec<Material>, file: &mut File) {
+        for material in other_materials(all, others) {
             let name = material.name.as_str();
             if self.of_name.contains_key(name) {
                 continue;

@@ -1,10 +1,9 @@
 //! Columns of the numbers of an element.
 
-use super::super::error::ParseError;
+use super::super::error::{ParseError, ParseErrorKind};
 use super::header::{Element, Kind, Property};
-use super::read::skip_property;
 use super::source::{Source, What};
-use crate::mesh::{Column, Numbers};
+use crate::mesh::{Column, NumberType, Numbers};
 
 /// Where the value of a property goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,4 +79,38 @@ impl Targets {
             notes.push(format!("{of} lists not kept: {}", names.join(", ")));
         }
     }
+}
+
+/// Skips one property of a row.
+pub(super) fn skip_property(
+    property: &Property,
+    source: &mut impl Source,
+    what: What<'_>,
+) -> Result<(), ParseError> {
+    let (length, item) = match property.kind {
+        Kind::Number(scalar) => (1, scalar),
+        Kind::List { count, item } => (list_length(count, source, what)?, item),
+    };
+    for _ in 0..length {
+        source.number(item, what)?;
+    }
+    Ok(())
+}
+
+pub(super) fn list_length(
+    count: NumberType,
+    source: &mut impl Source,
+    what: What<'_>,
+) -> Result<usize, ParseError> {
+    let length = source.integer(count, what)?;
+    usize::try_from(length)
+        .ok()
+        .filter(|&n| n <= source.remaining())
+        .ok_or_else(|| {
+            let what = format!(
+                "{} has a list of {length} items, which is not valid",
+                what()
+            );
+            source.place().error(ParseErrorKind::truncated(what))
+        })
 }

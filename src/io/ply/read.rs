@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::super::error::{ParseError, ParseErrorKind, in_file};
-use super::columns::{Target, Targets};
+use super::columns::{Target, Targets, list_length, skip_property};
 use super::header::{self, Element, Encoding, Header, Kind, Property};
-use super::source::{Binary, Source, Text, What};
+use super::source::{Binary, Source, Text};
 use super::vertices;
 use crate::mesh::{Column, FaceTag, NO_VALUE, NumberType, Numbers, Soup};
 
@@ -392,39 +392,6 @@ fn push_offset(soup: &mut Soup) -> Result<(), ParseError> {
     let end = u32::try_from(soup.corners.len());
     soup.offsets
         .push(end.map_err(|_| in_file(ParseErrorKind::too_large("face corners")))?);
-    Ok(())
-}
-
-fn list_length(
-    count: NumberType,
-    source: &mut impl Source,
-    what: What<'_>,
-) -> Result<usize, ParseError> {
-    let length = source.integer(count, what)?;
-    usize::try_from(length)
-        .ok()
-        .filter(|&n| n <= source.remaining())
-        .ok_or_else(|| {
-            let what = format!(
-                "{} has a list of {length} items, which is not valid",
-                what()
-            );
-            source.place().error(ParseErrorKind::truncated(what))
-        })
-}
-
-pub(super) fn skip_property(
-    property: &Property,
-    source: &mut impl Source,
-    what: What<'_>,
-) -> Result<(), ParseError> {
-    let (length, item) = match property.kind {
-        Kind::Number(scalar) => (1, scalar),
-        Kind::List { count, item } => (list_length(count, source, what)?, item),
-    };
-    for _ in 0..length {
-        source.number(item, what)?;
-    }
     Ok(())
 }
 

@@ -11,7 +11,7 @@ use super::super::error::{ParseError, ParseErrorKind, excerpt, in_file};
 use super::{CORE, MATERIALS, PRODUCTION};
 use crate::mesh::DVec3;
 
-/// What a model part says.
+/// The content of a model part.
 #[derive(Default)]
 pub(super) struct Model {
     /// `unit` of the model; empty for the default, millimetres.

@@ -18,7 +18,6 @@
 
 use super::edges::{EdgeTable, ends, following, opposite};
 use super::join::{NONE, Sheets};
-use super::repair::has_pillow;
 use crate::mesh::union_find::{find, unite};
 use crate::mesh::{Topology, TopologyError};
 
@@ -310,4 +309,12 @@ pub(super) fn name_vertices(fans: &Fans, own: &[u32], vertices: usize, used: &[b
         }
     }
     naming
+}
+
+/// Whether two faces share all their edges: a face and its flipped copy.
+pub(super) fn has_pillow(topology: &Topology) -> bool {
+    topology.faces().any(|f| {
+        let [a, b, c] = topology.face_halfedges(f).map(|h| topology.face(h.twin()));
+        a.is_some() && a == b && b == c
+    })
 }

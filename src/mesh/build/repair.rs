@@ -2,7 +2,7 @@
 
 use super::edges::{ends, following};
 use super::fans::{
-    Fans, corners_as_triangles, cut_parallel_edges, fans, join_pinches, name_vertices,
+    Fans, corners_as_triangles, cut_parallel_edges, fans, has_pillow, join_pinches, name_vertices,
 };
 use super::join::{NONE, Sheets};
 use super::weld::position_classes;
@@ -106,14 +106,6 @@ pub(super) fn repair(
         }
     }
     repair_slowly(positions, triangles, None, tolerance)
-}
-
-/// Whether two faces share all their edges: a face and its flipped copy.
-pub(super) fn has_pillow(topology: &Topology) -> bool {
-    topology.faces().any(|f| {
-        let [a, b, c] = topology.face_halfedges(f).map(|h| topology.face(h.twin()));
-        a.is_some() && a == b && b == c
-    })
 }
 
 /// Whether every vertex is used by a single face, as in a file without an index list.

@@ -11,11 +11,11 @@ use std::sync::Arc;
 use crate::mesh::Mesh;
 use crate::refine::levels::{Refinement, SavedState};
 use crate::refine::{
-    LevelReport, RefineControls, RefineError, RefineEvent, RefineOptions, Refined,
+    LevelReport, RefineControls, RefineError, RefineEvent, RefineOptions, Refined, crease_edges,
 };
 use crate::runner::{
-    Process, Recording, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Timeline,
-    Wake, replay,
+    Process, Recording, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Wake,
+    replay,
 };
 use crate::solver::{FASTEST, StepRecord};
 pub use state::{LevelFrame, RefineState};
@@ -24,8 +24,6 @@ pub use state::{LevelFrame, RefineState};
 pub type LiveRefine = Runner<RefineProcess>;
 /// A stored state of a refinement: 48 bytes a vertex, and the connectivity of each level.
 pub type RefineSnapshot = Snapshot<RefineState>;
-/// The stored states of a refinement. The first is the mesh as it was given.
-pub type RefineTimeline = Timeline<RefineState>;
 
 /// The status of a refinement.
 #[derive(Clone, Debug, Default)]
@@ -79,7 +77,9 @@ impl Runner<RefineProcess> {
             creases,
             region,
         };
-        options.validate(&mesh).map_err(StartError::Options)?;
+        let checked = options.validate(&mesh);
+        let checked = checked.and_then(|()| crease_edges(&mesh, &options).map(drop));
+        checked.map_err(StartError::Options)?;
         let set_up = move || RefineProcess::new(mesh, options);
         Self::start("refine", controls, settings, wake, set_up).map_err(StartError::Thread)
     }
