@@ -6,8 +6,8 @@ use crate::ops::{BlendSpec, Faces, FillSpec, FlowSpec, OperationError};
 use crate::solver::StepRecord;
 
 /// Fills the holes of a mesh as `meniscus fill` does without options. Every boundary loop that is
-/// not assumed to be an outer boundary gets a patch. The patch continues the surface smoothly and
-/// makes `∫ H² dA` stationary.
+/// not assumed to be an outer boundary gets a patch. The patch continues the surface smoothly. Its
+/// surface model is chosen by prediction of known parts of the mesh around the hole.
 ///
 /// # Errors
 /// [`OperationError::Fill`] if the result would not be a manifold. Failures of single holes are

@@ -1,7 +1,9 @@
 //! Meniscus fills holes in triangle meshes with smooth surfaces.
 //!
-//! The patch over a hole is the limit surface of a Loop control mesh, moved by the L2 gradient flow
-//! of an energy `E(S) = ∫ f(H, K) dA` (G. Xu, GMP 2008) until it is stationary; `f = H²` by default.
+//! The patch over a hole is the limit surface of a Loop control mesh. A surface model determines its
+//! shape; by default the model is chosen by prediction of the mesh around the hole. The model
+//! `energy` moves the patch by the L2 gradient flow of an energy `E(S) = ∫ f(H, K) dA` (G. Xu, GMP
+//! 2008) until it is stationary.
 //!
 //! ```
 //! use meniscus::mesh::{Mesh, boundary_loops};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Largest resident set so far in bytes, where the system tells (Linux); 0 elsewhere.
+/// Peak resident set in bytes on Linux; 0 elsewhere.
 pub fn peak_memory() -> u64 {
     std::fs::read_to_string("/proc/self/status")
         .ok()
@@ -11,7 +11,7 @@ pub fn peak_memory() -> u64 {
 }
 
 /// Memory that the process can still take, in bytes: what the machine has available, or less if a
-/// control group of the process limits it. `None` where the system does not tell (Linux does).
+/// control group of the process limits it. `None` if the system does not report it (Linux does).
 pub fn free_memory() -> Option<u64> {
     let machine = std::fs::read_to_string("/proc/meminfo").ok()?;
     let available = kilobytes(&machine, "MemAvailable:")?;

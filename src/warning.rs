@@ -44,7 +44,7 @@ pub enum Warning {
     SmoothRim,
     /// The surface pinches off, or triangles shrink to zero area.
     Pinched {
-        /// Where.
+        /// Place of the pinch.
         at: DVec3,
         /// Order of the flow of the energy.
         order: Order,
@@ -60,12 +60,12 @@ pub enum Warning {
     },
     /// Vertices do not move because any further step would fold the surface.
     Frozen {
-        /// Their number.
+        /// Number of these vertices.
         vertices: usize,
     },
     /// Input vertices that the surface can interpolate only with a fold.
     Unreached {
-        /// Their number.
+        /// Number of these vertices.
         vertices: usize,
     },
     /// The surface intersects itself or the mesh.
@@ -80,7 +80,7 @@ pub enum Warning {
     },
     /// Edges of the surface are folded by more than 150°, or triangles have no area.
     Folded {
-        /// Their number.
+        /// Number of folded edges and of triangles without area.
         edges: usize,
         /// One of the places.
         at: DVec3,
@@ -88,7 +88,7 @@ pub enum Warning {
     /// Vertices of the surface are far from the rim: outside a cube about the box of the rim and the
     /// faces around it whose edges are twice the diagonal of that box.
     Escaped {
-        /// Their number.
+        /// Number of far vertices.
         vertices: usize,
         /// One of the places.
         at: DVec3,
@@ -114,7 +114,7 @@ pub enum Warning {
     IslandsLeft {
         /// Their outer boundaries.
         islands: Vec<LoopId>,
-        /// Why.
+        /// Reason why the patch does not join the islands.
         why: WhyLeft,
     },
     /// The result has more pairs of intersecting triangles than the input has.
@@ -126,7 +126,7 @@ pub enum Warning {
     },
     /// The patch could get no texture although faces around it have one.
     NoTexture {
-        /// Why.
+        /// Reason why the patch has no texture.
         reason: String,
     },
     /// A change during a flow was refused.
@@ -136,7 +136,7 @@ pub enum Warning {
     },
     /// The flow failed; the last valid shape is kept.
     FlowFailed {
-        /// Why.
+        /// Reason why the flow failed.
         reason: String,
     },
 }

@@ -43,11 +43,11 @@ impl CurvatureReport {
 pub struct Range {
     /// Minimum.
     pub min: f64,
-    /// Where.
+    /// Place of the minimum.
     pub min_at: [f64; 3],
     /// Maximum.
     pub max: f64,
-    /// Where.
+    /// Place of the maximum.
     pub max_at: [f64; 3],
     /// Area average.
     pub average: f64,

@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use crate::runner::panic_text;
 
 /// Wakes the window. Called when a result is ready.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
+pub use crate::runner::Wake;
 
 /// Connects a job to its handle.
 #[derive(Clone, Default)]

@@ -24,7 +24,7 @@ pub struct Entry {
     pub at: Instant,
     /// Whether the user has closed its toast.
     pub dismissed: bool,
-    /// Whether what it says is over.
+    /// Whether the message no longer applies.
     pub past: bool,
 }
 

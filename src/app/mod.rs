@@ -295,7 +295,7 @@ impl eframe::App for App {
         } else if let Some(wait) = wait {
             ctx.request_repaint_after(wait);
         }
-        self.ui.frames.book(begun.elapsed());
+        self.ui.frames.record(begun.elapsed());
     }
 
     fn on_exit(&mut self) {

@@ -199,15 +199,15 @@ pub enum Modal {
     /// No dialog.
     #[default]
     None,
-    /// Asks for a path to open or to write.
+    /// ClickActions for a path to open or to write.
     Path(PathPrompt),
-    /// Asks about unsaved changes: save, discard or cancel.
+    /// ClickActions about unsaved changes: save, discard or cancel.
     Unsaved(AfterUnsaved),
     /// Offers the recovery files of an earlier session.
     Recover(Vec<std::path::PathBuf>),
     /// Settings of a picture.
     Picture(PictureSettings),
-    /// Asks whether to start a refinement to this many faces.
+    /// ClickActions whether to start a refinement to this many faces.
     Large(u64, RefineEstimate),
 }
 
@@ -345,7 +345,7 @@ impl Windows {
 /// A column of the list of loops.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LoopColumn {
-    /// The number.
+    /// Number of the loop.
     #[default]
     Number,
     /// Number of edges.

@@ -22,8 +22,9 @@ use crate::cli::sample::SampleArguments;
 
 /// Fills holes in triangle meshes with smooth surfaces.
 ///
-/// Each hole gets a patch that joins the mesh with continuous normals (G1) and makes the integral
-/// of an energy f(H,K) stationary. H is the mean curvature, K the Gaussian curvature.
+/// Each hole gets a patch that joins the mesh with continuous normals (G1) or curvatures (G2). By
+/// default its surface model is chosen by prediction of the mesh around the hole. The model `energy`
+/// makes the integral of an energy f(H,K) stationary. H is the mean curvature, K the Gaussian curvature.
 #[derive(Debug, Parser)]
 #[command(
     name = "meniscus",

@@ -98,7 +98,7 @@ pub fn batch(args: &FillArguments, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The result of a file, and what it says.
+/// The result of a file and its messages.
 type Done = (Result<Written>, String);
 
 /// Fills `count` files side by side and takes the results in the order of the files.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::Args;
 
-use crate::cli::flow::{FileOptions, FlowArguments, LoopArguments, MeshFiles, Task};
+use crate::cli::flow::{FileOptions, FlowArguments, FlowCommand, LoopArguments, MeshFiles};
 use crate::cli::report::skipped;
 use crate::mesh::{BoundaryLoop, LoopId, boundary_loops};
 use crate::ops::FlipSpec;
@@ -44,7 +44,7 @@ pub fn blend(args: &BlendArguments) -> Result<()> {
         output: args.output.clone(),
         options: args.options.clone(),
     };
-    let mut task = Task::new(&files, &args.flow)?;
+    let mut task = FlowCommand::new(&files, &args.flow)?;
     if !args.flip.is_empty() {
         let flip = FlipSpec {
             loops: args.flip.clone(),

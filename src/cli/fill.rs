@@ -6,7 +6,9 @@ use anyhow::Result;
 use clap::Args;
 
 use crate::cli::UsageError;
-use crate::cli::flow::{FileOptions, FlowArguments, LoopArguments, MeshFiles, Task, Written};
+use crate::cli::flow::{
+    FileOptions, FlowArguments, FlowCommand, LoopArguments, MeshFiles, Written,
+};
 use crate::cli::options::OptionArguments;
 use crate::cli::parse::point;
 use crate::cli::progress::{Progress, Work};
@@ -69,7 +71,7 @@ pub struct FillArguments {
     )]
     pub part: Vec<DVec3>,
     /// These triangles of IN are the strips of bridges, as in 801-840: they flow with the patches of the
-    /// holes beside them, and only say how the holes are divided. `meniscus bridge` prints their numbers.
+    /// holes beside them, and only divide the holes. `meniscus bridge` prints their numbers.
     #[arg(long, value_name = "LIST", conflicts_with = "part")]
     pub bridge_faces: Option<String>,
     /// Ignore loose components (islands) inside a hole. Without it the patch joins their rims.
@@ -123,7 +125,7 @@ pub fn fill_file(
     place: Option<Place<'_>>,
 ) -> Result<Written> {
     let share = place.map(|place| place.all.memory(files.memory_to_read()));
-    let task = Task::new(files, flow)?.at(place);
+    let task = FlowCommand::new(files, flow)?.at(place);
     drop(share);
     let mesh = &task.opened.mesh;
     if let [from, to] = args.part[..] {

@@ -189,7 +189,7 @@ impl FlowArguments {
 }
 
 /// A command whose arguments are valid.
-pub struct Task<'a> {
+pub struct FlowCommand<'a> {
     files: &'a MeshFiles,
     args: &'a FlowArguments,
     /// The mesh.
@@ -200,7 +200,7 @@ pub struct Task<'a> {
     place: Option<Place<'a>>,
 }
 
-impl<'a> Task<'a> {
+impl<'a> FlowCommand<'a> {
     /// Checks the options and output paths, then reads the schedule and the mesh.
     pub fn new(files: &'a MeshFiles, args: &'a FlowArguments) -> Result<Self> {
         args.check()?;
@@ -423,12 +423,12 @@ fn summary(report: &FillReport) -> Result<()> {
     ))
 }
 
-/// Most loops left open that are named.
-const MOST_NAMED: usize = 10;
+/// Maximum number of open loops that are named.
+const MAX_NAMED: usize = 10;
 
 /// Names the longest of the loops left open, and counts the others.
 pub fn say_skipped(skipped: &[SkippedLoop]) {
-    let (named, others) = largest(skipped, MOST_NAMED, |one| one.edges);
+    let (named, others) = largest(skipped, MAX_NAMED, |one| one.edges);
     for (_, SkippedLoop { id, edges, reason }) in named {
         say(&format!("loop {id} ({edges} edges) left open: {reason}"));
     }

@@ -112,11 +112,11 @@ fn text(info: &Info<'_>) -> Result<String, std::fmt::Error> {
     Ok(out)
 }
 
-/// Most components and loops that are listed. A scan may have hundreds of loose triangles.
-const MOST_LISTED: usize = 40;
+/// Maximum number of components and loops that are listed. A scan may have hundreds of loose triangles.
+const MAX_LISTED: usize = 40;
 
 fn components(out: &mut String, all: &[ComponentReport]) -> std::fmt::Result {
-    let (listed, others) = largest(all, MOST_LISTED, |c| c.faces);
+    let (listed, others) = largest(all, MAX_LISTED, |c| c.faces);
     for (i, c) in listed {
         let one_sided = if c.orientable {
             ""
@@ -140,8 +140,8 @@ fn components(out: &mut String, all: &[ComponentReport]) -> std::fmt::Result {
     }
 }
 
-/// Most places of defects of one kind that are listed.
-const MOST_PLACES: usize = 3;
+/// Maximum number of places of defects of one kind that are listed.
+const MAX_PLACES: usize = 3;
 
 /// The kinds of defects with some places.
 fn defects(out: &mut String, all: &[Defect]) -> std::fmt::Result {
@@ -151,10 +151,10 @@ fn defects(out: &mut String, all: &[Defect]) -> std::fmt::Result {
     for kind in kinds {
         let of_kind: Vec<&Defect> = all.iter().filter(|d| d.kind == kind).collect();
         write!(out, "  {}: at", kind.words())?;
-        for d in of_kind.iter().take(MOST_PLACES) {
+        for d in of_kind.iter().take(MAX_PLACES) {
             write!(out, " {}", Place(d.position))?;
         }
-        if of_kind.len() > MOST_PLACES {
+        if of_kind.len() > MAX_PLACES {
             write!(out, " and other places (--json lists more)")?;
         }
         out.push('\n');
@@ -167,7 +167,7 @@ fn loops(out: &mut String, all: &[LoopInfo<'_>]) -> std::fmt::Result {
         return writeln!(out, "  no boundary loops: the mesh is closed");
     }
     writeln!(out, "  loop   edges    perimeter     diameter  centroid")?;
-    let (listed, others) = largest(all, MOST_LISTED, |l| l.edges);
+    let (listed, others) = largest(all, MAX_LISTED, |l| l.edges);
     for (_, l) in listed {
         let [x, y, z] = l.centroid;
         write!(

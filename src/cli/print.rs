@@ -52,12 +52,12 @@ pub fn say(line: &str) {
     });
 }
 
-/// Writes text to standard error. If that is not possible, there is nobody to tell.
+/// Writes text to standard error. Errors of this write are ignored.
 pub fn complain(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Keeps the lines that `work` says on this thread. Returns them with its result.
+/// Collects the lines that `work` prints on this thread. Returns them with its result.
 pub fn kept<T>(work: impl FnOnce() -> T) -> (T, String) {
     KEPT.set(Some(String::new()));
     let result = work();

@@ -4,7 +4,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use serde::Serialize;
 
-use crate::cli::flow::{FlowArguments, MeshFiles, Task, write_text};
+use crate::cli::flow::{FlowArguments, FlowCommand, MeshFiles, write_text};
 use crate::cli::hints::print_warnings;
 use crate::cli::print::{print, save};
 use crate::cli::progress::{Progress, Work};
@@ -34,7 +34,7 @@ pub struct RefillArguments {
 
 /// Runs `meniscus refill`.
 pub fn refill(args: &RefillArguments) -> Result<()> {
-    let task = Task::new(&args.files, &args.flow)?;
+    let task = FlowCommand::new(&args.files, &args.flow)?;
     let mesh = &task.opened.mesh;
     let spec = FacesSpec {
         faces: args.selection.required(mesh)?,
@@ -97,7 +97,12 @@ struct FairReport<'a> {
     warnings: &'a Warnings,
 }
 
-fn save_faired(args: &RefillArguments, task: &Task<'_>, faces: usize, new: &Filled) -> Result<()> {
+fn save_faired(
+    args: &RefillArguments,
+    task: &FlowCommand<'_>,
+    faces: usize,
+    new: &Filled,
+) -> Result<()> {
     let files = &args.files;
     save(
         &files.output,

@@ -32,7 +32,7 @@ use crate::solver::FlowOptions;
 use crate::warning::{Warning, Warnings};
 
 /// Maximum number of intersecting pairs that are counted.
-const MOST_INTERSECTIONS: usize = 1000;
+const MAX_INTERSECTIONS: usize = 1000;
 
 /// The report of a refinement.
 #[derive(Debug, Serialize)]
@@ -236,7 +236,7 @@ fn report<'a>(
 /// Pairs of intersecting triangles and folded edges.
 fn faults(mesh: &Mesh) -> (usize, usize) {
     let triangles: Vec<[u32; 3]> = mesh.topology.triangles().collect();
-    let pairs = self_intersections(&mesh.positions, &triangles, None, MOST_INTERSECTIONS);
+    let pairs = self_intersections(&mesh.positions, &triangles, None, MAX_INTERSECTIONS);
     let folds = folded_edges(&mesh.positions, &mesh.topology, FOLD_DEGREES.to_radians());
     (pairs.len(), folds.len())
 }

@@ -160,7 +160,7 @@ pub struct FailedHole {
     /// The loop.
     #[serde(rename = "loop")]
     pub id: LoopId,
-    /// Why.
+    /// Reason why the hole could not be filled.
     pub reason: String,
 }
 
@@ -172,7 +172,7 @@ pub struct SkippedLoop {
     pub id: LoopId,
     /// Its edges.
     pub edges: usize,
-    /// Why.
+    /// Reason why the loop was left open.
     pub reason: String,
 }
 

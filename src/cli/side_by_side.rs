@@ -46,7 +46,7 @@ impl SideBySide {
     }
 
     /// A share of `bytes` of memory. If they do not fit beside the other shares, it waits for these to
-    /// end. Whoever has a share must not ask for another one, or wait for other files.
+    /// end. A thread that holds a share must not request another, or wait for other files.
     pub fn memory(&self, bytes: f64) -> Share<'_> {
         let is_short = |state: &mut State| {
             // what is promised counts in full, although a part may be taken already

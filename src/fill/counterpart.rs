@@ -25,7 +25,7 @@ use crate::symmetry::{Isometry, Sample, alike, inside, smooth, symmetries};
 
 /// The share of the vertices around a hole that counts in the fit of a symmetry.
 const SHARE: f64 = 0.7;
-/// Most vertices to which a symmetry is fitted around a hole, and most rounds.
+/// Maximum number of vertices to which a symmetry is fitted around a hole, and of rounds.
 const FITTED: [usize; 2] = [100, 8];
 /// Those around a pseudo-hole, where the fit to the hole is a good start.
 const FITTED_DISC: [usize; 2] = [30, 3];

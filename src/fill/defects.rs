@@ -20,14 +20,14 @@ use crate::warning::{MAX_PAIRS, Warning};
 /// folded.
 pub(super) const FOLDED: f64 = -0.866_025_403_784_438_6;
 
-/// Most pairs of intersecting triangles that are counted. More than warnings state, so that searches see which of
+/// Maximum number of pairs of intersecting triangles that are counted. More than warnings state, so that searches see which of
 /// two bad patches is better.
-const MOST_PAIRS: usize = 10 * MAX_PAIRS;
+const MAX_CROSSINGS: usize = 10 * MAX_PAIRS;
 
 /// What is wrong with a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Defects {
-    /// Pairs of triangles that cross, [`MOST_PAIRS`] at most, and one of the places.
+    /// Pairs of triangles that cross, [`MAX_CROSSINGS`] at most, and one of the places.
     pub crossings: Option<(usize, DVec3)>,
     /// New vertices outside the [`Room`] of the hole, and one of the places.
     pub escaped: Option<(usize, DVec3)>,
@@ -186,7 +186,7 @@ pub(super) fn defects(
     positions: &[DVec3],
 ) -> Option<Defects> {
     let counted = |places: Vec<DVec3>| places.first().map(|&at| (places.len(), at));
-    let crossings = intersections(mesh, obstacles, own, others, positions, MOST_PAIRS);
+    let crossings = intersections(mesh, obstacles, own, others, positions, MAX_CROSSINGS);
     let found = Defects {
         crossings: counted(crossings),
         escaped: counted(escaped(mesh, room, own, positions)),

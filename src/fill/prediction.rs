@@ -42,9 +42,9 @@ const EXACT: f64 = 1e-3;
 /// New vertices of a hole for which the second is tried. In smaller ones the errors are those of the triangles. It
 /// takes three times the memory of the first.
 const VARIED: RangeInclusive<usize> = 40..=4000;
-/// Most turning of the rim of such a hole: as on a cap of 60° of a sphere. At the end of a tube, whose rim turns
+/// Maximum turning of the rim of such a hole: as on a cap of 60° of a sphere. At the end of a tube, whose rim turns
 /// by 1, the surface of least variation is far from that of the pseudo-holes.
-const MOST_TURNING: f64 = 0.5;
+const MAX_TURNING: f64 = 0.5;
 /// Variation of the mean curvature over the pseudo-holes up to which it counts as constant: `H²` is then the
 /// better energy, which is exact on spheres.
 const CONSTANT: f64 = 0.05;
@@ -125,8 +125,8 @@ const NEEDLE: f64 = 6.0;
 const BESIDE_NEEDLES: Candidate = Candidate::new(SurfaceModel::G2, 30.0);
 
 /// The model of a group without a prediction, if most faces at its rims are needles: long strips as CAD programs
-/// write them. Their limit surfaces say little about curvatures across the rim, and an energy of these lets the
-/// patch grow without bound.
+/// write them. Their limit surfaces do not determine the curvatures across the rim. With an energy of these the
+/// patch grows without bound.
 pub(super) fn beside_needles(context: FillContext<'_>, group: usize) -> Option<Candidate> {
     let (mesh, topology) = (context.mesh, &context.mesh.topology);
     let rims = context
@@ -173,7 +173,7 @@ impl HolePrediction {
             return None;
         }
         let new = hole.patch.new_points().len();
-        let is_varied = VARIED.contains(&new) && surroundings.turning <= MOST_TURNING;
+        let is_varied = VARIED.contains(&new) && surroundings.turning <= MAX_TURNING;
         let count = 1 + usize::from(is_varied);
         let energies = &ENERGIES[..count];
         let (errors, restored) = mean_squares(context.mesh, &surroundings, flow, energies, alone);
@@ -226,7 +226,7 @@ pub fn mean_squares(
             let error = |disc: &Disc| disc.energy_error(mesh, surroundings, flow, candidate);
             let errors: Vec<f64> = first.par_iter().map(error).collect();
             *mean = errors.iter().sum::<f64>() / first.len() as f64;
-            // the next one would be hopeless, or cannot gain
+            // the next candidate cannot be chosen
             let expected = *mean * surroundings.turning_ratio();
             if *mean > SMOOTH * SMOOTH || expected <= EXACT * EXACT {
                 break;

@@ -18,10 +18,10 @@ const REACH: [f64; 3] = [2.5, 4.0, 8.0];
 const DISCS: [usize; 2] = [20, 5];
 /// Rings of known vertices between a pseudo-hole and the nearest boundary.
 const MARGIN: usize = 3;
-/// Most vertices of a pseudo-hole, and of all of a hole.
-const MOST_VERTICES: [usize; 2] = [150, 3000];
-/// Most vertices among which the pseudo-holes of a hole are found.
-const MOST_NEAR: usize = 12_000;
+/// Maximum number of vertices of a pseudo-hole, and of all of a hole.
+const MAX_VERTICES: [usize; 2] = [150, 3000];
+/// Maximum number of vertices among which the pseudo-holes of a hole are found.
+const MAX_NEAR: usize = 12_000;
 
 /// Squared error of a failed prediction: one radius.
 pub(super) const FAILED: f64 = 1.0;
@@ -75,7 +75,7 @@ impl Surroundings {
         for size in SIZES {
             for reach in REACH {
                 let is_near = |p: DVec3| p.distance(centre) < reach * radius;
-                let near = search.connected(&rim, MOST_NEAR, is_near);
+                let near = search.connected(&rim, MAX_NEAR, is_near);
                 let found = search.discs(&near, centre, size * radius);
                 if found.len() > best.1.len() {
                     best = (near, found);
@@ -299,7 +299,7 @@ impl<'a> Search<'a> {
                 total += disc.normals.len();
                 out.push(disc);
             }
-            if out.len() >= DISCS[0] || total > MOST_VERTICES[1] {
+            if out.len() >= DISCS[0] || total > MAX_VERTICES[1] {
                 break;
             }
             let at = places[i];
@@ -321,8 +321,8 @@ impl<'a> Search<'a> {
     fn disc(&mut self, v: u32, size: f64, blocked: &[bool]) -> Option<Disc> {
         let at = self.points[v as usize];
         let is_inside = |p: DVec3| p.distance(at) < size;
-        let mut vertices = self.connected(&[v], MOST_VERTICES[0], is_inside);
-        vertices.truncate(MOST_VERTICES[0]);
+        let mut vertices = self.connected(&[v], MAX_VERTICES[0], is_inside);
+        vertices.truncate(MAX_VERTICES[0]);
         let is_blocked = |v: &u32| blocked.get(*v as usize).is_some_and(|&blocked| blocked);
         if vertices.len() < 3 || vertices.iter().any(is_blocked) {
             return None;

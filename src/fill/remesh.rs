@@ -18,7 +18,7 @@ const SHARP: f64 = 18.0;
 /// Angle of a thin triangle, in degrees.
 const THIN: f64 = 10.0;
 /// Share of thin triangles above which the patch of a single rim is remeshed at the end of its flow.
-const MOST_THIN: f64 = 0.04;
+const MAX_THIN: f64 = 0.04;
 /// Minimum number of accepted steps between two remeshings.
 const STEPS_BETWEEN: usize = 3;
 /// Maximum number of remeshings of a group.
@@ -77,7 +77,7 @@ pub(super) fn remesh_degraded(
             fresh.filter(|fresh| fresh.sharpest_angle() > before)
         } else {
             let before = present.share_below(THIN);
-            let fresh = (before > MOST_THIN).then(fresh);
+            let fresh = (before > MAX_THIN).then(fresh);
             fresh.filter(|fresh| 2.0 * fresh.share_below(THIN) < before)
         };
         match better {

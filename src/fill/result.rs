@@ -50,7 +50,7 @@ pub enum PartialError {
         "there are {edges} rim edges between the two ends; a part of a hole needs at least two"
     )]
     TooShort {
-        /// Their number.
+        /// Number of rim edges between the ends.
         edges: usize,
     },
     /// The patch, or the mesh with it, cannot be built.

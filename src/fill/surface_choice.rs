@@ -159,7 +159,7 @@ pub(super) struct OwnErrors {
 }
 
 /// Error of `energy` up to which the surface counts as smooth and `energy` is chosen: the predictions
-/// know the true metric, which a vector flow has to find. On scans the errors are larger, and an
+/// use the exact metric, which a vector flow must approximate. On scans the errors are larger, and an
 /// advantage of `energy` on the pseudo-holes did not carry over to the fill.
 pub(super) const SMOOTH: f64 = 1e-2;
 /// Tensions of the candidates `G2`.

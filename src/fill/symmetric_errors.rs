@@ -14,11 +14,11 @@ use crate::symmetry::Isometry;
 
 /// Vertices around a hole to which a symmetry is fitted, over those of its rim: about six rings.
 const NEAR: usize = 6;
-/// Most pseudo-holes of a hole on which a symmetry is tried.
+/// Maximum number of pseudo-holes of a hole on which a symmetry is tried.
 const DISCS: usize = 16;
 /// Number of pseudo-holes after which it is looked whether the rest can change the outcome.
 const AT_ONCE: usize = 4;
-/// Least share of the vertices in a hole that have a counterpart. With 0.3 the geometric mean of the ratios on
+/// Smallest share of the vertices in a hole that have a counterpart. With 0.3 the geometric mean of the ratios on
 /// `real/` is 0.72 instead of 0.75, but one fill, of a hole of which a quarter has no counterpart, has twice
 /// the error.
 const HOLE_COVERED: f64 = 0.75;
@@ -26,7 +26,7 @@ const HOLE_COVERED: f64 = 0.75;
 const COVERED: [f64; 2] = [0.3, 0.6];
 /// Part of the error without symmetry up to which a counterpart is used.
 const WORTH: f64 = 0.9;
-/// Least part of the pseudo-holes that must gain by a whole counterpart: where a few large errors
+/// Smallest part of the pseudo-holes that must gain by a whole counterpart: where a few large errors
 /// become smaller and most of the others larger, the hole itself rarely gains.
 const MAJORITY: f64 = 0.5;
 
@@ -71,7 +71,7 @@ impl Moments {
         }
     }
 
-    /// Whether so much of the counterpart is known that the pseudo-hole tells whether a whole one helps.
+    /// Whether enough of the counterpart is known to compare it.
     fn is_comparable(&self) -> bool {
         self.known >= COVERED[1]
     }
@@ -213,7 +213,7 @@ impl SymmetricErrors {
     }
 }
 
-/// Whether a counterpart is not worth while with any tension, whatever `left` more pseudo-holes say.
+/// Whether no tension can make a counterpart better, for any results on `left` further pseudo-holes.
 fn is_hopeless(found: &[Option<[Moments; TENSIONS.len()]>], left: usize) -> bool {
     let some = found.iter().flatten();
     if 3 * (some.clone().count() + left) < found.len() + left {

@@ -263,8 +263,8 @@ pub fn boxes_overlap(low: DVec3, high: DVec3, other_low: DVec3, other_high: DVec
     low.cmple(other_high).all() && other_low.cmple(high).all()
 }
 
-/// Square of the sine of an angle below which the rounding errors of a normal are too large to say on
-/// which side of an edge a point lies.
+/// Square of the sine of an angle below which the rounding errors of a normal are too large to decide
+/// on which side of an edge a point lies.
 const FLAT: f64 = 1e-20;
 
 /// The point of triangle `abc` nearest to `p`; triangles of zero area (segments, points) are

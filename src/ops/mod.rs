@@ -1,9 +1,9 @@
 //! Operations on meshes, as data.
 //!
 //! An [`Operation`] contains everything that is needed to repeat it with a bit-identical result.
-//! The commands of the command line build operations and run them. The document of the window is a
-//! list of operations, and the project file stores them (`serde`). [`Operation::command`] returns
-//! the command line that repeats one.
+//! The commands of the command line build operations and run them. The document of the window
+//! contains the operations that were applied, and the project file stores them (`serde`).
+//! [`Operation::command`] returns the command line that repeats one.
 //!
 //! Loop numbers and face indices refer to the mesh to which the operation is applied.
 

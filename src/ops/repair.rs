@@ -45,10 +45,10 @@ impl DamageSpec {
 }
 
 /// Share of the faces above which damaged faces are not erased: most of such a mesh would be patches.
-const MOST_DAMAGED: f64 = 0.1;
+const MAX_DAMAGED: f64 = 0.1;
 
-/// Most times that damaged faces are erased and the holes filled, each time with one more ring of faces.
-const MOST_REFILLS: usize = 4;
+/// Maximum number of times that damaged faces are erased and the holes filled, each time with one more ring of faces.
+const MAX_REFILLS: usize = 4;
 
 /// The next stage of a repair.
 #[derive(Clone, Copy, Debug)]
@@ -116,10 +116,10 @@ impl Repair {
                         return Some(Operation::Clean(self.clean.clone()));
                     }
                 }
-                Stage::Damage(MOST_REFILLS) => self.stage = Stage::Holes,
+                Stage::Damage(MAX_REFILLS) => self.stage = Stage::Holes,
                 Stage::Damage(refills) => {
                     let faces = self.damage.faces(mesh, refills);
-                    let is_much = faces.len() as f64 > MOST_DAMAGED * mesh.face_count() as f64;
+                    let is_much = faces.len() as f64 > MAX_DAMAGED * mesh.face_count() as f64;
                     if faces.is_empty() || is_much {
                         self.stage = Stage::Holes;
                         continue;

@@ -188,7 +188,7 @@ pub(super) fn split_chords(s: &mut Surface, chords: &[[u32; 2]]) {
     }
 }
 
-/// Most vertices after a refinement, relative to those before and the expected ones together. On a surface
+/// Maximum number of vertices after a refinement, relative to those before and the expected ones together. On a surface
 /// that is folded onto itself flips make long edges again, and splits would not end.
 const MOST: f64 = 16.0;
 

@@ -5,7 +5,7 @@ use crate::mesh::{DVec3, closest_point_on_polygon, perimeter, sides};
 
 /// Largest distance of a rim vertex from the other rim, in mean edges of the two rims.
 const REACH: f64 = 1.0;
-/// Least mean over the edges of the cosine of the angle between the way to the other rim and the way on
+/// Smallest mean over the edges of the cosine of the angle between the way to the other rim and the way on
 /// across the edge. Two rims above each other, as those of a hole through a thin plate, have right angles;
 /// those of the ragged cracks of the stress program have means of 0.5 and more.
 const FACING: f64 = 0.3;

@@ -6,7 +6,7 @@ use crate::cancel::is_cancelled;
 use crate::mesh::DVec3;
 
 /// Loops of up to this many edges get the minimum-weight triangulation at once: it takes less than
-/// 0.2 ms and sees the existing faces, which narrow holes with few new vertices profit from.
+/// 0.2 ms and avoids existing faces, which matters for narrow holes with few new vertices.
 const SMALL: usize = 40;
 /// Loops of up to this many edges get the minimum-weight triangulation if they have no simple
 /// projection (8 ms).

@@ -74,14 +74,14 @@ fn lone_edges(topology: &Topology, creases: &[bool]) -> Vec<usize> {
 
 /// The map from a cut mesh to the whole mesh. Both have the same faces in the same order.
 #[derive(Clone, Debug)]
-pub struct Weld {
+pub struct CreaseWeld {
     /// Connectivity of the whole mesh.
     pub topology: Topology,
     /// The vertex of the whole mesh for each vertex of the cut one.
     pub to_whole: Vec<u32>,
 }
 
-impl Weld {
+impl CreaseWeld {
     /// Converts per-vertex data of the cut mesh to the whole mesh. The first of several copies is
     /// used.
     pub fn welded<T: Copy + Default>(&self, of_cut: &[T]) -> Vec<T> {
@@ -157,7 +157,7 @@ impl Weld {
 pub struct Features {
     curves: BoundaryCurves,
     /// If there are creases.
-    weld: Option<Arc<Weld>>,
+    weld: Option<Arc<CreaseWeld>>,
     /// For each input vertex whether a crease has a corner there.
     corners: Vec<bool>,
 }
@@ -181,7 +181,7 @@ impl Features {
         if creases.contains(&true) {
             let open = cut_open(topology, &creases).map_err(SolverError::from)?;
             cut = open.topology;
-            weld = Some(Arc::new(Weld {
+            weld = Some(Arc::new(CreaseWeld {
                 topology: topology.clone(),
                 to_whole: open.to_whole,
             }));
@@ -201,7 +201,7 @@ impl Features {
     }
 
     /// How the mesh is welded, if it is cut.
-    pub fn weld(&self) -> Option<&Arc<Weld>> {
+    pub fn weld(&self) -> Option<&Arc<CreaseWeld>> {
         self.weld.as_ref()
     }
 

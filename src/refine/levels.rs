@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use crate::memory::{peak_memory, require};
 use crate::mesh::{Attributes, DVec3, Mesh, Split, Topology, VertexId};
-use crate::refine::creases::{Features, Weld};
+use crate::refine::creases::{CreaseWeld, Features};
 use crate::refine::estimate::count_level;
 use crate::refine::level_flow::LevelFlow;
 use crate::refine::measures::{radius, surface_energy};
@@ -98,7 +98,7 @@ impl Refinement {
     }
 
     /// How the mesh of the current level is welded; `None` without creases.
-    pub fn weld(&self) -> Option<&Arc<Weld>> {
+    pub fn weld(&self) -> Option<&Arc<CreaseWeld>> {
         self.features.weld()
     }
 

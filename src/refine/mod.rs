@@ -25,11 +25,11 @@ mod schemes;
 mod start;
 
 pub use boundary::BoundaryRule;
-pub use creases::{Weld, crease_edges};
+pub use creases::{CreaseWeld, crease_edges};
 pub use estimate::RefineEstimate;
 pub use measures::{radius, surface_energy};
 pub use options::{
-    Hold, MAX_LEVELS, Method, RefineControls, RefineError, RefineOptions, natural_flow,
+    Hold, MAX_LEVELS, Method, RefineControls, RefineError, RefineOptions, mesh_adapted_flow,
 };
 pub use process::{
     LevelFrame, LiveRefine, RefineProcess, RefineSnapshot, RefineState, RefineStatus, refine,

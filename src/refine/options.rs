@@ -95,7 +95,7 @@ impl RefineControls {
     pub fn flow(&self, mesh: &Mesh) -> Result<FlowOptions, RefineError> {
         let (energy, tension) = match self.given_energy()? {
             Some(energy) => (energy, 0.0),
-            None => natural_flow(mesh),
+            None => mesh_adapted_flow(mesh),
         };
         self.flow_of(energy, tension)
     }
@@ -155,7 +155,7 @@ impl From<RefineControls> for RefineOptions {
 
 /// Maximum number of levels; 4^12 triangles from each input triangle.
 pub const MAX_LEVELS: usize = 12;
-/// Curvature above which bends cost their angle in [`natural_flow`], in median bends over an edge.
+/// Curvature above which bends cost their angle in [`mesh_adapted_flow`], in median bends over an edge.
 const BENDS: f64 = 3.0;
 /// Weight of the area against that of the bending there, over the inverse squared edge length.
 const AREA: f64 = 3.0;
@@ -206,7 +206,7 @@ impl RefineOptions {
 /// as under `H²`. Over one edge, the area counts as much as the bending. `H²` alone costs the
 /// square of every bend, so it rounds edges off and bulges beside them. It also has no length
 /// scale, so the surface inflates between sparse vertices.
-pub fn natural_flow(mesh: &Mesh) -> (Energy, f64) {
+pub fn mesh_adapted_flow(mesh: &Mesh) -> (Energy, f64) {
     let (length, angle) = (mean_edge(mesh), median_bend(mesh));
     let c = (BENDS * angle).max(1.0) / length;
     let total = Energy::preset(Preset::CurvatureNorm);

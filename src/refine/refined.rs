@@ -1,7 +1,7 @@
 //! The result of a refinement.
 
 use crate::mesh::{Attributes, DVec3, Mesh, Topology};
-use crate::refine::{LevelReport, Weld};
+use crate::refine::{CreaseWeld, LevelReport};
 
 /// The result of a refinement.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ pub struct Refined {
 pub fn refined_mesh(
     given: &Mesh,
     topology: &Topology,
-    weld: Option<&Weld>,
+    weld: Option<&CreaseWeld>,
     points: &[DVec3],
     attributes: &Attributes,
 ) -> Mesh {

@@ -5,7 +5,7 @@ use super::{Bounds, Camera, LineStyle, Overlay, Polyline};
 use crate::mesh::DVec3;
 
 /// Maximum number of cells from the middle of the grid to each side.
-const MOST: f64 = 40.0;
+const MAX_CELLS: f64 = 40.0;
 /// Reach of the grid beyond the pivot, in radii of the model.
 const REACH: f64 = 2.0;
 /// Distance of the ground below the model, in its radii, so that flat undersides do not touch it.
@@ -55,7 +55,7 @@ impl Grid {
         let grid = Self {
             step,
             middle: snapped(axes[0]) + snapped(axes[1]) + ground * up,
-            cells: (REACH * radius / step).ceil().clamp(1.0, MOST) as i32,
+            cells: (REACH * radius / step).ceil().clamp(1.0, MAX_CELLS) as i32,
             axes,
         };
         grid.middle.is_finite().then_some(grid)
@@ -121,7 +121,7 @@ mod tests {
             }
             // at any zoom the number of lines is limited
             let grid = Grid::new(&bounds, &camera, 1e-3 * step);
-            assert_eq!(grid.expect("a grid").cells, MOST as i32);
+            assert_eq!(grid.expect("a grid").cells, MAX_CELLS as i32);
         }
         assert_eq!(bar_length(&camera, [0.0, 0.0], 1.0), None);
     }

@@ -12,7 +12,7 @@ use crate::mesh::{
 };
 
 /// Maximum side of an image in pixels, which every device that draws supports. Larger ones are scaled.
-const MOST: u32 = 8192;
+const MAX_SIZE: u32 = 8192;
 
 /// A texture image.
 #[derive(Debug)]
@@ -55,11 +55,11 @@ impl Image {
         } = read.map_err(|e| format!("the texture image '{name}' is not drawn: {e}"))?;
         let picture = image::RgbaImage::from_raw(width, height, rgba);
         let picture = picture.expect("a colour for each pixel");
-        if width.max(height) <= MOST {
+        if width.max(height) <= MAX_SIZE {
             return Ok((Self::new(picture), None));
         }
         let picture = image::DynamicImage::from(picture);
-        let scaled = picture.resize(MOST, MOST, FilterType::Triangle);
+        let scaled = picture.resize(MAX_SIZE, MAX_SIZE, FilterType::Triangle);
         let note = format!(
             "the texture image '{name}' is drawn with {} x {} instead of {width} x {height} pixels",
             scaled.width(),

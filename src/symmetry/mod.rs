@@ -23,14 +23,14 @@ pub use target::{Sample, alike, inside, smooth};
 /// an isometry counts as a symmetry. On scans (`real/`) those of the shapes have up to 0.016, others from
 /// 0.033 on.
 const TOLERANCE: [f64; 2] = [0.05, 0.02];
-/// Most points of the surface to which others are moved.
+/// Maximum number of points of the surface to which others are moved.
 const TARGETS: usize = 2000;
 /// Number of points that are moved for the starts and for the symmetries.
 const MOVED: [usize; 2] = [50, 150];
-/// Most rounds of fitting the starts and the symmetries, and the share of the points that count.
+/// Maximum number of rounds of fitting the starts and the symmetries, and the share of the points that count.
 const ROUNDS: [usize; 2] = [8, 20];
 const SHARE: [f64; 2] = [0.7, 0.4];
-/// Most symmetries of a mesh.
+/// Maximum number of symmetries of a mesh.
 const MOST: usize = 3;
 
 /// Approximate symmetries of a mesh other than the identity, the most exact ones first, at most

@@ -24,9 +24,9 @@ impl Sample {
     }
 }
 
-/// Least cosine between the normals at a point and at the point nearest to it: the other side of a
+/// Smallest cosine between the normals at a point and at the point nearest to it: the other side of a
 /// thin wall is no counterpart.
-const LEAST_COSINE: f64 = 0.5;
+const MIN_COSINE: f64 = 0.5;
 
 /// Some vertices of a mesh, among which the nearest one to a point is found fast.
 pub struct Target {
@@ -60,7 +60,7 @@ impl Target {
     pub fn nearest(&self, to: &Sample) -> Option<Sample> {
         let found = self.bvh.closest_point(to.point)?;
         let found = self.samples[found.face as usize];
-        (found.normal.dot(to.normal) >= LEAST_COSINE).then_some(found)
+        (found.normal.dot(to.normal) >= MIN_COSINE).then_some(found)
     }
 }
 
@@ -84,7 +84,7 @@ pub fn inside(mesh: &Mesh, found: &ClosestPoint) -> Option<Sample> {
 
 /// [`inside`] for the point nearest to a sample, if the normals are similar.
 pub fn alike(mesh: &Mesh, found: &ClosestPoint, to: &Sample) -> Option<Sample> {
-    inside(mesh, found).filter(|found| found.normal.dot(to.normal) >= LEAST_COSINE)
+    inside(mesh, found).filter(|found| found.normal.dot(to.normal) >= MIN_COSINE)
 }
 
 /// [`alike`], moved from its triangle onto a smooth surface through the vertices, whose unit normals are given; 0
@@ -112,7 +112,7 @@ fn on_tangent_planes(mesh: &Mesh, normals: &[DVec3], face: FaceId, at: &Sample) 
     let mut shift = DVec3::ZERO;
     for (v, part) in vertices.into_iter().zip(parts) {
         let normal = normals[v.index()];
-        if normal.dot(at.normal) < LEAST_TANGENT_COSINE {
+        if normal.dot(at.normal) < MIN_TANGENT_COSINE {
             return at.point;
         }
         shift += part / area * (mesh.position(v) - at.point).dot(normal) * normal;
@@ -121,7 +121,7 @@ fn on_tangent_planes(mesh: &Mesh, normals: &[DVec3], face: FaceId, at: &Sample) 
 }
 
 /// Cosine of the largest angle between the normals of a face and of its vertices on a smooth surface (30°).
-const LEAST_TANGENT_COSINE: f64 = 0.866_025_403_784_438_6;
+const MIN_TANGENT_COSINE: f64 = 0.866_025_403_784_438_6;
 
 /// Distance from a boundary edge, relative to its length, up to which a point lies on it.
 const ON_BOUNDARY: f64 = 1e-6;

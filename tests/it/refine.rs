@@ -8,7 +8,7 @@ use meniscus::energy::{Energy, Preset};
 use meniscus::mesh::{DVec3, Mesh, check_mesh, folded_edges, self_intersections};
 use meniscus::random::SplitMix;
 use meniscus::refine::{
-    Hold, Method, RefineControls, RefineOptions, Refined, natural_flow, refine, surface_energy,
+    Hold, Method, RefineControls, RefineOptions, Refined, mesh_adapted_flow, refine, surface_energy,
 };
 use meniscus::runner::Recording;
 use meniscus::shapes::{graph, icosphere};
@@ -230,12 +230,12 @@ fn energies_fall_over_all_levels_and_nothing_folds() {
 #[test]
 fn the_natural_energy_goes_with_the_scale() {
     let given = crumpled(7);
-    let (energy, tension) = natural_flow(&given);
+    let (energy, tension) = mesh_adapted_flow(&given);
     let mut large = given.clone();
     for p in &mut large.positions {
         *p *= 8.0; // exact in binary
     }
-    let (scaled, scaled_tension) = natural_flow(&large);
+    let (scaled, scaled_tension) = mesh_adapted_flow(&large);
     assert_eq!(scaled.params()["c"], energy.params()["c"] / 8.0);
     // f is a curvature, and the tension counts in f over the squared radius
     assert!((scaled_tension / (8.0 * tension) - 1.0).abs() < 1e-12);

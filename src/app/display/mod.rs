@@ -113,7 +113,7 @@ struct Slot {
     /// Whether the thread builds a display.
     building: bool,
     ready: Option<Display>,
-    /// Number of calls of [`DisplayWorker::forget`]. Results of earlier requests are discarded.
+    /// Number of calls of [`DisplayWorker::clear`]. Results of earlier requests are discarded.
     epoch: u64,
     quit: bool,
 }
@@ -123,7 +123,7 @@ type Shared = (Mutex<Slot>, Condvar);
 /// The thread and its newest result.
 pub struct DisplayWorker {
     shared: Arc<Shared>,
-    asked: Option<Request>,
+    requested: Option<Request>,
     latest: Option<Display>,
 }
 
@@ -149,21 +149,21 @@ impl DisplayWorker {
             .ok();
         Self {
             shared,
-            asked: None,
+            requested: None,
             latest: None,
         }
     }
 
     /// Requests a display, unless the last request was the same.
-    pub fn ask(&mut self, request: Request) {
+    pub fn request(&mut self, request: Request) {
         if self
-            .asked
+            .requested
             .as_ref()
             .is_some_and(|asked| asked.same(&request))
         {
             return;
         }
-        self.asked = Some(request.clone());
+        self.requested = Some(request.clone());
         lock(&self.shared.0).wanted = Some(request);
         self.shared.1.notify_all();
     }
@@ -179,16 +179,16 @@ impl DisplayWorker {
     }
 
     /// Discards all requests and results.
-    pub fn forget(&mut self) {
+    pub fn clear(&mut self) {
         let mut slot = lock(&self.shared.0);
         slot.epoch += 1;
         (slot.wanted, slot.ready) = (None, None);
-        (self.asked, self.latest) = (None, None);
+        (self.requested, self.latest) = (None, None);
     }
 
     /// The last request.
-    pub fn asked(&self) -> Option<&Request> {
-        self.asked.as_ref()
+    pub fn requested(&self) -> Option<&Request> {
+        self.requested.as_ref()
     }
 
     /// Builds displays on the calling thread, for pictures of many states.
@@ -207,7 +207,7 @@ impl DisplayWorker {
     pub(crate) fn is_settled(&self) -> bool {
         let slot = lock(&self.shared.0);
         let is_idle = slot.wanted.is_none() && !slot.building && slot.ready.is_none();
-        is_idle && self.asked.is_some()
+        is_idle && self.requested.is_some()
     }
 }
 

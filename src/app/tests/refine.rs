@@ -87,7 +87,7 @@ fn three_methods_side_by_side_and_one_is_taken() {
     }
     until(&mut m, |m| {
         m.displays.iter().all(|d| {
-            let asked = d.asked().and_then(|r| r.state.as_ref());
+            let asked = d.requested().and_then(|r| r.state.as_ref());
             asked.is_some() && d.latest().is_some()
         })
     });
@@ -140,7 +140,7 @@ fn a_refinement_needs_its_selected_faces() {
 
 /// What is drawn of the newest request, once it is there.
 fn drawn(m: &mut Model, is_asked: impl Fn(&Model) -> bool) -> Vec<[f32; 3]> {
-    m.displays[0].forget();
+    m.displays[0].clear();
     until(m, |m| is_asked(m) && m.displays[0].latest().is_some());
     let display = m.displays[0].latest().expect("there");
     let vertices = display.surfaces.iter().flat_map(|s| &s.vertices);

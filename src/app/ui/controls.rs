@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::{self, RichText, Slider, Ui};
 
-use super::widgets::{Asks, choice, row, slider_row};
+use super::widgets::{ClickActions, choice, row, slider_row};
 use crate::app::action::{Action, ControlsAction, TaskAction};
 use crate::app::document::window_controls;
 use crate::app::model::Model;

@@ -8,7 +8,7 @@ use crate::app::model::Model;
 use crate::app::project;
 use crate::app::run::Run;
 use crate::app::ui::format::{format_number, trimmed};
-use crate::app::ui::widgets::{Asks, named, primary, row};
+use crate::app::ui::widgets::{ClickActions, named, primary, row};
 use crate::app::update::extension;
 use crate::app::view_state::{Modal, PathPrompt, PathUse, PictureKind, PictureSettings};
 use crate::memory::{free_memory, in_gib};
@@ -79,7 +79,7 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
             actions.push(Action::Modal(Modal::None));
             actions.push(FileAction::UsePath(prompt.purpose, path).into());
         }
-        ui.button("Cancel").asks(Action::Escape, actions);
+        ui.button("Cancel").on_click(Action::Escape, actions);
     });
 }
 
@@ -104,9 +104,9 @@ fn unsaved_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             actions.push(FileAction::SaveAndContinue.into());
         }
         ui.button("Discard changes")
-            .asks(FileAction::DiscardAndContinue, actions);
+            .on_click(FileAction::DiscardAndContinue, actions);
         ui.button("Cancel")
-            .asks(Action::Modal(Modal::None), actions);
+            .on_click(Action::Modal(Modal::None), actions);
     });
 }
 
@@ -121,12 +121,13 @@ fn recover_ui(ui: &mut Ui, paths: &[std::path::PathBuf], actions: &mut Vec<Actio
             .map_or_else(String::new, |d| age(d.as_secs() / 60));
         let name = elided(&project::title(path), NAME);
         ui.button(format!("Recover {name}, {when}"))
-            .asks(FileAction::Recover(path.clone()), actions);
+            .on_click(FileAction::Recover(path.clone()), actions);
     }
     ui.horizontal(|ui| {
         ui.button("Keep for later")
-            .asks(Action::Modal(Modal::None), actions);
-        ui.button("Delete").asks(FileAction::DropRecovery, actions);
+            .on_click(Action::Modal(Modal::None), actions);
+        ui.button("Delete")
+            .on_click(FileAction::DropRecovery, actions);
     });
 }
 
@@ -152,9 +153,9 @@ fn large_ui(ui: &mut Ui, faces: u64, estimate: &RefineEstimate, actions: &mut Ve
     }
     ui.horizontal(|ui| {
         ui.add(primary(ui, "Refine"))
-            .asks(RunAction::StartLarge, actions);
+            .on_click(RunAction::StartLarge, actions);
         ui.button("Cancel")
-            .asks(Action::Modal(Modal::None), actions);
+            .on_click(Action::Modal(Modal::None), actions);
     });
 }
 
@@ -235,7 +236,8 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
     }
     row(ui, "File", "", |ui, label| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.button("Browse…").asks(PictureAction::Browse, actions);
+            ui.button("Browse…")
+                .on_click(PictureAction::Browse, actions);
             let path = egui::TextEdit::singleline(&mut next.path);
             ui.add(path.desired_width(f32::INFINITY)).labelled_by(label);
         });
@@ -251,14 +253,14 @@ fn picture_ui(ui: &mut Ui, model: &Model, settings: &PictureSettings, actions: &
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         ui.add(primary(ui, "Write"))
-            .asks(PictureAction::Make(Box::new(next.clone())), actions);
+            .on_click(PictureAction::Make(Box::new(next.clone())), actions);
         ui.add_enabled(
             next.kind == PictureKind::Still,
             egui::Button::new("Copy to the clipboard"),
         )
-        .asks(PictureAction::CopyAs(Box::new(next)), actions);
+        .on_click(PictureAction::CopyAs(Box::new(next)), actions);
         ui.button("Cancel")
-            .asks(Action::Modal(Modal::None), actions);
+            .on_click(Action::Modal(Modal::None), actions);
     });
 }
 

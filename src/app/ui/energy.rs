@@ -256,7 +256,7 @@ fn badge_ui(ui: &mut Ui, model: &Model, side: usize) {
     });
 }
 
-/// What a scan says about the well-posedness of a flow.
+/// The result of a scan for well-posedness.
 fn posed_ui(ui: &mut Ui, scan: &WellPosedScan) {
     let (text, color, tip) = if scan.undefined > 0 {
         (

@@ -4,7 +4,7 @@ use eframe::egui::{self, Button, Ui};
 
 use super::icons::{Icon, icon_button};
 use super::samples::samples_ui;
-use super::widgets::Asks;
+use super::widgets::ClickActions;
 use crate::app::action::{
     Action, EditAction, FileAction, PictureAction, SelectAction, Switch, ViewAction,
 };
@@ -113,7 +113,7 @@ fn panels_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 layout.left,
             ),
         ] {
-            icon_button(ui, icon, name, on).asks_with_key(
+            icon_button(ui, icon, name, on).on_click_with_key(
                 name,
                 ViewAction::Toggle(switch),
                 actions,
@@ -221,7 +221,7 @@ fn view_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ("Tint the patch", Switch::Tint, view.style.tint_patch),
     ] {
         ui.checkbox(&mut on, text)
-            .asks(ViewAction::Toggle(switch), actions);
+            .on_click(ViewAction::Toggle(switch), actions);
     }
     ui.separator();
     ui.menu_button("Mouse", |ui| navigation_ui(ui, model, actions));
@@ -233,7 +233,7 @@ pub(crate) fn navigation_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action
         let chosen = model.settings.navigation == navigation;
         ui.radio(chosen, navigation.title())
             .on_hover_text(navigation.about())
-            .asks(ViewAction::Navigation(navigation), actions);
+            .on_click(ViewAction::Navigation(navigation), actions);
     }
 }
 
@@ -260,7 +260,7 @@ fn analyze_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     if model.view.report.cut.is_some() {
         let mut hidden = model.view.report.hide_front;
         ui.checkbox(&mut hidden, "Hide the half in front")
-            .asks(ReportAction::HideFront(hidden), actions);
+            .on_click(ReportAction::HideFront(hidden), actions);
         entry(ui, "Remove the section", ReportAction::DropCut, &mut chosen);
     }
     let show_report = ViewAction::Toggle(Switch::Analysis);

@@ -33,7 +33,7 @@ use super::scene_builder::OverlayCache;
 use super::settings::Layout;
 use super::shortcuts;
 use super::view_state::Modal;
-use widgets::Asks;
+use widgets::ClickActions;
 
 /// State of the interface that persists from frame to frame.
 pub(crate) struct UiState {
@@ -217,7 +217,7 @@ fn tabs(ui: &mut egui::Ui, model: &Model, actions: &mut Vec<Action>) {
             let label = ui.selectable_label(open, title);
             let label = label.key_tip(tip, ViewAction::Toggle(switch));
             if !open {
-                label.asks(ViewAction::Toggle(switch), actions);
+                label.on_click(ViewAction::Toggle(switch), actions);
             }
         }
     });

@@ -5,7 +5,7 @@ use egui_plot::{AxisHints, GridInput, GridMark, Line, LineStyle, Plot, PlotPoint
 
 use super::format::{format_number, trimmed};
 use super::theme;
-use super::widgets::Asks;
+use super::widgets::ClickActions;
 use crate::app::action::Action;
 use crate::app::run::Run;
 use crate::mesh::LoopId;
@@ -194,7 +194,7 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
         .on_hover_ui_at_pointer(|ui| readout_ui(ui, run, curves, energy, x, reach));
 }
 
-/// Least distance of two marks of an axis in points.
+/// Smallest distance of two marks of an axis in points.
 pub(crate) const WIDE: f64 = 40.0;
 const HIGH: f64 = 18.0;
 /// Distance of marks at which labels begin to show and are opaque: all marks are further apart.

@@ -5,7 +5,7 @@ use eframe::egui::{self, Ui};
 use crate::app::action::{Action, RunAction, TaskAction};
 use crate::app::model::Model;
 use crate::app::run::method_name;
-use crate::app::ui::widgets::{Asks, angle_limit, choice, pick_edges, row, wide_primary};
+use crate::app::ui::widgets::{ClickActions, angle_limit, choice, pick_edges, row, wide_primary};
 use crate::app::view_state::Refining;
 use crate::refine::{BoundaryRule, Hold, Method};
 
@@ -179,5 +179,5 @@ pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             "split every triangle into four, level by level",
             RunAction::Proceed,
         )
-        .asks(RunAction::Start, actions);
+        .on_click(RunAction::Start, actions);
 }

@@ -5,7 +5,7 @@ use eframe::egui::{
 };
 
 use super::navigation::CLICK;
-use super::widgets::{Asks, row, wide_button, wide_primary};
+use super::widgets::{ClickActions, row, wide_button, wide_primary};
 use crate::app::action::{Action, ControlsAction, EditAction, RunAction, SelectAction, TaskAction};
 use crate::app::faces::{BrushStamp, FaceEdit, Lasso};
 use crate::app::model::Model;
@@ -101,7 +101,7 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 let label = format!("{name} the selection");
                 egui::WidgetInfo::labeled(egui::Role::Button, some, label)
             });
-            named.asks(SelectAction::Faces(edit), actions);
+            named.on_click(SelectAction::Faces(edit), actions);
         }
     });
     ui.weak(if idle {
@@ -118,7 +118,7 @@ fn quality_ui(ui: &mut Ui, model: &Model, selecting: &mut Selecting, actions: &m
     let mut button = |ui: &mut Ui, name: &str, tip: &str, flaw: Flaw, on: bool| {
         ui.add_enabled(idle && on, egui::Button::new(name).small())
             .on_hover_text(tip)
-            .asks(SelectAction::Faces(FaceEdit::Flawed(flaw)), actions);
+            .on_click(SelectAction::Faces(FaceEdit::Flawed(flaw)), actions);
     };
     ui.collapsing("Select by quality", |ui| {
         ui.horizontal(|ui| {
@@ -159,17 +159,17 @@ pub(crate) fn start_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let main = wide_primary(ui, "Erase and refill");
     ui.add_enabled(some, main)
         .key_tip(refill, RunAction::Proceed)
-        .asks(RunAction::Start, actions);
+        .on_click(RunAction::Start, actions);
     let fair = "keep the triangles and move the vertices inside the selection; those on its border \
                 do not move";
     let button = wide_button(ui, "Fair in place");
     ui.add_enabled(some, button)
         .on_hover_text(fair)
-        .asks(RunAction::Fair, actions);
+        .on_click(RunAction::Fair, actions);
     let erase = "erase the selected faces and leave a hole";
     let button = wide_button(ui, "Erase only");
     ui.add_enabled(some, button)
-        .asks_with_key(erase, EditAction::Erase, actions);
+        .on_click_with_key(erase, EditAction::Erase, actions);
     ui.separator();
     let button = wide_button(ui, REPAIR);
     repair_button(ui, model, button, actions);
@@ -190,7 +190,7 @@ pub(crate) fn repair_button(
     let idle = model.run.is_none() && !model.document.is_blank() && !is_repairing(model);
     ui.add_enabled(idle, button)
         .on_hover_text(tip)
-        .asks(EditAction::Repair, actions);
+        .on_click(EditAction::Repair, actions);
 }
 
 /// Whether the mouse selects faces.

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Color32, Rect, Ui};
 
 use super::viewport::on_screen;
-use super::widgets::Asks;
+use super::widgets::ClickActions;
 use crate::app::action::{Action, TaskAction};
 use crate::app::model::Model;
 use crate::app::view_state::{Bridging, Part, Task};
@@ -19,7 +19,7 @@ pub(crate) fn rim_tools_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>
         let button = egui::Button::selectable(bridging.is_some(), "Bridge");
         let tip = "click two points on rims: a strip of triangles joins them, so that a difficult \
                    hole becomes two easy ones; the strip flows with the patches beside it";
-        ui.add_enabled(some, button).on_hover_text(tip).asks(
+        ui.add_enabled(some, button).on_hover_text(tip).on_click(
             TaskAction::Bridging(match bridging {
                 Some(_) => None,
                 None => Some(Bridging {
@@ -37,7 +37,7 @@ pub(crate) fn rim_tools_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>
             let next = part.is_none().then(Part::default);
             ui.add_enabled(some, button)
                 .on_hover_text(tip)
-                .asks(TaskAction::Part(next), actions);
+                .on_click(TaskAction::Part(next), actions);
         }
         if let Some(mut next) = bridging {
             let drag = egui::DragValue::new(&mut next.width)

@@ -5,7 +5,7 @@ use egui_extras::{Column, TableBuilder};
 
 use super::format::short_number;
 use super::icons::{self, Icon};
-use super::widgets::{Asks, primary, wide_primary};
+use super::widgets::{ClickActions, primary, wide_primary};
 use crate::app::action::{
     Action, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
 };
@@ -16,7 +16,7 @@ use crate::mesh::{BoundaryLoop, LoopId};
 /// Number of loops from which the list can be filtered.
 const MANY: usize = 8;
 
-/// Least height of the list of loops.
+/// Smallest height of the list of loops.
 const LIST: f32 = 96.0;
 
 /// The task, the loops and the start button. The whole panel scrolls where it is low.
@@ -70,7 +70,7 @@ fn task_ui(ui: &mut Ui, model: &Model, height: f32, actions: &mut Vec<Action>) {
             };
             ui.add_enabled(model.run.is_none(), egui::Button::new(text).small())
                 .key_tip(tip, key)
-                .asks(action, actions);
+                .on_click(action, actions);
         }
     });
     if model.view.task == Task::Fill && !document.loops.is_empty() {
@@ -122,7 +122,7 @@ fn tasks_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             let width = ((ui.available_width() - 12.0) / 4.0).floor();
             for (task, title, tip) in tasks {
                 let chosen = model.view.task == task;
-                task_button(ui, task, title, chosen, width).asks_with_key(
+                task_button(ui, task, title, chosen, width).on_click_with_key(
                     tip,
                     TaskAction::Choose(task),
                     actions,
@@ -230,7 +230,7 @@ fn run_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 "fill the selected loops with smooth patches",
                 RunAction::Proceed,
             )
-            .asks(RunAction::Start, actions);
+            .on_click(RunAction::Start, actions);
         return;
     };
     let accept = |ui: &mut Ui, i: usize, name: &str, width: f32| {
@@ -267,7 +267,7 @@ fn reject_ui(ui: &mut Ui, actions: &mut Vec<Action>) {
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.add_sized([68.0, 30.0], egui::Button::new("Reject"))
             .on_hover_text("discard the patch; the mesh is unchanged")
-            .asks(RunAction::Reject, actions);
+            .on_click(RunAction::Reject, actions);
     });
 }
 

@@ -6,7 +6,7 @@ use crate::app::action::{Action, EditAction, FileAction, PictureAction, Switch, 
 use crate::app::document::elided;
 use crate::app::log::Level;
 use crate::app::model::Model;
-use crate::app::ui::widgets::Asks;
+use crate::app::ui::widgets::ClickActions;
 use crate::app::update::{REPAIRING, WRITING};
 
 /// Maximum number of characters of a file name.
@@ -27,7 +27,7 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let half = egui::vec2(0.5 * ui.available_width(), ui.spacing().interact_size.y);
         ui.allocate_ui_with_layout(half, *ui.layout(), |ui| {
             let label = egui::Label::new(words).truncate();
-            ui.add(label.sense(egui::Sense::click())).asks_with_key(
+            ui.add(label.sense(egui::Sense::click())).on_click_with_key(
                 "load report",
                 ViewAction::Toggle(Switch::Report),
                 actions,
@@ -52,7 +52,7 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 ui.label(elided(&job.what, NAME)).on_hover_text(&job.what);
                 if job.what == REPAIRING {
                     let cancel = ui.small_button("Cancel");
-                    cancel.asks_with_key(
+                    cancel.on_click_with_key(
                         "the mesh stays as it is",
                         EditAction::CancelRepair,
                         actions,
@@ -61,7 +61,7 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.small_button("Copy command").asks_with_key(
+            ui.small_button("Copy command").on_click_with_key(
                 "copy the command line that repeats the work",
                 FileAction::CopyCommand,
                 actions,
@@ -78,7 +78,7 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     .sense(egui::Sense::click());
                 ui.add(label)
                     .on_hover_text("open the log")
-                    .asks(ViewAction::Toggle(Switch::Log), actions);
+                    .on_click(ViewAction::Toggle(Switch::Log), actions);
             }
         });
     });

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Ui};
 
 use super::format::{format_number, mode_words};
-use super::widgets::{Asks, row, title_width};
+use super::widgets::{ClickActions, row, title_width};
 use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::model::Model;
 use crate::app::view_state::ViewState;
@@ -26,7 +26,7 @@ pub(crate) fn toolbar_ui(
             let (title, about) = mode_words(mode);
             ui.selectable_label(view.style.mode == mode, title)
                 .key_tip(about, ViewAction::Mode(mode))
-                .asks(ViewAction::Mode(mode), actions);
+                .on_click(ViewAction::Mode(mode), actions);
         }
         // in a menu of its own, so that the row stays the same in every mode
         let has_options = view.style.mode != ViewMode::Color;
@@ -102,7 +102,7 @@ fn switches(view: &ViewState) -> [ViewSwitch; 5] {
 fn switches_ui(ui: &mut Ui, switches: &[ViewSwitch], actions: &mut Vec<Action>) {
     for &(title, about, switch, on) in switches {
         let label = ui.selectable_label(on, title);
-        label.asks_with_key(about, ViewAction::Toggle(switch), actions);
+        label.on_click_with_key(about, ViewAction::Toggle(switch), actions);
     }
 }
 
@@ -129,7 +129,7 @@ fn material_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let title = format!("{}{}", name[..1].to_uppercase(), &name[1..]);
         ui.radio(chosen, title)
             .on_hover_text(material.about())
-            .asks(ViewAction::Style(style), actions);
+            .on_click(ViewAction::Style(style), actions);
     }
 }
 

@@ -7,7 +7,7 @@ use super::format::format_number;
 use super::icons::{Icon, icon_button};
 use super::plots::plots_ui;
 use super::theme;
-use super::widgets::Asks;
+use super::widgets::ClickActions;
 use crate::app::action::{Action, RunAction, Switch, ViewAction};
 use crate::app::model::Model;
 use crate::app::run::{Figures, Run, RunVariant};
@@ -108,12 +108,12 @@ fn bar_ui(ui: &mut Ui, model: &Model, run: &Run, details: bool, actions: &mut Ve
             button
                 .inner
                 .key_tip(&format!("{name}: {tip}"), key)
-                .asks(action, actions);
+                .on_click(action, actions);
         }
         ui.spacing_mut().item_spacing.x = 6.0;
         ui.separator();
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            icon_button(ui, Icon::BottomPanel, "Numbers and plots", details).asks_with_key(
+            icon_button(ui, Icon::BottomPanel, "Numbers and plots", details).on_click_with_key(
                 "numbers and plots of the run",
                 ViewAction::Toggle(Switch::Details),
                 actions,
@@ -299,7 +299,7 @@ fn groups_ui(
             let response = row.response();
             response.hovers(&figures.holes, actions);
             if let Some(&hole) = figures.holes.first() {
-                response.asks(ViewAction::FlyToLoop(hole), actions);
+                response.on_click(ViewAction::FlyToLoop(hole), actions);
             }
         });
     }

@@ -12,7 +12,7 @@ use super::navigation::{CLICK, navigate};
 use super::repair;
 use super::side::how;
 use super::theme;
-use super::widgets::{Asks, primary};
+use super::widgets::{ClickActions, primary};
 use crate::app::action::{
     Action, ControlsAction, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
 };
@@ -134,10 +134,10 @@ fn diverged_ui(ui: &mut Ui, run: &Run, rect: Rect, actions: &mut Vec<Action>) ->
                 }
                 ui.button("Back to the start")
                     .on_hover_text("show the first shape; choose another energy on the right")
-                    .asks(RunAction::Scrub(Some(0)), actions);
+                    .on_click(RunAction::Scrub(Some(0)), actions);
                 ui.button("Reject")
                     .on_hover_text("discard the patch; the mesh is unchanged")
-                    .asks(RunAction::Reject, actions);
+                    .on_click(RunAction::Reject, actions);
             });
         });
     });
@@ -176,7 +176,7 @@ fn decide_ui(
     ui.add_enabled_ui(run.accepting.is_none(), |ui| ui.put(place, button))
         .inner
         .on_hover_text("accept the patch as shown")
-        .asks(RunAction::Accept(side), actions);
+        .on_click(RunAction::Accept(side), actions);
     if first {
         let left = left
             + if is_row {
@@ -189,7 +189,7 @@ fn decide_ui(
             egui::Button::new("Reject (Esc)"),
         )
         .on_hover_text("discard the patch; the mesh is unchanged")
-        .asks(RunAction::Reject, actions);
+        .on_click(RunAction::Reject, actions);
     }
     Some(Rect::from_min_size(left, egui::vec2(width, height)))
 }

@@ -17,27 +17,27 @@ use crate::mesh::LoopId;
 const SHARP: f64 = 40.0;
 
 /// Actions of clicked widgets.
-pub(crate) trait Asks {
+pub(crate) trait ClickActions {
     /// Adds a tooltip with the key of an action.
     fn key_tip(self, tip: &str, action: impl Into<Action>) -> Self;
 
     /// Requests an action when the widget is clicked.
-    fn asks(&self, action: impl Into<Action>, actions: &mut Vec<Action>);
+    fn on_click(&self, action: impl Into<Action>, actions: &mut Vec<Action>);
 
     /// Highlights loops in the view while the cursor is over the widget.
     fn hovers(&self, loops: &[LoopId], actions: &mut Vec<Action>);
 
-    /// As [`Self::asks`], with a tooltip that contains the key of the action.
-    fn asks_with_key(self, tip: &str, action: impl Into<Action>, actions: &mut Vec<Action>);
+    /// As [`Self::on_click`], with a tooltip that contains the key of the action.
+    fn on_click_with_key(self, tip: &str, action: impl Into<Action>, actions: &mut Vec<Action>);
 }
 
-impl Asks for Response {
+impl ClickActions for Response {
     fn key_tip(self, tip: &str, action: impl Into<Action>) -> Self {
         let key = hint(&self.ctx, action);
         self.on_hover_text(format!("{tip}{key}"))
     }
 
-    fn asks(&self, action: impl Into<Action>, actions: &mut Vec<Action>) {
+    fn on_click(&self, action: impl Into<Action>, actions: &mut Vec<Action>) {
         if self.clicked() {
             actions.push(action.into());
         }
@@ -49,9 +49,9 @@ impl Asks for Response {
         }
     }
 
-    fn asks_with_key(self, tip: &str, action: impl Into<Action>, actions: &mut Vec<Action>) {
+    fn on_click_with_key(self, tip: &str, action: impl Into<Action>, actions: &mut Vec<Action>) {
         let action = action.into();
-        self.key_tip(tip, action.clone()).asks(action, actions);
+        self.key_tip(tip, action.clone()).on_click(action, actions);
     }
 }
 
@@ -202,6 +202,6 @@ pub(crate) fn pick_edges(ui: &mut Ui, pick: Pick, tip: &str, actions: &mut Vec<A
     let other = if picking { Pick::Holes } else { Pick::Edges };
     let button = ui.add(Button::selectable(picking, "Pick edges"));
     let button = button.on_hover_text(tip);
-    button.asks(ReportAction::Pick(other), actions);
+    button.on_click(ReportAction::Pick(other), actions);
     button.clicked()
 }

@@ -6,7 +6,7 @@ use eframe::egui::{self, Context, Grid, RichText, ScrollArea, Ui, Window};
 
 use super::UiState;
 use super::repair::{REPAIR, repair_button};
-use super::widgets::{Asks, named, row};
+use super::widgets::{ClickActions, named, row};
 use crate::app::action::{Action, EditAction, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
@@ -47,7 +47,7 @@ impl Default for FrameStats {
 impl FrameStats {
     /// Records a frame. The first frames, which include the initial layout, do not count as
     /// longest.
-    pub(crate) fn book(&mut self, took: Duration) {
+    pub(crate) fn record(&mut self, took: Duration) {
         if self.first.is_none() {
             self.first = Some(self.started.elapsed());
         }
@@ -215,7 +215,7 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 p.y,
                 p.z
             );
-            ui.link(words).asks(ReportAction::Inspect(p), actions);
+            ui.link(words).on_click(ReportAction::Inspect(p), actions);
         }
     });
     ui.horizontal_wrapped(|ui| {
@@ -236,7 +236,7 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             let idle = model.run.is_none() && !document.is_blank();
             ui.add_enabled(idle, egui::Button::new(name))
                 .on_hover_text(tip)
-                .asks(action, actions);
+                .on_click(action, actions);
         }
     });
 }
@@ -336,7 +336,7 @@ fn settings_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         ui.label("Theme");
         for (dark, name) in [(true, "dark"), (false, "light")] {
             ui.selectable_label(settings.dark == dark, name)
-                .asks(ViewAction::Dark(dark), actions);
+                .on_click(ViewAction::Dark(dark), actions);
         }
     });
     ui.horizontal(|ui| {

@@ -301,7 +301,7 @@ pub(in crate::app) fn replace(model: &mut Model, document: Document) {
     model.run = None;
     model.rejected = None;
     // do not fit the camera to the old surfaces
-    model.displays.iter_mut().for_each(DisplayWorker::forget);
+    model.displays.iter_mut().for_each(DisplayWorker::clear);
     model.history = History::default();
     let view = &mut model.view;
     view.camera.home();

@@ -213,7 +213,7 @@ fn make(model: &mut Model, mut settings: PictureSettings) {
         .map(|s| s.handle.states())
         .collect();
     let displays = model.displays.iter().take(scenes.len());
-    let requests: Vec<Request> = displays.filter_map(|d| d.asked().cloned()).collect();
+    let requests: Vec<Request> = displays.filter_map(|d| d.requested().cloned()).collect();
     model.view.modal = Modal::None;
     let what = format!("{WRITING}: {}", job.settings.path);
     model.spawn(what, move |reporter| {

@@ -128,7 +128,7 @@ pub(super) fn repaired(model: &mut Model, base: &Arc<Mesh>, result: Result<Box<R
     let reasons: Vec<String> = open
         .filter(|l| l.is_outer_boundary)
         .map(|l| format!("loop {} ({} edges): {}", l.id, l.edges(), l.reason))
-        .take(MOST_REASONS)
+        .take(MAX_REASONS)
         .collect();
     if !reasons.is_empty() {
         model.log.warning(format!(
@@ -139,10 +139,10 @@ pub(super) fn repaired(model: &mut Model, base: &Arc<Mesh>, result: Result<Box<R
     }
 }
 
-/// Most loops left open whose reasons are said.
-const MOST_REASONS: usize = 3;
+/// Maximum number of open loops whose reasons are listed.
+const MAX_REASONS: usize = 3;
 
-/// What is to be said about the patches of all holes.
+/// Warnings about the patches of all holes.
 fn warnings(step: &RepairStep) -> Vec<String> {
     let filled = match &step.operation {
         Operation::Fill(_) => step.outcome.filled(),

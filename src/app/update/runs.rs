@@ -242,7 +242,7 @@ fn spawn(model: &mut Model, operation: impl Fn(FlowSpec) -> Operation) {
     }
 }
 
-/// Whether the typed energy is valid; if it is not, says why.
+/// Whether the typed energy is valid; logs the error otherwise.
 pub(super) fn has_valid_energy(model: &mut Model) -> bool {
     let text = model.view.energy_text.trim();
     let params = params_for(text, &model.document.controls.param);

@@ -116,7 +116,7 @@ fn request_displays(model: &mut Model) {
     }
     for i in 0..model.sides() {
         let request = request(model, i);
-        model.displays[i].ask(request);
+        model.displays[i].request(request);
     }
 }
 

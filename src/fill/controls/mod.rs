@@ -32,7 +32,8 @@ choices!(Linear: Gmres "gmres", Lu "lu");
 options! {
     /// The options of a fill.
     ///
-    /// The default is that of the command line: `H^2`, scheme B, fast mode, G1.
+    /// The default is that of the command line: surface model `auto`, energy `H^2` (of the
+    /// surface model `energy`), scheme B, fast mode, continuity `auto`.
     pub struct Controls {
         /// Energy f(H,K): a preset or an expression.
         energy("F"): String = "H^2".into(),

@@ -66,9 +66,9 @@ pub(super) fn make_sound(
     check.outcome(&given, &again)
 }
 
-/// Most holes that are filled alike. Rims side by side are two, seldom more; for the dozens of unsound holes of a
+/// Maximum number of holes that are filled alike. Rims side by side are two, seldom more; for the dozens of unsound holes of a
 /// riddled mesh the trials take minutes.
-const MOST_ALIKE: usize = 4;
+const MAX_ALIKE: usize = 4;
 
 /// The check of the patches of a group. Holes have their numbers in the group.
 struct Check<'a> {
@@ -159,10 +159,10 @@ impl<'a> Check<'a> {
 
     /// Fills several unsound holes by the first of the [safer models](SAFER) by which all
     /// are sound, repaired if need be: the patches over two rims side by side cross each
-    /// other unless both are flat. Nothing happens for fewer than two holes, for more than [`MOST_ALIKE`], and if
+    /// other unless both are flat. Nothing happens for fewer than two holes, for more than [`MAX_ALIKE`], and if
     /// some stay unsound.
     fn fill_alike(&mut self, unsound: &[usize]) {
-        if !(2..=MOST_ALIKE).contains(&unsound.len()) {
+        if !(2..=MAX_ALIKE).contains(&unsound.len()) {
             return;
         }
         let holes = || unsound.iter().map(|&k| &self.holes[k]);

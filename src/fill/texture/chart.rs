@@ -11,11 +11,11 @@ use crate::mesh::{DVec3, sides};
 const PADDING: f64 = 4.0;
 /// Texels this far from a rim have the colour of the rim. Every sample at the rim lies between these.
 const BAND: f64 = 1.5;
-/// Least number of texels of an edge.
-const LEAST: f64 = 2.0;
-/// Least radius of the inner of two loops beside that of the outer one, where possible.
+/// Minimum number of texels of an edge.
+const MIN_TEXELS: f64 = 2.0;
+/// Smallest radius of the inner of two loops beside that of the outer one, where possible.
 const INNER: f64 = 0.4;
-/// Least and greatest radius of a chart in texels.
+/// Smallest and largest radius of a chart in texels.
 const RADII: [f64; 2] = [4.0, 512.0];
 
 /// A chart.
@@ -215,8 +215,8 @@ fn texels_of(one: &[u32], positions: &[DVec3], edges: &[Option<&RimEdge>]) -> Ve
     }
     let density = if lengths > 0.0 { texels / lengths } else { 0.0 };
     let of_edge = |(i, edge): (usize, Option<&RimEdge>)| match edge {
-        Some(edge) if edge.texels > 0.0 => edge.texels.max(LEAST),
-        _ => (density * length(i)).max(LEAST),
+        Some(edge) if edge.texels > 0.0 => edge.texels.max(MIN_TEXELS),
+        _ => (density * length(i)).max(MIN_TEXELS),
     };
     edges.iter().copied().enumerate().map(of_edge).collect()
 }

@@ -130,7 +130,7 @@ fn corners_of(attributes: &Attributes, face: usize) -> Option<Corners> {
     })
 }
 
-/// Least and greatest coordinates.
+/// Smallest and largest coordinates.
 fn extent(triangle: &Corners) -> [[f64; 2]; 2] {
     let [a, b, c] = triangle;
     [

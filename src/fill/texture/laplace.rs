@@ -2,9 +2,9 @@
 
 use super::Light;
 
-/// Sweeps on the finest grid. Each coarser one gets twice as many, up to [`MOST_SWEEPS`].
+/// Sweeps on the finest grid. Each coarser one gets twice as many, up to [`MAX_SWEEPS`].
 const SWEEPS: usize = 16;
-const MOST_SWEEPS: usize = 256;
+const MAX_SWEEPS: usize = 256;
 /// Factor of over-relaxation.
 const RELAXATION: f32 = 1.6;
 
@@ -39,7 +39,7 @@ impl Texels {
             self.fill_with_mean();
         } else {
             let mut half = self.halved();
-            half.solve((2 * sweeps).min(MOST_SWEEPS));
+            half.solve((2 * sweeps).min(MAX_SWEEPS));
             self.start_from(&half);
         }
         for _ in 0..sweeps {

@@ -13,7 +13,7 @@ use crate::mesh::union_find::{find, unite};
 use crate::mesh::{Attributes, DVec3, FaceTag, OwnMaterial, row_count, sides, to_signal};
 
 /// Greatest side of an image in texels; its charts are drawn smaller to fit.
-const MOST: usize = 4096;
+const MAX_SIZE: usize = 4096;
 /// The name of the first material of patches.
 const NAME: &str = "patches";
 
@@ -70,7 +70,7 @@ pub fn append_own_charts(
         drawn = charts.collect();
         let sizes: Vec<[usize; 2]> = drawn.iter().map(|(_, chart)| chart.size).collect();
         (size, corners) = packed(&sizes);
-        if size[0].max(size[1]) <= MOST {
+        if size[0].max(size[1]) <= MAX_SIZE {
             break;
         }
     }

@@ -153,7 +153,7 @@ fn have_equal_sides(rims: &[Rim]) -> bool {
 /// time.
 const MAX_COMBINED: u32 = 6;
 
-/// Most flips that are tried one at a time.
+/// Maximum number of flips that are tried one at a time.
 const MAX_SINGLE: u32 = 31;
 
 /// For rims that overlap from every point of view: an error if flipping some of them would change

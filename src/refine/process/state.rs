@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::mesh::{Attributes, DVec3, Mesh, Topology};
 use crate::refine::levels::{Refinement, SavedLevel};
 use crate::refine::refined::refined_mesh;
-use crate::refine::{Method, Weld};
+use crate::refine::{CreaseWeld, Method};
 use crate::runner::TimelineState;
 use crate::solver::StepRecord;
 
@@ -18,7 +18,7 @@ pub struct LevelFrame {
     /// by the cut.
     pub topology: Arc<Topology>,
     /// The map to the welded mesh, if the mesh is cut.
-    pub weld: Option<Arc<Weld>>,
+    pub weld: Option<Arc<CreaseWeld>>,
     /// Attributes of the mesh that is cut open.
     pub attributes: Arc<Attributes>,
     /// Whether `control` of the states is the control mesh of a smooth limit surface. It is not for
@@ -97,7 +97,7 @@ impl RefineState {
         self.with(None, &self.control)
     }
 
-    fn with(&self, weld: Option<&Weld>, positions: &[DVec3]) -> Mesh {
+    fn with(&self, weld: Option<&CreaseWeld>, positions: &[DVec3]) -> Mesh {
         let frame = &self.frame;
         refined_mesh(
             &frame.given,

@@ -9,7 +9,7 @@ use crate::app::action::Action;
 use crate::app::model::Model;
 use crate::app::report::{Measured, ReportAction};
 use crate::app::ui::format::format_number;
-use crate::app::ui::widgets::{Asks, angle_limit, pick_edges};
+use crate::app::ui::widgets::{ClickActions, angle_limit, pick_edges};
 
 /// Number of chains whose details are open by default.
 const FEW: usize = 3;
@@ -66,7 +66,7 @@ fn head_ui(ui: &mut Ui, chain: &ChainReport, chosen: Option<usize>, actions: &mu
     ui.label(format!("{} edges, {worst}", chain.edges));
     if let Some(n) = chosen {
         ui.small_button("Remove")
-            .asks(ReportAction::DropChain(n), actions);
+            .on_click(ReportAction::DropChain(n), actions);
     }
 }
 

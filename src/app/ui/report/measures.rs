@@ -10,7 +10,7 @@ use crate::app::model::Model;
 use crate::app::report::{Measured, ReportAction};
 use crate::app::ui::format::format_number;
 use crate::app::ui::plots;
-use crate::app::ui::widgets::Asks;
+use crate::app::ui::widgets::ClickActions;
 use crate::render::ViewMode;
 
 /// Maximum number of listed intersections.
@@ -82,7 +82,7 @@ pub(crate) fn curvature_ui(
         for (i, (name, _)) in all.iter().enumerate() {
             let name = format!("{name} ");
             ui.selectable_label(i == chosen, name)
-                .asks(ReportAction::Curvature(i), actions);
+                .on_click(ReportAction::Curvature(i), actions);
         }
     });
     let (name, range) = all[chosen];
@@ -163,7 +163,7 @@ pub(crate) fn quality_ui(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Act
             }
             let at = crate::mesh::DVec3::from_array(*at);
             let link = ui.link((i + 1).to_string());
-            link.asks(ReportAction::Inspect(at), actions);
+            link.on_click(ReportAction::Inspect(at), actions);
         }
     });
 }
@@ -179,7 +179,7 @@ pub(crate) fn distance_ui(
     ui.horizontal_wrapped(|ui| {
         ui.button("Choose a mesh…")
             .on_hover_text("the reference that the surface is compared with (analyze --against)")
-            .asks(ReportAction::AskReference, actions);
+            .on_click(ReportAction::AskReference, actions);
         if let Some((path, _)) = &report.loading {
             ui.add(egui::Spinner::new().size(12.0));
             ui.weak(file_name(path));
@@ -187,7 +187,7 @@ pub(crate) fn distance_ui(
             ui.label(file_name(&reference.path))
                 .on_hover_text(reference.path.display().to_string());
             ui.small_button("Remove")
-                .asks(ReportAction::DropReference, actions);
+                .on_click(ReportAction::DropReference, actions);
         }
     });
     if report.reference.is_none() {

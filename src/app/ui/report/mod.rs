@@ -11,7 +11,7 @@ use super::format::format_number;
 use crate::app::action::Action;
 use crate::app::model::Model;
 use crate::app::report::{Pick, ReportAction, ReportFile};
-use crate::app::ui::widgets::Asks;
+use crate::app::ui::widgets::ClickActions;
 use crate::mesh::DVec3;
 
 pub(crate) use view::{click, hint_words};
@@ -70,7 +70,7 @@ fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             let name = file.extension().to_uppercase();
             ui.button(format!("Copy {name}"))
                 .on_hover_text(format!("{}, to the clipboard", file.title()))
-                .asks(ReportAction::Copy(file), actions);
+                .on_click(ReportAction::Copy(file), actions);
         }
         ui.menu_button("Save", |ui| {
             for file in ReportFile::ALL {
@@ -111,7 +111,7 @@ fn header_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             let chosen = model.view.report.on_surface == on;
             ui.selectable_label(chosen, title)
                 .on_hover_text(tip)
-                .asks(ReportAction::OnSurface(on), actions);
+                .on_click(ReportAction::OnSurface(on), actions);
         }
     });
 }

@@ -8,7 +8,7 @@ use crate::app::model::Model;
 use crate::app::report::{Across, Pick, ReportAction};
 use crate::app::scene_builder::natural_length;
 use crate::app::ui::format::format_number;
-use crate::app::ui::widgets::{Asks, named};
+use crate::app::ui::widgets::{ClickActions, named};
 
 /// The choice of the plane, the measures, and the look of the comb.
 pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -34,10 +34,10 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
             };
             ui.add(Button::selectable(chosen, title))
                 .on_hover_text(tip)
-                .asks(ReportAction::Pick(pick), actions);
+                .on_click(ReportAction::Pick(pick), actions);
         }
         if view.cut.is_some() {
-            ui.button("Remove").asks(ReportAction::DropCut, actions);
+            ui.button("Remove").on_click(ReportAction::DropCut, actions);
         }
     });
     let Some(cut) = &model.report.cut else {
@@ -48,7 +48,7 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
         .on_hover_text(
             "the side of the plane that is towards the eye; look from the other side to see it",
         )
-        .asks(ReportAction::HideFront(hidden), actions);
+        .on_click(ReportAction::HideFront(hidden), actions);
     let section = &cut.section;
     let mut comb = view.comb;
     let points = section.curves.iter().flat_map(|c| &c.points);
