@@ -15,6 +15,10 @@ const FLUSH: f64 = 10.0;
 const MIN_TURN: f64 = 10.0;
 /// Maximum number of turns of a rim of which missing faces are the parts.
 const MAX_TURNS: usize = 32;
+/// Maximum number of turns of a rim around a missing corner. That of a cube has six.
+const MAX_TURNS_AT_CORNER: usize = 12;
+/// Cosine of the angle between two planes up to which they are perpendicular.
+const SQUARE: f64 = 1e-3;
 /// Maximum number of edges between missing faces.
 const MAX_EDGES: usize = 4;
 /// Smallest determinant of the unit normals of three faces that meet in a corner: 1 for those of a cube.
@@ -101,6 +105,9 @@ struct FlatRim<'a> {
     beside: Vec<DVec3>,
     /// The vertices at which the rim turns.
     turns: Vec<usize>,
+    /// Before each place of the rim, run through twice, the number of those where it leaves a plane: where four
+    /// vertices in a row do not lie in one.
+    bends: Vec<usize>,
 }
 
 impl<'a> FlatRim<'a> {
@@ -115,12 +122,28 @@ impl<'a> FlatRim<'a> {
             let [a, b, c] = mesh.corners(mesh.topology.face(h.twin()));
             (b - a).cross(c - a)
         };
+        let n = points.len();
+        let limit = 4.0 * FLAT * hole.radius;
+        let is_bent = |k: usize| height([0, 1, 2, 3].map(|step| points[(k + step) % n])) > limit;
+        let count = |sum: &mut usize, k: usize| {
+            let before = *sum;
+            *sum += usize::from(is_bent(k));
+            Some(before)
+        };
         Some(Self {
             hole,
             beside: hole.halfedges.iter().map(normal).collect(),
             turns: turns(&points).collect(),
+            bends: (0..2 * n).scan(0, count).collect(),
             points,
         })
+    }
+
+    /// Whether the rim may be flat from one vertex to another in its direction.
+    fn may_be_flat(&self, from: usize, to: usize) -> bool {
+        let n = self.points.len();
+        let edges = (to + n - from) % n;
+        edges < 3 || self.bends[from] == self.bends[from + edges - 2]
     }
 
     /// The face with these vertices of the rim, in its direction, and a corner after them. `None` if it is not
@@ -157,14 +180,12 @@ impl<'a> FlatRim<'a> {
     /// The faces between edges from one vertex of the rim to another, as few as possible.
     fn between_edges(&self) -> Option<(Vec<Face>, Between)> {
         let whole: Vec<usize> = (0..self.points.len()).collect();
-        (1..=MAX_EDGES).find_map(|most| {
-            let (faces, edges) = self.cut(&whole, most)?;
-            let is_evident = faces.iter().any(Face::is_evident);
-            is_evident.then_some((faces, Between::Edges(edges)))
-        })
+        let (faces, edges) = (1..=MAX_EDGES).find_map(|most| self.cut(&whole, most))?;
+        Some((faces, Between::Edges(edges)))
     }
 
-    /// Cuts a polygon of vertices of the rim into faces along at most `most` edges.
+    /// Cuts a polygon of vertices of the rim into faces along at most `most` edges. Each edge cuts off one face that is
+    /// [evident](Face::is_evident).
     fn cut(&self, polygon: &[usize], most: usize) -> Option<(Vec<Face>, Vec<[usize; 2]>)> {
         if let Some(face) = self.face(polygon, None) {
             return Some((vec![face], Vec::new()));
@@ -172,40 +193,54 @@ impl<'a> FlatRim<'a> {
         let most = most.checked_sub(1)?;
         let is_turn = |&k: &usize| self.turns.binary_search(&polygon[k]).is_ok();
         let turns: Vec<usize> = (0..polygon.len()).filter(is_turn).collect();
-        let pairs = (0..turns.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
+        let pairs = (0..turns.len()).flat_map(|j| (0..turns.len()).map(move |i| [i, j]));
+        let pairs = pairs.map(|pair| pair.map(|k| turns[k]));
         pairs
-            .map(|pair| pair.map(|k| turns[k]))
+            .filter(|[from, to]| from != to)
             .find_map(|[from, to]| {
-                let inner = polygon[from..=to].to_vec();
-                let outer = [&polygon[..=from], &polygon[to..]].concat();
                 let edge = [polygon[from], polygon[to]];
-                // one of the edges separates one face from all others
-                [[&inner, &outer], [&outer, &inner]]
-                    .into_iter()
-                    .find_map(|[one, others]| {
-                        let face = self.face(one, None)?;
-                        let (mut faces, mut edges) = self.cut(others, most)?;
-                        let has_edge =
-                            |face: &&Face| edge.iter().all(|v| face.vertices.contains(v));
-                        let is_sharp = faces.iter().find(has_edge)?.is_sharp_to(&face);
-                        faces.push(face);
-                        edges.push(edge);
-                        is_sharp.then_some((faces, edges))
-                    })
+                if polygon.len() == self.points.len() && !self.may_be_flat(edge[0], edge[1]) {
+                    return None;
+                }
+                let (first, last) = (from.min(to), from.max(to));
+                let inside = polygon[first..=last].to_vec();
+                let outside = [&polygon[..=first], &polygon[last..]].concat();
+                let (one, others) = if from < to {
+                    (inside, outside)
+                } else {
+                    (outside, inside)
+                };
+                let face = self.face(&one, None).filter(Face::is_evident)?;
+                let (mut faces, mut edges) = self.cut(&others, most)?;
+                let has_edge = |face: &&Face| edge.iter().all(|v| face.vertices.contains(v));
+                let is_sharp = faces.iter().find(has_edge)?.is_sharp_to(&face);
+                faces.push(face);
+                edges.push([polygon[first], polygon[last]]);
+                is_sharp.then_some((faces, edges))
             })
     }
 
-    /// Three faces that meet in a missing corner.
+    /// Three faces that meet in a missing corner. Planes always meet in a point: the edges of the rim are straight
+    /// lines of several edges, or the planes are perpendicular to each other.
     fn at_corner(&self) -> Option<(Vec<Face>, Between)> {
-        let n = self.points.len();
+        let (n, count) = (self.points.len(), self.turns.len());
+        if count > MAX_TURNS_AT_CORNER {
+            return None;
+        }
         let run = |from: usize, to: usize| -> Vec<usize> {
             let edges = (to + n - from) % n;
             (0..=edges).map(|k| (from + k) % n).collect()
         };
-        let count = self.turns.len();
-        let flat = |(i, j): (usize, usize)| self.face(&run(self.turns[i], self.turns[j]), None);
+        let flat = |(i, j): (usize, usize)| {
+            let [from, to] = [i, j].map(|k| self.turns[k]);
+            let may_be_flat = self.may_be_flat(from, to);
+            may_be_flat
+                .then(|| self.face(&run(from, to), None))
+                .flatten()
+        };
         let ordered = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
         let planes: Vec<Option<Face>> = ordered.map(flat).collect();
+        let is_straight = 2 * count <= n;
         let triples =
             (0..count).flat_map(|k| (0..k).flat_map(move |j| (0..j).map(move |i| [i, j, k])));
         triples
@@ -213,21 +248,41 @@ impl<'a> FlatRim<'a> {
             .find_map(|runs| {
                 let [a, b, c] = runs.map(|(i, j)| planes[i * count + j].as_ref());
                 let planes = [a?, b?, c?];
-                let across = DMat3::from_cols(planes[0].normal, planes[1].normal, planes[2].normal)
-                    .transpose();
-                if across.determinant().abs() < MIN_SPREAD {
+                let [l, m, n] = planes.map(|face| face.normal);
+                let is_square = [l.dot(m), m.dot(n), n.dot(l)]
+                    .iter()
+                    .all(|cos| cos.abs() < SQUARE);
+                let across = DMat3::from_cols(l, m, n).transpose();
+                if !(is_straight || is_square) || across.determinant().abs() < MIN_SPREAD {
                     return None;
                 }
                 let offset = planes.map(|face| face.normal.dot(self.points[face.vertices[0]]));
                 let corner = across.inverse() * DVec3::from_array(offset);
-                let faces = planes.map(|plane| self.face(&plane.vertices, Some(corner)));
-                let faces: Vec<Face> = faces.into_iter().flatten().collect();
-                let are_sharp =
-                    (0..faces.len()).all(|k| faces[k].is_sharp_to(&faces[(k + 1) % faces.len()]));
-                (faces.len() == 3 && are_sharp && faces.iter().all(Face::is_evident)).then(|| {
+                let face = |plane: &Face| {
+                    let face = self.face(&plane.vertices, Some(corner));
+                    face.filter(Face::is_evident)
+                };
+                let [a, b, c] = planes.map(face);
+                let faces = vec![a?, b?, c?];
+                let are_sharp = (0..3).all(|k| faces[k].is_sharp_to(&faces[(k + 1) % 3]));
+                are_sharp.then(|| {
                     let ends = runs.map(|(i, _)| self.turns[i]);
                     (faces, Between::Corner(ends, corner))
                 })
             })
     }
+}
+
+/// The smallest distance of one of four points from the plane of the others; less where they are almost on a line.
+fn height([a, b, c, d]: [DVec3; 4]) -> f64 {
+    let volume = (b - a).cross(c - a).dot(d - a).abs();
+    let area = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).length();
+    let areas = [area(a, b, c), area(a, b, d), area(a, c, d), area(b, c, d)];
+    let lengths = [a.distance(b), b.distance(c), c.distance(d)];
+    let thin = FLAT * lengths.iter().sum::<f64>().powi(2);
+    volume
+        / areas
+            .into_iter()
+            .fold(thin, f64::max)
+            .max(f64::MIN_POSITIVE)
 }
