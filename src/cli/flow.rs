@@ -15,6 +15,7 @@ use crate::cli::result_picture::ResultPicture;
 use crate::cli::side_by_side::Place;
 use crate::cli::targets::{Named, check_targets};
 use crate::cli::trace::Trace;
+use crate::energy::Energy;
 use crate::fill::{
     Continuity, Controls, ControlsError, Filled, LoopChoice, PreparedFill, RimSet, choose,
     nearest_loop,
@@ -256,14 +257,8 @@ impl<'a> FlowCommand<'a> {
             if rim_sets.is_empty() {
                 say(&nothing_to_do(skipped.len()));
             }
-            let unused = self.flow.controls.unused();
-            if !unused.is_empty() && self.flow.schedule.entries.is_empty() {
-                let names: Vec<String> = unused.iter().map(|name| format!("--{name}")).collect();
-                let surface = self.flow.controls.surface.name();
-                say(&format!(
-                    "no effect with --surface {surface}: {}",
-                    names.join(", ")
-                ));
+            for message in without_effect(&self.flow, rim_sets) {
+                say(&format!("no effect: {message}"));
             }
         }
         let progress = Progress::new(Work::Holes(rim_sets.len()), self.files.options.quiet);
@@ -421,6 +416,39 @@ fn summary(report: &FillReport) -> Result<()> {
         t.faces_added,
         t.seconds
     ))
+}
+
+/// The options of a flow that have no effect on a fill of these rims, with the reasons.
+fn without_effect(flow: &FlowSpec, rim_sets: &[RimSet<'_>]) -> Vec<String> {
+    let FlowSpec { controls, schedule } = flow;
+    let mut messages = Vec::new();
+    let filled = |id: LoopId| rim_sets.iter().flatten().any(|rim| rim.id == id);
+    let open = controls.loop_continuity.keys().filter(|id| !filled(**id));
+    messages
+        .extend(open.map(|id| format!("--loop-continuity {id}, because loop {id} is not filled")));
+    // a schedule may change the surface model and the energy
+    if !schedule.entries.is_empty() {
+        return messages;
+    }
+    let unused: Vec<String> = controls
+        .unused()
+        .iter()
+        .map(|name| format!("--{name}"))
+        .collect();
+    if !unused.is_empty() {
+        let surface = controls.surface.name();
+        messages.push(format!("{} with --surface {surface}", unused.join(", ")));
+    } else if let Ok(energy) = Energy::parse(&controls.energy, &controls.param) {
+        let unknown = controls
+            .param
+            .keys()
+            .filter(|name| !energy.params().contains_key(*name));
+        let text = &controls.energy;
+        messages.extend(
+            unknown.map(|name| format!("--param {name}, because `{text}` does not contain it")),
+        );
+    }
+    messages
 }
 
 /// Maximum number of open loops that are named.
