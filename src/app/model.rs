@@ -17,7 +17,7 @@ use super::project::Project;
 use super::report::Report;
 use super::run::{Accepting, Run, RunState};
 use super::settings::Settings;
-use super::view_state::{AfterUnsaved, PathUse, PictureSettings, ViewState};
+use super::view_state::{AfterUnsaved, PathPrompt, PathUse, PictureSettings, ViewState};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
 use crate::ops::{Condition, Faces, RepairStep};
 use crate::options::Choice;
@@ -164,6 +164,8 @@ pub struct Model {
     pub saved_mesh: Option<Arc<Mesh>>,
     /// The action that continues after the running save.
     pub after_save: Option<AfterUnsaved>,
+    /// The path that was typed last, until its file is read or written.
+    pub typed_path: Option<PathPrompt>,
     /// Writes the recovery file.
     pub autosave: Autosave,
     /// The texture images of the document.
@@ -215,6 +217,7 @@ impl Model {
             revision: 0,
             saved_mesh: Some(Arc::clone(&document.mesh)),
             after_save: None,
+            typed_path: None,
             autosave,
             textures: Arc::default(),
             report: Report::default(),

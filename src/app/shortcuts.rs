@@ -80,7 +80,7 @@ pub(crate) static SHORTCUTS: &[Shortcut] = shortcuts! {
     View(ViewAction::Toggle(Switch::Tint)) [NONE T] "Tint the patch";
     View(ViewAction::Toggle(Switch::Log)) [CTRL L] "Log";
     View(ViewAction::Toggle(Switch::LimitSurface)) [NONE L] "Limit surface or control mesh";
-    View(ViewAction::Toggle(Switch::Original)) [NONE O] "Opened mesh on or off";
+    View(ViewAction::Toggle(Switch::Original)) [NONE O] "Original mesh on or off";
     View(ViewAction::Toggle(Switch::Report)) [CTRL R] "Load report";
     View(ViewAction::Toggle(Switch::Analysis)) [NONE I] "Report: measures of the surface";
     View(ViewAction::Toggle(Switch::Rims)) [NONE R] "Rims on or off";

@@ -18,7 +18,7 @@ use super::settings::Settings;
 use super::ui::plots;
 use super::update::{act, replace, tick};
 use super::view_state::{
-    AfterUnsaved, LoopColumn, LoopKind, LoopList, Modal, PathUse, Task, Windows,
+    AfterUnsaved, LoopColumn, LoopKind, LoopList, Modal, PathPrompt, PathUse, Task, Windows,
 };
 use crate::fill::{Features, LoopLimits, Surface};
 use crate::io;
@@ -852,6 +852,26 @@ fn saved_files_get_an_extension_and_enter_the_title_and_the_recent_files() {
         assert_eq!(m.title(), format!("{name} - Meniscus"));
         assert_eq!(m.settings.recent[0], written);
     }
+}
+
+/// A typed path stays in its dialog until its file is read or written.
+#[test]
+fn a_path_that_fails_is_asked_for_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let missing = folder.path().join("none");
+    let mut m = model();
+    for (purpose, name) in [(PathUse::SaveAs, "out.ply"), (PathUse::Open, "in.ply")] {
+        let path = missing.join(name);
+        let text = path.display().to_string();
+        act(&mut m, FileAction::UsePath(purpose, path));
+        let prompt = Modal::Path(PathPrompt { purpose, text });
+        until(&mut m, |m| m.view.modal == prompt);
+        act(&mut m, Action::Modal(Modal::None));
+    }
+    let path = folder.path().join("out.ply");
+    act(&mut m, FileAction::UsePath(PathUse::SaveAs, path.clone()));
+    until(&mut m, |m| m.saved_to.as_ref() == Some(&path));
+    assert_eq!((&m.view.modal, &m.typed_path), (&Modal::None, &None));
 }
 
 #[test]

@@ -214,7 +214,7 @@ fn view_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             model.settings.layout.right,
         ),
         ("Limit surface", Switch::LimitSurface, view.limit_surface),
-        ("Opened mesh", Switch::Original, view.show_original),
+        ("Original mesh", Switch::Original, view.show_original),
         ("Rims", Switch::Rims, view.show_rims),
         ("Grid on the ground", Switch::Grid, model.settings.grid),
         ("Wireframe", Switch::Wireframe, view.style.wireframe),

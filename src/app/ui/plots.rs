@@ -31,6 +31,15 @@ pub(crate) struct PlotCurve {
 }
 
 impl PlotCurve {
+    /// The points in pieces within which values are comparable. An energy does not rise by a step, so it is another one
+    /// after a rise: that of new controls, or of a new metric (`g2` and `diffusion`).
+    pub(crate) fn pieces(&self, is_energy: bool) -> impl Iterator<Item = &[[f64; 2]]> {
+        let falls = move |a: &[f64; 2], b: &[f64; 2]| {
+            !is_energy || b[1] <= a[1] + 1e-9 * a[1].abs().max(b[1].abs())
+        };
+        self.points.chunk_by(falls)
+    }
+
     /// Attempt and value of the point nearest to an attempt.
     pub(crate) fn nearest(&self, attempt: f64) -> Option<[f64; 2]> {
         let far = |p: &[f64; 2]| (p[0] - attempt).abs();
@@ -166,13 +175,15 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
     let inks: Vec<Color32> = curves.iter().map(|c| theme::series(ui, c.color)).collect();
     let shown = plot.show(ui, |plot| {
         for (curve, ink) in curves.iter().zip(&inks) {
-            let points = PlotPoints::from(curve.points.clone());
             let style = if theme::is_dashed(curve.color) {
                 LineStyle::dashed_loose()
             } else {
                 LineStyle::Solid
             };
-            plot.line(Line::new("", points).width(1.8).color(*ink).style(style));
+            for piece in curve.pieces(energy) {
+                let points = PlotPoints::from(piece.to_vec());
+                plot.line(Line::new("", points).width(1.8).color(*ink).style(style));
+            }
         }
         for change in changes(run) {
             let mark = VLine::new("", change.0).style(LineStyle::dashed_dense());
@@ -358,6 +369,18 @@ pub(crate) fn curves(run: &Run, energy: bool) -> Vec<PlotCurve> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_energy_that_rises_is_another_one() {
+        let curve = PlotCurve {
+            name: String::new(),
+            color: 0,
+            holes: Vec::new(),
+            points: vec![[0.0, 3.0], [1.0, 1.0], [2.0, 2.0], [3.0, 2.0], [4.0, 1.5]],
+        };
+        let lengths = |is_energy| curve.pieces(is_energy).map(<[_]>::len).collect::<Vec<_>>();
+        assert_eq!((lengths(true), lengths(false)), (vec![2, 3], vec![5]));
+    }
 
     #[test]
     fn marks_are_round_and_have_labels_of_their_own() {

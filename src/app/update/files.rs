@@ -39,7 +39,11 @@ pub(crate) fn update(model: &mut Model, action: FileAction) {
         },
         FileAction::AskSaveAs => ask(model, PathUse::SaveAs),
         FileAction::SaveAs(path) => save(model, &path),
-        FileAction::UsePath(purpose, path) => use_path(model, purpose, path),
+        FileAction::UsePath(purpose, path) => {
+            let text = path.display().to_string();
+            model.typed_path = Some(PathPrompt { purpose, text });
+            use_path(model, purpose, path);
+        }
         FileAction::AskExportPatch => {
             if model.document.is_changed() {
                 ask(model, PathUse::ExportPatch);
@@ -224,8 +228,19 @@ pub(super) fn with_extension(mut path: PathBuf, extension: &str) -> PathBuf {
     path
 }
 
+/// Asks again for a typed path whose file cannot be read or written.
+fn ask_again(model: &mut Model) {
+    if let Some(prompt) = model.typed_path.take() {
+        model.view.modal = Modal::Path(prompt);
+    }
+}
+
 /// Opens the content that was read.
 pub(super) fn loaded(model: &mut Model, path: &Path, result: Result<Loaded, String>) {
+    match result {
+        Ok(_) => model.typed_path = None,
+        Err(_) => ask_again(model),
+    }
     match result {
         Ok(Loaded::Mesh(document)) => {
             if matches!(document.origin.source, Source::File(_)) {
@@ -275,9 +290,11 @@ pub(super) fn saved(
         Err(text) => {
             model.after_save = None;
             model.log.error(text);
+            ask_again(model);
             return;
         }
     };
+    model.typed_path = None;
     model.log.info(format!("saved {}", path.display()));
     for loss in losses {
         model.log.warning(loss);
@@ -434,6 +451,7 @@ fn refuses_source(model: &mut Model, path: &Path) -> bool {
             "{} is the opened file, which is never overwritten: choose another name",
             path.display()
         ));
+        ask_again(model);
     }
     refused
 }
