@@ -10,7 +10,14 @@ use crate::mesh::{BoundaryLoop, DVec3, HalfedgeId, Mesh, vector_area};
 const FLAT: f64 = 1e-3;
 /// Largest angle between the plane of the rim and a face that continues it, in degrees.
 const FLUSH: f64 = 10.0;
-
+/// Largest distance of an exactly flat rim from its plane, in radii of the hole: a few digits of single precision.
+const EXACT: f64 = 1e-5;
+/// Largest angle between the plane of an exactly flat rim and a face of a rounding beside it, in degrees.
+const TILTED: f64 = 30.0;
+/// Angle up to which such a face lies in the plane, in degrees.
+const IN_PLANE: f64 = 1.0;
+/// Length of the longest edge of a rim over the median above which it is not that of a round opening.
+const UNEVEN: f64 = 4.0;
 /// Smallest turn of a rim where an edge between two missing faces ends, in degrees.
 const MIN_TURN: f64 = 10.0;
 /// Maximum number of turns of a rim of which missing faces are the parts.
@@ -40,28 +47,31 @@ pub(super) enum Between {
 }
 
 /// The missing face of a body with sharp edges, such as a side of a box: the rim is flat, its plane meets the faces
-/// beside it at sharp angles or continues them, and a sharp edge of the body ends at the rim. `None` for
-/// other holes, and if no edge of the rim is sharp.
+/// beside it at sharp angles or continues them, and a sharp edge of the body ends at the rim. Or the rim is exactly
+/// flat as if [cut](FlatRim::cut_edges). `None` for other holes, and if no edge of the rim is sharp.
 pub(super) fn missing_face(mesh: &Mesh, hole: &BoundaryLoop) -> Option<MissingFaces> {
-    let rim = FlatRim::new(mesh, hole)?;
+    let rim = FlatRim::new(mesh, hole);
     let whole: Vec<usize> = (0..hole.edges()).collect();
-    let face = rim.face(&whole, None)?;
-    MissingFaces::new(vec![face], Between::Edges(Vec::new()))
+    let creased = rim.cut_edges().or_else(|| {
+        let face = || rim.face(&whole, None).map(|face| face.creased);
+        rim.ends_lines.then(face).flatten()
+    })?;
+    MissingFaces::new(creased, Between::Edges(Vec::new()))
 }
 
 /// Several such faces side by side, whose planes meet each other at sharp angles.
 pub(super) fn missing_faces(mesh: &Mesh, hole: &BoundaryLoop) -> Option<MissingFaces> {
-    let rim = FlatRim::new(mesh, hole)?;
-    if rim.turns.len() > MAX_TURNS {
+    let rim = FlatRim::new(mesh, hole);
+    if !rim.ends_lines || rim.turns.len() > MAX_TURNS {
         return None;
     }
     let (faces, between) = rim.between_edges().or_else(|| rim.at_corner())?;
-    MissingFaces::new(faces, between)
+    let creased = faces.into_iter().flat_map(|face| face.creased).collect();
+    MissingFaces::new(creased, between)
 }
 
 impl MissingFaces {
-    fn new(faces: Vec<Face>, between: Between) -> Option<Self> {
-        let creased: Vec<usize> = faces.into_iter().flat_map(|face| face.creased).collect();
+    fn new(creased: Vec<usize>, between: Between) -> Option<Self> {
         (!creased.is_empty()).then_some(Self { creased, between })
     }
 }
@@ -103,6 +113,8 @@ struct FlatRim<'a> {
     points: Vec<DVec3>,
     /// The normals of the faces beside the edges, of any length.
     beside: Vec<DVec3>,
+    /// Whether a sharp edge of the mesh ends at the rim.
+    ends_lines: bool,
     /// The vertices at which the rim turns.
     turns: Vec<usize>,
     /// Before each place of the rim, run through twice, the number of those where it leaves a plane: where four
@@ -111,12 +123,9 @@ struct FlatRim<'a> {
 }
 
 impl<'a> FlatRim<'a> {
-    /// `None` if no sharp edge of the mesh ends at the rim.
-    fn new(mesh: &Mesh, hole: &'a BoundaryLoop) -> Option<Self> {
+    fn new(mesh: &Mesh, hole: &'a BoundaryLoop) -> Self {
         let mut around = (hole.vertices.iter()).flat_map(|&v| mesh.topology.outgoing(v));
-        if !around.any(|h| is_sharp(mesh, h)) {
-            return None;
-        }
+        let ends_lines = around.any(|h| is_sharp(mesh, h));
         let points: Vec<DVec3> = hole.vertices.iter().map(|&v| mesh.position(v)).collect();
         let normal = |h: &HalfedgeId| {
             let [a, b, c] = mesh.corners(mesh.topology.face(h.twin()));
@@ -130,13 +139,50 @@ impl<'a> FlatRim<'a> {
             *sum += usize::from(is_bent(k));
             Some(before)
         };
-        Some(Self {
+        Self {
             hole,
+            ends_lines,
             beside: hole.halfedges.iter().map(normal).collect(),
             turns: turns(&points).collect(),
             bends: (0..2 * n).scan(0, count).collect(),
             points,
-        })
+        }
+    }
+
+    /// The edges at which a flat patch has creases, where the rim is exactly flat, as a cut along a plane or a face of a
+    /// CAD program is. All faces beside it meet its plane at a sharp angle or at most at [`TILTED`], as the first ones of
+    /// a rounding. To be no round opening, it has edges of very different length, or both kinds of faces beside it.
+    fn cut_edges(&self) -> Option<Vec<usize>> {
+        let normal = vector_area(&self.points).try_normalize()?;
+        let distance = |p: &DVec3| (*p - self.points[0]).dot(normal).abs();
+        if self
+            .points
+            .iter()
+            .any(|p| distance(p) > EXACT * self.hole.radius)
+        {
+            return None;
+        }
+        let angles = self
+            .beside
+            .iter()
+            .map(|beside| beside.angle_between(normal));
+        let angles: Vec<f64> = angles.collect();
+        let is_below = |limit: f64| move |angle: &f64| *angle <= limit.to_radians();
+        if !angles
+            .iter()
+            .all(|angle| is_sharp_angle(*angle) || is_below(TILTED)(angle))
+        {
+            return None;
+        }
+        let next = self.points.iter().cycle().skip(1);
+        let lengths = self.points.iter().zip(next).map(|(p, q)| p.distance(*q));
+        let mut lengths: Vec<f64> = lengths.collect();
+        lengths.sort_unstable_by(f64::total_cmp);
+        let is_uneven = lengths[lengths.len() - 1] >= UNEVEN * lengths[lengths.len() / 2];
+        let is_mixed =
+            angles.iter().any(is_below(FLUSH)) && angles.iter().any(|&angle| is_sharp_angle(angle));
+        let creased = (0..angles.len()).filter(|&i| !is_below(IN_PLANE)(&angles[i]));
+        (is_uneven || is_mixed).then(|| creased.collect())
     }
 
     /// Whether the rim may be flat from one vertex to another in its direction.

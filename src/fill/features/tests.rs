@@ -360,6 +360,43 @@ fn missing_sides_of_a_cube_are_flat() {
     }
 }
 
+/// The walls of a bar with a rounded cross-section, from z = 0 down. With `rounding`, in degrees, the last row leans inwards.
+fn rounded_bar(rounding: f64) -> Sheets {
+    let corner = |k: usize| {
+        let (x, y) = [(2.0, 1.0), (-2.0, 1.0), (-2.0, -1.0), (2.0, -1.0)][k / 9];
+        let (sin, cos) = ((k / 9) as f64 * 90.0 + (k % 9) as f64 * 11.25)
+            .to_radians()
+            .sin_cos();
+        (DVec3::new(x, y, 0.0), DVec3::new(cos, sin, 0.0))
+    };
+    let lean = rounding.to_radians();
+    let mut sheets = Sheets::default();
+    sheets.add(6, 36, |i, j| {
+        let (middle, out) = corner(j % 36);
+        let (radius, z) = match i {
+            0 => (0.5 - 0.1 * lean.sin(), 0.0),
+            _ => (0.5, -0.1 * lean.cos() - 0.3 * (i - 1) as f64),
+        };
+        middle + radius * out + z * DVec3::Z
+    });
+    sheets
+}
+
+/// The end of a bar is flat, also if a rounding begins there. That of a round tube is not.
+#[test]
+fn an_exactly_flat_end_stays_flat() {
+    for rounding in [0.0, 70.0] {
+        let mesh = rounded_bar(rounding).without(DVec3::ZERO, 0.0);
+        let flat = |features| {
+            let filled = filled(&mesh, DVec3::ZERO, features);
+            let new = filled.positions[mesh.vertex_count()..].iter();
+            new.map(|p| p.z.abs()).fold(0.0, f64::max)
+        };
+        assert!(flat(Features::Auto) < 1e-9, "{rounding}");
+        assert!(flat(Features::Off) > 0.05, "{rounding}");
+    }
+}
+
 /// Three missing sides of a long box of twelve triangles.
 #[test]
 fn missing_sides_of_a_long_box_are_flat() {
