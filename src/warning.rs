@@ -109,6 +109,9 @@ pub enum Warning {
         folds: usize,
         /// How many times as much as the second the first bends, if that is far more.
         bending: Option<f64>,
+        /// The largest distance of the first from the rim in radii of the hole, if that is far more than that of the
+        /// second.
+        reach: Option<f64>,
     },
     /// The patch of a hole does not join some islands in it.
     IslandsLeft {
@@ -210,6 +213,11 @@ impl Warning {
             }
             Self::Frozen { .. } => "increase the tension, or use a finer mesh there",
             Self::Unreached { .. } => "check whether the mesh is folded there",
+            Self::SelfIntersection {
+                kept_step: None, ..
+            } => {
+                "join rims whose patches intersect by one patch (blend), or use a flatter surface such as diffusion"
+            }
             Self::SelfIntersection { .. } => {
                 "use another energy, add tension, or join fewer rims at a time"
             }
@@ -315,6 +323,7 @@ impl fmt::Display for Warning {
                 escaped,
                 folds,
                 bending,
+                reach,
             } => {
                 let defects = [
                     (*pairs, counted_pairs(*pairs)),
@@ -332,7 +341,9 @@ impl fmt::Display for Warning {
                 let defects: Vec<String> = defects.map(|defect| defect.1).collect();
                 let has = (!defects.is_empty()).then(|| format!("has {}", defects.join(", ")));
                 let bends = bending.map(|ratio| format!("bends {ratio:.0} times as much"));
-                let reasons: Vec<String> = bends.into_iter().chain(has).collect();
+                let reaches =
+                    reach.map(|reach| format!("is up to {reach:.1} hole radii away from the rim"));
+                let reasons: Vec<String> = bends.into_iter().chain(reaches).chain(has).collect();
                 let reasons = reasons.join(" and ");
                 let removed = "removed by moving vertices near them";
                 let Some(by) = by else {
@@ -416,10 +427,18 @@ pub(crate) fn counted(n: usize, one: &str, many: &str) -> String {
 /// A place in words.
 pub(crate) struct Place(pub DVec3);
 
+fn coordinate(x: f64) -> String {
+    if x.abs() < 1e9 {
+        format!("{x:.6}")
+    } else {
+        format!("{x:.3e}")
+    }
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let DVec3 { x, y, z } = self.0;
-        write!(f, "({x:.6}, {y:.6}, {z:.6})")
+        let [x, y, z] = self.0.to_array().map(coordinate);
+        write!(f, "({x}, {y}, {z})")
     }
 }
 
@@ -558,6 +577,7 @@ mod tests {
                 escaped,
                 folds,
                 bending,
+                reach: None,
             }
             .to_string()
         };

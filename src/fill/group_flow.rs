@@ -289,8 +289,8 @@ impl GroupFlow {
             .plan
             .holes_of(self.group)
             .any(|hole| hole.rims.is_blend());
-        let evens = end == Some(End::Converged) && !has_blend;
         let positions = self.positions();
+        let evens = end == Some(End::Converged) && !has_blend && !self.is_far(context, &positions);
         let next = remesh_degraded(context, self.group, topology, &positions, options, evens);
         if let Some((topology, positions)) = next {
             self.remeshing.count(steps, evens);
@@ -313,6 +313,13 @@ impl GroupFlow {
             }
         }
         self.timings.setup += milliseconds(start);
+    }
+
+    /// Whether a patch is far from its rim: other triangles let it go still farther.
+    fn is_far(&self, context: FillContext<'_>, positions: &[DVec3]) -> bool {
+        let holes = context.plan.holes_of(self.group);
+        let mut parts = holes.zip(self.topology.split(positions));
+        parts.any(|(hole, (_, own))| hole.rims.is_far(own))
     }
 
     /// Checks whether the surface intersects itself or the mesh. If it does at the end of the flow,

@@ -12,6 +12,11 @@ use crate::mesh::{BoundaryLoop, LoopId, Mesh, VertexId};
 use crate::patch::{self, Patch, PatchError, RimGeometry};
 use crate::warning::Warnings;
 
+/// Distance from the rim, in radii of the hole, above which a surface is [far](HoleRims::is_far).
+const FAR: f64 = 1.6;
+/// Maximum number of distances that are computed to see it.
+const MAX_DISTANCES: usize = 10_000_000;
+
 /// The rims that one patch joins.
 #[derive(Clone, Debug)]
 pub(crate) struct HoleRims {
@@ -58,6 +63,25 @@ impl HoleRims {
     /// The largest radius of the rims.
     pub fn radius(&self) -> f64 {
         self.loops.iter().map(|l| l.radius).fold(0.0, f64::max)
+    }
+
+    /// The largest distance of points from the nearest vertex of the rims, in radii of the hole.
+    pub fn reach(&self, points: &[DVec3]) -> f64 {
+        let rim: Vec<DVec3> = self.geometry.points().collect();
+        // of many points some: a surface has no lone one far away
+        let step = points.len() * rim.len() / MAX_DISTANCES + 1;
+        let nearest = |p: &DVec3| {
+            let distances = rim.iter().map(|q| p.distance_squared(*q));
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        let farthest = points.iter().step_by(step).map(nearest).fold(0.0, f64::max);
+        farthest.sqrt() / self.radius()
+    }
+
+    /// Whether points, the new vertices of the patch, are much farther from the rim than those of a hemisphere over a
+    /// round rim: √2 radii.
+    pub fn is_far(&self, points: &[DVec3]) -> bool {
+        self.reach(points) > FAR
     }
 
     /// The patch of a triangulation whose new vertices are at `positions`.

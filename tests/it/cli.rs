@@ -1003,7 +1003,14 @@ fn options_that_the_surface_model_does_not_use_are_named() {
     let plain = desk.run(&fill).ends(0);
     assert!(!plain.stderr.contains("no effect"), "{}", plain.stderr);
     let fill = ["fill", "in.obj", "-o", "out.obj", "--energy", "H^2+a*K^2"];
-    let others = ["--param", "a=1", "--param", "b=2", "--loop-continuity", "9=g0"];
+    let others = [
+        "--param",
+        "a=1",
+        "--param",
+        "b=2",
+        "--loop-continuity",
+        "9=g0",
+    ];
     let said = desk.run(&[&fill[..], &others].concat()).ends(0).stderr;
     let wanted = "no effect: --loop-continuity 9, because loop 9 is not filled\n\
                   no effect: --param b, because `H^2+a*K^2` does not contain it\n";

@@ -16,6 +16,7 @@ use crate::fill::surface_choice::Candidate;
 use crate::fill::warm_start::warm_start;
 use crate::mesh::{DVec3, bending};
 use crate::patch::{self, OtherPatches, Patch};
+use crate::solver::SurfaceModel;
 
 /// One hole of a group.
 pub(super) struct HoleOfGroup<'a> {
@@ -50,6 +51,10 @@ const WRINKLED: f64 = 8.0 * std::f64::consts::PI;
 /// How much more than the first of [`SAFER`] a wrinkled patch bends at least. Of the patches in scans with known truth that
 /// bend by more than [`WRINKLED`] none bends by more than 1.3 times as much.
 pub(super) const MUCH_MORE: f64 = 3.0;
+
+/// Part of the distance of a [far](HoleRims::is_far) surface from the rim up to which the first of [`SAFER`] replaces
+/// it.
+const NEARER: f64 = 0.75;
 
 /// Words for a surface on other triangles.
 const OTHERWISE: &str = " on another triangulation";
@@ -96,18 +101,37 @@ impl HoleOfGroup<'_> {
         best.replacement
     }
 
-    /// The surface by the first of the [safer models](SAFER), if the patch bends far more: a vector flow of
-    /// sixth order gets wrinkles where the mesh at the rim leads away from the hole.
+    /// The surface by the first of the [safer models](SAFER), if the patch bends far more or goes farther from the rim:
+    /// a vector flow of sixth order gets wrinkles where the mesh at the rim leads away from the hole, and goes on along
+    /// the walls of an open end.
     pub fn smoother(&self, present: &Surface, options: &FillOptions) -> Option<Replacement> {
         if self.rims.is_blend() || Candidate::of(&options.flow) == SAFER[0] {
             return None;
         }
-        let bends = self.bending(present).filter(|&bends| bends > WRINKLED)?;
+        let bends = self.bending(present).filter(|&bends| bends > WRINKLED);
+        let is_vector_flow = options.flow.surface == SurfaceModel::G2;
+        let far = is_vector_flow && self.rims.is_far(self.new_points(present)?);
+        if bends.is_none() && !far {
+            return None;
+        }
         let smoother = self.by(present, SAFER[0], options)?;
         let mut smoother = self.replacement(smoother, Some(SAFER[0].words()));
-        let ratio = bends / self.bending(&smoother.surface)?;
-        smoother.origin.bending = Some(ratio);
-        (ratio >= MUCH_MORE && smoother.is_sound()).then_some(smoother)
+        let ratio = bends.unwrap_or(0.0) / self.bending(&smoother.surface)?;
+        let reach = |surface| Some(self.rims.reach(self.new_points(surface)?));
+        let reached = reach(present)?;
+        let is_nearer = far && reach(&smoother.surface)? <= NEARER * reached;
+        smoother.origin.bending = Some(ratio).filter(|ratio| *ratio >= MUCH_MORE);
+        smoother.origin.reach = is_nearer.then_some(reached);
+        let is_better = smoother.origin.bending.is_some() || is_nearer;
+        (is_better && smoother.is_sound()).then_some(smoother)
+    }
+
+    /// The new vertices of its patch.
+    fn new_points<'s>(&self, (topology, positions): &'s Surface) -> Option<&'s [DVec3]> {
+        topology
+            .split(positions)
+            .nth(self.number)
+            .map(|part| part.1)
     }
 
     /// How much its patch bends.

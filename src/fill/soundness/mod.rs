@@ -51,7 +51,7 @@ pub(super) fn make_sound(
     let given = (topology.clone(), positions);
     let mut check = Check::new(context, group, given.clone(), model, counterparts, options);
     if options.predicts_surface {
-        check.smooth_wrinkled();
+        check.replace_wrinkled();
     }
     // a smoother patch stays when others of the group are filled again by the chosen model
     let (sound, unsound): (Vec<usize>, Vec<usize>) = (0..check.holes.len())
@@ -135,8 +135,8 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Replaces wrinkled patches by smoother ones.
-    fn smooth_wrinkled(&mut self) {
+    /// Replaces wrinkled and far patches by smoother and nearer ones.
+    fn replace_wrinkled(&mut self) {
         for k in 0..self.holes.len() {
             let smoother = self.holes[k].smoother(&self.present, self.options);
             self.replace(k, smoother);
@@ -274,6 +274,7 @@ impl<'a> Check<'a> {
                         escaped,
                         folds,
                         bending: by.bending,
+                        reach: by.reach,
                     };
                     warnings.push((id, replaced));
                 }

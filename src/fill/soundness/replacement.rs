@@ -16,6 +16,8 @@ pub(super) struct Origin {
     pub is_repaired: bool,
     /// How many times as much the patch before bends, if that is why it was replaced.
     pub bending: Option<f64>,
+    /// How far the patch before was from the rim, in radii of the hole, if that is why it was replaced.
+    pub reach: Option<f64>,
 }
 
 /// A surface that may replace an unsound one.

@@ -5,7 +5,7 @@ use crate::fill::prepare::prepare;
 use crate::fill::{Filled, RimSet, fill_rim_sets};
 use crate::mesh::{FOLD_DEGREES, Mesh, VertexId, boundary_loops, folded_edges, self_intersections};
 use crate::shapes;
-use crate::solver::End;
+use crate::solver::{End, SurfaceModel};
 use crate::warning::Warnings;
 
 /// The lower of two parallel walls with a plate between them: a spherical cap over its hole would pass
@@ -138,6 +138,43 @@ fn a_wrinkled_patch_becomes_smooth() {
     // as far as `diffusion` is from the cap, whose share of the sphere is 0.15
     let cap = 0.15 * 4.0 * std::f64::consts::PI;
     assert!(bends(&smooth.surface) < 1.5 * cap);
+}
+
+/// A vector flow that goes on along the walls of an open end is replaced. Another model is the choice of the user.
+#[test]
+fn a_far_patch_comes_back() {
+    let (positions, triangles) = shapes::cut_where(&shapes::icosphere(24), |p| p.z > 0.7);
+    let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
+    let loops = boundary_loops(&mesh);
+    let mut options = FillOptions::default();
+    let plan = prepare(&mesh, &[vec![&loops[0]]], &[], &options).plan;
+    let hole = HoleOfGroup {
+        context: FillContext {
+            mesh: &mesh,
+            plan: &plan,
+        },
+        group: 0,
+        number: 0,
+        rims: &plan.holes()[0].rims,
+    };
+    // a paraboloid over the round rim, whose top is two radii above it
+    let radius = hole.rims.radius();
+    let raised = |p: &DVec3| {
+        let height = 2.0 * radius * (1.0 - p.truncate().length_squared() / (radius * radius));
+        p.truncate().extend(0.7 + height.max(0.0))
+    };
+    let first = plan.start_positions(&mesh, 0);
+    let far: Vec<DVec3> = first.iter().map(raised).collect();
+    let reach = hole.rims.reach(&far);
+    assert!((reach - 5f64.sqrt()).abs() < 0.2, "{reach}");
+    assert!(hole.rims.is_far(&far) && !hole.rims.is_far(&first));
+    let far: Surface = (plan.groups[0].topology.as_ref().clone(), far);
+    let by_energy = hole.smoother(&far, &options);
+    assert!(by_energy.is_none_or(|smooth| smooth.origin.reach.is_none()));
+    options.flow.surface = SurfaceModel::G2;
+    let nearer = hole.smoother(&far, &options).expect("another surface");
+    assert_eq!(nearer.origin.reach, Some(reach));
+    assert!(nearer.is_sound() && hole.rims.reach(&nearer.surface.1) < 1.2);
 }
 
 #[test]
