@@ -199,15 +199,15 @@ pub enum Modal {
     /// No dialog.
     #[default]
     None,
-    /// ClickActions for a path to open or to write.
+    /// Asks for a path to open or to write.
     Path(PathPrompt),
-    /// ClickActions about unsaved changes: save, discard or cancel.
+    /// Asks about unsaved changes: save, discard or cancel.
     Unsaved(AfterUnsaved),
     /// Offers the recovery files of an earlier session.
     Recover(Vec<std::path::PathBuf>),
     /// Settings of a picture.
     Picture(PictureSettings),
-    /// ClickActions whether to start a refinement to this many faces.
+    /// Asks whether to start a refinement to this many faces.
     Large(u64, RefineEstimate),
 }
 

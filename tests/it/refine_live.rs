@@ -101,7 +101,6 @@ impl Watched {
     /// The events in order, one letter each.
     fn course(&self) -> String {
         let letter = |event: &Event<RefineEvent>| match event {
-            Event::Started => None,
             Event::Process(RefineEvent::Level { .. }) => Some('L'),
             Event::Process(RefineEvent::Step { .. }) => Some('s'),
             Event::Process(RefineEvent::LevelDone(_)) => Some('d'),
@@ -111,7 +110,7 @@ impl Watched {
             Event::Paused => Some('p'),
             Event::Ended => Some('F'),
             Event::Failed { .. } => Some('X'),
-            Event::Process(_) => None,
+            Event::Started | Event::Process(_) => None,
         };
         let mut letters: Vec<char> = self.events.iter().filter_map(letter).collect();
         letters.dedup();
