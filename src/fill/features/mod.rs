@@ -13,6 +13,7 @@
 //! a body with flat faces has creases along its rim, and none through it.
 
 mod face;
+mod faces;
 mod lines;
 #[cfg(test)]
 mod tests;
@@ -25,7 +26,8 @@ use crate::fill::hermite::{hermite_between, length, pieces};
 use crate::fill::hole::HoleRims;
 use crate::fill::part::{Corner, NewVertices, rim_edges, rims_of_part};
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, closest_point_on_segment};
-use face::{Between, MissingFaces, missing_face, missing_faces};
+use face::FlatRim;
+use faces::{Between, MissingFaces, missing_faces};
 use lines::{LineEnd, line_ends};
 
 /// Largest angle between a line and the straight way to the other line, in degrees: half a turn of 120°.
@@ -86,7 +88,7 @@ fn without_faces(edges: &[Option<usize>]) -> impl Iterator<Item = usize> {
 }
 
 /// Splits a hole along the continuations of the sharp lines that end at it. `None` if there are none, or if they lead
-/// neither to a common point nor in pairs to each other. A [missing face](missing_face) is not split and has creases
+/// neither to a common point nor in pairs to each other. A [missing face](FlatRim::missing_face) is not split and has creases
 /// along its rim; [several](missing_faces) are split along the edges between them.
 pub(super) fn split(mesh: &Mesh, hole: &BoundaryLoop, density: f64) -> Option<SplitHole> {
     let size = hole.perimeter / hole.edges() as f64 / density;
@@ -97,16 +99,16 @@ pub(super) fn split(mesh: &Mesh, hole: &BoundaryLoop, density: f64) -> Option<Sp
         creased,
         size,
     };
-    let between = |MissingFaces { creased, between }| {
-        let splitter = splitter(Vec::new(), creased);
-        splitter.between_faces(between)
-    };
-    if let Some(face) = missing_face(mesh, hole) {
-        return between(face);
+    let rim = FlatRim::new(mesh, hole);
+    if let Some(creased) = rim.missing_face() {
+        return splitter(Vec::new(), creased).cut(std::iter::empty());
     }
     let ends = line_ends(mesh, hole).unwrap_or_default();
     let along_lines = splitter(ends, Vec::new()).along_lines();
-    along_lines.or_else(|| between(missing_faces(mesh, hole)?))
+    along_lines.or_else(|| {
+        let MissingFaces { creased, between } = missing_faces(&rim)?;
+        splitter(Vec::new(), creased).between_faces(between)
+    })
 }
 
 /// The creases, from rim to rim or from the rim to a corner, that

@@ -397,6 +397,38 @@ fn an_exactly_flat_end_stays_flat() {
     }
 }
 
+/// A missing flat side between three walls and a face that leans away from it by 6°, as the first one of a rounding.
+#[test]
+fn a_missing_side_beside_a_rounding_is_flat() {
+    let profile = [
+        [-1.0, -1.0],
+        [2.0, -1.0],
+        [2.0, 0.9],
+        [1.0, 1.0],
+        [-1.0, 1.0],
+    ];
+    let at = |k: usize, y: f64| DVec3::new(profile[k % 5][0], y, profile[k % 5][1]);
+    let mut sheets = Sheets::default();
+    for k in [0, 1, 2, 4] {
+        sheets.add(1, 1, |i, j| at(k + i, [1.0, -1.0][j]));
+    }
+    for (y, middle) in [(-1.0, [1, 2]), (1.0, [2, 1])] {
+        for k in 1..4 {
+            let corners = [0, k + middle[0] - 1, k + middle[1] - 1].map(|k| at(k, y));
+            let face = corners.map(|p| sheets.number(p));
+            sheets.faces.push(face);
+        }
+    }
+    let mesh = sheets.without(DVec3::ZERO, 0.0);
+    let flat = |features| {
+        let filled = filled(&mesh, DVec3::Z, features);
+        let new = filled.positions[mesh.vertex_count()..].iter();
+        new.map(|p| (p.z - 1.0).abs()).fold(0.0, f64::max)
+    };
+    assert!(flat(Features::Auto) < 1e-9);
+    assert!(flat(Features::Off) > 0.05);
+}
+
 /// Three missing sides of a long box of twelve triangles.
 #[test]
 fn missing_sides_of_a_long_box_are_flat() {
