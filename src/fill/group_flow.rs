@@ -319,7 +319,7 @@ impl GroupFlow {
     fn is_far(&self, context: FillContext<'_>, positions: &[DVec3]) -> bool {
         let holes = context.plan.holes_of(self.group);
         let mut parts = holes.zip(self.topology.split(positions));
-        parts.any(|(hole, (_, own))| hole.rims.is_far(own))
+        parts.any(|(hole, (_, own))| hole.rims.far_reach(own).is_some())
     }
 
     /// Checks whether the surface intersects itself or the mesh. If it does at the end of the flow,

@@ -12,7 +12,7 @@ use crate::mesh::{BoundaryLoop, LoopId, Mesh, VertexId};
 use crate::patch::{self, Patch, PatchError, RimGeometry};
 use crate::warning::Warnings;
 
-/// Distance from the rim, in radii of the hole, above which a surface is [far](HoleRims::is_far).
+/// Distance from the rim, in radii of the hole, above which a surface is [far](HoleRims::far_reach).
 const FAR: f64 = 1.6;
 /// Maximum number of distances that are computed to see it.
 const MAX_DISTANCES: usize = 10_000_000;
@@ -78,10 +78,10 @@ impl HoleRims {
         farthest.sqrt() / self.radius()
     }
 
-    /// Whether points, the new vertices of the patch, are much farther from the rim than those of a hemisphere over a
-    /// round rim: √2 radii.
-    pub fn is_far(&self, points: &[DVec3]) -> bool {
-        self.reach(points) > FAR
+    /// The [reach](Self::reach) of the new vertices of a patch that is far: farther than a hemisphere over a round rim,
+    /// which reaches √2 radii.
+    pub fn far_reach(&self, points: &[DVec3]) -> Option<f64> {
+        Some(self.reach(points)).filter(|reach| *reach > FAR)
     }
 
     /// The patch of a triangulation whose new vertices are at `positions`.

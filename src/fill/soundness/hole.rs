@@ -52,7 +52,7 @@ const WRINKLED: f64 = 8.0 * std::f64::consts::PI;
 /// bend by more than [`WRINKLED`] none bends by more than 1.3 times as much.
 pub(super) const MUCH_MORE: f64 = 3.0;
 
-/// Part of the distance of a [far](HoleRims::is_far) surface from the rim up to which the first of [`SAFER`] replaces
+/// Part of the distance of a [far](HoleRims::far_reach) surface from the rim up to which the first of [`SAFER`] replaces
 /// it.
 const NEARER: f64 = 0.75;
 
@@ -109,20 +109,20 @@ impl HoleOfGroup<'_> {
             return None;
         }
         let bends = self.bending(present).filter(|&bends| bends > WRINKLED);
-        let is_vector_flow = options.flow.surface == SurfaceModel::G2;
-        let far = is_vector_flow && self.rims.is_far(self.new_points(present)?);
-        if bends.is_none() && !far {
+        let far = match options.flow.surface {
+            SurfaceModel::G2 => self.rims.far_reach(self.new_points(present)?),
+            _ => None,
+        };
+        if bends.is_none() && far.is_none() {
             return None;
         }
         let smoother = self.by(present, SAFER[0], options)?;
         let mut smoother = self.replacement(smoother, Some(SAFER[0].words()));
         let ratio = bends.unwrap_or(0.0) / self.bending(&smoother.surface)?;
-        let reach = |surface| Some(self.rims.reach(self.new_points(surface)?));
-        let reached = reach(present)?;
-        let is_nearer = far && reach(&smoother.surface)? <= NEARER * reached;
+        let reach = self.rims.reach(self.new_points(&smoother.surface)?);
         smoother.origin.bending = Some(ratio).filter(|ratio| *ratio >= MUCH_MORE);
-        smoother.origin.reach = is_nearer.then_some(reached);
-        let is_better = smoother.origin.bending.is_some() || is_nearer;
+        smoother.origin.reach = far.filter(|far| reach <= NEARER * far);
+        let is_better = smoother.origin.bending.is_some() || smoother.origin.reach.is_some();
         (is_better && smoother.is_sound()).then_some(smoother)
     }
 

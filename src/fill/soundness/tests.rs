@@ -1,6 +1,7 @@
 use super::hole::MUCH_MORE;
 use super::*;
 use crate::energy::Energy;
+use crate::fill::plan::Plan;
 use crate::fill::prepare::prepare;
 use crate::fill::{Filled, RimSet, fill_rim_sets};
 use crate::mesh::{FOLD_DEGREES, Mesh, VertexId, boundary_loops, folded_edges, self_intersections};
@@ -109,22 +110,27 @@ fn filled_all(positions: Vec<DVec3>, triangles: &[[u32; 3]]) -> (Vec<&'static st
     (codes, pairs.len() + folds.len())
 }
 
-#[test]
-fn a_wrinkled_patch_becomes_smooth() {
+fn ball_without_cap() -> Mesh {
     let (positions, triangles) = shapes::cut_where(&shapes::icosphere(24), |p| p.z > 0.7);
-    let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
-    let loops = boundary_loops(&mesh);
-    let options = FillOptions::default();
-    let plan = prepare(&mesh, &[vec![&loops[0]]], &[], &options).plan;
-    let hole = HoleOfGroup {
-        context: FillContext {
-            mesh: &mesh,
-            plan: &plan,
-        },
+    Mesh::from_triangles(positions, &triangles).expect("a manifold")
+}
+
+fn first_hole<'a>(mesh: &'a Mesh, plan: &'a Plan) -> HoleOfGroup<'a> {
+    HoleOfGroup {
+        context: FillContext { mesh, plan },
         group: 0,
         number: 0,
         rims: &plan.holes()[0].rims,
-    };
+    }
+}
+
+#[test]
+fn a_wrinkled_patch_becomes_smooth() {
+    let mesh = ball_without_cap();
+    let loops = boundary_loops(&mesh);
+    let options = FillOptions::default();
+    let plan = prepare(&mesh, &[vec![&loops[0]]], &[], &options).plan;
+    let hole = first_hole(&mesh, &plan);
     let topology = plan.groups[0].topology.as_ref().clone();
     let present = (topology, plan.start_positions(&mesh, 0));
     assert!(hole.smoother(&present, &options).is_none());
@@ -143,20 +149,11 @@ fn a_wrinkled_patch_becomes_smooth() {
 /// A vector flow that goes on along the walls of an open end is replaced. Another model is the choice of the user.
 #[test]
 fn a_far_patch_comes_back() {
-    let (positions, triangles) = shapes::cut_where(&shapes::icosphere(24), |p| p.z > 0.7);
-    let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
+    let mesh = ball_without_cap();
     let loops = boundary_loops(&mesh);
     let mut options = FillOptions::default();
     let plan = prepare(&mesh, &[vec![&loops[0]]], &[], &options).plan;
-    let hole = HoleOfGroup {
-        context: FillContext {
-            mesh: &mesh,
-            plan: &plan,
-        },
-        group: 0,
-        number: 0,
-        rims: &plan.holes()[0].rims,
-    };
+    let hole = first_hole(&mesh, &plan);
     // a paraboloid over the round rim, whose top is two radii above it
     let radius = hole.rims.radius();
     let raised = |p: &DVec3| {
@@ -167,7 +164,7 @@ fn a_far_patch_comes_back() {
     let far: Vec<DVec3> = first.iter().map(raised).collect();
     let reach = hole.rims.reach(&far);
     assert!((reach - 5f64.sqrt()).abs() < 0.2, "{reach}");
-    assert!(hole.rims.is_far(&far) && !hole.rims.is_far(&first));
+    assert!(hole.rims.far_reach(&far).is_some() && hole.rims.far_reach(&first).is_none());
     let far: Surface = (plan.groups[0].topology.as_ref().clone(), far);
     let by_energy = hole.smoother(&far, &options);
     assert!(by_energy.is_none_or(|smooth| smooth.origin.reach.is_none()));
