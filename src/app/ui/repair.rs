@@ -246,7 +246,7 @@ pub(crate) fn select(
             Some(Draft::Lasso(line)) if line.last().is_none_or(|p| p.distance(at) >= 2.0) => {
                 line.push(at);
             }
-            _ => {}
+            Some(Draft::Brush(_) | Draft::Lasso(_)) | None => {}
         }
     }
     if response.drag_stopped_by(PointerButton::Primary) || response.clicked() {
@@ -268,7 +268,7 @@ pub(crate) fn select(
                     );
                 }
             }
-            _ => {}
+            Some(Draft::Lasso(_)) | None => {}
         }
         return true;
     }
@@ -303,7 +303,7 @@ pub(crate) fn draw(ui: &Ui, model: &Model, draft: Option<&Draft>, response: &Res
             painter.add(egui::Shape::line(closed.clone(), shade));
             painter.add(egui::Shape::line(closed, ink(1.5)));
         }
-        _ => {}
+        (Tool::Lasso | Tool::Grow, _) => {}
     }
 }
 
