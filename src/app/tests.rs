@@ -872,6 +872,9 @@ fn a_path_that_fails_is_asked_for_again() {
     act(&mut m, FileAction::UsePath(PathUse::SaveAs, path.clone()));
     until(&mut m, |m| m.saved_to.as_ref() == Some(&path));
     assert_eq!((&m.view.modal, &m.typed_path), (&Modal::None, &None));
+    // a reference is not what a later save asks for
+    act(&mut m, FileAction::UsePath(PathUse::Reference, path));
+    assert_eq!(m.typed_path, None);
 }
 
 #[test]

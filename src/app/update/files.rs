@@ -41,7 +41,9 @@ pub(crate) fn update(model: &mut Model, action: FileAction) {
         FileAction::SaveAs(path) => save(model, &path),
         FileAction::UsePath(purpose, path) => {
             let text = path.display().to_string();
-            model.typed_path = Some(PathPrompt { purpose, text });
+            // the report names a reference that cannot be read
+            let prompt = (purpose != PathUse::Reference).then_some(PathPrompt { purpose, text });
+            model.typed_path = prompt;
             use_path(model, purpose, path);
         }
         FileAction::AskExportPatch => {
@@ -237,9 +239,10 @@ fn ask_again(model: &mut Model) {
 
 /// Opens the content that was read.
 pub(super) fn loaded(model: &mut Model, path: &Path, result: Result<Loaded, String>) {
-    match result {
-        Ok(_) => model.typed_path = None,
-        Err(_) => ask_again(model),
+    if result.is_ok() {
+        model.typed_path = None;
+    } else {
+        ask_again(model);
     }
     match result {
         Ok(Loaded::Mesh(document)) => {
