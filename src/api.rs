@@ -121,16 +121,17 @@ impl<'a> Fill<'a> {
         let loops = choose(&boundary_loops(mesh), &self.loops)?;
         let flow = FlowSpec::from(self.controls);
         let observe = |_, record: &StepRecord| (self.observer)(record);
-        if self.joined {
-            BlendSpec { loops, flow }.run(mesh, &observe)
+        let prepared = if self.joined {
+            BlendSpec { loops, flow }.prepare(mesh)?
         } else {
-            FillSpec {
+            let spec = FillSpec {
                 loops,
                 islands: true,
                 bridges: Faces::default(),
                 flow,
-            }
-            .run(mesh, &observe)
-        }
+            };
+            spec.prepare(mesh)?
+        };
+        Ok(prepared.run(&observe)?)
     }
 }

@@ -15,7 +15,7 @@ use super::document::{Document, left_of};
 use super::jobs::Wake;
 use super::log::Level;
 use crate::energy::Preset;
-use crate::fill::{Controls, ErasedRegion, FillTask, LiveFill, Surface, open_selection, release};
+use crate::fill::{Controls, Surface, open_selection, release};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, face_flags};
 use crate::ops::Operation;
 use crate::options::{Choice as _, Options as _};
@@ -129,7 +129,7 @@ impl Run {
         let operation = operations.first().ok_or("nothing to start")?;
         let mut base = Arc::clone(&document.mesh);
         let mut first_patch_face = document.first_patch_face;
-        let (mut without, mut loops, mut part_ends) = (None, Vec::new(), [0; 2]);
+        let (mut without, mut loops, mut opened) = (None, Vec::new(), Vec::new());
         match operation {
             Operation::Fill(spec) if !spec.bridges.is_empty() => {
                 let rim_sets = spec.rim_sets(&base, &document.loops);
@@ -146,23 +146,16 @@ impl Run {
             }
             Operation::FillPart(spec) => {
                 let part = spec.segment(&base, &document.loops);
-                let (hole, ends) = part.ok_or("the mesh has no boundary loop")?;
-                part_ends = ends;
+                let (hole, _) = part.ok_or("the mesh has no boundary loop")?;
                 loops = vec![hole.clone()];
             }
             Operation::Refill(spec) => {
                 let flags = face_flags(&spec.faces, base.face_count());
                 let opening = open_selection(&base, &flags).map_err(|e| e.to_string())?;
-                let ErasedRegion {
-                    erased,
-                    loops: all,
-                    opened,
-                } = opening;
-                loops = opened
-                    .into_iter()
-                    .map(|id| all[id.index()].clone())
-                    .collect();
-                without = Some(erased);
+                opened = opening.opened;
+                let of_opened = opened.iter().map(|id| opening.loops[id.index()].clone());
+                loops = of_opened.collect();
+                without = Some(opening.erased);
             }
             Operation::Fair(_) => {}
             _ => return Err("unsupported operation".into()),
@@ -173,45 +166,20 @@ impl Run {
             base = Arc::new(erased.mesh);
             kept = Some(erased.old_face);
         }
-        let spawn = |operation: &Operation, controls: Controls| {
-            // a fill releases strips by itself
-            let given = match operation {
-                Operation::Fill(_) => &document.mesh,
-                _ => &base,
+        let start = |operation: &Operation| {
+            let (mesh, started) = match operation {
+                Operation::Refill(spec) => (&base, Operation::Fill(spec.fill_of(&opened))),
+                // a fill releases the strips of bridges by itself
+                _ => (&document.mesh, operation.clone()),
             };
-            let ids = || loops.iter().map(|l| l.id).collect();
-            let task = match operation {
-                Operation::Fair(spec) => FillTask::Fair(face_flags(&spec.faces, base.face_count())),
-                Operation::Blend(_) => FillTask::Blend(ids()),
-                Operation::Fill(spec) => FillTask::Holes {
-                    loops: spec.loops.clone(),
-                    islands: spec.islands,
-                    bridges: spec.bridges.to_vec(),
-                },
-                Operation::FillPart(_) => FillTask::Part {
-                    hole: loops[0].id,
-                    ends: part_ends,
-                },
-                _ => FillTask::Holes {
-                    loops: ids(),
-                    islands: true,
-                    bridges: Vec::new(),
-                },
-            };
-            LiveFill::spawn(
-                Arc::clone(given),
-                task,
-                controls,
-                settings(pace),
-                Arc::clone(wake),
-            )
+            started.start(Arc::clone(mesh), settings(pace), Arc::clone(wake))
         };
         let sides = operations.iter().zip(["A", "B"]);
         let sides = sides
             .map(|(operation, name)| {
                 let controls = operation.flow().map(|flow| flow.controls.clone());
                 let controls = controls.unwrap_or_default();
-                let live = spawn(operation, controls.clone()).map_err(|error| error.to_string())?;
+                let live = start(operation).map_err(|error| error.to_string())?;
                 let operation = operation.clone();
                 Ok(RunVariant::new(Box::new(live), name, operation, controls))
             })

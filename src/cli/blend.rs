@@ -8,7 +8,7 @@ use clap::Args;
 use crate::cli::flow::{FileOptions, FlowArguments, FlowCommand, LoopArguments, MeshFiles};
 use crate::cli::report::skipped;
 use crate::mesh::{BoundaryLoop, LoopId, boundary_loops};
-use crate::ops::FlipSpec;
+use crate::ops::{BlendSpec, FlipSpec};
 
 /// `meniscus blend`.
 #[derive(Debug, Args)]
@@ -70,7 +70,11 @@ pub fn blend(args: &BlendArguments) -> Result<()> {
     }
     let rims = chosen.iter().map(|id| &loops[id.index()]).collect();
     let open = skipped(&loops, &chosen, |l| args.loops.reason_to_skip(l));
-    let written = task.fill(&[rims], &[], false, open)?;
+    let spec = BlendSpec {
+        loops: chosen,
+        flow: task.flow.clone(),
+    };
+    let written = task.fill(&[rims], open, |mesh| spec.prepare(mesh))?;
     written.conclude(args.options.quiet)
 }
 

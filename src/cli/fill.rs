@@ -11,13 +11,12 @@ use crate::cli::flow::{
 };
 use crate::cli::options::OptionArguments;
 use crate::cli::parse::point;
-use crate::cli::progress::{Progress, Work};
 use crate::cli::report::skipped;
 use crate::cli::selection::listed_faces;
 use crate::cli::side_by_side::Place;
 use crate::fill::LoopLimits;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, boundary_loops};
-use crate::ops::{FillPartSpec, FillSpec, Operation, Outcome};
+use crate::ops::{FillPartSpec, FillSpec, OperationError};
 
 /// The files of `meniscus fill`.
 #[derive(Debug, Args)]
@@ -128,23 +127,15 @@ pub fn fill_file(
     let task = FlowCommand::new(files, flow)?.at(place);
     drop(share);
     let mesh = &task.opened.mesh;
+    let loops = boundary_loops(mesh);
     if let [from, to] = args.part[..] {
-        let progress = Progress::new(Work::Holes(1), files.options.quiet);
-        let operation = Operation::FillPart(FillPartSpec {
+        let spec = FillPartSpec {
             ends: [from, to],
             flow: task.flow.clone(),
-        });
-        let outcome = operation.run(mesh, &|group, record| {
-            progress.step(group, record);
-            true
-        })?;
-        progress.finish();
-        let Outcome::Filled(filled) = outcome else {
-            unreachable!("part of a hole is filled");
         };
-        return task.save(&filled, Vec::new(), Vec::new());
+        let (hole, _) = (spec.segment(mesh, &loops)).ok_or(OperationError::NoLoops)?;
+        return task.fill(&[vec![hole]], Vec::new(), |mesh| spec.prepare(mesh));
     }
-    let loops = boundary_loops(mesh);
     let mut chosen = args.loops.chosen(mesh, &loops)?;
     let limits = if args.loops.are_named() {
         LoopLimits::default()
@@ -170,5 +161,7 @@ pub fn fill_file(
         _ => args.loops.reason_to_skip(l),
     };
     let skipped = skipped(&loops, &joined, reason);
-    task.fill(&rim_sets, &spec.bridges, true, skipped)
+    task.fill(&rim_sets, skipped, |mesh| {
+        spec.prepare_rims(mesh, &rim_sets)
+    })
 }

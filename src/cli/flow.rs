@@ -23,7 +23,7 @@ use crate::fill::{
 use crate::io::{self, OpenError, Opened, open_joined, open_welded};
 use crate::memory::peak_memory;
 use crate::mesh::{Attributes, BoundaryLoop, DVec3, LoopId, Mesh, VertexId, Weld};
-use crate::ops::FlowSpec;
+use crate::ops::{FlowSpec, OperationError};
 use crate::options::Choice;
 use crate::runner::{RunControls, Schedule};
 
@@ -239,15 +239,13 @@ impl<'a> FlowCommand<'a> {
         Self { place, ..self }
     }
 
-    /// Fills holes and writes all requested files. `strips` are the faces of bridges that flow with the
-    /// patches beside them, `skipped` the loops left open. `leaves_islands`: holes are filled
-    /// without islands in them where no sound first patch joins these.
+    /// Fills holes and writes all requested files. `prepare` makes the first patches over the rims,
+    /// `skipped` are the loops left open.
     pub fn fill(
         self,
         rim_sets: &[RimSet<'_>],
-        strips: &[u32],
-        leaves_islands: bool,
         skipped: Vec<SkippedLoop>,
+        prepare: impl FnOnce(&Mesh) -> Result<PreparedFill<'_>, OperationError>,
     ) -> Result<Written> {
         if !self.files.options.quiet {
             for note in &self.opened.report.notes {
@@ -262,11 +260,7 @@ impl<'a> FlowCommand<'a> {
             }
         }
         let progress = Progress::new(Work::Holes(rim_sets.len()), self.files.options.quiet);
-        let mut options = self.flow.options()?;
-        if leaves_islands {
-            options = options.leaving_islands();
-        }
-        let prepared = PreparedFill::new(&self.opened.mesh, rim_sets, strips, options);
+        let prepared = prepare(&self.opened.mesh)?;
         let memory = prepared.memory();
         let share = self.place.map(|place| place.all.memory(memory));
         // both sides of a rim joined without continuous normals are drawn separately

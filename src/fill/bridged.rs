@@ -301,7 +301,7 @@ fn joined_patch(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fill::{bridge, fill_bridged, rim_sets, segment_at};
+    use crate::fill::{PreparedFill, bridge, rim_sets, segment_at};
     use crate::mesh::{DVec3, check_mesh, self_intersections};
     use crate::shapes;
 
@@ -335,7 +335,8 @@ mod tests {
         assert_eq!(loops.len(), 2);
         let sets = rim_sets(&with, &loops, &[LoopId::FIRST, 1.into()], true);
         let fill = |strip: &[u32]| {
-            let filled = fill_bridged(&with, &sets, strip, &FillOptions::default(), &|_, _| true);
+            let filled =
+                PreparedFill::new(&with, &sets, strip, &FillOptions::default()).run(&|_, _| true);
             filled.expect("filled").mesh
         };
         let (flowing, fixed) = (fill(&strip), fill(&[]));
@@ -365,7 +366,8 @@ mod tests {
         assert_eq!(released.erased.mesh.positions, mesh.positions);
         assert_eq!(released.rims.len(), 1);
         assert_eq!(released.rims[0].len(), 2);
-        let filled = fill_bridged(&with, &sets, &strip, &FillOptions::default(), &|_, _| true);
+        let filled =
+            PreparedFill::new(&with, &sets, &strip, &FillOptions::default()).run(&|_, _| true);
         let filled = filled.expect("filled").mesh;
         check_mesh(&filled).expect("sound");
         assert_eq!(filled.topology.boundary_loops().len(), 0);
@@ -380,14 +382,9 @@ mod tests {
         let (_, with, strip) = bridged_across();
         let loops = boundary_loops(&with);
         assert!(release(&with, &[vec![&loops[0]]], &strip).is_none());
-        let filled = fill_bridged(
-            &with,
-            &[vec![&loops[0]]],
-            &strip,
-            &FillOptions::default(),
-            &|_, _| true,
-        );
-        let half = filled.expect("filled").mesh;
+        let options = FillOptions::default();
+        let prepared = PreparedFill::new(&with, &[vec![&loops[0]]], &strip, &options);
+        let half = prepared.run(&|_, _| true).expect("filled").mesh;
         // with the second hole the strip flows too, beside the first patch
         let rest = boundary_loops(&half);
         let released = release(&half, &[vec![&rest[0]]], &strip).expect("released");

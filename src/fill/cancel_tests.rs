@@ -10,7 +10,8 @@ use crate::fill::repair::repaired;
 use crate::fill::self_intersection::Obstacles;
 use crate::fill::surface_choice::Prediction;
 use crate::fill::{
-    Controls, FillOptions, FillTask, Symmetry, fill_rim_sets, flow_problem, process::FillProcess,
+    Controls, FillOptions, PreparedFill, Symmetry, fill_rim_sets, flow_problem,
+    process::FillProcess,
 };
 
 use crate::mesh::{BoundaryLoop, DVec3, Mesh, boundary_loops};
@@ -110,15 +111,11 @@ fn searches_for_sound_patches_are() {
 #[test]
 fn processes_end_wherever_they_are_cancelled() {
     let mesh = Arc::new(walled_cup());
-    let id = hole(&mesh).id;
+    let one = hole(&mesh);
     let run = || {
         let options = Controls::default().options().expect("valid");
-        let task = FillTask::Holes {
-            loops: vec![id],
-            islands: true,
-            bridges: Vec::new(),
-        };
-        let process = FillProcess::new(Arc::clone(&mesh), task, &options);
+        let prepared = PreparedFill::new(&mesh, &[vec![&one]], &[], &options);
+        let process = FillProcess::new(&mesh, prepared);
         let mut process = process.expect("set up");
         let mut failed = Vec::new();
         for clock in 1.. {

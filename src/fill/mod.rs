@@ -35,6 +35,7 @@ mod patch_topology;
 mod plan;
 mod prediction;
 mod prepare;
+mod prepared;
 mod process;
 mod pseudo_hole;
 mod refill;
@@ -65,12 +66,13 @@ pub use islands::{rim_sets, with_islands};
 pub use options::{Continuity, Features, FillOptions, PatchTexture, Surface, Symmetry};
 pub use partial::part_chord;
 pub use prepare::flow_problem;
+pub use prepared::{PreparedFill, ScheduledOptions};
 pub use process::{
-    FillEvent, FillProcess, FillSnapshot, FillState, FillTask, GroupState, GroupStatus, LiveFill,
+    FillEvent, FillProcess, FillSnapshot, FillState, GroupState, GroupStatus, LiveFill,
 };
 pub use refill::{ErasedRegion, Refilled, fair, open_selection, refill};
 pub use result::{FillError, Filled, FilledHole, GroupResult, PartialError, RefillError, Timings};
 pub use rim::RimSet;
-pub use run::{Observer, PreparedFill, ScheduledOptions, fill_bridged, fill_part, fill_rim_sets};
+pub use run::{Observer, fill_rim_sets};
 pub use select::{LoopChoice, NoSuchLoop, choose, nearest_loop};
 pub use surface_choice::{Candidate, GroupSurface, OtherSurface, Prediction};

@@ -68,7 +68,7 @@ pub fn part_chord(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fill::fill_part;
+    use crate::fill::PreparedFill;
     use crate::mesh::{boundary_loops, check_mesh, self_intersections};
     use crate::shapes;
 
@@ -80,8 +80,8 @@ mod tests {
         let options = FillOptions::default();
         let loops = boundary_loops(&mesh);
         let n = loops[0].edges();
-        let part = fill_part(&mesh, &loops[0], 3, 3 + n / 2, &options, &|_, _| true);
-        let part = part.expect("filled");
+        let part = PreparedFill::part(&mesh, &loops[0], [3, 3 + n / 2], &options);
+        let part = part.expect("a patch").run(&|_, _| true).expect("filled");
         assert!(part.complete());
         check_mesh(&part.mesh).expect("sound");
         assert_eq!(part.mesh.positions[..mesh.vertex_count()], mesh.positions);
@@ -105,9 +105,10 @@ mod tests {
         let (positions, triangles) = shapes::cut_where(&shapes::sphere(500, 7), |p| p.z > 0.6);
         let mesh = Mesh::from_triangles(positions, &triangles).expect("manifold");
         let loops = boundary_loops(&mesh);
-        let error = fill_part(&mesh, &loops[0], 3, 4, &FillOptions::default(), &|_, _| {
-            true
-        });
-        assert!(matches!(error, Err(PartialError::TooShort { edges: 1 })));
+        let part = PreparedFill::part(&mesh, &loops[0], [3, 4], &FillOptions::default());
+        assert!(matches!(
+            part.err(),
+            Some(PartialError::TooShort { edges: 1 })
+        ));
     }
 }

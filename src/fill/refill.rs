@@ -1,9 +1,9 @@
 //! Refilling and fairing: part of a surface is erased and filled, or faired in place.
 
-use crate::fill::fairing::plan_fairing;
 use crate::fill::islands::with_islands;
+use crate::fill::prepared::{PreparedFill, ScheduledOptions};
 use crate::fill::result::{Filled, RefillError};
-use crate::fill::run::{Observer, ScheduledOptions, fill_rim_sets, run_plan};
+use crate::fill::run::{Observer, fill_rim_sets};
 use crate::mesh::{
     BoundaryLoop, Erased, LOOSE_FACES, LoopId, Mesh, VertexId, boundary_loops, components, erase,
 };
@@ -125,8 +125,7 @@ pub fn fair(
     options: impl Into<ScheduledOptions>,
     observe: Observer<'_>,
 ) -> Result<Filled, RefillError> {
-    let plan = plan_fairing(mesh, selected)?;
-    Ok(run_plan(mesh, plan, &options.into(), observe)?)
+    Ok(PreparedFill::fairing(mesh, selected, options)?.run(observe)?)
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 use std::ops::Range;
 use std::time::Instant;
 
-use crate::fill::select::NoSuchLoop;
 use crate::fill::surface_choice::GroupSurface;
 use crate::memory::TooLittleMemory;
 use crate::mesh::{FaceId, LoopId, Mesh, TopologyError, VertexId};
@@ -74,12 +73,6 @@ pub enum RefillError {
         /// Faces selected.
         faces: usize,
     },
-    /// Part of a hole cannot be filled.
-    #[error(transparent)]
-    Part(#[from] PartialError),
-    /// A boundary loop that does not exist.
-    #[error(transparent)]
-    NoSuchLoop(#[from] NoSuchLoop),
     /// The fill failed.
     #[error(transparent)]
     Fill(#[from] FillError),

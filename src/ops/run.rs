@@ -3,18 +3,19 @@
 use std::sync::Arc;
 
 use super::{
-    BlendSpec, BridgeSpec, FillPartSpec, FillSpec, FlipSpec, FlowSpec, Operation, RefineSpec,
+    BlendSpec, BridgeSpec, Faces, FacesSpec, FillPartSpec, FillSpec, FlipSpec, FlowSpec, Operation,
+    RefineSpec,
 };
 use crate::fill::{
-    self, BridgeError, ControlsError, FillError, Filled, LoopChoice, NoSuchLoop, Observer,
-    PartialError, RefillError, Refilled, RimSet, ScheduledOptions, choose, fill_bridged, fill_part,
-    fill_rim_sets, nearest_loop, rim_sets, segment_at,
+    self, BridgeError, ControlsError, FillError, Filled, LiveFill, LoopChoice, NoSuchLoop,
+    Observer, PartialError, PreparedFill, RefillError, Refilled, RimSet, ScheduledOptions, choose,
+    nearest_loop, open_selection, rim_sets, segment_at,
 };
 use crate::mesh::{
     BoundaryLoop, BuildError, DVec3, Erased, LoopId, Mesh, boundary_loops, erase, face_flags,
 };
 use crate::refine::{RefineError, RefineEvent, RefineOptions, Refined, refine};
-use crate::runner::{RunControls, ScheduleError};
+use crate::runner::{RunControls, RunSettings, ScheduleError, StartError, Wake};
 
 /// The result of an operation.
 #[derive(Debug)]
@@ -89,6 +90,9 @@ pub enum OperationError {
     /// No face is selected.
     #[error("no face is selected; choose other places, numbers or limits")]
     NoFaces,
+    /// An operation without first patches.
+    #[error("the {0} is not a fill")]
+    NotAFill(String),
     /// The tolerance of a stitching is not a length.
     #[error("the tolerance is {0}; write a length of 0 or more, in units of the file")]
     Tolerance(f64),
@@ -125,20 +129,16 @@ impl Operation {
     /// The operation does not fit the mesh, its options are invalid, or it produced nothing.
     /// Failures of single holes are in the outcome.
     pub fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Outcome, OperationError> {
-        let filled = |filled| Outcome::Filled(Box::new(filled));
         Ok(match self {
-            Self::Fill(spec) => filled(spec.run(mesh, observe)?),
-            Self::Blend(spec) => filled(spec.run(mesh, observe)?),
+            Self::Fill(_) | Self::Blend(_) | Self::Fair(_) | Self::FillPart(_) => {
+                Outcome::Filled(Box::new(self.prepare(mesh)?.run(observe)?))
+            }
             Self::Refill(spec) => {
-                let flags = flags(mesh, &spec.faces)?;
-                let new = fill::refill(mesh, &flags, spec.flow.options()?, observe)?;
-                Outcome::Refilled(Box::new(new))
+                let region = open_selection(mesh, &flags(mesh, &spec.faces)?)?;
+                let fill = spec.fill_of(&region.opened).prepare(&region.erased.mesh)?;
+                let filled = fill.run(observe)?;
+                Outcome::Refilled(Box::new(Refilled { region, filled }))
             }
-            Self::Fair(spec) => {
-                let flags = flags(mesh, &spec.faces)?;
-                filled(fill::fair(mesh, &flags, spec.flow.options()?, observe)?)
-            }
-            Self::FillPart(spec) => filled(spec.run(mesh, observe)?),
             Self::Refine(spec) => Outcome::Refined(Box::new(spec.run(mesh, observe)?)),
             Self::Erase(spec) => {
                 if spec.faces.is_empty() {
@@ -150,6 +150,44 @@ impl Operation {
             Self::Bridge(spec) => Outcome::Changed(spec.run(mesh)?),
             Self::Clean(spec) => Outcome::Erased(erase(mesh, &spec.parts(mesh).faces)),
             Self::Stitch(spec) => Outcome::Changed(spec.run(mesh)?),
+        })
+    }
+}
+
+impl Operation {
+    /// Makes the first patches of a fill, a blend, a fairing or a fill of part of a hole.
+    ///
+    /// # Errors
+    /// As [`Self::run`], and [`OperationError::NotAFill`] for other operations.
+    pub fn prepare<'m>(&self, mesh: &'m Mesh) -> Result<PreparedFill<'m>, OperationError> {
+        match self {
+            Self::Fill(spec) => spec.prepare(mesh),
+            Self::Blend(spec) => spec.prepare(mesh),
+            Self::Fair(spec) => {
+                let flags = flags(mesh, &spec.faces)?;
+                Ok(PreparedFill::fairing(mesh, &flags, spec.flow.options()?)?)
+            }
+            Self::FillPart(spec) => spec.prepare(mesh),
+            _ => Err(OperationError::NotAFill(self.label())),
+        }
+    }
+
+    /// Starts an operation that can be [prepared](Self::prepare) in the background, with its options at the
+    /// start and without their changes. An error of the preparation comes back as
+    /// [`Event::Failed`](crate::runner::Event::Failed).
+    ///
+    /// # Errors
+    /// Invalid controls, or no thread is left.
+    pub fn start(
+        self,
+        mesh: Arc<Mesh>,
+        settings: RunSettings,
+        wake: Wake,
+    ) -> Result<LiveFill, StartError<ControlsError>> {
+        let controls = self.flow().map(|flow| flow.controls.clone());
+        let controls = controls.unwrap_or_default();
+        LiveFill::spawn(mesh, controls, settings, wake, move |mesh| {
+            self.prepare(mesh)
         })
     }
 }
@@ -166,29 +204,27 @@ impl FlowSpec {
 }
 
 impl FillSpec {
-    /// Fills the loops.
+    /// Makes the first patches.
     ///
     /// # Errors
-    /// As [`Operation::run`].
-    pub fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Filled, OperationError> {
+    /// As [`Operation::prepare`].
+    pub fn prepare<'m>(&self, mesh: &'m Mesh) -> Result<PreparedFill<'m>, OperationError> {
         let loops = boundary_loops(mesh);
-        let rim_sets = self.rim_sets(mesh, &loops)?;
-        if let Some(&face) = self
-            .bridges
-            .last()
-            .filter(|&&f| f as usize >= mesh.face_count())
-        {
-            let faces = mesh.face_count();
-            return Err(OperationError::NoSuchFace { face, faces });
-        }
-        let options = self.flow.options()?;
-        Ok(fill_bridged(
-            mesh,
-            &rim_sets,
-            &self.bridges,
-            options.leaving_islands(),
-            observe,
-        )?)
+        self.prepare_rims(mesh, &self.rim_sets(mesh, &loops)?)
+    }
+
+    /// As [`Self::prepare`], with the rims of the loops from [`Self::rim_sets`].
+    ///
+    /// # Errors
+    /// As [`Operation::prepare`].
+    pub fn prepare_rims<'m>(
+        &self,
+        mesh: &'m Mesh,
+        rim_sets: &[RimSet<'_>],
+    ) -> Result<PreparedFill<'m>, OperationError> {
+        check_faces(mesh, &self.bridges)?;
+        let options = self.flow.options()?.leaving_islands();
+        Ok(PreparedFill::new(mesh, rim_sets, &self.bridges, options))
     }
 
     /// The rims that each patch joins: a loop and the rims of the islands in it.
@@ -206,18 +242,31 @@ impl FillSpec {
 }
 
 impl BlendSpec {
-    /// Joins the loops.
+    /// Makes the first patch.
     ///
     /// # Errors
-    /// As [`Operation::run`].
-    pub fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Filled, OperationError> {
+    /// As [`Operation::prepare`].
+    pub fn prepare<'m>(&self, mesh: &'m Mesh) -> Result<PreparedFill<'m>, OperationError> {
         let loops = boundary_loops(mesh);
         let chosen = chosen(&loops, &self.loops)?;
         if chosen.len() < 2 {
             return Err(OperationError::TooFewLoops(chosen.len()));
         }
         let rims = chosen.iter().map(|id| &loops[id.index()]).collect();
-        Ok(fill_rim_sets(mesh, &[rims], self.flow.options()?, observe)?)
+        let options = self.flow.options()?;
+        Ok(PreparedFill::new(mesh, &[rims], &[], options))
+    }
+}
+
+impl FacesSpec {
+    /// The fill of a refill, islands included: of the loops that erasing the faces has opened or enlarged.
+    pub fn fill_of(&self, opened: &[LoopId]) -> FillSpec {
+        FillSpec {
+            loops: opened.to_vec(),
+            islands: true,
+            bridges: Faces::default(),
+            flow: self.flow.clone(),
+        }
     }
 }
 
@@ -237,11 +286,15 @@ impl FillPartSpec {
         Some((hole, if is_shorter { [from, to] } else { [to, from] }))
     }
 
-    fn run(&self, mesh: &Mesh, observe: Observer<'_>) -> Result<Filled, OperationError> {
+    /// Makes the first patch.
+    ///
+    /// # Errors
+    /// As [`Operation::prepare`].
+    pub fn prepare<'m>(&self, mesh: &Mesh) -> Result<PreparedFill<'m>, OperationError> {
         let loops = boundary_loops(mesh);
-        let (hole, [from, to]) = (self.segment(mesh, &loops)).ok_or(OperationError::NoLoops)?;
+        let (hole, ends) = (self.segment(mesh, &loops)).ok_or(OperationError::NoLoops)?;
         let options = self.flow.options()?;
-        Ok(fill_part(mesh, hole, from, to, options, observe)?)
+        Ok(PreparedFill::part(mesh, hole, ends, options)?)
     }
 }
 
@@ -304,12 +357,18 @@ fn chosen(loops: &[BoundaryLoop], listed: &[LoopId]) -> Result<Vec<LoopId>, NoSu
 
 /// One flag for each face of the mesh.
 fn flags(mesh: &Mesh, faces: &[u32]) -> Result<Vec<bool>, OperationError> {
+    check_faces(mesh, faces)?;
+    Ok(face_flags(faces, mesh.face_count()))
+}
+
+/// Checks that the faces (ascending) exist.
+fn check_faces(mesh: &Mesh, faces: &[u32]) -> Result<(), OperationError> {
     let count = mesh.face_count();
     match faces.last() {
         Some(&face) if face as usize >= count => {
             Err(OperationError::NoSuchFace { face, faces: count })
         }
-        _ => Ok(face_flags(faces, count)),
+        _ => Ok(()),
     }
 }
 

@@ -1,5 +1,6 @@
 //! The handle of a run in the background.
 
+use std::fmt::Display;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -53,12 +54,12 @@ where
     ///
     /// # Errors
     /// No thread could be started.
-    pub(crate) fn start(
+    pub(crate) fn start<E: Display>(
         name: &str,
         controls: P::Controls,
         settings: RunSettings,
         wake: Wake,
-        set_up: impl FnOnce() -> Result<P, P::Error> + Send + 'static,
+        set_up: impl FnOnce() -> Result<P, E> + Send + 'static,
     ) -> Result<Self, std::io::Error> {
         let (commands, inbox) = channel();
         let (outbox, messages) = channel();

@@ -163,7 +163,7 @@ impl Watched {
         let set_up = move || {
             let mut counter = Counter::new(first);
             counter.before_status = before_status;
-            Ok(counter)
+            Ok::<_, Infallible>(counter)
         };
         let runner = Runner::start("counter", controls, settings, wake, set_up);
         Self {

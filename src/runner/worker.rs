@@ -1,5 +1,6 @@
 //! The thread of a run in the background.
 
+use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::RecvTimeoutError;
 use std::sync::{Arc, OnceLock};
@@ -15,8 +16,8 @@ use crate::runner::{
 /// Constructs a process and runs it until its handle is dropped.
 ///
 /// The work runs on its own thread pool, so that no other work waits for a long step.
-pub(super) fn run<P: Process>(
-    set_up: impl FnOnce() -> Result<P, P::Error> + Send,
+pub(super) fn run<P: Process, E: Display>(
+    set_up: impl FnOnce() -> Result<P, E> + Send,
     controls: P::Controls,
     settings: RunSettings,
     channels: Channels<P>,

@@ -6,11 +6,11 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Duration;
 
 use meniscus::fill::{
-    Continuity, Controls, FillEvent, FillSnapshot, FillTask, LiveFill, ScheduledOptions,
-    fill_rim_sets,
+    Continuity, Controls, FillEvent, FillSnapshot, LiveFill, ScheduledOptions, fill_rim_sets,
 };
 use meniscus::io::{open, save_mesh};
 use meniscus::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, boundary_loops};
+use meniscus::ops::{BlendSpec, Faces, FillSpec, Operation};
 use meniscus::options::Options;
 use meniscus::runner::{Event, Refused, RunSettings, Schedule};
 use meniscus::shapes::{self, Hole, HoleShape};
@@ -41,12 +41,13 @@ fn ids(loops: &[BoundaryLoop]) -> Vec<LoopId> {
     loops.iter().map(|l| l.id).collect()
 }
 
-fn holes(loops: &[BoundaryLoop]) -> FillTask {
-    FillTask::Holes {
+fn holes(loops: &[BoundaryLoop], controls: &Controls) -> Operation {
+    Operation::Fill(FillSpec {
         loops: ids(loops),
         islands: true,
-        bridges: Vec::new(),
-    }
+        bridges: Faces::default(),
+        flow: controls.clone().into(),
+    })
 }
 
 struct Watched {
@@ -76,8 +77,9 @@ impl Watched {
         let wake = Arc::new(move || {
             bell.send(()).ok();
         });
-        let fill =
-            LiveFill::spawn(mesh, holes(loops), controls.clone(), settings, wake).expect("thread");
+        let fill = holes(loops, controls)
+            .start(mesh, settings, wake)
+            .expect("thread");
         Self {
             fill,
             woken,
@@ -328,7 +330,11 @@ fn a_dropped_fill_ends() {
     let wake = Arc::new(move || {
         bell.send(()).ok();
     });
-    drop(LiveFill::spawn(mesh, holes(&loops), flow(), settings, wake).expect("thread"));
+    drop(
+        holes(&loops, &flow())
+            .start(mesh, settings, wake)
+            .expect("thread"),
+    );
     // the thread drops its end of the bell, although the next round is ten seconds away
     while woken.recv_timeout(Duration::from_mins(1)).is_ok() {}
     assert!(matches!(woken.try_recv(), Err(TryRecvError::Disconnected)));
@@ -412,8 +418,11 @@ fn a_surface_that_runs_into_the_mesh_pauses_there() {
     let wake = Arc::new(move || {
         bell.send(()).ok();
     });
-    let task = FillTask::Blend(ids(&loops));
-    let spawned = LiveFill::spawn(Arc::new(mesh), task, Controls::default(), settings, wake);
+    let blend = Operation::Blend(BlendSpec {
+        loops: ids(&loops),
+        flow: Controls::default().into(),
+    });
+    let spawned = blend.start(Arc::new(mesh), settings, wake);
     let fill = spawned.expect("thread");
     let mut live = Watched {
         fill,

@@ -8,6 +8,8 @@ mod events;
 mod group;
 mod state;
 
+use std::borrow::Cow;
+use std::fmt::Display;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -18,16 +20,12 @@ use crate::fill::attributes::Look;
 use crate::fill::context::FillContext;
 use crate::fill::defects::defects_between_groups;
 use crate::fill::estimate::memory_of;
-use crate::fill::fairing::plan_fairing;
 use crate::fill::hole::PlannedHole;
-use crate::fill::partial::plan_part;
 use crate::fill::plan::Plan;
-use crate::fill::prepare::{Prepared, prepare};
-use crate::fill::{
-    Controls, ControlsError, FillError, FillOptions, LoopChoice, RefillError, choose, rim_sets,
-};
+use crate::fill::prepared::{PreparedFill, ScheduledOptions};
+use crate::fill::{Controls, ControlsError, FillError, FillOptions};
 use crate::memory::require;
-use crate::mesh::{LoopId, Mesh, boundary_loops};
+use crate::mesh::{LoopId, Mesh};
 use crate::runner::{
     Process, Refused, RunControls, RunSettings, Runner, Snapshot, StartError, Wake,
 };
@@ -45,31 +43,6 @@ pub type LiveFill = Runner<FillProcess>;
 /// triangulation of a patch.
 pub type FillSnapshot = Snapshot<FillState>;
 
-/// The task of a fill.
-#[derive(Clone, Debug)]
-pub enum FillTask {
-    /// Fills each of these loops with a separate patch.
-    Holes {
-        /// The loops.
-        loops: Vec<LoopId>,
-        /// Whether patches join the rims of islands, the loose components inside holes.
-        islands: bool,
-        /// The faces of bridges, ascending, whose strips flow with the patches of the holes beside them.
-        bridges: Vec<u32>,
-    },
-    /// Fills part of a hole: along its rim from one index to another, in the loop's direction.
-    Part {
-        /// The loop.
-        hole: LoopId,
-        /// The indices.
-        ends: [usize; 2],
-    },
-    /// One patch joins these loops.
-    Blend(Vec<LoopId>),
-    /// The inner vertices of the selected faces (one flag each) flow; the triangles stay.
-    Fair(Vec<bool>),
-}
-
 impl RunControls for Controls {
     const FIXED: &'static [&'static str] = &[];
     const FASTEST: &'static [(&'static str, &'static str)] = FASTEST;
@@ -81,21 +54,24 @@ impl RunControls for Controls {
 }
 
 impl Runner<FillProcess> {
-    /// Starts a task on a mesh. `wake` is called from the background thread whenever there is
-    /// something to [poll](Self::poll). A task that does not fit the mesh comes back as
-    /// [`Event::Failed`](crate::runner::Event::Failed).
+    /// Starts a fill of a mesh. `prepare` makes its first patches, with the options of `controls`, on the
+    /// background thread; its error comes back as [`Event::Failed`](crate::runner::Event::Failed). `wake` is
+    /// called from that thread whenever there is something to [poll](Self::poll).
     ///
     /// # Errors
     /// Invalid controls, or no thread is left.
-    pub fn spawn(
+    pub fn spawn<E: Display>(
         mesh: Arc<Mesh>,
-        task: FillTask,
         controls: Controls,
         settings: RunSettings,
         wake: Wake,
+        prepare: impl FnOnce(&Mesh) -> Result<PreparedFill<'_>, E> + Send + 'static,
     ) -> Result<Self, StartError<ControlsError>> {
-        let options = controls.options().map_err(StartError::Options)?;
-        let set_up = move || FillProcess::new(mesh, task, &options);
+        controls.validate().map_err(StartError::Options)?;
+        let set_up = move || {
+            let prepared = prepare(&mesh).map_err(|error| error.to_string())?;
+            FillProcess::new(&mesh, prepared).map_err(|error| error.to_string())
+        };
         Self::start("fill", controls, settings, wake, set_up).map_err(StartError::Thread)
     }
 
@@ -123,52 +99,19 @@ pub struct FillProcess {
 }
 
 impl FillProcess {
-    pub(super) fn new(
-        mesh: Arc<Mesh>,
-        task: FillTask,
-        options: &FillOptions,
-    ) -> Result<Self, RefillError> {
-        // any loop may be the rim of an island
-        let loops = boundary_loops(&mesh);
-        let chosen = |listed| choose(&loops, &LoopChoice::Listed(listed));
-        let Prepared {
-            mut plan,
+    /// `mesh` is the mesh that was prepared.
+    pub(super) fn new(mesh: &Arc<Mesh>, prepared: PreparedFill<'_>) -> Result<Self, FillError> {
+        let PreparedFill {
             mesh: other,
-        } = match task {
-            FillTask::Fair(selected) => Prepared {
-                plan: plan_fairing(&mesh, &selected)?,
-                mesh: None,
-            },
-            FillTask::Holes {
-                loops: listed,
-                islands,
-                bridges,
-            } => {
-                let rim_sets = rim_sets(&mesh, &loops, &chosen(listed)?, islands);
-                let leaves_islands = islands;
-                let options = &FillOptions {
-                    leaves_islands,
-                    ..options.clone()
-                };
-                prepare(&mesh, &rim_sets, &bridges, options)
-            }
-            FillTask::Part { hole, ends } => {
-                let hole = chosen(vec![hole])?[0];
-                let (longer, plan) = plan_part(&mesh, &loops[hole.index()], ends, options)?;
-                Prepared {
-                    plan,
-                    mesh: Some(longer),
-                }
-            }
-            FillTask::Blend(listed) => {
-                let rims = chosen(listed)?
-                    .iter()
-                    .map(|id| &loops[id.index()])
-                    .collect();
-                prepare(&mesh, &[rims], &[], options)
-            }
+            mut plan,
+            options: ScheduledOptions { options, .. },
+            ..
+        } = prepared;
+        let mesh = match other {
+            Cow::Borrowed(_) => Arc::clone(mesh),
+            Cow::Owned(other) => Arc::new(other),
         };
-        let mesh = other.map_or(mesh, Arc::new);
+        let options = &options;
         let failed_holes = std::mem::take(&mut plan.failed);
         let of_hole = |hole: &PlannedHole| {
             let id = hole.rims.id();
@@ -176,7 +119,7 @@ impl FillProcess {
             warnings.into_iter().map(move |warning| (id, warning))
         };
         let warnings = plan.holes().iter().flat_map(of_hole).collect();
-        require(memory_of(&mesh, &plan, options)).map_err(FillError::from)?;
+        require(memory_of(&mesh, &plan, options))?;
         let context = FillContext {
             mesh: &mesh,
             plan: &plan,
@@ -187,7 +130,7 @@ impl FillProcess {
         let patches = groups.iter().map(|g| Arc::clone(g.run.topology()));
         let look = Look::new(options);
         let assembly = Assembly::new(&mesh, &plan, patches.collect(), &look);
-        let assembly = Arc::new(assembly.map_err(FillError::from)?);
+        let assembly = Arc::new(assembly?);
         let (ahead, given) = (Arc::clone(&assembly), Arc::clone(&mesh));
         rayon::spawn(move || ahead.prepare_look(&given));
         Ok(Self {
@@ -247,14 +190,10 @@ impl Process for FillProcess {
     type State = FillState;
     type Event = FillEvent;
     type Status = Vec<GroupStatus>;
-    type Error = RefillError;
+    type Error = FillError;
 
     /// One attempt of every group that has not ended.
-    fn advance(
-        &mut self,
-        clock: usize,
-        emit: &mut dyn FnMut(FillEvent),
-    ) -> Result<(), RefillError> {
+    fn advance(&mut self, clock: usize, emit: &mut dyn FnMut(FillEvent)) -> Result<(), FillError> {
         let context = FillContext {
             mesh: &self.mesh,
             plan: &self.plan,
@@ -302,7 +241,7 @@ impl Process for FillProcess {
         self.groups.iter().any(|g| g.is_new)
     }
 
-    fn state(&mut self) -> Result<Arc<FillState>, RefillError> {
+    fn state(&mut self) -> Result<Arc<FillState>, FillError> {
         let context = FillContext {
             mesh: &self.mesh,
             plan: &self.plan,
@@ -311,7 +250,7 @@ impl Process for FillProcess {
         if !self.assembly.fits(groups.iter().map(|g| &g.patches)) {
             let patches = groups.iter().map(|g| Arc::clone(&g.patches));
             let assembly = Assembly::new(&self.mesh, &self.plan, patches.collect(), &self.look);
-            self.assembly = Arc::new(assembly.map_err(FillError::from)?);
+            self.assembly = Arc::new(assembly?);
         }
         Ok(Arc::new(FillState {
             groups,

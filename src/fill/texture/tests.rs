@@ -5,14 +5,13 @@ use std::sync::Arc;
 
 use super::extension::{Extension, overlapping};
 use crate::fill::{
-    Controls, FillTask, LiveFill, LoopChoice, PatchTexture, ScheduledOptions, Surface, choose,
-    fill_rim_sets,
+    Controls, LiveFill, PatchTexture, PreparedFill, ScheduledOptions, Surface, fill_rim_sets,
 };
 use crate::images::Pixels;
 use crate::mesh::{
     Attributes, Column, FaceId, Mesh, NO_VALUE, OwnMaterial, boundary_loops, build, to_light,
 };
-use crate::runner::{Event, RunSettings};
+use crate::runner::{Event, RunSettings, Schedule};
 use crate::shapes::Sample;
 use crate::warning::Warning;
 use robust::Coord;
@@ -239,7 +238,6 @@ fn names_differ_and_unreadable_images_are_said() {
 fn a_live_fill_is_repeated_to_the_bit() {
     let given = Arc::new(egg());
     let loops = boundary_loops(&given);
-    let chosen = choose(&loops, &LoopChoice::All).expect("loops");
     let controls = controls(PatchTexture::Auto);
     let settings = RunSettings {
         playing: true,
@@ -250,13 +248,19 @@ fn a_live_fill_is_repeated_to_the_bit() {
     let wake = Arc::new(move || {
         bell.send(()).ok();
     });
-    let task = FillTask::Holes {
-        loops: chosen,
-        islands: true,
-        bridges: Vec::new(),
-    };
-    let mut live = LiveFill::spawn(Arc::clone(&given), task, controls.clone(), settings, wake)
-        .expect("a thread");
+    let options = ScheduledOptions::new(&controls, &Schedule::default()).expect("valid");
+    let live = LiveFill::spawn(
+        Arc::clone(&given),
+        controls.clone(),
+        settings,
+        wake,
+        |mesh| {
+            let loops = boundary_loops(mesh);
+            let rims: Vec<_> = loops.iter().map(|l| vec![l]).collect();
+            Ok::<_, String>(PreparedFill::new(mesh, &rims, &[], options))
+        },
+    );
+    let mut live = live.expect("a thread");
     while !live.ended() {
         woken.recv().expect("a wake");
         for event in live.poll() {
