@@ -430,6 +430,15 @@ fn fill_all(harness: &mut Harness<'_, App>) {
     harness.state_mut().model.view.pace = 240.0;
     harness.key_press(Key::Enter);
     until(harness, ended);
+    settle(harness);
+}
+
+/// Waits until what is drawn is what was last requested.
+fn settle(harness: &mut Harness<'_, App>) {
+    until(harness, |app| {
+        let mut displays = app.model.displays.iter();
+        displays.all(|display| display.requested().is_none() || display.is_settled())
+    });
 }
 
 #[test]
@@ -442,7 +451,7 @@ fn pictures_of_the_window() {
     harness.snapshot_options("window_open", &options);
     fill_all(&mut harness);
     harness.key_press(Key::H);
-    harness.run_steps(5);
+    settle(&mut harness);
     let run = harness.state().model.run.as_ref().expect("there");
     let figures = run.sides[0].handle.figures(None);
     assert!(figures.iter().all(|f| matches!(f.end, Some(Ok(_)))));
@@ -470,7 +479,7 @@ fn pictures_of_a_comparison() {
     assert_eq!(compared, Some("H^2+K^2"));
     fill_all(&mut harness);
     harness.key_press(Key::H);
-    harness.run_steps(5);
+    settle(&mut harness);
     harness.remove_cursor();
     dismiss_toasts(&mut harness);
     harness.snapshot_options("window_comparison", &options);
@@ -653,7 +662,7 @@ fn a_narrow_comparison_has_room_for_all() {
     act(&mut harness.state_mut().model, compare);
     fill_all(&mut harness);
     harness.key_press(Key::H);
-    harness.run_steps(5);
+    settle(&mut harness);
     harness.remove_cursor();
     dismiss_toasts(&mut harness);
     let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(60);

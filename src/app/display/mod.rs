@@ -203,8 +203,7 @@ impl DisplayWorker {
     }
 
     /// Whether the newest result is that of the last request.
-    #[cfg(test)]
-    pub(crate) fn is_settled(&self) -> bool {
+    pub fn is_settled(&self) -> bool {
         let slot = lock(&self.shared.0);
         let is_idle = slot.wanted.is_none() && !slot.building && slot.ready.is_none();
         is_idle && self.requested.is_some()
