@@ -127,6 +127,13 @@ pub enum Warning {
         /// Pairs of the input.
         of_input: usize,
     },
+    /// Sharp edges between flat parts of a refined mesh become round.
+    RoundedEdges {
+        /// Number of edges.
+        edges: usize,
+        /// The middle of one of them.
+        at: DVec3,
+    },
     /// The patch could get no texture although faces around it have one.
     NoTexture {
         /// Reason why the patch has no texture.
@@ -179,6 +186,7 @@ impl Warning {
             Self::Replaced { .. } => "surface-replaced",
             Self::IslandsLeft { .. } => "islands-left",
             Self::IntersectingResult { .. } => "intersecting-result",
+            Self::RoundedEdges { .. } => "rounded-edges",
             Self::NoTexture { .. } => "no-texture",
             Self::ChangeRefused { .. } => "change-refused",
             Self::FlowFailed { .. } => "flow-failed",
@@ -228,6 +236,7 @@ impl Warning {
                 _ => "remove these components if they are no part of the surface",
             },
             Self::IntersectingResult { .. } => "increase the tension",
+            Self::RoundedEdges { .. } => "keep sharp edges by their angle",
             Self::Escaped { .. } => "use another surface model or energy, or add tension",
             Self::Folded { .. } => {
                 "check whether the rim is folded there, or erase the faces there"
@@ -400,6 +409,11 @@ impl fmt::Display for Warning {
                  vertices: the result has {pairs} pairs of intersecting triangles, the input \
                  {of_input}"
             ),
+            Self::RoundedEdges { edges, at } => write!(
+                f,
+                "sharp edges between flat parts of the mesh become round: {edges}, one near {}",
+                Place(*at)
+            ),
             Self::NoTexture { reason } => write!(f, "the patch has no texture: {reason}"),
             Self::ChangeRefused { text } | Self::FlowFailed { reason: text } => f.write_str(text),
         }
@@ -547,6 +561,7 @@ mod tests {
                 pairs: 2,
                 of_input: 1,
             },
+            Warning::RoundedEdges { edges: 4, at },
             Warning::ChangeRefused { text: "no".into() },
             Warning::FlowFailed {
                 reason: "no".into(),

@@ -35,6 +35,7 @@ fn hint(warning: &Warning) -> Option<&'static str> {
             _ => "remove the islands with `meniscus clean` if they are no part of the surface",
         },
         Warning::IntersectingResult { .. } => "increase --tension",
+        Warning::RoundedEdges { .. } => "keep them sharp with --crease-angle 30",
         _ => return warning.hint(),
     })
 }

@@ -15,6 +15,7 @@ use crate::mesh::{
 use crate::refine::boundary::BoundaryCurves;
 use crate::refine::options::{RefineError, RefineOptions};
 use crate::solver::SolverError;
+use crate::warning::Warning;
 
 /// Returns for each edge of a mesh whether it is a crease. Creases are the inner edges whose
 /// triangles differ by more than the options' angle, and the named edges. A single edge with both
@@ -54,6 +55,52 @@ pub fn crease_edges(mesh: &Mesh, options: &RefineOptions) -> Result<Vec<bool>, R
         flags[e] = false;
     }
     Ok(flags)
+}
+
+/// Angle in degrees between the normals of two faces from which an edge between flat parts counts as sharp.
+const SHARP_DEGREES: f64 = 30.0;
+/// Angle in radians up to which two neighbours count as coplanar. Coordinates of single precision give less.
+const COPLANAR: f64 = 1e-3;
+
+/// The warning that sharp edges between flat parts of the mesh, as CAD programs write them, become round. A part is
+/// flat if the face at the edge has a coplanar neighbour. `None` without such edges, and if an angle of creases is
+/// given.
+///
+/// # Errors
+/// As [`crease_edges`].
+pub(super) fn rounded_edges(
+    mesh: &Mesh,
+    options: &RefineOptions,
+) -> Result<Option<Warning>, RefineError> {
+    if options.controls.crease_angle.is_some() {
+        return Ok(None);
+    }
+    let creases = crease_edges(mesh, options)?;
+    let topology = &mesh.topology;
+    let angles: Vec<f64> = topology
+        .edges()
+        .map(|h| dihedral_angle(&mesh.positions, topology, h))
+        .collect();
+    let is_inner = |h: HalfedgeId| !topology.is_boundary_edge(h);
+    let is_refined = |f: FaceId| options.region.as_ref().is_none_or(|faces| faces[f.index()]);
+    let is_flat = |f: FaceId| {
+        let mut sides = topology.face_halfedges(f).into_iter();
+        sides.any(|h| is_inner(h) && angles[h.edge()] < COPLANAR)
+    };
+    let is_rounded = |h: &HalfedgeId| {
+        let is_sharp = !creases[h.edge()] && angles[h.edge()] > SHARP_DEGREES.to_radians();
+        let faces = || [*h, h.twin()].map(|h| topology.face(h));
+        is_inner(*h) && is_sharp && faces().into_iter().all(|f| is_refined(f) && is_flat(f))
+    };
+    let rounded: Vec<HalfedgeId> = topology.edges().filter(is_rounded).collect();
+    let Some(&first) = rounded.first() else {
+        return Ok(None);
+    };
+    let ends = [topology.origin(first), topology.target(first)].map(|v| mesh.position(v));
+    Ok(Some(Warning::RoundedEdges {
+        edges: rounded.len(),
+        at: ends[0].midpoint(ends[1]),
+    }))
 }
 
 /// Creases that meet neither another crease nor a boundary.

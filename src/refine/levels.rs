@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use crate::memory::{peak_memory, require};
 use crate::mesh::{Attributes, DVec3, Mesh, Split, Topology, VertexId};
-use crate::refine::creases::{CreaseWeld, Features};
+use crate::refine::creases::{CreaseWeld, Features, rounded_edges};
 use crate::refine::estimate::count_level;
 use crate::refine::level_flow::LevelFlow;
 use crate::refine::measures::{radius, surface_energy};
@@ -20,7 +20,7 @@ use crate::refine::start::constrained_start;
 use crate::solver::{End, Flow, FlowOptions, FlowProblem, SolverError};
 use crate::subdivision::limit_positions;
 use crate::surface::Interpolation;
-use crate::warning::Warnings;
+use crate::warning::{Warning, Warnings};
 pub(super) use restore::{SavedLevel, SavedState};
 
 /// A mesh being refined, cut open along its creases.
@@ -45,6 +45,7 @@ pub struct Refinement {
     current: Option<LevelFlow>,
     levels: Vec<LevelReport>,
     is_cancelled: bool,
+    rounded_edges: Option<Warning>,
     input: Arc<Mesh>,
 }
 
@@ -60,6 +61,7 @@ impl Refinement {
         }
         require(options.memory(&mesh))?;
         let flow = options.controls.flow(&mesh)?;
+        let rounded_edges = rounded_edges(&mesh, &options)?;
         let (topology, features) = Features::new(&mesh, &options)?;
         let points = features.opened(&mesh.positions);
         let mut control = points.clone();
@@ -86,6 +88,7 @@ impl Refinement {
             current: None,
             levels: Vec::new(),
             is_cancelled: false,
+            rounded_edges,
             controls: options.controls,
             flow,
             input: mesh,
@@ -246,14 +249,16 @@ impl Refinement {
                 self.topology.face_count(),
                 start.elapsed(),
             );
-            self.levels.push(self.scheme_report(start));
+            let report = self.scheme_report(start);
+            self.add_report(report);
             return Ok(());
         }
         let (free, held) = self.partition_vertices(&old, &split);
         if free.is_empty() {
             // all vertices lie on creases and boundaries
             self.hold(&held);
-            self.levels.push(self.scheme_report(start));
+            let report = self.scheme_report(start);
+            self.add_report(report);
             return Ok(());
         }
         SolverError::unless_cancelled()?;
@@ -347,6 +352,14 @@ impl Refinement {
             count_level(self.controls.method, faces, running.time);
         }
         let report = running.report(self.level, self.vertex_count(), faces);
+        self.add_report(report)
+    }
+
+    /// Adds the report of a finished level; that of the first has the warning about rounded edges.
+    fn add_report(&mut self, mut report: LevelReport) -> LevelReport {
+        if self.levels.is_empty() {
+            report.warnings.extend(self.rounded_edges.clone());
+        }
         self.levels.push(report.clone());
         report
     }

@@ -86,6 +86,50 @@ fn refined(mesh: &Mesh, options: &RefineOptions) -> Refined {
     refined
 }
 
+/// A box that becomes a ball is said; a coarse ball, which has sharp edges too, is not.
+#[test]
+fn rounded_edges_between_flat_parts_are_said() {
+    let warnings = |mesh: &Mesh, options: RefineOptions| {
+        let levels = refined(mesh, &options).levels;
+        let codes = levels.iter().map(|level| {
+            let of_level = level.warnings.iter().map(|w| (w.code(), w.to_string()));
+            of_level
+                .filter(|(code, _)| *code == "rounded-edges")
+                .collect()
+        });
+        let codes: Vec<Vec<_>> = codes.collect();
+        assert!(codes[1..].iter().all(Vec::is_empty));
+        codes[0]
+            .iter()
+            .map(|(_, text)| text.clone())
+            .collect::<Vec<_>>()
+    };
+    let smooth = |mesh: &Mesh| RefineOptions {
+        controls: RefineControls {
+            crease_angle: None,
+            ..options(mesh, 2, 0.0).controls
+        },
+        ..RefineOptions::default()
+    };
+    for angle in [0.0, 1.0] {
+        let mut turned = cube();
+        let turn = glam::DQuat::from_rotation_x(angle) * glam::DQuat::from_rotation_y(angle);
+        turned
+            .positions
+            .iter_mut()
+            .for_each(|p| *p = 1e3 * (turn * *p));
+        let said = warnings(&turned, smooth(&turned));
+        assert!(
+            said.len() == 1 && said[0].contains("become round: 12,"),
+            "{said:?}"
+        );
+        assert_eq!(warnings(&turned, options(&turned, 2, 30.0)), [""; 0]);
+    }
+    let (positions, triangles) = icosphere(0);
+    let ball = mesh(&positions, &triangles);
+    assert_eq!(warnings(&ball, smooth(&ball)), [""; 0]);
+}
+
 fn bits(p: DVec3) -> [u64; 3] {
     p.to_array().map(f64::to_bits)
 }

@@ -381,6 +381,7 @@ pub(super) fn with_hint(warning: &Warning) -> String {
             "raise “Most steps” to continue, or choose the scheme “corrected”, whose vertices do \
              not drift along the surface",
         ),
+        Warning::RoundedEdges { .. } => Some("keep them by the angle “Sharp edges”"),
         _ => warning.hint(),
     };
     hint.map_or_else(|| warning.to_string(), |hint| format!("{warning} ({hint})"))
