@@ -6,7 +6,8 @@ use super::fans::{
 };
 use super::join::{NONE, Sheets};
 use super::weld::position_classes;
-use crate::mesh::{DVec3, Topology, TopologyError};
+use crate::mesh::{DVec3, Topology, TopologyError, sides};
+use rustc_hash::FxHashSet;
 
 /// Triangles of the mesh with the corresponding triangles of the file.
 #[derive(Default)]
@@ -192,8 +193,14 @@ fn repair_slowly(
         }
     }
     sheets.join_mesh(&by_position, at, n);
-    let seams =
-        welded.is_none() && join_seams(&mut sheets, positions, own, &mut by_position, tolerance);
+    let seams = if welded.is_none() {
+        let needles = join_seams(&mut sheets, positions, own, &mut by_position, tolerance);
+        collapsed.extend(needles.iter().flatten());
+        collapsed.sort_unstable();
+        needles.is_some()
+    } else {
+        false
+    };
     let duplicates = (0..faces)
         .filter(|&f| sheets.dropped[f as usize] && collapsed.binary_search(&f).is_err())
         .collect();
@@ -282,14 +289,15 @@ fn repair_slowly(
 }
 
 /// Joins boundary edges at the same positions within `tolerance`. Afterwards `by_position` contains
-/// one vertex per boundary position. Returns false if there are none.
+/// one vertex per boundary position. Returns the removed faces, see [`drop_needles`]; `None` if no two boundary
+/// vertices have the same position.
 fn join_seams(
     sheets: &mut Sheets,
     positions: &[DVec3],
     own: &[[u32; 3]],
     by_position: &mut Vec<[u32; 3]>,
     tolerance: f64,
-) -> bool {
+) -> Option<Vec<u32>> {
     let mut rim: Vec<u32> = (0..sheets.mate.len() as u32)
         .filter(|&c| sheets.mate[c as usize] == NONE && !sheets.dropped[c as usize / 3])
         .flat_map(|c| <[u32; 2]>::from(ends(own, c)))
@@ -297,21 +305,82 @@ fn join_seams(
     rim.sort_unstable();
     rim.dedup();
     let (mut class, copies) = position_classes(positions, rim.into_iter(), tolerance);
-    if copies > 0 {
-        // an edge of zero length must not be welded into a point, or its faces would be lost
-        for t in own {
-            for (v, w) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
-                if class[v as usize] == class[w as usize] {
-                    class[v as usize] = v;
-                    class[w as usize] = w;
-                }
+    if copies == 0 {
+        return None;
+    }
+    let needles = drop_needles(sheets, own, &class);
+    // any other edge of zero length must not be welded into a point, or its faces would be lost
+    for (t, _) in own
+        .iter()
+        .zip(&sheets.dropped)
+        .filter(|(_, is_dropped)| !**is_dropped)
+    {
+        for [v, w] in sides(*t) {
+            if class[v as usize] == class[w as usize] {
+                class[v as usize] = v;
+                class[w as usize] = w;
             }
         }
-        *by_position = own.iter().map(|t| t.map(|v| class[v as usize])).collect();
-        let at = |v: u32| positions[v as usize];
-        sheets.join_seams(by_position, own, at, positions.len());
     }
-    copies > 0
+    *by_position = own.iter().map(|t| t.map(|v| class[v as usize])).collect();
+    let at = |v: u32| positions[v as usize];
+    sheets.join_seams(by_position, own, at, positions.len());
+    Some(needles)
+}
+
+/// Drops needles: faces with two or three corners at one position, named by `class`. The faces on both sides of a
+/// needle are neighbours without it. Needles stay that join two other faces across their long sides, unless open
+/// edges coincide at the position. So those around a pole stay. Returns the dropped faces.
+fn drop_needles(sheets: &mut Sheets, own: &[[u32; 3]], class: &[u32]) -> Vec<u32> {
+    let named = |c: u32| {
+        let (a, b) = ends(own, c);
+        [class[a as usize], class[b as usize]]
+    };
+    let is_long = |c: u32| named(c)[0] != named(c)[1];
+    let corner_edges = |f: u32| 3 * f..3 * f + 3;
+    let mut suspects: Vec<u32> = (0..own.len() as u32)
+        .filter(|&f| !sheets.dropped[f as usize] && !corner_edges(f).all(is_long))
+        .collect();
+    let mut needles = Vec::new();
+    while !suspects.is_empty() {
+        let seams = ends_of_seams(sheets, named);
+        let is_needle = |f: &u32| {
+            let joined = |&c: &u32| is_long(c) && sheets.mate[c as usize] != NONE;
+            let mut short = corner_edges(*f).filter(|&c| !is_long(c));
+            corner_edges(*f).filter(joined).count() < 2
+                || short.any(|c| seams.contains(&named(c)[0]))
+        };
+        let (found, rest): (Vec<u32>, Vec<u32>) = suspects.into_iter().partition(is_needle);
+        if found.is_empty() {
+            break;
+        }
+        for c in found.iter().copied().flat_map(corner_edges) {
+            sheets.dropped[c as usize / 3] = true;
+            let mate = std::mem::replace(&mut sheets.mate[c as usize], NONE);
+            if mate != NONE {
+                sheets.mate[mate as usize] = NONE;
+            }
+        }
+        needles.extend(found);
+        suspects = rest;
+    }
+    needles
+}
+
+/// The positions, by `named`, at which open edges end that coincide with others.
+fn ends_of_seams(sheets: &Sheets, named: impl Fn(u32) -> [u32; 2]) -> FxHashSet<u32> {
+    let open = (0..sheets.mate.len() as u32)
+        .filter(|&c| sheets.mate[c as usize] == NONE && !sheets.dropped[c as usize / 3]);
+    let mut edges: Vec<[u32; 2]> = open
+        .map(|c| {
+            let [a, b] = named(c);
+            [a.min(b), a.max(b)]
+        })
+        .filter(|[a, b]| a != b)
+        .collect();
+    edges.sort_unstable();
+    let coincident = edges.chunk_by(|x, y| x == y).filter(|same| same.len() > 1);
+    coincident.flat_map(|same| same[0]).collect()
 }
 
 /// Faces to flip so that each sheet is oriented, ascending: a closed sheet with outward normals, an
