@@ -172,6 +172,11 @@ impl Document {
                     Arc::make_mut(one).faces = faces;
                 }
             }
+        } else if matches!(done.operation, Operation::Stitch(_))
+            && self.first_patch_face == self.mesh.face_count()
+        {
+            // the parts of divided faces belong to no patch
+            self.first_patch_face = mesh.face_count();
         }
         self.mesh = Arc::new(mesh);
         self.surface = None;

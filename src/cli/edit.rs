@@ -160,15 +160,15 @@ pub fn stitch(args: &StitchArguments) -> Result<()> {
     let spec = args.spec.0.clone();
     let tolerance = spec.tolerance(before);
     let mesh = done(&args.files, &opened, &Operation::Stitch(spec))?;
-    let edges = |mesh: &Mesh| mesh.topology.halfedge_count() / 2;
+    let open = before.topology.boundary_edge_count();
     report(
         &args.files,
         &format!(
             "{} and {} joined within {tolerance:.3e}; {} now, {} before",
             counted(
-                edges(before) - edges(&mesh),
-                "pair of edges",
-                "pairs of edges"
+                open.saturating_sub(mesh.topology.boundary_edge_count()),
+                "boundary edge",
+                "boundary edges"
             ),
             vertices(before.vertex_count() - mesh.vertex_count()),
             loops_of(&mesh),

@@ -314,6 +314,11 @@ impl Topology {
         self.is_boundary(h) || self.is_boundary(h.twin())
     }
 
+    /// Number of edges with a face on one side only.
+    pub fn boundary_edge_count(&self) -> usize {
+        self.edges().filter(|&h| self.is_boundary_edge(h)).count()
+    }
+
     /// Whether the vertex has a face; isolated vertices have none.
     #[inline]
     pub fn has_faces(&self, v: VertexId) -> bool {

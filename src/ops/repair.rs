@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::{CleanSpec, Faces, FacesSpec, FillSpec, FlowSpec, Operation, Outcome};
-use crate::fill::{Filled, LoopChoice, choose};
+use super::{CleanSpec, Faces, FacesSpec, FillSpec, FlowSpec, Operation, Outcome, StitchSpec};
+use crate::fill::{LoopChoice, choose};
 use crate::mesh::{
     DVec3, FOLD_DEGREES, Mesh, boundary_loops, components, face_flags, face_list, folded_edges,
     grow, self_intersections,
@@ -53,6 +53,7 @@ const MAX_REFILLS: usize = 4;
 /// The next stage of a repair.
 #[derive(Clone, Copy, Debug)]
 enum Stage {
+    Slits,
     LooseParts,
     /// Damaged faces after some refills.
     Damage(usize),
@@ -60,8 +61,8 @@ enum Stage {
     End,
 }
 
-/// A repair: loose parts are removed, damaged faces are erased and their holes filled, then all other
-/// holes are filled.
+/// A repair: slits are stitched, loose parts are removed, damaged faces are erased and their holes filled, then all
+/// other holes are filled.
 #[derive(Clone, Debug)]
 pub struct Repair {
     clean: CleanSpec,
@@ -77,7 +78,7 @@ impl Repair {
             clean,
             damage,
             flow,
-            stage: Stage::LooseParts,
+            stage: Stage::Slits,
         }
     }
 
@@ -95,6 +96,11 @@ impl Repair {
     ) -> Result<Option<RepairStep>, E> {
         while let Some(operation) = self.next_for(mesh) {
             match run(&operation) {
+                // there were no slits
+                Ok(outcome)
+                    if matches!(operation, Operation::Stitch(_))
+                        && outcome.mesh().topology.boundary_edge_count()
+                            == mesh.topology.boundary_edge_count() => {}
                 Ok(outcome) => return Ok(Some(RepairStep::new(operation, mesh, outcome))),
                 Err(error) if matches!(operation, Operation::Refill(_)) => {
                     left(error);
@@ -110,6 +116,12 @@ impl Repair {
     fn next_for(&mut self, mesh: &Mesh) -> Option<Operation> {
         loop {
             match self.stage {
+                Stage::Slits => {
+                    self.stage = Stage::LooseParts;
+                    if mesh.topology.boundary_edge_count() > 0 {
+                        return Some(Operation::Stitch(StitchSpec::default()));
+                    }
+                }
                 Stage::LooseParts => {
                     self.stage = Stage::Damage(0);
                     if self.clean.parts(mesh).faces.contains(&true) {
@@ -230,15 +242,25 @@ pub struct RepairStep {
     pub faces_erased: usize,
     /// New faces.
     pub faces_added: usize,
+    /// Boundary edges that are no longer there.
+    pub edges_closed: usize,
 }
 
 impl RepairStep {
     /// That of an operation on a mesh.
     fn new(operation: Operation, mesh: &Mesh, outcome: Outcome) -> Self {
-        let faces_added = outcome.filled().map_or(0, Filled::faces_added);
+        let (before, after) = (mesh.face_count(), outcome.mesh().face_count());
+        let faces_added = match outcome.filled() {
+            Some(filled) => filled.faces_added(),
+            None => after.saturating_sub(before),
+        };
         Self {
-            faces_erased: mesh.face_count() + faces_added - outcome.mesh().face_count(),
+            faces_erased: before + faces_added - after,
             faces_added,
+            edges_closed: mesh
+                .topology
+                .boundary_edge_count()
+                .saturating_sub(outcome.mesh().topology.boundary_edge_count()),
             operation,
             outcome,
         }
@@ -251,6 +273,10 @@ impl RepairStep {
         let holes = counted(holes, "hole", "holes");
         let added = counted(self.faces_added, "face", "faces");
         match self.operation {
+            Operation::Stitch(_) => format!(
+                "slits with {} stitched",
+                counted(self.edges_closed, "boundary edge", "boundary edges")
+            ),
             Operation::Clean(_) => format!("loose parts with {erased} removed"),
             Operation::Refill(_) => {
                 format!("{erased} erased at damaged places; {holes} filled with {added}")

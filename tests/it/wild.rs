@@ -100,6 +100,19 @@ fn a_vertex_on_an_edge_leaves_a_slit_that_is_closed() {
     let (before, after) = (desk.mesh("in.obj"), desk.mesh("out.obj"));
     assert_eq!(after.positions, before.positions);
     assert_eq!(after.triangles().len(), before.triangles().len() + 1);
+    // the face at the long edge is divided instead
+    for words in [
+        ["stitch", "in.obj", "-o", "out.obj"],
+        ["repair", "in.obj", "-o", "out.obj"],
+    ] {
+        desk.runs(&words);
+        let whole = desk.mesh("out.obj");
+        assert_eq!(whole.positions, before.positions);
+        assert_eq!(whole.triangles().len(), before.triangles().len() + 1);
+        let opened = meniscus::io::open(&desk.path("out.obj")).expect("a mesh");
+        assert!(opened.mesh.topology.boundary_loops().is_empty());
+        assert_eq!(opened.report.zero_area_faces, 0);
+    }
 }
 
 /// A hole beside a vertex with 2,000 triangles takes next to nothing, as it should.
@@ -192,7 +205,7 @@ fn stitch_joins_the_sides_of_a_slit() {
     }
     desk.write("in.obj", &obj(&points, &faces));
     let run = desk.run(&["stitch", "in.obj", "-o", "out.obj"]).ends(0);
-    let wanted = "3 pairs of edges and 4 vertices joined";
+    let wanted = "6 boundary edges and 4 vertices joined";
     assert!(run.stdout.contains(wanted), "{}", run.stdout);
     assert!(
         run.stdout.contains("1 loop now, 2 before"),

@@ -7,6 +7,7 @@ mod repair;
 mod report;
 mod stitch;
 mod summary;
+mod t_junctions;
 #[cfg(test)]
 mod tests;
 mod triangulate;

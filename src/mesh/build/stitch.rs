@@ -1,5 +1,6 @@
-//! Stitching of slits: the weld of loading, for a mesh.
+//! Stitching of slits: the weld of loading, for a mesh, and the division of edges at T-junctions.
 
+use super::t_junctions::split_edges;
 use super::{BuildError, Weld, build_welded};
 use crate::mesh::{Mesh, Soup};
 
@@ -12,25 +13,28 @@ pub fn stitching_tolerance(mesh: &Mesh) -> f64 {
     let edges = mesh.topology.edges();
     let open = edges.filter(|&h| mesh.topology.is_boundary_edge(h));
     let lengths: Vec<f64> = open.map(|h| mesh.edge_length(h)).collect();
-    PART * lengths.iter().sum::<f64>() / lengths.len().max(1) as f64
+    // the sum of no lengths is -0
+    PART * lengths.iter().sum::<f64>().abs() / lengths.len().max(1) as f64
 }
 
 /// Joins boundary edges whose ends are within `tolerance` of each other, in units of the mesh, as
-/// loading does. The vertex that comes first stands for both, and no vertex moves. Components that
-/// are joined with opposite orientation are flipped to agree.
+/// loading does. The vertex that comes first stands for both, and no vertex moves. Where an edge runs along several
+/// edges (a T-junction), it and its face are divided at the vertices on it. Components that are joined with opposite
+/// orientation are flipped to agree.
 ///
 /// # Errors
 /// The mesh has no faces.
 pub fn stitch(mesh: &Mesh, tolerance: f64) -> Result<Mesh, BuildError> {
     let written = mesh.written();
     let corners = written.triangles.into_flattened();
-    let soup = Soup {
+    let mut soup = Soup {
         positions: written.positions.into_owned(),
         offsets: (0..=corners.len() as u32).step_by(3).collect(),
         corners,
         attributes: written.attributes.into_owned(),
         ..Soup::default()
     };
+    split_edges(mesh, &mut soup, tolerance);
     Ok(build_welded(&soup, Weld::Within(tolerance))?.0)
 }
 

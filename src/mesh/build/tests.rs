@@ -117,14 +117,6 @@ fn loop_sizes(mesh: &Mesh) -> Vec<(usize, bool)> {
         .collect()
 }
 
-fn boundary_edges(mesh: &Mesh) -> usize {
-    let topology = &mesh.topology;
-    topology
-        .edges()
-        .filter(|&h| topology.is_boundary_edge(h))
-        .count()
-}
-
 #[test]
 fn clean_input_comes_through() {
     let (p, t) = open_sphere();
@@ -282,7 +274,7 @@ fn seams_are_welded_and_touching_vertices_are_not() {
         let (mesh, report) = sound(&soup(positions, &t));
         assert!(report.welded_vertices > 5);
         assert_eq!(report.components.len(), 1);
-        assert_eq!(boundary_edges(&mesh), RIM);
+        assert_eq!(mesh.topology.boundary_edge_count(), RIM);
     }
     // two open spheres with one vertex of their rims at the same place stay two
     let shift = p[rim_vertex(&p, &t)];
@@ -333,6 +325,28 @@ fn duplicate_and_degenerate_faces() {
             (DefectKind::DuplicateFace, Some(last)),
         ]
     );
+}
+
+/// Triangulators of CAD surfaces write such faces along the borders of patches.
+#[test]
+fn needles_between_the_copies_of_an_edge_are_removed() {
+    let (p, t) = sphere();
+    let [a, b, c] = t[40];
+    // face 40 has its own vertices, and needles [a, a, b] are loose, beside it, or in a chain of two
+    let of_needles: [&[[usize; 3]]; 3] = [&[[3, 4, 5]], &[[1, 0, 3]], &[[1, 0, 3], [1, 3, 4]]];
+    for needles in of_needles {
+        let mut positions = p.clone();
+        positions.extend([a, b, c, a, b, a].map(|v| p[v as usize]));
+        let copy = |i: usize| (p.len() + i) as u32;
+        let mut faces = t.clone();
+        faces[40] = [0, 1, 2].map(copy);
+        faces.extend(needles.iter().map(|needle| needle.map(copy)));
+        let (mesh, report) = sound(&soup(positions, &faces));
+        assert_eq!(mesh.face_count(), t.len());
+        assert_eq!(mesh.topology.boundary_edge_count(), 0);
+        assert_eq!(report.degenerate_faces, needles.len());
+        assert_eq!(report.components.len(), 1);
+    }
 }
 
 #[test]
@@ -416,7 +430,7 @@ fn solids_touching_at_an_edge_or_a_vertex_come_apart() {
             (explode(&positions, &triangles), true),
         ] {
             let (mesh, report) = sound(&input);
-            assert_eq!(boundary_edges(&mesh), 0);
+            assert_eq!(mesh.topology.boundary_edge_count(), 0);
             assert_eq!(mesh.vertex_count(), 16);
             assert_eq!(report.components.len(), 2);
             assert_eq!(report.non_manifold_edges, shared - 1);
