@@ -350,3 +350,21 @@ fn a_project_keeps_repairs_and_the_selection() {
     assert_eq!(again.faces, m.document.faces);
     assert_eq!(again.first_patch_face, m.document.first_patch_face);
 }
+
+/// The parts of the faces that stitching divides belong to no patch.
+#[test]
+fn stitching_divides_faces_and_is_undone() {
+    let corners = [[0., 0.], [2., 0.], [1., -1.], [0.5, 0.], [1., 1.]];
+    let positions = corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
+    let triangles = vec![[1, 0, 2], [0, 3, 4], [3, 1, 4]];
+    let mut m = model_of(from_triangles((positions, triangles)));
+    let before = Arc::clone(&m.document.mesh);
+    assert_eq!(m.document.loops.len(), 2);
+    act(&mut m, EditAction::Stitch);
+    assert_eq!(m.document.loops.len(), 1);
+    assert_eq!(m.document.mesh.face_count(), 4);
+    assert_eq!(m.document.first_patch_face, 4);
+    assert!(m.document.patches().is_none());
+    act(&mut m, EditAction::Undo);
+    assert!(Arc::ptr_eq(&before, &m.document.mesh));
+}
