@@ -1,5 +1,7 @@
 //! The repairs, from index triples to a topology.
 
+use rustc_hash::FxHashSet;
+
 use super::edges::{ends, following};
 use super::fans::{
     Fans, corners_as_triangles, cut_parallel_edges, fans, has_pillow, join_pinches, name_vertices,
@@ -7,7 +9,6 @@ use super::fans::{
 use super::join::{NONE, Sheets};
 use super::weld::position_classes;
 use crate::mesh::{DVec3, Topology, TopologyError, sides};
-use rustc_hash::FxHashSet;
 
 /// Triangles of the mesh with the corresponding triangles of the file.
 #[derive(Default)]
@@ -310,11 +311,8 @@ fn join_seams(
     }
     let needles = drop_needles(sheets, own, &class);
     // any other edge of zero length must not be welded into a point, or its faces would be lost
-    for (t, _) in own
-        .iter()
-        .zip(&sheets.dropped)
-        .filter(|(_, is_dropped)| !**is_dropped)
-    {
+    let kept = own.iter().zip(&sheets.dropped);
+    for (t, _) in kept.filter(|&(_, &is_dropped)| !is_dropped) {
         for [v, w] in sides(*t) {
             if class[v as usize] == class[w as usize] {
                 class[v as usize] = v;
