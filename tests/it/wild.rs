@@ -100,6 +100,8 @@ fn a_vertex_on_an_edge_leaves_a_slit_that_is_closed() {
     let (before, after) = (desk.mesh("in.obj"), desk.mesh("out.obj"));
     assert_eq!(after.positions, before.positions);
     assert_eq!(after.triangles().len(), before.triangles().len() + 1);
+    let info = desk.run(&["info", "in.obj"]).ends(0).stdout;
+    assert!(info.contains("1 of 1 boundary loops are slits"), "{info}");
     // the face at the long edge is divided instead
     for words in [
         ["stitch", "in.obj", "-o", "out.obj"],

@@ -1,12 +1,20 @@
 //! The load report of a finished mesh.
 
+use std::f64::consts::PI;
+
 use super::{ComponentReport, Defect, DefectKind, LoadReport, Repaired, Triangles};
 use crate::mesh::union_find::unite;
-use crate::mesh::{DVec3, FaceId, Mesh, Soup, VertexId, components, sides};
+use crate::mesh::{
+    DVec3, FaceId, HalfedgeId, Mesh, Soup, VertexId, components, sides, vector_area,
+};
 
 /// A triangle whose height is below this times its longest edge has zero area up to the rounding of
 /// its coordinates (files usually have eight decimals).
 const FLAT: f64 = 1e-8;
+
+/// A boundary loop with less area than this part of that of a circle of its perimeter is a slit: its width is below
+/// 1/300 of its length.
+const SLIT: f64 = 0.01;
 
 /// Collects defects, at most [`Defect::LIMIT`] of each kind.
 struct Defects<'a> {
@@ -106,7 +114,15 @@ pub(super) fn summarize(
     if let Some(farthest) = apart.iter().copied().reduce(f64::max) {
         let count = apart.len();
         notes.push(format!(
-            "{count} vertices welded with others up to {farthest:e} away"
+            "{count} vertices welded with others up to {farthest:.1e} away"
+        ));
+    }
+    let loops = mesh.topology.boundary_loops();
+    let slits = loops.iter().filter(|rim| is_slit(mesh, rim)).count();
+    if slits > 0 {
+        notes.push(format!(
+            "{slits} of {} boundary loops are slits without area: stitching joins their sides",
+            loops.len()
         ));
     }
     let parts = component_reports(mesh, &repaired.non_orientable_sheet);
@@ -150,6 +166,16 @@ fn distances_welded(soup: &Soup, repaired: &Repaired) -> Vec<f64> {
     let moved = to_mesh.iter().enumerate();
     let distances = moved.map(|(v, &m)| at(v).distance(at(source[m as usize] as usize)));
     distances.filter(|&d| d > 0.0).collect()
+}
+
+/// Whether the two sides of a boundary loop almost coincide.
+fn is_slit(mesh: &Mesh, rim: &[HalfedgeId]) -> bool {
+    let corners: Vec<DVec3> = rim
+        .iter()
+        .map(|&h| mesh.position(mesh.topology.origin(h)))
+        .collect();
+    let perimeter: f64 = rim.iter().map(|&h| mesh.edge_length(h)).sum();
+    4.0 * PI * vector_area(&corners).length() < SLIT * perimeter * perimeter
 }
 
 /// Whether the height over the longest edge is nothing but rounding.
