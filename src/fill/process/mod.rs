@@ -1,7 +1,7 @@
 //! A fill as a process: all groups of holes attempt their steps together.
 //!
 //! [`LiveFill`] runs it in the background. [`fill_rim_sets`](crate::fill::fill_rim_sets) with
-//! [`ScheduledOptions`](crate::fill::ScheduledOptions) repeats such a run, each group on its own,
+//! [`ScheduledOptions`] repeats such a run, each group on its own,
 //! with bit-identical results.
 
 mod events;
