@@ -9,7 +9,7 @@ use super::{
 use crate::fill::{
     self, BridgeError, ControlsError, FillError, Filled, LiveFill, LoopChoice, NoSuchLoop,
     Observer, PartialError, PreparedFill, RefillError, Refilled, RimSet, ScheduledOptions, choose,
-    nearest_loop, open_selection, rim_sets, segment_at,
+    nearest_loop, rim_sets, segment_at,
 };
 use crate::mesh::{
     BoundaryLoop, BuildError, DVec3, Erased, LoopId, Mesh, boundary_loops, erase, face_flags,
@@ -134,10 +134,9 @@ impl Operation {
                 Outcome::Filled(Box::new(self.prepare(mesh)?.run(observe)?))
             }
             Self::Refill(spec) => {
-                let region = open_selection(mesh, &flags(mesh, &spec.faces)?)?;
-                let fill = spec.fill_of(&region.opened).prepare(&region.erased.mesh)?;
-                let filled = fill.run(observe)?;
-                Outcome::Refilled(Box::new(Refilled { region, filled }))
+                let flags = flags(mesh, &spec.faces)?;
+                let new = fill::refill(mesh, &flags, spec.flow.options()?, observe)?;
+                Outcome::Refilled(Box::new(new))
             }
             Self::Refine(spec) => Outcome::Refined(Box::new(spec.run(mesh, observe)?)),
             Self::Erase(spec) => {
