@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::{ComponentReport, Defect, DefectKind, LoadReport, Repaired, Triangles};
 use crate::mesh::union_find::unite;
 use crate::mesh::{
-    DVec3, FaceId, HalfedgeId, Mesh, Soup, VertexId, components, sides, vector_area,
+    DVec3, FaceId, HalfedgeId, Mesh, Soup, VertexId, components, perimeter, sides, vector_area,
 };
 
 /// A triangle whose height is below this times its longest edge has zero area up to the rounding of
@@ -125,7 +125,7 @@ pub(super) fn summarize(
             loops.len()
         ));
     }
-    let parts = component_reports(mesh, &repaired.non_orientable_sheet);
+    let parts = component_reports(mesh, &loops, &repaired.non_orientable_sheet);
     let mut sheets = repaired.non_orientable_sheet.clone();
     sheets.sort_unstable();
     sheets.dedup();
@@ -174,8 +174,7 @@ fn is_slit(mesh: &Mesh, rim: &[HalfedgeId]) -> bool {
         .iter()
         .map(|&h| mesh.position(mesh.topology.origin(h)))
         .collect();
-    let perimeter: f64 = rim.iter().map(|&h| mesh.edge_length(h)).sum();
-    4.0 * PI * vector_area(&corners).length() < SLIT * perimeter * perimeter
+    4.0 * PI * vector_area(&corners).length() < SLIT * perimeter(&corners).powi(2)
 }
 
 /// Whether the height over the longest edge is nothing but rounding.
@@ -220,7 +219,11 @@ fn special_vertices(mesh: &Mesh) -> (Vec<VertexId>, usize) {
     (pinched, isolated)
 }
 
-fn component_reports(mesh: &Mesh, non_orientable_sheet: &[u32]) -> Vec<ComponentReport> {
+fn component_reports(
+    mesh: &Mesh,
+    loops: &[Vec<HalfedgeId>],
+    non_orientable_sheet: &[u32],
+) -> Vec<ComponentReport> {
     let topology = &mesh.topology;
     let parts = components(topology);
     let empty = ComponentReport {
@@ -251,7 +254,7 @@ fn component_reports(mesh: &Mesh, non_orientable_sheet: &[u32]) -> Vec<Component
             part.euler += 1;
         }
     }
-    for one in topology.boundary_loops() {
+    for one in loops {
         let face = topology.face(one[0].twin());
         reports[parts.of_face[face.index()] as usize].loops += 1;
     }

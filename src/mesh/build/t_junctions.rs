@@ -46,9 +46,8 @@ pub(super) fn split_edges(mesh: &Mesh, soup: &mut Soup, tolerance: f64) {
     rim.retain(|&v| class(v) == v.0);
     find_inner_vertices(mesh, &mut edges, &rim, class, tolerance);
     keep_joined(&mut edges, class);
-    edges.retain(|edge| !edge.inner.is_empty());
-    if !edges.is_empty() {
-        divide(mesh, soup, &edges);
+    if edges.iter().any(|edge| !edge.inner.is_empty()) {
+        divide(soup, &edges);
     }
 }
 
@@ -175,14 +174,14 @@ impl Part {
     }
 }
 
-/// Divides the faces at the vertices on their edges. One part replaces a face, the others follow all faces.
-fn divide(mesh: &Mesh, soup: &mut Soup, edges: &[Edge]) {
-    let mut written: FxHashMap<VertexId, u32> = FxHashMap::default();
-    for edge in boundary_edges(mesh) {
-        written.insert(edge.ends[0], soup.corners[edge.corner as usize]);
-    }
+/// Divides the faces at the vertices on their edges. `edges` are all boundary edges. One part replaces a face, the
+/// others follow all faces.
+fn divide(soup: &mut Soup, edges: &[Edge]) {
+    let written = |edge: &Edge| (edge.ends[0], soup.corners[edge.corner as usize]);
+    let written: FxHashMap<VertexId, u32> = edges.iter().map(written).collect();
     let at_corner: FxHashMap<u32, &Edge> = edges.iter().map(|edge| (edge.corner, edge)).collect();
-    let mut divided: Vec<u32> = edges.iter().map(|edge| edge.corner / 3).collect();
+    let with_inner = edges.iter().filter(|edge| !edge.inner.is_empty());
+    let mut divided: Vec<u32> = with_inner.map(|edge| edge.corner / 3).collect();
     divided.sort_unstable();
     divided.dedup();
     let corner = |place: u32| Corner {
