@@ -64,18 +64,15 @@ const COPLANAR: f64 = 1e-3;
 
 /// The warning that sharp edges between flat parts of the mesh, as CAD programs write them, become round. A part is
 /// flat if the face at the edge has a coplanar neighbour. `None` without such edges, and if an angle of creases is
-/// given.
-///
-/// # Errors
-/// As [`crease_edges`].
+/// given. `creases` are the [`crease_edges`].
 pub(super) fn rounded_edges(
     mesh: &Mesh,
     options: &RefineOptions,
-) -> Result<Option<Warning>, RefineError> {
+    creases: &[bool],
+) -> Option<Warning> {
     if options.controls.crease_angle.is_some() {
-        return Ok(None);
+        return None;
     }
-    let creases = crease_edges(mesh, options)?;
     let topology = &mesh.topology;
     let angles: Vec<f64> = topology
         .edges()
@@ -93,14 +90,12 @@ pub(super) fn rounded_edges(
         is_inner(*h) && is_sharp && faces().into_iter().all(|f| is_refined(f) && is_flat(f))
     };
     let rounded: Vec<HalfedgeId> = topology.edges().filter(is_rounded).collect();
-    let Some(&first) = rounded.first() else {
-        return Ok(None);
-    };
+    let &first = rounded.first()?;
     let ends = [topology.origin(first), topology.target(first)].map(|v| mesh.position(v));
-    Ok(Some(Warning::RoundedEdges {
+    Some(Warning::RoundedEdges {
         edges: rounded.len(),
         at: ends[0].midpoint(ends[1]),
-    }))
+    })
 }
 
 /// Creases that meet neither another crease nor a boundary.
@@ -210,23 +205,26 @@ pub struct Features {
 }
 
 impl Features {
-    /// Finds the creases. Also returns the mesh to refine, as the first value.
+    /// Those of a mesh with these [`crease_edges`]. Also returns the mesh to refine, as the first value.
     ///
     /// # Errors
-    /// As [`crease_edges`].
-    pub fn new(mesh: &Mesh, options: &RefineOptions) -> Result<(Topology, Self), RefineError> {
+    /// The mesh cannot be cut open along the creases.
+    pub fn new(
+        mesh: &Mesh,
+        options: &RefineOptions,
+        creases: &[bool],
+    ) -> Result<(Topology, Self), RefineError> {
         let topology = &mesh.topology;
-        let creases = crease_edges(mesh, options)?;
         let curves = BoundaryCurves::new(
             topology,
             &mesh.positions,
-            &creases,
+            creases,
             options.controls.boundary,
             options.controls.corner_angle.to_radians(),
         );
         let (mut cut, mut weld, mut corners) = (topology.clone(), None, Vec::new());
         if creases.contains(&true) {
-            let open = cut_open(topology, &creases).map_err(SolverError::from)?;
+            let open = cut_open(topology, creases).map_err(SolverError::from)?;
             cut = open.topology;
             weld = Some(Arc::new(CreaseWeld {
                 topology: topology.clone(),

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use crate::memory::{peak_memory, require};
 use crate::mesh::{Attributes, DVec3, Mesh, Split, Topology, VertexId};
-use crate::refine::creases::{CreaseWeld, Features, rounded_edges};
+use crate::refine::creases::{CreaseWeld, Features, crease_edges, rounded_edges};
 use crate::refine::estimate::count_level;
 use crate::refine::level_flow::LevelFlow;
 use crate::refine::measures::{radius, surface_energy};
@@ -61,8 +61,9 @@ impl Refinement {
         }
         require(options.memory(&mesh))?;
         let flow = options.controls.flow(&mesh)?;
-        let rounded_edges = rounded_edges(&mesh, &options)?;
-        let (topology, features) = Features::new(&mesh, &options)?;
+        let creases = crease_edges(&mesh, &options)?;
+        let rounded_edges = rounded_edges(&mesh, &options, &creases);
+        let (topology, features) = Features::new(&mesh, &options, &creases)?;
         let points = features.opened(&mesh.positions);
         let mut control = points.clone();
         // a region of all faces is equivalent to no region
