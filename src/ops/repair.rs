@@ -96,12 +96,14 @@ impl Repair {
     ) -> Result<Option<RepairStep>, E> {
         while let Some(operation) = self.next_for(mesh) {
             match run(&operation) {
-                // there were no slits
-                Ok(outcome)
-                    if matches!(operation, Operation::Stitch(_))
-                        && outcome.mesh().topology.boundary_edge_count()
-                            == mesh.topology.boundary_edge_count() => {}
-                Ok(outcome) => return Ok(Some(RepairStep::new(operation, mesh, outcome))),
+                Ok(outcome) => {
+                    let step = RepairStep::new(operation, mesh, outcome);
+                    let [before, after] = step.boundary_edges;
+                    // without slits nothing is stitched
+                    if !matches!(step.operation, Operation::Stitch(_)) || before != after {
+                        return Ok(Some(step));
+                    }
+                }
                 Err(error) if matches!(operation, Operation::Refill(_)) => {
                     left(error);
                     self.stage = Stage::Holes;
@@ -242,8 +244,8 @@ pub struct RepairStep {
     pub faces_erased: usize,
     /// New faces.
     pub faces_added: usize,
-    /// Boundary edges that are no longer there.
-    pub edges_closed: usize,
+    /// Boundary edges before and after it.
+    pub boundary_edges: [usize; 2],
 }
 
 impl RepairStep {
@@ -257,10 +259,7 @@ impl RepairStep {
         Self {
             faces_erased: before + faces_added - after,
             faces_added,
-            edges_closed: mesh
-                .topology
-                .boundary_edge_count()
-                .saturating_sub(outcome.mesh().topology.boundary_edge_count()),
+            boundary_edges: [mesh, outcome.mesh()].map(|mesh| mesh.topology.boundary_edge_count()),
             operation,
             outcome,
         }
@@ -273,10 +272,12 @@ impl RepairStep {
         let holes = counted(holes, "hole", "holes");
         let added = counted(self.faces_added, "face", "faces");
         match self.operation {
-            Operation::Stitch(_) => format!(
-                "slits with {} stitched",
-                counted(self.edges_closed, "boundary edge", "boundary edges")
-            ),
+            Operation::Stitch(_) => {
+                let [before, after] = self.boundary_edges;
+                let closed = before.saturating_sub(after);
+                let closed = counted(closed, "boundary edge", "boundary edges");
+                format!("slits with {closed} stitched")
+            }
             Operation::Clean(_) => format!("loose parts with {erased} removed"),
             Operation::Refill(_) => {
                 format!("{erased} erased at damaged places; {holes} filled with {added}")
