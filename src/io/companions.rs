@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use super::{Format, gltf, obj};
 use crate::mesh::{Attributes, ImageSource, Material, NO_VALUE};
@@ -84,7 +85,7 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Companions {
 pub fn materials(attributes: &Attributes) -> Vec<Material> {
     let own = attributes.own_materials.iter().map(|material| Material {
         name: material.name.clone(),
-        image: Some(ImageSource::Bytes((*material.png).clone())),
+        image: Some(ImageSource::Bytes(Arc::clone(&material.png))),
         ..Material::default()
     });
     let mut all: Vec<Material> = own.collect();

@@ -171,7 +171,7 @@ impl Textures {
             let known = read.iter().find(|(other, _)| other.png == material.png);
             let image = match known {
                 Some((_, image)) => Arc::clone(image),
-                None => match Image::read(&ImageSource::Bytes((*material.png).clone())) {
+                None => match Image::read(&ImageSource::Bytes(Arc::clone(&material.png))) {
                     Ok((image, _)) => Arc::new(image),
                     Err(_) => continue,
                 },
@@ -367,7 +367,9 @@ mod tests {
             material(
                 "inside",
                 None,
-                Some(ImageSource::Bytes(std::fs::read(path).expect("bytes"))),
+                Some(ImageSource::Bytes(
+                    std::fs::read(path).expect("bytes").into(),
+                )),
             ),
             material("missing", None, Some(missing.clone())),
             material("missing too", None, Some(missing)),

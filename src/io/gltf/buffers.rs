@@ -10,8 +10,9 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 use super::super::error::{ParseError, ParseErrorKind, excerpt, in_file};
-use super::schema::Root;
+use super::schema::{Root, Sparse};
 use super::{BYTE, COMPRESSIONS, DATA, FLOAT, SHORT, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT};
+use crate::memory;
 use crate::mesh::NumberType;
 
 /// Base64 with or without padding, which some programs omit.
@@ -98,7 +99,7 @@ impl<'a> Buffers<'a> {
     /// The elements of an accessor of one of the shapes `wanted`, up to `VEC4`.
     ///
     /// # Errors
-    /// The accessor does not exist, is of another type, is sparse, or exceeds its buffer view.
+    /// The accessor does not exist, is of another type, or exceeds its buffer view.
     pub fn elements(
         &self,
         index: usize,
@@ -121,18 +122,31 @@ impl<'a> Buffers<'a> {
             "VEC3" => 3,
             _ => 4,
         };
-        if accessor.sparse.is_some() {
-            let what = format!("{what} with a sparse accessor");
-            let remedy = "export the mesh without sparse accessors";
-            return Err(in_file(ParseErrorKind::Unsupported { what, remedy }));
+        let (count, named) = (accessor.count, Numbered { kind, width, what });
+        let mut elements = match (accessor.buffer_view, &accessor.sparse) {
+            (Some(view), _) => self.stored(view, accessor.byte_offset, count, &named)?,
+            (None, Some(_)) => zeros(count, &named)?,
+            (None, None) => return Err(self.missing(what)),
+        };
+        if let Some(sparse) = &accessor.sparse {
+            self.replace(&mut elements, sparse, &named)?;
         }
-        let view = accessor.buffer_view.ok_or_else(|| self.missing(what))?;
+        elements.is_normalized = accessor.normalized;
+        Ok(elements)
+    }
+
+    /// `count` elements in a buffer view from byte `start` of it on.
+    fn stored(
+        &self,
+        view: usize,
+        start: u64,
+        count: u64,
+        &Numbered { kind, width, what }: &Numbered<'_>,
+    ) -> Result<Elements<'_>, ParseError> {
         let bytes = self.view(view, what)?;
         let size = kind.size() * width;
         let stride = self.root.buffer_views[view].byte_stride;
         let stride = stride.unwrap_or(size);
-        let count = accessor.count;
-        let start = accessor.byte_offset;
         let length = match count.checked_sub(1) {
             Some(gaps) => gaps.checked_mul(stride as u64),
             None => return Err(invalid(format!("{what} has no elements"))),
@@ -147,14 +161,79 @@ impl<'a> Buffers<'a> {
             )));
         };
         Ok(Elements {
-            bytes,
+            bytes: bytes.into(),
             count: count as usize,
             width,
             stride,
             kind,
-            is_normalized: accessor.normalized,
+            is_normalized: false,
         })
     }
+
+    /// Replaces the elements that a sparse accessor lists.
+    fn replace(
+        &self,
+        elements: &mut Elements<'_>,
+        sparse: &Sparse,
+        named: &Numbered<'_>,
+    ) -> Result<(), ParseError> {
+        let (count, what) = (sparse.count, named.what);
+        let (indices, values) = (&sparse.indices, &sparse.values);
+        let kind = number_type(indices.component_type)
+            .ok_or_else(|| invalid(format!("{what} has sparse indices of an unknown type")))?;
+        let width = 1;
+        let places = Numbered { kind, width, what };
+        let places = self.stored(indices.buffer_view, indices.byte_offset, count, &places)?;
+        let values = self.stored(values.buffer_view, values.byte_offset, count, named)?;
+        let size = named.kind.size() * named.width;
+        for k in 0..places.count {
+            let place = places.index(k).map(|place| place as usize);
+            let place = place
+                .filter(|&place| place < elements.count)
+                .ok_or_else(|| {
+                    let count = elements.count;
+                    invalid(format!(
+                        "a sparse index of {what} exceeds its {count} elements"
+                    ))
+                })?;
+            let (to, from) = (place * elements.stride, k * values.stride);
+            elements.bytes.to_mut()[to..to + size]
+                .copy_from_slice(&values.bytes[from..from + size]);
+        }
+        Ok(())
+    }
+}
+
+/// The numbers of an element, and the name of the accessor in messages.
+struct Numbered<'a> {
+    kind: NumberType,
+    width: usize,
+    what: &'a str,
+}
+
+/// `count` elements of zeros.
+///
+/// # Errors
+/// They do not fit into the memory.
+fn zeros(
+    count: u64,
+    &Numbered { kind, width, what }: &Numbered<'_>,
+) -> Result<Elements<'static>, ParseError> {
+    let stride = kind.size() * width;
+    memory::require(count as f64 * stride as f64).map_err(|error| {
+        let what = format!("{what} with {count} elements: {error}");
+        let remedy = "split the mesh";
+        in_file(ParseErrorKind::Unavailable { what, remedy })
+    })?;
+    let count = count as usize;
+    Ok(Elements {
+        bytes: vec![0; count * stride].into(),
+        count,
+        width,
+        stride,
+        kind,
+        is_normalized: false,
+    })
 }
 
 fn number_type(component_type: u64) -> Option<NumberType> {
@@ -253,9 +332,9 @@ pub(super) fn unescaped(uri: &str) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The elements of an accessor, in place.
+/// The elements of an accessor, in place unless it is sparse.
 pub(super) struct Elements<'a> {
-    bytes: &'a [u8],
+    bytes: Cow<'a, [u8]>,
     pub count: usize,
     /// Numbers of an element.
     pub width: usize,

@@ -1,7 +1,8 @@
 //! Materials of a glTF file, kept as they are.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
+use std::sync::Arc;
 
 use serde_json::{Map, Value};
 
@@ -58,23 +59,29 @@ pub(super) fn keep(
     }
     let mut images = Vec::new();
     let mut left = buffers.size();
+    // images may share a view
+    let mut of_view: HashMap<usize, Arc<Vec<u8>>> = HashMap::new();
     for (k, image) in list_mut(&mut json, "images").iter_mut().enumerate() {
         let view = image
             .as_object_mut()
             .and_then(|image| image.remove("bufferView"));
-        let view = view.and_then(|view| usize::try_from(view.as_u64()?).ok());
-        images.push(match view {
-            Some(view) => {
-                let bytes = buffers.view(view, &format!("image {k}"))?;
-                // a small file could repeat a large view many times
-                let Some(rest) = left.checked_sub(bytes.len()) else {
-                    return Err(invalid("the images overlap"));
-                };
-                left = rest;
-                Some(bytes.to_vec())
-            }
-            None => None,
-        });
+        let Some(view) = view.and_then(|view| usize::try_from(view.as_u64()?).ok()) else {
+            images.push(None);
+            continue;
+        };
+        if let Some(bytes) = of_view.get(&view) {
+            images.push(Some(Arc::clone(bytes)));
+            continue;
+        }
+        let bytes = buffers.view(view, &format!("image {k}"))?;
+        // a small file could repeat a large part of a buffer many times
+        let Some(rest) = left.checked_sub(bytes.len()) else {
+            return Err(invalid("the images overlap"));
+        };
+        left = rest;
+        let bytes = Arc::new(bytes.to_vec());
+        of_view.insert(view, Arc::clone(&bytes));
+        images.push(Some(bytes));
     }
     Ok(Some(GltfMaterials {
         names,
@@ -149,11 +156,11 @@ pub(in super::super) fn materials(folder: Option<&Path>, all: &GltfMaterials) ->
         let source = source.or_else(|| others.find_map(|other| other.get("source")))?;
         let bytes = all.images.get(usize::try_from(source.as_u64()?).ok()?);
         if let Some(Some(bytes)) = bytes {
-            return Some(ImageSource::Bytes(bytes.clone()));
+            return Some(ImageSource::Bytes(Arc::clone(bytes)));
         }
         let uri = entry("images", source)?.get("uri")?.as_str()?;
         if uri.starts_with(DATA) {
-            return decoded(uri).map(ImageSource::Bytes);
+            return decoded(uri).map(|bytes| ImageSource::Bytes(bytes.into()));
         }
         folder.map(|folder| ImageSource::File(folder.join(unescaped(uri))))
     };

@@ -69,7 +69,26 @@ pub(super) struct Accessor {
     pub count: u64,
     #[serde(rename = "type")]
     pub shape: String,
-    pub sparse: Option<Value>,
+    pub sparse: Option<Sparse>,
+}
+
+/// The elements of an accessor that differ from its buffer view, or from zero.
+#[derive(Deserialize)]
+pub(super) struct Sparse {
+    pub count: u64,
+    pub indices: Stored,
+    pub values: Stored,
+}
+
+/// Numbers in a buffer view.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Stored {
+    pub buffer_view: usize,
+    #[serde(default)]
+    pub byte_offset: u64,
+    #[serde(default)]
+    pub component_type: u64,
 }
 
 #[derive(Default, Deserialize)]

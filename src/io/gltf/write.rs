@@ -226,12 +226,11 @@ impl Materials {
         };
         let mut json = given.json.clone();
         let images = json.get_mut("images").and_then(Value::as_array_mut);
+        let mut views: HashMap<&[u8], usize> = HashMap::new();
         for (image, bytes) in images.into_iter().flatten().zip(&given.images) {
             if let (Some(bytes), Value::Object(image)) = (bytes, image) {
-                file.align();
-                let start = file.bytes.len();
-                file.bytes.extend_from_slice(bytes);
-                image.insert("bufferView".into(), file.view(start, None, None).into());
+                let view = *views.entry(bytes).or_insert_with(|| file.image(bytes));
+                image.insert("bufferView".into(), view.into());
             }
         }
         let names = given.names.iter().cloned().enumerate();
@@ -249,10 +248,7 @@ impl Materials {
             let texture = if let Some(&(_, texture)) = known {
                 texture
             } else {
-                file.align();
-                let start = file.bytes.len();
-                file.bytes.extend_from_slice(&material.png);
-                let view = file.view(start, None, None);
+                let view = file.image(&material.png);
                 let image = json!({ "bufferView": view, "mimeType": "image/png" });
                 let image = self.push("images", image);
                 let texture = self.push("textures", json!({ "source": image }));
@@ -291,10 +287,7 @@ impl Materials {
             if let Some(bytes) = image
                 && let Some(media) = media_type(&bytes)
             {
-                file.align();
-                let start = file.bytes.len();
-                file.bytes.extend_from_slice(&bytes);
-                let view = file.view(start, None, None);
+                let view = file.image(&bytes);
                 let image = self.push("images", json!({ "bufferView": view, "mimeType": media }));
                 let texture = self.push("textures", json!({ "source": image }));
                 entry["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": texture });
@@ -471,6 +464,14 @@ impl File {
         }
         self.views.push(view);
         self.views.len() - 1
+    }
+
+    /// Writes an image. Returns its view.
+    fn image(&mut self, bytes: &[u8]) -> usize {
+        self.align();
+        let start = self.bytes.len();
+        self.bytes.extend_from_slice(bytes);
+        self.view(start, None, None)
     }
 
     fn accessor(&mut self, accessor: Value) -> usize {

@@ -65,6 +65,8 @@ pub(super) struct Header {
     pub elements: Vec<Element>,
     /// The lines `comment` and `obj_info`.
     pub comments: Vec<String>,
+    /// The first line before the elements that begins with no word of the format.
+    pub unknown: Option<(usize, String)>,
     /// First byte after the header.
     pub end: usize,
     /// Number of the line after the header.
@@ -76,14 +78,18 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, ParseError> {
     if bytes.is_empty() {
         return Err(in_file(ParseErrorKind::Empty));
     }
+    // some programs end the lines of the header, also of a binary file, with a single carriage return
+    let is_old = bytes.starts_with(b"ply\r") && !bytes.starts_with(b"ply\r\n");
+    let line_end = if is_old { b'\r' } else { b'\n' };
     let mut at = 0;
     let mut number = 0;
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
     let mut comments = Vec::new();
+    let mut unknown = None;
     loop {
         number += 1;
-        let Some(length) = bytes[at..].iter().position(|&b| b == b'\n') else {
+        let Some(length) = bytes[at..].iter().position(|&b| b == line_end) else {
             if number == 1 {
                 return Err(not_ply(bytes));
             }
@@ -135,6 +141,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, ParseError> {
                 element.properties.push(property);
             }
             Some(b"end_header") => break,
+            // a comment without the word
+            Some(_) if elements.is_empty() => {
+                unknown.get_or_insert((number, excerpt(line)));
+            }
             Some(_) => return Err(error("this line does not belong in a PLY header")),
         }
     }
@@ -152,6 +162,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, ParseError> {
         encoding,
         elements,
         comments,
+        unknown,
         end: at,
         next_line: number + 1,
     })

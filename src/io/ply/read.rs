@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::super::error::{ParseError, ParseErrorKind, in_file};
+use super::super::text_scanner::unix_lines;
 use super::columns::{Target, Targets, list_length, skip_property};
 use super::header::{self, Element, Encoding, Header, Kind, Property};
 use super::source::{Binary, Source, Text};
@@ -14,7 +15,10 @@ use crate::mesh::{Column, FaceTag, NO_VALUE, NumberType, Numbers, Soup};
 pub(in super::super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     let header = header::read(bytes)?;
     match header.encoding {
-        Encoding::Ascii => body(&header, Text::new(bytes, header.end, header.next_line)),
+        Encoding::Ascii => {
+            let text = unix_lines(bytes);
+            body(&header, Text::new(&text, header.end, header.next_line))
+        }
         Encoding::LittleEndian => body(&header, Binary::<false>::new(bytes, header.end)),
         Encoding::BigEndian => body(&header, Binary::<true>::new(bytes, header.end)),
     }
@@ -45,6 +49,11 @@ fn body(header: &Header, mut source: impl Source) -> Result<Soup, ParseError> {
         ..Soup::default()
     };
     soup.attributes.comments.clone_from(&header.comments);
+    if let Some((line, found)) = &header.unknown {
+        soup.notes.push(format!(
+            "line {line} of the header, '{found}', is ignored: it begins with no word of the format"
+        ));
+    }
     let (mut faces, mut strips) = (false, false);
     let mut skipped: Vec<&str> = Vec::new();
     for element in header

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::super::Format::{Glb, Ply};
 use super::super::{copy_companions, load, materials, open_joined, save_mesh, with_output};
 use super::gltf::{one_node, square};
-use super::{bad, good};
+use super::good;
 use crate::mesh::{ImageSource, Material, Weld};
 
 const SQUARE: &str =
@@ -149,7 +149,7 @@ fn each_image_of_a_ply_file_is_written_into_gltf_and_3mf() {
         };
         let mut images = [image(0), image(1)];
         images.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let wanted = ["b c.png", "a.png"].map(|name| ImageSource::Bytes(bytes(name)));
+        let wanted = ["b c.png", "a.png"].map(|name| ImageSource::Bytes(bytes(name).into()));
         assert_eq!(
             [&images[0].2, &images[1].2],
             [&wanted[0], &wanted[1]],
@@ -181,7 +181,7 @@ fn images_of_other_materials_of_gltf_are_found() {
     let all = materials(&soup.attributes);
     assert!(
         all.iter()
-            .all(|m| m.image == Some(ImageSource::Bytes(b"an image".to_vec())))
+            .all(|m| m.image == Some(ImageSource::Bytes(b"an image".to_vec().into())))
     );
     assert_eq!(all[0].color, Some([1.0, 0.0, 0.0]));
     // scaled to (0.5, 2), turned to (2, -0.5), moved
@@ -209,9 +209,6 @@ fn sparse_accessors_of_shape_keys_are_no_obstacle() {
     let bytes = super::gltf::glb(&json, &document.bytes());
     let soup = good(Glb, bytes);
     assert_eq!(soup.notes, ["not kept: morph targets"]);
-    json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 2.into();
-    let message = bad(Glb, super::gltf::glb(&json, &document.bytes()));
-    assert!(message.contains("without sparse accessors"), "{message}");
 }
 
 // Two files with materials of the same name are one mesh with both, also as OBJ.
@@ -306,7 +303,10 @@ fn images_of_libraries_and_of_ply_files_are_written_into_gltf_and_3mf() {
             let soup = load(&at(to)).expect("read");
             let found = materials(&soup.attributes);
             assert_eq!(found.len(), 1, "{from} {to}");
-            assert_eq!(found[0].image, Some(ImageSource::Bytes(png.to_vec())));
+            assert_eq!(
+                found[0].image,
+                Some(ImageSource::Bytes(png.to_vec().into()))
+            );
             assert_eq!(soup.attributes.material_of(0), found[0].name);
             if to == "out.glb" && name == "skin" {
                 let color = found[0].color.expect("a colour");

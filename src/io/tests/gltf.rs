@@ -230,7 +230,7 @@ fn materials_and_images_are_kept_as_they_are() {
         .expect("materials");
     assert_eq!(
         materials.images,
-        [Some(b"\x89PNG not really".to_vec()), None]
+        [Some(b"\x89PNG not really".to_vec().into()), None]
     );
     let bytes = file(&built(&soup), Gltf);
     let json: Value = serde_json::from_slice(&bytes).expect("JSON");
@@ -250,7 +250,7 @@ fn materials_and_images_are_kept_as_they_are() {
     let drawn = super::super::materials(&soup.attributes);
     assert_eq!(drawn.len(), 1);
     assert_eq!(drawn[0].name, "Paint");
-    let inside = crate::mesh::ImageSource::Bytes(b"\x89PNG not really".to_vec());
+    let inside = crate::mesh::ImageSource::Bytes(b"\x89PNG not really".to_vec().into());
     assert_eq!(drawn[0].image, Some(inside));
     // a quarter of the light is this signal of sRGB
     assert!((drawn[0].color.expect("a colour")[1] - 0.5371).abs() < 1e-4);
@@ -601,10 +601,10 @@ fn broken_files_are_refused_with_place_and_remedy() {
     with(
         &|j| {
             j["accessors"][0]["sparse"] = json!({ "count": 1,
-            "indices": { "bufferView": 0, "componentType": 5123 },
+            "indices": { "bufferView": 0, "componentType": 5 },
             "values": { "bufferView": 0 } });
         },
-        "sparse",
+        "sparse indices of an unknown type",
     );
     with(
         &|j| j["accessors"][0]["bufferView"] = 9.into(),
@@ -689,7 +689,9 @@ fn broken_files_are_refused_with_place_and_remedy() {
     with(
         &|j| {
             j["materials"] = json!([{}]);
-            j["images"] = json!([{ "bufferView": 0 }, { "bufferView": 0 }]);
+            let whole = json!({ "buffer": 0, "byteLength": j["buffers"][0]["byteLength"] });
+            j["bufferViews"] = json!([j["bufferViews"][0], j["bufferViews"][1], whole, whole]);
+            j["images"] = json!([{ "bufferView": 2 }, { "bufferView": 3 }]);
         },
         "images overlap",
     );
@@ -703,6 +705,81 @@ fn broken_files_are_refused_with_place_and_remedy() {
     assert!(
         message.contains("vertex 2 has the coordinate y = 'NaN'"),
         "{message}"
+    );
+}
+
+/// Sparse accessors replace elements of a buffer view, or of zeros.
+#[test]
+fn sparse_accessors_are_read() {
+    let (mut document, mesh) = square();
+    let places = document.view(&[1, 3]);
+    let bytes: Vec<u8> = [2.0_f32, 0.0, 0.0, 0.0, 2.0, 0.5]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let values = document.view(&bytes);
+    let sparse = json!({
+        "count": 2, "indices": { "bufferView": places, "componentType": U8 },
+        "values": { "bufferView": values },
+    });
+    let read = |change: &dyn Fn(&mut Value)| {
+        let mut json = document.json(one_node(&json!([mesh])), None);
+        json["accessors"][0]["sparse"] = sparse.clone();
+        change(&mut json);
+        glb(&json, &document.bytes())
+    };
+    let replaced = good(Glb, read(&|_| {}));
+    let (x, y) = (DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.5));
+    let expected = [DVec3::ZERO, x, DVec3::new(1.0, 1.0, 0.0), y];
+    assert_eq!(replaced.positions, expected);
+    let no_view = |json: &mut Value| {
+        let accessor = json["accessors"][0].as_object_mut().expect("an object");
+        accessor.remove("bufferView");
+    };
+    let zeros = good(Glb, read(&no_view));
+    assert_eq!(zeros.positions, [DVec3::ZERO, x, DVec3::ZERO, y]);
+    let message = bad(Glb, &read(&|json| json["accessors"][0]["count"] = 3.into()));
+    assert!(message.contains("a sparse index of POSITION"), "{message}");
+    let message = bad(
+        Glb,
+        &read(&|json| {
+            no_view(json);
+            json["accessors"][0]["count"] = (1_u64 << 60).into();
+        }),
+    );
+    assert!(message.contains("split the mesh"), "{message}");
+}
+
+/// Images that share a buffer view are read and written once.
+#[test]
+fn images_may_share_a_view() {
+    let (mut document, mut mesh) = square();
+    let view = document.view(&[b'\x89'; 4000]);
+    mesh["primitives"][0]["material"] = 1.into();
+    let image = json!({ "bufferView": view, "mimeType": "image/png" });
+    let mut json = one_node(&json!([mesh]));
+    json["images"] = json!([image, image]);
+    json["textures"] = json!([{ "source": 0 }, { "source": 1 }]);
+    let colour = |k: u32| json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": k } } });
+    json["materials"] = json!([colour(0), colour(1)]);
+    let soup = good(Glb, document.glb(json));
+    let materials = soup
+        .attributes
+        .gltf_materials
+        .as_deref()
+        .expect("materials");
+    assert!(
+        materials
+            .images
+            .iter()
+            .all(|image| image.as_ref().is_some_and(|i| i.len() == 4000))
+    );
+    let bytes = file(&built(&soup), Glb);
+    assert!(bytes.len() < 8000, "{}", bytes.len());
+    let again = good(Glb, bytes);
+    assert_eq!(
+        again.attributes.gltf_materials,
+        soup.attributes.gltf_materials
     );
 }
 

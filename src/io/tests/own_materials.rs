@@ -109,7 +109,7 @@ fn gltf_files_contain_the_images() {
                 .iter()
                 .find(|m| m.name == name)
                 .expect("a material");
-            let expected = ImageSource::Bytes(image.into());
+            let expected = ImageSource::Bytes(Vec::from(image).into());
             assert_eq!(material.image.as_ref(), Some(&expected));
         }
         // a material of the file keeps its settings for an own one

@@ -1,7 +1,7 @@
 //! The legal variety of each format.
 
 use super::super::Format::{Obj, Off, Ply, Stl};
-use super::good;
+use super::{bad, good};
 use crate::mesh::{Attributes, Column, DVec3, NO_VALUE};
 
 const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
@@ -145,6 +145,50 @@ fn ply_ascii_with_everything_that_is_skipped() {
     };
     assert_eq!(numbers(&all.vertices, "nx"), [1.0; 4]);
     assert_eq!(numbers(&all.faces.columns, "flags"), [0.0, 1.0]);
+}
+
+/// As Rhinoceros writes them: single carriage returns, also before the bytes of a binary file.
+#[test]
+fn ply_headers_may_have_old_line_ends() {
+    let header = |format: &str| {
+        format!(
+            "ply\rformat {format} 1.0\rcomment c\relement vertex 3\rproperty float x\rproperty float y\r\
+             property float z\relement face 1\rproperty list uchar int vertex_indices\rend_header\r"
+        )
+    };
+    let text = good(Ply, header("ascii") + "0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r");
+    let mut bytes = header("binary_little_endian").into_bytes();
+    for x in [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
+        bytes.extend(x.to_le_bytes());
+    }
+    bytes.push(3);
+    for v in [0_i32, 1, 2] {
+        bytes.extend(v.to_le_bytes());
+    }
+    let binary = good(Ply, bytes);
+    for soup in [text, binary] {
+        assert_eq!(soup.positions, [DVec3::ZERO, DVec3::X, DVec3::Y]);
+        assert_eq!(soup.corners, [0, 1, 2]);
+        assert_eq!(soup.attributes.comments, ["comment c"]);
+        assert!(soup.notes.is_empty(), "{:?}", soup.notes);
+    }
+}
+
+/// As Blender 2.4 wrote them.
+#[test]
+fn ply_comments_may_lack_the_word() {
+    let text = "ply\nformat ascii 1.0\nCreated by a program\nelement vertex 3\nproperty float x\n\
+        property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+        end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let soup = good(Ply, text);
+    let notes = soup.notes.join("; ");
+    assert!(
+        notes.contains("line 3 of the header, 'Created by a program'"),
+        "{notes}"
+    );
+    // a word that is not of the format after the first element is more likely a mistake in one
+    let message = bad(Ply, text.replace("element face", "elment face"));
+    assert!(message.contains("line 8"), "{message}");
 }
 
 #[test]
@@ -336,7 +380,7 @@ fn off_is_refused_with_place_and_remedy() {
             "it ends before vertex 3",
         ),
     ] {
-        let message = super::bad(Off, text);
+        let message = bad(Off, text);
         assert!(message.contains(words), "{text:?}: {message}");
     }
 }

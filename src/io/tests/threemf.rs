@@ -109,6 +109,26 @@ fn column(soup: &[Column], name: &str) -> Vec<f64> {
         .collect()
 }
 
+/// The specification asks for whole numbers.
+#[test]
+fn ids_may_be_words() {
+    let colors = "<m:colorgroup id=\"m0\"><m:color color=\"#FF0000\"/></m:colorgroup>";
+    let object = square(1, "pid=\"m0\" pindex=\"0\"", ["pid=\"m0\" p1=\"0\"", ""]);
+    let object = object.replace("id=\"1\"", "id=\"body\"");
+    let resources = format!("{colors}{object}");
+    let soup = good(
+        ThreeMf,
+        file(&model("", &resources, "<item objectid=\"body\"/>")),
+    );
+    assert_eq!(soup.face_count(), 2);
+    assert_eq!(soup.attributes.vertex_colors()[0], [1.0, 0.0, 0.0, 1.0]);
+    let message = bad(
+        ThreeMf,
+        file(&model("", &resources, "<item objectid=\"arm\"/>")),
+    );
+    assert!(message.contains("no object with the id arm"), "{message}");
+}
+
 #[test]
 fn items_and_components_are_placed() {
     let resources = [
@@ -311,7 +331,10 @@ fn materials_and_textures_come_back() {
     assert_eq!(all.faces.texture[3..], [NO_VALUE; 9]);
     let drawn = materials(all);
     let named = |name: &str| drawn.iter().find(|m| m.name == name).expect("a material");
-    assert_eq!(named("wood").image, Some(ImageSource::Bytes(PNG.to_vec())));
+    assert_eq!(
+        named("wood").image,
+        Some(ImageSource::Bytes(PNG.to_vec().into()))
+    );
     let red = named("red").color.expect("a colour");
     assert!((red[0] - 200.0 / 255.0).abs() < 1e-6 && red[1] == 0.0);
     comes_back(&soup);

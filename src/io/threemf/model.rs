@@ -11,7 +11,33 @@ use super::super::error::{ParseError, ParseErrorKind, excerpt, in_file};
 use super::{CORE, MATERIALS, PRODUCTION};
 use crate::mesh::DVec3;
 
-/// The content of a model part.
+/// The ids of resources and objects in all parts, numbered. The specification asks for whole numbers; some
+/// programs write words.
+#[derive(Default)]
+pub(super) struct Ids {
+    texts: Vec<String>,
+    numbers: HashMap<String, u32>,
+}
+
+impl Ids {
+    fn number(&mut self, text: &str) -> u32 {
+        let text = text.trim();
+        if let Some(&number) = self.numbers.get(text) {
+            return number;
+        }
+        let number = self.texts.len() as u32;
+        self.texts.push(text.to_owned());
+        self.numbers.insert(text.to_owned(), number);
+        number
+    }
+
+    /// An id as the file has it.
+    pub fn text(&self, number: u32) -> &str {
+        &self.texts[number as usize]
+    }
+}
+
+/// The content of a model part. Ids are numbers of [`Ids`].
 #[derive(Default)]
 pub(super) struct Model {
     /// `unit` of the model; empty for the default, millimetres.
@@ -163,10 +189,17 @@ pub(super) fn starts(
 }
 
 /// Reads a model part of this name.
-pub(super) fn read(part: &str, bytes: &[u8]) -> Result<Model, ParseError> {
+pub(super) fn read(part: &str, bytes: &[u8], ids: &mut Ids) -> Result<Model, ParseError> {
     let text = text(part, bytes)?;
     let mut xml = Reader::from_str(&text);
-    let mut parser = Parser::default();
+    let mut parser = Parser {
+        model: Model::default(),
+        ids,
+        is_model: false,
+        depth: 0,
+        metadata: None,
+        object: None,
+    };
     loop {
         let event = xml.read_event();
         let at = match &event {
@@ -225,9 +258,9 @@ pub(super) fn read(part: &str, bytes: &[u8]) -> Result<Model, ParseError> {
 }
 
 /// The model as far as it is read, and what is open.
-#[derive(Default)]
-struct Parser {
+struct Parser<'a> {
     model: Model,
+    ids: &'a mut Ids,
     is_model: bool,
     /// Open elements.
     depth: usize,
@@ -242,7 +275,7 @@ struct OpenObject {
     object: Object,
 }
 
-impl Parser {
+impl Parser<'_> {
     /// Reads the start of an element. Returns whether its content matters; otherwise it has no end here.
     fn start(&mut self, element: &BytesStart<'_>) -> Result<bool, ParseErrorKind> {
         match element.local_name().as_ref() {
@@ -309,7 +342,7 @@ impl Parser {
                 self.resource(element, Resource::Texture { path, media, tiles })?;
             }
             b"texture2dgroup" => {
-                let (texture, coordinates) = (index(element, b"texid")?, Vec::new());
+                let (texture, coordinates) = (self.id(element, b"texid")?, Vec::new());
                 let group = Resource::TextureGroup {
                     texture,
                     coordinates,
@@ -323,7 +356,7 @@ impl Parser {
                 }
             }
             b"component" => {
-                let component = placement(element)?;
+                let component = self.placement(element)?;
                 self.note_others(element, &PLACEMENT);
                 if let Some(OpenObject {
                     object:
@@ -338,7 +371,8 @@ impl Parser {
                 }
             }
             b"item" => {
-                self.model.items.push(placement(element)?);
+                let item = self.placement(element)?;
+                self.model.items.push(item);
                 self.note_others(element, &PLACEMENT);
             }
             b"build" => self.note_others(element, &[]),
@@ -364,7 +398,7 @@ impl Parser {
                 if let Some(open) = self.object.take()
                     && self.model.objects.insert(open.id, open.object).is_some()
                 {
-                    let what = format!("two objects have the id {}", open.id);
+                    let what = format!("two objects have the id {}", self.ids.text(open.id));
                     return Err(ParseErrorKind::invalid(what));
                 }
             }
@@ -384,14 +418,14 @@ impl Parser {
         element: &BytesStart<'_>,
         resource: Resource,
     ) -> Result<(), ParseErrorKind> {
-        let id = index(element, b"id")?;
+        let id = self.id(element, b"id")?;
         self.model.of_id.insert(id, self.model.resources.len());
         self.model.resources.push(resource);
         Ok(())
     }
 
     fn open_object(&mut self, element: &BytesStart<'_>) -> Result<(), ParseErrorKind> {
-        let id = index(element, b"id")?;
+        let id = self.id(element, b"id")?;
         let property = match attribute(element, b"pid") {
             Some(_) => {
                 let entry = match attribute(element, b"pindex") {
@@ -399,7 +433,7 @@ impl Parser {
                     None => 0,
                 };
                 Some(Property {
-                    group: index(element, b"pid")?,
+                    group: self.id(element, b"pid")?,
                     entries: [entry; 3],
                 })
             }
@@ -425,6 +459,34 @@ impl Parser {
             },
         });
         Ok(())
+    }
+
+    /// The number of the id in an attribute.
+    fn id(&mut self, element: &BytesStart<'_>, name: &[u8]) -> Result<u32, ParseErrorKind> {
+        let text = attribute(element, name).ok_or_else(|| missing(element, name))?;
+        Ok(self.ids.number(&text))
+    }
+
+    /// An item or a component.
+    fn placement(&mut self, element: &BytesStart<'_>) -> Result<Placement, ParseErrorKind> {
+        let mut path = None;
+        for attribute in element.attributes().with_checks(false).flatten() {
+            if attribute.key.local_name().as_ref() == b"path" {
+                let text = attribute.normalized_value(XmlVersion::Implicit1_0);
+                path = text.ok().map(Cow::into_owned);
+            }
+        }
+        let transform = match attribute(element, b"transform") {
+            Some(text) => matrix(&text).ok_or_else(|| {
+                ParseErrorKind::syntax("a transform has twelve numbers", excerpt(text.as_bytes()))
+            })?,
+            None => DMat4::IDENTITY,
+        };
+        Ok(Placement {
+            object: self.id(element, b"objectid")?,
+            path,
+            transform,
+        })
     }
 
     /// Notes the attributes of an element that are not kept, all but `known`.
@@ -508,7 +570,11 @@ impl Parser {
                 b"p1" => &mut entries[0],
                 b"p2" => &mut entries[1],
                 b"p3" => &mut entries[2],
-                b"pid" => &mut group,
+                b"pid" => {
+                    let text = str::from_utf8(&attribute.value).unwrap_or_default();
+                    group = Some(self.ids.number(text));
+                    continue;
+                }
                 other => {
                     lost.push(format!("triangle {}", excerpt(other)));
                     continue;
@@ -608,7 +674,7 @@ fn number(element: &BytesStart<'_>, name: &[u8]) -> Result<f64, ParseErrorKind> 
     number.ok_or_else(|| not_a_number(&excerpt(name), text.as_bytes()))
 }
 
-/// An index or an id.
+/// An index.
 fn index(element: &BytesStart<'_>, name: &[u8]) -> Result<u32, ParseErrorKind> {
     let text = attribute(element, name).ok_or_else(|| missing(element, name))?;
     whole(name, text.as_bytes())
@@ -637,28 +703,6 @@ fn color(element: &BytesStart<'_>, name: &[u8]) -> Result<([u8; 4], bool), Parse
             Err(ParseErrorKind::syntax(what, excerpt(text.as_bytes())))
         }
     }
-}
-
-/// An item or a component.
-fn placement(element: &BytesStart<'_>) -> Result<Placement, ParseErrorKind> {
-    let mut path = None;
-    for attribute in element.attributes().with_checks(false).flatten() {
-        if attribute.key.local_name().as_ref() == b"path" {
-            let text = attribute.normalized_value(XmlVersion::Implicit1_0);
-            path = text.ok().map(Cow::into_owned);
-        }
-    }
-    let transform = match attribute(element, b"transform") {
-        Some(text) => matrix(&text).ok_or_else(|| {
-            ParseErrorKind::syntax("a transform has twelve numbers", excerpt(text.as_bytes()))
-        })?,
-        None => DMat4::IDENTITY,
-    };
-    Ok(Placement {
-        object: index(element, b"objectid")?,
-        path,
-        transform,
-    })
 }
 
 /// The matrix of a transform, whose twelve numbers are the columns of its linear part, then the

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 
 use super::super::error::{ParseError, ParseErrorKind, excerpt, in_file};
 use super::TILES;
-use super::model::{self, Content, Mesh, Model, Object, Placement, Property, Resource};
+use super::model::{self, Content, Ids, Mesh, Model, Object, Placement, Property, Resource};
 use super::package::Package;
 use crate::memory;
 use crate::mesh::{
@@ -76,6 +76,7 @@ fn invalid(what: impl Into<String>) -> ParseError {
 /// The model parts with their names, that of the archive first.
 struct Models {
     list: Vec<(String, Model)>,
+    ids: Ids,
 }
 
 impl Models {
@@ -83,6 +84,7 @@ impl Models {
     fn read(package: &mut Package<'_>) -> Result<Self, ParseError> {
         let mut wanted = vec![package.model()?];
         let mut list: Vec<(String, Model)> = Vec::new();
+        let mut ids = Ids::default();
         while let Some(name) = wanted.pop() {
             let bytes = package.part(&name)?;
             let bytes = bytes.ok_or_else(|| {
@@ -91,7 +93,7 @@ impl Models {
                     excerpt(name.as_bytes())
                 ))
             })?;
-            let model = model::read(&name, &bytes)?;
+            let model = model::read(&name, &bytes, &mut ids)?;
             list.push((normal(&name), model));
             let model = &list[list.len() - 1].1;
             let components = model.objects.values().filter_map(|o| match &o.content {
@@ -109,7 +111,7 @@ impl Models {
                 }
             }
         }
-        Ok(Self { list })
+        Ok(Self { list, ids })
     }
 
     /// The object of a placement in a part, as the numbers of its part and its id.
@@ -122,7 +124,10 @@ impl Models {
         let id = placement.object;
         let part = part.filter(|&part| self.list[part].1.objects.contains_key(&id));
         Ok((
-            part.ok_or_else(|| invalid(format!("there is no object with the id {id}")))?,
+            part.ok_or_else(|| {
+                let id = self.ids.text(id);
+                invalid(format!("there is no object with the id {id}"))
+            })?,
             id,
         ))
     }
@@ -157,6 +162,7 @@ impl Models {
             return Ok(size);
         }
         if depth > DEEPEST {
+            let id = self.ids.text(id);
             return Err(invalid(format!(
                 "object {id} is in more than {DEEPEST} others, or contains itself"
             )));
@@ -239,7 +245,7 @@ impl Materials {
                         textures.push(json!({ "source": images.len(), "sampler": samplers.len() }));
                         samplers.push(json!({ "wrapS": u, "wrapT": v }));
                         images.push(json!({ "mimeType": media }));
-                        bytes_of.push(Some(bytes));
+                        bytes_of.push(Some(Arc::new(bytes)));
                     }
                     Resource::Colors { .. } | Resource::TextureGroup { .. } => {}
                 }
@@ -303,7 +309,7 @@ struct Names {
 }
 
 impl Names {
-    fn made(&mut self, wanted: &str, id: u32) -> String {
+    fn made(&mut self, wanted: &str, id: &str) -> String {
         let base = if wanted.is_empty() {
             format!("object_{id}")
         } else {
@@ -336,7 +342,7 @@ impl Reader<'_> {
             let (part, id) = models.target(0, item)?;
             let name = &models.list[part].1.objects[&id].name;
             let object = if root.items.len() > 1 {
-                names.made(name, id)
+                names.made(name, models.ids.text(id))
             } else {
                 name.clone()
             };
@@ -352,7 +358,7 @@ impl Reader<'_> {
                     group: match (is_inner, is_alone) {
                         (false, _) => String::new(),
                         (true, true) => name.clone(),
-                        (true, false) => groups.made(name, id),
+                        (true, false) => groups.made(name, models.ids.text(id)),
                     },
                     ..FaceTag::default()
                 };
@@ -493,6 +499,7 @@ impl Reader<'_> {
         let check = |count: usize| {
             let wrong = entries.iter().find(|&&entry| entry as usize >= count);
             wrong.map_or(Ok(()), |entry| {
+                let group = self.models.ids.text(group);
                 Err(invalid(format!(
                     "a triangle uses entry {entry} of the property group {group}, which has {count}, \
                      counted from 0"

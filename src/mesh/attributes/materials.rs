@@ -41,7 +41,7 @@ pub enum ImageSource {
     /// In a file.
     File(PathBuf),
     /// In the mesh file: the bytes of an image file.
-    Bytes(Vec<u8>),
+    Bytes(Arc<Vec<u8>>),
 }
 
 impl ImageSource {
@@ -104,7 +104,7 @@ pub struct GltfMaterials {
     pub json: Map<String, Value>,
     /// The bytes of each image; `None` if the file has its `uri`.
     #[serde(with = "serial::images")]
-    pub images: Vec<Option<Vec<u8>>>,
+    pub images: Vec<Option<Arc<Vec<u8>>>>,
 }
 
 impl GltfMaterials {

@@ -68,20 +68,23 @@ pub(super) mod image {
 
 /// The bytes of images, if they are known.
 pub(super) mod images {
-    use super::{Deserialize, Deserializer, Serialize, Serializer, decoded, encoded};
+    use super::{Arc, Deserialize, Deserializer, Serialize, Serializer, decoded, encoded};
 
-    pub fn serialize<S: Serializer>(images: &[Option<Vec<u8>>], to: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<S: Serializer>(
+        images: &[Option<Arc<Vec<u8>>>],
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
         let texts = images.iter().map(|bytes| Some(encoded(bytes.as_ref()?)));
         texts.collect::<Vec<_>>().serialize(to)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(
         from: D,
-    ) -> Result<Vec<Option<Vec<u8>>>, D::Error> {
+    ) -> Result<Vec<Option<Arc<Vec<u8>>>>, D::Error> {
         let texts = Vec::<Option<String>>::deserialize(from)?;
         let bytes = texts.into_iter();
         bytes
-            .map(|text| text.as_deref().map(decoded).transpose())
+            .map(|text| text.map(|text| decoded(&text).map(Arc::new)).transpose())
             .collect()
     }
 }
@@ -139,7 +142,7 @@ mod tests {
             gltf_materials: Some(Arc::new(GltfMaterials {
                 names: vec!["m".into()],
                 json: serde_json::from_str("{\"materials\":[{\"x\":[0.1,1e-9]}]}").expect("JSON"),
-                images: vec![Some(vec![1, 2, 3]), None],
+                images: vec![Some(vec![1, 2, 3].into()), None],
             })),
             own_materials: vec![OwnMaterial {
                 name: "own".into(),

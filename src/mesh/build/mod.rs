@@ -69,8 +69,8 @@ pub enum BuildError {
     },
     /// Every face is degenerate.
     #[error(
-        "all {faces} faces of the file are degenerate (they have fewer than three different \
-             vertices)"
+        "all {faces} faces of the file are degenerate (their corners are at fewer than three \
+             different places)"
     )]
     OnlyDegenerate {
         /// Faces in the file.
@@ -129,8 +129,11 @@ pub fn build_welded(soup: &Soup, weld: Weld) -> Result<(Mesh, LoadReport), Build
         weld.tolerance(&soup.positions, soup.exploded),
     )?;
     if repaired.triangles.is_empty() {
-        return Err(BuildError::OneSided {
-            faces: repaired.non_orientable.len(),
+        return Err(match repaired.non_orientable.len() {
+            0 => BuildError::OnlyDegenerate {
+                faces: soup.face_count(),
+            },
+            faces => BuildError::OneSided { faces },
         });
     }
     let mesh = assemble(soup, &triangles, topology, &repaired);

@@ -154,6 +154,12 @@ fn refused_input() {
         build(&soup(p.clone(), &[[1, 1, 2]])),
         Err(BuildError::OnlyDegenerate { faces: 1 })
     ));
+    // three vertices at two positions
+    let point = [DVec3::ZERO, DVec3::X, DVec3::ZERO];
+    assert!(matches!(
+        build(&soup(point.to_vec(), &[[0, 1, 2]])),
+        Err(BuildError::OnlyDegenerate { faces: 1 })
+    ));
     let mut far = t.clone();
     far[4][1] = 9999;
     assert_eq!(
