@@ -1,5 +1,7 @@
 //! Missing flat faces of a body side by side.
 
+use std::cell::Cell;
+
 use glam::DMat3;
 
 use super::face::{FLAT, Face, FlatRim, turns};
@@ -13,6 +15,8 @@ const MAX_TURNS_AT_CORNER: usize = 12;
 const SQUARE: f64 = 1e-3;
 /// Maximum number of edges between missing faces.
 const MAX_EDGES: usize = 4;
+/// Maximum number of polygons that a search tries: some hundredths of a second. A long rim in few planes has millions.
+const MAX_POLYGONS: usize = 200_000;
 /// Smallest determinant of the unit normals of three faces that meet in a corner: 1 for those of a cube.
 const MIN_SPREAD: f64 = 0.05;
 
@@ -53,6 +57,8 @@ struct Search<'a> {
     /// Before each place of the rim, run through twice, the number of those where it leaves a plane: where four
     /// vertices in a row do not lie in one.
     bends: Vec<usize>,
+    /// The number of polygons that may still be tried.
+    left: Cell<usize>,
 }
 
 impl<'a> Search<'a> {
@@ -67,7 +73,12 @@ impl<'a> Search<'a> {
             Some(before)
         };
         let bends = (0..2 * n).scan(0, count).collect();
-        Self { rim, turns, bends }
+        Self {
+            rim,
+            turns,
+            bends,
+            left: Cell::new(MAX_POLYGONS),
+        }
     }
 
     /// Whether the rim may be flat from one vertex to another in its direction.
@@ -75,6 +86,16 @@ impl<'a> Search<'a> {
         let n = self.rim.points.len();
         let edges = (to + n - from) % n;
         edges < 3 || self.bends[from] == self.bends[from + edges - 2]
+    }
+
+    /// The face with these vertices of the rim. `None` also if it is not flat between two of them, or after too many
+    /// polygons.
+    fn face(&self, polygon: &[usize]) -> Option<Face> {
+        self.left.set(self.left.get().checked_sub(1)?);
+        let n = self.rim.points.len();
+        let mut runs = polygon.chunk_by(|i, j| *j == (i + 1) % n);
+        let may_be_flat = runs.all(|run| self.may_be_flat(run[0], run[run.len() - 1]));
+        may_be_flat.then(|| self.rim.face(polygon, None)).flatten()
     }
 
     /// The faces between edges from one vertex of the rim to another, as few as possible.
@@ -87,7 +108,7 @@ impl<'a> Search<'a> {
     /// Cuts a polygon of vertices of the rim into faces along at most `most` edges. Each edge cuts off one face that is
     /// [evident](Face::is_evident).
     fn cut(&self, polygon: &[usize], most: usize) -> Option<(Vec<Face>, Vec<[usize; 2]>)> {
-        if let Some(face) = self.rim.face(polygon, None) {
+        if let Some(face) = self.face(polygon) {
             return Some((vec![face], Vec::new()));
         }
         let most = most.checked_sub(1)?;
@@ -99,9 +120,6 @@ impl<'a> Search<'a> {
             .filter(|[from, to]| from != to)
             .find_map(|[from, to]| {
                 let edge = [polygon[from], polygon[to]];
-                if polygon.len() == self.rim.points.len() && !self.may_be_flat(edge[0], edge[1]) {
-                    return None;
-                }
                 let (first, last) = (from.min(to), from.max(to));
                 let inside = polygon[first..=last].to_vec();
                 let outside = [&polygon[..=first], &polygon[last..]].concat();
@@ -110,7 +128,7 @@ impl<'a> Search<'a> {
                 } else {
                     (outside, inside)
                 };
-                let face = self.rim.face(&one, None).filter(Face::is_evident)?;
+                let face = self.face(&one).filter(Face::is_evident)?;
                 let (mut faces, mut edges) = self.cut(&others, most)?;
                 let has_edge = |face: &&Face| edge.iter().all(|v| face.vertices.contains(v));
                 let is_sharp = faces.iter().find(has_edge)?.is_sharp_to(&face);
@@ -131,13 +149,7 @@ impl<'a> Search<'a> {
             let edges = (to + n - from) % n;
             (0..=edges).map(|k| (from + k) % n).collect()
         };
-        let flat = |(i, j): (usize, usize)| {
-            let [from, to] = [i, j].map(|k| self.turns[k]);
-            let may_be_flat = self.may_be_flat(from, to);
-            may_be_flat
-                .then(|| self.rim.face(&run(from, to), None))
-                .flatten()
-        };
+        let flat = |(i, j): (usize, usize)| self.face(&run(self.turns[i], self.turns[j]));
         let ordered = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
         let planes: Vec<Option<Face>> = ordered.map(flat).collect();
         let is_straight = 2 * count <= n;

@@ -471,3 +471,32 @@ fn other_holes_are_not_split() {
     let noisy = Mesh::from_triangles(points, &faces).expect("manifold");
     assert!(!split_first(&noisy));
 }
+
+/// A star whose tips are in one plane but for five: many of its parts are flat, and the search among them ends.
+#[test]
+fn a_search_in_a_long_rim_ends() {
+    let n = 30_u32;
+    let at = |k: u32, height: f64| {
+        let angle = f64::from(k) * std::f64::consts::TAU / f64::from(n);
+        let radius = if k.is_multiple_of(2) { 1.5 } else { 1.0 };
+        DVec3::new(radius * angle.cos(), radius * angle.sin(), height)
+    };
+    let lifted = |k: u32| {
+        if k.is_multiple_of(6) {
+            0.3 + 0.01 * f64::from(k)
+        } else {
+            0.0
+        }
+    };
+    let points = (0..n)
+        .map(|k| at(k, lifted(k)))
+        .chain((0..n).map(|k| at(k, -1.0)));
+    let wall = (0..n).flat_map(|k| {
+        let next = (k + 1) % n;
+        [[k, n + k, n + next], [k, n + next, next]]
+    });
+    let mesh = Mesh::from_triangles(points.collect(), &wall.collect::<Vec<_>>()).expect("manifold");
+    let loops = boundary_loops(&mesh);
+    let star = loops.iter().find(|l| l.centroid.z > -0.5).expect("a rim");
+    assert!(split(&mesh, star, 1.0).is_none());
+}
