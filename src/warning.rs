@@ -85,6 +85,13 @@ pub enum Warning {
         /// One of the places.
         at: DVec3,
     },
+    /// The hole is a slit without area, and so are the triangles of its patch.
+    Slit,
+    /// A part of the mesh passes through the hole.
+    PassedThrough {
+        /// A place where it does.
+        at: DVec3,
+    },
     /// Vertices of the surface are far from the rim: outside a cube about the box of the rim and the
     /// faces around it whose edges are twice the diagonal of that box.
     Escaped {
@@ -182,6 +189,8 @@ impl Warning {
             Self::Unreached { .. } => "unreached",
             Self::SelfIntersection { .. } => "self-intersection",
             Self::Folded { .. } => "folded",
+            Self::Slit => "slit",
+            Self::PassedThrough { .. } => "passed-through",
             Self::Escaped { .. } => "escaped",
             Self::Replaced { .. } => "surface-replaced",
             Self::IslandsLeft { .. } => "islands-left",
@@ -198,7 +207,7 @@ impl Warning {
     pub fn is_unsound(&self) -> bool {
         matches!(
             self,
-            Self::SelfIntersection { .. } | Self::Folded { .. } | Self::Escaped { .. }
+            Self::SelfIntersection { .. } | Self::Folded { .. } | Self::Slit | Self::Escaped { .. }
         )
     }
 
@@ -241,6 +250,8 @@ impl Warning {
             Self::Folded { .. } => {
                 "check whether the rim is folded there, or erase the faces there"
             }
+            Self::Slit => "stitch its sides instead of filling it",
+            Self::PassedThrough { .. } => "leave the hole open, or remove that part",
             _ => return None,
         })
     }
@@ -305,17 +316,26 @@ impl fmt::Display for Warning {
             }
             Self::Frozen { vertices } => write!(
                 f,
-                "frozen vertices, whose next step would fold the surface: {vertices}"
+                "{} no further, because the surface would fold there",
+                counted(*vertices, "vertex moves", "vertices move")
             ),
             Self::Unreached { vertices } => write!(
                 f,
-                "input vertices that the surface cannot interpolate without a fold: {vertices}"
+                "the surface misses {}, because it would fold there",
+                counted(*vertices, "input vertex", "input vertices")
             ),
             Self::Folded { edges, at } => write!(
                 f,
                 "the surface is folded by more than 150 degrees, or has triangles without area: \
                  {}, near {}",
                 counted(*edges, "place", "places"),
+                Place(*at)
+            ),
+            Self::Slit => f.write_str("the hole is a slit, and its patch has no area"),
+            Self::PassedThrough { at } => write!(
+                f,
+                "a part of the mesh passes through the hole, near {}: every surface over the hole \
+                 intersects it",
                 Place(*at)
             ),
             Self::Escaped { vertices, at } => write!(
@@ -552,6 +572,8 @@ mod tests {
                 at,
                 kept_step: Some(6),
             },
+            Warning::Slit,
+            Warning::PassedThrough { at },
             Warning::Escaped { vertices: 4, at },
             Warning::IslandsLeft {
                 islands: vec![LoopId::FIRST],

@@ -250,10 +250,12 @@ pub(super) fn joined_draft(
     rim_sets: &[RimSet<'_>],
     old_vertex: &[u32],
     parts: &PatchParts,
-    rims: HoleRims,
+    mut rims: HoleRims,
     options: &FillOptions,
 ) -> DraftHole {
     let start = Instant::now();
+    let beside = parts.sets.iter().flat_map(|&set| &rim_sets[set]);
+    rims.closed = beside.map(|rim| rim.id).collect();
     let patch = joined_patch(mesh, rim_sets, old_vertex, parts, &rims, options);
     let patch = patch.map(|patch| patch::reblend(&rims.geometry, &patch, options.patch));
     DraftHole::with_patch(rims, patch, start)

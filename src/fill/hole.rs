@@ -22,6 +22,8 @@ const MAX_DISTANCES: usize = 10_000_000;
 pub(crate) struct HoleRims {
     /// At least one loop. The first represents the hole.
     pub loops: Vec<BoundaryLoop>,
+    /// All loops that the patch closes. Those on both sides of a released bridge have one rim.
+    pub closed: Vec<LoopId>,
     /// Vertices of the mesh along all rims: the first vertices of the patch, in its order.
     pub vertices: Vec<VertexId>,
     pub geometry: RimGeometry,
@@ -39,6 +41,7 @@ impl HoleRims {
     pub fn with_geometry(loops: Vec<BoundaryLoop>, geometry: RimGeometry) -> Self {
         Self {
             vertices: loops.iter().flat_map(|l| l.vertices.clone()).collect(),
+            closed: loops.iter().map(|l| l.id).collect(),
             loops,
             geometry,
             crease: Vec::new(),

@@ -31,6 +31,7 @@ mod noise;
 mod options;
 mod part;
 mod partial;
+mod passing;
 mod patch_topology;
 mod plan;
 mod prediction;

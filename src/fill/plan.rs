@@ -81,6 +81,13 @@ impl Plan {
         self.holes_of(group).map(|hole| hole.rims.id()).collect()
     }
 
+    /// The loops that the patch of each hole of a group closes.
+    pub fn closed_loops(&self, group: usize) -> Vec<Vec<LoopId>> {
+        self.holes_of(group)
+            .map(|hole| hole.rims.closed.clone())
+            .collect()
+    }
+
     /// The patches without new vertices, as triangles of vertices of the mesh.
     pub fn loose_triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         let loose = self.loose.iter().map(|&h| &self.holes()[h]);

@@ -20,6 +20,10 @@ const ROUNDS: usize = 30;
 const PATIENCE: usize = 8;
 /// Comparisons of a triangle with one near it before a repair ends: at most some tenths of a second.
 const COMPARISONS: usize = 2_000_000;
+/// Comparisons in one repair of each hole: some seconds for all, also if there are thousands of holes.
+const COMPARISONS_OF_ALL: usize = 40_000_000;
+/// Comparisons with which most of the repairs that succeed have ended.
+const FEW_COMPARISONS: usize = 20_000;
 /// Distances by which a vertex is moved on trial, relative to its longest edge.
 const STEPS: [f64; 6] = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03];
 /// Defective triangles of a patch beyond which a local repair is not tried.
@@ -60,6 +64,8 @@ pub(super) fn repaired(
     let number = |v: u32| if v < rim { v } else { v - rim + fixed };
     let own = patch.triangles.iter().map(|t| t.map(number));
     let mut sheet = Sheet::new(points, fixed, given, own);
+    let share = COMPARISONS_OF_ALL / obstacles.holes.max(1);
+    sheet.left_comparisons = share.clamp(FEW_COMPARISONS, COMPARISONS);
     if !sheet.repair() {
         return None;
     }
@@ -96,7 +102,8 @@ struct Sheet {
     left: FxHashMap<[u32; 2], u32>,
     /// The triangles of the patch at each vertex.
     around: Vec<Vec<u32>>,
-    comparisons: usize,
+    /// Comparisons that are left.
+    left_comparisons: usize,
 }
 
 fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
@@ -121,7 +128,7 @@ impl Sheet {
             triangles: Vec::new(),
             boxes: Vec::new(),
             left: FxHashMap::default(),
-            comparisons: 0,
+            left_comparisons: COMPARISONS,
         };
         for t in given.into_iter().chain(own) {
             sheet.enter(sheet.triangles.len() as u32, t);
@@ -241,7 +248,7 @@ impl Sheet {
             }
             let meets = |g: &&u32| (**g > f || !some.contains(g)) && self.meets(f, **g);
             cost.faults += near.iter().filter(meets).count();
-            self.comparisons += near.len();
+            self.left_comparisons = self.left_comparisons.saturating_sub(near.len());
         }
         (cost < limit).then_some(cost)
     }
@@ -428,7 +435,7 @@ impl Sheet {
 
     /// Whether the repair has taken as long as it may, or was cancelled.
     fn is_spent(&self) -> bool {
-        self.comparisons > COMPARISONS || is_cancelled()
+        self.left_comparisons == 0 || is_cancelled()
     }
 
     fn vertices_of(&self, faces: &BTreeSet<u32>) -> BTreeSet<u32> {

@@ -20,7 +20,8 @@ const MANY_HOLES: usize = 64;
 /// The triangles of the mesh, to be searched for those that overlap a box.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Obstacles {
-    holes: usize,
+    /// The number of holes whose patches are checked.
+    pub holes: usize,
     bvh: OnceLock<Arc<TriangleBvh>>,
 }
 

@@ -1,5 +1,7 @@
 //! Measures of points and polygons.
 
+use std::f64::consts::PI;
+
 use rustc_hash::FxHashMap;
 
 use super::{DVec3, Topology, VertexId};
@@ -64,6 +66,15 @@ pub fn vector_area(points: &[DVec3]) -> DVec3 {
         area += 0.5 * a.cross(b);
     }
     area
+}
+
+/// A closed polygon with less area than this part of that of a circle of its perimeter is a slit: its width is below
+/// 1/300 of its length.
+const SLIT: f64 = 0.01;
+
+/// Whether the two sides of a closed polygon almost coincide.
+pub(crate) fn is_slit(points: &[DVec3]) -> bool {
+    4.0 * PI * vector_area(points).length() < SLIT * perimeter(points).powi(2)
 }
 
 /// The directed edges of a triangle.

@@ -48,7 +48,7 @@ pub(crate) use intersect::{canonical_vertices, pair_meets};
 pub use joined::joined;
 pub use loose::{LOOSE_FACES, LooseParts, loose_parts};
 pub use measures::{bending, perimeter, rms_distance, vector_area, vertex_normal, vertex_normals};
-pub(crate) use measures::{bends, sides};
+pub(crate) use measures::{bends, is_slit, sides};
 pub use neighbourhood::{Neighbourhood, NeighbourhoodSearch, faces_around};
 pub use selection::{
     connected_faces, face_flags, face_list, faces_in_ball, faces_near, grow, inner_vertices,

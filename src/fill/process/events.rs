@@ -58,6 +58,8 @@ pub enum FillEvent {
 pub struct GroupStatus {
     /// Its loops.
     pub holes: Vec<LoopId>,
+    /// All loops that the patch of each hole closes.
+    pub closed: Vec<Vec<LoopId>>,
     /// Hole radius: the maximum of the group.
     pub radius: f64,
     /// Its surface model.

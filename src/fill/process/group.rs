@@ -226,10 +226,17 @@ impl GroupProgress {
     }
 
     /// The status; `seconds` is the time a step takes.
-    pub fn status(&self, holes: Vec<LoopId>, radius: f64, seconds: f64) -> GroupStatus {
+    pub fn status(
+        &self,
+        holes: Vec<LoopId>,
+        closed: Vec<Vec<LoopId>>,
+        radius: f64,
+        seconds: f64,
+    ) -> GroupStatus {
         let flow = self.run.flow();
         GroupStatus {
             holes,
+            closed,
             radius,
             surface: self.run.surface(),
             step: self.run.steps(),

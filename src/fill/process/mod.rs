@@ -279,7 +279,7 @@ impl Process for FillProcess {
         let statuses = groups.map(|(g, group)| {
             let holes = plan.hole_ids(g);
             group.end_events(g, &holes).into_iter().for_each(&mut *emit);
-            group.status(holes, plan.groups[g].radius, seconds)
+            group.status(holes, plan.closed_loops(g), plan.groups[g].radius, seconds)
         });
         statuses.collect()
     }

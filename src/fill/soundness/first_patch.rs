@@ -3,13 +3,14 @@
 use crate::fill::assemble::appended_triangles;
 use crate::fill::defects::{Defects, Room, defects, severity};
 use crate::fill::hole::{DraftHole, HoleRims, PlannedHole};
+use crate::fill::passing::passing_part;
 use crate::fill::plan::Plan;
 use crate::fill::repair::repaired;
 use crate::fill::result::FillError;
 use crate::fill::self_intersection::{CompactTriangles, Obstacles};
-use crate::mesh::{Mesh, TriangleIntersections, VertexId, bounds};
+use crate::mesh::{Mesh, TriangleIntersections, VertexId, bounds, is_slit};
 use crate::patch::{self, OtherPatches, Patch, PatchOptions};
-use crate::warning::Warnings;
+use crate::warning::{Warning, Warnings};
 
 /// The plan of holes. Their patches without new vertices, which no flow changes, are replaced by sound ones where
 /// that is possible. Holes without a patch are [`Plan::failed`].
@@ -64,6 +65,21 @@ fn make_patch_sound(
         return Warnings::default();
     }
     let mut left = defects(patch);
+    if let Some(Defects {
+        crossings: None, ..
+    }) = left
+        && rims.geometry.rims.iter().all(|rim| is_slit(&rim.points))
+    {
+        return [Warning::Slit].into_iter().collect();
+    }
+    let crosses = left.is_some_and(|defects| defects.crossings.is_some());
+    if let Some(at) = crosses
+        .then(|| passing_part(mesh, obstacles, rims, patch))
+        .flatten()
+    {
+        let left = left.iter().flat_map(Defects::warnings);
+        return left.chain([Warning::PassedThrough { at }]).collect();
+    }
     let others = left.and_then(|_| other_patches(mesh, obstacles, rims, options));
     if let Some(OtherPatches { relaxed, flat }) = others {
         for other in std::iter::once(relaxed).chain(flat) {

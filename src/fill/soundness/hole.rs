@@ -9,6 +9,7 @@ use crate::fill::context::FillContext;
 use crate::fill::defects::{Defects, Patches, Room, SOUND, defects, severity};
 use crate::fill::hole::HoleRims;
 use crate::fill::options::FillOptions;
+use crate::fill::passing::passing_part;
 use crate::fill::patch_topology::{HoleTopology, PatchTopology};
 use crate::fill::region;
 use crate::fill::repair::repaired;
@@ -324,6 +325,13 @@ impl HoleOfGroup<'_> {
         let mut repaired = self.replacement(surface, unsound.origin.other.clone());
         repaired.origin.is_repaired = true;
         Some(repaired).filter(Replacement::is_sound)
+    }
+
+    /// A place where a part of the mesh passes through its first patch.
+    pub fn passing_part(&self) -> Option<DVec3> {
+        let FillContext { mesh, plan } = self.context;
+        let hole = plan.holes_of(self.group).nth(self.number)?;
+        passing_part(mesh, &plan.obstacles, self.rims, &hole.patch)
     }
 
     /// The patch of the hole.

@@ -38,7 +38,8 @@ pub(super) struct Checked {
 /// by a predicted model is replaced by a [smoother](HoleOfGroup::smoother) one. An unsound
 /// patch is [repaired](HoleOfGroup::repaired) near its defects or else replaced by the first sound surface of
 /// [other models](SAFER) or of other triangulations, or by the least unsound. The
-/// other patches of its group are solved again beside one that was replaced.
+/// other patches of its group are solved again beside one that was replaced. Of a hole through which a
+/// [part of the mesh passes](passing_part) only the first of the other models is tried.
 pub(super) fn make_sound(
     context: FillContext<'_>,
     group: usize,
@@ -57,6 +58,10 @@ pub(super) fn make_sound(
     let (sound, unsound): (Vec<usize>, Vec<usize>) = (0..check.holes.len())
         .filter(|&k| check.origins[k].is_none())
         .partition(|&k| check.found[k].is_none());
+    let (passed, unsound): (Vec<usize>, Vec<usize>) = unsound
+        .into_iter()
+        .partition(|&k| check.passing[k].is_some());
+    check.replace_worse(&passed);
     check.repair(&unsound);
     let is_left = |&k: &usize| check.origins[k].is_none() && !check.holes[k].rims.is_blend();
     let left: Vec<usize> = unsound.into_iter().filter(is_left).collect();
@@ -81,6 +86,8 @@ struct Check<'a> {
     present: Surface,
     /// The defects of the patches at the beginning.
     found: Vec<Option<Defects>>,
+    /// Where a part of the mesh passes through holes whose patches intersect something.
+    passing: Vec<Option<DVec3>>,
     /// What the patches were replaced by.
     origins: Vec<Option<Origin>>,
 }
@@ -109,10 +116,17 @@ impl<'a> Check<'a> {
             model,
             present,
             found: Vec::new(),
+            passing: Vec::new(),
             origins: vec![None; holes.len()],
             holes,
         };
         check.found = check.defects();
+        let passing = |(hole, found): (&HoleOfGroup<'_>, &Option<Defects>)| {
+            found.as_ref()?.crossings?;
+            hole.passing_part()
+        };
+        let found = check.holes.par_iter().zip(&check.found);
+        check.passing = found.map(passing).collect();
         check
     }
 
@@ -140,6 +154,22 @@ impl<'a> Check<'a> {
         for k in 0..self.holes.len() {
             let smoother = self.holes[k].smoother(&self.present, self.options);
             self.replace(k, smoother);
+        }
+    }
+
+    /// Replaces patches by those of the first of the [safer models](SAFER) or by the first patches, if these have
+    /// fewer defects.
+    fn replace_worse(&mut self, some: &[usize]) {
+        for &k in some {
+            let hole = &self.holes[k];
+            let safer = hole.by(&self.present, SAFER[0], self.options);
+            let safer = safer.map(|by| hole.replacement(by, Some(SAFER[0].words())));
+            let first = hole.at_first_patch(&self.present, self.options);
+            let first = hole.replacement(first, Some("the first patch".into()));
+            let others = safer.into_iter().chain([first]);
+            let better = others.filter(|by| severity(by.defects) < severity(self.found[k]));
+            let best = better.min_by_key(|by| severity(by.defects));
+            self.replace(k, best);
         }
     }
 
@@ -278,7 +308,9 @@ impl<'a> Check<'a> {
                     };
                     warnings.push((id, replaced));
                 }
-                let left = left.iter().flat_map(Defects::warnings);
+                let passed = self.passing[k].filter(|_| left.is_some());
+                let passed = passed.map(|at| Warning::PassedThrough { at });
+                let left = left.iter().flat_map(Defects::warnings).chain(passed);
                 warnings.extend(left.map(|warning| (id, warning)));
             }
         }

@@ -55,6 +55,59 @@ fn an_unsound_patch_is_replaced_with_a_warning() {
     assert!(surface.words_of(other.hole).starts_with(&other.by));
 }
 
+/// A rod through the hole of a sphere: no surface over the hole avoids it, and searching one takes long.
+#[test]
+fn a_part_that_passes_through_a_hole_is_reported() {
+    let (mut positions, mut triangles) = shapes::cut_where(&shapes::sphere(1000, 1), |p| p.z > 0.8);
+    let first = positions.len() as u32;
+    let (rod, faces) = shapes::ellipsoid([0.1, 0.1, 1.0], 200, 1);
+    positions.extend(rod.iter().map(|p| *p + DVec3::Z));
+    triangles.extend(faces.iter().map(|t| t.map(|v| first + v)));
+    let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
+    let filled = crate::Fill::new(&mesh).run().expect("filled");
+    let codes: Vec<&str> = filled.holes[0].warnings.iter().map(Warning::code).collect();
+    assert_eq!(codes, ["self-intersection", "passed-through"]);
+}
+
+/// A slit keeps its flat patch and names the remedy.
+#[test]
+fn a_slit_is_reported_as_one() {
+    // the slit leads from (-1, 0) to (1, 0), and its middle is two vertices
+    let places = [
+        [-1_i32, 0],
+        [0, 0],
+        [0, 0],
+        [1, 0],
+        [0, 1],
+        [0, -1],
+        [-2, 0],
+        [2, 0],
+    ];
+    let positions = places.map(|[x, y]| DVec3::new(x.into(), y.into(), 0.0));
+    let triangles = [
+        [0, 1, 4],
+        [1, 3, 4],
+        [0, 5, 2],
+        [2, 5, 3],
+        [0, 4, 6],
+        [6, 5, 0],
+        [3, 7, 4],
+        [7, 3, 5],
+    ];
+    let mesh = Mesh::from_triangles(positions.to_vec(), &triangles).expect("a manifold");
+    let loops = boundary_loops(&mesh);
+    let slit = loops.iter().find(|l| l.perimeter < 4.1).expect("a slit");
+    let filled = fill_rim_sets(&mesh, &[vec![slit]], &FillOptions::default(), &|_, _| true);
+    let warnings = &filled.expect("filled").holes[0].warnings;
+    let codes: Vec<&str> = warnings.iter().map(Warning::code).collect();
+    assert_eq!(codes, ["slit"]);
+    assert!(
+        warnings[0]
+            .hint()
+            .is_some_and(|hint| hint.contains("stitch"))
+    );
+}
+
 /// A flow may end without an accepted step: it has none left, or no step lowers its energy.
 #[test]
 fn patches_are_checked_however_the_flow_ends() {

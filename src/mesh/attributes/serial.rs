@@ -70,17 +70,14 @@ pub(super) mod image {
 pub(super) mod images {
     use super::{Arc, Deserialize, Deserializer, Serialize, Serializer, decoded, encoded};
 
-    pub fn serialize<S: Serializer>(
-        images: &[Option<Arc<Vec<u8>>>],
-        to: S,
-    ) -> Result<S::Ok, S::Error> {
+    type Image = Arc<Vec<u8>>;
+
+    pub fn serialize<S: Serializer>(images: &[Option<Image>], to: S) -> Result<S::Ok, S::Error> {
         let texts = images.iter().map(|bytes| Some(encoded(bytes.as_ref()?)));
         texts.collect::<Vec<_>>().serialize(to)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(
-        from: D,
-    ) -> Result<Vec<Option<Arc<Vec<u8>>>>, D::Error> {
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Option<Image>>, D::Error> {
         let texts = Vec::<Option<String>>::deserialize(from)?;
         let bytes = texts.into_iter();
         bytes

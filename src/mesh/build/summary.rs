@@ -1,20 +1,12 @@
 //! The load report of a finished mesh.
 
-use std::f64::consts::PI;
-
 use super::{ComponentReport, Defect, DefectKind, LoadReport, Repaired, Triangles};
 use crate::mesh::union_find::unite;
-use crate::mesh::{
-    DVec3, FaceId, HalfedgeId, Mesh, Soup, VertexId, components, perimeter, sides, vector_area,
-};
+use crate::mesh::{DVec3, FaceId, HalfedgeId, Mesh, Soup, VertexId, components, is_slit, sides};
 
 /// A triangle whose height is below this times its longest edge has zero area up to the rounding of
 /// its coordinates (files usually have eight decimals).
 const FLAT: f64 = 1e-8;
-
-/// A boundary loop with less area than this part of that of a circle of its perimeter is a slit: its width is below
-/// 1/300 of its length.
-const SLIT: f64 = 0.01;
 
 /// Collects defects, at most [`Defect::LIMIT`] of each kind.
 struct Defects<'a> {
@@ -118,7 +110,11 @@ pub(super) fn summarize(
         ));
     }
     let loops = mesh.topology.boundary_loops();
-    let slits = loops.iter().filter(|rim| is_slit(mesh, rim)).count();
+    let corner = |h: &HalfedgeId| mesh.position(mesh.topology.origin(*h));
+    let polygons = loops.iter().map(|rim| rim.iter().map(corner).collect());
+    let slits = polygons
+        .filter(|points: &Vec<DVec3>| is_slit(points))
+        .count();
     if slits > 0 {
         notes.push(format!(
             "{slits} of {} boundary loops are slits without area: stitching joins their sides",
@@ -166,15 +162,6 @@ fn distances_welded(soup: &Soup, repaired: &Repaired) -> Vec<f64> {
     let moved = to_mesh.iter().enumerate();
     let distances = moved.map(|(v, &m)| at(v).distance(at(source[m as usize] as usize)));
     distances.filter(|&d| d > 0.0).collect()
-}
-
-/// Whether the two sides of a boundary loop almost coincide.
-fn is_slit(mesh: &Mesh, rim: &[HalfedgeId]) -> bool {
-    let corners: Vec<DVec3> = rim
-        .iter()
-        .map(|&h| mesh.position(mesh.topology.origin(h)))
-        .collect();
-    4.0 * PI * vector_area(&corners).length() < SLIT * perimeter(&corners).powi(2)
 }
 
 /// Whether the height over the longest edge is nothing but rounding.
