@@ -33,7 +33,8 @@ pub enum Action {
     Report(ReportAction),
     /// Pictures.
     Picture(PictureAction),
-    /// Close the topmost dialog or tool, else stop the run, else clear the selection.
+    /// Close the topmost dialog or tool, else cancel what is made in the background, else stop the run, else
+    /// clear the selection.
     Escape,
     /// Open, change or close the dialog.
     Modal(Modal),
@@ -79,7 +80,7 @@ pub enum FileAction {
     AskSaveAs,
     /// Save the mesh, or the project if the path has its extension.
     SaveAs(PathBuf),
-    /// Use a path that was chosen for this purpose.
+    /// Use a path that was typed for this purpose; before a file is replaced, ask.
     UsePath(PathUse, PathBuf),
     /// Choose where to write the patches.
     AskExportPatch,
@@ -306,7 +307,7 @@ pub enum PictureAction {
     Ask,
     /// Choose the file in the dialog of the system.
     Browse,
-    /// Write a picture or a sequence.
+    /// Write a picture or a sequence; before a file is replaced, ask.
     Make(Box<PictureSettings>),
     /// Picture of the views to the clipboard, as they are shown.
     Copy,
@@ -314,6 +315,6 @@ pub enum PictureAction {
     CopyAs(Box<PictureSettings>),
     /// Picture of the whole window.
     Window,
-    /// Stop the sequence that is being written.
+    /// Stop writing pictures.
     Cancel,
 }

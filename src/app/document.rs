@@ -198,6 +198,12 @@ impl Document {
         self.accept(mesh, kept.as_deref(), AppliedOperation { operation, faces });
     }
 
+    /// The faces of the newest patch of which some are left; none without patches.
+    pub fn newest_patch(&self) -> Range<usize> {
+        let mut faces = self.accepted.iter().rev().map(|one| one.faces.clone());
+        faces.find(|faces| !faces.is_empty()).unwrap_or_default()
+    }
+
     /// The number of loops, in words.
     pub fn loop_count(&self) -> String {
         counted(self.loops.len(), "loop", "loops")

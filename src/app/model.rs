@@ -243,7 +243,11 @@ impl Model {
     pub fn next_undo(&self) -> Option<&str> {
         let rejected = self.rejected.as_ref().filter(|_| self.run.is_none());
         if rejected.is_some_and(|rejected| rejected.is_of(&self.document)) {
-            return Some("reject the patch");
+            return Some(match rejected.map(|rejected| rejected.run.noun()) {
+                Some("refinement") => "reject the refinement",
+                Some("fairing") => "reject the fairing",
+                _ => "reject the patch",
+            });
         }
         self.history.next_undo()
     }

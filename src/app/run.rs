@@ -19,6 +19,7 @@ use crate::fill::{Controls, Surface, open_selection, release};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, face_flags};
 use crate::ops::Operation;
 use crate::options::{Choice as _, Options as _};
+use crate::render::grouped;
 use crate::runner::RunSettings;
 use crate::solver::{End, RejectReason, StepRecord};
 use crate::warning::counted;
@@ -44,12 +45,12 @@ pub struct RunVariant {
     /// Energy and residual of each accepted step, one pair of curves per group.
     pub curves: Vec<Curve>,
     /// The first self-intersection, if there is one.
-    pub crossing: Option<Since<DVec3>>,
+    pub crossing: Option<Since<Crossing>>,
     /// Warnings without duplicates.
     pub warnings: Vec<Since<String>>,
     /// Changes of the controls, in order; the attempt is the last before the change.
     pub changes: Vec<Since<String>>,
-    /// Whether the surface grew without bound, so that the run was paused.
+    /// Whether the surface grew without bound at the last step, so that the run was paused.
     pub diverged: bool,
     /// Number of attempts so far, which all groups share.
     attempts: usize,
@@ -64,6 +65,15 @@ pub struct Since<T> {
     pub attempt: usize,
     /// The fact.
     pub what: T,
+}
+
+/// A self-intersection.
+#[derive(Clone, Debug)]
+pub struct Crossing {
+    /// The names of the holes.
+    pub holes: String,
+    /// One of its points.
+    pub place: DVec3,
 }
 
 /// Points of the plots of one group: `[attempt, value]`.
@@ -218,15 +228,20 @@ impl Run {
     /// The holes of a row of figures, or what else its flow is about.
     pub fn holes_words(&self, figures: &Figures) -> String {
         match &self.operation {
-            Operation::Blend(spec) => {
-                let rims: Vec<String> = spec.loops.iter().map(LoopId::to_string).collect();
-                rims.join("+")
-            }
-            Operation::Fair(spec) => format!("{} faces", spec.faces.len()),
+            Operation::Fair(spec) => format!("{} faces", grouped(spec.faces.len())),
             Operation::Refine(_) => figures
                 .level
                 .map_or_else(String::new, |n| format!("level {n}")),
             _ => figures.hole_list(),
+        }
+    }
+
+    /// What it makes, in words.
+    pub fn noun(&self) -> &'static str {
+        match self.operation {
+            Operation::Refine(_) => "refinement",
+            Operation::Fair(_) => "fairing",
+            _ => "patch",
         }
     }
 
@@ -252,8 +267,8 @@ impl Run {
                         side.record(group, &record);
                         stepped = true;
                     }
-                    RunEvent::SelfIntersection { text, place } => {
-                        let what = place;
+                    RunEvent::SelfIntersection { holes, text, place } => {
+                        let what = Crossing { holes, place };
                         side.crossing = Some(Since { attempt, what });
                         messages.push((Level::Warning, text));
                     }
@@ -268,8 +283,10 @@ impl Run {
                     }
                 }
             }
-            if stepped && !side.diverged && side.exceeds(self.limits.as_ref()) {
-                side.diverged = true;
+            if stepped {
+                side.diverged = side.exceeds(self.limits.as_ref());
+            }
+            if stepped && side.diverged {
                 paused = true;
                 good = Some(side.last_within(self.limits.as_ref()));
             }
@@ -285,7 +302,16 @@ impl Run {
         }
         let ended = self.sides.iter().all(|s| s.handle.ended());
         if ended && !self.summarised {
-            messages.extend(self.summary().map(|text| (Level::Info, text)));
+            let texts = self.names().into_iter().enumerate();
+            let texts = texts.filter_map(|(s, name)| {
+                let text = self.summary(s)?;
+                let prefix = if name.is_empty() { "" } else { ": " };
+                Some(format!("{name}{prefix}{text}"))
+            });
+            let texts: Vec<String> = texts.collect();
+            if !texts.is_empty() {
+                messages.push((Level::Info, texts.join("; ")));
+            }
         }
         self.summarised = ended;
         // stored states may still be replayed after the end
@@ -308,8 +334,15 @@ impl Run {
         self.stopped || self.sides.iter().all(|s| s.handle.ended())
     }
 
-    /// The progress of a running fill of several holes in words.
+    /// Why the run has paused by itself, or else the progress of a running fill of several holes, in words.
     pub fn progress(&self) -> Option<String> {
+        let crossing = self.sides.iter().find_map(RunVariant::shown_crossing);
+        if let Some(Crossing { holes, .. }) = crossing.filter(|_| !self.playing && !self.ended()) {
+            return Some(format!(
+                "Paused: the patch of hole {holes} intersects itself or the mesh at the red mark. Play continues, Esc \
+                 stops."
+            ));
+        }
         let rows = self.sides.first()?.handle.figures(None);
         let left = rows.iter().filter(|row| row.end.is_none());
         let left: BTreeSet<LoopId> = left.flat_map(|row| row.holes.iter().copied()).collect();
@@ -336,32 +369,48 @@ impl Run {
         rows.is_empty() || rows.iter().any(|row| row.uses_energy)
     }
 
-    /// The results of a fill that has ended in one line.
-    fn summary(&self) -> Option<String> {
-        if !matches!(self.operation, Operation::Fill(_)) {
-            return None;
-        }
-        // a hole in parts, with creases between them, ends as the worst of them
-        let mut ends: BTreeMap<LoopId, usize> = BTreeMap::new();
+    /// The results of a side that has ended in one line.
+    fn summary(&self, side: usize) -> Option<String> {
+        let side = self.sides.get(side)?;
+        // a hole in parts, with creases between them, ends as the worst of them; a fairing and a refinement have no
+        // holes
+        let mut ends: BTreeMap<Option<LoopId>, usize> = BTreeMap::new();
         let mut unsound: BTreeSet<LoopId> = BTreeSet::new();
-        for row in self.sides.first()?.handle.figures(None) {
+        for row in side.handle.figures(None) {
             let kind = match row.end? {
                 Ok(End::Converged) => 0,
                 Ok(_) => 1,
                 Err(_) => 2,
             };
-            for hole in row.holes {
+            let has_none = row.holes.is_empty().then_some(None);
+            for hole in row.holes.into_iter().map(Some).chain(has_none) {
                 let end = ends.entry(hole).or_default();
                 *end = kind.max(*end);
             }
             unsound.extend(row.unsound);
         }
-        let kinds = ["converged", "ended early", "failed"];
+        let done = match side.operation {
+            Operation::Refine(_) => "done",
+            _ => "converged",
+        };
+        let kinds = [done, "ended early", "failed"];
         let counts = [0, 1, 2].map(|kind| ends.values().filter(|&&end| end == kind).count());
         let parts = counts.iter().zip(kinds).filter(|(n, _)| **n > 0);
-        let parts: Vec<String> = parts.map(|(n, kind)| format!("{n} {kind}")).collect();
         let all = ends.len();
-        let holes = counted(all, "hole", "holes");
+        let is_fill = matches!(side.operation, Operation::Fill(_));
+        let part = |(n, kind): (&usize, &str)| {
+            if all == 1 && !is_fill {
+                kind.to_owned()
+            } else {
+                format!("{n} {kind}")
+            }
+        };
+        let parts: Vec<String> = parts.map(part).collect();
+        let what = if is_fill {
+            format!("{} filled", counted(all, "hole", "holes"))
+        } else {
+            side.operation.label()
+        };
         let defective = match unsound.len() {
             0 => String::new(),
             n => {
@@ -372,12 +421,12 @@ impl Run {
                 format!("; {}", counted(n, one, many))
             }
         };
-        (all > 0).then(|| format!("{holes} filled: {}{defective}", parts.join(", ")))
+        (all > 0).then(|| format!("{what}: {}{defective}", parts.join(", ")))
     }
 
-    /// Whether a surface grew without bound.
+    /// Whether the run is paused because a surface grew without bound.
     pub fn diverged(&self) -> bool {
-        self.sides.iter().any(|s| s.diverged)
+        !self.playing && self.sides.iter().any(|s| s.diverged)
     }
 
     /// Whether the newest state is not the shown one.
@@ -501,7 +550,10 @@ impl RunVariant {
     /// Forgets the facts about states after an attempt, because the flow continues there.
     pub fn forget_after(&mut self, attempt: usize) {
         self.warnings.retain(|w| w.attempt <= attempt);
-        self.changes.retain(|c| c.attempt <= attempt);
+        // the flow continues with the changed controls
+        for change in &mut self.changes {
+            change.attempt = change.attempt.min(attempt);
+        }
         self.attempts = attempt;
         self.last_group = None;
         for curve in &mut self.curves {
@@ -521,10 +573,10 @@ impl RunVariant {
     }
 
     /// The self-intersection of the shown state.
-    pub fn shown_crossing(&self) -> Option<DVec3> {
+    pub fn shown_crossing(&self) -> Option<&Crossing> {
         let at = self.shown_attempt();
         let crossing = self.crossing.as_ref().filter(|c| c.attempt <= at);
-        crossing.map(|c| c.what)
+        crossing.map(|c| &c.what)
     }
 
     fn shown_attempt(&self) -> usize {
@@ -593,11 +645,11 @@ impl RunVariant {
         self.handle.state(self.shown.unwrap_or(usize::MAX))
     }
 
-    /// The figures of the shown state. Only the newest state has an end and an activity.
+    /// The figures of the shown state. Only the last state of a group has an end and an activity.
     pub fn figures(&self) -> Vec<Figures> {
         let mut rows = self.handle.figures(self.state().as_ref());
         if self.shown.is_some() {
-            for row in &mut rows {
+            for row in rows.iter_mut().filter(|row| !row.is_last) {
                 row.end = None;
                 // states of refinements do not store it
                 row.relative_tau = row.relative_tau.filter(|_| row.level.is_none());

@@ -271,7 +271,7 @@ fn given_vertices(model: &Model, cache: &mut OverlayCache) -> Option<Arc<Overlay
 
 /// The point of self-intersection of a side.
 fn crossing(model: &Model, side: usize, cache: &mut OverlayCache) -> Option<Arc<Overlay>> {
-    let place = model.run.as_ref()?.sides.get(side)?.shown_crossing()?;
+    let place = model.run.as_ref()?.sides.get(side)?.shown_crossing()?.place;
     Some(cache.crossing.get(place, || {
         markers([Marker {
             position: narrow(place - model.centre()),

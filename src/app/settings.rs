@@ -23,9 +23,9 @@ pub struct Layout {
     pub right: bool,
     /// Whether numbers and plots of the run are open; `None` opens them in a high window.
     pub details: Option<bool>,
-    /// Width of the left panel.
+    /// Width of the left panel that the user chose.
     pub left_width: Option<f32>,
-    /// Width of the right panel.
+    /// Width of the right panel that the user chose.
     pub right_width: Option<f32>,
     /// Height of the bottom panel with numbers and plots.
     pub bottom_height: Option<f32>,

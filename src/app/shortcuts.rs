@@ -153,13 +153,18 @@ fn key_name(ctx: &Context, key: KeyboardShortcut) -> String {
 }
 
 /// The actions whose keys were pressed; none while the user types text or a menu is open. A focused
-/// widget gets the keys that press it.
-pub(crate) fn pressed(ctx: &Context) -> Vec<Action> {
+/// widget gets the keys that press it. `was_typing` is whether a text field had the focus at the last frame.
+pub(crate) fn pressed(ctx: &Context, was_typing: bool) -> Vec<Action> {
     if Popup::is_any_open(ctx) {
         return Vec::new();
     }
-    let typing = ctx.egui_wants_keyboard_input();
+    // a text field that Esc leaves has no focus any more
+    let typing = was_typing || ctx.egui_wants_keyboard_input();
     let focused = ctx.memory(|memory| memory.focused().is_some());
+    let with_alt = ctx.input(|i| i.modifiers.alt);
+    let opens_menu = |k: &KeyboardShortcut| {
+        with_alt && k.modifiers == NONE && (Key::A..=Key::Z).contains(&k.logical_key)
+    };
     let presses = |k: &KeyboardShortcut| {
         k.modifiers == NONE && matches!(k.logical_key, Key::Space | Key::Enter)
     };
@@ -170,7 +175,10 @@ pub(crate) fn pressed(ctx: &Context) -> Vec<Action> {
             // Esc leaves a text field and must not also stop the run; the help opens from anywhere
             .filter(|shortcut| !typing || shortcut.action == help)
             .filter(|shortcut| !focused || !shortcut.keys.iter().any(presses))
-            .filter(|shortcut| shortcut.keys.iter().any(|k| input.consume_shortcut(k)))
+            .filter(|shortcut| {
+                let mut keys = shortcut.keys.iter();
+                keys.any(|k| !opens_menu(k) && input.consume_shortcut(k))
+            })
             .map(|shortcut| shortcut.action.clone())
             .collect()
     })

@@ -707,6 +707,8 @@ fn two_energies_are_compared_and_one_is_taken() {
         difference > 1e-3,
         "the area's surface is flatter: {difference}"
     );
+    let told = last_message(&m);
+    assert!(told.starts_with("A: 1 hole filled: ") && told.contains("; B: 1 hole filled: "));
     assert_eq!(run.title(0), "A: surface model auto");
     assert_eq!(run.title(1), "B: Area, 1");
     // the energies have other units: each curve begins at 1
@@ -723,6 +725,10 @@ fn two_energies_are_compared_and_one_is_taken() {
     let mesh = &m.document.mesh;
     assert_eq!(mesh.positions[mesh.vertex_count() - b.len()..], b);
     assert_eq!(m.document.controls.energy, "1");
+    assert_eq!(m.document.controls.surface, Surface::Energy);
+    assert_eq!(m.view.energy_text, "1", "the text field shows it");
+    act(&mut m, EditAction::Undo);
+    assert_eq!(m.view.energy_text, "H^2");
 }
 
 /// The curves of one side have one colour, and so one entry of the legend; those of a single side one each.
@@ -854,6 +860,39 @@ fn saved_files_get_an_extension_and_enter_the_title_and_the_recent_files() {
     }
 }
 
+/// A file is replaced only after a question, also one with the extension that the typed name lacks.
+#[test]
+fn a_typed_path_replaces_a_file_only_after_a_question() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (typed, path) = (folder.path().join("out"), folder.path().join("out.obj"));
+    std::fs::write(&path, "mine").expect("written");
+    let is_kept = || std::fs::read(&path).expect("there") == b"mine";
+    let mut m = model();
+    let prompt = Modal::Path(PathPrompt {
+        purpose: PathUse::SaveAs,
+        text: "out".into(),
+    });
+    act(&mut m, Action::Modal(prompt.clone()));
+    act(&mut m, FileAction::UsePath(PathUse::SaveAs, typed.clone()));
+    assert!(matches!(m.view.modal, Modal::Replace(_)));
+    act(&mut m, Action::Escape);
+    assert_eq!(m.view.modal, prompt, "another name can be typed");
+    act(&mut m, FileAction::UsePath(PathUse::SaveAs, typed));
+    let Modal::Replace(asked) = m.view.modal.clone() else {
+        panic!("no question");
+    };
+    assert_eq!(asked.path, path);
+    assert!(is_kept() && m.saved_to.is_none());
+    act(&mut m, asked.writing);
+    until(&mut m, |m| m.saved_to.as_ref() == Some(&path));
+    assert!(!is_kept() && m.view.modal == Modal::None);
+    // its own file is saved without a question
+    std::fs::write(&path, "mine").expect("written");
+    act(&mut m, FileAction::Save);
+    assert_eq!(m.view.modal, Modal::None);
+    until(&mut m, |_| !is_kept());
+}
+
 /// A typed path stays in its dialog until its file is read or written.
 #[test]
 fn a_path_that_fails_is_asked_for_again() {
@@ -940,9 +979,8 @@ fn panels_are_opened_and_closed_and_the_report_opens_its_panel() {
     }
 }
 
-/// The negative of the Willmore energy has no minimum.
-#[test]
-fn a_flow_without_bound_is_paused_at_a_sensible_shape() {
+/// A run that is paused because its energy, the negative of the Willmore energy, has no minimum.
+fn without_bound() -> Model {
     let mut m = model();
     act(&mut m, ControlsAction::EnergyText("0-H^2".into()));
     act(&mut m, ControlsAction::ApplyEnergy);
@@ -954,16 +992,39 @@ fn a_flow_without_bound_is_paused_at_a_sensible_shape() {
         assert!(!run.ended(), "it ended instead");
         run.diverged()
     });
+    m
+}
+
+/// The message about it goes, and the next such state pauses the flow again.
+#[test]
+fn a_flow_without_bound_that_is_continued_is_paused_again() {
+    let mut m = without_bound();
+    let diverged = |m: &Model| m.run.as_ref().is_some_and(super::run::Run::diverged);
+    act(&mut m, RunAction::PlayPause);
+    assert!(!diverged(&m));
+    until(&mut m, diverged);
+    let run = m.run.as_ref().expect("it waits");
+    assert!(!run.playing && run.scrubbed());
+    let shown = run.sides[0].state().expect("a state").positions(false);
+    assert!(shown.iter().all(|p| p.length() < 1.5));
+}
+
+#[test]
+fn a_flow_without_bound_is_paused_at_a_sensible_shape() {
+    let mut m = without_bound();
     let run = m.run.as_ref().expect("it waits");
     assert!(!run.playing && run.scrubbed());
     let state = run.sides[0].state().expect("a state");
     for p in state.positions(false) {
         assert!(p.length() < 1.5, "{p} is far from the sphere");
     }
-    // another energy goes on from there
+    // another energy goes on from there, and the plots mark it
+    let attempt = state.attempt() as f64;
     act(&mut m, ControlsAction::EnergyText("H^2".into()));
     act(&mut m, ControlsAction::ApplyEnergy);
     act(&mut m, RunAction::ContinueFromShown);
+    let marks = plots::changes(m.run.as_ref().expect("it runs"));
+    assert!(marks.iter().any(|mark| mark.0 == attempt), "{marks:?}");
     until(&mut m, |m| {
         m.run.as_ref().is_some_and(super::run::Run::ended)
     });
@@ -1148,6 +1209,38 @@ fn a_fill_is_summarised_in_one_line() {
     assert_eq!(told(&m), 1, "a replay is no fill");
 }
 
+/// A hole whose flow has ended before those of others keeps its end in states in which only these go on.
+#[test]
+fn a_hole_at_its_last_state_says_how_it_ended() {
+    let mut m = model();
+    act(&mut m, SelectAction::All);
+    filled(&mut m);
+    let last = m.run.as_ref().expect("a run").state_count() - 1;
+    act(&mut m, RunAction::Scrub(Some(last - 1)));
+    let rows = m.run.as_ref().expect("a run").sides[0].figures();
+    let (ended, others): (Vec<_>, Vec<_>) = rows.iter().partition(|row| row.end.is_some());
+    assert_eq!((ended.len(), others.len()), (1, 1), "{rows:?}");
+    assert!(matches!(ended[0].end, Some(Ok(End::Converged))));
+    assert_eq!(others[0].doing, "earlier state");
+}
+
+#[test]
+fn a_pause_has_no_estimate_of_the_time_left() {
+    let mut m = model();
+    act(&mut m, SelectAction::All);
+    act(&mut m, RunAction::Pace(30.0));
+    act(&mut m, RunAction::Start);
+    let progress = |m: &Model| m.run.as_ref().and_then(super::run::Run::progress);
+    until(&mut m, |m| {
+        progress(m).is_some_and(|words| words.contains("about"))
+    });
+    act(&mut m, RunAction::PlayPause);
+    let words = progress(&m).expect("not done");
+    assert!(!words.contains("about"), "{words}");
+    let rows = m.run.as_ref().expect("a run").sides[0].figures();
+    assert!(rows.iter().any(|row| row.doing == "paused"), "{rows:?}");
+}
+
 /// A needle through the hole meets every patch.
 #[test]
 fn a_patch_with_defects_does_not_count_as_success() {
@@ -1209,7 +1302,9 @@ fn an_invalid_typed_energy_is_not_ignored() {
     act(&mut m, ControlsAction::EnergyText("H^2+sqt(K)".into()));
     act(&mut m, RunAction::Start);
     assert!(m.run.is_none());
-    assert!(last_message(&m).contains("the typed energy cannot be used"));
+    let told = last_message(&m);
+    assert!(told.starts_with("energy: at character") && told.contains("choose a preset"));
+    assert_eq!(told.matches("energy").count(), 1, "{told}");
     act(&mut m, ControlsAction::EnergyText("H^2+K^2".into()));
     act(&mut m, ControlsAction::ApplyEnergy);
     filled(&mut m);
@@ -1471,6 +1566,11 @@ fn rims_of_a_blend_are_gathered_and_joined() {
         "the rims that face each other"
     );
     filled(&mut m);
+    // one name in the table, the legend and the list of expected errors
+    let rims: Vec<String> = m.document.selection.iter().map(LoopId::to_string).collect();
+    let rows = m.run.as_ref().expect("a run").sides[0].figures();
+    assert_eq!(rows[0].names, [rims.join("+")]);
+    assert_eq!(last_message(&m), "blend of 4 rims: converged");
     act(&mut m, RunAction::Accept(0));
     check_mesh(&m.document.mesh).expect("sound");
     assert_eq!(components(&m.document.mesh.topology).count, 1);

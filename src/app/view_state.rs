@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::action::Action;
 use super::report::{ReportFile, ReportView};
 use crate::fill::LoopLimits;
 use crate::mesh::{BoundaryLoop, DVec3, LoopId};
@@ -201,6 +202,8 @@ pub enum Modal {
     None,
     /// Asks for a path to open or to write.
     Path(PathPrompt),
+    /// Asks whether to replace a file.
+    Replace(Box<Replacing>),
     /// Asks about unsaved changes: save, discard or cancel.
     Unsaved(AfterUnsaved),
     /// Offers the recovery files of an earlier session.
@@ -233,6 +236,17 @@ pub struct PathPrompt {
     pub purpose: PathUse,
     /// The text typed so far.
     pub text: String,
+}
+
+/// The question whether to replace a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replacing {
+    /// The file.
+    pub path: std::path::PathBuf,
+    /// The action that writes it.
+    pub writing: Action,
+    /// The dialog in which it was named, which is open again if the file is kept.
+    pub named_in: Modal,
 }
 
 /// The action that unsaved changes interrupted.

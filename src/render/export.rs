@@ -26,6 +26,16 @@ pub enum SequenceFormat {
 
 choices!(SequenceFormat: Png "png", Gif "gif", Apng "apng");
 
+impl SequenceFormat {
+    /// The first file of a sequence with this target.
+    pub fn first_file(self, target: &Path) -> PathBuf {
+        match self {
+            Self::Png => numbered_path(target, 0),
+            Self::Gif | Self::Apng => target.to_owned(),
+        }
+    }
+}
+
 /// The outcome of a sequence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SequenceEnd {

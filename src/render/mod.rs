@@ -35,9 +35,9 @@ pub use export::{SequenceEnd, SequenceFormat, save_png, turntable, write_sequenc
 pub use gpu::{Renderer, Tile};
 pub use grid::{Grid, bar_length};
 pub use headless::{Gpu, MAX_SIDE, picture};
-pub use number::{format_number, short_number, trimmed};
+pub use number::{field_number, format_number, grouped, long_number, short_number, trimmed};
 pub use picking::{Hit, Picker, Projector};
-pub use probe::value_on_line;
+pub use probe::{point_on_line, value_on_line};
 pub use rims::rim_points;
 pub use scene::{
     Background, Geometry, LineStyle, Marker, Material, Overlay, Polyline, Scene, Vertex, ViewMode,

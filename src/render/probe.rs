@@ -1,8 +1,8 @@
-//! The value of a colour map at a point of the picture.
+//! The surface at a point of the picture, and the value of a colour map there.
 
 use rayon::prelude::*;
 
-use super::{Geometry, Scene, ViewMode};
+use super::{Scene, Vertex, ViewMode};
 use crate::mesh::DVec3;
 
 /// The number shown where a line of sight first meets a surface; `None` beside all surfaces, and
@@ -13,29 +13,36 @@ pub fn value_on_line(
     origin: DVec3,
     direction: DVec3,
 ) -> Option<f64> {
+    let (_, weights, corners) = first_on_line(scene, origin, direction)?;
+    let [a, b, c] = corners.map(|corner| mode.value(corner));
+    let [u, v, w] = weights;
+    Some(u * f64::from(a?) + v * f64::from(b?) + w * f64::from(c?))
+}
+
+/// The point where a line of sight first meets a surface.
+pub fn point_on_line(scene: &Scene, origin: DVec3, direction: DVec3) -> Option<DVec3> {
+    let (depth, ..) = first_on_line(scene, origin, direction)?;
+    Some(origin + depth * direction)
+}
+
+/// The depth at which a line of sight first meets a surface, and the triangle there with the barycentric
+/// coordinates of the point.
+fn first_on_line(
+    scene: &Scene,
+    origin: DVec3,
+    direction: DVec3,
+) -> Option<(f64, [f64; 3], [&Vertex; 3])> {
     let start = origin - scene.centre;
-    let nearest = |geometry: &Geometry| {
-        let hit = |t: &[u32; 3]| {
-            let corners = t.map(|v| {
-                let p = geometry.vertices[v as usize].position;
-                DVec3::from_array(p.map(f64::from))
-            });
-            meet(corners, start, direction).map(|(depth, weights)| (depth, *t, weights))
+    let hits = scene.surfaces.iter().filter_map(|geometry| {
+        let hit = move |t: &[u32; 3]| {
+            let corners = t.map(|v| &geometry.vertices[v as usize]);
+            let places = corners.map(|v| DVec3::from_array(v.position.map(f64::from)));
+            meet(places, start, direction).map(|(depth, weights)| (depth, weights, corners))
         };
         let hits = geometry.triangles.par_iter().filter_map(hit);
-        let hit = hits.min_by(|a, b| a.0.total_cmp(&b.0));
-        hit.map(|(depth, t, weights)| {
-            let at = |k: usize| mode.value(&geometry.vertices[t[k] as usize]);
-            let values = at(0).zip(at(1)).zip(at(2));
-            let value = values.map(|((a, b), c)| {
-                let [u, v, w] = weights;
-                u * f64::from(a) + v * f64::from(b) + w * f64::from(c)
-            });
-            (depth, value)
-        })
-    };
-    let hits = scene.surfaces.iter().filter_map(|s| nearest(s));
-    hits.min_by(|a, b| a.0.total_cmp(&b.0))?.1
+        hits.min_by(|a, b| a.0.total_cmp(&b.0))
+    });
+    hits.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Depth and barycentric coordinates of the point where a line in front of its start meets a
@@ -83,6 +90,10 @@ mod tests {
         let value = |mode, from, to| value_on_line(&scene, mode, from, to);
         let mean = value(ViewMode::Mean, eye, DVec3::NEG_Z).expect("a hit");
         assert!((mean + 0.5).abs() < 0.05, "{mean}");
+        let point = point_on_line(&scene, eye, DVec3::NEG_Z).expect("a hit");
+        let radius = point.distance(centre);
+        assert!((radius - 2.0).abs() < 0.05 && point.z > 0.0, "{point}");
+        assert_eq!(point_on_line(&scene, eye, DVec3::Z), None);
         let gauss = value(ViewMode::Gauss, eye, DVec3::NEG_Z).expect("a hit");
         assert!((gauss - 0.25).abs() < 0.05, "{gauss}");
         assert_eq!(value(ViewMode::Mean, eye, DVec3::Z), None, "behind the eye");

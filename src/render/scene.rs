@@ -53,6 +53,8 @@ impl Vertex {
     pub const DISTANCE: u32 = 32;
     /// The vertex belongs to a face with a texture image.
     pub const TEXTURED: u32 = 64;
+    /// The vertex belongs to a face of the newest patch.
+    pub const NEWEST: u32 = 128;
 }
 
 /// Triangles to draw.

@@ -148,14 +148,14 @@ fn a_hole_is_clicked_filled_and_saved() {
     display.hand(&["windowfocus", "--sync", &window]);
     let title = || display.hand(&["getwindowname", &window]);
 
-    // the middle of the view: between the left panel of 270 and the right one of 290 points, each of
+    // the middle of the view: between the left panel of 244 and the right one of 260 points, each of
     // 1.25 pixels
     let geometry = display.hand(&["getwindowgeometry", "--shell", &window]);
     let size = |name: &str| -> i32 {
         let line = geometry.lines().find_map(|l| l.strip_prefix(name));
         line.and_then(|l| l.parse().ok()).expect("a size")
     };
-    let (x, y) = ((size("WIDTH=") - 25) / 2, size("HEIGHT=") / 2);
+    let (x, y) = ((size("WIDTH=") - 20) / 2, size("HEIGHT=") / 2);
     let (x, y) = (x.to_string(), y.to_string());
     display.hand(&["mousemove", "--window", &window, &x, &y]);
     // a click before the mesh can be picked selects nothing; a recovery file holds the selection

@@ -385,22 +385,45 @@ fn a_stroke_selects_faces_that_are_refilled() {
     assert!(document.loops.len() <= holes);
 }
 
+fn enter_energy_field(harness: &mut Harness<'_, App>) {
+    let at = harness
+        .get_all_by_label("f(H, K) =")
+        .find(|n| n.value().is_some())
+        .expect("a field")
+        .rect()
+        .center();
+    harness.drag_at(at);
+    harness.drop_at(at);
+    harness.run_steps(2);
+}
+
+/// The field has its text from before, and nothing else has changed.
+#[test]
+fn esc_only_leaves_a_text_field() {
+    let mut harness = window();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(2);
+    let surface = harness.state().model.document.controls.surface;
+    enter_energy_field(&mut harness);
+    harness.event(egui::Event::Text("+x".into()));
+    harness.run_steps(3);
+    assert_ne!(harness.state().model.view.energy_text, "H^2");
+    harness.key_press(Key::Escape);
+    harness.run_steps(3);
+    let model = &harness.state().model;
+    assert_eq!(model.view.energy_text, "H^2");
+    assert_eq!(model.document.controls.surface, surface);
+    assert_eq!(model.document.selection.len(), 2);
+    harness.key_press(Key::Escape);
+    harness.run_steps(3);
+    assert!(harness.state().model.document.selection.is_empty());
+}
+
 #[test]
 fn a_mistyped_energy_is_shown_at_its_character_and_keys_stay_text() {
     let mut harness = window();
     let wire = harness.state().model.view.style.wireframe;
-    let field = |harness: &Harness<'_, App>| {
-        harness
-            .get_all_by_label("f(H, K) =")
-            .find(|n| n.value().is_some())
-            .expect("a field")
-            .rect()
-            .center()
-    };
-    let at = field(&harness);
-    harness.drag_at(at);
-    harness.drop_at(at);
-    harness.run_steps(2);
+    enter_energy_field(&mut harness);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
     harness.event(egui::Event::Text("H^2 + w".into()));
     harness.key_press(Key::W);
@@ -554,6 +577,73 @@ fn menus_open_and_close_with_keys() {
     assert_eq!(harness.state().model.document.selection.len(), 2);
 }
 
+/// The arrow keys lead from menu to menu and into submenus, and Alt with a letter opens a menu.
+#[test]
+fn keys_change_the_open_menu() {
+    let mut harness = window();
+    harness.state_mut().model.view.camera.distance *= 2.0;
+    let camera = harness.state().model.view.camera;
+    let press = |harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key| {
+        harness.key_press_modifiers(modifiers, key);
+        harness.run_steps(5);
+    };
+    // an entry of each menu
+    let open = |harness: &Harness<'_, App>| -> Vec<&'static str> {
+        let entries = [
+            "Save as…",
+            "Frame times and memory",
+            "Distance to a mesh…",
+            "Across x",
+            "Picture of the whole window",
+        ];
+        let shown = |entry: &&str| harness.query_all_by_label_contains(entry).count() > 0;
+        entries.into_iter().filter(shown).collect()
+    };
+    press(&mut harness, Modifiers::NONE, Key::F10);
+    assert_eq!(open(&harness), ["Save as…"]);
+    press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
+    assert_eq!(open(&harness), ["Frame times and memory"]);
+    press(&mut harness, Modifiers::NONE, Key::ArrowRight);
+    assert_eq!(open(&harness), ["Save as…"]);
+    press(&mut harness, Modifiers::ALT, Key::P);
+    assert_eq!(open(&harness), ["Picture of the whole window"]);
+    press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
+    assert_eq!(open(&harness), ["Distance to a mesh…"]);
+    for key in [Key::ArrowDown, Key::ArrowDown, Key::ArrowRight] {
+        press(&mut harness, Modifiers::NONE, key);
+    }
+    assert_eq!(open(&harness), ["Distance to a mesh…", "Across x"]);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert!(open(&harness).is_empty());
+    press(&mut harness, Modifiers::ALT, Key::F);
+    assert_eq!(open(&harness), ["Save as…"]);
+    assert_eq!(harness.state().model.view.camera, camera, "F alone fits it");
+}
+
+/// The wheel leads to the surface under the pointer, and ends in front of it.
+#[test]
+fn the_wheel_does_not_lead_through_the_surface() {
+    let mut harness = window();
+    // beside the hole in the middle of the view
+    let view = harness.get_by_label("view").rect();
+    let radius = 0.5 * view.height().min(view.width());
+    harness.hover_at(view.center() + egui::vec2(0.55 * radius, 0.0));
+    for _ in 0..40 {
+        harness.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, 100.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Unknown,
+            modifiers: Modifiers::NONE,
+        });
+        harness.run_steps(5);
+    }
+    let camera = &harness.state().model.view.camera;
+    let (eye, pivot) = (camera.eye().length(), camera.pivot.length());
+    assert!(camera.distance < 1e-3, "{}", camera.distance);
+    assert!((pivot - 1.0).abs() < 0.05 && eye > pivot, "{eye} {pivot}");
+}
+
 /// The controls stay where they are when the view mode changes, and the panels leave their place
 /// to the view when they are closed.
 #[test]
@@ -584,6 +674,119 @@ fn controls_do_not_jump_and_panels_can_be_closed() {
         harness.run_steps(30);
         assert!(harness.get_by_label("view").rect().width() > width + 200.0);
     }
+}
+
+/// Only a drag changes the width of a side panel: no long number, no other content and no small window does.
+#[test]
+fn side_panels_keep_their_widths() {
+    let mut harness = window_of([1280.0, 1000.0], true);
+    let view = |harness: &Harness<'_, App>| harness.get_by_label("view").rect();
+    let first = view(&harness);
+    let mut controls = harness.state().model.document.controls.clone();
+    (controls.tension, controls.bulge) = (0.012_345_6, -0.012_345_6);
+    let set = ControlsAction::Set(Box::new(controls));
+    act(&mut harness.state_mut().model, set);
+    harness.run_steps(10);
+    assert_eq!(view(&harness), first, "numbers");
+    for tab in ["Report", "Controls"] {
+        harness.get_by_label(tab).click();
+        harness.run_steps(5);
+        assert_eq!(view(&harness), first, "{tab}");
+    }
+
+    let edge = first.left_center() - egui::vec2(2.0, 0.0);
+    let dragged = edge + egui::vec2(40.0, 0.0);
+    harness.hover_at(edge);
+    harness.step();
+    harness.drag_at(edge);
+    harness.step();
+    harness.hover_at(dragged);
+    harness.step();
+    harness.drop_at(dragged);
+    harness.run_steps(5);
+    let chosen = view(&harness);
+    assert!((chosen.left() - dragged.x).abs() < 1.0, "{chosen:?}");
+    harness.set_size(egui::vec2(900.0, 600.0));
+    harness.run_steps(5);
+    assert!(view(&harness).left() < chosen.left());
+    harness.set_size(egui::vec2(1280.0, 1000.0));
+    harness.run_steps(5);
+    assert_eq!(view(&harness), chosen, "after a small window");
+}
+
+/// A typed number counts once Enter ends it, and that Enter starts no fill.
+#[test]
+fn a_typed_number_counts_at_its_end() {
+    let mut harness = window_of([1280.0, 1000.0], true);
+    let tension = |harness: &Harness<'_, App>| {
+        let model = &harness.state().model;
+        (model.document.controls.tension, model.run.is_none())
+    };
+    let click = |harness: &mut Harness<'_, App>| {
+        let field = harness
+            .get_all_by_label("Tension")
+            .find(|n| n.accesskit_node().role() == Role::SpinButton);
+        let at = field.expect("a field").rect().center();
+        harness.drag_at(at);
+        harness.drop_at(at);
+        harness.run_steps(2);
+    };
+    click(&mut harness);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    for typed in ["0", ".", "0", "1", "2", "3", "4", "5"] {
+        harness.event(egui::Event::Text(typed.into()));
+        harness.step();
+    }
+    assert_eq!(tension(&harness), (0.0, true));
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(tension(&harness), (0.012_345, true));
+
+    // the field shows fewer digits, which do not become the value
+    click(&mut harness);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(tension(&harness), (0.012_345, true));
+}
+
+/// A released slider of a parameter keeps the value that it showed.
+#[test]
+fn a_parameter_keeps_its_value_when_its_slider_is_released() {
+    let mut harness = window_of([1280.0, 1000.0], true);
+    let model = &mut harness.state_mut().model;
+    act(model, ControlsAction::EnergyText("(H-a)^2".into()));
+    act(model, ControlsAction::AddParameter("a".into()));
+    harness.run_steps(3);
+    let slider = harness
+        .get_all_by_label("a")
+        .find(|n| n.accesskit_node().role() == Role::Slider);
+    let rail = slider.expect("a slider").rect();
+    let value = |harness: &Harness<'_, App>| harness.state().model.document.controls.param["a"];
+    harness.hover_at(rail.center());
+    harness.step();
+    harness.drag_at(rail.center());
+    harness.step();
+    harness.hover_at(rail.right_center());
+    harness.run_steps(2);
+    let held = value(&harness);
+    harness.drop_at(rail.right_center());
+    harness.run_steps(3);
+    assert_eq!((held, value(&harness)), (4.0, 4.0));
+}
+
+/// The heading of the column that sorts the list has room for its arrow.
+#[test]
+fn the_sorted_column_has_its_arrow() {
+    let mut harness = window_on(riddled(), [1280.0, 720.0], true);
+    harness.get_by_label("Sort by edges").click();
+    harness.run_steps(3);
+    let font = egui::FontId::proportional(13.0);
+    let heading = harness.ctx.fonts_mut(|fonts| {
+        let galley = fonts.layout_no_wrap("↑edges".into(), font, egui::Color32::WHITE);
+        galley.size().x
+    });
+    let shown = harness.get_by_label("Sort by edges").rect().width();
+    assert!(shown > heading - 0.5, "{shown} of {heading}");
 }
 
 /// No button, field or label of a panel reaches beyond it, and the toolbar has one row, also where the
@@ -775,7 +978,7 @@ fn the_shortcut_sheet_is_searched() {
 /// The report beside a filled sphere, with a section.
 #[test]
 fn picture_of_the_report() {
-    let mut harness = window();
+    let mut harness = window_of([1280.0, 720.0], true);
     fill_all(&mut harness);
     harness.get_by_label("Accept").click();
     harness.run_steps(2);

@@ -1,5 +1,6 @@
 //! Builds the display of a mesh and a state. Unchanged parts are reused.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::look::{Look, LookKey};
@@ -36,6 +37,7 @@ struct Split {
     topology: TopologyKey,
     creases: Arc<Vec<[VertexId; 2]>>,
     first_patch_face: usize,
+    newest: Range<usize>,
     faired: Arc<Vec<u32>>,
     original: bool,
     look_key: LookKey,
@@ -119,6 +121,7 @@ impl DisplayBuilder {
             s.topology.same(&key)
                 && Arc::ptr_eq(&s.creases, &request.creases)
                 && s.first_patch_face == request.first_patch_face
+                && s.newest == request.newest
                 && same_list(&s.faired, &request.faired)
                 && s.original == request.original
                 && s.look_key.fits(request)
@@ -253,7 +256,8 @@ impl Split {
         let topology = key.topology();
         let first = request.first_patch_face;
         let count = topology.face_count();
-        let flows = |f: FaceId| f.index() >= first || request.faired.binary_search(&f.0).is_ok();
+        let is_faired = |f: FaceId| request.faired.binary_search(&f.0).is_ok();
+        let flows = |f: FaceId| f.index() >= first || is_faired(f);
         let all = topology.faces();
         let whole = request
             .state
@@ -266,7 +270,15 @@ impl Split {
         } else {
             around(topology, &flows, LIMIT_RINGS)
         };
-        let flag = |&f: &FaceId| if flows(f) && !whole { Vertex::PATCH } else { 0 };
+        let flag = |&f: &FaceId| {
+            if whole || !flows(f) {
+                0
+            } else if request.newest.contains(&f.index()) || is_faired(f) {
+                Vertex::PATCH | Vertex::NEWEST
+            } else {
+                Vertex::PATCH
+            }
+        };
         let mut look = Look::new(request, topology);
         let options = SurfaceOptions {
             samples_per_edge: None,
@@ -285,6 +297,7 @@ impl Split {
             still,
             creases: Arc::clone(&request.creases),
             first_patch_face: first,
+            newest: request.newest.clone(),
             faired: Arc::clone(&request.faired),
             original: request.original,
             look_key: LookKey::of(request),

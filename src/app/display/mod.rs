@@ -4,6 +4,7 @@
 mod builder;
 mod look;
 
+use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use super::jobs::Wake;
@@ -26,6 +27,8 @@ pub struct Request {
     pub start: Option<RunState>,
     /// The first face that belongs to a patch.
     pub first_patch_face: usize,
+    /// The faces of the newest patch.
+    pub newest: Range<usize>,
     /// Other faces that the flow moves, in ascending order.
     pub faired: Arc<Vec<u32>>,
     /// Selected faces in ascending order.
@@ -77,6 +80,7 @@ impl Request {
             && states(self) == states(other)
             && Arc::ptr_eq(&self.creases, &other.creases)
             && self.first_patch_face == other.first_patch_face
+            && self.newest == other.newest
             && same_list(&self.faired, &other.faired)
             && self.limit == other.limit
             && self.original == other.original

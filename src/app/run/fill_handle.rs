@@ -33,7 +33,9 @@ impl StateView for FillSnapshot {
 
     fn mesh_with_warnings(&self) -> (Mesh, Vec<String>) {
         let (mesh, warnings) = self.state.mesh_with_warnings();
-        let words = |(hole, warning): &(LoopId, Warning)| of_holes(&[*hole], &with_hint(warning));
+        let words = |(hole, warning): &(LoopId, Warning)| {
+            of_holes(&[hole.to_string()], &with_hint(warning))
+        };
         (mesh, warnings.iter().map(words).collect())
     }
 
@@ -64,6 +66,8 @@ impl WindowProcess for FillProcess {
     }
 
     fn events(event: FillEvent, runner: &Runner<Self>) -> Vec<RunEvent> {
+        let names = |group: usize| part_names(runner.groups()).swap_remove(group);
+        let name = |hole: LoopId| name_of(runner.groups(), hole);
         match event {
             FillEvent::Step { group, record } => vec![RunEvent::Step(group, record)],
             FillEvent::SelfIntersection {
@@ -81,23 +85,32 @@ impl WindowProcess for FillProcess {
                         at + 1
                     )
                 });
-                let text = format!("the surface intersects itself or the mesh: {text}{back}");
-                let text = of_holes(&runner.groups()[group].holes, &text);
-                vec![RunEvent::SelfIntersection { text, place }]
+                let names = names(group);
+                let text = format!(
+                    "the patch intersects itself or the mesh, and the run is paused; continue, or choose \
+                     another energy or more tension ({text}{back})"
+                );
+                let text = of_holes(&names, &text);
+                let holes = hole_list(&names);
+                vec![RunEvent::SelfIntersection { holes, text, place }]
             }
             FillEvent::Finished { group, outcome } => {
-                let holes = &runner.groups()[group].holes;
+                let names = names(group);
                 let warnings = outcome.warnings.iter();
                 // the controls and the hatching show ill-posed points
                 let told = warnings.filter(|w| !matches!(w, Warning::NotParabolic { .. }));
-                let event = |w| RunEvent::Warning(of_holes(holes, &with_hint(w)));
+                let event = |w| RunEvent::Warning(of_holes(&names, &with_hint(w)));
                 told.map(event).collect()
             }
             FillEvent::Warned { hole, warning } => {
-                vec![RunEvent::Warning(of_holes(&[hole], &with_hint(&warning)))]
+                vec![RunEvent::Warning(of_holes(
+                    &[name(hole)],
+                    &with_hint(&warning),
+                ))]
             }
-            FillEvent::Failed { holes, text, .. } => {
-                vec![RunEvent::Error(of_holes(&holes, &text))]
+            FillEvent::Failed { group, holes, text } => {
+                let names = group.map_or_else(|| holes.into_iter().map(name).collect(), names);
+                vec![RunEvent::Error(of_holes(&names, &text))]
             }
         }
     }
@@ -111,18 +124,25 @@ impl WindowProcess for FillProcess {
     }
 
     fn figures(runner: &Runner<Self>, shown: Option<&FillSnapshot>) -> Vec<Figures> {
-        let names = part_names(runner.groups().iter().map(|group| &group.holes[..]));
+        let names = part_names(runner.groups());
+        let newest = runner.timeline().states.last().cloned();
         let groups = runner.groups().iter().enumerate();
         let row = |(g, group): (usize, &GroupStatus)| {
             let at = shown.and_then(|s| s.groups.get(g));
+            let last = newest.as_ref().and_then(|s| s.groups.get(g));
             let end = match (&group.failed, group.end) {
                 (Some(text), _) => Some(Err(text.clone())),
                 (None, end) => end.map(Ok),
             };
             let iterations = group.iterations;
             let iterations = iterations.map_or_else(String::new, |n| format!("GMRES {n}  "));
-            let eta = group.eta;
-            let words = eta.map_or_else(String::new, |s| format!("about {} s left", s.ceil()));
+            // nothing is left to wait for in a pause
+            let eta = group.eta.filter(|_| runner.playing());
+            let words = match eta {
+                Some(seconds) => format!("about {} s left", seconds.ceil()),
+                None if runner.playing() => String::new(),
+                None => "paused".into(),
+            };
             Figures {
                 holes: group.holes.clone(),
                 names: names[g].clone(),
@@ -133,6 +153,9 @@ impl WindowProcess for FillProcess {
                 residual: at.and_then(|s| s.residual),
                 rejected: group.rejected,
                 angle: at.map(|s| s.worst_angle),
+                is_last: at
+                    .zip(last)
+                    .is_none_or(|(shown, last)| Arc::ptr_eq(shown, last)),
                 end,
                 unsound: group.unsound.clone(),
                 surface: Some(group.surface.clone()),
@@ -145,20 +168,41 @@ impl WindowProcess for FillProcess {
     }
 }
 
-/// The names of the holes of each group: their numbers. A hole that occurs several times is in parts, and each
+/// The name of a hole: the numbers of the loops that its patch closes.
+fn hole_name(closed: &[LoopId]) -> String {
+    let numbers: Vec<String> = closed.iter().map(LoopId::to_string).collect();
+    numbers.join("+")
+}
+
+/// The name of the hole that a loop stands for.
+fn name_of(groups: &[GroupStatus], hole: LoopId) -> String {
+    let mut holes = groups
+        .iter()
+        .flat_map(|group| group.holes.iter().zip(&group.closed));
+    let found = holes.find(|(id, _)| **id == hole);
+    found.map_or_else(|| hole.to_string(), |(_, closed)| hole_name(closed))
+}
+
+/// The names of the holes of each group.
+fn part_names(groups: &[GroupStatus]) -> Vec<Vec<String>> {
+    names_of_parts(groups.iter().map(|group| &group.closed[..]))
+}
+
+/// The names of holes by the loops that their patches close. A hole that occurs several times is in parts, and each
 /// of them has a number of its own.
-fn part_names<'a>(groups: impl Iterator<Item = &'a [LoopId]> + Clone) -> Vec<Vec<String>> {
-    let mut parts: BTreeMap<LoopId, [usize; 2]> = BTreeMap::new();
-    for id in groups.clone().flatten() {
-        parts.entry(*id).or_default()[1] += 1;
+fn names_of_parts<'a>(groups: impl Iterator<Item = &'a [Vec<LoopId>]> + Clone) -> Vec<Vec<String>> {
+    let mut parts: BTreeMap<&[LoopId], [usize; 2]> = BTreeMap::new();
+    for closed in groups.clone().flatten() {
+        parts.entry(closed.as_slice()).or_default()[1] += 1;
     }
-    let mut name = |id: &LoopId| {
-        let [number, count] = parts.entry(*id).or_default();
+    let mut name = |closed: &'a Vec<LoopId>| {
+        let [number, count] = parts.entry(closed.as_slice()).or_default();
         *number += 1;
+        let name = hole_name(closed);
         if *count > 1 {
-            format!("{id}.{number}")
+            format!("{name}.{number}")
         } else {
-            id.to_string()
+            name
         }
     };
     groups
@@ -166,11 +210,10 @@ fn part_names<'a>(groups: impl Iterator<Item = &'a [LoopId]> + Clone) -> Vec<Vec
         .collect()
 }
 
-/// A message with the numbers of its holes before it.
-fn of_holes(holes: &[LoopId], text: &str) -> String {
-    let names: Vec<String> = holes.iter().map(LoopId::to_string).collect();
-    let s = if holes.len() == 1 { "" } else { "s" };
-    format!("hole{s} {}: {text}", hole_list(&names))
+/// A message with the names of its holes before it.
+fn of_holes(names: &[String], text: &str) -> String {
+    let s = if names.len() == 1 { "" } else { "s" };
+    format!("hole{s} {}: {text}", hole_list(names))
 }
 
 #[cfg(test)]
@@ -179,13 +222,16 @@ mod tests {
 
     #[test]
     fn parts_of_a_hole_have_names_of_their_own() {
-        let groups: [&[LoopId]; 4] = [
-            &[0.into()],
-            &[3.into()],
-            &[1.into(), 3.into()],
-            &[3.into(), 3.into()],
+        let closed =
+            |ids: &[usize]| -> Vec<Vec<LoopId>> { ids.iter().map(|&id| vec![id.into()]).collect() };
+        let groups = [
+            closed(&[0]),
+            closed(&[3]),
+            closed(&[1, 3]),
+            closed(&[3, 3]),
+            vec![vec![4.into(), 6.into()]],
         ];
-        let names = part_names(groups.into_iter());
+        let names = names_of_parts(groups.iter().map(Vec::as_slice));
         let one = |id: usize| LoopId::from(id).to_string();
         let part = |k| format!("{}.{k}", one(3));
         let wanted = [
@@ -193,6 +239,7 @@ mod tests {
             vec![part(1)],
             vec![one(1), part(2)],
             vec![part(3), part(4)],
+            vec![format!("{}+{}", one(4), one(6))],
         ];
         assert_eq!(names, wanted);
     }

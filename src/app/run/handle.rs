@@ -130,6 +130,8 @@ pub enum RunEvent {
     Step(usize, StepRecord),
     /// The surface began to intersect itself or the mesh.
     SelfIntersection {
+        /// The names of the holes.
+        holes: String,
         /// A description, with the last state without an intersection.
         text: String,
         /// A point of the intersection.
@@ -150,8 +152,8 @@ pub enum RunEvent {
 pub struct Figures {
     /// Loops solved together; none for a refinement.
     pub holes: Vec<LoopId>,
-    /// The names of the holes: their numbers, and those of the parts of a hole that sharp lines split, such
-    /// as `3.1`.
+    /// The names of the holes: the numbers of their loops, such as `1+2` for a patch between two, and those of the
+    /// parts of a hole that sharp lines split, such as `3.1`.
     pub names: Vec<String>,
     /// The level of a refinement.
     pub level: Option<usize>,
@@ -167,6 +169,8 @@ pub struct Figures {
     pub rejected: usize,
     /// Smallest triangle angle in degrees.
     pub angle: Option<f64>,
+    /// Whether the shown state is the last one of the flow so far.
+    pub is_last: bool,
     /// How the flow ended, if the shown state is its last.
     pub end: Option<Result<End, String>>,
     /// The holes whose patches are left with defects.
@@ -197,6 +201,14 @@ impl Figures {
     /// The names of some of the holes, by their numbers in [`Self::holes`], in one list.
     pub fn hole_list_of(&self, numbers: &[usize]) -> String {
         let names: Vec<String> = numbers.iter().map(|&k| self.names[k].clone()).collect();
+        hole_list(&names)
+    }
+
+    /// The names of those of the holes whose patches are left with defects, in one list.
+    pub fn unsound_list(&self) -> String {
+        let names = self.holes.iter().zip(&self.names);
+        let names = names.filter(|(hole, _)| self.unsound.contains(hole));
+        let names: Vec<String> = names.map(|(_, name)| name.clone()).collect();
         hole_list(&names)
     }
 

@@ -7,6 +7,7 @@ use super::handle::{Figures, RunEvent, StateView, WindowProcess, with_hint};
 use crate::fill::Controls;
 use crate::mesh::{DVec3, Mesh, Topology};
 use crate::refine::{RefineControls, RefineEvent, RefineProcess, RefineSnapshot, RefineStatus};
+use crate::render::{grouped, long_number};
 use crate::runner::{Runner, Schedule};
 use crate::solver::End;
 
@@ -84,10 +85,10 @@ impl WindowProcess for RefineProcess {
                 // subdivision schemes have no steps
                 if report.steps > 0 {
                     events.push(RunEvent::Note(format!(
-                        "level {}: {} vertices, energy {:.6e}, {} steps, {}",
+                        "level {}: {} vertices, energy {}, {} steps, {}",
                         report.level,
-                        report.vertices,
-                        report.energy_end,
+                        grouped(report.vertices),
+                        long_number(report.energy_end),
                         report.steps,
                         report.end_name()
                     )));
@@ -128,6 +129,11 @@ impl WindowProcess for RefineProcess {
             residual: shown.and_then(|s| s.residual),
             rejected: status.rejected,
             angle: None,
+            is_last: shown.is_none_or(|shown| {
+                let timeline = runner.timeline();
+                let last = timeline.states.last();
+                last.is_some_and(|last| std::ptr::eq(&raw const **last, shown))
+            }),
             end,
             unsound: Vec::new(),
             surface: None,
@@ -135,7 +141,9 @@ impl WindowProcess for RefineProcess {
             eta: None,
             doing: format!(
                 "level {} of {}, {} vertices",
-                status.level, status.levels, status.vertices
+                status.level,
+                status.levels,
+                grouped(status.vertices)
             ),
         }]
     }

@@ -46,6 +46,50 @@ fn pictures_have_the_extension_of_their_format() {
     );
 }
 
+#[test]
+fn a_picture_replaces_a_file_only_after_a_question() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut m = model();
+    let turn = PictureSettings {
+        kind: PictureKind::Turntable,
+        frames: 2,
+        ..settings(folder.path(), "turn.png")
+    };
+    let still = settings(folder.path(), "a.png");
+    for (settings, file) in [(still, "a.png"), (turn, "turn-0000.png")] {
+        let file = folder.path().join(file);
+        std::fs::write(&file, "mine").expect("written");
+        let is_kept = || std::fs::read(&file).expect("there") == b"mine";
+        let dialog = Modal::Picture(settings.clone());
+        act(&mut m, Action::Modal(dialog.clone()));
+        act(&mut m, PictureAction::Make(Box::new(settings)));
+        let Modal::Replace(asked) = m.view.modal.clone() else {
+            panic!("no question about {}", file.display());
+        };
+        assert_eq!(asked.path, file);
+        act(&mut m, Action::Escape);
+        assert!(is_kept() && m.view.modal == dialog);
+        act(&mut m, Action::Modal(Modal::Replace(asked.clone())));
+        act(&mut m, asked.writing);
+        until(&mut m, |m| m.jobs.is_empty());
+        assert!(!is_kept() && m.view.modal == Modal::None);
+    }
+}
+
+#[test]
+fn a_picture_of_the_window_replaces_no_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut m = model();
+    m.document = Document::new(opened(), Source::File(folder.path().join("a.obj")));
+    for name in ["a.window.png", "a.window-2.png"] {
+        let free = folder.path().join(name);
+        act(&mut m, PictureAction::Window);
+        let effect = m.effects.pop();
+        assert!(matches!(effect, Some(Effect::WindowPicture(path)) if path == free));
+        std::fs::write(free, "mine").expect("written");
+    }
+}
+
 /// The dialog opens again with what was entered.
 #[test]
 fn settings_of_a_picture_that_cannot_be_written_are_kept() {
@@ -150,8 +194,10 @@ fn a_sequence_is_cancelled_while_it_is_written() {
         let progress = m.jobs.first().and_then(super::super::jobs::Job::progress);
         progress.is_some_and(|(done, total)| done > 0 && total == 2000)
     });
-    act(&mut m, PictureAction::Cancel);
+    act(&mut m, SelectAction::All);
+    act(&mut m, Action::Escape);
     assert!(m.jobs.is_empty());
+    assert_eq!(m.document.selection.len(), 2, "Esc does nothing else");
     assert!(last_message(&m).contains("cancelled"));
     let begun = Instant::now();
     while !names(folder.path()).is_empty() {

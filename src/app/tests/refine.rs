@@ -66,6 +66,22 @@ fn refined_meshes_are_drawn_in_their_colours() {
 }
 
 #[test]
+fn a_rejected_refinement_leaves_no_warnings_on_screen() {
+    let mut m = on_icosahedron(Refining {
+        controls: levels(1),
+        ..Refining::default()
+    });
+    act(&mut m, RunAction::Start);
+    act(&mut m, RunAction::Finish);
+    until(&mut m, |m| m.run.as_ref().is_some_and(Run::ended));
+    assert!(last_message(&m).starts_with("refinement: "));
+    act(&mut m, RunAction::Reject);
+    assert!(last_message(&m).starts_with("the refinement was rejected"));
+    assert_eq!(m.log.toasts(Instant::now()).len(), 1);
+    assert_eq!(m.next_undo(), Some("reject the refinement"));
+}
+
+#[test]
 fn three_methods_side_by_side_and_one_is_taken() {
     let mut m = on_icosahedron(Refining {
         controls: RefineControls {

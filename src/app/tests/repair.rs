@@ -115,6 +115,8 @@ fn refill_replaces_the_faces_and_can_be_rejected_and_undone() {
     assert!(Arc::ptr_eq(&selected, &m.document.faces), "still selected");
     act(&mut m, RunAction::Start);
     run_to_end(&mut m);
+    let told = format!("refill of {} faces: converged", selected.len());
+    assert_eq!(last_message(&m), told);
     act(&mut m, RunAction::Accept(0));
     let after = Arc::clone(&m.document.mesh);
     check_mesh(&after).expect("sound");
@@ -140,6 +142,35 @@ fn refill_replaces_the_faces_and_can_be_rejected_and_undone() {
     }
     act(&mut m, EditAction::Undo);
     assert!(Arc::ptr_eq(&before, &m.document.mesh));
+}
+
+/// It has one while it flows and when it is accepted.
+#[test]
+fn a_patch_inside_an_older_one_has_a_seam() {
+    let mut m = in_repair();
+    act(&mut m, TaskAction::Choose(Task::Fill));
+    act(&mut m, SelectAction::Loop(0.into(), SelectHow::Replace));
+    filled(&mut m);
+    act(&mut m, RunAction::Accept(0));
+    let segments = |m: &mut Model| {
+        tick(m, Instant::now());
+        until(m, |m| m.displays[0].is_settled());
+        let display = m.displays[0].latest().expect("drawn");
+        let seams = display.surfaces.iter().map(|surface| surface.seam.len());
+        seams.sum::<usize>()
+    };
+    let around = segments(&mut m);
+    act(&mut m, TaskAction::Choose(Task::Repair));
+    let patch = last(&m).faces.clone();
+    m.document.faces = Arc::new((patch.start as u32..patch.end as u32).collect());
+    act(&mut m, SelectAction::Faces(FaceEdit::Shrink));
+    assert!(!m.document.faces.is_empty());
+    act(&mut m, RunAction::Start);
+    run_to_end(&mut m);
+    let both = segments(&mut m);
+    assert!(both > around, "{both} {around}");
+    act(&mut m, RunAction::Accept(0));
+    assert_eq!(segments(&mut m), both);
 }
 
 #[test]
@@ -275,6 +306,14 @@ fn a_bridge_flows_with_the_fills_beside_it() {
     holes.sort_unstable();
     assert_eq!(holes, numbered);
     assert!(holes.iter().all(|&id| m.document.loop_of(id).is_some()));
+    // each loop of the list is in the name of one hole
+    let names = rows.iter().flat_map(|row| &row.names);
+    let mut named: Vec<String> = names
+        .flat_map(|name| name.split('+').map(str::to_owned))
+        .collect();
+    named.sort();
+    let listed: Vec<String> = m.document.loops.iter().map(|l| l.id.to_string()).collect();
+    assert_eq!(named, listed);
     act(&mut m, RunAction::Accept(0));
     assert!(m.document.loops.is_empty());
     check_mesh(&m.document.mesh).expect("sound");

@@ -1,10 +1,8 @@
 //! The right panel: energy, scheme, time step, patch.
 
-use std::ops::RangeInclusive;
+use eframe::egui::{self, RichText, Ui};
 
-use eframe::egui::{self, RichText, Slider, Ui};
-
-use super::widgets::{ClickActions, choice, row, slider_row};
+use super::widgets::{ClickActions, Rail, choice, number, row, slider_row};
 use crate::app::action::{Action, ControlsAction, TaskAction};
 use crate::app::document::window_controls;
 use crate::app::model::Model;
@@ -164,11 +162,6 @@ fn scheme_ui(ui: &mut Ui, next: &mut Controls, refining: bool) {
     choice(ui, "Mode", &mut next.mode, modes);
 }
 
-/// A logarithmic slider.
-fn log(value: &mut f64, range: RangeInclusive<f64>) -> Slider<'_> {
-    Slider::new(value, range).logarithmic(true)
-}
-
 fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
     let reference = model
         .run
@@ -197,28 +190,27 @@ fn tau_ui(ui: &mut Ui, model: &Model, next: &mut Controls) {
             "τ"
         };
         let tip = format!("τ = {tau:.3e} length² / unit of f");
-        if slider_row(ui, name, &tip, &mut relative, 1e-2, |x| log(x, 1e-8..=1e4)) {
+        let rail = Rail::logarithmic(1e-8..=1e4);
+        if slider_row(ui, name, &tip, &mut relative, 1e-2, rail) {
             next.tau = Tau::Fixed(relative * unit);
         }
     } else if next.mode == Mode::Flow {
         let mut growth = next.growth.unwrap_or(FLOW_GROWTH);
         let tip = "factor of τ after an accepted step; closer to 1 gives more states";
-        if slider_row(ui, "Growth", tip, &mut growth, FLOW_GROWTH, |x| {
-            log(x, 1.0..=10.0)
-        }) {
+        let rail = Rail::logarithmic(1.0..=10.0);
+        if slider_row(ui, "Growth", tip, &mut growth, FLOW_GROWTH, rail) {
             next.growth = Some(growth);
         }
     }
     let tip = "maximum number of steps; the flow then ends, converged or not";
     row(ui, "Most steps", tip, |ui, label| {
-        let steps = egui::DragValue::new(&mut next.steps).range(1..=100_000);
+        let steps = number(&mut next.steps).range(1..=100_000);
         ui.add(steps).labelled_by(label).on_hover_text(tip);
     });
     let tip = "tangential relaxation: evens out the triangles after each step";
     let none = window_controls().relaxation;
-    slider_row(ui, "Relaxation", tip, &mut next.relaxation, none, |x| {
-        Slider::new(x, 0.0..=1.0)
-    });
+    let rail = Rail::linear(0.0..=1.0);
+    slider_row(ui, "Relaxation", tip, &mut next.relaxation, none, rail);
 }
 
 /// Whether patches join islands, on a mesh that may have some.
@@ -264,9 +256,8 @@ fn patch_ui(
     if !refining {
         let tip = "density relative to the rim, from 0.25 to 4: 2 halves the edge length";
         let value = &mut next.density;
-        slider_row(ui, "Density", tip, value, defaults.density, |x| {
-            log(x, 0.25..=4.0)
-        });
+        let rail = Rail::logarithmic(0.25..=4.0);
+        slider_row(ui, "Density", tip, value, defaults.density, rail);
     }
     let own_energy = refining && model.view.refining.controls.energy.is_none();
     ui.add_enabled_ui(!own_energy, |ui| {
@@ -278,18 +269,17 @@ fn patch_ui(
             tip
         };
         let value = &mut next.tension;
-        slider_row(ui, "Tension", tip, value, defaults.tension, |x| log(x, 0.0..=100.0));
+        let rail = Rail::logarithmic(0.0..=100.0);
+        slider_row(ui, "Tension", tip, value, defaults.tension, rail);
     });
     let tip = "spontaneous curvature in units of 1/r, positive along the normals: 0.5 favours tubes \
                of the hole's radius, 1 spheres of that radius; caps are highest at 0.5";
-    slider_row(ui, "Bulge", tip, &mut next.bulge, defaults.bulge, |x| {
-        Slider::new(x, -2.0..=2.0)
-    });
+    let rail = Rail::linear(-2.0..=2.0);
+    slider_row(ui, "Bulge", tip, &mut next.bulge, defaults.bulge, rail);
     if !refining {
         let tip = "noise on the start surface of the next run, in mean edge lengths";
-        slider_row(ui, "Noise", tip, &mut next.noise, defaults.noise, |x| {
-            Slider::new(x, 0.0..=1.0)
-        });
+        let rail = Rail::linear(0.0..=1.0);
+        slider_row(ui, "Noise", tip, &mut next.noise, defaults.noise, rail);
     }
     if refining {
         return;

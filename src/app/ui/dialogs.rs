@@ -3,14 +3,14 @@
 use eframe::egui::{self, Context, Key, Modal as Over, Ui};
 
 use crate::app::action::{Action, FileAction, PictureAction, RunAction};
-use crate::app::document::elided;
+use crate::app::document::{elided, file_name};
 use crate::app::model::Model;
 use crate::app::project;
 use crate::app::run::Run;
 use crate::app::ui::format::{format_number, trimmed};
-use crate::app::ui::widgets::{ClickActions, named, primary, row};
+use crate::app::ui::widgets::{ClickActions, named, number, primary, row};
 use crate::app::update::extension;
-use crate::app::view_state::{Modal, PathPrompt, PathUse, PictureKind, PictureSettings};
+use crate::app::view_state::{Modal, PathPrompt, PathUse, PictureKind, PictureSettings, Replacing};
 use crate::memory::{free_memory, in_gib};
 use crate::refine::RefineEstimate;
 use crate::render::{MAX_SIDE, SequenceFormat};
@@ -23,6 +23,7 @@ pub(crate) fn dialogs_ui(ctx: &Context, model: &Model, actions: &mut Vec<Action>
     let closed = match &model.view.modal {
         Modal::None => return,
         Modal::Path(prompt) => over(ctx, |ui| path_ui(ui, prompt, actions)),
+        Modal::Replace(asked) => over(ctx, |ui| replace_ui(ui, asked, actions)),
         Modal::Unsaved(_) => over(ctx, |ui| unsaved_ui(ui, model, actions)),
         Modal::Recover(paths) => over(ctx, |ui| recover_ui(ui, paths, actions)),
         Modal::Large(faces, estimate) => over(ctx, |ui| large_ui(ui, *faces, estimate, actions)),
@@ -76,9 +77,19 @@ fn path_ui(ui: &mut Ui, prompt: &PathPrompt, actions: &mut Vec<Action>) {
         let done = ui.add(primary(ui, "OK")).clicked() || entered;
         if done && !text.trim().is_empty() {
             let path = expand(text.trim());
-            actions.push(Action::Modal(Modal::None));
             actions.push(FileAction::UsePath(prompt.purpose, path).into());
         }
+        ui.button("Cancel").on_click(Action::Escape, actions);
+    });
+}
+
+fn replace_ui(ui: &mut Ui, asked: &Replacing, actions: &mut Vec<Action>) {
+    let name = elided(&file_name(&asked.path), NAME);
+    ui.heading(format!("Replace {name}?"));
+    ui.label("There is a file with this name. Its content will be lost.");
+    ui.horizontal(|ui| {
+        ui.add(primary(ui, "Replace"))
+            .on_click(asked.writing.clone(), actions);
         ui.button("Cancel").on_click(Action::Escape, actions);
     });
 }
@@ -296,9 +307,9 @@ fn sequence_ui(ui: &mut Ui, model: &Model, next: &mut PictureSettings) {
         } else {
             2..=2000
         };
-        let value = egui::DragValue::new(&mut count).range(range);
+        let value = number(&mut count).range(range);
         ui.add(value).labelled_by(label);
-        let fps = egui::DragValue::new(&mut next.fps).range(1.0..=60.0);
+        let fps = number(&mut next.fps).range(1.0..=60.0);
         ui.add(fps.suffix(" per second"));
         if next.kind == PictureKind::Flow {
             // all states, also of a run that continues
@@ -314,7 +325,7 @@ fn sequence_ui(ui: &mut Ui, model: &Model, next: &mut PictureSettings) {
 fn size_ui(ui: &mut Ui, model: &Model, next: &mut PictureSettings) {
     row(ui, "Size", "", |ui, _| {
         for (name, value) in [("Width", &mut next.width), ("Height", &mut next.height)] {
-            let pixels = egui::DragValue::new(value).range(1..=MAX_SIDE);
+            let pixels = number(value).range(1..=MAX_SIDE);
             named(ui, name, pixels.suffix(" px"));
         }
         let sides = f64::from(shown_sides(model, next));

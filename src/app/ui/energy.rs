@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use eframe::egui::{self, RichText, Ui};
+use eframe::egui::{self, Key, RichText, Ui};
 
 use super::theme;
 use crate::app::action::{Action, ControlsAction};
 use crate::app::cached::ParsedEnergy;
 use crate::app::model::Model;
 use crate::app::run::Run;
-use crate::app::ui::widgets::{named, row, slider_row};
+use crate::app::ui::widgets::{Rail, named, row, slider_row};
 use crate::app::update::params_for;
 use crate::app::view_state::Task;
 use crate::energy::{Energy, ExprError, Preset, WellPosedScan};
@@ -120,7 +120,7 @@ struct Typed {
     text: Option<String>,
     /// Whether the text is valid.
     is_valid: bool,
-    /// Whether the field lost the focus, as it does at Enter.
+    /// Whether the field lost the focus, by Enter or with another text than before.
     is_left: bool,
     /// An unknown name that is to become a parameter.
     parameter: Option<String>,
@@ -137,6 +137,20 @@ fn expression_ui(ui: &mut Ui, name: &str, current: &str, params: &BTreeMap<Strin
         "H, K, k1, k2, numbers and parameters with + - * / ^, abs, sqrt, exp, log, sin, cos, \
          tanh, min, max; and gradH2, the square of the gradient of H, times a number; Enter takes it",
     );
+    // Esc brings back the text from before
+    let before = response.id.with("before");
+    if response.gained_focus() {
+        ui.data_mut(|data| data.insert_temp(before, current.to_owned()));
+    }
+    let before = ui.data(|data| data.get_temp::<String>(before));
+    let [entered, escaped] = [Key::Enter, Key::Escape].map(|key| ui.input(|i| i.key_pressed(key)));
+    let is_left = response.lost_focus();
+    if is_left
+        && escaped
+        && let Some(before) = &before
+    {
+        text.clone_from(before);
+    }
     let parsed = parsed(ui, name, &text, &params_for(text.trim(), params));
     let error = parsed.as_ref().as_ref().err();
     if let Some(error) = error {
@@ -147,8 +161,8 @@ fn expression_ui(ui: &mut Ui, name: &str, current: &str, params: &BTreeMap<Strin
         unknown.filter(|name| ui.button(format!("Make \"{name}\" a parameter")).clicked());
     Typed {
         is_valid: error.is_none(),
-        is_left: response.lost_focus(),
-        text: response.changed().then_some(text),
+        is_left: is_left && (entered || before.as_ref() != Some(&text)),
+        text: (text != current).then_some(text),
         parameter,
     }
 }
@@ -203,10 +217,8 @@ fn parameters_ui(
         let title = format!("{side}{name}");
         let reach = drag_reach(ui, &title, value);
         let tip = "drag or type; applies to the next step";
-        // a typed value may exceed the range
-        let is_changed = slider_row(ui, &title, tip, &mut next, default_of(energy, name), |x| {
-            egui::Slider::new(x, -reach..=reach).clamping(egui::SliderClamping::Never)
-        });
+        let rail = Rail::linear(-reach..=reach).open();
+        let is_changed = slider_row(ui, &title, tip, &mut next, default_of(energy, name), rail);
         if is_changed {
             changed = Some((name.clone(), next));
         }
@@ -225,7 +237,8 @@ fn default_of(energy: &str, name: &str) -> f64 {
 fn drag_reach(ui: &Ui, name: &str, value: f64) -> f64 {
     let id = egui::Id::unique(("reach", name));
     let reach = if value == 0.0 { 1.0 } else { 4.0 * value.abs() };
-    let dragging = ui.ctx().dragged_id().is_some();
+    // a slider also moves in the frame in which it is released
+    let dragging = ui.ctx().dragged_id().is_some() || ui.input(|i| i.pointer.any_released());
     ui.ctx().data_mut(|data| {
         let kept = data.get_temp_mut_or(id, reach);
         if !dragging {

@@ -1,7 +1,9 @@
 //! View modes and numbers in words.
 
 use crate::render::ViewMode;
-pub(crate) use crate::render::{format_number, short_number, trimmed};
+pub(crate) use crate::render::{
+    field_number, format_number, grouped, long_number, short_number, trimmed,
+};
 
 /// Title and tooltip of a mode.
 pub(crate) fn mode_words(mode: ViewMode) -> (&'static str, &'static str) {

@@ -1,6 +1,7 @@
 //! The menu bar.
 
-use eframe::egui::{self, Button, Ui};
+use eframe::egui::menu::MenuState;
+use eframe::egui::{self, Button, FocusDirection, Key, Popup, Response, Ui, Vec2};
 
 use super::icons::{Icon, icon_button};
 use super::samples::samples_ui;
@@ -43,53 +44,83 @@ fn entry_with_key_of(ui: &mut Ui, text: &str, action: &Action) -> bool {
 /// The menu bar.
 pub(crate) fn menu_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     egui::MenuBar::new().ui(ui, |ui| {
-        let file = ui.menu_button("File", |ui| file_ui(ui, model, actions));
-        if menu_key(ui.ctx()) && model.view.modal == Modal::None {
-            file.response.request_focus();
-            egui::Popup::open_id(ui.ctx(), egui::Popup::default_response_id(&file.response));
-            // the next frame shows the menu
-            ui.ctx().request_repaint();
+        let menus = [
+            bar_menu(ui, "File", |ui| file_ui(ui, model, actions)),
+            bar_menu(ui, "Edit", |ui| edit_ui(ui, model, actions)),
+            bar_menu(ui, "Select", |ui| select_ui(ui, actions)),
+            bar_menu(ui, "View", |ui| view_ui(ui, model, actions)),
+            bar_menu(ui, "Analyze", |ui| analyze_ui(ui, model, actions)),
+            bar_menu(ui, "Picture", |ui| picture_ui(ui, actions)),
+            bar_menu(ui, "Samples", |ui| samples_ui(ui, actions)),
+            bar_menu(ui, "Help", |ui| help_ui(ui, actions)),
+        ];
+        let first = menu_key(ui.ctx());
+        if model.view.modal == Modal::None {
+            open_menu(ui.ctx(), &menus, first);
         }
-        ui.menu_button("Edit", |ui| edit_ui(ui, model, actions));
-        ui.menu_button("Select", |ui| {
-            entry(ui, "All holes", SelectAction::All, actions);
-            entry(
-                ui,
-                "All but the largest",
-                SelectAction::AllButLargest,
-                actions,
-            );
-            if entry_with_key_of(ui, "None", &Action::Escape) {
-                actions.push(SelectAction::None.into());
-            }
-        });
-        ui.menu_button("View", |ui| view_ui(ui, model, actions));
-        ui.menu_button("Analyze", |ui| analyze_ui(ui, model, actions));
-        ui.menu_button("Picture", |ui| {
-            entry(ui, "Picture or sequence…", PictureAction::Ask, actions);
-            entry(ui, "Copy picture", PictureAction::Copy, actions);
-            entry(
-                ui,
-                "Picture of the whole window",
-                PictureAction::Window,
-                actions,
-            );
-        });
-        ui.menu_button("Samples", |ui| samples_ui(ui, actions));
-        ui.menu_button("Help", |ui| {
-            for (text, switch) in [
-                ("Keys and mouse", Switch::Help),
-                ("Load report", Switch::Report),
-                ("Log", Switch::Log),
-                ("Frame times and memory", Switch::Diagnostics),
-            ] {
-                entry(ui, text, ViewAction::Toggle(switch), actions);
-            }
-            ui.separator();
-            ui.label(concat!("Meniscus ", env!("CARGO_PKG_VERSION")));
-        });
         panels_ui(ui, model, actions);
     });
+}
+
+/// A menu of the bar.
+struct BarMenu {
+    title: &'static str,
+    button: Response,
+    /// How many menus an arrow key leads to the right; `None` if this one is closed.
+    step: Option<isize>,
+}
+
+fn bar_menu(ui: &mut Ui, title: &'static str, content: impl FnOnce(&mut Ui)) -> BarMenu {
+    let button = ui.button(title);
+    let shown = Popup::menu(&button).show(|ui| {
+        content(ui);
+        let step = ui.input(|i| {
+            isize::from(i.key_pressed(Key::ArrowRight)) - isize::from(i.key_pressed(Key::ArrowLeft))
+        });
+        // in a submenu the keys lead into it and out of it
+        if step == 0 || MenuState::from_ui(ui, |state, _| state.open_item.is_some()) {
+            return 0;
+        }
+        ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+        step
+    });
+    BarMenu {
+        title,
+        button,
+        step: shown.map(|shown| shown.inner),
+    }
+}
+
+/// Opens the menu that a key or the pointer chooses; `first` is whether a key chooses the first one.
+fn open_menu(ctx: &egui::Context, menus: &[BarMenu], first: bool) {
+    let count = menus.len();
+    let open = menus.iter().position(|menu| menu.step.is_some());
+    let step = open.and_then(|at| menus[at].step).filter(|step| *step != 0);
+    let beside = open.zip(step);
+    let beside = beside.map(|(at, step)| (at + count).saturating_add_signed(step) % count);
+    let is_letter = |menu: &BarMenu| {
+        let letter = Key::from_name(&menu.title[..1]);
+        letter.is_some_and(|key| ctx.input(|i| i.key_pressed(key)))
+    };
+    let with_alt = ctx.input(|i| i.modifiers.alt && !i.modifiers.command);
+    let with_alt = with_alt && !ctx.text_edit_focused();
+    let named = menus.iter().position(|menu| with_alt && is_letter(menu));
+    let by_key = beside.or(named).or(first.then_some(0));
+    // a pointer at rest does not take back what a key has opened
+    let points = open.is_some() && ctx.input(|i| i.pointer.delta() != Vec2::ZERO);
+    let pointed = menus
+        .iter()
+        .position(|menu| points && menu.button.hovered());
+    let Some(at) = by_key.or(pointed).filter(|at| Some(*at) != open) else {
+        return;
+    };
+    let button = &menus[at].button;
+    if by_key.is_some() {
+        button.request_focus();
+    }
+    Popup::open_id(ctx, Popup::default_response_id(button));
+    // the next frame shows the menu
+    ctx.request_repaint();
 }
 
 /// Buttons that open and close panels, at the right end.
@@ -124,7 +155,7 @@ fn panels_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 
 /// Whether F10 was pressed, or Alt was pressed and released without another key.
 fn menu_key(ctx: &egui::Context) -> bool {
-    use egui::{Event, Key};
+    use egui::Event;
     // whether Alt was down, and alone
     let id = egui::Id::unique("alt");
     let (was_down, was_alone) = ctx.data(|data| data.get_temp(id).unwrap_or((false, false)));
@@ -176,6 +207,43 @@ fn file_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         actions,
     );
     entry(ui, "Quit", FileAction::Close, actions);
+}
+
+fn select_ui(ui: &mut Ui, actions: &mut Vec<Action>) {
+    entry(ui, "All holes", SelectAction::All, actions);
+    entry(
+        ui,
+        "All but the largest",
+        SelectAction::AllButLargest,
+        actions,
+    );
+    if entry_with_key_of(ui, "None", &Action::Escape) {
+        actions.push(SelectAction::None.into());
+    }
+}
+
+fn picture_ui(ui: &mut Ui, actions: &mut Vec<Action>) {
+    entry(ui, "Picture or sequence…", PictureAction::Ask, actions);
+    entry(ui, "Copy picture", PictureAction::Copy, actions);
+    entry(
+        ui,
+        "Picture of the whole window",
+        PictureAction::Window,
+        actions,
+    );
+}
+
+fn help_ui(ui: &mut Ui, actions: &mut Vec<Action>) {
+    for (text, switch) in [
+        ("Keys and mouse", Switch::Help),
+        ("Load report", Switch::Report),
+        ("Log", Switch::Log),
+        ("Frame times and memory", Switch::Diagnostics),
+    ] {
+        entry(ui, text, ViewAction::Toggle(switch), actions);
+    }
+    ui.separator();
+    ui.label(concat!("Meniscus ", env!("CARGO_PKG_VERSION")));
 }
 
 fn edit_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {

@@ -57,6 +57,8 @@ pub(crate) struct UiState {
     pub(crate) sizes: Layout,
     /// Whether a slider is being dragged.
     pub(crate) dragging: bool,
+    /// Whether a text field has the focus.
+    pub(crate) typing: bool,
     /// Name and size of the graphics adapter, for the diagnostics.
     pub(crate) adapter: String,
 }
@@ -74,6 +76,7 @@ impl Default for UiState {
             viewport: egui::Rect::ZERO,
             sizes: Layout::default(),
             dragging: false,
+            typing: false,
             adapter: String::new(),
         }
     }
@@ -87,7 +90,7 @@ pub(crate) fn window_ui(
     format: Option<wgpu::TextureFormat>,
 ) -> Vec<Action> {
     let mut actions = Vec::new();
-    keys(ui.ctx(), model, &mut actions);
+    keys(ui.ctx(), model, state.typing, &mut actions);
     drops(ui.ctx(), &mut actions);
     egui::Panel::top("menu").show(ui, |ui| menu::menu_ui(ui, model, &mut actions));
     egui::Panel::top("toolbar").show(ui, |ui| {
@@ -112,11 +115,48 @@ pub(crate) fn window_ui(
         actions.push(ControlsAction::EndDrag.into());
     }
     state.dragging = dragging;
+    state.typing = ui.ctx().text_edit_focused();
     actions
 }
 
 /// Width of the window below which side panels are narrow by default.
 const NARROW: f32 = 1100.0;
+
+/// A panel at a side, which can be resized and closed. Its width is `chosen`, or the default, as far as it
+/// is between the least and the greatest one: only a drag of its edge changes the choice, not what it
+/// contains or a small window. `widths` are the least, the default and the greatest one.
+fn side_panel(
+    ui: &mut egui::Ui,
+    panel: fn(&'static str) -> egui::Panel,
+    name: &'static str,
+    widths: [f32; 3],
+    chosen: &mut Option<f32>,
+    is_open: &mut bool,
+    content: impl FnOnce(&mut egui::Ui),
+) {
+    let [least, default, greatest] = widths;
+    let fitting = chosen.unwrap_or(default).clamp(least, greatest);
+    let fitting = fitting.min(ui.available_width());
+    // egui keeps the width that the panel last had, which a small window or wide content may have changed
+    let id = ui.scope_id().with_salt(egui::IdSalt::new(name));
+    let outer_rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(fitting, 0.0));
+    let state = egui::PanelState { outer_rect };
+    ui.data_mut(|data| data.insert_persisted(id, state));
+    let shown = panel(name)
+        .resizable(true)
+        .size_range(least..=greatest)
+        .show_collapsible(ui, is_open, |ui| {
+            let area = ui.available_rect_before_wrap();
+            // does not report its size, so that the panel does not grow with it
+            content(&mut ui.new_child(egui::UiBuilder::new().max_rect(area)));
+            ui.advance_cursor_after_rect(area);
+        });
+    let width = shown.map_or(fitting, |shown| shown.response.rect.width());
+    // a drag may still close the panel, which then keeps its width
+    if *is_open && ui.ctx().dragged_id().is_none() && (width - fitting).abs() > 0.1 {
+        *chosen = Some(width);
+    }
+}
 
 /// The panels around the views. Each can be resized and closed.
 fn panels_ui(ui: &mut egui::Ui, model: &Model, state: &mut UiState, actions: &mut Vec<Action>) {
@@ -140,48 +180,44 @@ fn panels_ui(ui: &mut egui::Ui, model: &Model, state: &mut UiState, actions: &mu
             state.sizes.bottom_height = Some(shown.response.rect.height());
         }
     }
-    let narrow = window.width() < NARROW;
-    let width = layout.left_width;
-    let default = if narrow { 244.0 } else { 270.0 };
+    let [left, right] = if window.width() < NARROW {
+        [244.0, 260.0]
+    } else {
+        [270.0, 290.0]
+    };
+    let sizes = &mut state.sizes;
+    sizes.left_width = sizes.left_width.or(layout.left_width);
+    sizes.right_width = sizes.right_width.or(layout.right_width);
     let mut open = layout.left;
-    let shown = egui::Panel::left("loops")
-        .resizable(true)
-        .default_size(width.unwrap_or(default))
-        .min_size(220.0)
-        .max_size((0.28 * window.width()).max(244.0))
-        .show_collapsible(ui, &mut open, |ui| side::side_ui(ui, model, actions));
-    if let Some(shown) = shown.filter(|_| open) {
-        state.sizes.left_width = Some(shown.response.rect.width());
-    }
+    side_panel(
+        ui,
+        egui::Panel::left,
+        "left",
+        [220.0, left, (0.28 * window.width()).max(244.0)],
+        &mut sizes.left_width,
+        &mut open,
+        |ui| side::side_ui(ui, model, actions),
+    );
     if open != layout.left {
         actions.push(ViewAction::Toggle(Switch::LeftPanel).into());
     }
     let mut open = layout.right;
-    if model.view.windows.analysis {
-        egui::Panel::right("report")
-            .resizable(true)
-            .default_size(330.0)
-            .min_size(310.0)
-            .show_collapsible(ui, &mut open, |ui| {
-                tabs(ui, model, actions);
+    side_panel(
+        ui,
+        egui::Panel::right,
+        "right",
+        [250.0, right, (0.4 * window.width()).max(260.0)],
+        &mut sizes.right_width,
+        &mut open,
+        |ui| {
+            tabs(ui, model, actions);
+            if model.view.windows.analysis {
                 report::report_ui(ui, model, actions);
-            });
-    } else {
-        let width = layout.right_width;
-        let default = if narrow { 260.0 } else { 290.0 };
-        let shown = egui::Panel::right("controls")
-            .resizable(true)
-            .default_size(width.unwrap_or(default))
-            .min_size(250.0)
-            .max_size((0.3 * window.width()).max(260.0))
-            .show_collapsible(ui, &mut open, |ui| {
-                tabs(ui, model, actions);
+            } else {
                 controls::controls_ui(ui, model, actions);
-            });
-        if let Some(shown) = shown.filter(|_| open) {
-            state.sizes.right_width = Some(shown.response.rect.width());
-        }
-    }
+            }
+        },
+    );
     if open != layout.right {
         actions.push(ViewAction::Toggle(Switch::RightPanel).into());
     }
@@ -223,9 +259,9 @@ fn tabs(ui: &mut egui::Ui, model: &Model, actions: &mut Vec<Action>) {
     });
 }
 
-fn keys(ctx: &egui::Context, model: &Model, actions: &mut Vec<Action>) {
+fn keys(ctx: &egui::Context, model: &Model, was_typing: bool, actions: &mut Vec<Action>) {
     let dialog = model.view.modal != Modal::None;
-    let pressed = shortcuts::pressed(ctx).into_iter();
+    let pressed = shortcuts::pressed(ctx, was_typing).into_iter();
     actions.extend(pressed.filter(|action| !dialog || *action == Action::Escape));
 }
 

@@ -3,6 +3,7 @@
 use eframe::egui::{Modifiers, PointerButton, Pos2, Rect, Response};
 
 use crate::app::view_state::Navigation;
+use crate::mesh::DVec3;
 use crate::render::Camera;
 
 /// A press that moves farther than this, in points, is a drag.
@@ -60,13 +61,16 @@ pub(crate) fn motion(
 }
 
 /// Moves the camera according to the input over the viewport. `tool` is whether an active tool uses
-/// the primary button; with a tool the secondary button rotates. Returns whether the camera moved.
+/// the primary button; with a tool the secondary button rotates. A zoom leads towards the point of the surface
+/// that `under` finds, no nearer than `nearest`. Returns whether the camera moved.
 pub(crate) fn navigate(
     camera: &mut Camera,
     navigation: Navigation,
     response: &Response,
     rect: Rect,
     tool: Option<bool>,
+    under: impl Fn(&Camera, Pos2) -> Option<DVec3>,
+    nearest: f64,
 ) -> bool {
     let before = *camera;
     let keys = response.ctx.input(|i| i.modifiers);
@@ -76,6 +80,10 @@ pub(crate) fn navigate(
             f64::from(2.0 * (p.x - rect.left()) / rect.width() - 1.0),
             f64::from(1.0 - 2.0 * (p.y - rect.top()) / rect.height()),
         ]
+    };
+    let zoom = |camera: &mut Camera, factor: f64, at: Pos2| {
+        let point = under(camera, at);
+        camera.zoom_towards(point, factor, nearest, ndc(at), aspect);
     };
     for button in [
         PointerButton::Primary,
@@ -95,7 +103,7 @@ pub(crate) fn navigate(
         match motion {
             Some(Motion::Orbit) => camera.orbit(dx * TURN, dy * TURN, true),
             Some(Motion::Pan) => camera.pan(dx, dy, f64::from(rect.height())),
-            Some(Motion::Zoom) => camera.zoom_to((-dy * 0.01).exp(), [0.0, 0.0], aspect),
+            Some(Motion::Zoom) => zoom(camera, (-dy * 0.01).exp(), rect.center()),
             None => {}
         }
     }
@@ -104,7 +112,7 @@ pub(crate) fn navigate(
             .ctx
             .input(|i| (i.smooth_scroll_delta(), i.zoom_delta()));
         if (pinch - 1.0).abs() > 1e-6 {
-            camera.zoom_to(f64::from(pinch), ndc(at), aspect);
+            zoom(camera, f64::from(pinch), at);
         } else if navigation == Navigation::Trackpad {
             let (dx, dy) = (f64::from(scroll.x), f64::from(scroll.y));
             if keys.shift {
@@ -113,7 +121,7 @@ pub(crate) fn navigate(
                 camera.orbit(dx * TURN, dy * TURN, true);
             }
         } else if scroll.y != 0.0 {
-            camera.zoom_to((f64::from(scroll.y) * 0.004).exp(), ndc(at), aspect);
+            zoom(camera, (f64::from(scroll.y) * 0.004).exp(), at);
         }
     }
     *camera != before

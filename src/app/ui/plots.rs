@@ -56,12 +56,19 @@ pub(crate) fn plots_ui(ui: &mut Ui, run: &Run, actions: &mut Vec<Action>) {
             legend_ui(ui, &entries(run, &both[0]), actions);
         }
         let height = ui.available_height().max(60.0);
+        let last = last_attempt(&both);
         ui.columns(2, |columns| {
             for ((column, curves), energy) in columns.iter_mut().zip(both).zip([true, false]) {
-                plot_ui(column, run, &curves, energy, height);
+                plot_ui(column, run, &curves, energy, last, height);
             }
         });
     });
+}
+
+/// The last attempt of all plots, at least 1: their common axis begins at 0.
+fn last_attempt(both: &[Vec<PlotCurve>; 2]) -> f64 {
+    let points = both.iter().flatten().flat_map(|curve| &curve.points);
+    points.map(|point| point[0]).fold(1.0, f64::max)
 }
 
 /// The entries of the legend: name, number of the colour, and holes. The curves of one side of a comparison have
@@ -119,24 +126,38 @@ fn legend_ui(ui: &mut Ui, entries: &[(String, usize, Vec<LoopId>)], actions: &mu
     });
 }
 
-fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f32) {
+/// One plot, whose axis of attempts reaches at least to `last`.
+fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, last: f64, height: f32) {
     let title = match (energy, curves.len()) {
         (true, 0 | 1) => "energy",
         (true, _) => "energy, relative to the start",
         (false, _) => "residual",
     };
-    let words = RichText::new(format!("{title}, by attempt")).small();
+    let range = extent(curves);
+    let is_empty = range.is_none();
+    // as after a change of the energy
+    let when = if is_empty && last > 1.0 {
+        "known after the next attempt"
+    } else {
+        "by attempt"
+    };
+    let words = RichText::new(format!("{title}, {when}")).small();
     // in one line: the height of the plot is what is left
     ui.add(egui::Label::new(words).truncate());
     let mut plot = Plot::new(title)
         .height((height - 22.0).max(40.0))
+        .width((ui.available_width() - LABEL).max(40.0))
+        .include_x(0.0)
+        .include_x(last)
         .allow_scroll(false)
         .allow_drag(false)
         .allow_zoom(false)
         .allow_boxed_zoom(false)
         .x_grid_spacer(|input| marks(&input, WIDE, true))
         .y_grid_spacer(move |input| {
-            if energy {
+            if is_empty {
+                Vec::new()
+            } else if energy {
                 marks(&input, HIGH, false)
             } else {
                 logarithmic_marks(&input)
@@ -165,7 +186,7 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
         .link_cursor(egui::Id::unique("plots"), [true, false])
         .show_axes([true, true]);
     // a curve that is constant up to rounding needs a minimum height
-    if let Some([low, high]) = extent(curves)
+    if let Some([low, high]) = range
         && high - low <= 1e-6 * high.abs().max(low.abs())
     {
         let pad = (0.01 * high.abs()).max(1e-12);
@@ -204,6 +225,9 @@ fn plot_ui(ui: &mut Ui, run: &Run, curves: &[PlotCurve], energy: bool, height: f
         .response
         .on_hover_ui_at_pointer(|ui| readout_ui(ui, run, curves, energy, x, reach));
 }
+
+/// Room beside a plot for half of the label at its right end.
+const LABEL: f32 = 14.0;
 
 /// Smallest distance of two marks of an axis in points.
 pub(crate) const WIDE: f64 = 40.0;
@@ -380,6 +404,23 @@ mod tests {
         };
         let lengths = |is_energy| curve.pieces(is_energy).map(<[_]>::len).collect::<Vec<_>>();
         assert_eq!((lengths(true), lengths(false)), (vec![2, 3], vec![5]));
+    }
+
+    #[test]
+    fn both_plots_have_the_attempts_of_the_longer_one() {
+        let curve = |attempts: &[f64]| PlotCurve {
+            name: String::new(),
+            color: 0,
+            holes: Vec::new(),
+            points: attempts.iter().map(|&attempt| [attempt, 2.0]).collect(),
+        };
+        assert_eq!(last_attempt(&[Vec::new(), Vec::new()]), 1.0);
+        assert_eq!(last_attempt(&[vec![curve(&[1.0])], vec![curve(&[])]]), 1.0);
+        let changed = [
+            vec![curve(&[])],
+            vec![curve(&[1.0, 2.0]), curve(&[1.0, 8.0])],
+        ];
+        assert_eq!(last_attempt(&changed), 8.0);
     }
 
     #[test]

@@ -5,7 +5,10 @@ use eframe::egui::{self, Ui};
 use crate::app::action::{Action, RunAction, TaskAction};
 use crate::app::model::Model;
 use crate::app::run::method_name;
-use crate::app::ui::widgets::{ClickActions, angle_limit, choice, pick_edges, row, wide_primary};
+use crate::app::ui::format::grouped;
+use crate::app::ui::widgets::{
+    ClickActions, angle_limit, choice, pick_edges, row, slider, wide_primary,
+};
 use crate::app::view_state::Refining;
 use crate::refine::{BoundaryRule, Hold, Method};
 
@@ -31,7 +34,7 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let mut next = model.view.refining.clone();
     ui.horizontal(|ui| {
         ui.heading("Refine");
-        ui.weak(format!("{} faces", document.mesh.face_count()));
+        ui.weak(format!("{} faces", grouped(document.mesh.face_count())));
     });
     ui.add_enabled_ui(model.run.is_none(), |ui| {
         levels_ui(ui, model, &mut next);
@@ -124,12 +127,12 @@ pub(crate) fn refine_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
 fn levels_ui(ui: &mut Ui, model: &Model, next: &mut Refining) {
     let tip = "number of levels; each splits every triangle into four";
     row(ui, "Levels", tip, |ui, label| {
-        let levels = egui::Slider::new(&mut next.controls.levels, 1..=6);
+        let levels = slider(&mut next.controls.levels, 1..=6);
         ui.add(levels).labelled_by(label).on_hover_text(tip);
     });
     let document = &model.document;
     let after = next.faces_after(document.mesh.face_count(), document.faces.len());
-    ui.weak(format!("{after} faces afterwards"));
+    ui.weak(format!("{} faces afterwards", grouped(after as usize)));
 }
 
 /// The choice of sharp edges.

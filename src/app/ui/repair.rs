@@ -1,11 +1,9 @@
 //! Selection of faces: the panel, and the tools in the view.
 
-use eframe::egui::{
-    self, Color32, Modifiers, PointerButton, Pos2, Rect, Response, Slider, Stroke, Ui,
-};
+use eframe::egui::{self, Color32, Modifiers, PointerButton, Pos2, Rect, Response, Stroke, Ui};
 
 use super::navigation::CLICK;
-use super::widgets::{ClickActions, row, wide_button, wide_primary};
+use super::widgets::{ClickActions, number, row, slider, wide_button, wide_primary};
 use crate::app::action::{Action, ControlsAction, EditAction, RunAction, SelectAction, TaskAction};
 use crate::app::faces::{BrushStamp, FaceEdit, Lasso};
 use crate::app::model::Model;
@@ -61,7 +59,7 @@ pub(crate) fn repair_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         Tool::Brush => {
             let tip = "in screen points: zoom in for finer strokes";
             row(ui, "Brush radius", tip, |ui, label| {
-                let radius = Slider::new(&mut selecting.brush, 3.0..=150.0);
+                let radius = slider(&mut selecting.brush, 3.0..=150.0);
                 ui.add(radius.logarithmic(true).fixed_decimals(0))
                     .labelled_by(label)
                     .on_hover_text(tip);
@@ -127,7 +125,7 @@ fn quality_ui(ui: &mut Ui, model: &Model, selecting: &mut Selecting, actions: &m
                 "the smallest angle is below this limit",
             );
             button(ui, "Angle below", tip, Flaw::WorseThan(worse), true);
-            let value = egui::DragValue::new(&mut selecting.worse_than);
+            let value = number(&mut selecting.worse_than);
             ui.add(value.range(0.0..=60.0).speed(0.1).suffix("°"));
         });
         ui.horizontal(|ui| {
@@ -140,7 +138,7 @@ fn quality_ui(ui: &mut Ui, model: &Model, selecting: &mut Selecting, actions: &m
                 longer > 0.0,
             );
             let speed = 1e-3 * model.document.origin.bounds.radius();
-            let value = egui::DragValue::new(&mut selecting.longer_than);
+            let value = number(&mut selecting.longer_than);
             ui.add(value.range(0.0..=f64::MAX).speed(speed));
         });
         ui.horizontal(|ui| {

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Color32, Rect, Ui};
 
 use super::viewport::on_screen;
-use super::widgets::ClickActions;
+use super::widgets::{ClickActions, number};
 use crate::app::action::{Action, TaskAction};
 use crate::app::model::Model;
 use crate::app::view_state::{Bridging, Part, Task};
@@ -40,7 +40,7 @@ pub(crate) fn rim_tools_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>
                 .on_click(TaskAction::Part(next), actions);
         }
         if let Some(mut next) = bridging {
-            let drag = egui::DragValue::new(&mut next.width)
+            let drag = number(&mut next.width)
                 .range(1..=64)
                 .suffix(" edges");
             let drag = ui.add(drag).on_hover_text("width of the bridge");

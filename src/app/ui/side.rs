@@ -5,7 +5,7 @@ use egui_extras::{Column, TableBuilder};
 
 use super::format::short_number;
 use super::icons::{self, Icon};
-use super::widgets::{ClickActions, primary, wide_primary};
+use super::widgets::{ClickActions, number, primary, wide_primary};
 use crate::app::action::{
     Action, EditAction, RunAction, SelectAction, SelectHow, TaskAction, ViewAction,
 };
@@ -59,7 +59,7 @@ fn task_ui(ui: &mut Ui, model: &Model, height: f32, actions: &mut Vec<Action>) {
             ),
             (
                 "All but largest",
-                "all loops except the one with the largest perimeter",
+                "all loops except the longest one",
                 SelectAction::AllButLargest,
             ),
             ("None", "clear the selection", SelectAction::None),
@@ -170,16 +170,11 @@ fn limits_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         limit_ui(ui, "Edges", &mut next.max_edges, edges);
         limit_ui(
             ui,
-            "Perimeter",
+            "Length",
             &mut next.max_perimeter,
             largest(|l| l.perimeter),
         );
-        limit_ui(
-            ui,
-            "Diameter",
-            &mut next.max_diameter,
-            largest(|l| l.diameter),
-        );
+        limit_ui(ui, "Width", &mut next.max_diameter, largest(|l| l.diameter));
     });
     if next != model.view.limits {
         actions.push(TaskAction::Limits(next).into());
@@ -196,11 +191,8 @@ fn limit_ui<T: egui::emath::Numeric>(ui: &mut Ui, name: &str, limit: &mut Option
         }
         if let Some(value) = limit {
             let speed = 0.005 * largest.to_f64();
-            ui.add(
-                egui::DragValue::new(value)
-                    .speed(speed)
-                    .range(T::from_f64(0.0)..=largest),
-            );
+            let range = T::from_f64(0.0)..=largest;
+            ui.add(number(value).speed(speed).range(range));
         }
     });
 }
@@ -289,7 +281,7 @@ fn filter_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
             ui.selectable_value(&mut next.kind, kind, title)
                 .on_hover_text("the loops that are listed");
         }
-        let least = egui::DragValue::new(&mut next.least_edges)
+        let least = number(&mut next.least_edges)
             .range(0..=1_000_000)
             .prefix("from ")
             .suffix(" edges");
@@ -306,6 +298,7 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let loops = list.listed(&model.document.loops);
     // where a range begins
     let anchor = ui.scope_id().with("anchor");
+    ui.spacing_mut().item_spacing.x = 3.0;
     TableBuilder::new(ui)
         .striped(true)
         .sense(egui::Sense::click())
@@ -314,7 +307,8 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         .min_scrolled_height(60.0)
         .max_scroll_height(f32::INFINITY)
         .column(Column::exact(22.0))
-        .column(Column::exact(40.0))
+        // room for the arrow before the title
+        .column(Column::exact(52.0))
         .columns(Column::exact(57.0), 2)
         .column(Column::remainder().clip(true))
         .header(18.0, |mut header| {
@@ -341,7 +335,7 @@ fn loops_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                         (true, false) => "↑",
                         (true, true) => "↓",
                     };
-                    let text = RichText::new(format!("{title}{arrow}")).strong();
+                    let text = RichText::new(format!("{arrow}{title}")).strong();
                     let label = egui::Label::new(text).truncate().selectable(false);
                     let label = ui.add(label.sense(egui::Sense::click()));
                     label.widget_info(|| {

@@ -6,6 +6,7 @@ use crate::app::action::{Action, EditAction, FileAction, PictureAction, Switch, 
 use crate::app::document::elided;
 use crate::app::log::Level;
 use crate::app::model::Model;
+use crate::app::ui::format::grouped;
 use crate::app::ui::widgets::ClickActions;
 use crate::app::update::{REPAIRING, WRITING};
 
@@ -20,8 +21,8 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
         let words = format!(
             "{}{star}   {} vertices   {} faces   {}",
             elided(&model.name(), NAME),
-            document.mesh.vertex_count(),
-            document.mesh.face_count(),
+            grouped(document.mesh.vertex_count()),
+            grouped(document.mesh.face_count()),
             document.loop_count()
         );
         let half = egui::vec2(0.5 * ui.available_width(), ui.spacing().interact_size.y);
@@ -39,25 +40,25 @@ pub(crate) fn status_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 continue;
             }
             ui.separator();
+            if job.progress().is_none() {
+                ui.spinner();
+            }
+            ui.label(elided(&job.what, NAME)).on_hover_text(&job.what);
             if let Some((done, total)) = job.progress() {
                 let part = done as f32 / total as f32;
                 let words = format!("{done} of {total}");
                 let bar = egui::ProgressBar::new(part).desired_width(120.0);
-                ui.add(bar.text(words)).on_hover_text(&job.what);
+                ui.add(bar.text(words));
                 if job.what.starts_with(WRITING) && ui.small_button("Cancel").clicked() {
                     actions.push(PictureAction::Cancel.into());
                 }
-            } else {
-                ui.spinner();
-                ui.label(elided(&job.what, NAME)).on_hover_text(&job.what);
-                if job.what == REPAIRING {
-                    let cancel = ui.small_button("Cancel");
-                    cancel.on_click_with_key(
-                        "the mesh stays as it is",
-                        EditAction::CancelRepair,
-                        actions,
-                    );
-                }
+            } else if job.what == REPAIRING {
+                let cancel = ui.small_button("Cancel");
+                cancel.on_click_with_key(
+                    "the mesh stays as it is",
+                    EditAction::CancelRepair,
+                    actions,
+                );
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Ui};
 
 use super::format::{format_number, mode_words};
-use super::widgets::{ClickActions, row, title_width};
+use super::widgets::{ClickActions, number, row, slider, title_width};
 use crate::app::action::{Action, Switch, ViewAction};
 use crate::app::model::Model;
 use crate::app::view_state::ViewState;
@@ -147,7 +147,7 @@ fn range_ui(ui: &mut Ui, model: &Model, shown: [f32; 2], actions: &mut Vec<Actio
     for (name, value) in [("Low end", &mut low), ("High end", &mut high)] {
         let tip = "value at an end of the colour map";
         changed |= row(ui, name, tip, |ui, label| {
-            let drag = egui::DragValue::new(value)
+            let drag = number(value)
                 .speed(speed)
                 .custom_formatter(|x, _| format_number(x));
             let drag = ui.add_enabled(fixed, drag).labelled_by(label);
@@ -161,16 +161,13 @@ fn range_ui(ui: &mut Ui, model: &Model, shown: [f32; 2], actions: &mut Vec<Actio
 }
 
 fn degrees(value: &mut f64) -> egui::DragValue<'_> {
-    egui::DragValue::new(value)
-        .speed(1.0)
-        .max_decimals(0)
-        .suffix("°")
+    number(value).speed(1.0).max_decimals(0).suffix("°")
 }
 
 fn stripes_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     let mut style = model.view.style;
     let mut changed = row(ui, "Stripes", "number of pairs of bands", |ui, label| {
-        let slider = egui::Slider::new(&mut style.stripes, 2..=60).logarithmic(true);
+        let slider = slider(&mut style.stripes, 2..=60).logarithmic(true);
         let slider = ui.add(slider).labelled_by(label);
         slider
             .key_tip("number of pairs of bands", ViewAction::MoreStripes)

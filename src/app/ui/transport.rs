@@ -3,16 +3,15 @@
 use eframe::egui::{self, RichText, Ui};
 use egui_extras::{Column, TableBody, TableBuilder, TableRow};
 
-use super::format::format_number;
+use super::format::{format_number, long_number};
 use super::icons::{Icon, icon_button};
 use super::plots::plots_ui;
 use super::theme;
-use super::widgets::ClickActions;
+use super::widgets::{ClickActions, number};
 use crate::app::action::{Action, RunAction, Switch, ViewAction};
 use crate::app::model::Model;
 use crate::app::run::{Figures, Run, RunVariant};
 use crate::app::seam::Seam;
-use crate::mesh::LoopId;
 use crate::solver::End;
 
 /// The panel of a run: the transport bar, and numbers and plots if they are open.
@@ -119,7 +118,7 @@ fn bar_ui(ui: &mut Ui, model: &Model, run: &Run, details: bool, actions: &mut Ve
                 actions,
             );
             let mut pace = model.view.pace;
-            let value = egui::DragValue::new(&mut pace).range(1.0..=240.0);
+            let value = number(&mut pace).range(1.0..=240.0);
             let value = value.speed(0.5).suffix(" states/s");
             if ui
                 .add_sized([96.0, 20.0], value)
@@ -190,7 +189,7 @@ const COLUMNS: [(&str, f32, &str); 8] = [
     ),
     (
         "energy",
-        70.0,
+        80.0,
         "what the flow lowers: with the surface model energy the integral of f over the patch and its support region, \
          with others a functional of their own",
     ),
@@ -326,7 +325,7 @@ fn group_ui(
     let numbers = [
         figures.step.map(|n| n.to_string()),
         figures.relative_tau.map(format_number),
-        figures.energy.map(|e| Sig(e).to_string()),
+        figures.energy.map(long_number),
         figures.residual.map(|r| format!("{r:.1e}")),
     ];
     row.col(|ui| cell(ui, holes.as_str(), &holes));
@@ -355,11 +354,10 @@ fn status_ui(ui: &mut Ui, figures: &Figures) {
         ),
         Some(Ok(_)) if !figures.unsound.is_empty() => {
             let color = ui.visuals().warn_fg_color;
-            let holes: Vec<String> = figures.unsound.iter().map(LoopId::to_string).collect();
             let whole = format!(
                 "the flow has ended, but the patch of hole {} intersects itself or the mesh, is folded, or \
                  is far from its rim",
-                holes.join(", ")
+                figures.unsound_list()
             );
             cell(ui, RichText::new("has defects").color(color), &whole);
         }
@@ -372,25 +370,5 @@ fn status_ui(ui: &mut Ui, figures: &Figures) {
             cell(ui, RichText::new(words).color(color), words);
         }
         None => cell(ui, RichText::new(&figures.doing).weak(), &figures.doing),
-    }
-}
-
-/// A number with six significant digits, or with four and a power of ten.
-struct Sig(f64);
-
-impl std::fmt::Display for Sig {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let x = self.0;
-        let size = x.abs();
-        if x == 0.0 || (1e-3..1e6).contains(&size) {
-            let digits = if x == 0.0 {
-                5
-            } else {
-                (5 - size.log10().floor() as i32).clamp(0, 9) as usize
-            };
-            write!(f, "{x:.digits$}")
-        } else {
-            write!(f, "{x:.3e}")
-        }
     }
 }

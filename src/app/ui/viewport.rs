@@ -23,11 +23,17 @@ use crate::app::run::Run;
 use crate::app::scene_builder;
 use crate::app::view_state::{Bridging, Task, Tool};
 use crate::mesh::DVec3;
-use crate::render::{MAX_SIDE, Projector, Scene, ViewportCallback, value_on_line};
+use crate::render::{
+    Camera, MAX_SIDE, Projector, Scene, ViewportCallback, point_on_line, value_on_line,
+};
 
 /// The message about a surface that grows without bound.
-const DIVERGED: &str = "The surface grows without bound under this energy. The run is paused, \
-                            and the last sensible shape is shown.";
+const DIVERGED: &str = "The surface grows without bound under this energy. The run was paused at \
+                            the last sensible shape.";
+
+/// Minimum distance of the eye from the point towards which the camera zooms, as a fraction of the radius of the
+/// mesh. There a pixel is not finer than the drawn positions.
+const NEAREST: f64 = 2e-4;
 
 /// Maximum distance of the cursor from a picked rim, in points.
 const REACH: f32 = 9.0;
@@ -84,11 +90,24 @@ pub(crate) fn viewports_ui(
             gizmo_ui(ui, model, corner, actions);
             scale_bar(ui, model, rect, below);
         }
+        hatching_ui(ui, model, side, rect);
         if let Some(run) = model.run.as_ref().filter(|r| r.sides.len() > 1) {
             badge_ui(ui, &run.title(side), side, rect);
         }
     }
     ui.advance_cursor_after_rect(whole);
+}
+
+/// What the hatching in a view means, if there is some.
+fn hatching_ui(ui: &Ui, model: &Model, side: usize, rect: Rect) {
+    let scan = model.displays[side].latest().and_then(|d| d.posed);
+    let is_hatched = scan.is_some_and(|scan| scan.ill_posed + scan.undefined > 0);
+    if is_hatched && model.view.style.show_ill_posed {
+        // below the title of a side
+        let at = rect.left_top() + egui::vec2(10.0, 34.0);
+        let words = "Hatched: the flow of this energy is ill-posed there.";
+        text(ui, rect, at, Align2::LEFT_TOP, words, 14.0);
+    }
 }
 
 /// Width of a letter of a title, at most on average.
@@ -258,6 +277,11 @@ fn viewport_ui(
     }
     let tool = repair::is_active(model)
         .then(|| repair::select(model, &mut state.draft, &response, rect, actions));
+    let scene = Arc::new(scene_builder::scene_with(
+        model,
+        side,
+        &mut state.overlays[side],
+    ));
     let mut camera = model.view.camera;
     if navigate(
         &mut camera,
@@ -265,16 +289,16 @@ fn viewport_ui(
         &response,
         rect,
         tool,
+        |camera, at| {
+            let (origin, direction) = line_of_sight(camera, rect, at)?;
+            point_on_line(&scene, origin, direction)
+        },
+        NEAREST * model.document.origin.bounds.radius(),
     ) {
         actions.push(ViewAction::Camera(camera).into());
     }
     pick(model, state, &response, rect, actions);
 
-    let scene = Arc::new(scene_builder::scene_with(
-        model,
-        side,
-        &mut state.overlays[side],
-    ));
     let mut style = model.view.style;
     style.line_scale = points;
     // edges are visible while the user picks edges
@@ -319,16 +343,17 @@ fn viewport_ui(
 fn value_under(model: &Model, scene: &Scene, response: &egui::Response, rect: Rect) -> Option<f64> {
     let down = response.ctx.input(|i| i.pointer.any_down());
     let at = response.hover_pos().filter(|_| !down)?;
+    let (origin, direction) = line_of_sight(&model.view.camera, rect, at)?;
+    value_on_line(scene, model.view.style.mode, origin, direction)
+}
+
+/// The line of sight through a place in a view, from where it is not hidden.
+fn line_of_sight(camera: &Camera, rect: Rect, at: Pos2) -> Option<(DVec3, DVec3)> {
     let size = [f64::from(rect.width()), f64::from(rect.height())];
     let pixel = [f64::from(at.x - rect.left()), f64::from(at.y - rect.top())];
-    let camera = &model.view.camera;
     let (origin, direction) = Projector::new(camera, size).line_through(pixel);
     let start = camera.first_visible(origin, direction);
-    if start == f64::INFINITY {
-        return None;
-    }
-    let origin = origin + start.max(0.0) * direction;
-    value_on_line(scene, model.view.style.mode, origin, direction)
+    (start < f64::INFINITY).then(|| (origin + start.max(0.0) * direction, direction))
 }
 
 /// Whether clicks select loops.

@@ -1,11 +1,13 @@
 //! Widgets shared by several panels.
 
+use std::ops::RangeInclusive;
+
 use eframe::egui::{
     Align, Atom, Button, Color32, DragValue, Id, Label, Layout, Response, RichText, Slider,
-    TextStyle, Ui, Widget, vec2,
+    SliderClamping, TextStyle, Ui, Widget, emath::Numeric, vec2,
 };
 
-use super::format::format_number;
+use super::format::field_number;
 use super::theme;
 
 use crate::app::action::{Action, ViewAction};
@@ -61,6 +63,17 @@ pub(crate) fn named(ui: &mut Ui, name: &str, widget: impl Widget) -> Response {
     ui.add(widget).labelled_by(label.id)
 }
 
+/// A field whose number is dragged or typed. A typed number counts when Enter is pressed or the field is
+/// left, because its beginning is another number.
+pub(crate) fn number<N: Numeric>(value: &mut N) -> DragValue<'_> {
+    DragValue::new(value).update_while_editing(false)
+}
+
+/// A slider with a field as [`number`].
+pub(crate) fn slider<N: Numeric>(value: &mut N, range: RangeInclusive<N>) -> Slider<'_> {
+    Slider::new(value, range).update_while_editing(false)
+}
+
 /// Width of the column of names.
 const NAMES: f32 = 84.0;
 /// Width of the number beside a slider, and of the button behind it.
@@ -92,29 +105,103 @@ pub(crate) fn row<R>(
     .inner
 }
 
-/// A slider with typed entry in a row, and a button that restores the default.
+/// Smallest positive value of a logarithmic slider that begins at zero.
+const SMALLEST: f64 = 1e-3;
+
+/// The values along a slider.
+pub(crate) struct Rail {
+    ends: RangeInclusive<f64>,
+    is_logarithmic: bool,
+    is_open: bool,
+}
+
+impl Rail {
+    /// Equal distances are equal differences.
+    pub(crate) fn linear(ends: RangeInclusive<f64>) -> Self {
+        Self {
+            ends,
+            is_logarithmic: false,
+            is_open: false,
+        }
+    }
+
+    /// Equal distances are equal factors.
+    pub(crate) fn logarithmic(ends: RangeInclusive<f64>) -> Self {
+        Self {
+            is_logarithmic: true,
+            ..Self::linear(ends)
+        }
+    }
+
+    /// Typed values may be beyond the ends.
+    pub(crate) fn open(self) -> Self {
+        Self {
+            is_open: true,
+            ..self
+        }
+    }
+
+    /// Change of a value along the whole rail, if it went on as at the value.
+    fn reach(&self, value: f64) -> f64 {
+        let (start, end) = (*self.ends.start(), *self.ends.end());
+        if !self.is_logarithmic {
+            return end - start;
+        }
+        let least = if start > 0.0 { start } else { SMALLEST };
+        value.max(least) * (end / least).ln()
+    }
+}
+
+/// A slider in a row, a field for its value, and a button that restores the default. The field and the
+/// button have columns of fixed widths.
 pub(crate) fn slider_row(
     ui: &mut Ui,
     name: &str,
     tip: &str,
     value: &mut f64,
     default: f64,
-    slider: impl FnOnce(&mut f64) -> Slider<'_>,
+    rail: Rail,
 ) -> bool {
     row(ui, name, tip, |ui, label| {
         let width = ui.available_width();
         let spacing = ui.spacing_mut();
         spacing.interact_size.x = NUMBER;
+        // as much room as the longest number needs
+        spacing.button_padding.x = 2.0;
         let beside = NUMBER + RESET + 2.0 * spacing.item_spacing.x;
-        spacing.slider_width = (width - beside).max(40.0);
-        let slider = slider(value)
-            .smallest_positive(1e-3)
-            .custom_formatter(|x, _| format_number(x));
-        let mut changed = ui
-            .add(slider)
-            .labelled_by(label)
-            .on_hover_text(tip)
-            .changed();
+        let length = (width - beside).max(40.0);
+        spacing.slider_width = length;
+        let slider = Slider::new(value, rail.ends.clone())
+            .logarithmic(rail.is_logarithmic)
+            .smallest_positive(SMALLEST)
+            .clamping(if rail.is_open {
+                SliderClamping::Never
+            } else {
+                SliderClamping::Always
+            })
+            .show_value(false);
+        let slider = ui.add(slider).labelled_by(label).on_hover_text(tip);
+        let shown = *value;
+        let field = number(value)
+            .clip_text(true)
+            .speed(rail.reach(shown) / f64::from(length))
+            .custom_formatter(|x, _| field_number(x))
+            // the field may show fewer digits than the value has, which keeps them if nothing is typed
+            .custom_parser(move |text| {
+                if text == field_number(shown) {
+                    return Some(shown);
+                }
+                let typed = text.trim().parse::<f64>().ok();
+                typed.filter(|x| x.is_finite())
+            });
+        let field = if rail.is_open {
+            field
+        } else {
+            field.range(rail.ends)
+        };
+        let exact = format!("{shown:?}\n{tip}");
+        let field = ui.add(field).labelled_by(label).on_hover_text(exact);
+        let mut changed = slider.changed() || field.changed();
         #[expect(clippy::float_cmp, reason = "any other value can be reset")]
         let is_other = *value != default;
         if is_other && reset_button(ui, name).clicked() {
@@ -191,7 +278,7 @@ pub(crate) fn choice<T: PartialEq, const N: usize>(
 pub(crate) fn angle_limit(ui: &mut Ui, name: &str, tip: &str, limit: &mut Option<f64>) {
     let (mut is_on, mut angle) = (limit.is_some(), limit.unwrap_or(SHARP));
     ui.checkbox(&mut is_on, name).on_hover_text(tip);
-    let value = DragValue::new(&mut angle).range(1.0..=179.0).speed(0.5);
+    let value = number(&mut angle).range(1.0..=179.0).speed(0.5);
     ui.add_enabled(is_on, value.suffix("°"));
     *limit = is_on.then_some(angle);
 }

@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Context, Grid, RichText, ScrollArea, Ui, Window};
 
 use super::UiState;
+use super::format::grouped;
 use super::repair::{REPAIR, repair_button};
-use super::widgets::{ClickActions, named, row};
+use super::widgets::{ClickActions, named, row, slider};
 use crate::app::action::{Action, EditAction, Switch, ViewAction};
 use crate::app::log::Level;
 use crate::app::model::Model;
@@ -176,7 +177,7 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                 ] {
                     if always || count > 0 {
                         ui.label(name);
-                        ui.label(count.to_string());
+                        ui.label(grouped(count));
                         ui.end_row();
                     }
                 }
@@ -185,8 +186,8 @@ fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
                     ui.label("After the changes");
                     ui.label(format!(
                         "{} vertices, {} triangles, {}",
-                        mesh.vertex_count(),
-                        mesh.face_count(),
+                        grouped(mesh.vertex_count()),
+                        grouped(mesh.face_count()),
                         document.loop_count()
                     ));
                     ui.end_row();
@@ -286,6 +287,7 @@ fn help_ui(ui: &mut Ui, model: &Model) {
         ("Add or remove a hole", "Ctrl+click"),
         ("Set the pivot of rotations", "Double-click"),
         ("Open the menus; arrow keys move in them", "F10 or Alt"),
+        ("Open the menu with this first letter", "Alt+letter"),
     ];
     ScrollArea::vertical().show(ui, |ui| {
         ui.set_min_width(ui.available_width());
@@ -341,7 +343,7 @@ fn settings_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     });
     ui.horizontal(|ui| {
         let mut scale = settings.ui_scale;
-        let slider = egui::Slider::new(&mut scale, 0.5..=3.0).step_by(0.05);
+        let slider = slider(&mut scale, 0.5..=3.0).step_by(0.05);
         let slider = named(ui, "Scale of the interface", slider);
         // apply only after the drag, because the scale moves the slider under the cursor
         if slider.drag_stopped() || (slider.changed() && !slider.dragged()) {

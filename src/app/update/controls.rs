@@ -146,7 +146,7 @@ fn apply_energy(model: &mut Model) {
                 model.log.settle();
             }
         }
-        Err(error) => model.log.error(format!("energy: {error}")),
+        Err(error) => model.log.error(error.to_string()),
     }
 }
 

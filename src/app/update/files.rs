@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::{report, report_files, view};
+use super::{asks_to_replace, report, report_files, view};
 use crate::app::action::FileAction;
 use crate::app::autosave;
 use crate::app::display::DisplayWorker;
@@ -17,7 +17,7 @@ use crate::app::repeat;
 use crate::app::report::Report;
 use crate::app::view_state::{AfterUnsaved, Modal, PathPrompt, PathUse};
 use crate::io;
-use crate::render::{Textures, ViewMode};
+use crate::render::{Textures, ViewMode, grouped};
 use crate::shapes::SAMPLES;
 use crate::warning::counted;
 
@@ -39,13 +39,7 @@ pub(crate) fn update(model: &mut Model, action: FileAction) {
         },
         FileAction::AskSaveAs => ask(model, PathUse::SaveAs),
         FileAction::SaveAs(path) => save(model, &path),
-        FileAction::UsePath(purpose, path) => {
-            let text = path.display().to_string();
-            // the report names a reference that cannot be read
-            let prompt = (purpose != PathUse::Reference).then_some(PathPrompt { purpose, text });
-            model.typed_path = prompt;
-            use_path(model, purpose, path);
-        }
+        FileAction::UsePath(purpose, path) => use_path(model, purpose, path, true),
         FileAction::AskExportPatch => {
             if model.document.is_changed() {
                 ask(model, PathUse::ExportPatch);
@@ -182,7 +176,7 @@ pub(super) fn path_chosen(
     waited: Duration,
 ) {
     match path {
-        Some(path) => use_path(model, purpose, path),
+        Some(path) => use_path(model, purpose, path, false),
         None if waited < NO_DIALOG => {
             let text = suggestion(model, purpose);
             let folder = model.source_path();
@@ -194,15 +188,29 @@ pub(super) fn path_chosen(
     }
 }
 
-/// Uses a path for its purpose. A file to write gets an extension if it has none.
-fn use_path(model: &mut Model, purpose: PathUse, mut path: PathBuf) {
+/// Uses a path for its purpose. It was typed, or chosen in the dialog of the system, which asks whether to
+/// replace a file. A file to write gets an extension if it has none.
+fn use_path(model: &mut Model, purpose: PathUse, mut path: PathBuf, is_typed: bool) {
+    let text = path.display().to_string();
     let extension = match purpose {
         PathUse::Open | PathUse::Reference => None,
         PathUse::SaveAs | PathUse::ExportPatch => Some("obj"),
         PathUse::Report(file) => Some(file.extension()),
     };
     if let Some(extension) = extension {
-        path = with_extension(path, extension);
+        let target = with_extension(path.clone(), extension);
+        let is_answered = !is_typed && target == path;
+        let writing = FileAction::UsePath(purpose, path);
+        if !is_answered && !is_source(model, &target) && asks_to_replace(model, &target, writing) {
+            return;
+        }
+        path = target;
+    }
+    if is_typed {
+        model.view.modal = Modal::None;
+        // the report names a reference that cannot be read
+        let prompt = (purpose != PathUse::Reference).then_some(PathPrompt { purpose, text });
+        model.typed_path = prompt;
     }
     match purpose {
         PathUse::Open => load(model, path),
@@ -387,8 +395,8 @@ fn announce(model: &mut Model) {
     let mut text = format!(
         "{}: {} vertices, {} faces, {holes} {noun}",
         document.origin.name(),
-        report.vertices,
-        report.faces
+        grouped(report.vertices),
+        grouped(report.faces)
     );
     if report.welded_vertices > 0 {
         let _ = write!(text, "; {} vertices merged", report.welded_vertices);

@@ -20,10 +20,12 @@ pub(crate) use pictures::{WRITING, extension};
 pub(crate) use repair::{REPAIRING, is_repairing};
 pub use tick::tick;
 
+use std::path::Path;
+
 use super::action::{Action, RunAction, SelectAction};
 use super::model::Model;
 use super::report::Pick;
-use super::view_state::Modal;
+use super::view_state::{Modal, Replacing};
 
 /// Executes an action and its consequences. While a patch is being accepted, actions on files and on the mesh
 /// wait.
@@ -49,15 +51,21 @@ pub fn act(model: &mut Model, action: impl Into<Action>) {
     }
 }
 
-/// Closes the topmost dialog or tool, else stops the run (or rejects it before its first state), else closes
-/// the report, else clears the selection.
+/// Closes the topmost dialog or tool, else cancels what is made in the background, else stops the run (or
+/// rejects it before its first state), else closes the report, else clears the selection.
 fn escape(model: &mut Model) {
-    if model.view.modal != Modal::None {
-        model.view.modal = Modal::None;
-        model.after_save = None;
-        return;
+    match std::mem::take(&mut model.view.modal) {
+        Modal::None => {}
+        Modal::Replace(asked) => {
+            model.view.modal = asked.named_in;
+            return;
+        }
+        _ => {
+            model.after_save = None;
+            return;
+        }
     }
-    if model.view.windows.close_one() || repair::cancel(model) {
+    if model.view.windows.close_one() || repair::cancel(model) || pictures::cancel(model) {
         return;
     }
     if model.view.report.pick != Pick::Holes {
@@ -79,6 +87,22 @@ fn escape(model: &mut Model) {
     } else {
         select::update(model, SelectAction::None);
     }
+}
+
+/// Asks whether to replace the file that `writing` writes, if there is one and this is not the answer.
+/// Returns whether it asks.
+fn asks_to_replace(model: &mut Model, path: &Path, writing: impl Into<Action>) -> bool {
+    let is_answer = matches!(&model.view.modal, Modal::Replace(asked) if asked.path == path);
+    let asks = path.is_file() && !is_answer;
+    if asks {
+        let named_in = std::mem::take(&mut model.view.modal);
+        model.view.modal = Modal::Replace(Box::new(Replacing {
+            path: path.to_owned(),
+            writing: writing.into(),
+            named_in,
+        }));
+    }
+    asks
 }
 
 /// Refuses to do `what`, with a message, until the run is accepted or rejected or the repair is done. Returns

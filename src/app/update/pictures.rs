@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::asks_to_replace;
 use super::files::NO_DIALOG;
 use crate::app::action::PictureAction;
 use crate::app::display::{Continued, DisplayWorker, Request};
@@ -38,16 +39,32 @@ pub(crate) fn update(model: &mut Model, action: PictureAction) {
             copy(model, *settings);
         }
         PictureAction::Window => {
-            let path = path_beside_source(model, "window.png");
+            // a question would be in the picture
+            let mut path = path_beside_source(model, "window.png");
+            let mut count = 1;
+            while path.exists() {
+                count += 1;
+                path = path_beside_source(model, &format!("window-{count}.png"));
+            }
             model.effects.push(Effect::WindowPicture(path));
         }
         PictureAction::Cancel => {
-            model.jobs.retain(|job| !job.what.starts_with(WRITING));
-            model
-                .log
-                .info("the sequence was cancelled; its files were removed");
+            cancel(model);
         }
     }
+}
+
+/// Cancels the writing of pictures. Returns whether there was one.
+pub(super) fn cancel(model: &mut Model) -> bool {
+    let before = model.jobs.len();
+    model.jobs.retain(|job| !job.what.starts_with(WRITING));
+    let is_cancelled = model.jobs.len() < before;
+    if is_cancelled {
+        model
+            .log
+            .info("the writing of pictures was cancelled; no new files are left");
+    }
+    is_cancelled
 }
 
 /// The initial settings of the picture dialog: the views as they are shown.
@@ -204,6 +221,14 @@ fn make(model: &mut Model, mut settings: PictureSettings) {
         );
         return;
     }
+    let file = match settings.kind {
+        PictureKind::Still => path,
+        PictureKind::Turntable | PictureKind::Flow => settings.format.first_file(&path),
+    };
+    let writing = PictureAction::Make(Box::new(settings.clone()));
+    if asks_to_replace(model, &file, writing) {
+        return;
+    }
     let Some((job, scenes)) = job(model, settings) else {
         return;
     };
@@ -218,7 +243,7 @@ fn make(model: &mut Model, mut settings: PictureSettings) {
     let what = format!("{WRITING}: {}", job.settings.path);
     model.spawn(what, move |reporter| {
         let result = match job.settings.kind {
-            PictureKind::Still => job.still(&scenes),
+            PictureKind::Still => job.still(&scenes, reporter),
             PictureKind::Turntable => job.turntable(&scenes, reporter),
             PictureKind::Flow => job.flow(&scenes, &requests, &states, reporter),
         };
@@ -270,9 +295,13 @@ impl PictureJob {
         sheet_picture(&self.gpu, &self.sheet, &views, camera, &self.style)
     }
 
-    fn still(&self, scenes: &[Scene]) -> Result<String, RenderError> {
+    fn still(&self, scenes: &[Scene], reporter: &Reporter) -> Result<String, RenderError> {
         let path = Path::new(&self.settings.path);
-        save_png(path, &self.one(scenes, &self.camera)?)?;
+        let picture = self.one(scenes, &self.camera)?;
+        if !reporter.is_wanted() {
+            return Ok("the picture was cancelled".into());
+        }
+        save_png(path, &picture)?;
         Ok(format!("picture saved: {}", path.display()))
     }
 

@@ -98,11 +98,17 @@ fn reject(model: &mut Model) {
     }
     // a flow that has not ended would go on in its thread
     let is_kept = run.ended() && run.accepting.is_none() && run.state_count() > 0;
-    model.log.info(if is_kept {
-        "the patch was rejected, and Undo brings it back; the mesh is unchanged"
+    // the warnings were about what is gone
+    model.log.settle();
+    let undo = if is_kept {
+        ", and Undo brings it back"
     } else {
-        "the patch was rejected; the mesh is unchanged"
-    });
+        ""
+    };
+    let noun = run.noun();
+    model.log.info(format!(
+        "the {noun} was rejected{undo}; the mesh is unchanged"
+    ));
     model.rejected = is_kept.then(|| Rejected::new(run, &model.document));
 }
 
@@ -248,9 +254,9 @@ pub(super) fn has_valid_energy(model: &mut Model) -> bool {
     let params = params_for(text, &model.document.controls.param);
     let parsed = Energy::parse(text, &params);
     if let Err(error) = &parsed {
-        model.log.error(format!(
-            "the typed energy cannot be used: {error}; correct it or choose a preset"
-        ));
+        model
+            .log
+            .error(format!("{error}; correct it or choose a preset"));
     }
     parsed.is_ok()
 }
@@ -399,6 +405,9 @@ fn take_over(
         loop_continuity: window_controls().loop_continuity,
         ..controls
     };
+    // side B has another energy
+    let energy = &model.document.controls.energy;
+    model.view.energy_text.clone_from(energy);
     model.run = None;
     model.revision += 1;
     model.view.hover.clear();

@@ -149,9 +149,11 @@ fn request(model: &mut Model, side: usize) -> Request {
     let radius = shown.map_or(rims, |s| s.handle.radius());
     let energy = model.energies[side].of(controls);
     let (mut mesh, mut first_patch_face) = (&document.mesh, document.first_patch_face);
+    let mut newest = document.newest_patch();
     let mut faired = Arc::default();
     if let Some(run) = run {
         (mesh, first_patch_face) = (&run.base, run.first_patch_face);
+        newest = run.base.face_count()..usize::MAX;
         faired = run.faired();
     }
     // an accepted refinement is drawn as its limit surface until the next run
@@ -181,6 +183,7 @@ fn request(model: &mut Model, side: usize) -> Request {
             .and_then(|(s, at)| s.handle.start_of(at)),
         state,
         first_patch_face,
+        newest,
         creases,
         limit: model.view.limit_surface,
         original: model.view.show_original,

@@ -738,11 +738,11 @@ fn sparse_accessors_are_read() {
     };
     let zeros = good(Glb, read(&no_view));
     assert_eq!(zeros.positions, [DVec3::ZERO, x, DVec3::ZERO, y]);
-    let message = bad(Glb, &read(&|json| json["accessors"][0]["count"] = 3.into()));
+    let message = bad(Glb, read(&|json| json["accessors"][0]["count"] = 3.into()));
     assert!(message.contains("a sparse index of POSITION"), "{message}");
     let message = bad(
         Glb,
-        &read(&|json| {
+        read(&|json| {
             no_view(json);
             json["accessors"][0]["count"] = (1_u64 << 60).into();
         }),

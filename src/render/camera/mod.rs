@@ -172,6 +172,23 @@ impl Camera {
         self.pivot = middle + self.right() * self.offset.x + self.up() * self.offset.y;
     }
 
+    /// Zooms by `factor` like [`Self::zoom_to`], towards the point of the surface under the cursor, which becomes
+    /// the pivot. The pivot comes no nearer to the eye than `nearest`, so the eye stays in front of the surface.
+    pub fn zoom_towards(
+        &mut self,
+        point: Option<DVec3>,
+        factor: f64,
+        nearest: f64,
+        cursor_ndc: [f64; 2],
+        aspect: f64,
+    ) {
+        if let Some(point) = point {
+            self.set_pivot(point);
+        }
+        let most = (self.distance / nearest).max(1.0);
+        self.zoom_to(factor.clamp(0.0, most), cursor_ndc, aspect);
+    }
+
     /// Sets the pivot without changing the picture. Ignores a point behind the eye.
     pub fn set_pivot(&mut self, point: DVec3) {
         let seen = point - self.eye();

@@ -74,6 +74,30 @@ fn zooming_keeps_the_point_under_the_cursor() {
 }
 
 #[test]
+fn zooming_ends_in_front_of_the_surface_under_the_cursor() {
+    for c in cameras() {
+        let [point, ..] = points(&c);
+        let cursor = seen(&c, point);
+        let nearest = 0.01 * c.distance;
+        let mut after = c;
+        for _ in 0..60 {
+            let before = after.distance;
+            after.zoom_towards(Some(point), 1.2, nearest, cursor, ASPECT);
+            assert!(near(seen(&after, point), cursor));
+            assert!(after.distance >= 0.999 * nearest && after.distance <= before.max(c.distance));
+        }
+        assert!(after.pivot.distance(point) < 1e-9 * c.distance);
+        assert!((after.distance / nearest - 1.0).abs() < 1e-9);
+        // a camera that is nearer already stays there
+        let mut still = after;
+        still.zoom_towards(None, 2.0, 10.0 * nearest, cursor, ASPECT);
+        assert_eq!(still.distance, after.distance);
+        after.zoom_towards(Some(point), 0.5, nearest, cursor, ASPECT);
+        assert!(after.distance > 1.9 * nearest);
+    }
+}
+
+#[test]
 fn a_new_pivot_does_not_change_the_picture_and_stays_in_place() {
     for c in cameras() {
         let [pivot, others @ ..] = points(&c);

@@ -374,17 +374,19 @@ impl<'a> Numbering<'a> {
         segments
     }
 
-    /// The edges of patches whose other side is not drawn or belongs to no patch.
+    /// The edges of patches whose other side is not drawn or belongs to no patch, and the edges between the newest
+    /// patch and other patches.
     fn seam(&self, faces: &[FaceId], flags: &[u32]) -> Vec<[u32; 2]> {
-        let mut in_patch = vec![false; self.listed.len()];
+        // largest in the newest patch, 0 outside patches
+        let mut patch = vec![0; self.listed.len()];
         for (f, flags) in faces.iter().zip(flags) {
-            in_patch[f.index()] = flags & Vertex::PATCH != 0;
+            patch[f.index()] = flags & (Vertex::PATCH | Vertex::NEWEST);
         }
         let mut segments = Vec::new();
-        for &f in faces.iter().filter(|f| in_patch[f.index()]) {
+        for &f in faces.iter().filter(|f| patch[f.index()] != 0) {
             for h in self.topology.face_halfedges(f) {
                 let beyond = self.topology.face(h.twin());
-                if !beyond.is_some() || !in_patch[beyond.index()] {
+                if !beyond.is_some() || patch[beyond.index()] < patch[f.index()] {
                     self.add_edge(h, &mut segments);
                 }
             }

@@ -368,6 +368,16 @@ fn a_patch_has_a_seam_along_its_border() {
     let plain = DynamicSurface::new(&topology, &whole, &options(3));
     let plain = plain.evaluate(positions, DVec3::ZERO, true, None);
     assert!(plain.seam.is_empty());
+    // the newest patch inside an older one
+    let newest = |f: &FaceId| u32::from(star.contains(f)) * Vertex::NEWEST;
+    let flag = |f: &FaceId| Vertex::PATCH | newest(f);
+    let options = SurfaceOptions {
+        flags: whole.iter().map(flag).collect(),
+        ..options(3)
+    };
+    let inside = DynamicSurface::new(&topology, &whole, &options);
+    let inside = inside.evaluate(positions, DVec3::ZERO, true, None);
+    assert_eq!(inside.seam.len(), 3 * star.len());
 }
 
 #[test]

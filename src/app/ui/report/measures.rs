@@ -8,7 +8,7 @@ use crate::app::action::{Action, ViewAction};
 use crate::app::document::file_name;
 use crate::app::model::Model;
 use crate::app::report::{Measured, ReportAction};
-use crate::app::ui::format::format_number;
+use crate::app::ui::format::{format_number, grouped, long_number};
 use crate::app::ui::plots;
 use crate::app::ui::widgets::ClickActions;
 use crate::render::ViewMode;
@@ -25,7 +25,7 @@ pub(crate) fn shape_ui(ui: &mut Ui, measured: &Measured) {
     let e = &s.energies;
     let or_open = |v: Option<f64>| v.map_or_else(|| "open".into(), format_number);
     grid(ui, "shape", |ui| {
-        let counts = list([s.vertices, s.faces, s.edges]);
+        let counts = list([s.vertices, s.faces, s.edges].map(grouped));
         row(ui, "Vertices, faces, edges", "", counts);
         let counts = list([s.components, s.boundary_loops]);
         let tip = "connected components; boundary loops";
@@ -42,15 +42,20 @@ pub(crate) fn shape_ui(ui: &mut Ui, measured: &Measured) {
             row(ui, name, tip, both);
         }
         let tip = "integral over the limit surface, without the contribution of creases";
-        row(ui, "Energy 1", tip, digits(s.area));
-        row(ui, "Energy H^2", tip, digits(e.willmore));
-        row(ui, "Energy K", tip, digits(e.total_curvature));
-        row(ui, "Energy K^2", tip, digits(e.gauss_squared));
-        row(ui, "Energy k1^2+k2^2", tip, digits(e.bending));
+        row(ui, "Energy 1", tip, long_number(s.area));
+        row(ui, "Energy H^2", tip, long_number(e.willmore));
+        row(ui, "Energy K", tip, long_number(e.total_curvature));
+        row(ui, "Energy K^2", tip, long_number(e.gauss_squared));
+        row(ui, "Energy k1^2+k2^2", tip, long_number(e.bending));
         if let (Some(given), Some(energy)) = (e.given, &measured.request.energy)
             && !LISTED_ENERGIES.contains(&energy.text())
         {
-            row(ui, &format!("Energy {}", energy.text()), tip, digits(given));
+            row(
+                ui,
+                &format!("Energy {}", energy.text()),
+                tip,
+                long_number(given),
+            );
         }
     });
 }
@@ -58,15 +63,6 @@ pub(crate) fn shape_ui(ui: &mut Ui, measured: &Measured) {
 /// Values with commas between them.
 fn list<T: ToString, const N: usize>(values: [T; N]) -> String {
     values.map(|value| value.to_string()).join(", ")
-}
-
-/// Energies have more digits than other numbers, so that they can be compared.
-fn digits(x: f64) -> String {
-    if x != 0.0 && (1e-3..1e6).contains(&x.abs()) {
-        format!("{x:.6}")
-    } else {
-        format!("{x:.6e}")
-    }
 }
 
 /// Range and histogram of one curvature.

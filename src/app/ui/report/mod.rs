@@ -20,7 +20,8 @@ pub(crate) use view::{click, hint_words};
 pub(crate) fn report_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
     header_ui(ui, model, actions);
     ui.separator();
-    ScrollArea::vertical()
+    ScrollArea::both()
+        // a row may be wider than the panel
         .auto_shrink([false; 2])
         .show(ui, |ui| {
             let Some(measured) = model.report.measured.clone() else {

@@ -1,14 +1,14 @@
 //! The section and its comb.
 
-use eframe::egui::{Button, Slider, Ui};
+use eframe::egui::{Button, Ui};
 
 use super::{grid, row};
 use crate::app::action::Action;
 use crate::app::model::Model;
-use crate::app::report::{Across, Pick, ReportAction};
+use crate::app::report::{Across, Comb, Pick, ReportAction};
 use crate::app::scene_builder::natural_length;
 use crate::app::ui::format::format_number;
-use crate::app::ui::widgets::{ClickActions, named};
+use crate::app::ui::widgets::{ClickActions, Rail, slider_row};
 
 /// The choice of the plane, the measures, and the look of the comb.
 pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) {
@@ -71,29 +71,22 @@ pub(crate) fn section_ui(ui: &mut Ui, model: &Model, actions: &mut Vec<Action>) 
     let radius = model.document.origin.bounds.radius();
     let natural = natural_length(section, &comb, radius);
     let mut length = comb.length.unwrap_or(natural);
-    let mut longer = false;
-    ui.horizontal(|ui| {
-        let slider = Slider::new(&mut length, natural * 0.02..=natural * 50.0)
-            .logarithmic(true)
-            .custom_formatter(|x, _| format_number(x));
-        longer = named(ui, "Length of the teeth", slider)
-            .on_hover_text(
-                "length at the curvature of the model's bounding sphere, in radii of that sphere",
-            )
-            .changed();
-    });
-    if longer {
+    let lengths = Rail::logarithmic(natural * 0.02..=natural * 50.0);
+    let tip = "length at the curvature of the model's bounding sphere, in radii of that sphere";
+    if slider_row(ui, "Tooth length", tip, &mut length, natural, lengths) {
         comb.length = Some(length);
     }
-    ui.horizontal(|ui| {
-        let slider = Slider::new(&mut comb.density, 5.0..=400.0);
-        named(
-            ui,
-            "Density of the teeth",
-            slider.logarithmic(true).integer(),
-        )
-        .on_hover_text("teeth per radius of the model, limited by the number of points");
-    });
+    let densities = Rail::logarithmic(5.0..=400.0);
+    let tip = "teeth per radius of the model, limited by the number of points";
+    let default = Comb::default().density;
+    slider_row(
+        ui,
+        "Tooth density",
+        tip,
+        &mut comb.density,
+        default,
+        densities,
+    );
     ui.checkbox(&mut comb.own, "not averaged").on_hover_text(
         "the curvature of the limit surface itself, which jumps at discontinuities of G2 and has \
          spikes at irregular vertices, where it is not defined",
