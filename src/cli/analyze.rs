@@ -19,7 +19,7 @@ use crate::cli::print::print;
 use crate::cli::targets::check_targets;
 use crate::energy::Energy;
 use crate::io::{open, open_welded};
-use crate::mesh::Weld;
+use crate::mesh::{LoadReport, Weld};
 
 /// `meniscus analyze`.
 #[derive(Debug, Args)]
@@ -133,13 +133,13 @@ pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
     if args.json {
         return print(&report_json(&input, Some(&opened.report), &analysis)?);
     }
-    print(&text(&input, &opened.report.attributes, &analysis)?)
+    print(&text(&input, &opened.report, &analysis)?)
 }
 
 /// The report as plain text.
 fn text(
     input: &str,
-    attributes: &[String],
+    report: &LoadReport,
     analysis: &Analysis,
 ) -> Result<String, std::fmt::Error> {
     let mut out = String::new();
@@ -150,7 +150,7 @@ fn text(
         "  {} vertices, {} faces, {} edges; {} components, {} boundary loops, Euler number {}, genus {}",
         s.vertices, s.faces, s.edges, s.components, s.boundary_loops, s.euler, s.genus
     )?;
-    for line in attributes {
+    for line in report.attributes.iter().chain(&report.notes) {
         writeln!(out, "  {line}")?;
     }
     writeln!(

@@ -8,7 +8,7 @@ use clap::Args;
 use crate::cli::UsageError;
 use crate::cli::hints::{invalid_energy, print_warnings, with_memory_hint};
 use crate::cli::options::OptionArguments;
-use crate::cli::print::{Textures, largest, print, save_with_companions, say};
+use crate::cli::print::{Textures, largest, print, save_with_companions, say, say_notes};
 use crate::cli::progress::{Progress, Work};
 use crate::cli::report::{FailedHole, FillReport, SkippedLoop, hole_reports, totals};
 use crate::cli::result_picture::ResultPicture;
@@ -75,13 +75,18 @@ impl MeshFiles {
         [("IN", Some(&self.input)), ("OUT", Some(&self.output))]
     }
 
-    /// Opens IN, or all meshes joined.
+    /// Opens IN, or all meshes joined, and prints the notes of loading.
     pub fn read(&self) -> Result<Opened, OpenError> {
-        if self.more.is_empty() {
-            return open_welded(&self.input, self.options.weld);
+        let opened = if self.more.is_empty() {
+            open_welded(&self.input, self.options.weld)?
+        } else {
+            let all: Vec<PathBuf> = self.inputs().cloned().collect();
+            open_joined(&all, self.options.weld)?
+        };
+        if !self.options.quiet {
+            say_notes(&self.input_names(), &opened.report);
         }
-        let all: Vec<PathBuf> = self.inputs().cloned().collect();
-        open_joined(&all, self.options.weld)
+        Ok(opened)
     }
 
     /// The memory in bytes that reading IN takes at most: binary files become ten times as large.
@@ -248,9 +253,6 @@ impl<'a> FlowCommand<'a> {
         prepare: impl FnOnce(&Mesh) -> Result<PreparedFill<'_>, OperationError>,
     ) -> Result<Written> {
         if !self.files.options.quiet {
-            for note in &self.opened.report.notes {
-                say(&format!("{}: {note}", self.files.input_names()));
-            }
             say_skipped(&skipped);
             if rim_sets.is_empty() {
                 say(&nothing_to_do(skipped.len()));

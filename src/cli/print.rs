@@ -7,7 +7,7 @@ use std::path::Path;
 use anyhow::{Result, anyhow};
 
 use crate::io::{copy_companions, save_mesh};
-use crate::mesh::Mesh;
+use crate::mesh::{LoadReport, Mesh};
 
 /// Writes text to standard output. A closed pipe (`meniscus info … | head`) is not an error; any
 /// other failure, such as a full disk, is one.
@@ -50,6 +50,13 @@ pub fn say(line: &str) {
         }
         None => complain(&format!("{line}\n")),
     });
+}
+
+/// Prints the notes of loading the file of this name.
+pub fn say_notes(name: &str, report: &LoadReport) {
+    for note in &report.notes {
+        say(&format!("{name}: {note}"));
+    }
 }
 
 /// Writes text to standard error. Errors of this write are ignored.

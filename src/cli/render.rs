@@ -7,7 +7,7 @@ use clap::Args;
 
 use crate::cli::picture::Shot;
 use crate::cli::picture_args::{PictureArguments, choice};
-use crate::cli::print::say;
+use crate::cli::print::say_notes;
 use crate::cli::targets::check_targets;
 use crate::io::open_welded;
 use crate::mesh::Weld;
@@ -63,9 +63,7 @@ pub fn render(args: &RenderArguments) -> Result<()> {
     let gpu = Gpu::new()?;
     let opened = open_welded(&args.input, args.weld)?;
     if !args.quiet {
-        for note in &opened.report.notes {
-            say(&format!("{}: {note}", args.input.display()));
-        }
+        say_notes(&args.input.display().to_string(), &opened.report);
     }
     let shot = Shot::new(
         &opened.mesh,

@@ -599,6 +599,49 @@ fn quiet_says_nothing() {
     assert!(desk.bytes("a.obj") == desk.bytes("b.obj"));
 }
 
+/// Every command that writes a mesh prints what loading left out.
+#[test]
+fn the_notes_of_loading_are_printed() {
+    let desk = Desk::new();
+    let (positions, triangles) = plate();
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\n\
+         property double z\nproperty list uchar int obs\nelement face {}\n\
+         property list uchar int vertex_indices\nend_header\n",
+        positions.len(),
+        triangles.len()
+    );
+    for p in &positions {
+        writeln!(text, "{} {} {} 1 7", p.x, p.y, p.z).expect("text");
+    }
+    for [a, b, c] in &triangles {
+        writeln!(text, "3 {a} {b} {c}").expect("text");
+    }
+    desk.write("in.ply", &text);
+    let note = "in.ply: vertex lists not kept: obs\n";
+    for command in [
+        "clean",
+        "stitch",
+        "flip --component-of 1",
+        "erase --faces 1",
+        "bridge --from -0.45,0,0 --to 0.45,0,0",
+        "refine --levels 1 --method butterfly",
+        "refill --fair --ball 0.7,0.7,0,0.29",
+        "repair",
+        "fill",
+    ] {
+        let command = format!("{command} in.ply -o out.ply");
+        let run = desk.run(&command.split(' ').collect::<Vec<_>>()).ends(0);
+        let said = run.stderr;
+        assert_eq!(said.matches(note).count(), 1, "{command}: {said}");
+        let quiet = format!("{command} --quiet");
+        let run = desk.run(&quiet.split(' ').collect::<Vec<_>>()).ends(0);
+        assert!(!run.stderr.contains("obs"), "{command}: {}", run.stderr);
+    }
+    let measured = desk.run(&["analyze", "in.ply"]).ends(0).stdout;
+    assert!(measured.contains("  vertex lists not kept: obs\n"));
+}
+
 #[test]
 fn what_a_format_cannot_keep_is_reported() {
     let desk = Desk::new();
