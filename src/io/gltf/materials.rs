@@ -165,7 +165,10 @@ pub(in super::super) fn materials(folder: Option<&Path>, all: &GltfMaterials) ->
         folder.map(|folder| ImageSource::File(folder.join(unescaped(uri))))
     };
     let color = |factor: &Value| {
-        let channel = |k: usize| Some(to_signal(factor.get(k)?.as_f64()?) as f32);
+        let channel = |k: usize| {
+            let signal = to_signal(factor.get(k)?.as_f64()?) as f32;
+            signal.is_finite().then_some(signal)
+        };
         Some([channel(0)?, channel(1)?, channel(2)?])
     };
     let list = all.json.get("materials").and_then(Value::as_array);

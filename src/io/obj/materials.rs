@@ -1,7 +1,7 @@
 //! Material libraries: notes for the load report, and the files that they refer to. Their names are
 //! kept and their contents are not changed.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -10,18 +10,35 @@ use crate::mesh::{Attributes, ImageSource, Material, Soup};
 /// Maximum size of a material library in bytes. A library usually has a few kilobytes.
 const LONGEST: u64 = 1 << 24;
 
-/// Adds notes about missing libraries and undefined materials.
+/// What is left out of a library, and the remedy.
+const NO_COLOR: &str = "the colour is not three finite numbers and is left out; write red, \
+                        green and blue from 0 to 1, as in 'Kd 0.8 0.8 0.8'";
+const NO_IMAGE: &str = "the name of an image is missing; write it after 'map_Kd'";
+const NO_NAME: &str = "the material has no name and is left out; write one after 'newmtl'";
+
+/// Adds notes about missing libraries, lines of libraries that are left out, and undefined materials.
 pub(in super::super) fn look_up(path: &Path, soup: &mut Soup) {
     let directory = path.parent().unwrap_or(Path::new(""));
     let mut defined = BTreeSet::new();
     for entry in &soup.attributes.material_libraries {
         for name in library_names(directory, entry) {
-            match read_library(&directory.join(&name)) {
-                Some(bytes) => defined.extend(material_names(&bytes)),
-                None => soup.notes.push(format!(
-                    "the material library '{name}' is not in the directory of the \
-                                   file"
-                )),
+            let Some(bytes) = read_library(&directory.join(&name)) else {
+                soup.notes.push(format!(
+                    "the material library '{name}' is not in the directory of the file"
+                ));
+                continue;
+            };
+            let (found, faults) = materials_of(&String::from_utf8_lossy(&bytes), directory);
+            defined.extend(found.into_iter().map(|material| material.name));
+            for (what, lines) in faults {
+                let more = match lines.len() - 1 {
+                    0 => String::new(),
+                    count => format!(" (and {count} more)"),
+                };
+                soup.notes.push(format!(
+                    "the material library '{name}', line {}{more}: {what}",
+                    lines[0]
+                ));
             }
         }
     }
@@ -70,7 +87,7 @@ pub(in super::super) fn materials(folder: &Path, attributes: &Attributes) -> Vec
             };
             // images are relative to the library
             let beside = path.parent().unwrap_or(Path::new(""));
-            all.extend(materials_of(&String::from_utf8_lossy(&bytes), beside));
+            all.extend(materials_of(&String::from_utf8_lossy(&bytes), beside).0);
         }
     }
     let mut seen = BTreeSet::new();
@@ -107,35 +124,64 @@ fn local_name(folder: &Path, name: &str) -> String {
     }
 }
 
-/// The materials of a library whose images are relative to `folder`.
-fn materials_of(text: &str, folder: &Path) -> Vec<Material> {
+/// The materials of a library whose images are relative to `folder`, and the numbers of the lines that are left
+/// out, for each reason.
+fn materials_of(text: &str, folder: &Path) -> (Vec<Material>, BTreeMap<&'static str, Vec<usize>>) {
     let mut all: Vec<Material> = Vec::new();
-    for line in text.lines() {
-        let line = line.trim();
-        let Some((keyword, rest)) = line.split_once(char::is_whitespace) else {
-            continue;
-        };
-        let rest = rest.trim();
-        match (keyword.to_ascii_lowercase().as_str(), all.last_mut()) {
-            ("newmtl", _) => all.push(Material {
-                name: rest.to_owned(),
-                ..Material::default()
-            }),
-            ("kd", Some(material)) => {
-                let numbers = rest.split_whitespace().map_while(|word| word.parse().ok());
-                let numbers: Vec<f32> = numbers.collect();
-                if let [r, g, b, ..] = numbers[..] {
-                    material.color = Some([r, g, b]);
+    let mut faults: BTreeMap<&'static str, Vec<usize>> = BTreeMap::new();
+    for (k, line) in text.lines().enumerate() {
+        let mut leave_out = |why: &'static str| faults.entry(why).or_default().push(k + 1);
+        let (keyword, rest) = statement(line);
+        match (keyword.as_str(), all.last_mut()) {
+            ("newmtl", _) => {
+                if rest.is_empty() {
+                    leave_out(NO_NAME);
                 }
+                all.push(Material {
+                    name: rest.to_owned(),
+                    ..Material::default()
+                });
             }
-            ("map_kd", Some(material)) => {
-                material.image = image_name(line)
-                    .map(|name| ImageSource::File(folder.join(local_name(folder, &name))));
-            }
+            ("kd", Some(material)) => match color(rest) {
+                Some(color) => material.color = Some(color),
+                None => leave_out(NO_COLOR),
+            },
+            ("map_kd", Some(material)) => match image_name(line) {
+                Some(name) => {
+                    let path = folder.join(local_name(folder, &name));
+                    material.image = Some(ImageSource::File(path));
+                }
+                None => leave_out(NO_IMAGE),
+            },
             _ => {}
         }
     }
-    all
+    all.retain(|material| !material.name.is_empty());
+    (all, faults)
+}
+
+/// The keyword of a line in lower case, and what follows it.
+fn statement(line: &str) -> (String, &str) {
+    let line = line.trim();
+    let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+    (keyword.to_ascii_lowercase(), rest.trim_start())
+}
+
+/// Red, green and blue in 0..=1. One number is that of all three.
+fn color(text: &str) -> Option<[f32; 3]> {
+    let words = text.split_whitespace();
+    let words: Vec<&str> = words.take_while(|word| !word.starts_with('#')).collect();
+    let words = match words[..] {
+        [grey] => [grey; 3],
+        [r, g, b, ..] => [r, g, b],
+        _ => return None,
+    };
+    let mut color = [0.0; 3];
+    for (channel, word) in color.iter_mut().zip(words) {
+        let number = word.parse::<f32>().ok().filter(|x| x.is_finite());
+        *channel = number?.clamp(0.0, 1.0);
+    }
+    Some(color)
 }
 
 /// The lines of a material in the libraries of a mesh, its images left out; `None` if none has it.
@@ -151,14 +197,17 @@ pub(in super::super) fn settings(attributes: &Attributes, name: &str) -> Option<
 
 fn settings_of(text: &str, name: &str) -> Option<String> {
     let defined = |line: &str| {
-        let (keyword, rest) = line.trim().split_once(char::is_whitespace)?;
-        let is_new = keyword.eq_ignore_ascii_case("newmtl");
-        is_new.then(|| rest.trim().to_owned())
+        let (keyword, rest) = statement(line);
+        (keyword == "newmtl").then(|| rest.to_owned())
     };
     let mut lines = text.lines();
-    lines.find(|line| defined(line).as_deref() == Some(name))?;
+    lines.find(|line| !name.is_empty() && defined(line).as_deref() == Some(name))?;
     let own = lines.take_while(|line| defined(line).is_none());
-    let kept = own.filter(|line| !line.trim().is_empty() && image_name(line).is_none());
+    let kept = own.filter(|line| {
+        let (keyword, rest) = statement(line);
+        let is_readable = keyword != "kd" || color(rest).is_some();
+        !keyword.is_empty() && !is_image(&keyword) && is_readable
+    });
     Some(kept.fold(String::new(), |all, line| all + line.trim() + "\n"))
 }
 
@@ -169,16 +218,19 @@ fn image_names(bytes: &[u8]) -> impl Iterator<Item = String> {
     names.into_iter()
 }
 
+/// Whether a statement of a material library names an image.
+fn is_image(keyword: &str) -> bool {
+    const KEYWORDS: [&str; 5] = ["bump", "disp", "decal", "norm", "refl"];
+    keyword.starts_with("map_") || KEYWORDS.contains(&keyword)
+}
+
 /// The name of the image in a line of a material library: what follows the options of a `map_`
 /// statement.
 fn image_name(line: &str) -> Option<String> {
-    const KEYWORDS: [&str; 5] = ["bump", "disp", "decal", "norm", "refl"];
-    let (keyword, mut rest) = line.trim().split_once(char::is_whitespace)?;
-    let keyword = keyword.to_ascii_lowercase();
-    if !keyword.starts_with("map_") && !KEYWORDS.contains(&keyword.as_str()) {
+    let (keyword, mut rest) = statement(line);
+    if !is_image(&keyword) {
         return None;
     }
-    rest = rest.trim_start();
     while rest.starts_with('-') {
         // an option, and its values: numbers, `on` or `off`, or one word
         let (_, after) = rest.split_once(char::is_whitespace)?;
@@ -191,29 +243,29 @@ fn image_name(line: &str) -> Option<String> {
         }
         rest = after.trim_start();
     }
-    Some(rest.to_owned())
+    let name = unquoted(rest);
+    (!name.is_empty()).then(|| name.to_owned())
+}
+
+/// A name without the quotes that some programs write around it.
+fn unquoted(name: &str) -> &str {
+    let inner = name.strip_prefix('"').and_then(|name| name.strip_suffix('"'));
+    inner.unwrap_or(name)
 }
 
 /// An entry is one name that contains blanks, or several names.
 fn library_names(directory: &Path, entry: &str) -> Vec<String> {
-    let local = local_name(directory, entry);
+    let local = local_name(directory, unquoted(entry));
     if directory.join(&local).is_file() {
         return vec![local];
     }
-    entry.split_whitespace().map(str::to_owned).collect()
+    let names = entry.split_whitespace();
+    names.map(|name| unquoted(name).to_owned()).collect()
 }
 
 fn read_library(path: &PathBuf) -> Option<Vec<u8>> {
     let metadata = fs::metadata(path).ok()?;
     (metadata.is_file() && metadata.len() <= LONGEST).then(|| fs::read(path).ok())?
-}
-
-fn material_names(bytes: &[u8]) -> Vec<String> {
-    let name = |line: &[u8]| {
-        let rest = line.trim_ascii().strip_prefix(b"newmtl")?;
-        Some(String::from_utf8_lossy(rest.trim_ascii()).into_owned())
-    };
-    bytes.split(|&b| b == b'\n').filter_map(name).collect()
 }
 
 #[cfg(test)]
@@ -225,7 +277,7 @@ mod tests {
         let text = "# a library\nKd 1 1 1\nnewmtl bark\n  Kd 0.5 0.25 0.125 # brown\nKa 1 0 0\n\
                     map_Kd -s 1 1 1 -o 0 0 -clamp on my bark.png\nmap_Bump bark_n.png\n\nnewmtl leaf\n\
                     Kd spectral file.rfl 1\nKd 0 1 0\nnewmtl none\n";
-        let found = materials_of(text, Path::new("tree"));
+        let (found, faults) = materials_of(text, Path::new("tree"));
         let material = |name: &str, color, image: Option<&str>| Material {
             name: name.into(),
             color,
@@ -239,5 +291,30 @@ mod tests {
             material("none", None, None),
         ];
         assert_eq!(found, expected);
+        // a colour by its spectrum
+        assert_eq!(faults, BTreeMap::from([(NO_COLOR, vec![10])]));
+    }
+
+    #[test]
+    fn malformed_lines_are_left_out() {
+        let text = "newmtl a\nKd a b c\nKd 1 0\nnewmtl b\nKd 0,8 0,8 0,8\nmap_Kd\nKd nan 1 1\nKd 1 1e99 1\n\
+                    map_Kd -clamp on\nKd\nnewmtl c\nKd 0.5\nmap_Kd -s 1 1 1 \"my map.png\"\nKd 1 # 0 0\n\
+                    newmtl\nKd 0 0 0\n";
+        let (found, faults) = materials_of(text, Path::new(""));
+        let names: Vec<&str> = found.iter().map(|material| &*material.name).collect();
+        assert_eq!(names, ["a", "b", "c"]);
+        assert_eq!([found[0].color, found[1].color], [None; 2]);
+        assert_eq!(found[1].image, None);
+        assert_eq!(found[2].color, Some([1.0; 3]));
+        let image = ImageSource::File("my map.png".into());
+        assert_eq!(found[2].image, Some(image));
+        let expected = [
+            (NO_COLOR, vec![2, 3, 5, 7, 8, 10]),
+            (NO_IMAGE, vec![6, 9]),
+            (NO_NAME, vec![15]),
+        ];
+        assert_eq!(faults, BTreeMap::from(expected));
+        let settings = "newmtl a\nKd a b c\nNs 9\nmap_Kd\n";
+        assert_eq!(settings_of(settings, "a").as_deref(), Some("Ns 9\n"));
     }
 }

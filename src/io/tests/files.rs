@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::super::{
     Format, LoadError, LoadErrorKind, OutputMesh, SaveError, SaveErrorKind, atomic, check_target,
-    load, same_file, save,
+    load, open, same_file, save, save_mesh,
 };
 use crate::mesh::DVec3;
 
@@ -246,6 +246,33 @@ fn material_libraries_are_looked_up() {
         notes.contains("materials without a definition, names kept: 'green'"),
         "{notes}"
     );
+    let line = "the material library 'one.mtl', line 2: the colour is not three finite numbers";
+    assert!(notes.contains(line), "{notes}");
     let libraries = &soup.attributes.material_libraries;
     assert_eq!(*libraries, ["one.mtl two.mtl", "my own.mtl"]);
+}
+
+#[test]
+fn numbers_of_libraries_are_finite() {
+    let directory = tempfile::tempdir().expect("temporary directory");
+    let at = |name: &str| directory.path().join(name);
+    let text = "mtllib \"my own.mtl\"\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+    fs::write(at("mesh.obj"), text).expect("written");
+    let library = "newmtl a\nKd nan 1 1\nmap_Kd\nKd 0,8 0,8 0,8\n";
+    fs::write(at("my own.mtl"), library).expect("written");
+    let opened = open(&at("mesh.obj")).expect("opened");
+    let place = "the material library 'my own.mtl', line";
+    let notes = &opened.report.notes;
+    assert!(
+        notes.len() == 2
+            && notes[0].starts_with(&format!("{place} 2 (and 1 more): the colour"))
+            && notes[1].starts_with(&format!("{place} 3: the name of an image")),
+        "{notes:?}"
+    );
+    save_mesh(&at("mesh.gltf"), &opened.mesh).expect("written");
+    let json = fs::read_to_string(at("mesh.gltf")).expect("there");
+    assert!(
+        json.contains("\"name\":\"a\"") && !json.contains("null"),
+        "{json}"
+    );
 }
