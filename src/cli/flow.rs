@@ -54,7 +54,7 @@ pub struct FileOptions {
     #[arg(long, value_name = "WELD", default_value = "auto", display_order = 999)]
     pub weld: Weld,
     /// What to do with material libraries and images if OUT is in another folder: copy them beside it,
-    /// or keep them where they are.
+    /// or keep them where they are and refer to them there.
     #[arg(long, value_enum, default_value_t, display_order = 999)]
     pub textures: Textures,
     /// Print only errors.

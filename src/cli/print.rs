@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::{Result, anyhow};
 
-use crate::io::{copy_companions, save_mesh};
+use crate::io::{Companions, copy_companions, save_mesh, save_mesh_keeping_files};
 use crate::mesh::{LoadReport, Mesh};
 
 /// Writes text to standard output. A closed pipe (`meniscus info … | head`) is not an error; any
@@ -82,7 +82,7 @@ pub enum Textures {
     /// They are copied.
     #[default]
     Copy,
-    /// They stay where they are.
+    /// They stay where they are, and the mesh refers to them there.
     Keep,
 }
 
@@ -105,16 +105,22 @@ pub fn save_with_companions(
     textures: Textures,
     quiet: bool,
 ) -> Result<Result<()>> {
-    let mut messages = save_mesh(path, mesh)?;
-    let mut others = Vec::new();
-    if textures == Textures::Copy {
-        let companions = copy_companions(path, &mesh.attributes);
-        messages.extend(companions.messages);
-        others = companions.others;
+    let (messages, companions) = match textures {
+        Textures::Copy => (
+            save_mesh(path, mesh)?,
+            copy_companions(path, &mesh.attributes),
+        ),
+        Textures::Keep => (save_mesh_keeping_files(path, mesh)?, Companions::default()),
+    };
+    if !quiet {
+        for message in messages.iter().chain(&companions.messages) {
+            say(&format!("{}: {message}", path.display()));
+        }
+        if !companions.outside.is_empty() {
+            say("  hint: with --textures keep, the output refers to such files where they are");
+        }
     }
-    for message in messages.iter().filter(|_| !quiet) {
-        say(&format!("{}: {message}", path.display()));
-    }
+    let others = companions.others;
     if others.is_empty() {
         return Ok(Ok(()));
     }

@@ -1,6 +1,8 @@
 //! Files that a mesh file refers to: material libraries and texture images.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -16,6 +18,8 @@ pub struct Companions {
     /// The names of files that were not copied because other files have them. The written mesh refers to
     /// these.
     pub others: Vec<String>,
+    /// Paths out of the folder of the mesh, which lead to no file from the folder of the written mesh.
+    pub outside: Vec<String>,
 }
 
 /// Copies the material libraries of an OBJ file and the texture images of an OBJ, PLY or glTF file beside
@@ -29,15 +33,7 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Companions {
         return companions;
     };
     let to = path.parent().unwrap_or(Path::new(""));
-    let resolved = |folder: &Path| {
-        let folder = if folder.as_os_str().is_empty() {
-            Path::new(".")
-        } else {
-            folder
-        };
-        fs::canonicalize(folder).ok()
-    };
-    if resolved(from) == resolved(to) {
+    if real(from) == real(to) {
         return companions;
     }
     let names: BTreeSet<String> = match Format::from_path(path) {
@@ -61,6 +57,10 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Companions {
                 companions.others.push(name.clone());
                 "another file of this name is there and was not changed".to_owned()
             }
+            Ok(Copied::Outside) => {
+                companions.outside.push(name.clone());
+                "its path leaves the folder of the mesh; write the mesh to that folder".to_owned()
+            }
             Err(reason) => reason,
         };
         let message = format!("'{name}' was not copied: {reason}");
@@ -77,6 +77,69 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Companions {
         companions.messages.insert(0, message);
     }
     companions
+}
+
+/// The attributes of a mesh that is written to `path` while its material libraries and images stay where they are:
+/// with the paths of these from the folder of `path`. Absolute paths, and those that lead to no file, are the
+/// same. Also returns a message for the user if a file has no such path.
+pub(super) fn kept<'a>(
+    path: &Path,
+    attributes: &'a Attributes,
+) -> (Cow<'a, Attributes>, Option<String>) {
+    let to = path.parent().unwrap_or(Path::new(""));
+    let from = attributes.folder.as_deref();
+    let (Some(from), Some(real_from), Some(real_to)) = (from, from.and_then(real), real(to)) else {
+        return (Cow::Borrowed(attributes), None);
+    };
+    if real_from == real_to {
+        return (Cow::Borrowed(attributes), None);
+    }
+    let mut unresolved: Vec<String> = Vec::new();
+    let mut moved = |name: &str| {
+        if Path::new(name).is_absolute() || !from.join(name).is_file() {
+            return name.to_owned();
+        }
+        relative(&real_from, name, &real_to).unwrap_or_else(|| {
+            unresolved.push(name.to_owned());
+            name.to_owned()
+        })
+    };
+    let mut all = attributes.clone();
+    all.material_libraries = obj::renamed_libraries(from, attributes, &mut moved);
+    all.rename_texture_files(&mut moved);
+    if let Some(given) = &attributes.gltf_materials {
+        all.gltf_materials = Some(Arc::new(gltf::renamed(given, &mut moved)));
+    }
+    if unresolved.is_empty() {
+        all.folder = Some(to.to_owned());
+        return (Cow::Owned(all), None);
+    }
+    let names = unresolved.join("', '");
+    let message = format!("no relative path leads to '{names}'; write to the drive of the input");
+    (Cow::Borrowed(attributes), Some(message))
+}
+
+/// The path, from the folder `to`, of a file that has the path `name` from the folder `from`. Both folders are
+/// [`real`]. `None` if they are on two drives, or have names that are no text.
+fn relative(from: &Path, name: &str, to: &Path) -> Option<String> {
+    let (mut from, mut name) = (from, Path::new(name));
+    while let Ok(rest) = name.strip_prefix("..") {
+        from = from.parent().unwrap_or(from);
+        name = rest;
+    }
+    let file = from.join(name);
+    let pairs = file.components().zip(to.components());
+    let common = pairs.take_while(|(a, b)| a == b).count();
+    let up = to.iter().skip(common).map(|_| OsStr::new(".."));
+    let parts = up.chain(file.iter().skip(common)).map(OsStr::to_str);
+    let parts: Vec<&str> = parts.collect::<Option<_>>()?;
+    (common > 0).then(|| parts.join("/"))
+}
+
+/// The absolute path of a folder, without links.
+fn real(folder: &Path) -> Option<PathBuf> {
+    let is_current = folder.as_os_str().is_empty();
+    fs::canonicalize(if is_current { Path::new(".") } else { folder }).ok()
 }
 
 /// The materials of a mesh: its own, those of a glTF or 3MF file and of the libraries of an OBJ file, and for
@@ -148,14 +211,12 @@ enum Copied {
     NotNeeded,
     /// Another file has its name.
     OtherThere,
+    /// Its path leaves the folder.
+    Outside,
 }
 
 /// Copies a file into a folder, under a name relative to it.
 fn copy(source: &Path, folder: &Path, name: &Path) -> Result<Copied, String> {
-    let is_inside = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
-    if !name.components().all(is_inside) {
-        return Err("its path leaves the folder of the mesh; copy it by hand".to_owned());
-    }
     let contents = match fs::read(source) {
         Ok(contents) => contents,
         // a missing file was missing before
@@ -163,15 +224,33 @@ fn copy(source: &Path, folder: &Path, name: &Path) -> Result<Copied, String> {
         Err(error) => return Err(error.to_string()),
     };
     let target: PathBuf = folder.join(name);
+    let is_inside = is_inside(name);
+    // before the target is read, because a path through a missing folder leads nowhere
+    if let (true, Some(parent)) = (is_inside, target.parent()) {
+        fs::create_dir_all(parent).map_err(|error| error.to_string())?;
+    }
     match fs::read(&target) {
+        // an absolute path leads to the source itself
         Ok(there) if there == contents => return Ok(Copied::NotNeeded),
         Ok(_) => return Ok(Copied::OtherThere),
-        Err(_) => {}
-    }
-    if let Some(parent) = target.parent() {
-        fs::create_dir_all(parent).map_err(|error| error.to_string())?;
+        Err(_) if is_inside => {}
+        Err(_) => return Ok(Copied::Outside),
     }
     super::save_with(&target, |out| out.write_all(&contents))
         .map_err(|error| error.kind.to_string())?;
     Ok(Copied::Now)
+}
+
+/// Whether a path never leaves the folder to which it is relative.
+fn is_inside(name: &Path) -> bool {
+    let mut depth = 0;
+    name.components().all(|component| {
+        depth += match component {
+            Component::Normal(_) => 1,
+            Component::CurDir => 0,
+            Component::ParentDir => -1,
+            Component::RootDir | Component::Prefix(_) => return false,
+        };
+        depth >= 0
+    })
 }

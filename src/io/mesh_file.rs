@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::companions::kept;
 use super::{LoadError, OutputMesh, SaveError, load, save_with_messages};
 use crate::mesh::{self, BuildError, LoadReport, Mesh, Soup, Weld};
 
@@ -85,6 +86,24 @@ fn repaired(soup: &Soup, path: &Path, weld: Weld) -> Result<Opened, OpenError> {
 /// As [`save`](super::save).
 pub fn save_mesh(path: &Path, mesh: &Mesh) -> Result<Vec<String>, SaveError> {
     with_output(mesh, |output| save_with_messages(path, output))
+}
+
+/// [`save_mesh`] of a mesh whose material libraries and images stay where they are. A file in another folder refers
+/// to them there; a message says where that is impossible.
+///
+/// # Errors
+/// As [`save`](super::save).
+pub fn save_mesh_keeping_files(path: &Path, mesh: &Mesh) -> Result<Vec<String>, SaveError> {
+    with_output(mesh, |output| {
+        let (attributes, message) = kept(path, output.attributes);
+        let output = OutputMesh {
+            attributes: &attributes,
+            ..*output
+        };
+        let mut messages = save_with_messages(path, &output)?;
+        messages.extend(message);
+        Ok(messages)
+    })
 }
 
 /// Calls `write` with the lists of a file of a mesh.

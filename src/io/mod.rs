@@ -55,7 +55,8 @@ pub use error::{
     SaveErrorKind, UnknownFormat,
 };
 pub use mesh_file::{
-    OpenError, Opened, from_soup, open, open_joined, open_welded, save_mesh, with_output,
+    OpenError, Opened, from_soup, open, open_joined, open_welded, save_mesh,
+    save_mesh_keeping_files, with_output,
 };
 
 use crate::mesh::{Attributes, DVec3, ImageSource, Soup};

@@ -911,7 +911,8 @@ fn libraries_and_images_go_along() {
     std::fs::create_dir_all(at("out")).expect("made");
     let library = "newmtl a\nmap_Kd -s 1 1 1 -blendu on maps/my image.png\nbump -bm 0.5 maps/b.png\n\
         map_Ks missing.png\nmap_d ../outside.png\n";
-    std::fs::write(at("in/scan.mtl"), library).expect("written");
+    let library = format!("{library}map_Ke {}\n", at("outside.png").display());
+    std::fs::write(at("in/scan.mtl"), &library).expect("written");
     for name in ["in/maps/my image.png", "in/maps/b.png", "outside.png"] {
         std::fs::write(at(name), name).expect("written");
     }
@@ -930,7 +931,7 @@ fn libraries_and_images_go_along() {
     std::fs::write(at("out/maps/b.png"), "another").expect("written");
     let companions = io::copy_companions(&at("out/mesh.obj"), &mesh.attributes);
     assert_eq!(companions.others, ["maps/b.png"]);
-    let messages = companions.messages;
+    let messages = &companions.messages;
     let read = |name: &str| std::fs::read_to_string(at(name)).expect("there");
     assert_eq!(read("out/scan.mtl"), library);
     assert_eq!(read("out/maps/my image.png"), "in/maps/my image.png");
@@ -940,10 +941,22 @@ fn libraries_and_images_go_along() {
         "copied from",
         "'maps/my image.png', 'scan.mtl'",
         "'maps/b.png' was not copied",
-        "'../outside.png' was not copied",
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
+    // these paths lead to the same file from here
+    assert!(!text.contains("outside.png"), "{text}");
+    assert!(companions.outside.is_empty());
+    // and one of them leads nowhere from another depth
+    std::fs::create_dir_all(at("deep/out")).expect("made");
+    let deep = io::copy_companions(&at("deep/out/mesh.obj"), &mesh.attributes);
+    assert_eq!(deep.outside, ["../outside.png"]);
+    let messages = deep.messages.iter();
+    let about: Vec<&String> = messages.filter(|m| m.contains("outside.png")).collect();
+    assert!(
+        about.len() == 1 && about[0].contains("'../outside.png' was not copied: its path leaves"),
+        "{about:?}"
+    );
     // nothing is left to copy
     assert!(
         !io::copy_companions(&at("out/mesh.obj"), &mesh.attributes)

@@ -1,6 +1,7 @@
 //! Buffers of a glTF file and the numbers in them. Sizes are checked before anything is allocated.
 
 use std::borrow::Cow;
+use std::fmt::Write as _;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
@@ -330,6 +331,20 @@ pub(super) fn unescaped(uri: &str) -> String {
         }
     }
     String::from_utf8_lossy(&bytes).into_owned()
+}
+
+/// A path as a relative URI: the inverse of [`unescaped`].
+pub(super) fn escaped(path: &str) -> String {
+    let mut uri = String::new();
+    for byte in path.bytes() {
+        if byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte) {
+            uri.push(char::from(byte));
+        } else {
+            // writing to a string cannot fail
+            let _ = write!(uri, "%{byte:02X}");
+        }
+    }
+    uri
 }
 
 /// The elements of an accessor, in place unless it is sparse.

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 use super::super::error::ParseError;
 use super::DATA;
-use super::buffers::{Buffers, decoded, invalid, unescaped};
+use super::buffers::{Buffers, decoded, escaped, invalid, unescaped};
 use crate::mesh::{Attributes, GltfMaterials, ImageSource, Material, to_signal};
 
 /// The arrays of a document that materials consist of.
@@ -243,7 +243,29 @@ pub(in super::super) fn companions(attributes: &Attributes) -> BTreeSet<String> 
     let uris = images
         .flatten()
         .filter_map(|image| image.get("uri")?.as_str());
-    uris.filter(|uri| !uri.starts_with(DATA) && !uri.contains("://"))
-        .map(unescaped)
-        .collect()
+    uris.filter(|uri| is_file(uri)).map(unescaped).collect()
+}
+
+/// The same materials with new names of their image files.
+pub(in super::super) fn renamed(
+    given: &GltfMaterials,
+    mut new_name: impl FnMut(&str) -> String,
+) -> GltfMaterials {
+    let mut all = given.clone();
+    for image in list_mut(&mut all.json, "images") {
+        let uri = image.get("uri").and_then(Value::as_str);
+        let Some(name) = uri.filter(|uri| is_file(uri)).map(unescaped) else {
+            continue;
+        };
+        let new = new_name(&name);
+        if new != name {
+            image["uri"] = escaped(&new).into();
+        }
+    }
+    all
+}
+
+/// Whether a URI is the relative path of a file.
+fn is_file(uri: &str) -> bool {
+    !uri.starts_with(DATA) && !uri.contains("://")
 }

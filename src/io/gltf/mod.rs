@@ -17,7 +17,7 @@ mod read;
 mod schema;
 mod write;
 
-pub(super) use materials::{are_plain, companions, materials};
+pub(super) use materials::{are_plain, companions, materials, renamed};
 pub(super) use read::read;
 pub(super) use write::{losses, vertex_columns, write};
 

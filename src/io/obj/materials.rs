@@ -76,6 +76,24 @@ pub(in super::super) fn companions(folder: &Path, attributes: &Attributes) -> BT
     names
 }
 
+/// The libraries of a file in `folder`, those that are there with new names.
+pub(in super::super) fn renamed_libraries(
+    folder: &Path,
+    attributes: &Attributes,
+    mut new_name: impl FnMut(&str) -> String,
+) -> Vec<String> {
+    let mut all = Vec::new();
+    for entry in &attributes.material_libraries {
+        let names = library_names(folder, entry);
+        if names.iter().any(|name| folder.join(name).is_file()) {
+            all.extend(names.iter().map(|name| new_name(name)));
+        } else {
+            all.push(entry.clone());
+        }
+    }
+    all
+}
+
 /// The materials of the libraries of a file in `folder`; of several with one name the first.
 pub(in super::super) fn materials(folder: &Path, attributes: &Attributes) -> Vec<Material> {
     let mut all: Vec<Material> = Vec::new();

@@ -8,6 +8,6 @@ mod read;
 mod tags;
 mod write;
 
-pub(super) use materials::{companions, look_up, materials, settings};
+pub(super) use materials::{companions, look_up, materials, renamed_libraries, settings};
 pub(super) use read::read;
 pub(super) use write::write;

@@ -5,7 +5,9 @@ use std::fs;
 use serde_json::json;
 
 use super::super::Format::{Glb, Ply};
-use super::super::{copy_companions, load, materials, open_joined, save_mesh, with_output};
+use super::super::{
+    copy_companions, load, materials, open_joined, save_mesh, save_mesh_keeping_files, with_output,
+};
 use super::gltf::{one_node, square};
 use super::good;
 use crate::mesh::{ImageSource, Material, Weld};
@@ -365,6 +367,51 @@ fn the_only_image_of_an_obj_file_is_named_in_ply() {
             "{second}"
         );
     }
+}
+
+// Material libraries and images in folders of their own.
+#[test]
+fn files_that_stay_are_named_from_another_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    for name in ["in/materials", "in/my maps", "in/my out", "other"] {
+        fs::create_dir_all(at(name)).expect("made");
+    }
+    let library = "newmtl skin\nmap_Kd ../my maps/skin.png\n";
+    fs::write(at("in/materials/a.mtl"), library).expect("written");
+    fs::write(at("in/my maps/skin.png"), "an image").expect("written");
+    let text = format!("mtllib materials/a.mtl missing.mtl\n{SQUARE}usemtl skin\nf 1/1 2/2 3/3\n");
+    fs::write(at("in/a.obj"), text).expect("written");
+    let mesh = super::super::open(&at("in/a.obj")).expect("opened").mesh;
+    for (to, line) in [
+        ("in/my out/a.obj", "mtllib ../materials/a.mtl\n"),
+        ("other/a.obj", "mtllib ../in/materials/a.mtl\n"),
+        ("in/b.obj", "mtllib materials/a.mtl missing.mtl\n"),
+        (
+            "in/my out/a.ply",
+            "TextureFile ../materials/../my maps/skin.png\n",
+        ),
+    ] {
+        save_mesh_keeping_files(&at(to), &mesh).expect("written");
+        let bytes = fs::read(at(to)).expect("there");
+        let written = String::from_utf8_lossy(&bytes);
+        assert!(written.contains(line), "{to}: {written}");
+        let again = super::super::open(&at(to)).expect("opened").mesh;
+        let found = materials(&again.attributes);
+        let image = found.iter().find_map(image_file).expect("an image");
+        assert_eq!(fs::read(image).expect("there"), b"an image", "{to}");
+        // and back
+        save_mesh_keeping_files(&at("in/back.ply"), &again).expect("written");
+        let back = load(&at("in/back.ply")).expect("read");
+        let found = materials(&back.attributes);
+        let image = image_file(&found[0]).expect("an image");
+        assert_eq!(fs::read(image).expect("there"), b"an image", "{to}");
+    }
+    // a copy has the same folders
+    fs::create_dir(at("copy")).expect("made");
+    let companions = copy_companions(&at("copy/a.obj"), &mesh.attributes);
+    assert!(companions.outside.is_empty(), "{companions:?}");
+    assert!(at("copy/my maps/skin.png").is_file());
 }
 
 // A mesh without a folder in its path.

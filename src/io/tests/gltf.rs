@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 
 use super::super::Format::{self, Glb, Gltf, Obj, Ply};
 use super::super::{
-    OutputMesh, copy_companions, load, losses, open, save_mesh, with_output, write,
+    OutputMesh, copy_companions, load, losses, open, save_mesh, save_mesh_keeping_files,
+    with_output, write,
 };
 use super::{bad, colored, good};
 use crate::mesh::{Attributes, Column, DVec3, Mesh, NO_VALUE, Soup, build};
@@ -271,6 +272,11 @@ fn materials_and_images_are_kept_as_they_are() {
         std::fs::read(at("out/wood grain.png")).expect("copied"),
         b"wood"
     );
+    // or it stays, and is named there
+    save_mesh_keeping_files(&at("out/kept.gltf"), &mesh).expect("saved");
+    let bytes = std::fs::read(at("out/kept.gltf")).expect("written");
+    let json: Value = serde_json::from_slice(&bytes).expect("JSON");
+    assert_eq!(json["images"][1]["uri"], "../wood%20grain.png");
 }
 
 #[test]

@@ -2,6 +2,9 @@
 
 use super::{Attributes, Column, row_count};
 
+/// Start of a comment of a PLY file that names a texture image.
+const TEXTURE_FILE: &str = "comment TextureFile ";
+
 impl Attributes {
     /// What the file holds besides positions and faces, one line for each kind; empty for nothing.
     pub fn summary(&self) -> Vec<String> {
@@ -75,7 +78,16 @@ impl Attributes {
     pub fn texture_files(&self) -> impl Iterator<Item = &str> {
         self.comments
             .iter()
-            .filter_map(|line| line.strip_prefix("comment TextureFile ").map(str::trim))
+            .filter_map(|line| line.strip_prefix(TEXTURE_FILE).map(str::trim))
+    }
+
+    /// Replaces the names of [`texture_files`](Self::texture_files).
+    pub(crate) fn rename_texture_files(&mut self, mut new_name: impl FnMut(&str) -> String) {
+        for line in &mut self.comments {
+            if let Some(name) = line.strip_prefix(TEXTURE_FILE) {
+                *line = format!("{TEXTURE_FILE}{}", new_name(name.trim()));
+            }
+        }
     }
 }
 
