@@ -11,8 +11,11 @@ use super::DATA;
 use super::buffers::{Buffers, decoded, escaped, invalid, unescaped};
 use crate::mesh::{Attributes, GltfMaterials, ImageSource, Material, to_signal};
 
-/// The arrays of a document that materials consist of.
-pub(super) const ARRAYS: [&str; 4] = ["materials", "textures", "samplers", "images"];
+/// The array of the extensions without which a document cannot be read.
+pub(super) const REQUIRED: &str = "extensionsRequired";
+
+/// The arrays of a document that are kept with its materials.
+pub(super) const ARRAYS: [&str; 5] = ["materials", "textures", "samplers", "images", REQUIRED];
 
 /// Where a material has its colour: the place, and the names of the colour and of the texture. Some
 /// programs for scans write the second one only.
@@ -125,6 +128,12 @@ pub(super) fn without_textures(mut material: Value) -> Value {
         }
     }
     material
+}
+
+/// The names of the extensions without which a document cannot be read.
+pub(super) fn required(json: &Map<String, Value>) -> impl Iterator<Item = &str> {
+    let list = json.get(REQUIRED).and_then(Value::as_array);
+    list.into_iter().flatten().filter_map(Value::as_str)
 }
 
 /// The names of the extensions in a part of a document.

@@ -52,7 +52,7 @@ pub(in super::super) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Soup
     let kept: Map<String, Value> = kept.collect();
     let root: Root = serde_json::from_value(Value::Object(document))
         .map_err(|error| wrong(format!("a JSON document in which {error}")))?;
-    check_extensions(&root)?;
+    check_extensions(&kept)?;
     let buffers = Buffers::load(&root, chunk, folder)?;
     let materials = materials::keep(kept, &buffers, &mut notes)?;
     let mut reader = Reader {
@@ -147,14 +147,14 @@ fn check_version(document: &Map<String, Value>) -> Result<(), ParseError> {
 
 /// Refuses extensions that the file requires and that change its meshes. Those of materials and images
 /// are kept without being understood.
-fn check_extensions(root: &Root) -> Result<(), ParseError> {
+fn check_extensions(kept: &Map<String, Value>) -> Result<(), ParseError> {
     const HARMLESS: [&str; 2] = ["KHR_mesh_quantization", "KHR_lights_punctual"];
     let is_of_material = |name: &str| name.contains("_materials_") || name.contains("_texture_");
-    for name in &root.extensions_required {
-        if COMPRESSIONS.contains(&name.as_str()) {
+    for name in materials::required(kept) {
+        if COMPRESSIONS.contains(&name) {
             return Err(compressed(name));
         }
-        if !is_of_material(name) && !HARMLESS.contains(&name.as_str()) {
+        if !is_of_material(name) && !HARMLESS.contains(&name) {
             let what = format!(
                 "a glTF file that requires the extension {}",
                 excerpt(name.as_bytes())

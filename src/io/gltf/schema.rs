@@ -18,7 +18,6 @@ pub(super) struct Root {
     pub buffer_views: Vec<View>,
     pub buffers: Vec<Buffer>,
     pub extensions_used: Vec<String>,
-    pub extensions_required: Vec<String>,
 }
 
 #[derive(Default, Deserialize)]

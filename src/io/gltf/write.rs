@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, Write};
+use std::ops::Range;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -189,7 +190,11 @@ pub(in super::super) fn write(
     for value in document.values() {
         materials::extensions(value, &mut used);
     }
-    document.insert("extensionsUsed".into(), used.into_iter().collect::<Value>());
+    let required = materials::required(&document).filter(|name| used.contains(*name));
+    let required: BTreeSet<String> = required.map(str::to_owned).collect();
+    for (name, list) in [(materials::REQUIRED, required), ("extensionsUsed", used)] {
+        document.insert(name.into(), list.into_iter().collect::<Value>());
+    }
     let scene: Vec<usize> = (0..nodes.len()).collect();
     document.insert("nodes".into(), nodes.into());
     document.insert("meshes".into(), list.into());
@@ -210,51 +215,39 @@ fn other_materials(all: &Attributes, mut found: Vec<Material>) -> Vec<Material> 
 }
 
 /// The materials of a file that is being written.
+#[derive(Default)]
 struct Materials {
     json: Map<String, Value>,
     of_name: HashMap<String, usize>,
+    /// The new texture of each view of an image.
+    textures: HashMap<usize, usize>,
 }
 
 impl Materials {
     /// The given materials; writes their images to the buffer of `file`.
     fn new(given: Option<&GltfMaterials>, file: &mut File) -> Self {
         let Some(given) = given else {
-            return Self {
-                json: Map::new(),
-                of_name: HashMap::new(),
-            };
+            return Self::default();
         };
         let mut json = given.json.clone();
         let images = json.get_mut("images").and_then(Value::as_array_mut);
-        let mut views: HashMap<&[u8], usize> = HashMap::new();
         for (image, bytes) in images.into_iter().flatten().zip(&given.images) {
             if let (Some(bytes), Value::Object(image)) = (bytes, image) {
-                let view = *views.entry(bytes).or_insert_with(|| file.image(bytes));
-                image.insert("bufferView".into(), view.into());
+                image.insert("bufferView".into(), file.image(bytes).into());
             }
         }
         let names = given.names.iter().cloned().enumerate();
         Self {
             json,
             of_name: names.map(|(k, name)| (name, k)).collect(),
+            textures: HashMap::new(),
         }
     }
 
     /// Adds own materials; writes their images to the buffer of `file`.
     fn add(&mut self, own: &[OwnMaterial], file: &mut File) {
-        let mut textures: Vec<(&OwnMaterial, usize)> = Vec::new();
         for material in own {
-            let known = textures.iter().find(|(other, _)| other.png == material.png);
-            let texture = if let Some(&(_, texture)) = known {
-                texture
-            } else {
-                let view = file.image(&material.png);
-                let image = json!({ "bufferView": view, "mimeType": "image/png" });
-                let image = self.push("images", image);
-                let texture = self.push("textures", json!({ "source": image }));
-                textures.push((material, texture));
-                texture
-            };
+            let texture = self.texture(&material.png, "image/png", file);
             let like = self.of_name.get(&material.like).copied();
             let like = like.and_then(|k| self.json.get("materials")?.get(k).cloned());
             let like = like.unwrap_or_else(GltfMaterials::plain);
@@ -287,14 +280,24 @@ impl Materials {
             if let Some(bytes) = image
                 && let Some(media) = media_type(&bytes)
             {
-                let view = file.image(&bytes);
-                let image = self.push("images", json!({ "bufferView": view, "mimeType": media }));
-                let texture = self.push("textures", json!({ "source": image }));
+                let texture = self.texture(&bytes, media, file);
                 entry["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": texture });
             }
             let index = self.push("materials", entry);
             self.of_name.insert(name.to_owned(), index);
         }
+    }
+
+    /// The new texture of an image, which is written to the buffer of `file`.
+    fn texture(&mut self, bytes: &[u8], media: &str, file: &mut File) -> usize {
+        let view = file.image(bytes);
+        if let Some(&texture) = self.textures.get(&view) {
+            return texture;
+        }
+        let image = self.push("images", json!({ "bufferView": view, "mimeType": media }));
+        let texture = self.push("textures", json!({ "source": image }));
+        self.textures.insert(view, texture);
+        texture
     }
 
     /// Appends an entry to an array of the document. Returns its index.
@@ -444,6 +447,8 @@ struct File {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
+    /// The places of images in the buffer, and their views.
+    images: Vec<(Range<usize>, usize)>,
 }
 
 impl File {
@@ -466,12 +471,18 @@ impl File {
         self.views.len() - 1
     }
 
-    /// Writes an image. Returns its view.
+    /// Writes an image, equal ones once. Returns its view.
     fn image(&mut self, bytes: &[u8]) -> usize {
+        let mut images = self.images.iter();
+        if let Some((_, view)) = images.find(|(place, _)| self.bytes[place.clone()] == *bytes) {
+            return *view;
+        }
         self.align();
         let start = self.bytes.len();
         self.bytes.extend_from_slice(bytes);
-        self.view(start, None, None)
+        let view = self.view(start, None, None);
+        self.images.push((start..self.bytes.len(), view));
+        view
     }
 
     fn accessor(&mut self, accessor: Value) -> usize {

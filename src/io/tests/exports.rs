@@ -10,7 +10,7 @@ use super::super::{
 };
 use super::gltf::{one_node, square};
 use super::good;
-use crate::mesh::{ImageSource, Material, Weld};
+use crate::mesh::{ImageSource, Material, OwnMaterial, Weld};
 
 const SQUARE: &str =
     "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nvt 0 0 0\r\nvt 1 0 0\r\nvt 1 1 0\r\n";
@@ -316,6 +316,44 @@ fn images_of_libraries_and_of_ply_files_are_written_into_gltf_and_3mf() {
             }
             let rows = &soup.attributes.faces.texture;
             assert!(rows.iter().all(|row| *row < 3), "{from} {to}");
+        }
+    }
+}
+
+// Blender writes several materials with one image.
+#[test]
+fn equal_images_are_written_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let png = [&b"\x89PNG"[..], &[7; 4000]].concat();
+    for name in ["a.png", "b.png"] {
+        fs::write(at(name), &png).expect("written");
+    }
+    let library = "newmtl first\nmap_Kd a.png\nnewmtl second\nKd 1 0 0\nmap_Kd b.png\n";
+    fs::write(at("a.mtl"), library).expect("written");
+    let faces = "usemtl first\nf 1/1 2/2 3/3\nusemtl second\nf 1/1 3/3 4/2\n";
+    fs::write(at("a.obj"), format!("mtllib a.mtl\n{SQUARE}{faces}")).expect("written");
+    let mut mesh = super::super::open(&at("a.obj")).expect("opened").mesh;
+    mesh.attributes.own_materials.push(OwnMaterial {
+        name: "patches".into(),
+        like: "second".into(),
+        png: png.clone().into(),
+    });
+    for to in ["out.glb", "out.3mf", "again.glb"] {
+        save_mesh(&at(to), &mesh).expect("written");
+        let bytes = fs::read(at(to)).expect("there");
+        let parts = bytes.windows(png.len());
+        let count = parts.filter(|part| **part == png[..]).count();
+        assert_eq!(count, 1, "{to}");
+        mesh = super::super::open(&at(to)).expect("opened").mesh;
+        let all = &mesh.attributes;
+        assert_ne!(all.material_of(0), all.material_of(1), "{to}");
+        let found = materials(all);
+        for face in [0, 1] {
+            let name = all.material_of(face);
+            let material = found.iter().find(|material| material.name == name);
+            let image = material.and_then(|material| material.image.clone());
+            assert_eq!(image, Some(ImageSource::Bytes(png.clone().into())), "{to}");
         }
     }
 }

@@ -789,6 +789,24 @@ fn images_may_share_a_view() {
     );
 }
 
+/// Readers need the extensions of materials as before, and those of the meshes no longer.
+#[test]
+fn required_extensions_of_materials_stay() {
+    let (mut document, mut mesh) = square();
+    let view = document.view(b"RIFF and so on");
+    mesh["primitives"][0]["material"] = 0.into();
+    let mut json = one_node(&json!([mesh]));
+    json["extensionsRequired"] = json!(["KHR_mesh_quantization", "EXT_texture_webp"]);
+    json["images"] = json!([{ "bufferView": view, "mimeType": "image/webp" }]);
+    json["textures"] = json!([{ "extensions": { "EXT_texture_webp": { "source": 0 } } }]);
+    json["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+    let soup = good(Glb, document.glb(json));
+    let written: Value = serde_json::from_slice(&file(&built(&soup), Gltf)).expect("JSON");
+    for list in ["extensionsUsed", "extensionsRequired"] {
+        assert_eq!(written[list], json!(["EXT_texture_webp"]), "{list}");
+    }
+}
+
 /// Extensions of materials, other attributes and other sets of coordinates are no errors.
 #[test]
 fn unknown_parts_are_noted() {

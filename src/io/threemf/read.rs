@@ -206,6 +206,8 @@ impl Materials {
         let (mut list, mut textures, mut samplers, mut images) =
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut bytes_of = Vec::new();
+        // textures may share a part
+        let mut parts: HashMap<String, Arc<Vec<u8>>> = HashMap::new();
         for (part, (_, model)) in models.list.iter().enumerate() {
             for (k, resource) in model.resources.iter().enumerate() {
                 match resource {
@@ -223,12 +225,20 @@ impl Materials {
                         }
                     }
                     Resource::Texture { path, media, tiles } => {
-                        let Some(bytes) = package.part(path)? else {
-                            notes.push(format!(
-                                "the texture '{}' is missing",
-                                excerpt(path.as_bytes())
-                            ));
-                            continue;
+                        let name = normal(path);
+                        let bytes = if let Some(known) = parts.get(&name) {
+                            Arc::clone(known)
+                        } else {
+                            let Some(bytes) = package.part(path)? else {
+                                notes.push(format!(
+                                    "the texture '{}' is missing",
+                                    excerpt(path.as_bytes())
+                                ));
+                                continue;
+                            };
+                            let bytes = Arc::new(bytes);
+                            parts.insert(name, Arc::clone(&bytes));
+                            bytes
                         };
                         first.insert((part, k), list.len());
                         let file = path.rsplit('/').next().unwrap_or_default();
@@ -245,7 +255,7 @@ impl Materials {
                         textures.push(json!({ "source": images.len(), "sampler": samplers.len() }));
                         samplers.push(json!({ "wrapS": u, "wrapT": v }));
                         images.push(json!({ "mimeType": media }));
-                        bytes_of.push(Some(Arc::new(bytes)));
+                        bytes_of.push(Some(bytes));
                     }
                     Resource::Colors { .. } | Resource::TextureGroup { .. } => {}
                 }

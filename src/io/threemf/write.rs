@@ -84,6 +84,8 @@ pub(in super::super) fn losses(mesh: &OutputMesh<'_>, sheet: &Sheet<'_>) -> Vec<
 /// What faces show: images, colours and materials, numbered for the file.
 pub(in super::super) struct Sheet<'a> {
     all: &'a Attributes,
+    /// The different image files.
+    files: Vec<ImageFile>,
     images: Vec<Image>,
     /// Groups of base materials.
     bases: Vec<Bases>,
@@ -118,13 +120,19 @@ enum Slot {
     Bases(usize),
 }
 
-/// An image with the rows of texture coordinates that its faces use, in ascending order.
-struct Image {
-    /// Id of the texture; that of its group follows.
-    id: u32,
+/// A part with an image.
+struct ImageFile {
     path: String,
     media: &'static str,
     bytes: Vec<u8>,
+}
+
+/// The image of a material with the rows of texture coordinates that its faces use, in ascending order.
+struct Image {
+    /// Id of the texture; that of its group follows.
+    id: u32,
+    /// The number of its file.
+    file: usize,
     tiles: [&'static str; 2],
     rows: Vec<u32>,
 }
@@ -135,6 +143,7 @@ impl<'a> Sheet<'a> {
         let all = mesh.attributes;
         let mut sheet = Self {
             all,
+            files: Vec::new(),
             images: Vec::new(),
             bases: Vec::new(),
             order: Vec::new(),
@@ -205,14 +214,17 @@ impl<'a> Sheet<'a> {
             match image {
                 Some(Ok((bytes, media))) => {
                     images.insert(material.name.clone(), self.images.len());
-                    let tiles = tiles(all.gltf_materials.as_deref(), &material.name);
+                    let known = self.files.iter().position(|file| file.bytes == bytes);
+                    let file = known.unwrap_or_else(|| {
+                        let path = new_path(&mut paths, &material.name, media);
+                        self.files.push(ImageFile { path, media, bytes });
+                        self.files.len() - 1
+                    });
                     self.order.push(Slot::Image(self.images.len()));
                     self.images.push(Image {
                         id: self.next_id,
-                        path: new_path(&mut paths, &material.name, media),
-                        media,
-                        bytes,
-                        tiles,
+                        file,
+                        tiles: tiles(all.gltf_materials.as_deref(), &material.name),
                         rows: Vec::new(),
                     });
                     self.next_id += 2;
@@ -459,15 +471,15 @@ pub(in super::super) fn write(
     zip.write_all(relations(&model).as_bytes())?;
     zip.start_file(MODEL, options)?;
     model_part(mesh, sheet, &mut zip)?;
-    if !sheet.images.is_empty() {
+    if !sheet.files.is_empty() {
         zip.start_file(MODEL_RELATIONS, options)?;
-        let paths = sheet.images.iter();
-        let paths = paths.map(|image| (format!("/{}", image.path), TEXTURE_RELATION));
+        let paths = sheet.files.iter();
+        let paths = paths.map(|file| (format!("/{}", file.path), TEXTURE_RELATION));
         zip.write_all(relations(&paths.collect::<Vec<_>>()).as_bytes())?;
     }
-    for image in &sheet.images {
-        zip.start_file(&image.path, stored)?;
-        zip.write_all(&image.bytes)?;
+    for file in &sheet.files {
+        zip.start_file(&file.path, stored)?;
+        zip.write_all(&file.bytes)?;
     }
     out.write_all(zip.finish()?.get_ref())
 }
@@ -618,11 +630,12 @@ fn resources(sheet: &Sheet<'_>, out: &mut dyn Write) -> io::Result<()> {
 /// Writes a texture and the group of its coordinates.
 fn image_resources(sheet: &Sheet<'_>, image: &Image, out: &mut dyn Write) -> io::Result<()> {
     let (texture, group) = (image.id, image.id + 1);
+    let file = &sheet.files[image.file];
     writeln!(
         out,
         "<m:texture2d id=\"{texture}\" path=\"/{}\" contenttype=\"{}\" tilestyleu=\"{}\" \
          tilestylev=\"{}\"/>",
-        image.path, image.media, image.tiles[0], image.tiles[1]
+        file.path, file.media, image.tiles[0], image.tiles[1]
     )?;
     // a group has at least one entry
     if image.rows.is_empty() {

@@ -100,7 +100,7 @@ pub struct GltfMaterials {
     /// The name of each material. Unnamed materials and those that share a name have names made for
     /// the tags.
     pub names: Vec<String>,
-    /// The arrays `materials`, `textures`, `samplers` and `images` of the file.
+    /// The arrays `materials`, `textures`, `samplers`, `images` and `extensionsRequired` of the file.
     pub json: Map<String, Value>,
     /// The bytes of each image; `None` if the file has its `uri`.
     #[serde(with = "serial::images")]
