@@ -134,6 +134,9 @@ pub(super) fn filled_attributes(
             failed = append_own_charts(&mut attributes, &uncharted, positions, colors);
         }
     }
+    for patch in &patches {
+        patch.number_no_image(&mut attributes);
+    }
     (attributes, failed)
 }
 
@@ -416,6 +419,21 @@ impl<'a> PatchData<'a> {
             let is_same = |c: &&Column| c.numbers.are_same(face, like);
             material(face) == material(like) && numbers.iter().all(is_same)
         })
+    }
+
+    /// If faces have numbers of texture images, gives the patch that of none where it has no coordinates.
+    fn number_no_image(&self, attributes: &mut Attributes) {
+        let data = &mut attributes.faces;
+        let faces = self.hole.faces.clone();
+        let mut columns = data.columns.iter_mut();
+        let numbers = columns.find(|column| column.name == "texnumber");
+        // all corners of a patch have coordinates, or none
+        let has_none = data.texture.get(3 * faces.start) == Some(&NO_VALUE);
+        if let (Some(column), true) = (numbers, has_none) {
+            for face in faces {
+                column.numbers.set(face, -1.0);
+            }
+        }
     }
 
     /// Whether the patch lies in the plane of the texture without overlaps: its rim does not cross

@@ -97,10 +97,11 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
     };
     let sheet = (format == Format::ThreeMf).then(|| Sheet::of(&stored));
     let mut lost = other_losses(format, &stored, sheet.as_ref());
-    if !format.has_materials() && !mesh.attributes.own_materials.is_empty() {
+    let has_no_images = matches!(format, Format::Stl | Format::Off);
+    if has_no_images && !mesh.attributes.own_materials.is_empty() {
         lost.push(format!(
             "{} cannot store texture images of patches and samples, whose faces get no texture \
-             coordinates; write OBJ, glTF or 3MF",
+             coordinates; write OBJ, PLY, glTF or 3MF",
             name(format)
         ));
     }
@@ -108,7 +109,8 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
 }
 
 /// The attributes in the form in which a format stores them, except the direction of texture coordinates: without
-/// own materials where it has none, and with materials instead of numbers of images.
+/// own materials where it has none (those of a PLY file have become numbers of images beside it), and with materials
+/// instead of numbers of images.
 pub(super) fn storable(format: Format, attributes: &Attributes) -> Cow<'_, Attributes> {
     if !format.has_materials() && !attributes.own_materials.is_empty() {
         return Cow::Owned(attributes.without_own_materials());
@@ -230,14 +232,17 @@ pub(super) fn other_losses(
     } else if let Some(sheet) = sheet {
         lost.extend(threemf::losses(mesh, sheet));
     } else if let Some(materials) = &all.gltf_materials {
-        if format != Format::Obj {
-            lost.push(format!(
-                "{name} cannot store the colours and images of materials of glTF and 3MF"
-            ));
-        } else if !gltf::are_plain(materials) {
-            lost.push(
+        match format {
+            Format::Obj if gltf::are_plain(materials) => {}
+            Format::Obj => lost.push(
                 "OBJ gets the colours and images of materials, and nothing else of them".to_owned(),
-            );
+            ),
+            Format::Ply => lost.push(
+                "PLY gets the images of materials, and nothing else of them".to_owned(),
+            ),
+            _ => lost.push(format!(
+                "{name} cannot store the colours and images of materials of glTF and 3MF"
+            )),
         }
     }
     if format != Format::ThreeMf {

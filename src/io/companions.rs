@@ -1,7 +1,7 @@
 //! Files that a mesh file refers to: material libraries and texture images.
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
@@ -40,7 +40,12 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Companions {
         Some(Format::Obj) => obj::companions(from, attributes),
         Some(Format::Ply) => {
             let named = attributes.texture_files().map(str::to_owned);
-            named.chain(only_image(attributes)).collect()
+            let new = NumberedImages::of(attributes).new.into_iter();
+            let new = new.filter_map(|(image, _)| match image {
+                ImageSource::File(path) => Some(name_of_file(attributes, &path)),
+                ImageSource::Bytes(_) => None,
+            });
+            named.chain(new).collect()
         }
         Some(Format::Glb | Format::Gltf) => gltf::companions(attributes),
         _ => BTreeSet::new(),
@@ -158,50 +163,73 @@ pub fn materials(attributes: &Attributes) -> Vec<Material> {
     } else if let Some(folder) = folder {
         all.extend(obj::materials(folder, attributes));
         all.extend(
-            attributes
-                .texture_files()
-                .enumerate()
-                .map(|(k, name)| Material {
-                    name: if k == 0 {
-                        String::new()
-                    } else {
-                        name.to_owned()
-                    },
-                    image: Some(ImageSource::File(folder.join(name))),
-                    ..Material::default()
-                }),
+            listed_images(attributes).map(|(material, image)| Material {
+                name: material.to_owned(),
+                image: Some(ImageSource::File(folder.join(image))),
+                ..Material::default()
+            }),
         );
     }
     all
 }
 
-/// The only image file of the faces with texture coordinates, under its name relative to the folder of the
-/// mesh file, for a format that names images and not materials. `None` if there is none or several, or if
-/// the mesh names image files itself.
-pub(super) fn only_image(attributes: &Attributes) -> Option<String> {
-    if attributes.texture_files().next().is_some() {
-        return None;
+/// The names of the materials of the texture images that a PLY file lists, and those of the images. The first
+/// material has no name, because it is that of faces without a material.
+fn listed_images(attributes: &Attributes) -> impl Iterator<Item = (&str, &str)> {
+    let names = attributes.texture_files().enumerate();
+    names.map(|(k, name)| (if k == 0 { "" } else { name }, name))
+}
+
+/// The images of the faces of a mesh in the list of a PLY file.
+pub(super) struct NumberedImages {
+    /// The images behind those that the mesh lists already, each with the name of a material that has it.
+    pub new: Vec<(ImageSource, String)>,
+    /// For each face with texture coordinates the number of its image, if it has one.
+    pub of_face: Vec<Option<usize>>,
+}
+
+impl NumberedImages {
+    /// Those of a mesh. Images of own materials are the last.
+    pub fn of(attributes: &Attributes) -> Self {
+        let corners = attributes.faces.texture.chunks_exact(3).enumerate();
+        let name = |(face, rows): (usize, &[u32])| {
+            (!rows.contains(&NO_VALUE)).then(|| attributes.material_of(face))
+        };
+        let names: Vec<Option<&str>> = corners.map(name).collect();
+        let used: BTreeSet<&str> = names.iter().copied().flatten().collect();
+        let listed = listed_images(attributes).zip(0..);
+        let mut number_of: BTreeMap<String, usize> = listed
+            .map(|((material, _), number)| (material.to_owned(), number))
+            .collect();
+        let count = attributes.texture_files().count();
+        let mut all = materials(attributes);
+        all.rotate_left(attributes.own_materials.len());
+        let mut new: Vec<(ImageSource, String)> = Vec::new();
+        for Material { name, image, .. } in all {
+            let is_new = used.contains(&*name) && !number_of.contains_key(&name);
+            let Some(image) = image.filter(|_| is_new) else {
+                continue;
+            };
+            let known = new.iter().position(|(other, _)| *other == image);
+            let place = known.unwrap_or_else(|| {
+                new.push((image, name.clone()));
+                new.len() - 1
+            });
+            number_of.insert(name, count + place);
+        }
+        let number = |name: Option<&str>| number_of.get(name?).copied();
+        Self {
+            of_face: names.into_iter().map(number).collect(),
+            new,
+        }
     }
-    let folder = attributes.folder.as_deref()?;
-    let faces = &attributes.faces;
-    let corners = faces.texture.chunks_exact(3).enumerate();
-    let textured = corners.filter(|(_, rows)| !rows.contains(&NO_VALUE));
-    let names: BTreeSet<&str> = textured
-        .map(|(face, _)| attributes.material_of(face))
-        .collect();
-    let own = &attributes.own_materials;
-    let is_used = |material: &Material| {
-        names.contains(&*material.name) && own.iter().all(|own| own.name != material.name)
-    };
-    let used = materials(attributes).into_iter().filter(is_used);
-    let mut images: Vec<ImageSource> = used.filter_map(|material| material.image).collect();
-    images.sort();
-    images.dedup();
-    let [ImageSource::File(path)] = &images[..] else {
-        return None;
-    };
-    let name = path.strip_prefix(folder).unwrap_or(path);
-    Some(name.to_string_lossy().into_owned())
+}
+
+/// The name of an image file relative to the folder of the mesh file.
+pub(super) fn name_of_file(attributes: &Attributes, path: &Path) -> String {
+    let folder = attributes.folder.as_deref();
+    let name = folder.and_then(|folder| path.strip_prefix(folder).ok());
+    name.unwrap_or(path).to_string_lossy().into_owned()
 }
 
 /// What became of a file.

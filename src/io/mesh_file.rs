@@ -80,7 +80,7 @@ fn repaired(soup: &Soup, path: &Path, weld: Weld) -> Result<Opened, OpenError> {
 }
 
 /// Writes a mesh atomically in the format of the extension. Returns messages for the user: the
-/// [losses](super::losses), and what was written beside an OBJ file.
+/// [losses](super::losses), and what was written beside it.
 ///
 /// # Errors
 /// As [`save`](super::save).

@@ -112,7 +112,7 @@ impl Format {
         matches!(self, Self::Stl | Self::Glb | Self::Gltf)
     }
 
-    /// Whether faces have materials with images.
+    /// Whether faces have materials with images. Faces of PLY files have numbers of images.
     fn has_materials(self) -> bool {
         matches!(self, Self::Obj | Self::Glb | Self::Gltf | Self::ThreeMf)
     }
@@ -226,8 +226,8 @@ fn read_in(
 /// Writes `mesh` to `path` atomically, in the format of its extension.
 ///
 /// It writes a temporary file in the same directory, syncs it to the disk and renames it. The images of
-/// own materials are written before: beside an OBJ file with a material library of their own, whose names
-/// begin with that of the file, and into a glTF or 3MF file.
+/// own materials are written before: beside an OBJ or PLY file, with names that begin with that of the file and
+/// for OBJ with a material library of their own, and into a glTF or 3MF file.
 ///
 /// # Errors
 /// [`SaveError`]; an existing file is unchanged.
@@ -235,18 +235,17 @@ pub fn save(path: &Path, mesh: &OutputMesh<'_>) -> Result<(), SaveError> {
     save_named(path, mesh).map(drop)
 }
 
-/// [`save`], which returns the names of the files that were written beside an OBJ file.
+/// [`save`], which returns the names of the files that were written beside the mesh file.
 fn save_named(path: &Path, mesh: &OutputMesh<'_>) -> Result<Vec<String>, SaveError> {
     let format = Format::from_path(path).ok_or_else(|| unknown_target(path))?;
     check(format, mesh).map_err(|reason| SaveErrorKind::Mesh(reason).of(path))?;
-    let beside = (format == Format::Obj).then(|| Beside::of(path, mesh.attributes));
-    let Some(beside) = beside.flatten() else {
+    let Some(beside) = Beside::of(path, mesh.attributes) else {
         atomic::replace(path, |out| write(format, mesh, out))?;
         return Ok(Vec::new());
     };
     beside.write()?;
     let mesh = OutputMesh {
-        attributes: &beside.referred(mesh.attributes),
+        attributes: beside.attributes(),
         ..*mesh
     };
     atomic::replace(path, |out| write(format, &mesh, out))?;
@@ -325,8 +324,8 @@ fn converted(format: Format, attributes: &Attributes) -> Cow<'_, Attributes> {
     stored
 }
 
-/// [`save`], which returns messages for the user: the [`losses`], and what was written beside an OBJ file. Images
-/// are read once.
+/// [`save`], which returns messages for the user: the [`losses`], and what was written beside it. Images are read
+/// once.
 fn save_with_messages(path: &Path, mesh: &OutputMesh<'_>) -> Result<Vec<String>, SaveError> {
     match Format::from_path(path) {
         Some(Format::ThreeMf) => {

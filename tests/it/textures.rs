@@ -39,10 +39,24 @@ fn images_of_patches_are_written_with_the_mesh() {
     let glb = desk.bytes("c.glb");
     assert!(glb.windows(png.len()).any(|part| part == png));
 
+    // PLY lists the images, and a second fill finds the mesh closed
     let (new, said) = new_files(&desk, &["fill", "in.obj", "-o", "d.ply"]);
-    assert_eq!(new, ["d.ply"]);
+    assert_eq!(new, ["d.ply", "d_patches.png"]);
+    assert!(said.contains("written beside it: d_patches.png"), "{said}");
+    assert!(!said.contains("texture images"), "{said}");
+    assert!(desk.bytes("d_patches.png") == png);
+    let ply = desk.bytes("d.ply");
+    let header = String::from_utf8_lossy(&ply);
+    let listed = "comment TextureFile in_egg.png\ncomment TextureFile d_patches.png\n";
+    assert!(header.contains(listed) && header.contains("\nproperty int texnumber\n"));
+    let (new, _) = new_files(&desk, &["fill", "d.ply", "-o", "e.ply", "--loops", "all"]);
+    assert_eq!(new, ["e.ply"]);
+    assert!(desk.bytes("e.ply") == ply);
+
+    let (new, said) = new_files(&desk, &["fill", "in.obj", "-o", "f.off"]);
+    assert_eq!(new, ["f.off"]);
     assert!(
-        said.contains("PLY cannot store texture images of patches"),
+        said.contains("OFF cannot store texture images of patches"),
         "{said}"
     );
 

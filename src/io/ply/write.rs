@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::super::{OutputMesh, companions};
+use super::super::OutputMesh;
 use crate::mesh::{
     Colors, Column, FaceTag, NO_VALUE, NumberType, Numbers, color_steps, colors, row_count,
 };
@@ -14,8 +14,7 @@ const MARK: &str = "comment written by meniscus";
 ///
 /// Columns are written in their declared type, and decimals as `double`, except colours: those that
 /// are exact in 8 or in 16 bits are written as such integers, which most programs expect, and others as
-/// `float`. The image of a mesh with only one, which is in a material library, is named in a comment, as
-/// `MeshLab` reads it. If there are groups of patches, each face has the number of its patch, 0 without one.
+/// `float`. If there are groups of patches, each face has the number of its patch, 0 without one.
 pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io::Result<()> {
     let all = mesh.attributes;
     let converted = decimal_colors(&all.vertices);
@@ -31,9 +30,6 @@ pub(in super::super) fn write(mesh: &OutputMesh<'_>, out: &mut dyn Write) -> io:
     }
     for line in &all.comments {
         writeln!(out, "{line}")?;
-    }
-    if let Some(name) = companions::only_image(all) {
-        writeln!(out, "comment TextureFile {name}")?;
     }
     writeln!(out, "element vertex {}", mesh.positions.len())?;
     for axis in ["x", "y", "z"] {

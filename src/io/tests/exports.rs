@@ -358,9 +358,9 @@ fn equal_images_are_written_once() {
     }
 }
 
-// MeshLab and others take the image of a PLY file from a comment.
+// MeshLab and others take the images of a PLY file from comments, and the number of an image from each face.
 #[test]
-fn the_only_image_of_an_obj_file_is_named_in_ply() {
+fn images_of_obj_files_are_named_in_ply() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
     fs::create_dir_all(at("in/maps")).expect("made");
@@ -372,33 +372,33 @@ fn the_only_image_of_an_obj_file_is_named_in_ply() {
         fs::write(at(name), name).expect("written");
     }
     let line = "comment TextureFile maps/my skin.png\n";
-    for (second, named) in [
-        ("usemtl same\nf 1/1 3/3 4/1\n", true),
-        ("usemtl plain\nf 1 3 4\n", true),
-        ("usemtl other\nf 1 3 4\n", true),
-        ("usemtl other\nf 1/1 3/3 4/1\n", false),
+    for (second, images, numbers) in [
+        ("usemtl same\nf 1/1 3/3 4/1\n", 1, None),
+        ("usemtl plain\nf 1 3 4\n", 1, Some([0.0, -1.0])),
+        ("usemtl other\nf 1 3 4\n", 1, Some([0.0, -1.0])),
+        ("usemtl other\nf 1/1 3/3 4/1\n", 2, Some([0.0, 1.0])),
     ] {
+        fs::remove_dir_all(at("out")).expect("there");
+        fs::create_dir(at("out")).expect("made");
         let faces = format!("usemtl skin\nf 1/1 2/2 3/3\n{second}");
         fs::write(at("in/a.obj"), format!("mtllib a.mtl\n{SQUARE}{faces}")).expect("written");
         let mesh = super::super::open(&at("in/a.obj")).expect("opened").mesh;
         save_mesh(&at("out/a.ply"), &mesh).expect("written");
         let bytes = fs::read(at("out/a.ply")).expect("there");
         let header = String::from_utf8_lossy(&bytes).into_owned();
-        assert_eq!(
-            header.matches("TextureFile").count(),
-            usize::from(named),
-            "{second}"
-        );
-        if !named {
-            continue;
-        }
+        assert_eq!(header.matches("TextureFile").count(), images, "{second}");
         assert!(header.contains(line), "{header}");
         copy_companions(&at("out/a.ply"), &mesh.attributes);
-        assert!(at("out/maps/my skin.png").is_file() && !at("out/b.png").exists());
+        assert!(at("out/maps/my skin.png").is_file());
+        assert_eq!(at("out/b.png").exists(), images == 2);
         // what was written is read and written as the same bytes
         let again = super::super::open(&at("out/a.ply")).expect("opened").mesh;
         let found = materials(&again.attributes);
         assert_eq!(image_file(&found[0]), Some(&*at("out/maps/my skin.png")));
+        let mut columns = again.attributes.faces.columns.iter();
+        let column = columns.find(|column| column.name == "texnumber");
+        let found = column.map(|column| [0, 1].map(|face| column.numbers.get(face)));
+        assert_eq!(found, numbers, "{second}");
         save_mesh(&at("out/b.ply"), &again).expect("written");
         assert!(
             fs::read(at("out/b.ply")).expect("there") == bytes,

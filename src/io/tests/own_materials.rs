@@ -5,7 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::io::{self, Format, OutputMesh};
-use crate::mesh::{Attributes, Column, DVec3, FaceTag, ImageSource, NO_VALUE, OwnMaterial, Soup};
+use crate::mesh::{
+    Attributes, Column, DVec3, FaceTag, ImageSource, NO_VALUE, Numbers, OwnMaterial, Soup,
+};
 
 const POINTS: [DVec3; 4] = [DVec3::ZERO, DVec3::X, DVec3::ONE, DVec3::Y];
 const TRIANGLES: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
@@ -140,10 +142,67 @@ fn gltf_files_contain_the_images() {
     }
 }
 
+/// The numbers of the images of faces in a PLY file, and the materials of the faces of the mesh in it.
+fn numbers_of(soup: &Soup) -> (Vec<f64>, Vec<&str>) {
+    let all = &soup.attributes;
+    let column = all.faces.columns.iter().find(|c| c.name == "texnumber");
+    let numbers = &column.expect("numbers").numbers;
+    let faces = 0..soup.face_count();
+    let numbers = faces.clone().map(|face| numbers.get(face));
+    (
+        numbers.collect(),
+        faces.map(|face| all.material_of(face)).collect(),
+    )
+}
+
+#[test]
+fn ply_files_name_the_images_beside_them() {
+    let desk = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| desk.path().join(name);
+    let mut all = attributes(Some(desk.path()));
+    all.tags[0] = FaceTag::default();
+    // a name that the new image would have
+    let given = "comment TextureFile a_patches.png";
+    all.comments = vec![given.into()];
+    fs::write(at("a_patches.png"), "given").expect("written");
+    assert_eq!(io::losses(Format::Ply, &output(&all)), [""; 0]);
+    io::save(&at("a.ply"), &output(&all)).expect("written");
+    let soup = io::load(&at("a.ply")).expect("read");
+    let new = "a_patches_2.png";
+    let comments = &soup.attributes.comments;
+    assert_eq!(comments[1..], [given, "comment TextureFile a_patches_2.png"]);
+    assert_eq!(numbers_of(&soup), (vec![0.0, 1.0], vec!["", new]));
+    assert_eq!(image_of(&soup, ""), b"given");
+    assert_eq!(image_of(&soup, new), b"first image");
+    assert!(!soup.attributes.faces.texture.contains(&NO_VALUE));
+    // what was read is written as the same bytes, and without another image
+    let mesh = io::from_soup(&soup, Path::new("a")).expect("a mesh").mesh;
+    io::save_mesh(&at("b.ply"), &mesh).expect("written");
+    let bytes = |name: &str| fs::read(at(name)).expect("there");
+    assert!(bytes("a.ply") == bytes("b.ply"));
+    assert_eq!(fs::read_dir(desk.path()).expect("a folder").count(), 4);
+    // a declared number stays where an image is given, and a face without coordinates has no image
+    all.faces.columns = vec![Column {
+        name: "texnumber".into(),
+        numbers: Numbers::U8(vec![7, 0]),
+        is_typed: true,
+    }];
+    io::save(&at("c.ply"), &output(&all)).expect("written");
+    let soup = io::load(&at("c.ply")).expect("read");
+    assert_eq!(numbers_of(&soup).0, [7.0, 1.0]);
+    all.faces.columns.clear();
+    all.comments.clear();
+    all.faces.texture[..3].fill(NO_VALUE);
+    io::save(&at("d.ply"), &output(&all)).expect("written");
+    let soup = io::load(&at("d.ply")).expect("read");
+    assert_eq!(numbers_of(&soup), (vec![-1.0, 0.0], vec!["no image", ""]));
+    assert_eq!(image_of(&soup, ""), b"first image");
+}
+
 #[test]
 fn other_formats_say_that_they_leave_the_images_out() {
     let all = attributes(None);
-    for format in [Format::Ply, Format::Stl, Format::Off] {
+    for format in [Format::Stl, Format::Off] {
         let losses = io::losses(format, &output(&all));
         assert!(
             losses
@@ -152,6 +211,7 @@ fn other_formats_say_that_they_leave_the_images_out() {
             "{losses:?}"
         );
     }
+    // without a folder for the images
     let mut bytes = Vec::new();
     io::write(Format::Ply, &output(&all), &mut bytes).expect("written");
     let soup = io::read(Format::Ply, &bytes, Path::new("mesh")).expect("read");

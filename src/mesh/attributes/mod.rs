@@ -32,6 +32,9 @@ pub use mixing::{append_between, append_interpolated};
 pub use objects::ObjectSettings;
 pub use written::Written;
 
+/// The name of the material of faces of a PLY file to which a negative number gives no texture image.
+const NO_IMAGE: &str = "no image";
+
 /// What a mesh file holds besides positions and faces. Lists are empty if it has no such data.
 ///
 /// Serialized are those of a file ([`Written`]), without its folder.
@@ -106,18 +109,19 @@ impl Attributes {
     }
 
     /// The name of the material of a face: that of its tag, or the name of its texture file if the file is PLY
-    /// and has several; empty without one.
+    /// and has several; empty without one. A negative number of a texture file is that of a material without image.
     pub fn material_of(&self, face: usize) -> &str {
         let tag = self.faces.tags.get(face);
         let name = tag.map_or("", |&tag| self.tags[tag as usize].material.as_str());
         let numbers = self.faces.columns.iter();
         let mut numbers = numbers.filter(|column| column.name == "texnumber");
         match numbers.next() {
-            Some(column) if name.is_empty() && column.numbers.get(face) != 0.0 => {
+            Some(column) if name.is_empty() => match column.numbers.get(face) {
+                number if number < 0.0 => NO_IMAGE,
                 // the first one has no name, and so have faces of no number
-                let number = column.numbers.get(face) as usize;
-                self.texture_files().nth(number).unwrap_or("")
-            }
+                0.0 => name,
+                number => self.texture_files().nth(number as usize).unwrap_or(""),
+            },
             _ => name,
         }
     }
