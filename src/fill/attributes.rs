@@ -10,7 +10,8 @@ use crate::fill::options::{FillOptions, PatchTexture};
 use crate::fill::result::FilledHole;
 use crate::fill::texture::{Extension, RimColors, Uncharted, append_own_charts, overlapping};
 use crate::mesh::{
-    Attributes, Column, DVec3, FaceId, FaceTag, Mesh, NO_VALUE, Topology, columns_named, row_count,
+    Attributes, Column, DVec3, FaceId, FaceTag, Mesh, NO_VALUE, Topology, VertexId, columns_named,
+    row_count,
 };
 
 /// How patches look, besides their shape.
@@ -38,13 +39,14 @@ impl Look {
             let corners = |edge: &[RimCorner; 2]| edge.map(|at| at.corner as u32);
             let rim = |patch: &PatchData<'_>| patch.rim.iter().map(corners).collect();
             let rims: Vec<Vec<[u32; 2]>> = patches.iter().map(rim).collect();
-            RimColors::read(&mesh.attributes, &rims)
+            let of_corners = with_texture_of_corners(mesh);
+            RimColors::read(of_corners.as_ref().unwrap_or(&mesh.attributes), &rims)
         })
     }
 
     /// Whether patches may get images of their own.
     pub fn makes_images(&self, mesh: &Mesh) -> bool {
-        self.texture.makes_images() && !mesh.attributes.faces.texture.is_empty()
+        self.texture.makes_images() && mesh.attributes.has_texture()
     }
 
     /// Reads the colours that the patches over `holes` may need, so that they are known later.
@@ -62,7 +64,8 @@ impl Look {
 ///
 /// Numbers of vertices continue harmonically from the rims, labels are those of the nearest rim
 /// vertex, normals those of the patch. Texture coordinates continue harmonically where the rim lies in
-/// one chart and has room in its image; other patches get a chart in an image of their own.
+/// one chart and has room in its image; other patches get a chart in an image of their own. Those of vertices do
+/// likewise, and are zero in a patch that can get no chart.
 /// Numbers of faces continue likewise. Else faces have the data of the face across the first edge of their first
 /// rim, and the tags of `holes` among `tags`.
 pub(super) fn filled_attributes(
@@ -73,7 +76,9 @@ pub(super) fn filled_attributes(
     positions: &[DVec3],
     look: &Look,
 ) -> (Attributes, Vec<(usize, String)>) {
-    let mut attributes = mesh.attributes.clone();
+    let of_corners = with_texture_of_corners(mesh);
+    let of_vertices = of_corners.is_some();
+    let mut attributes = of_corners.unwrap_or_else(|| mesh.attributes.clone());
     attributes.tags = tags.to_vec();
     if !tags.is_empty() {
         // tags of patches in a mesh without tags
@@ -86,6 +91,8 @@ pub(super) fn filled_attributes(
     }
     let mut patches = Vec::with_capacity(holes.len());
     let mut extensions = Vec::with_capacity(holes.len());
+    // continuations of texture coordinates of vertices that are no extensions of a chart
+    let mut others = Vec::with_capacity(holes.len());
     for hole in holes {
         let mut patch = PatchData::new(mesh, hole, topology, positions);
         patch.prepare_equation(&mesh.attributes);
@@ -95,7 +102,16 @@ pub(super) fn filled_attributes(
         let (first, like) = (hole.faces.start, hole.like.index());
         attributes.append_triangles(first, like, tag, &patch.triangles);
         let extends = look.texture.extends();
-        extensions.push(extends.then(|| patch.extension(&attributes)).flatten());
+        let continued = (extends || of_vertices).then(|| patch.continuation(&attributes));
+        let continued = continued.flatten();
+        let is_chart = |c: &Extension| extends && patch.is_chart(&attributes, c);
+        if continued.as_ref().is_some_and(is_chart) {
+            extensions.push(continued);
+            others.push(None);
+        } else {
+            extensions.push(None);
+            others.push(continued);
+        }
         patch.normals(&mut attributes);
         // its factor is large
         patch.equation = None;
@@ -103,12 +119,11 @@ pub(super) fn filled_attributes(
     }
     if look.texture == PatchTexture::Auto {
         let overlap = overlapping(&attributes, mesh.face_count(), &extensions);
-        for (extension, _) in extensions.iter_mut().zip(overlap).filter(|e| e.1) {
-            *extension = None;
-        }
-        for (i, extension) in extensions.iter_mut().enumerate() {
-            if extension.is_some() && look.colors(mesh, &patches).is_blank(i) {
-                *extension = None;
+        for (i, overlaps) in overlap.into_iter().enumerate() {
+            let is_wrong =
+                overlaps || extensions[i].is_some() && look.colors(mesh, &patches).is_blank(i);
+            if is_wrong && let Some(extension) = extensions[i].take() {
+                others[i] = Some(extension);
             }
         }
     }
@@ -119,9 +134,9 @@ pub(super) fn filled_attributes(
     }
     let mut failed = Vec::new();
     if look.texture.makes_images() {
-        let others = patches.iter().enumerate().zip(&extensions);
-        let others = others.filter(|((_, patch), e)| e.is_none() && patch.has_texture(&attributes));
-        let uncharted: Vec<Uncharted<'_>> = others
+        let rest = patches.iter().enumerate().zip(&extensions);
+        let rest = rest.filter(|((_, patch), e)| e.is_none() && patch.has_texture(&attributes));
+        let uncharted: Vec<Uncharted<'_>> = rest
             .map(|((hole, patch), _)| Uncharted {
                 hole,
                 faces: patch.hole.faces.clone(),
@@ -134,10 +149,39 @@ pub(super) fn filled_attributes(
             failed = append_own_charts(&mut attributes, &uncharted, positions, colors);
         }
     }
+    let is_wanted = look.texture != PatchTexture::None;
+    if of_vertices && is_wanted {
+        for (patch, other) in patches.iter().zip(&others) {
+            if let Some(other) = other.as_ref().filter(|_| patch.is_bare(&attributes)) {
+                patch.extend(&mut attributes, other);
+            }
+        }
+    }
     for patch in &patches {
         patch.number_no_image(&mut attributes);
     }
+    if of_vertices {
+        for (i, patch) in patches.iter().enumerate() {
+            let is_left = is_wanted && patch.is_continuous(&attributes);
+            if is_left || !patch.is_bare(&attributes) {
+                continue;
+            }
+            patch.blank(&mut attributes);
+            if is_wanted && failed.iter().all(|(hole, _)| *hole != i) {
+                failed.push((i, "its rim crosses a seam of the texture".to_owned()));
+            }
+        }
+        let triangles: Vec<[u32; 3]> = topology.triangles().collect();
+        attributes.return_texture(mesh, &triangles);
+    }
     (attributes, failed)
+}
+
+/// The attributes of a mesh with the texture coordinates of vertices as those of corners, if it has such.
+fn with_texture_of_corners(mesh: &Mesh) -> Option<Attributes> {
+    let triangles = mesh.topology.triangles();
+    let aside = &mesh.non_orientable;
+    mesh.attributes.with_texture_of_corners(triangles, aside)
 }
 
 /// A patch and what its attributes continue.
@@ -306,7 +350,7 @@ impl<'a> PatchData<'a> {
     /// beside a vertex have different values.
     fn rows_at_rim(&self, list: &[u32], columns: &[Column]) -> Option<BTreeMap<u32, u32>> {
         let mut rows = BTreeMap::new();
-        if !self.is_closed || list.is_empty() {
+        if list.is_empty() {
             return None;
         }
         for at in self.rim.iter().flatten() {
@@ -320,21 +364,20 @@ impl<'a> PatchData<'a> {
         Some(rows)
     }
 
-    /// The texture coordinates of the patch, if its rim lies in one chart and the patch does not overlap
-    /// itself there.
-    fn extension(&mut self, attributes: &Attributes) -> Option<Extension> {
+    /// The texture coordinates of the patch that continue those of its rim, if these do not jump.
+    fn continuation(&mut self, attributes: &Attributes) -> Option<Extension> {
         let columns = &attributes.texture;
         let rim = self.rows_at_rim(&attributes.faces.texture, columns)?;
-        if self.hole.loops.len() > 1 || columns.len() < 2 || !self.has_one_image(attributes) {
+        if !self.is_closed || columns.len() < 2 {
             return None;
         }
         let number = |k: usize, row: u32| columns[k].numbers.get(row as usize);
         let mut new = vec![Vec::new(); columns.len()];
         if let Some(equation) = &mut self.equation {
             for (k, values) in new.iter_mut().enumerate() {
-                let at_rim = equation.rim.iter().map(|v| number(k, rim[&v.0]));
-                let at_rim: Vec<f64> = at_rim.collect();
-                *values = equation.solve(&at_rim);
+                let at_rim = |v: &VertexId| Some(number(k, *rim.get(&v.0)?));
+                let at_rim: Option<Vec<f64>> = equation.rim.iter().map(at_rim).collect();
+                *values = equation.solve(&at_rim?);
             }
         }
         let first = self.hole.vertices.start;
@@ -345,17 +388,6 @@ impl<'a> PatchData<'a> {
             });
             Coord { x, y }
         };
-        let corners = &attributes.faces.texture;
-        let given = |corner: usize| {
-            let row = corners[corner];
-            (row != NO_VALUE).then(|| Coord {
-                x: number(0, row),
-                y: number(1, row),
-            })
-        };
-        if !self.is_embedded(at, given) {
-            return None;
-        }
         let triangles = self.triangles.iter().map(|t| t.map(at)).collect();
         let mut beside: Vec<usize> = self.rim.iter().map(|[at, _]| at.face()).collect();
         beside.sort_unstable();
@@ -367,6 +399,23 @@ impl<'a> PatchData<'a> {
             like: self.hole.like.index(),
             beside,
         })
+    }
+
+    /// Whether the rim lies in one chart and the patch does not overlap itself there.
+    fn is_chart(&self, attributes: &Attributes, continued: &Extension) -> bool {
+        if self.hole.loops.len() > 1 || !self.has_one_image(attributes) {
+            return false;
+        }
+        let place = |row: u32| {
+            let [x, y] = [0, 1].map(|k| attributes.texture[k].numbers.get(row as usize));
+            Coord { x, y }
+        };
+        let corners = &attributes.faces.texture;
+        let given = |corner: usize| {
+            let row = corners[corner];
+            (row != NO_VALUE).then(|| place(row))
+        };
+        self.is_embedded(&continued.triangles, |v| place(continued.rim[&v]), given)
     }
 
     /// Gives the patch the texture coordinates of an extension.
@@ -421,27 +470,49 @@ impl<'a> PatchData<'a> {
         })
     }
 
+    /// Whether the texture coordinates do not jump along the rim.
+    fn is_continuous(&self, attributes: &Attributes) -> bool {
+        let columns = &attributes.texture;
+        let rows = self.rows_at_rim(&attributes.faces.texture, columns);
+        rows.is_some()
+    }
+
+    /// Whether faces have texture coordinates, but those of the patch have none.
+    fn is_bare(&self, attributes: &Attributes) -> bool {
+        // all corners of a patch have some, or none
+        let first = attributes.faces.texture.get(3 * self.hole.faces.start);
+        first == Some(&NO_VALUE)
+    }
+
     /// If faces have numbers of texture images, gives the patch that of none where it has no coordinates.
     fn number_no_image(&self, attributes: &mut Attributes) {
-        let data = &mut attributes.faces;
-        let faces = self.hole.faces.clone();
-        let mut columns = data.columns.iter_mut();
+        let is_bare = self.is_bare(attributes);
+        let mut columns = attributes.faces.columns.iter_mut();
         let numbers = columns.find(|column| column.name == "texnumber");
-        // all corners of a patch have coordinates, or none
-        let has_none = data.texture.get(3 * faces.start) == Some(&NO_VALUE);
-        if let (Some(column), true) = (numbers, has_none) {
-            for face in faces {
+        if let Some(column) = numbers.filter(|_| is_bare) {
+            for face in self.hole.faces.clone() {
                 column.numbers.set(face, -1.0);
             }
         }
     }
 
+    /// Gives all corners of the patch the texture coordinates zero.
+    fn blank(&self, attributes: &mut Attributes) {
+        let row = row_count(&attributes.texture) as u32;
+        for column in Arc::make_mut(&mut attributes.texture) {
+            column.numbers.push(0.0);
+        }
+        let faces = &self.hole.faces;
+        attributes.faces.texture[3 * faces.start..3 * faces.end].fill(row);
+    }
+
     /// Whether the patch lies in the plane of the texture without overlaps: its rim does not cross
-    /// itself, and all triangles have the orientation of the faces beside it. `given` are the
-    /// coordinates of given corners.
+    /// itself, and all triangles have the orientation of the faces beside it. `at_rim` are the coordinates of
+    /// rim vertices, `given` those of given corners.
     fn is_embedded(
         &self,
-        at: impl Fn(u32) -> Coord<f64>,
+        triangles: &[[Coord<f64>; 3]],
+        at_rim: impl Fn(u32) -> Coord<f64>,
         given: impl Fn(usize) -> Option<Coord<f64>>,
     ) -> bool {
         let mut sides = self.rim.iter().map(|[a, _]| {
@@ -453,16 +524,13 @@ impl<'a> PatchData<'a> {
             return false;
         };
         let is_alike = |area: f64| area * side.signum() > 0.0;
-        let area = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(&at);
-            orient2d(a, b, c)
-        };
+        let area = |&[a, b, c]: &[Coord<f64>; 3]| orient2d(a, b, c);
         let all_alike = is_alike(side)
             && sides.all(|area| area.is_some_and(is_alike))
-            && self.triangles.iter().map(area).all(is_alike);
+            && triangles.iter().map(area).all(is_alike);
         let segments = self.rim.iter().map(|ends| ends.map(|at| at.vertex));
         let segments: Vec<[u32; 2]> = segments.collect();
-        all_alike && !crosses_itself(&segments, at)
+        all_alike && !crosses_itself(&segments, at_rim)
     }
 
     /// Gives the corners of the patch the normals of the surface, if all corners beside its rim have

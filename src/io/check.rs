@@ -90,7 +90,7 @@ pub fn check(format: Format, mesh: &OutputMesh<'_>) -> Result<(), MeshFault> {
 
 /// The attributes of `mesh` that a file in `format` cannot store, as messages for the user.
 pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
-    let attributes = storable(format, mesh.attributes);
+    let attributes = storable(format, mesh);
     let stored = OutputMesh {
         attributes: &attributes,
         ..*mesh
@@ -109,17 +109,28 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
 }
 
 /// The attributes in the form in which a format stores them, except the direction of texture coordinates: without
-/// own materials where it has none (those of a PLY file have become numbers of images beside it), and with materials
-/// instead of numbers of images.
-pub(super) fn storable(format: Format, attributes: &Attributes) -> Cow<'_, Attributes> {
-    if !format.has_materials() && !attributes.own_materials.is_empty() {
-        return Cow::Owned(attributes.without_own_materials());
+/// own materials where it has none (those of a PLY file have become numbers of images beside it), with materials
+/// instead of numbers of images, and with texture coordinates of corners where vertices have none.
+pub(super) fn storable<'a>(format: Format, mesh: &OutputMesh<'a>) -> Cow<'a, Attributes> {
+    let mut all = Cow::Borrowed(mesh.attributes);
+    if !format.has_materials() && !all.own_materials.is_empty() {
+        all = Cow::Owned(all.without_own_materials(mesh.triangles));
     }
     let is_embedded = matches!(format, Format::Glb | Format::Gltf | Format::ThreeMf);
-    let numbered = is_embedded.then(|| attributes.with_numbered_materials());
-    numbered
-        .flatten()
-        .map_or(Cow::Borrowed(attributes), Cow::Owned)
+    if is_embedded && let Some(numbered) = all.with_numbered_materials() {
+        all = Cow::Owned(numbered);
+    }
+    let triangles = mesh.triangles.iter().copied();
+    if matches!(format, Format::Obj | Format::ThreeMf)
+        && let Some(mut of_corners) = all.with_texture_of_corners(triangles, &[])
+    {
+        let Attributes {
+            vertices, texture, ..
+        } = &mut of_corners;
+        vertices.retain(|column| texture.iter().all(|other| other.name != column.name));
+        all = Cow::Owned(of_corners);
+    }
+    all
 }
 
 /// The name of a format in messages.
@@ -237,9 +248,9 @@ pub(super) fn other_losses(
             Format::Obj => lost.push(
                 "OBJ gets the colours and images of materials, and nothing else of them".to_owned(),
             ),
-            Format::Ply => lost.push(
-                "PLY gets the images of materials, and nothing else of them".to_owned(),
-            ),
+            Format::Ply => {
+                lost.push("PLY gets the images of materials, and nothing else of them".to_owned());
+            }
             _ => lost.push(format!(
                 "{name} cannot store the colours and images of materials of glTF and 3MF"
             )),

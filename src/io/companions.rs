@@ -162,13 +162,11 @@ pub fn materials(attributes: &Attributes) -> Vec<Material> {
         all.extend(gltf::materials(folder, of_file));
     } else if let Some(folder) = folder {
         all.extend(obj::materials(folder, attributes));
-        all.extend(
-            listed_images(attributes).map(|(material, image)| Material {
-                name: material.to_owned(),
-                image: Some(ImageSource::File(folder.join(image))),
-                ..Material::default()
-            }),
-        );
+        all.extend(listed_images(attributes).map(|(material, image)| Material {
+            name: material.to_owned(),
+            image: Some(ImageSource::File(folder.join(image))),
+            ..Material::default()
+        }));
     }
     all
 }
@@ -191,11 +189,18 @@ pub(super) struct NumberedImages {
 impl NumberedImages {
     /// Those of a mesh. Images of own materials are the last.
     pub fn of(attributes: &Attributes) -> Self {
-        let corners = attributes.faces.texture.chunks_exact(3).enumerate();
-        let name = |(face, rows): (usize, &[u32])| {
-            (!rows.contains(&NO_VALUE)).then(|| attributes.material_of(face))
+        let rows = &attributes.faces.texture;
+        // if vertices have texture coordinates, all faces have
+        let of_vertices = rows.is_empty() && attributes.has_texture();
+        let count = if of_vertices {
+            attributes.faces.tags.len()
+        } else {
+            rows.len() / 3
         };
-        let names: Vec<Option<&str>> = corners.map(name).collect();
+        let is_placed =
+            |face: usize| of_vertices || !rows[3 * face..3 * face + 3].contains(&NO_VALUE);
+        let name = |face: usize| is_placed(face).then(|| attributes.material_of(face));
+        let names: Vec<Option<&str>> = (0..count).map(name).collect();
         let used: BTreeSet<&str> = names.iter().copied().flatten().collect();
         let listed = listed_images(attributes).zip(0..);
         let mut number_of: BTreeMap<String, usize> = listed

@@ -298,7 +298,7 @@ pub fn check_text_target(path: &Path) -> Result<(), SaveError> {
 /// # Panics
 /// May panic on a mesh that [`check()`] refuses.
 pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std::io::Result<()> {
-    let attributes = converted(format, mesh.attributes);
+    let attributes = converted(format, mesh);
     let mesh = OutputMesh {
         attributes: &attributes,
         ..*mesh
@@ -315,9 +315,9 @@ pub fn write(format: Format, mesh: &OutputMesh<'_>, out: &mut dyn Write) -> std:
 }
 
 /// The attributes as a format stores them.
-fn converted(format: Format, attributes: &Attributes) -> Cow<'_, Attributes> {
+fn converted<'a>(format: Format, mesh: &OutputMesh<'a>) -> Cow<'a, Attributes> {
     let is_down = matches!(format, Format::Glb | Format::Gltf);
-    let stored = check::storable(format, attributes);
+    let stored = check::storable(format, mesh);
     if stored.texture_is_down != is_down && !stored.faces.texture.is_empty() {
         return Cow::Owned(stored.with_turned_texture());
     }
@@ -329,7 +329,7 @@ fn converted(format: Format, attributes: &Attributes) -> Cow<'_, Attributes> {
 fn save_with_messages(path: &Path, mesh: &OutputMesh<'_>) -> Result<Vec<String>, SaveError> {
     match Format::from_path(path) {
         Some(Format::ThreeMf) => {
-            let attributes = converted(Format::ThreeMf, mesh.attributes);
+            let attributes = converted(Format::ThreeMf, mesh);
             let mesh = OutputMesh {
                 attributes: &attributes,
                 ..*mesh

@@ -26,7 +26,7 @@ pub(crate) mod union_find;
 pub use attributes::{
     Attributes, Colors, Column, FaceData, GltfMaterials, ImageSource, Material, NO_VALUE,
     NumberType, Numbers, ObjectSettings, OwnMaterial, Written, color_columns, color_steps, colors,
-    columns_named, row_count, to_light, to_signal,
+    columns_named, row_count, texture_columns, to_light, to_signal,
 };
 pub use boundary::{BoundaryLoop, boundary_loops};
 pub use build::{

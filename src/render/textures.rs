@@ -8,7 +8,7 @@ use image::imageops::FilterType;
 use super::scene::next_id;
 use crate::images::Pixels;
 use crate::mesh::{
-    Attributes, Column, FaceId, ImageSource, Material, Mesh, NO_VALUE, OwnMaterial, columns_named,
+    Attributes, Column, FaceId, ImageSource, Material, Mesh, NO_VALUE, OwnMaterial, texture_columns,
 };
 
 /// Maximum side of an image in pixels, which every device that draws supports. Larger ones are scaled.
@@ -254,18 +254,11 @@ struct Coordinates<'a> {
 impl<'a> Coordinates<'a> {
     /// The texture coordinates of corners, or those among the columns of vertices.
     fn of(attributes: &'a Attributes) -> Option<Self> {
-        const NAMES: [[&str; 2]; 3] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]];
-        let find = |columns: &'a [Column]| {
-            let found = NAMES
-                .iter()
-                .find_map(|names| columns_named(columns, *names))?;
-            Some(found.map(|k| &columns[k]))
-        };
         let of_corners = (!attributes.faces.texture.is_empty()).then_some(&attributes.texture[..]);
         let of_vertices = of_corners.is_none();
-        let columns = find(of_corners.unwrap_or(&attributes.vertices))?;
+        let columns = of_corners.unwrap_or(&attributes.vertices);
         Some(Self {
-            columns,
+            columns: texture_columns(columns)?.map(|k| &columns[k]),
             attributes,
             of_vertices,
         })

@@ -300,7 +300,7 @@ fn patch_ui(
     let label = egui::Checkbox::new(&mut next.label_patches, "Label patches");
     ui.add_enabled(model.run.is_none(), label)
         .on_hover_text("put the faces of each patch into a group: patch_1, patch_2, …");
-    if !model.document.mesh.attributes.faces.texture.is_empty() {
+    if model.document.mesh.attributes.has_texture() {
         let choices = [
             (
                 PatchTexture::Auto,

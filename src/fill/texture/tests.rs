@@ -21,6 +21,30 @@ fn egg() -> Mesh {
     build(&sample.soup()).expect("sound").0
 }
 
+/// The egg as PLY files have it: texture coordinates of vertices, which are repeated along the seam.
+fn egg_of_vertices() -> Mesh {
+    let mut soup = Sample::named("egg").expect("a sample").soup();
+    let all = &mut soup.attributes;
+    let corners = std::mem::take(&mut all.faces.texture);
+    all.vertices = std::mem::take(&mut all.texture).to_vec();
+    let mut positions = vec![soup.positions[0]; all.vertices[0].numbers.len()];
+    for (&row, &v) in corners.iter().zip(&soup.corners) {
+        positions[row as usize] = soup.positions[v as usize];
+    }
+    (soup.positions, soup.corners) = (positions, corners);
+    let mesh = build(&soup).expect("sound").0;
+    assert!(mesh.vertex_count() < mesh.attributes.vertex_of_row.len());
+    mesh
+}
+
+/// The mesh with texture coordinates of vertices as those of corners.
+fn of_corners(mesh: Mesh) -> Mesh {
+    let (given, triangles) = (&mesh.attributes, mesh.topology.triangles());
+    let changed = given.with_texture_of_corners(triangles, &[]);
+    let attributes = changed.unwrap_or_else(|| given.clone());
+    Mesh { attributes, ..mesh }
+}
+
 fn controls(patch_texture: PatchTexture) -> Controls {
     Controls {
         patch_texture,
@@ -82,23 +106,28 @@ fn shown(mesh: &Mesh, face: usize, weights: [f64; 3]) -> [f64; 3] {
 /// are the same.
 #[test]
 fn colours_agree_across_rims() {
-    let given = egg();
-    let (mesh, warnings) = filled(&given, PatchTexture::Auto);
-    assert_eq!(warnings, []);
+    for given in [egg(), egg_of_vertices()] {
+        let (mesh, warnings) = filled(&given, PatchTexture::Auto);
+        assert_eq!(warnings, []);
+        assert_colours_agree(&of_corners(given), &of_corners(mesh));
+    }
+}
+
+fn assert_colours_agree(given: &Mesh, mesh: &Mesh) {
     let all = &mesh.attributes;
     let names: Vec<&str> = all.own_materials.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names, ["egg", "patches"]);
     assert_eq!(all.own_materials[1].like, "egg");
     let new = given.face_count()..mesh.face_count();
     assert!(!all.faces.texture.contains(&NO_VALUE));
-    let materials: BTreeSet<&str> = new.clone().map(|f| material_at(&mesh, f)).collect();
+    let materials: BTreeSet<&str> = new.clone().map(|f| material_at(mesh, f)).collect();
     assert_eq!(materials, BTreeSet::from(["egg", "patches"]));
     let old = &given.attributes.faces;
     assert_eq!(all.faces.texture[..old.texture.len()], old.texture[..]);
     assert_eq!(all.faces.tags[..old.tags.len()], old.tags[..]);
     let (mut worst, mut sum, mut samples) = (0.0_f64, 0.0, 0);
     for face in new
-        .filter(|&f| material_at(&mesh, f) == "patches")
+        .filter(|&f| material_at(mesh, f) == "patches")
         .map(FaceId::from)
     {
         for (k, h) in mesh.topology.face_halfedges(face).into_iter().enumerate() {
@@ -113,8 +142,8 @@ fn colours_agree_across_rims() {
                 let (mut inside, mut outside) = ([0.0; 3], [0.0; 3]);
                 (inside[k], inside[(k + 1) % 3]) = (1.0 - t, t);
                 (outside[ends[0]], outside[ends[1]]) = (1.0 - t, t);
-                let a = shown(&mesh, face.index(), inside);
-                let b = shown(&mesh, beyond.index(), outside);
+                let a = shown(mesh, face.index(), inside);
+                let b = shown(mesh, beyond.index(), outside);
                 let apart = (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max);
                 worst = worst.max(apart);
                 sum += apart;
@@ -127,6 +156,41 @@ fn colours_agree_across_rims() {
     // of 255; measured: 8 and 1, because the colours come from half a texel inside the given faces, and
     // one texel at the edge of a band makes 16
     assert!(worst < 10.0 && mean < 1.5, "{worst}, {mean}");
+}
+
+/// Where vertices have texture coordinates, those of a patch across the seam are in no chart of the given faces.
+#[test]
+fn texture_coordinates_of_vertices_do_not_cross_seams() {
+    let given = egg_of_vertices();
+    let rows = given.attributes.vertices[0].numbers.len();
+    for patch_texture in [PatchTexture::Extend, PatchTexture::None] {
+        let (mesh, warnings) = filled(&given, patch_texture);
+        let extends = patch_texture == PatchTexture::Extend;
+        assert_eq!(warnings.len(), if extends { 2 } else { 0 });
+        let all = &mesh.attributes;
+        for (old, new) in given.attributes.vertices.iter().zip(&all.vertices) {
+            let is_same = |row: usize| old.numbers.get(row) == new.numbers.get(row);
+            assert!((0..rows).all(is_same));
+        }
+        let old = &given.attributes.faces.rows;
+        assert_eq!(all.faces.rows[..old.len()], old[..]);
+        let corners: Vec<u32> = mesh.topology.triangles().flatten().collect();
+        assert!(
+            (all.faces.rows.iter().zip(&corners))
+                .all(|(&row, &v)| all.vertex_of_row[row as usize] == v)
+        );
+        let number = |row: u32| [0, 1].map(|k| all.vertices[k].numbers.get(row as usize));
+        // no triangle reaches from one chart into another
+        let (mut blank, mut count) = (0, 0);
+        for rows in all.faces.rows[old.len()..].chunks_exact(3) {
+            let at = [0, 1, 2].map(|k| number(rows[k]));
+            let apart = [1, 2].map(|k| (at[k][0] - at[0][0]).hypot(at[k][1] - at[0][1]));
+            assert!(apart.iter().all(|x| *x < 0.1), "{at:?}");
+            blank += usize::from(at == [[0.0; 2]; 3]);
+            count += 1;
+        }
+        assert!(blank > 0 && (blank < count) == extends);
+    }
 }
 
 /// Where the image is blank inside a rim, the chart is not extended.

@@ -15,16 +15,15 @@ use super::{
 };
 use crate::mesh::{
     Attributes, Colors, Column, FaceTag, GltfMaterials, Material, NO_VALUE, OwnMaterial,
-    color_steps, colors, columns_named, to_light,
+    color_steps, colors, columns_named, texture_columns, to_light,
 };
 
 /// Values of `target` of buffer views.
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
-/// The columns of vertices with normals, and those with texture coordinates as PLY and OFF have them.
+/// The columns of vertices with normals.
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-const TEXTURE: [[&str; 2]; 3] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
 
 /// The columns of vertices that are written besides colours, where corners have no such values.
 pub(in super::super) fn vertex_columns(all: &Attributes) -> Vec<usize> {
@@ -102,10 +101,9 @@ impl<'a> Sources<'a> {
         let of_vertices = |columns: &[usize]| Source::Vertices(columns.to_vec());
         let texture = find(&all.faces.texture, &all.texture, 2);
         let normals = find(&all.faces.normals, &all.normals, 3);
-        let mut names = TEXTURE.into_iter();
-        let mut named = || names.find_map(|names| columns_named(&all.vertices, names));
         Self {
-            texture: texture.or_else(|| named().map(|columns| of_vertices(&columns))),
+            texture: texture
+                .or_else(|| texture_columns(&all.vertices).map(|columns| of_vertices(&columns))),
             normals: normals.or_else(|| {
                 columns_named(&all.vertices, NORMAL).map(|columns| of_vertices(&columns))
             }),

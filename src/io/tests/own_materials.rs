@@ -170,7 +170,10 @@ fn ply_files_name_the_images_beside_them() {
     let soup = io::load(&at("a.ply")).expect("read");
     let new = "a_patches_2.png";
     let comments = &soup.attributes.comments;
-    assert_eq!(comments[1..], [given, "comment TextureFile a_patches_2.png"]);
+    assert_eq!(
+        comments[1..],
+        [given, "comment TextureFile a_patches_2.png"]
+    );
     assert_eq!(numbers_of(&soup), (vec![0.0, 1.0], vec!["", new]));
     assert_eq!(image_of(&soup, ""), b"given");
     assert_eq!(image_of(&soup, new), b"first image");
@@ -197,6 +200,50 @@ fn ply_files_name_the_images_beside_them() {
     let soup = io::load(&at("d.ply")).expect("read");
     assert_eq!(numbers_of(&soup), (vec![-1.0, 0.0], vec!["no image", ""]));
     assert_eq!(image_of(&soup, ""), b"first image");
+}
+
+/// Texture coordinates of vertices, as many PLY files have them.
+#[test]
+fn images_are_written_for_texture_coordinates_of_vertices() {
+    let desk = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| desk.path().join(name);
+    let mut all = attributes(Some(desk.path()));
+    all.tags[0] = FaceTag::default();
+    all.comments = vec!["comment TextureFile skin.png".into()];
+    all.faces.texture.clear();
+    all.texture = Arc::default();
+    let numbers = [0.25, 0.5, 0.75, 0.125, 0.375, 0.625];
+    all.vertices = ["s", "t"]
+        .map(|name| Column::decimals(name, numbers.to_vec()))
+        .to_vec();
+    let points = [0, 1, 2, 0, 2, 3].map(|v: usize| POINTS[v]);
+    let mesh = OutputMesh {
+        positions: &points,
+        triangles: &[[0, 1, 2], [3, 4, 5]],
+        attributes: &all,
+    };
+    let column = |soup: &Soup| -> Vec<f64> {
+        let column = soup.attributes.vertices.iter().find(|c| c.name == "s");
+        let numbers = &column.expect("a column").numbers;
+        (0..numbers.len()).map(|row| numbers.get(row)).collect()
+    };
+    io::save(&at("a.ply"), &mesh).expect("written");
+    let soup = io::load(&at("a.ply")).expect("read");
+    let named = (vec![0.0, 1.0], vec!["", "a_patches.png"]);
+    assert_eq!(numbers_of(&soup), named);
+    assert_eq!(image_of(&soup, "a_patches.png"), b"first image");
+    assert_eq!(column(&soup), numbers);
+    // corners have them in OBJ
+    let lost = io::losses(Format::Obj, &mesh);
+    assert_eq!(lost, ["OBJ cannot store names of texture files"]);
+    io::save(&at("a.obj"), &mesh).expect("written");
+    let soup = io::load(&at("a.obj")).expect("read");
+    assert_eq!(soup.attributes.faces.texture, [0, 1, 2, 3, 4, 5]);
+    assert_eq!(soup.attributes.texture[1].numbers.get(4), 0.375);
+    // OFF has no image for those of the second face
+    io::save(&at("a.off"), &mesh).expect("written");
+    let soup = io::load(&at("a.off")).expect("read");
+    assert_eq!(column(&soup), [0.25, 0.5, 0.75, 0.0, 0.0, 0.0]);
 }
 
 #[test]

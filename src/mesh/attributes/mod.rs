@@ -13,6 +13,7 @@ mod objects;
 mod serial;
 mod split;
 mod summary;
+mod texture;
 mod written;
 
 use std::collections::BTreeMap;
@@ -30,6 +31,7 @@ pub use faces::{FaceData, NO_VALUE};
 pub use materials::{GltfMaterials, ImageSource, Material, OwnMaterial};
 pub use mixing::{append_between, append_interpolated};
 pub use objects::ObjectSettings;
+pub use texture::texture_columns;
 pub use written::Written;
 
 /// The name of the material of faces of a PLY file to which a negative number gives no texture image.
@@ -155,10 +157,10 @@ impl Attributes {
         turned
     }
 
-    /// The same attributes without own materials: the faces with one of them have no material and no
-    /// texture coordinates.
+    /// The same attributes of these triangles without own materials: the faces with one of them have no material
+    /// and no texture coordinates. Those of vertices become zero.
     #[must_use]
-    pub fn without_own_materials(&self) -> Self {
+    pub fn without_own_materials(&self, triangles: &[[u32; 3]]) -> Self {
         let mut rest = self.clone();
         let own = std::mem::take(&mut rest.own_materials);
         let is_own = |tag: &FaceTag| own.iter().any(|material| material.name == tag.material);
@@ -167,6 +169,17 @@ impl Attributes {
             for (corners, &tag) in data.texture.chunks_exact_mut(3).zip(&data.tags) {
                 if lost[tag as usize] {
                     corners.fill(NO_VALUE);
+                }
+            }
+        }
+        if rest.faces.texture.is_empty()
+            && let Some(columns) = texture_columns(&rest.vertices)
+        {
+            let tagged = triangles.iter().zip(&rest.faces.tags);
+            let lost = tagged.filter(|(_, tag)| lost[**tag as usize]);
+            for &v in lost.flat_map(|(triangle, _)| triangle) {
+                for k in columns {
+                    rest.vertices[k].numbers.set(v as usize, 0.0);
                 }
             }
         }
