@@ -137,11 +137,7 @@ pub fn analyze(args: &AnalyzeArguments) -> Result<()> {
 }
 
 /// The report as plain text.
-fn text(
-    input: &str,
-    report: &LoadReport,
-    analysis: &Analysis,
-) -> Result<String, std::fmt::Error> {
+fn text(input: &str, report: &LoadReport, analysis: &Analysis) -> Result<String, std::fmt::Error> {
     let mut out = String::new();
     let (s, q) = (&analysis.shape, &analysis.quality);
     writeln!(out, "{input}")?;

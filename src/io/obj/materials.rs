@@ -267,7 +267,9 @@ fn image_name(line: &str) -> Option<String> {
 
 /// A name without the quotes that some programs write around it.
 fn unquoted(name: &str) -> &str {
-    let inner = name.strip_prefix('"').and_then(|name| name.strip_suffix('"'));
+    let inner = name
+        .strip_prefix('"')
+        .and_then(|name| name.strip_suffix('"'));
     inner.unwrap_or(name)
 }
 
