@@ -1,6 +1,6 @@
 //! Keys: one table for key handling, tooltips and the shortcut sheet.
 
-use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers, Popup};
+use eframe::egui::{Context, Event, InputState, Key, KeyboardShortcut, Modifiers, Popup};
 
 use super::action::{
     Action, EditAction, FileAction, PictureAction, RunAction, SelectAction, Switch, TaskAction,
@@ -152,6 +152,20 @@ fn key_name(ctx: &Context, key: KeyboardShortcut) -> String {
     words
 }
 
+/// Whether the key of a letter was pressed while Alt was down, which opens a menu. Alt may be up again.
+pub(crate) fn pressed_with_alt(input: &InputState, letter: Key) -> bool {
+    let is_one = |event: &Event| match event {
+        Event::Key {
+            key,
+            pressed: true,
+            modifiers,
+            ..
+        } => *key == letter && modifiers.alt && !modifiers.command,
+        _ => false,
+    };
+    (Key::A..=Key::Z).contains(&letter) && input.events.iter().any(is_one)
+}
+
 /// The actions whose keys were pressed; none while the user types text or a menu is open. A focused
 /// widget gets the keys that press it. `was_typing` is whether a text field had the focus at the last frame.
 pub(crate) fn pressed(ctx: &Context, was_typing: bool) -> Vec<Action> {
@@ -161,9 +175,8 @@ pub(crate) fn pressed(ctx: &Context, was_typing: bool) -> Vec<Action> {
     // a text field that Esc leaves has no focus any more
     let typing = was_typing || ctx.egui_wants_keyboard_input();
     let focused = ctx.memory(|memory| memory.focused().is_some());
-    let with_alt = ctx.input(|i| i.modifiers.alt);
-    let opens_menu = |k: &KeyboardShortcut| {
-        with_alt && k.modifiers == NONE && (Key::A..=Key::Z).contains(&k.logical_key)
+    let opens_menu = |input: &InputState, k: &KeyboardShortcut| {
+        k.modifiers == NONE && pressed_with_alt(input, k.logical_key)
     };
     let presses = |k: &KeyboardShortcut| {
         k.modifiers == NONE && matches!(k.logical_key, Key::Space | Key::Enter)
@@ -177,7 +190,7 @@ pub(crate) fn pressed(ctx: &Context, was_typing: bool) -> Vec<Action> {
             .filter(|shortcut| !focused || !shortcut.keys.iter().any(presses))
             .filter(|shortcut| {
                 let mut keys = shortcut.keys.iter();
-                keys.any(|k| !opens_menu(k) && input.consume_shortcut(k))
+                keys.any(|k| !opens_menu(input, k) && input.consume_shortcut(k))
             })
             .map(|shortcut| shortcut.action.clone())
             .collect()

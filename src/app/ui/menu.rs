@@ -12,7 +12,7 @@ use crate::app::action::{
 use crate::app::document::{elided, file_name};
 use crate::app::model::Model;
 use crate::app::report::{Across, Pick, ReportAction};
-use crate::app::shortcuts::key_text;
+use crate::app::shortcuts::{key_text, pressed_with_alt};
 use crate::app::view_state::{Modal, Navigation};
 use crate::options::Choice;
 use crate::render::StandardView;
@@ -100,11 +100,10 @@ fn open_menu(ctx: &egui::Context, menus: &[BarMenu], first: bool) {
     let beside = beside.map(|(at, step)| (at + count).saturating_add_signed(step) % count);
     let is_letter = |menu: &BarMenu| {
         let letter = Key::from_name(&menu.title[..1]);
-        letter.is_some_and(|key| ctx.input(|i| i.key_pressed(key)))
+        letter.is_some_and(|key| ctx.input(|i| pressed_with_alt(i, key)))
     };
-    let with_alt = ctx.input(|i| i.modifiers.alt && !i.modifiers.command);
-    let with_alt = with_alt && !ctx.text_edit_focused();
-    let named = menus.iter().position(|menu| with_alt && is_letter(menu));
+    let is_typing = ctx.text_edit_focused();
+    let named = menus.iter().position(|menu| !is_typing && is_letter(menu));
     let by_key = beside.or(named).or(first.then_some(0));
     // a pointer at rest does not take back what a key has opened
     let points = open.is_some() && ctx.input(|i| i.pointer.delta() != Vec2::ZERO);
