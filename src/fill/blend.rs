@@ -64,10 +64,16 @@ pub(super) fn shape(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions
 fn move_to_warm_start(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptions) {
     let plan = plan_of(mesh, drafts.to_vec(), options.patch);
     let context = FillContext { mesh, plan: &plan };
-    let mut planned: Vec<&mut Patch> = drafts
+    let mut planned: Vec<&mut DraftHole> = drafts
         .iter_mut()
-        .filter_map(|draft| draft.patch.as_mut().ok())
+        .filter(|draft| draft.patch.is_ok())
         .collect();
+    // the plan may have replaced unsound patches
+    for (draft, hole) in planned.iter_mut().zip(plan.holes()) {
+        draft.patch = Ok(hole.patch.clone());
+        draft.warnings = hole.warnings.clone();
+        draft.is_checked = true;
+    }
     for (g, group) in plan.groups.iter().enumerate() {
         if !plan.holes_of(g).any(|hole| hole.rims.is_blend()) {
             continue;
@@ -81,11 +87,10 @@ fn move_to_warm_start(mesh: &Mesh, drafts: &mut [DraftHole], options: &FillOptio
         for (&h, (_, own)) in group.holes.iter().zip(group.topology.split(&positions)) {
             let hole = &plan.holes()[h];
             if hole.rims.is_blend() {
-                // the plan may have replaced an unsound one
                 let mut patch = hole.patch.clone();
                 let rim = patch.rim;
                 patch.points[rim..].copy_from_slice(own);
-                *planned[h] = patch;
+                planned[h].patch = Ok(patch);
             }
         }
     }

@@ -110,8 +110,10 @@ pub(super) struct DraftHole {
     pub has_initial_shape: bool,
     /// See [`PlannedHole::patch_ms`].
     pub patch_ms: f64,
-    /// About islands that the patch does not join.
+    /// About islands that the patch does not join, and defects of a patch that no flow changes.
     pub warnings: Warnings,
+    /// Whether the patch is known to be sound, or to stay unsound, if no flow changes it.
+    pub is_checked: bool,
 }
 
 impl DraftHole {
@@ -130,6 +132,7 @@ impl DraftHole {
             has_initial_shape: false,
             patch_ms: milliseconds(start),
             warnings: Warnings::default(),
+            is_checked: false,
         }
     }
 }

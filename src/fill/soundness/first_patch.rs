@@ -23,8 +23,11 @@ pub(in crate::fill) fn plan_of(mesh: &Mesh, drafts: Vec<DraftHole>, options: Pat
             Ok(mut patch) => {
                 let rims = draft.rims;
                 let mut warnings = draft.warnings;
-                let left = make_patch_sound(mesh, &obstacles, &rims, &mut patch, &loose, options);
-                warnings.extend(left);
+                if !draft.is_checked {
+                    let left =
+                        make_patch_sound(mesh, &obstacles, &rims, &mut patch, &loose, options);
+                    warnings.extend(left);
+                }
                 let hole = PlannedHole {
                     rims,
                     patch,
