@@ -39,7 +39,7 @@ pub(super) struct Checked {
 /// patch is [repaired](HoleOfGroup::repaired) near its defects or else replaced by the first sound surface of
 /// [other models](SAFER) or of other triangulations, or by the least unsound. The
 /// other patches of its group are solved again beside one that was replaced. Of a hole through which a
-/// [part of the mesh passes](passing_part) only the first of the other models is tried.
+/// [part of the mesh passes](HoleOfGroup::passing_part) only the first of the other models is tried.
 pub(super) fn make_sound(
     context: FillContext<'_>,
     group: usize,
